@@ -1,9 +1,10 @@
-/* The choices a scene offers. The values are those of the FMI enumerations and never change. */
+/* The choices that a scene offers. The enumerations that begin at 1 have the values of the FMI enumerations,
+ * which never change. */
 #ifndef CONTACT_CONTACT_CHOICES_H
 #define CONTACT_CONTACT_CHOICES_H
 
-/* What the build may meet: all of it, unless the build says what its scene has none of (ContactFmu.cmake).
- * The compiler drops what is asked only behind a zero. */
+/* CONTACT_ANY_X is 1 where a scene of the build may contain X. CONTACT_ANY_X is 0 where the build defines
+ * CONTACT_NO_X for a scene without X (ContactFmu.cmake); the compiler then drops the code for X. */
 #ifdef CONTACT_NO_CYLINDER
 #define CONTACT_ANY_CYLINDER 0
 #else
@@ -30,8 +31,8 @@
 #define CONTACT_ANY_RESTITUTION 1
 #endif
 
-/* A rim is no body's shape: it is what a capped cylinder looks like from beyond its side and cap (shape.h).
- * */
+/* No body has the shape SHAPE_RIM: the rim is the circular edge of a capped cylinder, which a sphere meets
+ * from beyond both the side and the cap (shape.h). */
 enum shape { SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_PLANE, SHAPE_RIM };
 
 enum ends { ENDS_OPEN = 1, ENDS_CAPPED };

@@ -3,8 +3,8 @@
 #include "math/compiler.h"
 #include "math/vec3.h"
 
-/* A vector's length and direction; zero has none. One that has decayed to 1e-309 has a direction too, but the
- * inverse of its length is beyond the largest number. */
+/* The length and the unit direction of a vector; a zero vector has the direction zero. The components are
+ * divided by the length, because the inverse of a length near 1e-309 would overflow. */
 struct direction {
     double length;
     struct vec3 unit;
@@ -18,7 +18,7 @@ static struct direction direction_of(struct vec3 a)
                               length > 0.0 ? vec3_make(a.x / length, a.y / length, a.z / length) : zero};
 }
 
-/* m = along u u^T + across (I - u u^T) */
+/* Sets m = along u u^T + across (I - u u^T). */
 static void set_axial(double m[3][3], struct vec3 u, double along, double across)
 {
     const double unit[3] = {u.x, u.y, u.z};
@@ -29,7 +29,7 @@ static void set_axial(double m[3][3], struct vec3 u, double along, double across
     }
 }
 
-/* F* [N] */
+/* Returns F* [N]. */
 static struct vec3 carried(const struct friction_law *law, struct friction_state at)
 {
     return vec3_axpy(vec3_scale(law->stiffness, at.spring), law->damping, at.slip);
@@ -62,7 +62,7 @@ double friction_limit(const struct friction_law *law, enum friction_regime regim
     }
 }
 
-/* dL/dF_n of a sliding contact */
+/* Returns dL/dF_n [1] of a sliding contact. */
 static double limit_slope(const struct friction_law *law, enum friction_regime regime)
 {
     return regime == FRICTION_SLIDING ? law->coefficient : 0.0;
@@ -76,8 +76,9 @@ enum friction_regime friction_sliding_regime(const struct friction_law *law, dou
     return law->coefficient * normal_force > law->largest ? FRICTION_CAPPED : FRICTION_SLIDING;
 }
 
-/* A normal force that jumps to F_n > 0 at the touch must bear the dashpot's share of F* for sticking. A
- * normal force that grows from zero must outgrow the spring's share, which grows with the slip. */
+/* Where F_n jumps to a positive value at the touch, friction sticks if the dashpot's part of F* is below the
+ * limit. Where F_n grows from zero, friction sticks if the dashpot's part is zero and the limit grows at
+ * least as fast as the spring's part. */
 enum friction_regime friction_onset_regime(const struct friction_law *law, double normal_force,
                                            double normal_force_rate, struct vec3 slip)
 {
@@ -94,7 +95,7 @@ enum friction_regime friction_onset_regime(const struct friction_law *law, doubl
     return begins_loaded ? friction_sliding_regime(law, normal_force) : FRICTION_SLIDING;
 }
 
-/* (1 - exp(-z)) / z */
+/* Returns (1 - exp(-z)) / z. */
 static double saturation(double z)
 {
     return z > 0.0 ? -expm1(-z) / z : 1.0;
@@ -145,12 +146,13 @@ friction_force_slopes(const struct friction_law *law, enum friction_regime regim
     return slopes;
 }
 
-/* A spring turns the faster the shorter it is, down to this part of its typical length. This limit changes
- * the rate of a spring of typical length by 1e-10 of it. */
+/* Least length of the turning spring divided by its typical length. A shorter spring turns faster, up to this
+ * length. The bound changes the rate at the typical length by a fraction of 1e-10. */
 static const double SHORTEST = 1e-5;
 
-/* Sliding friction without a dashpot keeps the spring's length, and the slip only turns the spring: xi' is
- * this factor times the slip across xi. `by_limit` and `by_length` are its derivatives by L and |xi|. */
+/* Sliding friction without a dashpot keeps the length |xi|, and the slip only turns the spring: xi' is the
+ * factor `value` [1] times the part of the slip across xi. `by_limit` and `by_length` are the derivatives of
+ * the factor with respect to L and |xi|. */
 struct turning_factor {
     double value, by_limit, by_length;
 };
@@ -202,8 +204,9 @@ static struct friction_slopes damped_spring_slopes(const struct friction_law *la
     return slopes;
 }
 
-/* With u = xi / |xi|, P = I - u u^T and a factor f(L, |xi|): xi' = f P v_t, whose derivative with respect to
- * xi is f_|xi| P v_t u^T - f / |xi| ((u . v_t) P + u (P v_t)^T). */
+/* Returns the derivatives of xi' = f P v_t with u = xi / |xi|, P = I - u u^T and the turning factor f(L,
+ * |xi|). The derivative with respect to xi is f_|xi| P v_t u^T - f / |xi| ((u . v_t) P + u (P v_t)^T), where
+ * f_|xi| is df/d|xi|. */
 static struct friction_slopes direction_slopes(const struct friction_law *law, enum friction_regime regime,
                                                struct friction_state at)
 {
@@ -276,7 +279,7 @@ double friction_stick_event(const struct friction_law *law, enum friction_regime
         return f.length - limit;
     }
     if (law->coefficient == 0.0) {
-        return 1.0; /* without friction sliding never ends */
+        return 1.0; /* with mu = 0 sliding never ends */
     }
     const double limit_rate = limit_slope(law, regime) * normal_force_rate;
     return vec3_dot(at.slip, f.unit) - limit_rate / law->stiffness;

@@ -6,18 +6,18 @@
  *     sticking    F_t = -F*             xi' = v_t
  *     sliding     F_t = -L F* / |F*|    c_t > 0: xi' = (L F* / |F*| - k_t xi) / c_t
  *
- * v_t is the slip: the velocity of the source's contact point against the destination's. xi is the spring's
- * elongation. What turns the spring with the contact's normal is not in xi' here. The source gets F_t, the
- * destination the opposite.
+ * v_t is the slip velocity: the velocity of the source's contact point relative to the destination's. xi is
+ * the elongation of the tangential spring. The spring also turns with the contact's normal; the xi' given
+ * here excludes that part. F_t acts on the source, and -F_t on the destination.
  *
- * Without a dashpot (c_t = 0) the spring of a sliding contact has the length L / k_t at every instant. There
- * the state xi tells only its direction and keeps its own length, a typical one of the contact:
- * friction_spring gives the spring itself. The slip turns a spring of no length infinitely fast, where its
- * direction counts for nothing; so L is taken as L + (1e-5 k_t |xi|)^2 / L there:
+ * Without a dashpot (c_t = 0) the spring of a sliding contact has the length L / k_t at every instant. The
+ * state xi then gives only the spring's direction; |xi| stays at a typical length of the contact, and
+ * friction_spring returns the spring itself. The slip would turn a spring of no length infinitely fast,
+ * although its direction has no effect. The denominator L is therefore replaced by L + (1e-5 k_t |xi|)^2 / L:
  *     xi' = k_t |xi| / (L + (1e-5 k_t |xi|)^2 / L) (v_t - (v_t.xi) xi / |xi|^2)
  *
- * In each regime all functions are smooth; the regimes change where an event function falls through zero.
- * Source: P. A. Cundall, O. D. L. Strack, Geotechnique 29 (1979) 47.
+ * In each regime all functions are smooth; a regime ends where an event function falls through zero. Source:
+ * P. A. Cundall, O. D. L. Strack, Geotechnique 29 (1979) 47.
  */
 #ifndef CONTACT_CONTACT_FRICTION_H
 #define CONTACT_CONTACT_FRICTION_H
@@ -29,27 +29,27 @@
 
 struct friction_law {
     enum friction kind;
-    double coefficient;        /* mu */
-    double static_coefficient; /* mu_s >= mu, of elastic friction */
+    double coefficient;        /* mu [1] */
+    double static_coefficient; /* mu_s >= mu [1] of elastic friction */
     double slip_velocity;      /* v_0 of regularized friction [m/s] */
     double largest;            /* F_max [N] */
     double stiffness, damping; /* k_t [N/m], c_t [N s/m] of elastic friction */
 };
 
-/* Regularized friction always slides; sticking stands for its tangent at no slip, F_t = -F_max v_t / v_0,
- * from which the general segment starts its iterations. */
+/* The regimes of friction. Regularized friction always slides; its FRICTION_STICKING is the linearization at
+ * zero slip, F_t = -F_max v_t / v_0, from which the general segment starts its iterations. */
 enum friction_regime {
     FRICTION_STICKING,
     FRICTION_SLIDING, /* L = mu F_n */
     FRICTION_CAPPED,  /* sliding with L = F_max */
-    FRICTION_LIFTED   /* overlap with F_n <= 0: no friction */
+    FRICTION_LIFTED   /* penetration with F_n <= 0: no friction */
 };
 
-/* The motion of a contact, as far as friction depends on it. */
+/* The variables of a contact on which friction depends. */
 struct friction_state {
     double normal_force; /* F_n [N] */
     struct vec3 slip;    /* v_t [m/s] */
-    struct vec3 spring;  /* xi [m]; of elastic friction */
+    struct vec3 spring;  /* xi [m] of elastic friction */
 };
 
 /* Derivatives of a vector with respect to a friction_state: component i with respect to component j. */
@@ -58,17 +58,17 @@ struct friction_slopes {
     double by_slip[3][3], by_spring[3][3];
 };
 
-/* L [N]: what F_t has at most in a regime; of sticking, where it breaks away: min(mu_s F_n, F_max). */
+/* Returns L [N], the largest |F_t| in a regime; for sticking the breakaway force min(mu_s F_n, F_max). */
 double friction_limit(const struct friction_law *law, enum friction_regime regime, double normal_force);
 
-/* The regime of friction that slides under F_n. */
+/* Returns the regime of sliding friction under the normal force F_n. */
 enum friction_regime friction_sliding_regime(const struct friction_law *law, double normal_force);
 
-/* The regime as contact begins, with xi = 0, from F_n and its rate [N/s]: sticking where that persists. */
+/* Returns the regime at the onset (xi = 0) from F_n and its rate [N/s]: sticking where sticking persists. */
 enum friction_regime friction_onset_regime(const struct friction_law *law, double normal_force,
                                            double normal_force_rate, struct vec3 slip);
 
-/* F_t on the source [N], xi' [m/s] and their derivatives. */
+/* Return F_t on the source [N], xi' [m/s] and their derivatives. */
 struct vec3 friction_force(const struct friction_law *law, enum friction_regime regime,
                            struct friction_state at);
 struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
@@ -78,14 +78,14 @@ struct friction_slopes friction_force_slopes(const struct friction_law *law, enu
 struct friction_slopes friction_spring_rate_slopes(const struct friction_law *law,
                                                    enum friction_regime regime, struct friction_state at);
 
-/* The spring itself [m] and the energy that it stores [J]; what else friction takes is dissipated. */
+/* Return the spring's elongation [m] and its stored energy [J]; the other work of friction is dissipated. */
 struct vec3 friction_spring(const struct friction_law *law, enum friction_regime regime,
                             struct friction_state at);
 double friction_stored_energy(const struct friction_law *law, enum friction_regime regime,
                               struct friction_state at);
 
 /*
- * Event functions, positive within the regime; 1 where nothing ends it.
+ * The event functions are positive within the regime, and 1 where no event ends the regime.
  *
  *   stick      sticking: min(mu_s F_n, F_max) - |F*|                 [N]
  *              sliding, c_t > 0: |F*| - L                            [N]
@@ -96,7 +96,7 @@ double friction_stored_energy(const struct friction_law *law, enum friction_regi
 double friction_stick_event(const struct friction_law *law, enum friction_regime regime,
                             struct friction_state at, double normal_force_rate);
 
-/* Whether that of an elastic contact compares |F*| with a limit. */
+/* Whether the stick event of elastic friction compares |F*| with a limit. */
 bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime);
 double friction_cap_event(const struct friction_law *law, enum friction_regime regime, double normal_force);
 double friction_lift_event(const struct friction_law *law, enum friction_regime regime, double push);

@@ -18,11 +18,11 @@ double contact_linear_force(struct contact_coefficients linear, double gap, doub
 }
 
 /*
- * Hertz's force with the damping of Hunt and Crossley, for law.c.
+ * Hertz's force with the damping of Hunt and Crossley.
  *
  *   F_n = k_h delta^(3/2) (1 + chi delta'),   delta = -g, zero for g >= 0
  *
- * k_h [N/m^1.5] is the stiffness, chi [s/m] the factor of the damping; 0 where a regime has none.
+ * k_h [N/m^1.5] is the stiffness and chi [s/m] the damping factor, which is 0 in a regime without damping.
  * Source: K. H. Hunt, F. R. E. Crossley, Journal of Applied Mechanics 42 (1975) 440.
  */
 
@@ -37,7 +37,7 @@ static double three_halves(double gap)
     return gap < 0.0 ? -gap * sqrt(-gap) : 0.0;
 }
 
-/* F_n [N] and its derivatives with respect to g and g'. */
+/* Return F_n [N] and its derivatives with respect to g and g'. */
 static double hertz_force(struct hertz_law law, double gap, double gap_rate)
 {
     return law.stiffness * three_halves(gap) * (1.0 - law.damping * gap_rate);
@@ -53,7 +53,7 @@ static double hertz_force_by_rate(struct hertz_law law, double gap)
     return -law.stiffness * three_halves(gap) * law.damping;
 }
 
-/* 2/5 k_h delta^(5/2) [J] and its first two derivatives with respect to g. */
+/* Return the stored energy 2/5 k_h delta^(5/2) [J] and its first two derivatives with respect to g. */
 static double hertz_energy(double stiffness, double gap)
 {
     return gap < 0.0 ? -0.4 * stiffness * three_halves(gap) * gap : 0.0;
@@ -69,20 +69,20 @@ static double hertz_energy_bend(double stiffness, double gap)
     return gap < 0.0 ? 1.5 * stiffness * sqrt(-gap) : 0.0;
 }
 
-/* Coefficients 0..order of delta^exponent. */
+/* Sets the Taylor coefficients 0..order of delta^exponent. */
 static void power_of_depth(const double *gap, double exponent, int order, double power[TAYLOR_TERMS])
 {
     double depth[TAYLOR_TERMS];
     depth[0] = -gap[0];
-    power[0] = depth[0] > 0.0 ? taylor_power(depth, exponent, power, 0) : 0.0; /* there is one at least */
+    power[0] = depth[0] > 0.0 ? taylor_power(depth, exponent, power, 0) : 0.0; /* every order needs it */
     for (int i = 1; i <= order; ++i) {
         depth[i] = -gap[i];
         power[i] = depth[0] > 0.0 ? taylor_power(depth, exponent, power, i) : 0.0;
     }
 }
 
-/* Coefficients `order` of F_n, of the energy and of the spring's part of the force along a path, from
- * coefficients 0..order of g and g'; zero where the path begins at g >= 0. */
+/* Return the Taylor coefficient `order` of F_n, of the stored energy and of the spring's part of F_n along a
+ * path, from the coefficients 0..order of g and g'; zero where the path begins at g >= 0. */
 static double hertz_force_term(struct hertz_law law, const double *gap, const double *gap_rate, int order)
 {
     double power[TAYLOR_TERMS];
@@ -110,11 +110,11 @@ double hertz_modulus(struct contact_material source, struct contact_material des
                   (1.0 - nu_d) * (1.0 + nu_d) / destination.youngs_modulus);
 }
 
-/* Whether a condition is still unmet at x; it is met from some place on. */
+/* Whether a condition is unmet at x. The condition is met at every x above some threshold. */
 typedef bool unmet_condition(double x, double wanted);
 
-/* That place to rounding, by bisection: some sixty halvings, and no derivative that would lose its digits
- * where two branches of a formula meet. */
+/* Returns the threshold in [0, high] above which the condition is met, to rounding, by some sixty bisections.
+ * A method with derivatives would lose digits where two branches of a formula meet. */
 static double first_met(unmet_condition *unmet, double wanted, double high)
 {
     double low = 0.0;
@@ -127,15 +127,15 @@ static double first_met(unmet_condition *unmet, double wanted, double high)
     }
 }
 
-/* K, and (K - E)/(e^2 K) without the differences in it, which cancel in a contact that is nearly a circle. */
+/* k = K and part = (K - E)/(e^2 K), without differences, which cancel for a nearly circular contact. */
 struct elliptic {
     double k, part;
 };
 
 /*
- * By the arithmetic-geometric mean of 1 and k': K = pi / (2 agm), (K - E)/K = sum of 2^(n-1) c_n^2 with c_0 =
- * e, c_n half the difference of the means before; c_1^2 / e^2 = (1 - k')/(4 (1 + k')). Source: Abramowitz and
- * Stegun, 17.6.
+ * Computes both values by the arithmetic-geometric mean (agm) of 1 and k'. K is pi / (2 agm); (K - E)/K is
+ * the sum of 2^(n-1) c_n^2, where c_0 = e and c_n is half the difference of the preceding means, so that
+ * c_1^2 / e^2 = (1 - k')/(4 (1 + k')). Source: Abramowitz and Stegun, 17.6.
  */
 static struct elliptic elliptic_of(double ratio)
 {
@@ -156,7 +156,7 @@ static struct elliptic elliptic_of(double ratio)
     return (struct elliptic){0.5 * PI / a, part};
 }
 
-/* Whether k' is still too small for A / B, which rises with it. */
+/* Whether the ratio k' gives a value of A / B below the wanted one; A / B rises with k'. */
 static bool is_too_oblong(double ratio, double curvature_ratio)
 {
     const double part = elliptic_of(ratio).part;
@@ -176,17 +176,17 @@ double hertz_stiffness(const struct contact_shape *shape, double modulus)
 {
     const double r_s = shape->source_radius;
     const double r_d = shape->other_radius;
-    const double alone = 0.5 / r_s; /* on a plane, and along a cylinder */
+    const double alone = 0.5 / r_s; /* A = B on a plane; the coefficient along a cylinder */
     if (contact_is_plane(shape)) {
         return hertz_elliptic_stiffness(modulus, alone, alone);
     }
-    /* 1/r_s + 1/r_d outside, 1/r_s - 1/r_d inside, halved */
+    /* half of 1/r_s + 1/r_d outside, half of 1/r_s - 1/r_d inside */
     const double curved = 0.5 * (r_d + shape->side * r_s) / r_s / r_d;
     const double along = contact_is_cylinder(shape) ? alone : curved;
     return hertz_elliptic_stiffness(modulus, fmin(along, curved), fmax(along, curved));
 }
 
-/* In a hollow body that is larger by a ninth the relative radius is already ten times that of the source. */
+/* Largest r_s divided by r_d without conformity: r_s r_d / (r_d - r_s) is here already ten times r_s. */
 static const double CONFORMING = 0.9;
 
 bool hertz_is_conforming(const struct contact_shape *shape)
@@ -194,7 +194,7 @@ bool hertz_is_conforming(const struct contact_shape *shape)
     return shape->side < 0 && shape->source_radius > CONFORMING * shape->other_radius;
 }
 
-/* h of the damping ratio; it rises from 0 without end. */
+/* Returns h(zeta) of restitution_damping_ratio in law.h; h rises from 0 without bound. */
 static double loss_of(double ratio)
 {
     const double square = (1.0 - ratio) * (1.0 + ratio);
@@ -212,20 +212,20 @@ static bool loses_less(double ratio, double loss)
 double restitution_damping_ratio(double restitution, enum dashpot dashpot)
 {
     if (dashpot == DASHPOT_UNCLAMPED) {
-        const double loss = 0.0 - log(restitution); /* no negative zero */
+        const double loss = 0.0 - log(restitution); /* 0.0 - avoids a negative zero */
         return restitution > 0.0 ? loss / sqrt(PI * PI + loss * loss) : 1.0;
     }
     const double loss = 0.0 - log(fmax(restitution, RESTITUTION_LEAST));
     const double h = dashpot == DASHPOT_NON_ADHESIVE ? 0.5 * loss : loss;
-    /* h(cosh t) = t coth t >= t, so that the ratio is at most cosh h < exp h. */
+    /* h(cosh t) = t coth t >= t bounds the damping ratio: cosh t <= cosh h < exp h */
     return h > 0.0 ? first_met(loses_less, h, exp(h)) : 0.0;
 }
 
-/* Below this the formulas with logarithms lose digits, and series stand for them. */
+/* Largest y for which a power series replaces the formulas with logarithms, which lose digits at small y. */
 static const double SMALL = 0.5;
 
-/* (ln(1 + x) - x + x^2/2) / x^3 = 1/3 - x/4 + x^2/5 - ... for |x| <= SMALL: 60 terms leave less than its
- * rounding. */
+/* Returns (ln(1 + x) - x + x^2/2) / x^3 = 1/3 - x/4 + x^2/5 - ... for |x| <= SMALL. The terms after x^60 are
+ * less than the rounding. */
 static double logarithm_rest(double x)
 {
     double sum = 0.0;
@@ -235,7 +235,7 @@ static double logarithm_rest(double x)
     return sum;
 }
 
-/* ln((1 + y)/(1 - e y)) < y (1 + e), divided by y^2 (1 + e) where y is small. */
+/* Whether ln((1 + y)/(1 - e y)) < y (1 + e). Both sides are divided by y^2 (1 + e) where y is small. */
 static bool dissipates_too_little(double y, double e)
 {
     if (y <= SMALL) {
@@ -244,7 +244,7 @@ static bool dissipates_too_little(double y, double e)
     return log1p(y) - log1p(-e * y) < y * (1.0 + e);
 }
 
-/* e^2 < 2 (y - ln(1 + y))/y^2 */
+/* Whether e^2 < 2 (y - ln(1 + y))/y^2. */
 static bool returns_too_fast(double y, double e)
 {
     if (y <= SMALL) {
@@ -259,7 +259,7 @@ double restitution_hunt_crossley(double restitution, enum dashpot dashpot)
     if (e >= 1.0) {
         return 0.0;
     }
-    /* 1 - e y > 0, or 2 (y - ln(1 + y))/y^2 < 2/y */
+    /* upper bounds of y: 1/e because 1 - e y > 0, and 2/e^2 because 2 (y - ln(1 + y))/y^2 < 2/y */
     return dashpot == DASHPOT_APPROACH_ONLY ? first_met(returns_too_fast, e, 2.0 / (e * e))
                                             : first_met(dissipates_too_little, e, 1.0 / e);
 }
@@ -284,7 +284,7 @@ struct contact_coefficients contact_factors_of(const struct contact_law *law)
     return (struct contact_coefficients){law->stiffness, law->damping};
 }
 
-/* Whether the law pushes in a regime; the factors of Hertz's then. */
+/* Whether the law gives a force in a regime. */
 static bool regime_pushes(enum contact_regime regime)
 {
     return regime == REGIME_COMPRESSION || regime == REGIME_RESTITUTION;
@@ -295,7 +295,7 @@ static struct hertz_law hertz_law_of(const struct contact_law *law, enum contact
     return (struct hertz_law){law->stiffness, regime == REGIME_COMPRESSION ? law->damping : 0.0};
 }
 
-/* Whether the non-adhesive law would pull. */
+/* Whether the formula of compression gives no push, so that a non-adhesive dashpot clips the force. */
 static bool pulls(const struct contact_law *law, double gap, double gap_rate)
 {
     return contact_is_hertz(law) ? contact_event(law, REGIME_COMPRESSION, gap, gap_rate) <= 0.0
@@ -347,7 +347,8 @@ struct contact_slopes contact_force_slopes(const struct contact_law *law, enum c
     return (struct contact_slopes){-linear.k, -linear.c};
 }
 
-/* k_h grows with the path, and with it the whole force; chi the damping's part. */
+/* Returns the coefficient of Hertz's force, with the changes of its factors along the path: a change of k_h
+ * scales the whole force, a change of chi only its viscous part. */
 static double hertz_term(const struct contact_law *law, const struct contact_law *change,
                          enum contact_regime regime, const double *gap, const double *gap_rate, int order)
 {
@@ -493,7 +494,7 @@ double contact_dissipated_power(const struct contact_law *law, enum contact_regi
     return regime == REGIME_APART ? 0.0 : -(normal_force + contact_stored_slope(law, regime, gap)) * gap_rate;
 }
 
-/* -(F_n - spring's part) g' */
+/* Returns the Taylor coefficient `order` of -(F_n - k_h delta^(3/2)) g'. */
 static double hertz_dissipated_term(const struct contact_law *law, const double *normal_force,
                                     const double *gap, const double *gap_rate, int order)
 {
@@ -523,15 +524,15 @@ static bool has_hertz(const struct contact_factors *factors)
     return contact_is_hertz(&law);
 }
 
-/* Whether damping follows from a coefficient of restitution; never, at compile time, where the build has no
- * such choice (ContactFmu.cmake). */
+/* Whether the damping follows from a coefficient of restitution. The answer is a compile-time false where the
+ * build does not offer this choice (ContactFmu.cmake). */
 static bool is_by_restitution(const struct contact_factors *factors)
 {
     return CONTACT_ANY_RESTITUTION && factors->viscous_control == VISCOUS_CONTROL_RESTITUTION;
 }
 
-/* p_nv that gives the coefficient of restitution with the spring p_n; 0 between bodies that cannot
- * rebound. */
+/* Returns the p_nv [N s/m] that gives the coefficient of restitution with the spring p_n; 0 where neither
+ * body is free, because such bodies cannot rebound. */
 static double damping_by_restitution(const struct contact_factors *factors, enum dashpot dashpot, double p_n)
 {
     if (!(factors->inverse_mass > 0.0)) {
@@ -541,7 +542,7 @@ static double damping_by_restitution(const struct contact_factors *factors, enum
     return 2.0 * ratio * sqrt(p_n) / sqrt(factors->inverse_mass);
 }
 
-/* chi, or with restitution the number chi v. */
+/* Returns chi [s/m], or with restitution the number chi v [1]. */
 static double hunt_crossley_factor(const struct contact_factors *factors, enum dashpot dashpot,
                                    double diagonal)
 {
@@ -621,7 +622,8 @@ struct contact_law contact_law_with(struct contact_coefficients factors, enum me
     if (method == METHOD_PENALTY_DYNAMIC) {
         law.damping = factors.c;
     }
-    /* Without a spring both let go when the bodies stop approaching; a separating contact is known to fly. */
+    /* Without a spring the non-adhesive and the approach-only dashpot both end the force when the bodies stop
+     * approaching. Non-adhesive is taken, because flight handles its separating regime in closed form. */
     if (law.dashpot == DASHPOT_APPROACH_ONLY && !(law.stiffness > 0.0)) {
         law.dashpot = DASHPOT_NON_ADHESIVE;
     }

@@ -1,14 +1,15 @@
 /*
- * The stiffness k_h of Hertz's theory, F_n = k_h delta^(3/2), from the moduli and shapes of two bodies.
+ * The normal force laws, and first the stiffness k_h [N/m^1.5] of Hertz's force F_n = k_h delta^(3/2) [N] at
+ * the penetration delta [m]. The stiffness follows from the elastic moduli and the radii of the two bodies.
  *
- * Near the point of contact the undeformed surfaces are A x^2 + B y^2 apart, A <= B. The contact is an
- * ellipse with the ratio k' = b/a of its semi-axes, and with the complete elliptic integrals K and E of
- * modulus e = sqrt(1 - k'^2)
+ * Near the point of contact the undeformed surfaces are the distance A x^2 + B y^2 apart, with A <= B. The
+ * contact area is an ellipse whose semi-axes b <= a have the ratio k' = b/a. With the effective modulus E*
+ * [Pa] and the complete elliptic integrals K and E of the modulus e = sqrt(1 - k'^2):
  *
  *   A / B = k'^2 (K - E) / (E - k'^2 K),   k_h = (2 pi / 3) E* sqrt((K - E) / (e^2 A)) K^(-3/2)
  *
  * Source: K. L. Johnson, Contact Mechanics (1985), equations (4.25) to (4.28), solved for the load. Where A =
- * B the contact is a circle and k_h = (4/3) E* sqrt(R*), R* = 1/(2 A).
+ * B, the contact area is a circle and k_h = (4/3) E* sqrt(R*) with the effective radius R* = 1/(2 A).
  */
 #ifndef CONTACT_CONTACT_LAW_H
 #define CONTACT_CONTACT_LAW_H
@@ -24,33 +25,36 @@ struct contact_material {
     double poissons_ratio; /* nu [1] */
 };
 
-/* E*: 1/E* = (1 - nu_s^2)/E_s + (1 - nu_d^2)/E_d [Pa]. */
+/* Returns the effective modulus E* [Pa]: 1/E* = (1 - nu_s^2)/E_s + (1 - nu_d^2)/E_d. */
 CONTACT_COLD double hertz_modulus(struct contact_material source, struct contact_material destination);
 
-/* k_h [N/m^1.5] from E* [Pa] and the two coefficients of the separation, 0 < A <= B [1/m]. */
+/* Returns k_h [N/m^1.5] from E* [Pa] and the coefficients 0 < A <= B [1/m] of the surfaces' distance. */
 CONTACT_COLD double hertz_elliptic_stiffness(double modulus, double a, double b);
 
-/* k_h [N/m^1.5] of a contact; inside a destination that is larger than the source. */
+/* Returns k_h [N/m^1.5] of a contact from E* [Pa]. A source inside must be smaller than the destination. */
 CONTACT_COLD double hertz_stiffness(const struct contact_shape *shape, double modulus);
 
-/* Whether the surfaces follow each other so closely that the contact is not small beside the bodies, as the
- * theory wants it: inside a destination hardly larger than the source. */
+/* Whether the source is inside a destination that is hardly larger. Hertz's theory then fails, because it
+ * assumes a contact area that is small compared with the bodies. */
 CONTACT_COLD bool hertz_is_conforming(const struct contact_shape *shape);
 
 /*
- * The damping that gives a free head-on impact a coefficient of restitution e, the speed after it over the
- * speed before. Free: no other force acts on either body meanwhile. Found once, when a contact is prepared.
+ * The damping that gives a free head-on impact the coefficient of restitution e: the speed after the impact
+ * divided by the speed before. In a free impact no force but the contact force acts on the bodies. The
+ * damping is computed once, when the contact is prepared.
  */
 
 /*
- * Smaller coefficients count as this one where none but an infinite dashpot would give 0: with all dashpots
- * but the unclamped linear one. A ball that leaves with a millionth of its speed rises by 1e-12 of its drop.
+ * The least coefficient of restitution of the linear law with a non-adhesive or an approach-only dashpot; a
+ * smaller one counts as this, because only an infinite dashpot would give 0. A ball that leaves with a
+ * millionth of its speed rises by 1e-12 of its drop height.
  */
 #define RESTITUTION_LEAST 1e-6
 
 /*
- * The same of Hunt and Crossley's law. Its chi v is 1/e, with the approach-only dashpot 2/e^2, and
- * integration costs steps in proportion: 2e6 take some ten thousand. A millionth of the energy is left then.
+ * The least coefficient of restitution of Hertz's law; a smaller one counts as this. Near it chi v is about
+ * 1/e, or 2/e^2 with an approach-only dashpot, and an integration takes steps in proportion to chi v: some
+ * ten thousand at 2e6. The rebound then keeps a millionth of the kinetic energy.
  */
 #define RESTITUTION_LEAST_HERTZ 1e-3
 
@@ -63,22 +67,23 @@ CONTACT_COLD bool hertz_is_conforming(const struct contact_shape *shape);
  *
  *   h(cos t) = t cot t up to critical damping, h(cosh t) = t coth t beyond.
  *
- * Source: the oscillator x'' + 2 zeta x' + x = 0 from x = 0, x' = 1. Its largest x is exp(-h), and the spring
- * alone turns that into a speed of the same number. It returns through x + 2 zeta x' = 0, where the force
- * ends, with x' = -exp(-2 h): T. Schwager, T. Poeschel, Granular Matter 9 (2007) 465, in one formula.
+ * Source: the oscillator x'' + 2 zeta x' + x = 0 starts at x = 0 with x' = 1. Its largest x is exp(-h); the
+ * spring alone turns this x into a return speed of exp(-h). With the dashpot the force ends where x + 2 zeta
+ * x' = 0, and the oscillator leaves there with x' = -exp(-2 h). Both branches of T. Schwager, T. Poeschel,
+ * Granular Matter 9 (2007) 465, are in this one formula.
  */
 CONTACT_COLD double restitution_damping_ratio(double restitution, enum dashpot dashpot);
 
 /*
- * The number y = chi v of Hunt and Crossley's law, with the speed v of the onset, for e in [0, 1]; it does
- * not depend on the spring, nor on the exponent of its force.
+ * Returns the number y = chi v [1] of Hunt and Crossley's law for e in [0, 1], with the approach speed v at
+ * the onset of contact. The number depends neither on the spring's stiffness nor on its exponent.
  *
  *   full damping    y (1 + e) = ln((1 + y)/(1 - e y)); the force then never pulls: unclamped is non-adhesive
  *   approach-only   e^2 = 2 (y - ln(1 + y))/y^2
  *
- * Source: with the energy E of the spring for a state of motion, v dv/dE = -(1 + chi v)/m; both are its
- * integrals from the touch to the deepest point, E = (m/chi^2)(y - ln(1 + y)), and back. Marhefka and Orin,
- * IEEE Transactions on Systems, Man, and Cybernetics A 29 (1999) 566.
+ * Source: the energy E of the spring and the approach speed v obey v dv/dE = -(1 + chi v)/m. This equation is
+ * integrated from the touch to the deepest point, which gives E = (m/chi^2)(y - ln(1 + y)), and back.
+ * Marhefka and Orin, IEEE Transactions on Systems, Man, and Cybernetics A 29 (1999) 566.
  */
 CONTACT_COLD double restitution_hunt_crossley(double restitution, enum dashpot dashpot);
 
@@ -89,63 +94,63 @@ CONTACT_COLD double restitution_hunt_crossley(double restitution, enum dashpot d
  *   penalty, dynamic   F_n = -p_n g - p_nv g'
  *   viscous only       F_n = -p_nv g'             (p_n = 0)
  *
- * for g < 0, zero otherwise; or, with delta = -g, Hertz's law with the damping of Hunt and Crossley
- *
+ * for g < 0, zero otherwise. With the penetration delta = -g, Hertz's law with the damping of Hunt and
+ * Crossley is
  *
  *   hertz              F_n = k_h delta^(3/2) (1 + chi delta')
  *
- * The dashpot says what becomes of the viscous term: unclamped (as it stands),
- * non-adhesive (F_n clipped at zero) or acting on approach only. In each regime the force is a smooth
- * function of the motion, of the linear law F_n = -(k g + c g') with constant k and c; the regimes change
- * where a smooth function passes through zero.
+ * The choice of dashpot determines the viscous term: unclamped (the formula as it stands), non-adhesive (F_n
+ * clipped at zero) or acting on approach only. In each regime the force is a smooth function of g and g';
+ * with the linear law it is F_n = -(k g + c g') with constant k and c. A regime ends where a smooth event
+ * function falls through zero.
  */
 
 struct contact_law {
-    double stiffness;     /* p_n in force [N/m], 0 for viscous only; k_h [N/m^1.5] */
-    double damping;       /* p_nv in force [N s/m], 0 for the undamped penalty method; chi [s/m] */
-    enum dashpot dashpot; /* without damping it plays no part */
+    double stiffness;     /* p_n in force [N/m] (0: viscous only), or k_h [N/m^1.5] of Hertz's law */
+    double damping;       /* p_nv in force [N s/m] (0: undamped), or chi [s/m] of Hertz's law */
+    enum dashpot dashpot; /* has no effect without damping */
     enum contact_force_law law;
 };
 
-/* Whether it is Hertz's law; never, at compile time, where the build knows of the linear law only
- * (ContactFmu.cmake). */
+/* Whether the law is Hertz's; a compile-time false in builds without Hertz's law (ContactFmu.cmake). */
 bool contact_is_hertz(const struct contact_law *law);
 
 enum contact_regime {
-    REGIME_APART,       /* no contact: g >= 0 or beyond a cylinder's end */
+    REGIME_APART,       /* no contact: g >= 0, or the source is beyond an end plane */
     REGIME_COMPRESSION, /* the full law */
-    REGIME_RESTITUTION, /* restitution under an approach-only dashpot (g' >= 0): the spring alone */
-    REGIME_SEPARATING   /* non-adhesive dashpot while the formula would pull: overlap without force */
+    REGIME_RESTITUTION, /* rebound (g' >= 0) with an approach-only dashpot: the spring alone acts */
+    REGIME_SEPARATING   /* non-adhesive dashpot where the formula would pull: penetration without force */
 };
 
 struct contact_coefficients {
     double k, c; /* F_n = -(k g + c g') [N/m, N s/m] */
 };
 
-/* The constants of the linear law in a regime, zero of any other law. For what is in closed form because the
- * law is linear, and for reporting p_n and p_nv; whoever only needs forces and events asks the functions
- * below. */
+/* Returns the constants k and c of the linear law in a regime; both are zero for Hertz's law. The constants
+ * serve closed forms that need a linear law, and the reporting of p_n and p_nv; code that needs only forces
+ * and events calls the functions below. */
 struct contact_coefficients contact_coefficients_of(const struct contact_law *law,
                                                     enum contact_regime regime);
 
-/* -(k g + c g') [N]: the law, which stands nowhere else. */
+/* Returns -(k g + c g') [N]. No other function contains this formula. */
 double contact_linear_force(struct contact_coefficients linear, double gap, double gap_rate);
 
-/* The factors of either law: p_n and p_nv, or k_h and chi. */
+/* Returns the factors of the law: p_n and p_nv of the linear law, k_h and chi of Hertz's law. */
 struct contact_coefficients contact_factors_of(const struct contact_law *law);
 
-/* The regime of a contact with gap g and rate g', within (or beyond) the destination's extents. */
+/* Returns the regime at g [m] and g' [m/s]; `within`: the source is between the destination's end planes. */
 enum contact_regime contact_regime_of(const struct contact_law *law, double gap, double gap_rate,
                                       bool within);
 
-/* F_n [N] by the smooth formula of a regime; zero where it has no force. */
+/* Returns F_n [N] by the smooth formula of a regime, or zero in a regime without force. */
 double contact_force(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate);
 
-/* The same as users see it: a law that does not pull never returns less than zero, also not by rounding. */
+/* Returns F_n [N] for the outputs. Rounding can make the smooth formula negative, so the value is clipped at
+ * zero unless the dashpot is unclamped. */
 double contact_normal_force_of(const struct contact_law *law, enum contact_regime regime, double gap,
                                double gap_rate);
 
-/* Derivatives of a function of g and g'. */
+/* Derivatives of a function with respect to the gap g [m] and the gap rate g' [m/s]. */
 struct contact_slopes {
     double by_gap, by_rate; /* [unit/m], [unit s/m] */
 };
@@ -153,67 +158,68 @@ struct contact_slopes {
 struct contact_slopes contact_force_slopes(const struct contact_law *law, enum contact_regime regime,
                                            double gap, double gap_rate);
 
-/* Coefficient `order` of F_n along a path, from coefficients 0..order of g and g'. `change`: the derivatives
- * of the law's factors along it; NULL: they are constant. */
+/* Returns the Taylor coefficient `order` of F_n along a path from the coefficients 0..order of g and g'.
+ * `change` holds the derivatives of the law's factors along the path; NULL: constant factors. */
 double contact_force_term(const struct contact_law *law, const struct contact_law *change,
                           enum contact_regime regime, const double *gap, const double *gap_rate, int order);
 
 /*
- * The event function of a regime, positive within it: its fall through zero ends the regime by the law itself
- * (not by the gap).
+ * Returns the event function of a regime, which is positive within the regime. Where it falls through zero,
+ * the law ends the regime; a zero of the gap is another kind of event.
  *
  *   dashpot                compression   restitution   separating
  *   non-adhesive           F_n                         -F_n of compression
  *   non-adhesive, hertz    1 - chi g'                  chi g' - 1
  *   approach-only          -g'           g'
  *
- * 1 where the law ends nothing. Hertz's F_n is zero wherever g is, and says nothing there.
+ * The event function is 1 where the law ends no regime. Hertz's F_n cannot serve: it vanishes at g = 0.
  */
 double contact_event(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate);
 struct contact_slopes contact_event_slopes(const struct contact_law *law, enum contact_regime regime,
                                            double gap, double gap_rate);
 
-/* Coefficient `order` of the event function of separating along a path. */
+/* Returns the Taylor coefficient `order` of the event function of the separating regime along a path. */
 double contact_separating_event_term(const struct contact_law *law, const double *gap, const double *gap_rate,
                                      int order);
 
-/* A value of the event function as a force [N]: that of an approach-only dashpot is a rate. Of Hertz's law
- * it has no unit, and 1 N stands for 1. */
+/* Returns a value of the event function as a force [N]. With an approach-only dashpot the value is a gap rate
+ * and is multiplied by the damping. A value of Hertz's law then has no unit, and 1 counts as 1 N. */
 double contact_event_force(const struct contact_law *law, double event);
 
-/* Whether the law ever ends a regime, and the regime after its event. */
+/* Whether the law ever ends a regime; and the regime that follows the event of `regime`. */
 bool contact_has_events(const struct contact_law *law);
 enum contact_regime contact_regime_after(const struct contact_law *law, enum contact_regime regime);
 
-/* A function that falls through zero where the unclamped law begins to pull. Under the linear law it is F_n
- * [N]. Hertz's force is also zero, without a slope, where contact ends; there it is 1 + chi delta' [1]. */
+/* Returns a function that falls through zero where the unclamped law begins to pull: F_n [N] for the linear
+ * law, 1 + chi delta' [1] for Hertz's law, whose force is also zero, with zero slope, where contact ends. */
 double contact_push(const struct contact_law *law, double gap, double gap_rate);
 
-/* Whether F_n may be negative while the bodies overlap: an unclamped dashpot pulls. What any other law says
- * below zero is rounding. */
+/* Whether F_n may be negative during penetration: an unclamped dashpot pulls. Any other F_n < 0 is
+ * rounding. */
 bool contact_may_pull(const struct contact_law *law);
 
-/* Whether contact gives back all the energy that it takes. */
+/* Whether the law is without damping, so that contact returns all the energy that it stores. */
 bool contact_is_elastic(const struct contact_law *law);
 
-/* E_c = p_n g^2 / 2, or 2/5 k_h delta^(5/2), while overlapping [J], its first two derivatives with respect to
- * g [N], [N/m], and its coefficient `order` along a path, with `change` as in contact_force_term. */
+/* The stored energy E_c [J] during penetration: p_n g^2 / 2 of the linear law, 2/5 k_h delta^(5/2) of Hertz's
+ * law. The functions return E_c, its first two derivatives with respect to g [N, N/m], and its Taylor
+ * coefficient `order` along a path with `change` as in contact_force_term. */
 double contact_stored_energy(const struct contact_law *law, enum contact_regime regime, double gap);
 double contact_stored_slope(const struct contact_law *law, enum contact_regime regime, double gap);
 double contact_stored_bend(const struct contact_law *law, enum contact_regime regime, double gap);
 double contact_stored_term(const struct contact_law *law, const struct contact_law *change,
                            enum contact_regime regime, const double *gap, int order);
 
-/* -(F_n + dE_c/dg) g' while overlapping [W], and its coefficient `order` along a path. */
+/* The dissipated power -(F_n + dE_c/dg) g' [W] during penetration, and its Taylor coefficient `order`. */
 double contact_dissipated_power(const struct contact_law *law, enum contact_regime regime,
                                 double normal_force, double gap, double gap_rate);
 double contact_dissipated_term(const struct contact_law *law, enum contact_regime regime,
                                const double *normal_force, const double *gap, const double *gap_rate,
                                int order);
 
-/* The factors of the force law in force, from what the user chose: p_n and p_nv, or k_h and chi. */
+/* This part computes the factors of the force law (p_n and p_nv, or k_h and chi) from the user's choices. */
 
-/* What sets the penalty factors, as the user chose it. */
+/* The user's choices that determine the factors of the force law. */
 struct contact_factors {
     enum method method;
     enum contact_force_law law;
@@ -225,29 +231,31 @@ struct contact_factors {
     double viscous_penalty_factor; /* p_nv [N s/m], user defined */
     double reference_modulus;      /* E_ref [Pa] */
     double restitution;            /* e [1] */
-    double inverse_mass;           /* 1 / m_red: sum of the free bodies' inverse masses [1/kg] */
-    double hertz_stiffness;        /* k_h [N/m^1.5], user defined or of Hertz's theory */
+    double inverse_mass;           /* 1 / m_red: the sum of the inverse masses of the free bodies [1/kg] */
+    double hertz_stiffness;        /* k_h [N/m^1.5], user defined or from Hertz's theory */
     double hunt_crossley_factor;   /* chi [s/m], user defined */
 };
 
-/* The factors in force. Automatic: p_n = f_p E_ref diag, p_nv = tau_n p_n; viscous only: p_n = 0,
- * p_nv = tau_n E_ref diag. Restitution: p_nv = 2 zeta sqrt(p_n m_red) with zeta of law.h. Hertz:
- * k_h as given, chi = tau_n / diag where it is automatic; with restitution chi times the speed of the onset,
- * a number, stands for it. `diagonal` is that of the bounding box of both bodies [m]. */
+/* Returns the law with its factors. Linear law, automatic: p_n = f_p E_ref diag, p_nv = tau_n p_n; viscous
+ * only: p_n = 0, p_nv = tau_n E_ref diag; restitution: p_nv = 2 zeta sqrt(p_n m_red) with zeta of
+ * restitution_damping_ratio. Hertz's law: k_h as given, automatic chi = tau_n / diag; with restitution the
+ * field `damping` holds the number y = chi v [1] instead of chi. `diagonal` is diag, the diagonal of the box
+ * around both bodies [m]. */
 struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot,
                                   double diagonal);
 
-/* The derivatives of the factors `at` the present ones where the diagonal changes at `diagonal_slope`:
- * automatic ones are proportional to it, others do not know it, that of restitution goes with the root of
- * p_n. */
+/* Returns the derivatives of the factors, whose present values are `at`, along a path on which the diagonal
+ * has the derivative `diagonal_slope`. Of the linear law an automatic factor is proportional to the diagonal,
+ * and p_nv by restitution to sqrt(p_n); an automatic chi is inversely proportional to the diagonal. Other
+ * factors are constant. */
 struct contact_law contact_law_slope(const struct contact_factors *factors, struct contact_coefficients at,
                                      double diagonal_slope);
 
-/* The derivatives of the factors of Hertz's law where only chi changes. */
+/* Returns the derivatives of the factors of Hertz's law where only chi changes, at the rate `chi_slope`. */
 struct contact_law contact_hunt_crossley_slope(double chi_slope);
 
-/* The law with these factors in force. The choices, constants where a scene pins them, leave out what they do
- * not need. */
+/* Returns the law with the given factors. A method without damping sets p_nv or chi to zero, and viscous only
+ * sets p_n or k_h to zero. The arguments are compile-time constants where a scene pins its choices. */
 struct contact_law contact_law_with(struct contact_coefficients factors, enum method method,
                                     enum penalty_control penalty_control, enum dashpot dashpot,
                                     enum contact_force_law force_law);

@@ -76,13 +76,13 @@ double contact_reach(const struct contact_shape *shape)
                            : shape->other_radius - shape->source_radius;
 }
 
-/* Then r_d - r_s is exact. */
+/* Whether the source nearly fills its shell, r_d / 2 < r_s; the difference r_d - r_s is then exact. */
 static bool fills_shell(const struct contact_shape *shape)
 {
     return shape->side < 0 && shape->source_radius > 0.5 * shape->other_radius;
 }
 
-/* The radii are subtracted one after the other, the larger first: their sum would be rounded once more. */
+/* Returns g. The radii are subtracted one after the other, the larger first: their sum would be rounded. */
 static double gap_at(const struct contact_shape *shape, double distance)
 {
     const double source = shape->source_radius;
@@ -90,15 +90,15 @@ static double gap_at(const struct contact_shape *shape, double distance)
     if (shape->side > 0) {
         return source > other ? (distance - source) - other : (distance - other) - source;
     }
-    /* other - source is exact for a source that nearly fills its shell; other - distance is exact for a
-     * smaller one where they touch. */
+    /* other - source is exact for a source that nearly fills its shell. For a smaller source, other -
+     * distance is exact at the touch. */
     return fills_shell(shape) ? (other - source) - distance : (other - distance) - source;
 }
 
 struct vec3 contact_across_again(const struct contact_shape *shape, struct vec3 once)
 {
     if (vec3_is_zero(once)) {
-        return vec3_make(0.0, 0.0, 0.0); /* as gravity along the axis leaves */
+        return vec3_make(0.0, 0.0, 0.0); /* this is exact for gravity along the axis */
     }
     const double size = fabs(once.x) + fabs(once.y) + fabs(once.z);
     const struct vec3 twice = vec3_axpy(once, -vec3_dot(once, shape->axis), shape->axis);
@@ -131,8 +131,10 @@ static struct contact_geometry geometry_in(const struct contact_shape *shape, st
     return at;
 }
 
-/* Towards the nearest point of the circle: with the unit vector a from the centre to the axis, across it, c
- * less that circle's centre is rho a - beyond e, and its nearest point r_d a. */
+/* Returns the geometry of a rim, where n points to the nearest point of the circle. Let a be the unit vector
+ * from the source's centre to the axis, perpendicular to the axis, and e the axis. Relative to the source's
+ * centre, the centre of the circle is at rho a - beyond e; the nearest point of the circle is r_d a
+ * closer. */
 static struct contact_geometry geometry_of_rim(const struct contact_shape *shape, struct vec3 c,
                                                struct vec3 w, struct vec3 fallback)
 {
@@ -156,8 +158,8 @@ static struct contact_geometry geometry_of_rim(const struct contact_shape *shape
     return at;
 }
 
-/* On the axis n of the side is what it is held to be, but for its part along the axis: it may come from a cap
- * or a rim. */
+/* Sets n of the side where the centre is on the axis. The present n may come from a cap or a rim, so that its
+ * part along the axis is removed. */
 static void hold_across(const struct contact_shape *side, struct vec3 w, struct contact_geometry *at)
 {
     const struct vec3 across = contact_across(side, at->normal);
@@ -299,7 +301,7 @@ double contact_zone_margin(const struct contact_solid *solid, int zone, struct v
     if (zone == ZONE_SIDE) {
         return fmin(at.radial, 0.0) - at.axial;
     }
-    /* how far the centre is beyond the middle, and beyond the cap, at the end of the zone */
+    /* distances of the centre beyond the middle plane and beyond the cap, at the zone's end [m] */
     const double height = (zone < 0 ? 1.0 : -1.0) * vec3_dot(c, solid->axis);
     const double beyond = height - solid->half_height;
     if (zone == ZONE_CAP || zone == -ZONE_CAP) {
@@ -308,12 +310,12 @@ double contact_zone_margin(const struct contact_solid *solid, int zone, struct v
     return fmin(at.radial, beyond);
 }
 
-/* How far a centre is beyond a face [m], and how fast that grows [m/s]. */
+/* The distance of a centre beyond a face [m], and the rate of this distance [m/s]. */
 struct beyond {
     double by, rate;
 };
 
-/* What is no more than rounding counts by its rate. */
+/* Returns the distance beyond a face, or its rate if the distance is rounding; 0 if both are rounding. */
 static double beyond_ahead(struct beyond at, double rounding, double rate_rounding)
 {
     if (fabs(at.by) > rounding) {
@@ -336,7 +338,7 @@ int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c
     const int up = axial > 0.0 ? -1 : 1;
     if ((zone == ZONE_SIDE && side.by > rounding) ||
         (zone == up * ZONE_CAP && fabs(axial) - solid->half_height > rounding)) {
-        return up * ZONE_RIM; /* a face ends there outside the solid, whatever the rate rounds to */
+        return up * ZONE_RIM; /* outside the solid a face ends only at the rim */
     }
     struct beyond most = {-(double)INFINITY, 0.0};
     int next = 0;

@@ -1,7 +1,7 @@
 #include "contact/slopes.h"
 #include "math/vec3.h"
 
-/* m += factor T. */
+/* Adds factor T to m. */
 static void add_projector(double m[3][3], double factor, const struct contact_shape *shape,
                           const struct contact_geometry *at)
 {
@@ -37,7 +37,7 @@ struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
     add_projector(gradient.by_separation, -side * force * inverse_distance, shape, at);
     matrix3_add_outer(gradient.by_rate, -side, n, force_by_w);
 
-    /* P = -(F_n + dE_c/dg) g' */
+    /* the dissipated power is -(F_n + dE_c/dg) g' */
     const double viscous_force = force + contact_stored_slope(law, regime, at->gap);
     const struct vec3 viscous_force_by_c =
         vec3_axpy(force_by_c, contact_stored_bend(law, regime, at->gap) * side, n);
@@ -74,8 +74,8 @@ struct vec3 jet_scale(const double *a, const struct vec3 *b, int order)
     return sum;
 }
 
-/* Coefficient i = `order` of r = sqrt(a^2 + b^2) along a path, from r dr = a da + b db with cosine = a/r and
- * sine = b/r: i r_i is the sum of j (cosine_(i-j) a_j + sine_(i-j) b_j) over j = 1 ... i. */
+/* Returns coefficient i = `order` of r = sqrt(a^2 + b^2) along a path. From r dr = a da + b db with cosine =
+ * a/r and sine = b/r, i r_i is the sum of j (cosine_(i-j) a_j + sine_(i-j) b_j) over j = 1 ... i. */
 static double jet_of_hypotenuse(const double *cosine, const double *a, const double *sine, const double *b,
                                 int order)
 {
@@ -95,8 +95,9 @@ static double jet_of_quotient(const double *a, const double *b, const double *qu
     return rest / b[0];
 }
 
-/* All coefficients of d and n of a rim: n = (dr a + dz e) / d. The unit vector a points to the axis and turns
- * along the circle, e is the normal of the cap, and -dz > 0 is the height of the centre above the cap. */
+/* Sets all coefficients of d and n of a rim: n = (dr a + dz e) / d. The unit vector a points to the axis and
+ * turns along the circle, e is the normal of the cap, and -dz > 0 is the height of the centre above the
+ * cap. */
 static void jet_of_rim(const struct contact_shape *shape, const struct contact_geometry *at,
                        const struct vec3 *c, struct contact_jet *result)
 {
@@ -125,8 +126,8 @@ static void jet_of_rim(const struct contact_shape *shape, const struct contact_g
     }
 }
 
-/* All coefficients of d and n: i d_i is the sum of j n_(i-j).c_j over j = 1 ... i, and n_i follows from d n =
- * offset. */
+/* Sets coefficient i = `order` of d and n. i d_i is the sum of j n_(i-j).c_j over j = 1 ... i, and n_i
+ * follows from d n = offset. */
 static void jet_of_direction(const struct contact_shape *shape, const struct contact_geometry *at,
                              const struct vec3 *c, int order, struct contact_jet *result)
 {
@@ -207,7 +208,7 @@ void jet_of_axis_distance(const struct vec3 c[JET_TERMS], const struct vec3 axis
     jet_length(across, rho);
 }
 
-/* Coefficients of the largest friction force L in the regime. */
+/* Sets the coefficients of the largest friction force L [N] in the regime. */
 static void put_limit(const struct friction_law *law, enum friction_regime regime,
                       const struct friction_path *path, double limit[JET_TERMS])
 {
@@ -217,8 +218,8 @@ static void put_limit(const struct friction_law *law, enum friction_regime regim
     limit[0] = friction_limit(law, regime, path->normal_force[0]);
 }
 
-/* (1 - exp(-z))/z and its first two derivatives: by its series sum (-z)^k/(k + 1)! where differences would
- * cancel, of which 20 terms are exact to rounding up to one. */
+/* Sets (1 - exp(-z))/z and its first two derivatives. Below z = 1 differences would cancel, and the series
+ * sum (-z)^k/(k + 1)! is used; its terms up to k = 20 are exact to rounding up to z = 1. */
 static void put_saturation(double z, double out[JET_TERMS])
 {
     enum { TERMS = 20 };
@@ -243,7 +244,7 @@ static void put_saturation(double z, double out[JET_TERMS])
     out[2] *= 2.0; /* Horner's scheme gives derivatives over factorials */
 }
 
-/* -L (1 - exp(-|v_t|/v_0))/|v_t| v_t */
+/* Returns coefficient `order` of -L (1 - exp(-|v_t|/v_0))/|v_t| v_t. */
 static struct vec3 regularized_term(const struct friction_law *law, const struct friction_path *path,
                                     const double limit[JET_TERMS], int order)
 {
@@ -307,7 +308,7 @@ double friction_stored_term(const struct friction_law *law, enum friction_regime
     return 0.5 * law->stiffness * jet_dot(path->spring, path->spring, order);
 }
 
-/* a - n (n.a) */
+/* Returns a - n (n.a). */
 static struct vec3 without_normal(struct vec3 a, struct vec3 n)
 {
     return vec3_axpy(a, -vec3_dot(n, a), n);
@@ -350,12 +351,13 @@ struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const
 struct geometry_change {
     struct vec3 normal, seen_rate, tangential;
     double distance, along;
-    struct vec3 axis;            /* of the shape */
-    struct vec3 circumferential; /* of a rim: b, and r_d / rho */
+    struct vec3 axis;            /* e of the shape */
+    struct vec3 circumferential; /* for a rim: b, and r_d / rho below */
     double circumferential_part;
 };
 
-/* d offset of a rim and d b, with offset = (rho - r_d) a + (c.e + h) e, b = e x a, rho a = c - (c.e) e. */
+/* Returns the change of a rim's offset and sets the changes of b and r_d / rho, with offset = (rho - r_d) a +
+ * (c.e + h) e, b = e x a, rho a = c - (c.e) e. */
 static struct vec3 rim_offset_along(const struct turning_slopes *s, const struct turning_motion *change,
                                     struct geometry_change *d)
 {
@@ -374,7 +376,7 @@ static struct vec3 rim_offset_along(const struct turning_slopes *s, const struct
     return vec3_axpy(vec3_axpy(radial, more_axial, e), axial + s->shape.solid.half_height, d->axis);
 }
 
-/* Change of (r_d / rho) b (b.w_g), which n' of a rim lacks along its circle. */
+/* Returns the change of (r_d / rho) b (b.w_g), the term by which n' of a rim is reduced along the circle. */
 static struct vec3 hoop_along(const struct turning_slopes *s, const struct geometry_change *d)
 {
     const struct vec3 b = s->geometry.circumferential;
@@ -385,7 +387,7 @@ static struct vec3 hoop_along(const struct turning_slopes *s, const struct geome
     return vec3_axpy(vec3_scale(more, b), part * rate, d->circumferential);
 }
 
-/* Change of the offset d n. */
+/* Returns the change of the offset d n. */
 static struct vec3 offset_along(const struct turning_slopes *s, const struct turning_motion *change,
                                 struct geometry_change *d)
 {
@@ -422,7 +424,7 @@ static struct geometry_change geometry_along(const struct turning_slopes *s,
     return d;
 }
 
-/* n' = across / d + omega_d x n */
+/* Returns the change of n' = across / d + omega_d x n. */
 static struct vec3 normal_rate_along(const struct turning_slopes *s, const struct turning_motion *change,
                                      const struct geometry_change *d)
 {

@@ -1,8 +1,8 @@
 /*
  * Derivatives of the contact force, for implicit integration.
  *
- * With F_n by the law, T = P - n n^T (P the identity for a sphere, I - e_d e_d^T for a cylinder;
- * of a rim contact_turning_part):
+ * F_n is the normal force of the law. T is P - n n^T, where P is the identity for a sphere and I - e_d e_d^T
+ * for a cylinder; a rim has the T of contact_turning_part. The derivatives are
  *   dg/dc = side n,   dn/dc = T / d,   dg'/dc = side T w / d,   dg'/dw = side n
  * and the force on the source is F_src = -side F_n n.
  */
@@ -21,21 +21,22 @@ struct contact_jacobian {
     struct vec3 power_by_rate;       /* d/dw of the dissipated power [W s/m] */
 };
 
-/* The derivatives at a separation rate w in a regime of contact. Where d = 0 the direction is constant and T
- * is taken as zero. */
+/* Returns the derivatives at a separation rate w in a regime of contact. Where d = 0, n is constant and T is
+ * zero. */
 struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
                                             const struct contact_geometry *at, struct vec3 w,
                                             const struct contact_law *law, enum contact_regime regime);
 
 /*
- * One contact along a path: every quantity as c[0] + c[1] s + c[2] s^2 + ... for a separation c(s) and a rate
- * w(s) that are given so. With s the time since the present the coefficients are time derivatives over
- * factorials; with s a step in some direction the first ones are directional derivatives.
+ * One contact along a path: every quantity is a series c[0] + c[1] s + c[2] s^2 + ..., computed from the
+ * series of the separation c(s) and its rate w(s). If s is the time since the present, the coefficients are
+ * time derivatives divided by factorials. If s is a step in some direction, the coefficients c[1] are
+ * directional derivatives.
  *
  *   d d = n.d c (n.e_d = 0),   d n = offset,   g = side (d - reach),   g' = side n.w,   F_n by the law
  *
- * in the regime in force, on whose edges the derivatives are those of its own side. Where d = 0 the direction
- * stays as it is.
+ * The present regime applies; at the edge of a regime the derivatives are one-sided, from within the present
+ * regime. Where d = 0, n is constant.
  */
 
 enum { JET_TERMS = 3 };
@@ -47,50 +48,52 @@ struct contact_jet {
     struct vec3 source_force[JET_TERMS]; /* -side F_n n */
 };
 
-/* From the geometry at s = 0 (c[0] itself is not used), the law and the change d/ds of its factors. */
+/* Sets the series from the geometry at s = 0 (c[0] itself is not used), the law, and the derivatives d/ds of
+ * its factors in `change`. */
 CONTACT_COLD void contact_jet_make(const struct contact_shape *shape, const struct contact_geometry *at,
                                    const struct vec3 c[JET_TERMS], const struct vec3 w[JET_TERMS],
                                    const struct contact_law *law, const struct contact_law *change,
                                    enum contact_regime regime, struct contact_jet *result);
 
-/* Coefficient `order` of a product. */
+/* Return coefficient `order` of a product of two series. */
 double jet_product(const double *a, const double *b, int order);
 double jet_dot(const struct vec3 *a, const struct vec3 *b, int order);
 struct vec3 jet_scale(const double *a, const struct vec3 *b, int order);
 
-/* The laws of friction (friction.h) along a path, as contact/slopes.h has the normal one. */
+/* The laws of friction (friction.h) along a path, in the same series as the normal force law above. */
 
-/* The arguments of F_t along a path: F_n, v_t, xi and d/ds of v_0. */
+/* The arguments of F_t along a path: the series of F_n, v_t and xi, and dv_0/ds. */
 struct friction_path {
     double normal_force[JET_TERMS];
     struct vec3 slip[JET_TERMS], spring[JET_TERMS];
     double slip_velocity_slope;
 };
 
-/* Coefficient `order` of F_t, from those of the path up to it. At rest the speed of the slip grows with |s|:
- * its coefficients are those of s > 0. */
+/* Returns coefficient `order` of F_t from the coefficients 0..order of the path. At zero slip the speed |v_t|
+ * grows with |s|; its coefficients are those for s > 0. */
 CONTACT_COLD struct vec3 friction_force_term(const struct friction_law *law, enum friction_regime regime,
                                              const struct friction_path *path, int order);
 
-/* Coefficient `order` of the energy stored in the spring [J]. */
+/* Returns coefficient `order` of the energy stored in the tangential spring [J]. */
 CONTACT_COLD double friction_stored_term(const struct friction_law *law, enum friction_regime regime,
                                          const struct friction_path *path, int order);
 
-/* The length of a vector. */
+/* Sets the series of the length of a vector. */
 CONTACT_COLD void jet_length(const struct vec3 a[JET_TERMS], double length[JET_TERMS]);
 
-/* Terms 1 and 2 of a quotient whose first term is known. */
+/* Sets coefficients 1 and 2 of the quotient a / by; quotient[0] is given. */
 CONTACT_COLD void jet_divide(const struct vec3 a[JET_TERMS], const double by[JET_TERMS],
                              struct vec3 quotient[JET_TERMS]);
 
-/* The part of c across an axis, the part along it, and the length of the part across. */
+/* Sets the series of the part of c across an axis, of the component along the axis, and of the length rho of
+ * the part across. */
 CONTACT_COLD void jet_of_axis_distance(const struct vec3 c[JET_TERMS], const struct vec3 axis[JET_TERMS],
                                        struct vec3 across[JET_TERMS], double axial[JET_TERMS],
                                        double rho[JET_TERMS]);
 
 /*
- * Exact directional derivatives of force, torques and the spring's rate of a contact that turns or rubs with
- * respect to its motion, for implicit integration. World frame, SI units.
+ * Exact directional derivatives with respect to the motion, for implicit integration: those of the force, the
+ * torques and the spring's rate of a contact that rotates or has friction. World frame, SI units.
  *
  *   w_g = w - omega_d x c                          the rate of c as the destination sees it
  *   g' = side n.w_g
@@ -100,7 +103,7 @@ CONTACT_COLD void jet_of_axis_distance(const struct vec3 c[JET_TERMS], const str
  *   xi' = friction_spring_rate - n (xi.n')
  */
 
-/* Change of F_t or of the spring's rate by a change of F_n, slip and spring. */
+/* Returns the change of F_t or of the spring's rate for given changes of F_n, slip and spring. */
 struct vec3 friction_slopes_along(const struct friction_slopes *slopes, double normal_force, struct vec3 slip,
                                   struct vec3 spring);
 
@@ -120,15 +123,16 @@ struct turning_laws {
     enum friction_regime friction_regime;
 };
 
-/* The change of forces, torques and powers of a contact by a change of its motion. */
+/* The change of the force, torques and powers of a contact due to a change of its motion. */
 struct turning_change {
     struct vec3 force;                             /* F_src [N] */
     struct vec3 source_torque, destination_torque; /* about the centres [N m] */
     struct vec3 spring_rate;                       /* xi' [m/s] */
-    double dissipated_power, friction_power;       /* of the normal law; -F_t.v_t [W] */
+    double dissipated_power, friction_power; /* power dissipated by the normal force law; -F_t.v_t [W] */
 };
 
-/* Slopes of a contact at one motion, by which turning_slopes_along makes every directional derivative. */
+/* The slopes of a contact at one motion; turning_slopes_along computes every directional derivative by
+ * them. */
 struct turning_slopes {
     struct contact_shape shape;
     struct contact_geometry geometry;
@@ -136,13 +140,13 @@ struct turning_slopes {
     struct vec3 seen_rate, normal_rate, slip; /* w_g, n', v_t */
     struct vec3 across;                       /* the part of w_g that turns n */
     struct vec3 friction_force, force;        /* F_t, F_src */
-    double normal_force, stored_slope, bend;  /* F_n and the slope and bend of the stored energy */
+    double normal_force, stored_slope, bend;  /* F_n, and dE_c/dg and d^2E_c/dg^2 of the stored energy */
     double inverse_distance;                  /* 1 / d; 0 where n does not turn with c */
-    struct contact_slopes normal_slopes;      /* of F_n */
+    struct contact_slopes normal_slopes;      /* derivatives of F_n by g and g' */
     struct friction_slopes force_slopes, spring_slopes;
 };
 
-/* The slopes at a motion whose geometry is `at`, with g' = side n.w_g. */
+/* Returns the slopes at a motion whose geometry is `at`, with g' = side n.w_g. */
 struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const struct contact_geometry *at,
                                         const struct turning_motion *motion, const struct turning_laws *laws);
 

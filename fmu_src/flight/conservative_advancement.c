@@ -36,7 +36,7 @@ static void copy_terms(struct axis_motion *motion, const struct vec3 *coefficien
 struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *rate, int count)
 {
     if (is_steady_axis(rate, count)) {
-        /* a sphere's free motion is a steady turn */
+        /* a steady turn is the torque-free rotation of a sphere (equal moments of inertia) */
         const struct rotor_state start = {quaternion_between(vec3_make(0.0, 0.0, 1.0), axis), rate[0]};
         struct rotor rotor = rotor_from(start, 1.0, 1.0);
         rotor.axis = axis;
@@ -55,7 +55,7 @@ struct axis_motion axis_motion_following(const struct vec3 *direction, int count
     return motion;
 }
 
-/* A polynomial and its first two derivatives `time` after its origin. */
+/* Sets a polynomial and its first two derivatives at `time` after its origin. */
 static void polynomial_of_vectors(const struct vec3 coefficient[AXIS_TERMS], double time, struct vec3 at[3])
 {
     at[0] = at[1] = at[2] = vec3_make(0.0, 0.0, 0.0);
@@ -112,7 +112,7 @@ void axis_motion_move_on(struct axis_motion *motion, double time)
     }
 }
 
-/* Bounds of the size of a polynomial (least and most) and of its first two derivatives over some time. */
+/* Bounds of a vector polynomial over some time: of its size (least, most) and of its derivatives' sizes. */
 struct vector_sizes {
     double least, most, first, second;
 };
@@ -131,7 +131,7 @@ static struct vector_sizes sizes_within(const struct vec3 coefficient[AXIS_TERMS
 struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double time, double length)
 {
     if (motion->kind == AXIS_PRECESSES) {
-        /* e' = P x e and e'' = P x (P x e) with a constant P at a constant angle to e */
+        /* precession: e' = P x e and e'' = P x (P x e) with a constant P at a constant angle to e */
         const double along = fabs(vec3_dot(motion->rotor.direction, motion->axis));
         const double speed = rotor_axis_speed(&motion->rotor);
         return (struct axis_bounds){speed, along * rotor_precession(&motion->rotor) * speed};
@@ -152,23 +152,23 @@ struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double t
     return (struct axis_bounds){speed, (size.second + 2.0 * size.first * speed) / size.least};
 }
 
-/* Rounding of a gap, a sum of products of vectors: as in rounding_of_gap. */
+/* Relative rounding of a gap, a sum of products of vectors, as in rounding_of_gap. */
 static const double ADVANCEMENT_ROUNDINGS = 8.0 * DBL_EPSILON;
 
-/* Number of functions: without ends only the gap. */
+/* Returns the number of functions; without end planes the gap is the only function. */
 static int functions_of(const struct advancement_path *path)
 {
     const bool has_ends = contact_is_cylinder(&path->shape) && isfinite(path->shape.half_length);
     return has_ends ? ADVANCEMENT_FUNCTIONS : 1;
 }
 
-/* Whether bodies touch only where their centres are near. */
+/* Whether the bodies touch only where their centres are near each other. */
 static bool has_reach(const struct advancement_path *path)
 {
     return path->shape.side > 0 && (functions_of(path) > 1 || contact_is_capped(&path->shape));
 }
 
-/* The separation and its derivatives, by Horner's scheme. */
+/* Sets the separation and its time derivatives, by Horner's scheme. */
 static void separation_at(const struct advancement_path *path, double time, struct vec3 at[ADVANCEMENT_TERMS])
 {
     for (int k = 0; k < ADVANCEMENT_TERMS; ++k) {
@@ -187,7 +187,7 @@ static void separation_at(const struct advancement_path *path, double time, stru
     }
 }
 
-/* The shape with an axis; a capped cylinder as a solid, whatever its zone. */
+/* Returns the shape with another axis; a capped cylinder becomes the whole solid, whatever its zone. */
 static struct contact_shape shape_with(const struct advancement_path *path, struct vec3 axis)
 {
     struct contact_shape shape = path->shape;
@@ -199,20 +199,20 @@ static struct contact_shape shape_with(const struct advancement_path *path, stru
     return shape;
 }
 
-/* Whether the change is that d grows through the reach: a touch inside a shell, a parting outside. */
+/* Whether d grows through the reach at the change: a touch inside a shell, or a parting outside. */
 static bool distance_grows(const struct advancement_path *path, enum advancement_change change)
 {
     return (change == ADVANCEMENT_TOUCH) == (path->shape.side < 0);
 }
 
-/* A distance whose square is smooth wherever the source is, and its value as the bodies part: from an axis,
- * or from a capped solid, at r_s. */
+/* Returns the value, at the parting, of a distance whose square is smooth everywhere: r_s for the distance
+ * from a capped solid, the reach for the distance from an axis or a centre. */
 static double smooth_reach(const struct contact_shape *shape)
 {
     return contact_is_capped(shape) ? shape->source_radius : contact_reach(shape);
 }
 
-/* The gap, or (reach^2 - d^2)/(2 reach) in place of reach - d where d grows; a plane keeps d. */
+/* Returns the gap, or (reach^2 - d^2)/(2 reach) in place of reach - d where d grows; a plane keeps d. */
 static struct falling gap_function(const struct advancement_path *path, enum advancement_change change,
                                    const struct contact_shape *shape, const struct contact_geometry *g)
 {
@@ -235,7 +235,7 @@ void advancement_at(const struct advancement_path *path, enum advancement_change
     separation_at(path, time, at->c);
     const struct rotor_axis axis = axis_motion_at(&path->axis, time);
     const struct contact_shape shape = shape_with(path, axis.axis);
-    /* e x e' carries the axis along: the rate of c in a frame that turns so is what changes the gap */
+    /* the gap changes by the rate of c in the frame of the axis, whose angular velocity is e x e' */
     const struct vec3 omega = vec3_cross(axis.axis, axis.rate);
     const struct vec3 rate = vec3_sub(at->c[1], vec3_cross(omega, at->c[0]));
     at->geometry = contact_geometry_at(&shape, at->c[0], rate, path->shape.axis);
@@ -253,7 +253,7 @@ void advancement_at(const struct advancement_path *path, enum advancement_change
     }
 }
 
-/* sum over i of |c^(first + i)| length^i / i! */
+/* Returns the sum over i of |c^(first + i)| length^i / i!. */
 static double size_within(const struct vec3 c[ADVANCEMENT_TERMS], int first, double length)
 {
     double size = 0.0;
@@ -264,7 +264,7 @@ static double size_within(const struct vec3 c[ADVANCEMENT_TERMS], int first, dou
     return size;
 }
 
-/* Bounds of the second derivatives over `length` seconds from an instant on; INFINITY: there is no bound. */
+/* Sets the bounds of the second derivatives over `length` seconds from `time` on; INFINITY: no bound. */
 static void bound_bends(const struct advancement_path *path, enum advancement_change change, double time,
                         double length, struct advancement_instant *at)
 {
@@ -285,8 +285,8 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
     }
 }
 
-/* Distance of the centres beyond the farthest place of a touch, over `length` seconds, for any motion of the
- * axis. */
+/* Returns how far the distance of the centres exceeds the largest distance of a touch [m], with the bend over
+ * `length` seconds. The function is valid for any motion of the axis. */
 static struct falling beyond_reach(const struct advancement_path *path, const struct advancement_instant *at,
                                    double length)
 {
@@ -300,7 +300,7 @@ static struct falling beyond_reach(const struct advancement_path *path, const st
     return (struct falling){distance - farthest, slope, size_within(at->c, 2, length)};
 }
 
-/* Time for which a function surely stays above -noise [s]. */
+/* Returns a time during which a function surely stays above -noise [s]. */
 static double stays_above(const struct falling *f, double noise)
 {
     const double height = f->value + noise;
@@ -317,10 +317,10 @@ static double stays_above(const struct falling *f, double noise)
 struct advancement_search {
     const struct advancement_path *path;
     enum advancement_change change;
-    int count; /* of functions */
+    int count; /* number of functions */
 };
 
-/* The function that decides: of a touch the highest, of a parting the lowest. */
+/* Returns the function that decides: the highest function for a touch, the lowest for a parting. */
 static int deciding(const struct advancement_search *search, const struct advancement_instant *at)
 {
     int found = 0;
@@ -331,7 +331,7 @@ static int deciding(const struct advancement_search *search, const struct advanc
     return found;
 }
 
-/* Whether the change has taken place, whatever rounding does. */
+/* Whether the change has taken place by more than rounding. */
 static bool surely_changed(const struct advancement_search *search, const struct advancement_instant *at)
 {
     const bool touch = search->change == ADVANCEMENT_TOUCH;
@@ -344,7 +344,7 @@ static bool surely_changed(const struct advancement_search *search, const struct
     return touch;
 }
 
-/* A root_function of time. */
+/* The deciding function and its slope as a root_function of time. */
 static void decision(const void *data, double time, double *value, double *slope)
 {
     const struct advancement_search *search = data;
@@ -355,8 +355,9 @@ static void decision(const void *data, double time, double *value, double *slope
     *slope = f->slope;
 }
 
-/* Time for which a function that is not below zero by more than rounding stays so. It is never zero: no more
- * than three eighths of the noise can be missed in it. */
+/* Returns a time during which a function stays above -noise [s]; 0 if the function is already below.
+ * Otherwise the time is at least `least`, in which a function falls by no more than three eighths of the
+ * noise. */
 static double stays_unchanged(const struct falling *f, double noise)
 {
     const double quarter = 0.25 * noise;
@@ -364,8 +365,8 @@ static double stays_unchanged(const struct falling *f, double noise)
     return f->value < -noise ? 0.0 : fmax(stays_above(f, noise), least);
 }
 
-/* The longest time from an instant on in which nothing changes by more than rounding, by the bends of that
- * instant: of a touch as long as any function, of a parting as long as all functions stay. */
+/* Returns the longest time without a change by more than rounding [s], by the bends at `at`. A touch needs
+ * all functions to fall, so the longest time counts; a parting needs one, so the shortest counts. */
 static double unchanged_for(const struct advancement_search *search, const struct advancement_instant *at)
 {
     double time = stays_unchanged(&at->of[0], at->noise[0]);
@@ -376,7 +377,7 @@ static double unchanged_for(const struct advancement_search *search, const struc
     return time;
 }
 
-/* The next step from an instant. `*length` is the time over which the bends hold; it adapts. */
+/* Returns the next step from `time` [s]. `*length` is the time over which the bends hold; it adapts. */
 static double step_from(const struct advancement_search *search, struct advancement_instant *at, double time,
                         double horizon, double *length)
 {
@@ -394,7 +395,7 @@ static double step_from(const struct advancement_search *search, struct advancem
     const double within = fmin(*length, rest);
     bound_bends(search->path, search->change, time, within, at);
     if (!(at->of[ADVANCEMENT_GAP].bend < (double)INFINITY)) {
-        *length = 0.25 * within; /* an axis polynomial that passes zero has no bound */
+        *length = 0.25 * within; /* no bound: the axis polynomial passes zero */
         return 0.0;
     }
     const double step = fmin(unchanged_for(search, at), within);
@@ -402,8 +403,8 @@ static double step_from(const struct advancement_search *search, struct advancem
     return step;
 }
 
-/* The root of the deciding function between an instant without the change and one with it; the start if
- * before < 0. */
+/* Returns the change at the root of the deciding function between `before`, a time without the change, and
+ * `after`, a time with the change; the start if before < 0. */
 static struct advancement_result located(const struct advancement_search *search, double before, double after,
                                          long evaluations)
 {
@@ -414,8 +415,8 @@ static struct advancement_result located(const struct advancement_search *search
     return (struct advancement_result){root, by_gap ? 0.0 : at.geometry.gap, root, evaluations};
 }
 
-/* If the opposite change has just been made, at an instant not exact to rounding, the functions rise at the
- * start. Returns how long they need, by the slope of the deciding function; 0: they do not rise. */
+/* Returns a time in which the functions rise above zero, by the deciding function's slope [s]; 0: no rise.
+ * Functions rise at the start where the opposite change has just been made, not exactly to rounding. */
 static double still_rising_for(const struct advancement_search *search, const struct advancement_instant *at)
 {
     const struct falling *f = &at->of[deciding(search, at)];
@@ -425,10 +426,10 @@ static double still_rising_for(const struct advancement_search *search, const st
 struct advancement_result advancement_first(const struct advancement_path *path,
                                             enum advancement_change change, double horizon, long budget)
 {
-    struct advancement_path moving = *path; /* its axis motion moves on with the search */
+    struct advancement_path moving = *path; /* the axis motion moves on with the search */
     const struct advancement_search search = {&moving, change, functions_of(path)};
     double time = 0.0;
-    double before = -1.0; /* the last time at which the deciding function was not negative; -1: none */
+    double before = -1.0; /* last time at which the deciding function was not negative; -1: none */
     double length = horizon;
     for (long evaluations = 1; evaluations <= budget; ++evaluations) {
         struct advancement_instant at;
@@ -445,13 +446,14 @@ struct advancement_result advancement_first(const struct advancement_path *path,
                 axis_motion_move_on(&moving.axis, time);
             }
             step = step_from(&search, &at, time, horizon, &length);
-            /* a function below zero by rounding at the start is above half-way, or stays within rounding */
+            /* the step is halved until the deciding function has been >= 0: a value that rounding put below
+             * zero is above zero half-way, or stays within rounding */
             step *= before < 0.0 ? 0.5 : 1.0;
         }
         if (!(time < horizon)) {
             return (struct advancement_result){(double)INFINITY, 0.0, horizon, evaluations};
         }
-        /* no shorter than the rounding of time, once there is no bound over a longer time */
+        /* a step of 0 repeats the time with a shorter length; another step is at least the time's rounding */
         const double least = step > 0.0 || !(length > DBL_EPSILON * horizon) ? 4.0 * DBL_EPSILON * time : 0.0;
         time = fmin(time + fmax(step, fmax(least, DBL_MIN)), horizon);
         length = fmax(length, DBL_EPSILON * horizon);

@@ -12,7 +12,7 @@ static struct rotor rotor_of(const struct scene_values *v, const struct scene_st
     return rotor_from(start, inertia.transverse, inertia.axial);
 }
 
-/* The external torque from the present on. */
+/* Sets the external torque as a polynomial of the time since the present. */
 static void torque_from_now(const struct scene_state *q, int body, struct vec3 torque[ROTOR_TORQUES])
 {
     memcpy(torque, q->path[body].torque, sizeof q->path[body].torque);
@@ -89,11 +89,12 @@ struct axis_motion flight_axis_motion(const struct scene_values *v, const struct
     return axis_motion_prescribed(axis, lambda, ROTOR_RATES);
 }
 
-/* Part of its terms below which a discriminant says that the parabola may only touch zero; its root would
- * have less than half of its digits. */
+/* Least discriminant as a fraction of the sum of its two terms' sizes. Below it the parabola may just touch
+ * zero, and its root would have less than half of its digits. */
 static const double LEAST_DISCRIMINANT = 1e-8;
 
-/* Part of the reach. Nearer to the centre the gap does not show on which side of the centre the source is. */
+/* Least distance from the centre as a fraction of the reach. Nearer to the centre the gap does not show on
+ * which side of the centre the source is. */
 static const double CLEAR_OF_CENTRE = 1e-9;
 
 static bool is_along(struct vec3 normal, struct vec3 a)
@@ -106,7 +107,7 @@ static bool is_zero_across(const struct contact_shape *shape, struct vec3 a)
     return vec3_is_zero(a) || (contact_is_cylinder(shape) && vec3_is_zero(contact_across(shape, a)));
 }
 
-/* Whether the first two terms of W are those of C', across a cylinder's axis. */
+/* Whether the first two terms of w are those of c', for a cylinder only across its axis. */
 static bool rates_agree(const struct contact_shape *shape, const struct separation_path *separation,
                         struct vec3 speed, struct vec3 bend)
 {
@@ -119,7 +120,7 @@ static bool rates_agree(const struct contact_shape *shape, const struct separati
            vec3_is_zero(vec3_axpy(contact_across(shape, w[1]), -2.0, bend));
 }
 
-/* Whether the motion along a plane's normal is a parabola; the motion along the plane does not count. */
+/* Whether the motion along a plane's normal is a parabola of time; the motion in the plane does not count. */
 static bool is_parabola_over_plane(const struct separation_path *separation, struct vec3 normal)
 {
     const struct vec3 *c = separation->c;
@@ -159,16 +160,15 @@ struct parabola {
     double value, rate, bend;
 };
 
-/* Whether it is above zero beyond rounding, by its value or because it rises by more than rounding before it
- * returns. */
+/* Whether a parabola is above zero beyond rounding, or rises by more than rounding before it returns. */
 static bool is_clearly_above(const struct parabola *p, double rounding)
 {
     return p->value > rounding ||
            (p->value >= 0.0 && p->rate > 0.0 && p->rate * p->rate > -4.0 * p->bend * rounding);
 }
 
-/* The first zero at which it falls from value >= 0, by the formula that does not cancel and a step of
- * Newton's method. */
+/* Returns the first zero at which a parabola falls from value >= 0, by the root formula without cancellation
+ * and one step of Newton's method. */
 static double first_zero(const struct parabola *p, double discriminant)
 {
     const double root = sqrt(discriminant);
@@ -179,7 +179,7 @@ static double first_zero(const struct parabola *p, double discriminant)
     return t - (p->value + t * (p->rate + t * p->bend)) / (p->rate + 2.0 * t * p->bend);
 }
 
-/* When it falls through zero first, INFINITY: never; false where rounding decides. */
+/* Sets the time of the first fall through zero, INFINITY if never; returns false where rounding decides. */
 static bool first_fall(const struct parabola *p, double rounding, double *t)
 {
     const double rate_squared = p->rate * p->rate;
@@ -443,7 +443,7 @@ void flight_restore(const struct scene_values *v, struct scene_state *q)
         }
     }
     if (SCENE_ANY_CYLINDER) {
-        /* friction acts along the axis, and an axis that turns conserves no component */
+        /* not in scenes that turn: friction acts along the axis, and a turning axis conserves no component */
         for (int j = 0; !scene_turns(v) && j < SCENE_CONTACTS; ++j) {
             if (scene_ends_suddenly(v, j) && contact_transmits(q, j)) {
                 restore_axial(v, q, j, contact_source(j));

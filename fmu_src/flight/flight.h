@@ -1,7 +1,7 @@
 /*
- * How bodies turn and move in flight. Without a torque the rotation is in closed form from the origin of the
- * clock, so that the result does not depend on the communication steps; under a torque it is a series from
- * the present.
+ * How bodies rotate and move in flight. Without a torque the rotation is a closed form from the origin of the
+ * clock, so that the result does not depend on the communication steps. Under a torque the rotation is a
+ * power series from the present.
  */
 #ifndef CONTACT_FLIGHT_FLIGHT_H
 #define CONTACT_FLIGHT_FLIGHT_H
@@ -10,32 +10,34 @@
 #include "flight/relative_path.h"
 #include "scene/evaluate.h"
 
-/* The rotation of a body that turns freely, at a clock no earlier than the present. */
+/* Returns the rotation of a freely rotating body at a clock no earlier than the present. */
 struct body_turn flight_turn_at(const struct scene_values *v, const struct scene_state *q, int body,
                                 double clock);
 
-/* The energy that the external torque gives the body until then [J]. */
+/* Returns the work of the external torque on the body until the rotation `then` [J]. */
 double flight_torque_work(const struct scene_values *v, const struct scene_state *q, int body,
                           const struct body_turn *then);
 
-/* Turns all bodies that turn freely and books the work of torques, but does not move the clock. */
+/* Rotates all freely rotating bodies and books the work of torques, but does not move the clock. */
 void flight_turn_all(const struct scene_values *v, struct scene_state *q, double clock);
 
-/* The axis of a body without contact forces from the present on; `at` is its present rotation. */
+/* Returns the axis motion of a body without contact forces from now on; `at` is the present rotation. */
 struct axis_motion flight_axis_motion(const struct scene_values *v, const struct scene_state *q,
                                       const struct body_turn *at, int body);
 
 /*
- * Head-on flight: bodies that are apart and move along their normal alone, under a constant relative
- * acceleration along it. The gap is a parabola of time and its zero a root of a quadratic equation.
+ * Head-on flight: bodies without contact forces move along their normal alone, with a constant relative
+ * acceleration. The gap is a parabola of time, and the time of its zero is the root of a quadratic equation.
  */
 
-/* Whether the separation, without a cylinder's axial part, moves exactly along the normal in this way. */
+/* Whether flight is head-on: the separation, without a cylinder's axial part, moves exactly along the normal
+ * as a parabola of time. */
 bool flight_is_head_on(const struct contact_shape *shape, const struct separation_path *separation,
                        struct vec3 normal);
 
-/* The first touch in seconds from now, INFINITY: none within the horizon. False where the rounding of the gap
- * decides whether the bodies touch, or the source may pass the centre of a hollow destination. */
+/* Sets the time until the first touch [s]; INFINITY: no touch within the horizon. Returns false where the
+ * rounding of the gap decides whether the bodies touch, or the source may pass the centre of a hollow
+ * destination. */
 bool flight_head_on_touch(const struct contact_shape *shape, const struct separation_path *separation,
                           const struct contact_geometry *now, double rounding, double horizon, double *touch);
 
@@ -43,48 +45,51 @@ bool flight_head_on_touch(const struct contact_shape *shape, const struct separa
 struct flight_regime_end {
     double after; /* seconds from now; INFINITY: never */
     enum contact_regime regime;
-    double gap; /* at the end [m] */
+    double gap; /* gap at that time [m] */
 };
 
-/* Finds that end; false where rounding decides. `margin_rounding` is the rounding bound of the event function
- * [N]. The centre is not passed, because the gap grows as long as the formula would pull. */
+/* Sets the end of the separating regime; returns false where rounding decides. `margin_rounding` is the
+ * rounding bound of the event function [N]. The source does not pass the centre, because the gap grows as
+ * long as the formula would pull. */
 bool flight_head_on_regime_end(const struct contact_shape *shape, const struct contact_law *law,
                                const struct separation_path *separation, const struct contact_geometry *now,
                                double rounding, double margin_rounding, struct flight_regime_end *end);
 
 /*
- * Motion without contact forces, in closed form. A free body's acceleration is gravity + force(t) / m with a
- * force of degree two at most, so its displacement is a polynomial of degree four. It is evaluated from the
- * origin of the clock, so that the result does not depend on the communication steps.
+ * Motion without contact forces, in closed form. The acceleration of a free body is gravity + force(t) / m
+ * with a force of degree two at most, so its displacement is a polynomial of degree four at most. The
+ * polynomial is evaluated from the origin of the clock, so that the result does not depend on the
+ * communication steps.
  */
 
-/* Whether no contact transmits a force: all are apart or separating. */
+/* Whether no contact transmits a force: all contacts are apart or separating. */
 bool flight_is_free(const struct scene_state *q);
 
-/* The external force on a body as a polynomial of time from a clock on. */
+/* Sets the external force on a body [N] as a polynomial of the time since `clock`. */
 void flight_force(const struct scene_state *q, int body, double clock, struct vec3 force[3]);
 
-/* Coefficients of a free body's velocity as a polynomial of time, by gravity and a force from the same clock
- * on; returns their number, two while the force is steady. */
+/* Sets the coefficients of a free body's velocity as a polynomial of time, from gravity and a force with the
+ * same time origin. Returns their number: two for a constant force. */
 enum { FLIGHT_TERMS = 4 };
 int flight_velocity(const struct scene_values *v, int body, struct vec3 start, const struct vec3 force[3],
                     struct vec3 velocity[FLIGHT_TERMS]);
 
-/* Integrals of s^i over [0, 1], by which velocities become displacements. */
+/* Integrals of s^i over [0, 1]; multiplied by them, velocity coefficients become displacement
+ * coefficients. */
 static const double FLIGHT_MEAN[FLIGHT_TERMS] = {1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0};
 
-/* Displacement by such a velocity [m], and work of a force along it [J]. */
+/* Return the displacement by such a velocity [m], and the work of a force along this displacement [J]. */
 struct vec3 flight_displacement(const struct vec3 *velocity, int terms, double time);
 double flight_work_along(const struct vec3 *velocity, int terms, const struct vec3 force[3], double time);
 
-/* A free body's state `time` after `start`, and the work of the external force until then; `force` begins at
- * `start`. */
+/* Return a free body's state `time` seconds after `start`, and the work of the external force until then [J].
+ * The polynomial `force` has its time origin at `start`. */
 struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,
                               const struct vec3 force[3], double time);
 double flight_work(const struct scene_values *v, int body, struct body_state start,
                    const struct vec3 force[3], double time);
 
-/* A free body's state at a clock, from the clock's origin. */
+/* Returns a free body's state at a clock, by the polynomial from the clock's origin. */
 struct body_state flight_body_at(const struct scene_values *v, const struct scene_state *q, int body,
                                  double clock);
 
@@ -92,7 +97,7 @@ struct body_state flight_body_at(const struct scene_values *v, const struct scen
  * stored energy that separating contacts lose. */
 void flight_advance(const struct scene_values *v, struct scene_state *q, double clock);
 
-/* flight_body_at without a force, with the same bits. */
+/* Returns flight_body_at for a zero external force, identical to the last bit. */
 static inline struct body_state flight_unforced_at(const struct scene_values *v, const struct scene_state *q,
                                                    int body, double clock)
 {
@@ -103,10 +108,10 @@ static inline struct body_state flight_unforced_at(const struct scene_values *v,
 
 /*
  * Deferred flight: without external forces the body states are closed forms of the clock, so they are
- * computed only when they are read. flight_deferrable_until returns the clock up to which this holds (0: not
- * at all): no contact changes, no direction becomes undefined, all numbers stay finite, and peaks and mean
- * force of the communication step are zero. flight_defer advances the clock alone, or returns false and does
- * nothing. flight_catch_up computes the body states, which depend on the clock only.
+ * computed only when they are read. flight_deferrable_until returns the clock until which deferring is
+ * allowed (0: not at all): no contact changes, no direction becomes undefined, all numbers stay finite, and
+ * the peaks and the mean force of the communication step are zero. flight_defer advances the clock alone, or
+ * returns false and does nothing. flight_catch_up computes the body states at the present clock.
  */
 double flight_deferrable_until(const struct scene_values *v, const struct scene_state *q);
 bool flight_defer(struct scene_state *q, double end_time);
@@ -114,7 +119,7 @@ void flight_catch_up(const struct scene_values *v, struct scene_state *q);
 
 /* Replaces an integrator's result by the closed form where there is one: for bodies without contact forces,
  * and for the axial motion of bodies loaded only by cylinders, whose forces are perpendicular to the axis.
- * Touches and ends then occur exactly at the clocks of next_regime_change. */
+ * Touches and passages of end planes then occur exactly at the clocks of next_regime_change. */
 void flight_restore(const struct scene_values *v, struct scene_state *q);
 
 #endif

@@ -74,7 +74,7 @@ static struct polynomial dot_product(const struct vec3 *a, int a_degree, const s
     return p;
 }
 
-/* The degree without leading coefficients of zero. */
+/* Returns the degree without leading zero coefficients. */
 static int degree_of(const struct vec3 *a, int degree)
 {
     while (degree > 0 && vec3_max_abs(a[degree]) == 0.0) {
@@ -119,7 +119,7 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
     }
     path.reach = contact_reach(shape) / path.scale;
     if (relative_path_has_ends(shape)) {
-        /* dividing both alike keeps a source in the plane of an end there */
+        /* the same division of both numbers keeps a source that is in an end plane exactly there */
         path.axial.a[0] = vec3_dot(separation->c[0], shape->axis) / path.scale;
         path.half_length = shape->half_length / path.scale;
         path.has_ends = true;
@@ -180,8 +180,8 @@ bool relative_path_within(const struct relative_path *path, double s)
                                     : fabs(polynomial_at(&path->axial, s)) <= path->half_length;
 }
 
-/* chi g' = 1, squared, where Hunt and Crossley's damping would begin to pull: g' = side (c.w)/d, or n.w of a
- * plane. */
+/* Returns the polynomial of (chi g')^2 = 1, where Hunt and Crossley's damping would begin to pull: g' = side
+ * (c.w)/d, or n.w for a plane. */
 static struct polynomial hertz_condition(const struct relative_path *path, const struct contact_law *law)
 {
     const double unit = contact_factors_of(law).c * path->scale / path->horizon;
@@ -194,7 +194,7 @@ static struct polynomial hertz_condition(const struct relative_path *path, const
     return polynomial_add(&sum, -fmin(1.0 / (unit * unit), 1.0), &distance2);
 }
 
-/* k g + c g' of a plane, which is a polynomial. */
+/* Returns k g + c g' for a plane, which is a polynomial. */
 static struct polynomial law_condition_of_plane(const struct relative_path *path,
                                                 const struct contact_law *law)
 {
@@ -210,7 +210,7 @@ static struct polynomial law_condition_of_plane(const struct relative_path *path
     return polynomial_add(&sum, scaled_damping / unit, &path->half_rate);
 }
 
-/* k (d - reach) + c d' = 0 as a polynomial: (k d^2 + c d d')^2 = k^2 reach^2 d^2. */
+/* Returns the polynomial of k (d - reach) + c d' = 0: (k d^2 + c d d')^2 = k^2 reach^2 d^2. */
 static struct polynomial law_condition(const struct relative_path *path, const struct contact_law *law)
 {
     const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
@@ -226,8 +226,9 @@ static struct polynomial law_condition(const struct relative_path *path, const s
     return polynomial_add(&squared_sum, -reach_term * reach_term, &offset2);
 }
 
-/* k (d - reach) + c d' = 0 times d + reach, with reach / d taken as 1. This is the more exact the closer the
- * bodies are, where the squares of law_condition have lost the gap to rounding. */
+/* Returns the polynomial of k (d - reach) + c d' = 0, multiplied by d + reach with reach / d taken as 1. The
+ * polynomial is the more exact the smaller the gap is, where the squares of law_condition have lost the gap
+ * to rounding. */
 static struct polynomial law_condition_nearby(const struct relative_path *path, const struct contact_law *law)
 {
     const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
@@ -263,7 +264,7 @@ double candidates_least_gap(const struct relative_path *path)
     return path->scale * least;
 }
 
-/* Adds the places where the gap passes zero. */
+/* Sets the values of s where the gap passes zero; returns their number. */
 static int touching_candidates(const struct relative_path *path, const struct extremes *extremes,
                                double *candidates)
 {

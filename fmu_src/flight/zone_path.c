@@ -20,7 +20,7 @@ double zone_path_rounding(const struct contact_solid *solid, const struct separa
     return 8.0 * DBL_EPSILON * (vec3_norm(path->c[0]) + solid->radius + solid->half_height);
 }
 
-/* The path from a time on. */
+/* Returns the path with its time origin moved to `time`. */
 static struct separation_path zone_path_from(const struct separation_path *path, double time)
 {
     struct separation_path from = *path;
@@ -28,7 +28,7 @@ static struct separation_path zone_path_from(const struct separation_path *path,
     return from;
 }
 
-/* The first time > 0 at which gap + n.(c(t) - c(0)) falls through zero; INFINITY: not within `left`. */
+/* Returns the first t > 0 [s] at which gap + n.(c(t) - c(0)) falls through zero, or INFINITY after `left`. */
 static double plane_touch(const struct separation_path *path, struct vec3 n, double gap, double left)
 {
     struct polynomial along = {{gap}, SEPARATION_DEGREE};
@@ -41,7 +41,7 @@ static double plane_touch(const struct separation_path *path, struct vec3 n, dou
     return polynomial_sign_changes(&along, roots) > 0 ? left * roots[0] : (double)INFINITY;
 }
 
-/* plane_touch of a quadratic path, exact however short the time is beside the horizon. */
+/* Returns plane_touch of a quadratic path, accurate however short the time is compared with the horizon. */
 static double steady_touch(const struct separation_path *path, struct vec3 n, double gap, double left)
 {
     const double speed = vec3_dot(n, path->c[1]);
@@ -56,7 +56,7 @@ static double steady_touch(const struct separation_path *path, struct vec3 n, do
     return time <= left ? time : (double)INFINITY;
 }
 
-/* Most steps: near a graze they are as short as the rounding of the gap. */
+/* Largest number of steps. Near a graze the steps become as short as the rounding of the gap. */
 enum { TOUCH_STEPS = 10000 };
 
 double zone_path_first_touch(const struct contact_shape *shape, const struct separation_path *path,
@@ -83,13 +83,13 @@ double zone_path_first_touch(const struct contact_shape *shape, const struct sep
         const double before = time;
         time += step;
         if (!(time > before) || (closes && above <= zone_path_rounding(&shape->solid, &from))) {
-            return time; /* another step would be rounding */
+            return time; /* another step would be smaller than rounding */
         }
     }
     return (double)INFINITY;
 }
 
-/* rho^2 - (offset + slope z)^2, in the path's unit. */
+/* Returns rho^2 - (offset + slope z)^2 [scale^2]; a root is a crossing of a cone about the axis. */
 static struct polynomial edge_cone(const struct relative_path *path, double offset, double slope)
 {
     const struct polynomial rho2 = relative_path_distance_squared(path);
@@ -142,12 +142,12 @@ int zone_path_edges(const struct contact_solid *solid, const struct separation_p
 
 typedef double zone_margin(const struct contact_solid *solid, struct vec3 c);
 
-/* Places that are tried between two edges. An edge polynomial has degree eight at most and touches zero
- * without a change of sign at four of them at most, as where a path turns back just at an edge: one of five
- * is clear of it. */
+/* Number of places that are tried between two edges. An edge polynomial has degree eight at most, so it
+ * touches zero without a change of sign at four places at most, as where a path turns back just at an edge.
+ * One of five places is clear of the edge. */
 enum { CLEAR_PLACES = 5 };
 
-/* The place among CLEAR_PLACES that is clearest of an edge. */
+/* Returns the place among CLEAR_PLACES that is farthest from an edge. */
 static double zone_clear_place(const struct contact_solid *solid, const struct separation_path *path,
                                double horizon, double from, double to, zone_margin *margin)
 {
@@ -176,7 +176,7 @@ double zone_path_between(const struct contact_solid *solid, const struct separat
     return zone_clear_place(solid, path, horizon, from, to, nearest_margin);
 }
 
-/* The first place among the edges after which the margin is below zero by more than rounding. */
+/* Returns the time of the first edge after which the margin is below zero by more than rounding [s]. */
 static double zone_first_end(const struct contact_solid *solid, const struct separation_path *path,
                              double horizon, const double *edges, int count, zone_margin *margin)
 {
@@ -200,7 +200,7 @@ static double whole_margin(const struct contact_solid *solid, struct vec3 c)
     return contact_zone_margin(solid, solid->zone, c);
 }
 
-/* Distance of the centre from the outer edge of a side or cap, whatever its depth. */
+/* Returns the distance of the centre from the outer edge of a side or cap [m], whatever the depth. */
 static double face_margin(const struct contact_solid *solid, struct vec3 c)
 {
     const struct solid_place place = contact_place_at(solid, c);
@@ -214,7 +214,7 @@ double zone_path_end(const struct contact_solid *solid, const struct separation_
     return zone_first_end(solid, path, horizon, edges, count, whole_margin);
 }
 
-/* Whether a path is too short to reach the outer edge. */
+/* Whether the path is too short to reach the outer edge. */
 static bool stays_on_face(const struct contact_solid *solid, const struct separation_path *path,
                           double horizon)
 {
@@ -246,23 +246,24 @@ double zone_path_leaves_face(const struct contact_solid *solid, const struct sep
     return zone_first_end(solid, path, horizon, edges, count, face_margin);
 }
 
-/* Length of a step, as a part of the distance from the circle: no quantity has two extrema in it. */
+/* Length of a step divided by the distance from the circle; in so short a step no quantity has two
+ * extrema. */
 static const double RIM_STEP = 0.05;
 
-/* After RIM_SHORT_STEPS steps, some milliseconds of work, a step is at least RIM_LONG_STEP of the whole,
- * because a path along the circle itself needs any number of short ones. A pass at a distance of 1e-9 takes a
- * thousand steps. */
+/* After RIM_SHORT_STEPS steps (some milliseconds of work) a step is at least RIM_LONG_STEP of the whole,
+ * because a path along the circle itself would need any number of short steps. A path that passes the circle
+ * at a distance of 1e-9 takes a thousand steps. */
 enum { RIM_SHORT_STEPS = 20000 };
 static const double RIM_LONG_STEP = 1e-4;
 
-/* Roundings of sums of products of vectors (prediction.c). */
+/* Relative rounding of a sum of products of vectors (prediction.c). */
 static const double RIM_ROUNDINGS = 8.0 * DBL_EPSILON;
 
-/* Arguments of the law at one time. */
+/* The arguments of the force law at one time. */
 struct rim_instant {
-    double gap, rate, slope; /* [m], [m/s], and dg/dt [m/s] */
+    double gap, rate, slope; /* g [m], g' for the law [m/s], dg/dt of the path [m/s] */
     double distance;         /* from the circle [m] */
-    double event;            /* of the law in the present regime (contact_event) */
+    double event;            /* event function of the law in the present regime (contact_event) */
     enum contact_regime regime;
     double gap_noise, rate_noise;
 };
@@ -308,13 +309,13 @@ static bool rim_has_changed(const struct rim_search *search, const struct rim_in
     if (at->gap > at->gap_noise) {
         return true;
     }
-    /* also where they part to rounding, because the dashpot may have been clipped before */
+    /* this also covers bodies that part within rounding, because the dashpot may have been clipped before */
     const struct contact_slopes slopes = contact_event_slopes(search->law, present, at->gap, at->rate);
     return contact_event(search->law, present, at->gap, at->rate) <
            -(fabs(slopes.by_gap) * at->gap_noise + fabs(slopes.by_rate) * at->rate_noise);
 }
 
-/* Length of the next step [s] from a time and a distance; `count` steps have been made. */
+/* Returns the next step [s] at a time and a distance from the circle; `count` steps have been made. */
 static double rim_step_length(const struct rim_search *search, double time, double distance, double longest,
                               int count)
 {
@@ -327,7 +328,7 @@ static double rim_step_length(const struct rim_search *search, double time, doub
     return fmax(step, fmax(least, DBL_MIN));
 }
 
-/* The time between two at which the gap is least or largest. */
+/* Returns the time between `low` and `high` at which the gap is least or largest. */
 static double rim_extreme_between(const struct rim_search *search, double low, double high)
 {
     const bool falls = rim_instant_at(search, low).slope < 0.0;
@@ -340,7 +341,7 @@ static double rim_extreme_between(const struct rim_search *search, double low, d
     }
 }
 
-/* The first change between two times, at the later of which the regime is another one. */
+/* Bisects to the first change between two times; at `after` the regime differs from `present`. */
 static struct rim_change rim_halve_to_change(const struct rim_search *search, double before, double after,
                                              enum contact_regime present, enum contact_regime next)
 {
@@ -357,7 +358,7 @@ static struct rim_change rim_halve_to_change(const struct rim_search *search, do
     }
 }
 
-/* How far within its regime a contact is, for root_may_dip. */
+/* The event function of the present regime, for root_lowest. */
 static void rim_event(const void *data, double time, double *value, double *slope)
 {
     const struct rim_search *search = data;
@@ -428,25 +429,25 @@ double rim_least_gap(const struct contact_shape *shape, const struct separation_
 
 #if SCENE_ANY_FREE && SCENE_ANY_CAPS
 
-/* rho - r_d, |z| - L/2 and the gap as Taylor series of time, up to the degree eight of a squared distance. */
+/* Taylor series of rho - r_d, |z| - L/2 and the gap in time, of degree eight as a squared distance has. */
 enum { GAP_TERMS = 2 * SEPARATION_DEGREE + 1 };
 
 struct gap_series {
     double radial[GAP_TERMS], axial[GAP_TERMS], gap[GAP_TERMS];
     double rounding; /* rounding bound of the first terms [m] */
-    /* Rate at which the terms of the path up to an order move it by its distance [1/s]: a term of order i is
-     * rounding below `rounding` rate[i]^i. */
+    /* rate[i] [1/s] is the largest rate at which path terms of orders up to i move the path by its distance.
+     * A term of order i is rounding below `rounding` rate[i]^i. */
     double rate[GAP_TERMS];
 };
 
-/* Whether only the rate closes the gap, and by less than rounding before the gap opens again. */
+/* Whether the gap rate closes the gap, but by less than rounding before the gap opens again. */
 static bool is_graze(const struct gap_series *series)
 {
     return series->gap[1] < 0.0 && series->gap[2] > 0.0 &&
            series->gap[1] * series->gap[1] <= 4.0 * series->gap[2] * series->rounding;
 }
 
-/* Order of the first term above rounding; 0 if there is none. */
+/* Returns the order of the first term above rounding; 0 if there is none. */
 static int first_term(const struct gap_series *series, const double *terms)
 {
     for (int i = 0; i < GAP_TERMS; ++i) {
@@ -457,8 +458,8 @@ static int first_term(const struct gap_series *series, const double *terms)
     return 0;
 }
 
-/* Puts the radial and axial series. The part across the axis is projected by itself, so that a path along the
- * axis has none. */
+/* Sets the radial and axial series. The path is projected across the axis term by term, so that a path along
+ * the axis has no part across. */
 static void put_solid_place(struct gap_series *series, const struct contact_solid *solid,
                             const struct separation_path *path)
 {
@@ -476,7 +477,7 @@ static void put_solid_place(struct gap_series *series, const struct contact_soli
              ++k) {
             square[i] += vec3_dot(across[k], across[i - k]);
         }
-        /* over the middle of a cap rho is less than r_d in all of the path that counts */
+        /* on the axis at the start, rho stays below r_d for all of the time that counts */
         rho[i] = square[0] > 0.0 ? taylor_root(square, rho, i) : 0.0;
         series->radial[i] = rho[i] - (i == 0 ? solid->radius : 0.0);
     }
@@ -490,7 +491,7 @@ static void put_term_rates(struct gap_series *series, const struct separation_pa
     }
 }
 
-/* The series of the gap in the zone that the path enters. */
+/* Returns the series of the gap in the zone that the path enters. */
 static struct gap_series gap_series_of(const struct contact_shape *shape, const struct separation_path *path,
                                        double rounding)
 {
@@ -515,15 +516,15 @@ static struct gap_series gap_series_of(const struct contact_shape *shape, const 
     return series;
 }
 
-/* How bodies that touch to rounding go on. */
+/* The further motion of bodies that touch within rounding. */
 struct meeting {
-    bool closes;    /* they overlap */
-    double leaving; /* else the time until the gap is more than rounding, or back at zero [s] */
+    bool closes;    /* the bodies penetrate */
+    double leaving; /* otherwise the time until the gap exceeds rounding, or returns to zero [s] */
 };
 
-/* Positions give the gap to `noise`. `known` points to a gap with more digits, as where a contact has just
- * ended, or is NULL. The signs of such a gap and its rate count however small they are, because a ball may
- * hop by less than rounding. */
+/* Returns the further motion. Positions give the gap to within `noise` [m]. `known` points to a gap with more
+ * digits, as just after a contact, or is NULL. The signs of a known gap and of its rate count however small
+ * they are, because a ball may hop by less than rounding. */
 static struct meeting meeting_of(const struct contact_shape *shape, const struct separation_path *path,
                                  double noise, const double *known)
 {
@@ -551,7 +552,7 @@ static struct meeting meeting_of(const struct contact_shape *shape, const struct
     return meeting;
 }
 
-/* Most trials: a gap that stays at zero may come within rounding more than once. */
+/* Largest number of trials: a gap that stays at zero may come within rounding more than once. */
 enum { TRIALS = 1000 };
 
 double zone_change_touch(const struct scene_values *v, const struct scene_state *q,
