@@ -20,7 +20,7 @@ bool step_plainly_in_order(const struct instance *instance, double point, double
 
 /* Messages to the importer's logger. */
 
-/* Longest message; an instance name or a message beyond it is cut. */
+/* Bytes of the longest message and of the longest instance name in it; longer ones are cut. */
 #define MESSAGE_SIZE 1024
 #define NAME_SHOWN 200
 
@@ -44,7 +44,7 @@ unsigned log_default_categories(bool logging_on)
     return logging_on ? LOG_ALL : LOG_STATUS_ALL;
 }
 
-/* The bits of a category's name; 0 where there is no such category. */
+/* Returns the bits of a named category, or 0 where there is no such category. */
 static unsigned category_bits(const char *name)
 {
     for (size_t i = 0; i < sizeof known_categories / sizeof known_categories[0]; ++i) {
@@ -55,8 +55,8 @@ static unsigned category_bits(const char *name)
     return 0;
 }
 
-/* Bytes of the UTF-8 character that a text begins with; 0 where it begins with something else or only a
- * part. */
+/* Returns the number of bytes of the UTF-8 character at the start of a text, or 0 where no whole character is
+ * there. */
 static size_t character_length(const char *text)
 {
     const unsigned char first = (unsigned char)text[0];
@@ -69,8 +69,8 @@ static size_t character_length(const char *text)
     return first < 0xF5u ? length : 0;
 }
 
-/* What is no UTF-8, a character cut in two among it, becomes question marks; the characters of `doubled` are
- * written twice. */
+/* Copies a text. Bytes that are not UTF-8, such as those of a character cut in two, become question marks.
+ * Characters in `doubled` are written twice. */
 static void escape_message(const char *text, const char *doubled, char *escaped)
 {
     while (*text != '\0') {
@@ -108,8 +108,8 @@ static void send_message(struct instance *instance, enum model_status status, co
     instance->phase = phase;
 }
 
-/* Whether the importer hears messages of a category. Nothing is sent from inside its logger: a logger that
- * calls wrongly each time could recurse for ever. `context` is the instance (struct model_host). */
+/* Whether messages of a category are sent to the importer. None is sent while its logger runs, since a logger
+ * whose calls are wrong could recurse for ever. `context` is the instance (struct model_host). */
 static bool is_heard(void *context, const char *category)
 {
     const struct instance *instance = context;
@@ -131,7 +131,7 @@ enum model_status log_report(struct instance *instance, enum model_status status
     return status;
 }
 
-/* struct model_host.log */
+/* Sends a message of the model; serves as struct model_host.log. */
 static void log_from_model(void *context, enum model_status status, const char *category, const char *message)
 {
     if (is_heard(context, category)) {
@@ -139,7 +139,7 @@ static void log_from_model(void *context, enum model_status status, const char *
     }
 }
 
-/* Checks of a call: the kind of instance, the phase, the arrays. */
+/* This part checks the kind of instance, the phase and the arrays of a call. */
 
 static const struct phase_name {
     unsigned phase;
@@ -156,10 +156,10 @@ static const struct phase_name {
     {PHASE_CONTINUOUS, "continuous-time mode"},
 };
 
-/* Room for the names of all phases, with what separates them. */
+/* Bytes for the names of all phases, with the commas between them. */
 enum { PHASE_NAMES_SIZE = 160 };
 
-/* Names of all phases of a mask, separated by commas. */
+/* Returns the names of all phases of a mask, separated by commas. */
 static const char *name_phases(unsigned phases, char text[PHASE_NAMES_SIZE])
 {
     size_t length = 0;
@@ -223,11 +223,11 @@ bool call_ready(struct instance *instance, const struct call *call, const struct
 }
 
 /*
- * Variables by value reference. FMI 2.0 knows scalars alone. In FMI 3.0 a vector is one variable, its
- * reference is that of its first component, and time is a variable too.
+ * This part finds variables by value reference. FMI 2.0 has only scalars. In FMI 3.0 a vector is one variable
+ * with the reference of its first component, and time is a variable too.
  */
 
-enum { TIME_REFERENCE = 0 }; /* in FMI 3.0; no variable of the model has it */
+enum { TIME_REFERENCE = 0 }; /* of time in FMI 3.0; no variable of the model has it */
 
 static bool has_vectors(const struct instance *instance)
 {
@@ -239,7 +239,7 @@ static bool is_time(const struct instance *instance, uint32_t reference, unsigne
     return reference == TIME_REFERENCE && has_vectors(instance) && (types & TYPES_REAL) != 0;
 }
 
-/* The variable of a reference, of a vector its first component; NULL where there is none. */
+/* Returns the variable of a reference, for a vector its first component, or NULL where there is none. */
 static inline const struct variable *variable_of(const struct instance *instance, uint32_t reference)
 {
     return has_vectors(instance) ? vector_variable(reference) : scene_variable(reference);
@@ -260,7 +260,7 @@ static const char *real_name(const struct instance *instance)
     return instance->adapter->type_names[VARIABLE_REAL];
 }
 
-/* The variable of a reference if it has one of the types, else NULL after a message. */
+/* Returns the variable of a reference if it has one of the types, else NULL after a message. */
 static inline const struct variable *find_variable(struct instance *instance, const struct call *call,
                                                    uint32_t reference, unsigned types)
 {
@@ -275,7 +275,8 @@ static inline const struct variable *find_variable(struct instance *instance, co
     return variable;
 }
 
-/* The variable if it may be read: one without a start value is not computed before initialization mode. */
+/* Returns the variable if it may be read. Before initialization mode only parameters and inputs may be, since
+ * the other variables are not computed yet. */
 static inline const struct variable *find_readable(struct instance *instance, const struct call *call,
                                                    uint32_t reference, unsigned types)
 {
@@ -289,16 +290,16 @@ static inline const struct variable *find_readable(struct instance *instance, co
     return variable;
 }
 
-/* FMI 3.0.2, sections 2.3.5 and 3.2.1: Model Exchange may set states one by one, in event mode only those
- * that events do not make jump. */
+/* Whether the importer may set this state by itself. Model Exchange of FMI 3.0 may do so, in event mode only
+ * for states that events do not make jump (FMI 3.0.2, sections 2.3.5 and 3.2.1). */
 static bool is_settable_state(const struct instance *instance, const struct variable *variable)
 {
     return variable->causality == VARIABLE_STATE && instance->host.exchange && has_vectors(instance) &&
            (instance->phase == PHASE_CONTINUOUS || (instance->phase == PHASE_EVENT && !variable->reinit));
 }
 
-/* The variable if it may be set: parameters until the end of initialization, tunable ones at communication
- * points or events too, inputs always. */
+/* Returns the variable if it may be set. Parameters may be set until the end of initialization, tunable ones
+ * also at communication points or events, and inputs always. */
 static inline const struct variable *find_settable(struct instance *instance, const struct call *call,
                                                    uint32_t reference, unsigned types)
 {
@@ -361,8 +362,9 @@ static enum model_status check_components(struct instance *instance, const struc
 }
 
 /*
- * Values. The importer's arrays have elements of adapter.value_sizes bytes, by the type of the variable: 1 is
- * a bool, 8 of an enumeration is an int64_t; every other element is as the model has it.
+ * This part gets and sets values. An element of the importer's arrays has adapter.value_sizes bytes, by the
+ * type of the variable. An element of 1 byte is a bool, and 8 bytes of an enumeration are an int64_t. Every
+ * other element has the type that the model uses.
  */
 
 static inline size_t value_size(const struct instance *instance, const struct variable *variable)
@@ -387,7 +389,7 @@ static inline enum model_status read_value(struct instance *instance, const stru
     return status;
 }
 
-/* The importer's value as the model takes it: where it stands, or in `whole`. */
+/* Returns the importer's value in the type that the model uses: in its place, or converted in `whole`. */
 static inline const void *value_for_model(const struct instance *instance, const struct variable *variable,
                                           const void *from, int32_t *whole)
 {
@@ -526,7 +528,7 @@ enum model_status instance_set_values(struct instance *instance, const struct ca
     return status;
 }
 
-/* Derivatives of outputs with respect to time. */
+/* This part computes derivatives of outputs with respect to time. */
 
 enum { LOWEST_ORDER = 1, HIGHEST_ORDER = 2 }; /* maxOutputDerivativeOrder of the model description */
 
@@ -577,9 +579,9 @@ enum model_status instance_output_derivatives(struct instance *instance, const s
     return status == MODEL_OK ? model_get_output_derivatives(instance->model, &list, orders, values) : status;
 }
 
-/* Derivatives of outputs with respect to inputs, along a direction of inputs and, adjoint, of outputs. */
+/* This part computes directional and adjoint derivatives of outputs with respect to inputs. */
 
-/* Whether the states and their rates are unknowns and knowns of the importer. */
+/* Whether states and their rates may be knowns and unknowns. */
 static bool knows_states(const struct instance *instance)
 {
     return instance->host.exchange || instance->adapter->version >= 3;
@@ -685,8 +687,9 @@ enum model_status instance_product(struct instance *instance, const struct call 
 /* Communication steps. */
 
 /*
- * How far two times that should agree may differ [s]: importers add up step sizes, which rounds. It is a part
- * of the step size h [s], or a few units in the last place of the time t [s] where steps are that small.
+ * Returns by how much two times that should be equal may differ [s], since importers round when they add up
+ * step sizes. The larger of two bounds counts: 1e-6 of the step size h [s], and a few roundings of the time
+ * t [s].
  */
 static double time_slack(double t, double h)
 {
@@ -716,7 +719,7 @@ static enum model_status check_step(struct instance *instance, const struct call
                           "%s: currentCommunicationPoint = %s s, expected the time reached, %s s", call->name,
                           shortest_digits(point).text, shortest_digits(time).text);
     }
-    const double end = point + size; /* infinite where the size is */
+    const double end = point + size; /* infinite where the size is infinite */
     if (!(end > time && end <= DBL_MAX)) {
         return refuse_step_size(instance, call, time, size);
     }
@@ -764,7 +767,7 @@ enum model_status exchange_update(struct instance *instance, struct exchange_new
     return status;
 }
 
-/* Integrators of variable step look past the stop time and come back; a step accepted there is an error. */
+/* An integrator of variable step may try steps past the stop time; only an accepted one is an error. */
 enum model_status exchange_accept_step(struct instance *instance, const struct call *call,
                                        void *enters_events, void *terminates, size_t size)
 {
@@ -789,7 +792,7 @@ enum model_status exchange_set_time(struct instance *instance, const struct call
     return call_allowed(instance, call) ? model_exchange_set_time(instance->model, time) : MODEL_ERROR;
 }
 
-/* Whether the call is in order and has an array of as many numbers as there are. */
+/* Whether the call is allowed now and has an array of `expected` numbers. */
 static bool numbers_ready(struct instance *instance, const struct call *call, const double *values,
                           size_t count, size_t expected)
 {
@@ -822,9 +825,9 @@ enum model_status exchange_get(struct instance *instance, const struct call *cal
 }
 
 /*
- * Saved states. Those handed out and not freed are a list through the blocks themselves; the importer holds
- * the address of a block. An address that the importer brings is compared with those of the list and never
- * read before it is found: it may be uninitialised, freed, or another instance's.
+ * Saved states. The blocks given to the importer and not freed form a linked list; the importer holds the
+ * address of a block. An address from the importer may be uninitialised, freed, or another instance's.
+ * Therefore it is searched in the list before anything is read from it.
  */
 
 struct state_block {
@@ -851,15 +854,15 @@ static void state_list_remove(struct instance *instance, struct state_block *blo
     instance->host.release(block);
 }
 
-/* Raised whenever the header's or the model's layout or meaning changes. */
+/* The version is raised whenever the layout or meaning of the header or of the model's state changes. */
 #define BLOCK_VERSION 1u
 
 struct block_header {
-    uint32_t magic; /* of the adapter; a block of the other byte order does not match */
+    uint32_t magic; /* the adapter's; a block of the other byte order does not match */
     uint32_t version;
     uint32_t scene;    /* SCENE_HASH: states fit only the FMU that wrote them */
-    uint32_t checksum; /* of everything behind this field */
-    uint64_t size;     /* of the whole block, bytes */
+    uint32_t checksum; /* checksum of all bytes behind this field */
+    uint64_t size;     /* bytes of the whole block */
     double start_time; /* s */
     double stop_time;  /* s */
     uint32_t set_up;
@@ -880,7 +883,7 @@ static unsigned char *model_bytes(void *block)
     return (unsigned char *)block + sizeof(struct block_header);
 }
 
-/* FNV-1a, 32 bit: every single flipped bit changes it. */
+/* Returns the checksum FNV-1a of 32 bits; every single flipped bit changes it. */
 static uint32_t block_checksum(const void *block)
 {
     const unsigned char *bytes = block;
@@ -932,7 +935,7 @@ static enum model_status refuse_number(struct instance *instance, const struct c
                       what, got, got, expected, expected);
 }
 
-/* Whether a block of that many bytes is a whole state of this FMU. Never reads beyond size. */
+/* Whether a block of `size` bytes is a whole state of this FMU. Nothing is read beyond `size`. */
 static enum model_status check_block(struct instance *instance, const struct call *call, const void *block,
                                      size_t size)
 {
@@ -968,7 +971,7 @@ static const char *state_name(const struct instance *instance)
     return instance->adapter->arguments[ARGUMENT_STATE];
 }
 
-/* The block of an importer's state, or NULL where the call is not in order or after a message. */
+/* Returns the block of an importer's state, or NULL where the call is not allowed or the state is unknown. */
 static struct state_block *given_block(struct instance *instance, const struct call *call, void *state)
 {
     if (!call_allowed(instance, call) || !array_given(instance, call, state_name(instance), state, 1)) {
@@ -984,8 +987,8 @@ static struct state_block *given_block(struct instance *instance, const struct c
 }
 
 /*
- * The block to write for an importer's state pointer: the one it leads to, or a new one where it is null or,
- * from an importer that never initialised it, leads anywhere else. NULL after a message.
+ * Returns the block to write for an importer's state pointer: the block it points to if that is in the list,
+ * else a new one. Some importers never initialise the pointer. NULL: memory is exhausted, after a message.
  */
 static struct state_block *block_to_write(struct instance *instance, const struct call *call, void **state)
 {
@@ -1095,7 +1098,7 @@ enum model_status state_block_deserialize(struct instance *instance, const struc
     return MODEL_OK;
 }
 
-/* Creating, setting up, starting, ending and resetting an instance. */
+/* This part creates, sets up, starts, ends and resets an instance. */
 
 static void forget_experiment(struct instance *instance)
 {
@@ -1151,7 +1154,7 @@ void instance_free(struct instance *instance)
 {
     if (instance != NULL && (instance->phase & (PHASE_TELLING | PHASE_INTERMEDIATE)) == 0) {
         void (*release)(void *) = instance->host.release;
-        while (instance->states != NULL) { /* the importer may have forgotten some */
+        while (instance->states != NULL) { /* states that the importer has not freed */
             state_list_remove(instance, instance->states);
         }
         model_destroy(instance->model);

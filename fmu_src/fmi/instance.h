@@ -14,21 +14,20 @@
 
 /*
  * Phases of an instance. Nothing runs asynchronously, so no step is ever "in progress" or "cancelled". A
- * discarded step leaves the phase alone: the importer may go on from the time reached, restore a state, reset
- * or terminate. The values are bits of masks, and saved states hold them.
+ * discarded step does not change the phase: the importer may go on from the time reached, restore a state,
+ * reset or terminate. The values are bits of masks, and saved states hold them.
  */
 enum phase {
     PHASE_INSTANTIATED = 1 << 0,
     PHASE_INITIALIZATION = 1 << 1,
     PHASE_STEP = 1 << 2, /* between two communication steps */
     PHASE_TERMINATED = 1 << 3,
-    PHASE_ERROR = 1 << 4,   /* a step failed for good: values, saved states and the reset remain */
-    PHASE_FATAL = 1 << 5,   /* only freeing the instance remains */
-    PHASE_TELLING = 1 << 6, /* beside another phase: the logger is being called, see log_report */
-    PHASE_EVENT = 1 << 7,   /* event mode: Model Exchange, and Co-Simulation of FMI 3.0 */
-    PHASE_INTERMEDIATE =
-        1 << 8,               /* FMI 3.0, beside PHASE_STEP: the importer is told of an instant in a step */
-    PHASE_CONTINUOUS = 1 << 9 /* Model Exchange: between the steps of the importer's integrator */
+    PHASE_ERROR = 1 << 4,        /* a step failed for good: values, saved states and the reset remain */
+    PHASE_FATAL = 1 << 5,        /* only freeing the instance remains */
+    PHASE_TELLING = 1 << 6,      /* beside another phase: the logger is being called, see log_report */
+    PHASE_EVENT = 1 << 7,        /* event mode: Model Exchange, and Co-Simulation of FMI 3.0 */
+    PHASE_INTERMEDIATE = 1 << 8, /* FMI 3.0, beside PHASE_STEP: the intermediate update callback is running */
+    PHASE_CONTINUOUS = 1 << 9    /* Model Exchange: between the steps of the importer's integrator */
 };
 
 #define PHASES_STEPPED (PHASE_STEP | PHASE_TERMINATED | PHASE_ERROR)
@@ -41,15 +40,15 @@ enum phase {
 /* A logger may call functions that only read on the instance that is telling it something. */
 #define PHASES_READ(phases) ((unsigned)(phases) | PHASE_TELLING)
 
-/* Which instances have a function of the standard. */
+/* The kind of instance on which a function of the standard may be called. */
 enum call_kind { CALL_ANY, CALL_STEPS /* Co-Simulation */, CALL_EXCHANGE /* Model Exchange */ };
 
-/* A row of an adapter's table: a function of the standard and when it may be called. */
+/* A row of an adapter's table: one function of the standard and the phases in which it may be called. */
 struct call {
     const char *name;
     enum call_kind kind;
     unsigned phases;    /* mask of enum phase; 0: never */
-    const char *absent; /* why it may never be called, else NULL */
+    const char *absent; /* why the function may never be called, else NULL */
 };
 
 /* Names of arguments in messages; the two versions of the standard name them differently. */
@@ -72,7 +71,7 @@ struct adapter {
     int version; /* 2 or 3 */
     /* Hands a message over to the importer. */
     void (*send)(struct instance *instance, enum model_status status, const char *category, const char *text);
-    const char *doubled; /* characters that the importer's logger wants twice */
+    const char *doubled; /* characters that a message to the importer's logger has to double */
     const char *arguments[ARGUMENT_NAMES];
     const char *type_names[4]; /* by enum variable_type */
     uint8_t value_sizes[4];    /* bytes of a value in the importer's arrays, by enum variable_type */
@@ -93,14 +92,14 @@ struct instance {
     const struct adapter *adapter;
     struct experiment experiment;
     enum phase phase;
-    unsigned tuning_phases;        /* in which tunable parameters may be set after initialization */
-    struct state_block *states;    /* handed out and not freed, the newest first; a reset keeps them */
-    double asked_end;              /* of the last step, as the importer asked for it [s] */
+    unsigned tuning_phases;        /* phases after initialization in which tunable parameters may be set */
+    struct state_block *states;    /* given to the importer and not freed, newest first; kept at a reset */
+    double asked_end;              /* end of the last step that the importer asked for [s] */
     enum model_status step_status; /* of the last step */
     unsigned log_categories;       /* bits of enum log_category */
-    bool logger_given;             /* else nobody hears the messages */
-    bool logging_on;               /* as instantiated; a reset returns to it */
-    const char *name;              /* kept behind the adapter's struct, in the same allocation */
+    bool logger_given;             /* false: no message is sent */
+    bool logging_on;               /* the setting at instantiation, to which a reset returns */
+    const char *name;              /* stored behind the adapter's struct, in one allocation with it */
 };
 
 /*
@@ -117,13 +116,13 @@ enum log_category {
     LOG_ALL = LOG_EVENTS | LOG_STATUS_ALL
 };
 
-/* The categories in force for loggingOn without named categories. */
+/* Returns the categories in force where loggingOn is set without named categories. */
 unsigned log_default_categories(bool logging_on);
 
 /*
- * Tells the importer, and returns the status so that a caller can say `return log_report(...)`. While the
- * logger is at work the instance answers functions that only read; all others give an error, change nothing
- * and are not reported. Freeing the instance does nothing then.
+ * Sends a message to the importer's logger and returns `status`, so that a caller can write `return
+ * log_report(...)`. While the logger runs, only functions that read may be called on the instance. All other
+ * functions then return an error, change nothing and send no message; freeing the instance does nothing.
  */
 enum model_status log_report(struct instance *instance, enum model_status status, const char *format, ...)
     CONTACT_PRINTF_LIKE(3, 4);
@@ -132,10 +131,10 @@ enum model_status log_report(struct instance *instance, enum model_status status
 struct argument {
     const char *name;
     const void *array;
-    size_t count; /* elements that it must have; 0: it may be missing */
+    size_t count; /* elements that the array must have; 0: the array may be missing */
 };
 
-/* Arguments for call_ready, ended by one without a name. */
+/* Arguments for call_ready; the last one has no name and ends the array. */
 #define ARGUMENTS(...)                                                                                       \
     (const struct argument[])                                                                                \
     {                                                                                                        \
@@ -146,14 +145,14 @@ struct argument {
     }
 #define NO_ARGUMENTS ((const struct argument[]){{NULL, NULL, 0}})
 
-/* Whether the call is in order now and its arrays were given; if not, it says so through the logger. A null
- * instance is never in order, and nobody is told. */
+/* Whether a call is allowed now and its arrays were given; if not, a message says why. For a null instance it
+ * returns false without a message. */
 bool call_ready(struct instance *instance, const struct call *call, const struct argument *arguments);
 
 /*
- * Getting and setting values: each reference must be known and of one of the types (bits of enum type_bits),
- * and each variable readable or settable now. All values are checked before any is written. `count` is the
- * number of elements of `values`: with FMI 2.0 one for each reference, with FMI 3.0 one for each component.
+ * Getting and setting values: each reference must name a variable of one of the types (bits of enum
+ * type_bits) that may be read or set now. All values are checked before any is set. `count` is the number of
+ * elements of `values`: with FMI 2.0 one for each reference, with FMI 3.0 one for each component.
  */
 enum type_bits {
     TYPES_NONE = 0,
@@ -169,7 +168,7 @@ enum model_status instance_set_values(struct instance *instance, const struct ca
                                       const uint32_t *references, size_t reference_count, const void *values,
                                       size_t count);
 
-/* The real variable of a reference with the wanted causality; NULL after a message. */
+/* Returns the real variable of a reference with the wanted causality, or NULL after a message. */
 const struct variable *find_real(struct instance *instance, const struct call *call, uint32_t reference,
                                  enum variable_causality causality);
 
@@ -177,7 +176,7 @@ const struct variable *find_real(struct instance *instance, const struct call *c
 enum model_status check_order(struct instance *instance, const struct call *call,
                               const struct variable *variable, int order);
 
-/* Derivatives of outputs with respect to time: orders[i] is that of references[i]. */
+/* Computes derivatives of outputs with respect to time; orders[i] is the order for references[i]. */
 CONTACT_COLD enum model_status instance_output_derivatives(struct instance *instance, const struct call *call,
                                                            const uint32_t *references, const int *orders,
                                                            size_t reference_count, double *values,
@@ -185,45 +184,46 @@ CONTACT_COLD enum model_status instance_output_derivatives(struct instance *inst
 
 /* A product with the matrix J of the derivatives of unknowns with respect to knowns. */
 struct product {
-    bool adjoint; /* seed J, with a seed for each unknown; else J seed, with one for each known */
+    bool adjoint; /* true: seed times J, one seed for each unknown; else J times seed, one for each known */
     const uint32_t *unknowns, *knowns;
-    size_t unknown_count, known_count;           /* references */
-    size_t unknown_components, known_components; /* as the importer counts them */
+    size_t unknown_count, known_count;           /* numbers of references */
+    size_t unknown_components, known_components; /* numbers of components that the importer gives */
     const double *seed;
     double *sensitivity;
 };
 CONTACT_COLD enum model_status instance_product(struct instance *instance, const struct call *call,
                                                 const struct product *product);
 
-/* Part of a step size by which two times that should agree may differ. */
+/* Allowed difference of two times that should be equal, divided by the step size. */
 #define STEP_SLACK 1e-6
 
 /*
- * Whether a step is in order at first sight. What passes here passes in instance_step, whose limits are
- * wider. A size of zero, below zero or NaN never passes. An infinite one passes where there is no stop time,
- * but model_step_deferred refuses it.
+ * Whether a step of `size` [s] from `point` [s] passes a quick check. Each such step also passes in
+ * instance_step, whose limits are wider. A size of zero, below zero or NaN never passes. An infinite size
+ * passes where there is no stop time, but model_step_deferred refuses it.
  */
 bool step_plainly_in_order(const struct instance *instance, double point, double size);
 
-/* Takes a communication step from `point` to `point + size`, or refuses one of no length or from or to a
- * wrong time. `request` says how, all but end_time. */
+/* Takes a communication step from `point` to `point + size` [s]. A step of no length, from a wrong time or
+ * past the stop time is refused. The end_time of `request` is not used. */
 enum model_status instance_step(struct instance *instance, const struct call *call, double point, double size,
                                 const struct step_request *request);
 
-/* The time reached [s]. The model's time is a sum and may differ from the end of a step by a rounding:
- * then this is the end that the importer asked for, as importers compare it with their own stop time. */
+/* Returns the time reached [s]. The model's time is a sum and may differ from the end of a step by rounding.
+ * The end that the importer asked for is then returned, because importers compare it with their stop time. */
 double instance_time_reached(const struct instance *instance);
 
-/* What an event has changed. */
+/* The changes that an event has caused. */
 struct exchange_news {
     bool again;        /* regimes have changed, and another one may have to */
-    bool jumped;       /* a state has */
-    bool scheduled;    /* the time of the next event is known, unless another one comes first */
-    double event_time; /* s, of that event; 0 where it is not known */
+    bool jumped;       /* a state has jumped */
+    bool scheduled;    /* the time of the next touch is foreseen */
+    double event_time; /* [s], of that touch; 0 where none is foreseen */
 };
 enum model_status exchange_update(struct instance *instance, struct exchange_news *news);
 
-/* The importer's integrator has accepted a step. Both answers, of `size` bytes, become false. */
+/* Is called when the importer's integrator has accepted a step. Sets both answers, of `size` bytes, to
+ * false. */
 enum model_status exchange_accept_step(struct instance *instance, const struct call *call,
                                        void *enters_events, void *terminates, size_t size);
 
@@ -244,34 +244,35 @@ bool instance_expects(struct instance *nobody, const char *function, bool holds,
 bool instance_identified(struct instance *nobody, const char *function, const char *name,
                          const char *token_name, const char *token, const char *expected);
 
-/* A new instance like `nobody`, which begins a struct of `size` bytes, with a model inside and nothing set
- * up; NULL after a message where memory is exhausted. */
+/* Returns a new instance with its own model, copied from `nobody`, which begins a struct of `size` bytes.
+ * NULL: memory is exhausted, and a message has said so. */
 CONTACT_COLD struct instance *instance_create(struct instance *nobody, const char *function, size_t size,
                                               bool logging_on);
 
-/* Does nothing while the instance's logger or another callback is at work. */
+/* Frees an instance; does nothing while the instance's logger or another callback runs. */
 void instance_free(struct instance *instance);
 
-/* Adds up the bits of named categories. */
+/* Adds the bits of the named log categories to *chosen. */
 enum model_status instance_categories(struct instance *instance, const struct call *call, size_t count,
                                       const char *const *categories, unsigned *chosen);
 
-/* Takes start time, stop time and the importer's tolerance. */
+/* Takes over start time [s], stop time [s] and the importer's relative tolerance. */
 CONTACT_COLD enum model_status instance_set_up(struct instance *instance, const struct call *call,
                                                bool tolerance_defined, double tolerance, double start_time,
                                                bool stop_time_defined, double stop_time);
 
-/* Contradictory parameters are refused here. The phase stays then, so that better values can be set. */
+/* Ends initialization. Contradictory parameters are refused; the phase then stays, so that other values
+ * can be set. */
 enum model_status instance_exit_initialization(struct instance *instance, const struct call *call,
                                                bool events);
 
-/* Goes over to another phase; Model Exchange tells the model of event mode and of continuous-time mode. */
+/* Enters the phase `next`. In Model Exchange the model is told of event mode and of continuous-time mode. */
 enum model_status instance_enter(struct instance *instance, const struct call *call, enum phase next);
 
 enum model_status instance_reset(struct instance *instance, const struct call *call);
 
-/* Saved states. A state of the importer is a pointer into the instance's list; bytes that the importer brings
- * are checked as a whole before they are used. */
+/* Saved states. The importer holds a state as a pointer into the instance's list. Bytes that the importer
+ * brings are checked as a whole before they are used. */
 enum model_status state_block_get(struct instance *instance, const struct call *call, void **state);
 enum model_status state_block_set(struct instance *instance, const struct call *call, void *state);
 enum model_status state_block_free(struct instance *instance, const struct call *call, void **state);

@@ -1,5 +1,5 @@
 /*
- * FMI 2.0: the functions of the standard on an instance of fmi/instance.h.
+ * FMI 2.0: each function of the standard works on an instance of fmi/instance.h.
  */
 #include <fmi2Functions.h>
 #include <math.h>
@@ -10,9 +10,9 @@
 #include "math/compiler.h"
 #include "scene.h"
 
-/* An fmi2Component is the address of one. */
+/* An instance of FMI 2.0. An fmi2Component is the address of such a struct. */
 struct fmi2_instance {
-    struct instance shared; /* comes first, so that both have one address */
+    struct instance shared; /* is the first member, so that both have one address */
     fmi2CallbackFunctions callbacks;
 };
 
@@ -22,11 +22,11 @@ _Static_assert((int)MODEL_DISCARD == (int)fmi2Discard && (int)MODEL_ERROR == (in
 _Static_assert((int)MODEL_FATAL == (int)fmi2Fatal, "status order");
 
 /*
- * All functions of the standard that have an instance: which instances have them, and in which phases they
- * may be called, after the tables "calling sequence" of FMI 2.0.5, sections 3.2.3 and 4.2.4. Two harmless
- * extensions: variables that have a start value may be read while instantiated, and the status functions
- * answer after a failed step too. Model Exchange is never in step mode, Co-Simulation never in event mode or
- * continuous-time mode.
+ * The table lists all functions of the standard that take an instance, the kind of instance and the phases in
+ * which each may be called, after the tables "calling sequence" of FMI 2.0.5, sections 3.2.3 and 4.2.4. It
+ * has two harmless extensions: variables that have a start value may be read while instantiated, and the
+ * status functions answer after a failed step too. Model Exchange is never in step mode, Co-Simulation never
+ * in event mode or continuous-time mode.
  */
 #define CALL2_TABLE(ROW)                                                                                     \
     ROW(SetDebugLogging, ANY, PHASES_ALL)                                                                    \
@@ -81,7 +81,7 @@ static const struct call calls_of_fmi2[] = {CALL2_TABLE(CALL2_RULE)};
 
 #define CALL2(function) (&calls_of_fmi2[CALL2_##function])
 
-/* The functions without a row have no instance yet or no more. */
+/* Functions without a row take no instance, or create or free one. */
 #define CALL2_EXPORT(function, kind, phases) CONTACT_EXPORTED fmi2##function##TYPE fmi2##function;
 CALL2_TABLE(CALL2_EXPORT)
 #undef CALL2_EXPORT
@@ -129,7 +129,7 @@ static const struct adapter adapter_of_fmi2 = {
     .state_magic = 0x544E4F43u, /* "CONT" on a little-endian machine */
 };
 
-/* Creating, setting up, starting, ending and resetting an instance. */
+/* This part creates, sets up, starts, ends and resets an instance. */
 
 const char *fmi2GetTypesPlatform(void)
 {
@@ -151,7 +151,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     if (functions == NULL) {
         return NULL;
     }
-    /* One of the importer's memory functions without the other would mix two heaps. */
+    /* With only one of the importer's two memory functions, memory of one heap would be freed in another. */
     const bool memory = functions->allocateMemory != NULL && functions->freeMemory != NULL;
     struct fmi2_instance nobody = {
         .shared = {.adapter = &adapter_of_fmi2,
@@ -184,7 +184,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nC
     const enum model_status status =
         instance_categories(instance, CALL2(SetDebugLogging), nCategories, categories, &chosen);
     if (status == MODEL_OK) {
-        /* Switching off leaves what everybody gets, never silence by accident. */
+        /* With logging off, warnings and worse are still sent. */
         const bool all = loggingOn == fmi2False || nCategories == 0;
         instance->log_categories = all ? log_default_categories(loggingOn != fmi2False) : chosen;
     }
@@ -214,10 +214,11 @@ PASS2(ExitInitializationMode, (fmi2Component c), instance_exit_initialization(c,
 PASS2(Terminate, (fmi2Component c), instance_enter(c, call, PHASE_TERMINATED))
 PASS2(Reset, (fmi2Component c), instance_reset(c, call))
 
-/* Getting and setting values. fmi2Integer is the type of enumerations too. There are no string variables, so
- * that every reference is a wrong one for fmi2GetString. */
+/* This part gets and sets values. Enumerations are of type fmi2Integer too. There are no string variables, so
+ * that fmi2GetString refuses every reference. */
 
-/* Vectors are mostly read as a whole. Flattened, because calls would be a good part of what that costs. */
+/* Reads Real variables, mostly the three components of one vector. The function is flattened, because calls
+ * would be a good part of the time of such a read. */
 CONTACT_FLATTEN fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                        fmi2Real value[])
 {
@@ -247,7 +248,7 @@ SETTER2(Boolean, TYPES_BOOLEAN)
 GETTER2(String, TYPES_NONE)
 SETTER2(String, TYPES_NONE)
 
-/* Derivatives with respect to time of inputs and outputs, and of outputs with respect to inputs. */
+/* This part handles time derivatives of inputs and outputs, and derivatives of outputs by inputs. */
 
 static enum model_status check_input_derivative(struct instance *instance, fmi2ValueReference reference,
                                                 fmi2Integer order, fmi2Real value)
@@ -306,10 +307,10 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
     return (fmi2Status)instance_product(c, CALL2(GetDirectionalDerivative), &p);
 }
 
-/* Communication steps and what can be asked about the last one. */
+/* This part takes communication steps and answers the status functions about the last step. */
 
-/* Any step, with messages. Apart from fmi2DoStep, so that a deferred flight does not save registers for
- * it. */
+/* Takes any step and sends messages. It is not inlined into fmi2DoStep, so that a deferred flight saves no
+ * registers for it. */
 CONTACT_NOINLINE static fmi2Status fmi2_do_step(struct instance *instance, double point, double size)
 {
     const struct step_request request = {0};
@@ -319,8 +320,8 @@ CONTACT_NOINLINE static fmi2Status fmi2_do_step(struct instance *instance, doubl
 }
 
 /*
- * Nothing is kept for going back (states are saved on request), so noSetFMUStatePriorToCurrentPoint is idle.
- * Flattened, because calls would be a good part of what a deferred flight costs.
+ * noSetFMUStatePriorToCurrentPoint has no effect, because states are saved only on request. The function is
+ * flattened, because calls would be a good part of the time of a deferred flight.
  */
 CONTACT_FLATTEN fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint,
                                       fmi2Real communicationStepSize,
@@ -334,7 +335,7 @@ CONTACT_FLATTEN fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunica
     instance->asked_end = currentCommunicationPoint + communicationStepSize;
     if (step_plainly_in_order(instance, currentCommunicationPoint, communicationStepSize) &&
         model_step_deferred(instance->model, currentCommunicationPoint + communicationStepSize)) {
-        return fmi2OK; /* as the step before, so that step_status need not be written */
+        return fmi2OK; /* step_status need not be written: it is MODEL_OK already */
     }
     return fmi2_do_step(instance, currentCommunicationPoint, communicationStepSize);
 }
@@ -350,7 +351,7 @@ static const char *status_kind_name(fmi2StatusKind kind)
     return (unsigned)kind < sizeof names / sizeof names[0] ? names[kind] : "(unknown)";
 }
 
-/* Checks a status question. No call ever answers fmi2Pending, so fmi2PendingStatus has no answer either. */
+/* Checks a call of a status function. No call ever returns fmi2Pending, so fmi2PendingStatus is refused. */
 static fmi2Status ask_status(struct instance *instance, const struct call *call, fmi2StatusKind kind,
                              const char *answered, bool known, const void *value)
 {
@@ -417,7 +418,7 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo)
     return (fmi2Status)status;
 }
 
-/* Nothing is kept for going back, so noSetFMUStatePriorToCurrentPoint is idle. */
+/* noSetFMUStatePriorToCurrentPoint has no effect, because states are saved only on request. */
 PASS2(CompletedIntegratorStep,
       (fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint, fmi2Boolean *enterEventMode,
        fmi2Boolean *terminateSimulation),

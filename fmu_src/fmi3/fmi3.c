@@ -1,5 +1,5 @@
 /*
- * FMI 3.0: the functions of the standard on an instance of fmi/instance.h.
+ * FMI 3.0: each function of the standard works on an instance of fmi/instance.h.
  */
 #include <float.h>
 #include <fmi3Functions.h>
@@ -11,15 +11,15 @@
 #include "math/compiler.h"
 #include "scene.h"
 
-/* An fmi3Instance is the address of one. */
+/* An instance of FMI 3.0. An fmi3Instance is the address of such a struct. */
 struct fmi3_instance {
-    struct instance shared; /* comes first, so that both have one address */
+    struct instance shared; /* is the first member, so that both have one address */
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log_message;
     fmi3IntermediateUpdateCallback intermediate_update; /* NULL: none */
     bool event_mode_used;
     bool early_return_allowed;
-    double event_time; /* of the last event in the last step [s]; NaN: there was none */
+    double event_time; /* time of the last event in the last step [s]; NaN: there was none */
 };
 
 /* The model's statuses are fmi3Status values by another name. */
@@ -27,10 +27,11 @@ _Static_assert((int)MODEL_OK == (int)fmi3OK && (int)MODEL_WARNING == (int)fmi3Wa
 _Static_assert((int)MODEL_DISCARD == (int)fmi3Discard && (int)MODEL_ERROR == (int)fmi3Error, "status order");
 _Static_assert((int)MODEL_FATAL == (int)fmi3Fatal, "status order");
 
-/* In an intermediate update outputs may be read, and the logger may be told of it. */
+/* Phases in which a function may also be called from the intermediate update callback, where outputs may be
+ * read, and from the logger. */
 #define PHASES_WITHIN(phases) (PHASES_READ(phases) | PHASE_INTERMEDIATE)
 
-/* Rows of all types of variables but Float64, whether there are such variables or not. */
+/* Rows of one function for each type but Float64, also for types that no variable has. */
 #define CALL_TYPES(ROW, Verb, phases)                                                                        \
     ROW(Verb##Float32, ANY, phases)                                                                          \
     ROW(Verb##Int8, ANY, phases)                                                                             \
@@ -46,11 +47,11 @@ _Static_assert((int)MODEL_FATAL == (int)fmi3Fatal, "status order");
     ROW(Verb##Binary, ANY, phases)
 
 /*
- * All functions of the standard that have an instance: which instances have them, and in which phases they
- * may be called, after the state machines of FMI 3.0.2, sections 2.3, 3.2 and 4.2. Three harmless extensions:
- * variables that have a start value may be read while instantiated, outputs may be read between setting an
- * input and the next step, and the numbers of states and event indicators are always told. Model Exchange is
- * never in step mode, Co-Simulation never in continuous-time mode.
+ * The table lists all functions of the standard that take an instance, the kind of instance and the phases in
+ * which each may be called, after the state machines of FMI 3.0.2, sections 2.3, 3.2 and 4.2. It has three
+ * harmless extensions: variables that have a start value may be read while instantiated, outputs may be read
+ * between setting an input and the next step, and the numbers of states and indicators are always told. Model
+ * Exchange is never in step mode, Co-Simulation never in continuous-time mode.
  */
 #define CALL3_TABLE(ROW)                                                                                     \
     ROW(SetDebugLogging, ANY, PHASES_ALL)                                                                    \
@@ -92,8 +93,8 @@ _Static_assert((int)MODEL_FATAL == (int)fmi3Fatal, "status order");
 #define NO_EVALUATION "providesEvaluateDiscreteStates is false"
 #define NO_ELEMENTS "providesPerElementDependencies is false"
 
-/* Functions that these FMUs refuse in words, with their parameters. They exist because
- * importers look for all functions of the standard. */
+/* Functions that these FMUs refuse with a message, and their parameters. They exist because importers look
+ * for all functions of the standard. */
 #define ABSENT_TABLE(ROW)                                                                                    \
     ROW(GetClock, NO_CLOCKS,                                                                                 \
         (fmi3Instance c, const fmi3ValueReference clocks[], size_t count, fmi3Clock values[]))               \
@@ -142,7 +143,7 @@ static const struct call calls_of_fmi3[] = {CALL3_TABLE(CALL3_RULE) ABSENT_TABLE
 
 #define CALL3(function) (&calls_of_fmi3[CALL3_##function])
 
-/* The functions without a row have no instance yet or no more. */
+/* Functions without a row take no instance, or create or free one. */
 #define CALL3_EXPORT(function, kind, phases) CONTACT_EXPORTED fmi3##function##TYPE fmi3##function;
 CALL3_TABLE(CALL3_EXPORT)
 ABSENT_TABLE(CALL3_EXPORT)
@@ -191,9 +192,9 @@ static const struct adapter adapter_of_fmi3 = {
     .state_magic = 0x334E4F43u, /* "CON3" on a little-endian machine */
 };
 
-/* Creating an instance of Co-Simulation or of Model Exchange. */
+/* This part creates an instance of Co-Simulation or of Model Exchange. */
 
-/* An instance that lives only for messages, and a pattern for the one to be made. */
+/* Returns an instance that lives only for messages and that the new instance is copied from. */
 static struct fmi3_instance make_nobody(const char *name, bool exchange, fmi3InstanceEnvironment environment,
                                         fmi3LogMessageCallback log_message)
 {
@@ -208,7 +209,7 @@ static struct fmi3_instance make_nobody(const char *name, bool exchange, fmi3Ins
     };
 }
 
-/* The required intermediate variables must be variables. */
+/* Whether the required intermediate variables are variables of the FMU; if not, a message says so. */
 static bool intermediate_in_order(struct instance *nobody, const char *function,
                                   const fmi3ValueReference required[], size_t count)
 {
@@ -286,7 +287,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(
     return NULL;
 }
 
-/* Setting up, starting, ending and resetting an instance. */
+/* This part sets up, starts, ends and resets an instance. */
 
 const char *fmi3GetVersion(void)
 {
@@ -298,8 +299,8 @@ void fmi3FreeInstance(fmi3Instance c)
     instance_free(c);
 }
 
-/* Named categories are switched on or off beside the others; none are all of them (FMI 3.0.2, section
- * 2.3.1). */
+/* Switches the named log categories on or off and leaves the others as they are. Without names all categories
+ * are switched (FMI 3.0.2, section 2.3.1). */
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean loggingOn, size_t nCategories,
                                const fmi3String categories[])
 {
@@ -334,10 +335,10 @@ PASS3(ExitInitializationMode, (fmi3Instance c),
 PASS3(Terminate, (fmi3Instance c), instance_enter(c, call, PHASE_TERMINATED))
 PASS3(Reset, (fmi3Instance c), instance_reset(c, call))
 
-/* Getting and setting values. A vector is read and written as a whole. */
+/* This part gets and sets values. A vector is read and written as a whole. */
 
-/* One vector, as they are mostly read in a run. Flattened, because calls would be a good part of what that
- * costs. */
+/* Reads Float64 variables, in a run mostly one vector. The function is flattened, because calls would be a
+ * good part of the time of such a read. */
 CONTACT_FLATTEN fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference vr[], size_t nvr,
                                           fmi3Float64 values[], size_t count)
 {
@@ -368,7 +369,7 @@ SETTER3(Int64, TYPES_ENUMERATION)
 GETTER3(Boolean, TYPES_BOOLEAN)
 SETTER3(Boolean, TYPES_BOOLEAN)
 
-/* No variable has one of these types, so that every reference is a wrong one. */
+/* No variable has one of these types, so that every reference is refused. */
 #define BOTH(Type)                                                                                           \
     GETTER3(Type, TYPES_NONE)                                                                                \
     SETTER3(Type, TYPES_NONE)
@@ -396,7 +397,7 @@ fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t n
                                            count);
 }
 
-/* Derivatives of outputs with respect to time, and with respect to inputs. */
+/* This part computes derivatives of outputs with respect to time and with respect to inputs. */
 
 PASS3(GetOutputDerivatives,
       (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, const fmi3Int32 orders[],
@@ -423,9 +424,10 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference unk
     return (fmi3Status)instance_product(c, CALL3(GetAdjointDerivative), &p);
 }
 
-/* Communication steps, and the events and intermediate updates within them. */
+/* This part takes communication steps, with the events and intermediate updates within them. */
 
-/* Tells the importer of an instant within the step; when it wants the step to end. */
+/* Calls the intermediate update callback at an event within the step. Returns the time at which the importer
+ * wants the step to end [s]. */
 static double tell_importer(struct fmi3_instance *own, double end_time)
 {
     struct instance *instance = &own->shared;
@@ -442,7 +444,8 @@ static double tell_importer(struct fmi3_instance *own, double end_time)
     return requested_time > now ? fmin(requested_time, end_time) : now;
 }
 
-/* A contact begins or ends (struct step_request). */
+/* Is called when a contact begins or ends within a step. Returns the time at which the step shall end [s]
+ * (struct step_request). */
 static double at_event(void *context, double end_time)
 {
     struct fmi3_instance *own = context;
@@ -453,7 +456,7 @@ static double at_event(void *context, double end_time)
     return own->event_mode_used && own->early_return_allowed ? own->event_time : end_time;
 }
 
-/* What a step tells besides its status. The model never ends a run by itself. */
+/* Sets the results of a step besides its status. The model never ends a run by itself. */
 static inline void put_results(fmi3Boolean *event_to, fmi3Boolean *terminate_to, fmi3Boolean *early_to,
                                fmi3Float64 *time_to, bool event, bool early, double time)
 {
@@ -463,9 +466,9 @@ static inline void put_results(fmi3Boolean *event_to, fmi3Boolean *terminate_to,
     *time_to = time;
 }
 
-/* Any step, with messages. Apart from fmi3DoStep, so that a deferred flight does not save registers for it;
- * its arguments are so few that all of them are in registers. A step that gets stuck is undone: fmi3Discard
- * leaves an instance as it was. */
+/* Takes any step and sends messages. It is not inlined into fmi3DoStep, so that a deferred flight saves no
+ * registers for it; its few arguments all fit in registers. A step that gets stuck is undone, because
+ * fmi3Discard has to leave an instance as it was. */
 CONTACT_NOINLINE static fmi3Status fmi3_do_step(struct instance *instance, double point, double size,
                                                 fmi3Boolean *event, fmi3Boolean *terminate,
                                                 fmi3Boolean *early, fmi3Float64 *time)
@@ -494,8 +497,8 @@ CONTACT_NOINLINE static fmi3Status fmi3_do_step(struct instance *instance, doubl
 }
 
 /*
- * Nothing is kept for going back (states are saved on request), so noSetFMUStatePriorToCurrentPoint is idle.
- * Flattened, because calls would be a good part of what a deferred flight costs.
+ * noSetFMUStatePriorToCurrentPoint has no effect, because states are saved only on request. The function is
+ * flattened, because calls would be a good part of the time of a deferred flight.
  */
 CONTACT_FLATTEN fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint,
                                       fmi3Float64 communicationStepSize,
@@ -514,16 +517,16 @@ CONTACT_FLATTEN fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommuni
         model_step_deferred(instance->model, currentCommunicationPoint + communicationStepSize)) {
         put_results(eventHandlingNeeded, terminateSimulation, earlyReturn, lastSuccessfulTime, false, false,
                     currentCommunicationPoint + communicationStepSize);
-        return fmi3OK; /* as the step before, so that step_status need not be written */
+        return fmi3OK; /* step_status need not be written: it is MODEL_OK already */
     }
     return fmi3_do_step(instance, currentCommunicationPoint, communicationStepSize, eventHandlingNeeded,
                         terminateSimulation, earlyReturn, lastSuccessfulTime);
 }
 
 /*
- * Event mode. In Co-Simulation a contact that begins or ends has changed its regime when fmi3DoStep returns:
- * nothing is left to iterate, nor scheduled. In Model Exchange regimes change here, and touches of bodies in
- * flight are announced.
+ * Event mode. In Co-Simulation a contact that begins or ends has changed its regime when fmi3DoStep returns.
+ * Event mode then has nothing to iterate and schedules no event. In Model Exchange regimes change in event
+ * mode, and touches of bodies in flight are announced.
  */
 
 fmi3Status fmi3EnterEventMode(fmi3Instance c)
@@ -571,7 +574,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
 
 /* Model Exchange. */
 
-/* Nothing is kept for going back, so noSetFMUStatePriorToCurrentPoint is idle. */
+/* noSetFMUStatePriorToCurrentPoint has no effect, because states are saved only on request. */
 PASS3(CompletedIntegratorStep,
       (fmi3Instance c, fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode,
        fmi3Boolean *terminateSimulation),
@@ -607,7 +610,7 @@ PASS3(GetNominalsOfContinuousStates, (fmi3Instance c, fmi3Float64 x[], size_t nx
 
 /* Saved states. */
 
-/* A state of another instance of Co-Simulation may be one of event mode, which this one may not have. */
+/* A state saved in event mode of Co-Simulation puts an instance without event mode into step mode. */
 fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state)
 {
     struct fmi3_instance *own = c;
@@ -628,7 +631,7 @@ PASS3(SerializeFMUState, (fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], 
 PASS3(DeserializeFMUState, (fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state),
       state_block_deserialize(c, call, bytes, size, state))
 
-/* Functions that are refused have no use for their arguments. */
+/* The refused functions do not use their arguments. */
 #ifdef __GNUC__
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-parameter"

@@ -6,15 +6,15 @@
 #include "scene/evaluate.h"
 
 /*
- * Inputs between communication points: each continues from its last value as a polynomial with the given
- * derivatives. A prescribed body follows its prescribed velocity unless its displacement has derivatives of
- * its own. A force element (all bodies prescribed) moves by given derivatives only. An integrator outside
- * sets inputs at each instant; they are constants until it sets them again.
+ * Between communication points each input continues from its last value as a polynomial with the given
+ * derivatives. A prescribed body follows its prescribed velocity, unless the importer gives derivatives of
+ * its displacement. Where all bodies are prescribed, they move by given derivatives only. An importer that
+ * integrates (Model Exchange) sets inputs at each instant; in between they stay constant.
  */
 
-/* Coefficients 0..2 of one scalar path from a signal that was set at this communication point. A value or
- * a derivative ends the derivatives of higher order that are not set with it; those of lower order go on as
- * they are at present. */
+/* Sets the coefficients 0..2 of one scalar path by a signal that was set at this communication point. A new
+ * value or derivative ends the derivatives of higher order that are not set with it. Lower orders keep their
+ * present values. */
 static void put_signal(struct vec3 *path, int k, double value, const struct input_signal *signal,
                        uint8_t marks)
 {
@@ -53,7 +53,8 @@ static bool inputs_prescribe_all(const struct scene_values *v)
     return true;
 }
 
-/* The axis goes on by derivatives of its own, or with the angular velocity. */
+/* Renews the paths of a body's rotation. The prescribed axis follows its given derivatives where it has some,
+ * else the angular velocity; in Model Exchange the axis input alone tells it. */
 static void renew_turn(const struct model *m, int body, const uint8_t *marks, struct body_path *path)
 {
     const struct scene_values *v = &m->state.values;
@@ -109,7 +110,7 @@ void model_start_paths(struct model *m)
         input_path_renew(m, i, marks, &m->state.motion.path[i]);
         if (SCENE_ANY_ROTATION && body_shape(i) != SHAPE_SPHERE) {
             const uint8_t *set = &m->state.marks[i][12];
-            if (!(set[0] | set[1] | set[2])) { /* until one is set, the axis is the parameter's */
+            if (!(set[0] | set[1] | set[2])) { /* until the input is set, the parameter gives the axis */
                 m->state.motion.path[i].axis[0] = body_axis(&m->state.values, i);
             }
         }
@@ -137,7 +138,8 @@ static bool input_path_is_same(const struct body_path *a, const struct body_path
            same_coefficients(a->velocity, b->velocity, 3) && same_coefficients(a->force, b->force, 3);
 }
 
-/* An axis that has turned with its body goes on from there, whatever of it is not set. */
+/* Sets the path of an axis that has followed the angular velocity to its present direction, from which the
+ * components that are not set go on. */
 static void put_turned_axis(const struct model *m, int body, struct body_path *path)
 {
     if (path->turn_follows == TURN_FOLLOWS_VELOCITY && body_shape(body) != SHAPE_SPHERE &&
@@ -162,20 +164,20 @@ static void input_path_shift(const struct model *m, int body, struct body_path *
     }
 }
 
-/* The penalty factors that the parameters describe. */
+/* This part computes the factors of the contact law from the parameters. */
 
 static struct contact_material material_of(const struct scene_values *v, int body)
 {
     return (struct contact_material){body_youngs_modulus(v, body), body_poissons_ratio(v, body)};
 }
 
-/* k_h of Hertz's theory, or the user's. */
+/* Returns the Hertz stiffness k_h [N/m^1.5]: by Hertz's theory, or as the user sets it. */
 static double hertz_stiffness_of(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     if (!scene_is_hertz(v, contact) || contact_penalty_control(v, contact) != PENALTY_CONTROL_AUTOMATIC) {
         return contact_hertz_stiffness(v, contact);
     }
-    const struct contact_shape shape = scene_whole_shape(v, q, contact); /* one for all zones: of the side */
+    const struct contact_shape shape = scene_whole_shape(v, q, contact); /* the side's k_h serves all zones */
     return hertz_stiffness(&shape, hertz_modulus(material_of(v, contact_source(contact)),
                                                  material_of(v, contact_destination(contact))));
 }
@@ -215,9 +217,9 @@ struct contact_law model_law_slope(const struct model *m, int contact, double di
 }
 
 /*
- * Parameters that are set between steps: the factors of the law, its dashpot, gravity, the solver's
- * tolerances. They are in force from the communication point at which they are set. Those in force until then
- * are kept meanwhile, so that what is set back, or set without an effect, changes nothing.
+ * Some parameters may be set between steps: the factors of the law, its dashpot, gravity, the solver's
+ * tolerances. A new value is in force from the communication point at which it is set. The values in force
+ * before are noted until then, so that a parameter that is set back, or set without effect, changes nothing.
  */
 
 static struct tunable_values tunable_values_of(const struct scene_values *v)
@@ -231,7 +233,7 @@ static struct tunable_values tunable_values_of(const struct scene_values *v)
     return now;
 }
 
-/* A deferred flight is caught up with the gravity that it had. */
+/* A deferred flight is computed here, because it went with the gravity in force before. */
 void model_begin_tuning(struct model *m)
 {
     if (!m->state.tuned) {
@@ -243,7 +245,7 @@ void model_begin_tuning(struct model *m)
     m->state.signals_open = 1;
 }
 
-/* Compares gravity and the factors of contacts with `before`. Returns whether anything differs. */
+/* Compares gravity and dashpots with `before`, and new factors with those of q. Whether anything differs. */
 static bool differs(const struct scene_values *v, const struct scene_state *q,
                     const struct tunable_values *before, struct motion_tuning *tuning)
 {
@@ -261,7 +263,8 @@ static bool differs(const struct scene_values *v, const struct scene_state *q,
     return any;
 }
 
-/* CVODE takes its tolerances when it starts. */
+/* Takes over new parameters. New tolerances restart the integrator, since CVODE reads them only at a
+ * start. */
 static bool take_over(const struct scene_values *v, struct scene_state *q,
                       const struct tunable_values *before)
 {
@@ -297,9 +300,9 @@ bool model_can_tune(const struct model *m, const struct variable *variable, cons
     return take_over(&v, &q, &before);
 }
 
-/* Inputs as the importer sets them, and when they come into force. */
+/* This part sets the inputs as the importer gives them and puts them into force. */
 
-/* Which of a body's input signals a variable is; -1 when it is no input. */
+/* Returns the index of a variable among its body's input signals, or -1 when it is no input. */
 static int signal_of(const struct variable *variable)
 {
     static const int rows[] = {ROW_body_prescribed_displacement, ROW_body_prescribed_velocity,
@@ -384,7 +387,7 @@ enum model_status model_set_input_derivative(struct model *m, const struct varia
     return MODEL_OK;
 }
 
-/* Whether an axis is prescribed that has no direction. */
+/* Whether a body's prescribed axis is zero and so has no direction. */
 static bool has_no_axis(const struct scene_values *v, int body)
 {
     return body_shape(body) != SHAPE_SPHERE && body_turn_is_prescribed(v, body) &&
@@ -437,7 +440,7 @@ bool model_apply_inputs(struct model *m)
     }
     bool applied = true;
     if (m->state.exchange == EXCHANGE_CONTINUOUS) {
-        memcpy(q->path, next, sizeof q->path); /* its power is integrated */
+        memcpy(q->path, next, sizeof q->path); /* the power of the inputs is integrated */
     } else {
         applied = same || motion_follow(&m->state.values, q, next, !m->host.exchange);
     }
@@ -445,12 +448,13 @@ bool model_apply_inputs(struct model *m)
     return applied;
 }
 
-/* Derivative and velocity may be rounded apart by this part of the larger: difference quotients of
- * displacements keep no more digits. */
+/* Two rates agree if their difference divided by the larger of them is not above this: an importer's
+ * difference quotients of displacements are no more accurate. */
 static const double RATE_AGREEMENT = 1e-6;
 
-/* Without derivatives of its own a displacement goes on with the velocity, or stays in a force element:
- * neither contradicts. In a force element derivatives of zero say the same as none. */
+/* Whether a body's displacement has given derivatives. Without them it follows the velocity, or rests
+ * where all bodies are prescribed, and does not contradict the velocity. Where all bodies are prescribed, a
+ * derivative of zero means that none is given. */
 static bool has_rate_of_its_own(const struct model *m, int body, struct vec3 rate)
 {
     const uint8_t *marks = m->state.marks[body];
@@ -458,7 +462,8 @@ static bool has_rate_of_its_own(const struct model *m, int body, struct vec3 rat
     return given && !(inputs_prescribe_all(&m->state.values) && vec3_is_zero(rate));
 }
 
-/* Two rates of the same quantity differ by more than rounding, or `least`, explains. */
+/* Whether two rates of one quantity differ by more than their rounding plus `least`, in the unit of the
+ * rates. */
 static bool contradict(struct vec3 a, struct vec3 b, double least)
 {
     const double size = fmax(vec3_norm(a), vec3_norm(b));
@@ -468,11 +473,11 @@ static bool contradict(struct vec3 a, struct vec3 b, double least)
 /* Bits of model_state.warned_of_rate. */
 enum { WARNED_OF_DISPLACEMENT = 1, WARNED_OF_AXIS = 2 };
 
-/* Rates of unit axes that are no further apart agree [1/s]: what rounding leaves of an axis, over a
- * microsecond. */
+/* Two rates of a unit axis agree if they differ by no more than this [1/s], which is the rounding of an axis
+ * divided by a microsecond. */
 static const double AXIS_AGREEMENT = 1e-9;
 
-/* An axis with derivatives of its own follows them, its body the angular velocity. */
+/* Warns of a prescribed axis whose given derivatives contradict the angular velocity of its body. */
 static void warn_of_axis(struct model *m, int body)
 {
     const struct scene_values *v = &m->state.values;

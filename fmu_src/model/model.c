@@ -6,7 +6,7 @@
 
 #include "model/state.h"
 
-/* The life of a model, and its steps. */
+/* This part creates, resets, starts and steps a model. */
 
 struct model *model_create(const struct model_host *host)
 {
@@ -91,7 +91,7 @@ double model_time(const struct model *m)
     return m->state.initialized ? scene_time(&m->state.motion) : m->state.start_time;
 }
 
-/* Whether the motion of the bodies, and the energies that go with it, are still numbers. */
+/* Whether the motion of the bodies and its energies are finite. */
 static bool motion_is_finite(const struct model *m)
 {
     const struct scene_values *v = &m->state.values;
@@ -106,7 +106,7 @@ static bool motion_is_finite(const struct model *m)
     return isfinite(sum);
 }
 
-/* The motion is as before, the integrator restarts. */
+/* Returns the motion to the state before a step; the integrator restarts there. */
 static void undo_step(struct model *m, const struct scene_state *before)
 {
     scene_state_copy(&m->state.values, before, &m->state.motion);
@@ -122,7 +122,8 @@ static enum model_status step_refused(struct model *m, const struct scene_state 
                         shortest_digits(end_time).text, shortest_digits(model_time(m)).text);
 }
 
-/* The state before is kept for the case that the step ends beyond the range of numbers, or too early. */
+/* Takes a step. The motion returns to the state before the step where the step ends beyond the range of
+ * numbers, or where a step that is to be taken as a whole ends early. */
 static enum model_status take_step(struct model *m, const struct step_request *request)
 {
     motion_catch_up(&m->state.values, &m->state.motion);
@@ -143,7 +144,8 @@ bool model_step_deferred(struct model *m, double end_time)
     return !m->state.signals_open && motion_defer(m, end_time);
 }
 
-/* A request whose asker may read outputs: they are of the instant, and reading changes nothing of the run. */
+/* A request whose callback at_event may read the outputs of its instant; reading them does not change the
+ * run. */
 struct readable_request {
     struct model *model;
     const struct step_request *asked;
@@ -182,7 +184,7 @@ enum model_status model_step_requested(struct model *m, const struct step_reques
     if (model_step_deferred(m, request->end_time)) {
         return MODEL_OK;
     }
-    model_forget_outputs(m); /* whoever is told of the step may read in the midst of it */
+    model_forget_outputs(m); /* at_event may read outputs within the step */
     struct readable_request readable = {m, request};
     struct step_request inner = *request;
     inner.at_event = request->at_event != NULL ? ask_readable : NULL;
@@ -192,11 +194,11 @@ enum model_status model_step_requested(struct model *m, const struct step_reques
     return status;
 }
 
-/* Saved states: the flat struct itself behind a header that says what it is. */
+/* A saved state is struct model_state itself, whose first members identify it. */
 
 enum { HEADER_SIZE = offsetof(struct model_state, values) };
 
-/* FNV-1a, 64 bit (Fowler, Noll, Vo): finds any altered byte, which is all that is asked of it. */
+/* Returns the checksum FNV-1a of 64 bits (Fowler, Noll, Vo), which any one altered byte changes. */
 static uint64_t checksum_of(const unsigned char *bytes, size_t size)
 {
     uint64_t hash = 14695981039346656037u;
@@ -230,13 +232,13 @@ void model_save(struct model *m, void *bytes)
 static bool value_in_range(const struct scene_values *values, const struct variable *row)
 {
     if (variable_is_local(row)) {
-        return true; /* computed from what is checked */
+        return true; /* it is computed from values that are checked */
     }
     const double value = variable_number(row, (const char *)values + row->offset);
     return isfinite(value) && (row->causality == VARIABLE_OUTPUT || (value >= row->min && value <= row->max));
 }
 
-/* Whether the bytes from one member up to another, doubles all of them, are numbers of this size at most. */
+/* Whether all doubles from one member up to another have a magnitude of at most `most`. */
 static bool all_within(const void *from, const void *to, double most)
 {
     const char *end = to;
@@ -255,7 +257,8 @@ static bool all_finite(const void *from, const void *to)
     return all_within(from, to, DBL_MAX);
 }
 
-/* An orientation, to rounding; after the end of initialization all have one. */
+/* Whether a quaternion is an orientation, that is of unit length to rounding. Before the end of
+ * initialization it may be zero instead. */
 static bool is_orientation(struct quaternion a, bool initialized)
 {
     return fabs(quaternion_dot(a, a) - 1.0) < 1e-9 || (!initialized && quaternion_dot(a, a) == 0.0);
@@ -283,14 +286,14 @@ static bool known_regime(int32_t regime)
     return regime >= REGIME_APART && regime <= REGIME_SEPARATING;
 }
 
-/* As in struct contact_solid: a side has no end that could be the other one. */
+/* Whether a zone is one of struct contact_solid. The sign tells the two ends apart, hence a side has none. */
 static bool known_zone(int32_t zone)
 {
     const int32_t part = zone < 0 ? -zone : zone;
     return zone == 0 || zone == ZONE_SIDE || part == ZONE_CAP || part == ZONE_RIM;
 }
 
-/* A unit vector, to rounding. */
+/* Whether a vector has unit length, to rounding. */
 static bool is_direction(struct vec3 a)
 {
     return fabs(vec3_dot(a, a) - 1.0) < 1e-9;
@@ -312,17 +315,17 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
         return false;
     }
     if ((SCENE_ANY_CYLINDER || SCENE_ANY_PLANE) && initialized && !is_direction(contact->parameters.axis) &&
-        !vec3_is_zero(contact->parameters.axis)) { /* spheres have the axis zero */
+        !vec3_is_zero(contact->parameters.axis)) { /* a sphere's axis is the zero vector */
         return false;
     }
-    /* Times up to which something was looked for may be infinite. */
+    /* The times up to which a search has looked ahead may be infinite, but not NaN. */
     const struct contact_schedule *ahead = &contact->schedule;
     return known_regime(ahead->change_regime) && contact->record.onsets >= 0 && !isnan(ahead->change_clock) &&
            !isnan(ahead->dead_band_clock) && isfinite(ahead->change_gap) &&
            all_finite(contact, &contact->record.onsets);
 }
 
-/* What event_driven goes on with unless it starts anew. */
+/* Whether the step that event_driven goes on with is sound, or event_driven starts anew. */
 static bool unfinished_is_sound(const struct scene_values *v, const struct scene_state *q, bool initialized)
 {
     const struct unfinished_step *step = &q->unfinished;
@@ -334,7 +337,8 @@ static bool unfinished_is_sound(const struct scene_values *v, const struct scene
            (is_step && all_finite(step, &step->solvable) && all_finite(step->at_start, &step->stages));
 }
 
-/* As model_save leaves it: without a history of CVODE, of which a restored state has nothing. */
+/* Whether the motion is as model_save leaves it. It does not rely on a history of CVODE, because saved states
+ * hold none. */
 static bool motion_is_sound(const struct scene_values *v, const struct scene_state *q, bool initialized)
 {
     const struct solver_counters *n = &q->counters;
@@ -344,14 +348,16 @@ static bool motion_is_sound(const struct scene_values *v, const struct scene_sta
         q->integrator_fresh == 1 || (q->integrator_fresh == 0 && !(initialized && motion_has_history(v)));
     const bool clocks_are_sound = q->clock >= 0.0 && !isnan(q->horizon_clock) &&
                                   !isnan(q->deferrable_clock) && (q->deferred == 0 || q->deferred == 1);
-    /* Inputs and their derivatives are below 1e150; more would overflow when the path's origin is moved. */
+    /* Larger coefficients would overflow when the path's origin is moved; inputs and derivatives stay below
+     * 1e150. */
     const bool paths_are_sound = all_within(q->path, q->path + SCENE_BODIES, 1e300);
     return counted && fresh && clocks_are_sound && paths_are_sound &&
            unfinished_is_sound(v, q, initialized) && all_finite(q->origin, &q->counters) &&
            all_finite(q, q->contact);
 }
 
-/* A wrong checksum catches accidents; this catches what could still do harm. */
+/* Whether all members of a state are in range. The checksum finds accidents only, not bytes made on
+ * purpose. */
 static bool state_is_sound(const struct model_state *state)
 {
     for (int i = 0; i < scene_variable_count; ++i) {
@@ -370,8 +376,8 @@ static bool state_is_sound(const struct model_state *state)
            all_finite(&state->importer_tolerance, state->in_force.dashpot) && state->tuned <= 1;
 }
 
-/* Whether all that can be read then are numbers; numbers near the end of their range may give none. Says
- * nothing. */
+/* Whether all variables of the state are finite when they are read; values near the end of their range may
+ * give infinite outputs. No message is sent. */
 static bool gives_numbers(struct model *m, const struct model_state *state)
 {
     const struct model_state before = m->state;
@@ -380,7 +386,7 @@ static bool gives_numbers(struct model *m, const struct model_state *state)
     m->state = *state;
     m->outputs = OUTPUTS_NONE;
     if (!model_update_outputs(m, OUTPUTS_ALL)) {
-        m->state.signals_changed = 0; /* inputs that are no good may still be replaced */
+        m->state.signals_changed = 0; /* refused inputs may still be replaced */
         (void)model_update_outputs(m, OUTPUTS_ALL);
     }
     bool finite = true;
@@ -438,7 +444,7 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
     return status;
 }
 
-/* Variables that are vectors. */
+/* This part finds vectors among the variables. */
 
 const struct variable *vector_variable(uint32_t reference)
 {

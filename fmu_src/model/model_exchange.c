@@ -14,7 +14,7 @@ static double *orientation_part(struct quaternion *q, int component)
     return parts[component];
 }
 
-/* Where the scene keeps a state; a displacement is kept as the way from its body's origin. */
+/* Returns the place of a state in the scene. The scene holds a displacement relative to its body's origin. */
 static double *state_at(struct scene_state *q, const struct variable *state)
 {
     const int i = state->element;
@@ -42,7 +42,7 @@ static double *state_at(struct scene_state *q, const struct variable *state)
     }
 }
 
-/* The difference between a state and what the scene keeps of it. */
+/* Returns the difference between a state and the value that state_at points to. */
 static double state_origin(const struct scene_state *q, const struct variable *state)
 {
     return state->row == ROW_body_displacement_state
@@ -50,7 +50,7 @@ static double state_origin(const struct scene_state *q, const struct variable *s
                : 0.0;
 }
 
-/* The time derivative of a state; zero for a body that is not free. */
+/* Returns the time derivative of a state; it is zero for a body that is not free. */
 static double rate_of(const struct scene_values *v, const struct scene_state *q,
                       const struct scene_instant *at, const struct variable *rate)
 {
@@ -125,7 +125,7 @@ double model_exchange_value(const struct scene_values *v, const struct scene_sta
                                                 : indicator_of(v, q, at, variable);
 }
 
-/* Mixes the bits of numbers into a mark (FNV-1a, by words). */
+/* Mixes the bits of numbers into a checksum (FNV-1a, applied to words of 64 bits). */
 static inline uint64_t mark_of(uint64_t mark, const double *values, int count)
 {
     for (int i = 0; i < count; ++i) {
@@ -136,8 +136,8 @@ static inline uint64_t mark_of(uint64_t mark, const double *values, int count)
     return mark;
 }
 
-/* A mark of the states that events make jump: energies, and springs where sliding begins or ends. It changes
- * when any bit of them does. */
+/* Returns a checksum of the states that events may make jump: the energies, and the friction springs where
+ * sliding begins or ends. */
 static uint64_t booked_states(const struct scene_state *q)
 {
     const double energies[2] = {q->dissipated, q->external_work};
@@ -150,9 +150,10 @@ static uint64_t booked_states(const struct scene_state *q)
     return SCENE_ANY_FRICTION ? mark_of(mark, &q->friction_energy, 1) : mark;
 }
 
-/* Changes of states along a path, for derivatives. */
+/* This part computes changes of states and rates along a path, for derivatives. */
 
-/* A change of the orientation in force, which is a unit quaternion, turns the axis with it. */
+/* Changes one component of an orientation along a path. The importer's quaternion may have any length; the
+ * change of its direction alone turns the body and its axis. */
 static void move_orientation(const struct scene_state *q, const struct variable *state, double change,
                              struct scene_jet *along)
 {
@@ -165,7 +166,7 @@ static void move_orientation(const struct scene_state *q, const struct variable 
     by = quaternion_scale(1.0 / sqrt(quaternion_dot(raw, raw)),
                           quaternion_axpy(by, -quaternion_dot(by, unit), unit));
     along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, by);
-    /* by = (0, r) unit / 2 turns by the rotation vector r */
+    /* With by = 1/2 (0, r) unit, a quaternion product, the body turns by the rotation vector r. */
     const struct vec3 turned =
         vec3_scale(2.0, quaternion_vector(quaternion_product(by, quaternion_inverse(unit))));
     along->axis[body][1] = vec3_add(along->axis[body][1], vec3_cross(turned, quaternion_third_axis(unit)));
@@ -221,7 +222,7 @@ static double orientation_rate_slope(const struct scene_state *q, const struct s
     return *orientation_part(&slope, rate->component);
 }
 
-/* The change of a contact's motion along the path. */
+/* Returns the change of a contact's motion along the path. */
 static struct turning_motion motion_along(const struct scene_jet *along, int contact)
 {
     const int from = contact_source(contact);
@@ -283,9 +284,9 @@ double model_exchange_slope(const struct scene_values *v, const struct scene_sta
     }
 }
 
-/* Regimes and touches. */
+/* This part changes regimes and foresees touches. */
 
-/* Changes the regimes whose margins ask for it; whether one did. */
+/* Changes each regime whose event function has passed zero. Whether one has changed. */
 static bool change_regimes(const struct scene_values *v, struct scene_state *q)
 {
     bool changed = false;
@@ -311,17 +312,17 @@ static bool change_regimes(const struct scene_values *v, struct scene_state *q)
     return changed;
 }
 
-/* Horizons of the search for a touch [s]. The first is enlarged step by step, up to an hour: a horizon not
- * much longer than the flight is the best conditioned. */
+/* Horizons of the search for a touch [s]. Each is four times the one before; the last is above an hour. A
+ * search is best conditioned if its horizon is not much longer than the flight. */
 static const double FIRST_HORIZON = 1.0, HORIZON_FACTOR = 4.0;
 enum { HORIZONS = 7 };
 
-/* Evaluations of one search where an axis turns. A touch beyond them is left to the importer's root
- * finding. */
+/* Limit on the evaluations of one search where an axis turns. If the search finds no touch within them, the
+ * importer's root finding has to find it. */
 static const long MOST_EVALUATIONS = 100000;
 
-/* How soon a contact that is apart touches [s]; INFINITY: not foreseen. The importer alone knows where it
- * moves a prescribed body. */
+/* Returns the time from now until an open contact touches [s], or INFINITY where no touch is foreseen. A
+ * touch of a prescribed body is not foreseen: only the importer knows how it will move. */
 static double touch_after(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at, int contact)
 {
@@ -339,11 +340,11 @@ static double touch_after(const struct scene_values *v, const struct scene_state
     return after;
 }
 
-/* The interface of model.h. */
+/* This part implements the functions that model.h declares. */
 
 void model_exchange_set_continuous(struct model *m, bool continuous)
 {
-    if (!model_apply_inputs(m)) { /* set in the mode that ends; if they are too large, reading says so */
+    if (!model_apply_inputs(m)) { /* inputs of the mode that ends; where they are refused, reading says so */
         m->outputs = OUTPUTS_NONE;
     }
     m->state.exchange = continuous ? EXCHANGE_CONTINUOUS : EXCHANGE_EVENTS;
@@ -353,7 +354,7 @@ enum model_status model_exchange_set_time(struct model *m, double time)
 {
     struct scene_state *q = &m->state.motion;
     const double event = q->base + q->base_tail;
-    /* Times that should agree may differ by a few roundings. */
+    /* A time that should equal that of the last event may differ from it by a few roundings. */
     if (!(time >= event - 4.0 * DBL_EPSILON * fabs(event) && time <= DBL_MAX)) {
         return model_report(
             m, MODEL_ERROR,
@@ -385,7 +386,7 @@ enum model_status model_exchange_set_states(struct model *m, const double *state
     return MODEL_OK;
 }
 
-/* Brings inputs, or before the end of initialization the start, up to date. */
+/* Takes over changed inputs. Before the end of initialization it renews the start of the motion instead. */
 static enum model_status follow(struct model *m)
 {
     if (!m->state.initialized) {
@@ -442,8 +443,8 @@ enum model_status model_exchange_update(struct model *m, bool *changed, bool *ju
     return status;
 }
 
-/* Part of the time, or of a second where that is more, below which a touch is not announced: importers take
- * times that differ by 1e-9 of them for the same, and cannot step to one. */
+/* Least announced time to a touch [s], divided by the time [s] or by 1 s, whichever is larger. Importers take
+ * two times whose relative difference is below 1e-9 for equal, and cannot step from one to the other. */
 static const double SOONEST_TOUCH = 1e-6;
 
 double model_exchange_next_touch(const struct model *m)

@@ -1,4 +1,4 @@
-/* How the model moves from one time to another. */
+/* The motion of the model from one time to another. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -9,8 +9,9 @@
 #include "scene/evaluate.h"
 #include "scene/transition.h"
 
-/* In a scene without a body that may be free the motion has no state but the clock: outputs are functions of
- * the inputs, now or over the last step. This says whether the scene has any over the last step. */
+/* Whether the scene has outputs over the last step, means or peaks. In a scene without a body that may be
+ * free the clock is the only state, and all outputs are functions of the inputs, now or over the last
+ * step. */
 static const bool SUMS_UP_STEPS = HAS_contact_mean_force || HAS_contact_peak_force ||
                                   HAS_contact_peak_penetration || HAS_contact_mean_source_torque ||
                                   HAS_contact_mean_destination_torque;
@@ -38,7 +39,7 @@ void motion_forget_integration(struct scene_state *q)
 {
     for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
         struct contact_state *contact = &q->contact[j];
-        contact->physics.accumulated_gap = DBL_MAX; /* positions give the gap */
+        contact->physics.accumulated_gap = DBL_MAX; /* the gap then comes from the positions */
         contact->schedule.change_clock = (double)INFINITY;
         contact->peaks = (struct contact_peaks){0.0, 0.0};
     }
@@ -91,7 +92,8 @@ void motion_begin(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-/* Takes the paths; in a force element that turns or rubs the springs go with them where inputs jump. */
+/* Takes over new paths. Where inputs jump in a force element that turns or rubs, the friction springs turn
+ * into the new tangent planes. */
 static void take_paths(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
                        bool jumps)
 {
@@ -124,7 +126,7 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
     return false;
 }
 
-/* Factors and forces: a sum that is finite only if all are. */
+/* Returns a sum that is finite only if all factors and normal forces of the contacts are. */
 static double size_of_forces(const struct scene_values *v, const struct scene_state *q)
 {
     struct scene_instant at;
@@ -172,7 +174,8 @@ static enum model_status report_step_limit(const struct model *m, const struct s
         request->whole ? "where it began" : "there");
 }
 
-/* A step of a force element, whose contacts are integrated over it where an output sums it up. */
+/* Takes a step of a force element. Its contacts are integrated over the step where a state or an output of
+ * the scene needs their integrals. */
 static enum model_status advance_force_element(struct model *m, const struct step_request *request)
 {
     const struct scene_values *v = &m->state.values;
@@ -239,7 +242,8 @@ void motion_catch_up(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-/* This function is not put into foresee_reading, which would save more registers at each call. */
+/* Computes the body outputs of prescribed bodies. Inlined into foresee_reading, this code would make that
+ * function save more registers at each call. */
 CONTACT_NOINLINE static void show_prescribed(struct scene_values *v, const struct scene_state *q)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -249,16 +253,16 @@ CONTACT_NOINLINE static void show_prescribed(struct scene_values *v, const struc
     }
 }
 
-/* After a deferred flight to `clock`: a caller that has read outputs after the step before will read again,
- * so body states are computed at once where that is cheap. The clock is passed by value, because reading it
- * back just after it was written costs more. */
+/* Computes the body outputs after a deferred flight to `clock` [s]: a caller that has read outputs after the
+ * previous step will probably read them again. The clock is passed by value, because reading it back just
+ * after it was written costs more time. */
 static void foresee_reading(struct model *m, double clock)
 {
     struct scene_values *v = &m->state.values;
     const struct scene_state *q = &m->state.motion;
     m->outputs = OUTPUTS_BODIES;
     _Static_assert(((int)MOTION_PRESCRIBED & ~(int)MOTION_FIXED) != 0, "fixed bodies hide prescribed ones");
-    int others = 0; /* bits of the motions that are not free: one instruction a body */
+    int others = 0; /* bits of the motions that are not free; costs one instruction for each body */
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
             const struct body_state at = flight_unforced_at(v, q, i, clock);
@@ -272,7 +276,8 @@ static void foresee_reading(struct model *m, double clock)
     }
 }
 
-/* Apart from motion_defer, which need not save registers for it. */
+/* Defers the flight beyond the known clock. It is not inlined, so that motion_defer saves no registers for
+ * it. */
 CONTACT_NOINLINE static bool defer_further(struct model *m, double end_time)
 {
     return SCENE_ANY_FREE && integrator_defer_further(&m->state.values, &m->state.motion, end_time);
@@ -312,6 +317,6 @@ double motion_size(const struct scene_values *v, const struct scene_state *q)
 
 double motion_least_speed(const struct scene_values *v)
 {
-    /* else the start value of solver.absolute_tolerance in scenes with a solver */
+    /* A scene without a solver takes the start value that solver.absolute_tolerance has elsewhere. */
     return SCENE_ANY_FREE ? solver_absolute_tolerance(v) : 1e-12;
 }

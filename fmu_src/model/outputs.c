@@ -1,4 +1,4 @@
-/* The outputs: of bodies, of contacts, of what turns and rubs, and their derivatives along a path. */
+/* The outputs of bodies, contacts, rotation and friction, and their derivatives along a path. */
 #include <math.h>
 
 #include "contact/shape.h"
@@ -6,17 +6,18 @@
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"
 
-/* Outputs of a contact that sum up a communication step or the run, energies and counters. */
+/* This part sets energies, counters and the contact outputs over a communication step or the run. */
 
-/* Divided, not scaled by 1/window, which is infinite for steps of less than 1e-308 s. */
+/* Returns an impulse divided by the length of the step [s]. The function does not multiply by the reciprocal,
+ * which is infinite for steps of less than 1e-308 s. */
 static struct vec3 mean_of(struct vec3 impulse, double window)
 {
     return window > 0.0 ? vec3_make(impulse.x / window, impulse.y / window, impulse.z / window)
                         : vec3_make(0.0, 0.0, 0.0);
 }
 
-/* Part of a peak that rounding may change and that is still the same peak: what a contact's force is known to
- * (touch/segment.c). */
+/* Largest error of a known peak force by rounding, divided by the peak force. The force of a contact is
+ * itself known to this accuracy (touch/segment.c). */
 static const double KNOWN = 1e-6;
 
 static bool peaks_are_known(const struct contact_state *state)
@@ -24,7 +25,7 @@ static bool peaks_are_known(const struct contact_state *state)
     return !(state->record.force_bound > state->peaks.force * (1.0 + KNOWN));
 }
 
-/* Why an output cannot be read although the motion is finite; NULL: it can. */
+/* Returns why an output cannot be read although the motion is finite, or NULL where it can be read. */
 static const char *unknown_reason(const struct model *m, const struct variable *variable)
 {
     const bool is_peak =
@@ -63,7 +64,7 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
     return mean.x + mean.y + mean.z + state->peaks.force + known;
 }
 
-/* Their sum. Nothing is added where nothing turns or rubs. */
+/* Sets the energies of rotation and friction. Returns their contribution to the total energy [J]. */
 static double put_turning_energies(struct scene_values *v, const struct scene_state *q,
                                    const struct scene_instant *at)
 {
@@ -75,7 +76,7 @@ static double put_turning_energies(struct scene_values *v, const struct scene_st
         put_energy_friction(v, q->friction_energy - tangential);
         return rotational + q->friction_energy;
     }
-    put_energy_friction(v, q->friction_energy); /* zero but for what an integrator outside says */
+    put_energy_friction(v, q->friction_energy); /* zero, unless an importer's integrator has set it */
     return q->friction_energy;
 }
 
@@ -101,7 +102,8 @@ static double put_energies(struct scene_values *v, const struct scene_state *q,
     return total;
 }
 
-/* Shows history of the contacts, energies and counters. The sum is finite only if all of them are. */
+/* Sets the energies, the counters and the contact outputs over a step or the run. Returns a sum that is
+ * finite only if all of them are. */
 static double show_motion(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)
 {
     double sum = SCENE_ANY_FREE ? put_energies(v, q, at) : motion_size(v, q);
@@ -119,7 +121,7 @@ static double show_motion(struct scene_values *v, const struct scene_state *q, c
     return sum;
 }
 
-/* Derivatives of the outputs that sum up a communication step. */
+/* This part computes derivatives of energies and of the outputs over a communication step. */
 
 bool model_has_derivatives(const struct variable *variable)
 {
@@ -128,14 +130,14 @@ bool model_has_derivatives(const struct variable *variable)
            variable->row != ROW_contact_peak_penetration;
 }
 
-/* Coefficient `order` of an output of the whole step. False: the variable is none. */
+/* Sets *term to coefficient `order` of an output over the step. False: the variable is no such output. */
 static bool step_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
                       const struct scene_jet *along, const struct variable *variable, int order, double *term)
 {
     const int j = variable->element;
     const bool touches = q->contact[j].regime != REGIME_APART;
     switch (variable->row) {
-    case ROW_contact_peak_force: /* peaks are those of the start until the end of initialization */
+    case ROW_contact_peak_force: /* until initialization ends, peaks are values at the start */
         *term =
             !m->state.initialized && at->normal_force[j] > 0.0 ? along->contact[j].normal_force[order] : 0.0;
         return true;
@@ -184,7 +186,8 @@ static double energy_term(const struct model *m, const struct scene_jet *along, 
     }
 }
 
-/* Coefficient `order` of an output that integrated motion has. False: the variable is none. */
+/* Sets *term to coefficient `order` of an energy or of an output over the run, which only scenes with a free
+ * body have. False: the variable is no such output. */
 static bool motion_term(const struct model *m, const struct scene_state *q, const struct scene_jet *along,
                         const struct variable *variable, int order, double *term)
 {
@@ -202,7 +205,7 @@ static bool motion_term(const struct model *m, const struct scene_state *q, cons
     case ROW_energy_friction:
         *term = energy_term(m, along, variable->row, order);
         return true;
-    case ROW_contact_last_duration: /* grows with the time while the bodies touch */
+    case ROW_contact_last_duration: /* the duration grows with time in contact */
         *term = contact[j].regime != REGIME_APART ? along->time[order] : 0.0;
         return true;
     case ROW_contact_last_onset_time:
@@ -213,7 +216,7 @@ static bool motion_term(const struct model *m, const struct scene_state *q, cons
     }
 }
 
-/* The outputs of what turns and rubs. */
+/* This part sets the outputs of rotation and friction. */
 
 static void put_turn(struct scene_values *v, const struct turning_instant *turning, int body)
 {
@@ -288,7 +291,7 @@ static double show_turning(struct scene_values *v, const struct scene_state *q,
     return sum;
 }
 
-/* Of the vectors that only contacts which turn or rub have. */
+/* Returns coefficient `order` of a vector output that only contacts with rotation or friction have. */
 static struct vec3 turning_term(const struct scene_jet *along, const struct variable *variable, int order)
 {
     const int j = variable->element;
@@ -314,7 +317,8 @@ static double quaternion_component(struct quaternion a, int index)
     return index == 0 ? a.w : vec3_get(quaternion_vector(a), index - 1);
 }
 
-/* d as users see it: of a capped cylinder from its axis, whichever zone is met. */
+/* Returns coefficient `order` of the output distance. A capped cylinder's is the distance from its axis in
+ * every zone. */
 static double distance_term(const struct scene_values *v, const struct contact_shape *shape,
                             const struct scene_instant *at, const struct scene_jet *along, int contact,
                             int order)
@@ -367,7 +371,7 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
     case ROW_contact_destination_force:
         vector = vec3_scale(-1.0, contact->source_force[order]);
         break;
-    case ROW_contact_point: { /* x_src + (d - r_d) n */
+    case ROW_contact_point: { /* source's centre + (d - r_d) n */
         const double radius = shape.other_radius;
         vector = vec3_add(along->displacement[contact_source(j)][order],
                           jet_scale(contact->distance, contact->normal, order));
@@ -408,10 +412,10 @@ double output_term(const struct model *m, const struct scene_state *q, const str
                : contact_term(m, q, at, along, variable, order);
 }
 
-/* The outputs of the present instant: what the model shows, computed from the motion and nothing else. */
+/* This part computes the outputs of the present instant from the motion alone. */
 
-/* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d
- * n, also where it is capped. */
+/* Returns the contact point: the source's centre + (d - r_d) n, with the distance d, the destination's radius
+ * r_d and the normal n. This is the point of the destination's surface on the line along n. */
 static struct vec3 contact_point_of(const struct scene_values *v, const struct contact_shape *shape,
                                     const struct scene_instant *at, int contact)
 {
@@ -422,7 +426,7 @@ static struct vec3 contact_point_of(const struct scene_values *v, const struct c
     return vec3_axpy(centre, reach, g->normal);
 }
 
-/* d as users see it: of a capped cylinder from its axis, whichever zone is met. */
+/* Returns the output distance [m]. A capped cylinder's is the distance from its axis in every zone. */
 static double distance_of(const struct contact_shape *shape, const struct scene_instant *at, int contact)
 {
     if (contact_is_capped(shape)) {
@@ -432,7 +436,7 @@ static double distance_of(const struct contact_shape *shape, const struct scene_
     return at->geometry[contact].distance;
 }
 
-/* A sum that is finite only if both factors are. */
+/* Sets the outputs of Hertz's factors. Returns a sum that is finite only if both factors are. */
 static double put_hertz(struct scene_values *v, int contact, const struct contact_law *law)
 {
     struct contact_coefficients factors = {0.0, 0.0};
@@ -444,8 +448,8 @@ static double put_hertz(struct scene_values *v, int contact, const struct contac
     return factors.k + factors.c;
 }
 
-/* Numbers within their ranges can still multiply to more than a double holds: these functions return a sum
- * that is finite only if all outputs of theirs are. */
+/* Sets the outputs of a contact. Returns a sum that is finite only if all of them are, since products of
+ * values within their ranges may be more than a double holds. */
 static double put_contact(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                           int contact)
 {
@@ -520,7 +524,7 @@ static void update_all(struct model *m)
     }
     sum += show_motion(v, q, &at) + (SCENE_ANY_TURNING ? show_turning(v, q, &at) : 0.0);
     warn_of_missing_direction(m, q, &at);
-    /* What is no number has to be looked at one by one. */
+    /* If some output is not finite, model_read has to look at each by itself. */
     m->outputs = isfinite(sum) ? OUTPUTS_ALL : OUTPUTS_BODIES;
 }
 
@@ -535,7 +539,7 @@ bool model_update_outputs(struct model *m, enum outputs wanted)
         return false;
     }
     update_bodies(m);
-    /* Bodies that overlap may have to be warned of, whatever is asked. */
+    /* Overlapping bodies may need a warning, whichever outputs are wanted. */
     if (wanted > OUTPUTS_BODIES || scene_is_force_element(&m->state.values) ||
         !scene_is_apart(&m->state.motion)) {
         update_all(m);
@@ -543,7 +547,7 @@ bool model_update_outputs(struct model *m, enum outputs wanted)
     return true;
 }
 
-/* Which outputs have to be computed so that a variable shows the present. */
+/* Returns the outputs that have to be computed so that a variable shows the present. */
 static enum outputs outputs_for(const struct model *m, const struct variable *variable)
 {
     switch (variable->row) {
@@ -585,7 +589,8 @@ enum model_status model_read(struct model *m, const struct variable *variable, v
     return MODEL_OK;
 }
 
-/* Where a Real stands, if it can be read as it stands and its table entry has these marks; else NULL. */
+/* Returns the place of a Real variable that is up to date and whose table entry has the bits `marks`; else
+ * NULL. */
 static inline const double *known_real(const struct model *m, uint32_t reference, uint32_t marks)
 {
     const uint32_t real = reference < SCENE_REFERENCES ? scene_reals[reference] : 0;
@@ -604,7 +609,7 @@ bool model_get_vector(const struct model *m, const uint32_t *references, double 
     if (!from) {
         return false;
     }
-    /* One by one: what is read in wider portions than it was written in keeps the processor waiting. */
+    /* Single reads are faster: a read wider than the writes before it makes the processor wait. */
     values[0] = from[0];
     values[1] = from[1];
     values[2] = from[2];

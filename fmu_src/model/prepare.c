@@ -1,4 +1,4 @@
-/* What is refused of bodies that turn at the end of initialization. */
+/* The end of initialization: checks of the parameters, warnings, and the start of the motion. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -7,7 +7,8 @@
 #include "contact/shape.h"
 #include "model/state.h"
 
-/* A body of positive density everywhere has at least half of its axial moment across its axis. */
+/* Checks the moments of inertia of a freely turning body. If the density is nowhere negative, the transverse
+ * moment is at least half of the axial one. */
 static enum model_status check_inertia(struct model *m, int body)
 {
     const struct scene_values *v = &m->state.values;
@@ -56,9 +57,9 @@ static enum model_status check_rotation(struct model *m, int body)
                : check_inertia(m, body);
 }
 
-/* What is refused at the end of initialization, and what is warned of. */
+/* This part holds the checks and warnings for the contacts. */
 
-/* The factor that a contact's spring is made of; its name. */
+/* The parameter that scales the stiffness of a contact's spring. */
 struct spring_factor {
     double value;
     const char *name;
@@ -67,7 +68,7 @@ struct spring_factor {
 static struct spring_factor spring_factor_of(const struct scene_values *v, int contact)
 {
     const bool automatic = contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC;
-    if (scene_is_hertz(v, contact)) { /* a modulus is never zero */
+    if (scene_is_hertz(v, contact)) { /* automatic: k_h > 0, because moduli are */
         return (struct spring_factor){automatic ? 1.0 : contact_hertz_stiffness(v, contact),
                                       "hertz_stiffness"};
     }
@@ -75,8 +76,8 @@ static struct spring_factor spring_factor_of(const struct scene_values *v, int c
                      : (struct spring_factor){contact_penalty_factor(v, contact), "penalty_factor"};
 }
 
-/* A coefficient of restitution needs a spring that throws the bodies apart, and with the linear law the mass
- * of a body that can be thrown. */
+/* Refuses a coefficient of restitution without a spring, which would cause no rebound. The linear law also
+ * needs the mass of a free body. */
 static enum model_status check_restitution(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
@@ -112,7 +113,7 @@ static enum model_status check_restitution(struct model *m, int contact)
     return MODEL_OK;
 }
 
-/* What one law has and the other has not. */
+/* Refuses viscous_only under Hertz's law, which always has a spring, and then checks the restitution. */
 static enum model_status check_law(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
@@ -126,7 +127,7 @@ static enum model_status check_law(struct model *m, int contact)
     return check_restitution(m, contact);
 }
 
-/* Elastic friction slides at the lesser coefficient. */
+/* Checks that the static coefficient of elastic friction is not below the sliding one. */
 static enum model_status check_friction(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
@@ -143,7 +144,7 @@ static enum model_status check_friction(struct model *m, int contact)
     return MODEL_OK;
 }
 
-/* A capped cylinder is a solid of finite length. */
+/* Checks a destination with caps, which is a solid cylinder of finite length, and then the law. */
 static enum model_status check_ends(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
@@ -200,7 +201,7 @@ static enum model_status check_contact(struct model *m, int contact)
     return status == MODEL_OK ? check_friction(m, contact) : status;
 }
 
-/* Finite parameters can still multiply to infinity. */
+/* Checks that a contact's factors are finite, as products of finite parameters need not be. */
 static enum model_status check_factors(struct model *m, int contact)
 {
     const struct contact_state *state = &m->state.motion.contact[contact];
@@ -224,8 +225,9 @@ static enum model_status check_factors(struct model *m, int contact)
         contact_reference_modulus(&m->state.values, contact), state->parameters.diagonal);
 }
 
-/* Overlaps deeper than this part of the smaller radius are warned of: a penalty contact stands for small
- * deformations and throws such bodies apart, and lengths may have been meant in millimetres. */
+/* The penetration at the start divided by the smaller radius, above which the model warns. A penalty
+ * contact is meant for small deformations and throws such bodies apart; perhaps lengths were meant in
+ * millimetres. */
 static const double DEEP_START = 0.1;
 
 static void warn_of_deep_start(const struct model *m, const struct scene_instant *at, int contact)
@@ -235,7 +237,7 @@ static void warn_of_deep_start(const struct model *m, const struct scene_instant
     const struct contact_law law = scene_contact_law(v, &m->state.motion, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const double radius = shape.other_radius > 0.0 ? fmin(shape.source_radius, shape.other_radius)
-                                                   : shape.source_radius; /* of a plane */
+                                                   : shape.source_radius; /* the other body is a plane */
     if (!(-g->gap > DEEP_START * radius) || !scene_within_extents(&shape, g)) {
         return;
     }
@@ -246,7 +248,7 @@ static void warn_of_deep_start(const struct model *m, const struct scene_instant
         scene_contact_name(contact), g->gap, radius, contact_stored_energy(&law, REGIME_COMPRESSION, g->gap));
 }
 
-/* Finite parameters can multiply to infinite forces and energies as well. */
+/* Checks that the forces and energies at the start are finite, and warns of deep penetrations. */
 static enum model_status check_start(struct model *m)
 {
     const struct scene_values *v = &m->state.values;
@@ -267,7 +269,8 @@ static enum model_status check_start(struct model *m)
     return MODEL_OK;
 }
 
-/* Hertz's theory takes the contact for small beside the bodies. */
+/* Warns of conforming surfaces. Hertz's theory assumes a contact area that is small compared with the
+ * bodies. */
 static enum model_status warn_of_conforming(struct model *m)
 {
     enum model_status status = MODEL_OK;
@@ -289,7 +292,7 @@ static enum model_status warn_of_conforming(struct model *m)
     return status;
 }
 
-/* Whether one of the bodies or contacts from `first` to before `last` has an item that would do. */
+/* Whether the choice of a body or contact from `first` to `last` - 1 has one of the items of `use`. */
 static bool has_item(const struct scene_values *v, const struct scene_use *use, int first, int last)
 {
     for (int i = first; i < last; ++i) {
@@ -300,7 +303,7 @@ static bool has_item(const struct scene_values *v, const struct scene_use *use, 
     return false;
 }
 
-/* Whose choice counts: from `first` to before `last`. */
+/* Finds the bodies or contacts, from `first` to `last` - 1, whose choice counts for `use`. */
 static void owners_of_choice(const struct scene_use *use, int element, int *first, int *last)
 {
     *first = use->whose == USE_OF_SOURCE        ? contact_source(element)
@@ -310,7 +313,7 @@ static void owners_of_choice(const struct scene_use *use, int element, int *firs
     *last = use->whose == USE_OF_ANY ? use->owners : *first + 1;
 }
 
-/* The variable of a choice: that of the first body or contact that has it. */
+/* Returns the name of the variable of a choice, for the first body or contact from `first` on that has it. */
 static const char *name_of_choice(const struct scene_use *use, int first)
 {
     for (int i = 0; i < scene_variable_count; ++i) {
@@ -322,10 +325,11 @@ static const char *name_of_choice(const struct scene_use *use, int first)
     return "";
 }
 
-/* Room for the choices that a message names. */
+/* Bytes for the choices that a message names. */
 enum { REMEDY_SIZE = 200 };
 
-/* What of one alternative does not hold, "contact.friction = elastic and ..."; how much that is. */
+/* Writes the conditions of one alternative that do not hold, as "contact.friction = elastic and ...". Returns
+ * their number. */
 static int missing_of(const struct scene_values *v, const struct scene_use *from, int element, char *remedy)
 {
     int missing = 0;
@@ -346,8 +350,8 @@ static int missing_of(const struct scene_values *v, const struct scene_use *from
     return missing;
 }
 
-/* Whether nothing reads a parameter, and by which choices something would: those of the alternative of which
- * the least is missing. */
+/* Whether nothing reads a parameter. `remedy` then names the choices by which something would read it, for
+ * the alternative with the fewest missing conditions. */
 static bool is_idle(const struct scene_values *v, const struct variable *variable, char *remedy)
 {
     int least = 0;
@@ -370,10 +374,9 @@ static bool is_idle(const struct scene_values *v, const struct variable *variabl
 }
 
 /*
- * A parameter that has been set while nothing reads it may be what a user meant to take effect. Set means
- * here
- * that it differs from its start value: some importers set every parameter to its start value, and a warning
- * of each would hide the one that matters; what a user sets to the start value changes nothing in any case.
+ * A user may have meant a parameter to take effect that nothing reads. A parameter counts as set when it
+ * differs from its start value: some importers set every parameter to its start value, and a warning for each
+ * of them would hide the one that matters.
  */
 void model_warn_of_idle(struct model *m)
 {
@@ -424,7 +427,7 @@ enum model_status model_check_consistency(struct model *m)
     return status == MODEL_OK ? warn_of_conforming(m) : status;
 }
 
-/* The start of a motion from parameters and inputs. */
+/* This part puts the motion at its start, by the parameters and inputs. */
 
 static struct vec3 start_displacement(const struct scene_values *v, const struct scene_state *q, int body)
 {
@@ -440,7 +443,8 @@ static struct vec3 unit_axis(const struct scene_values *v, int body)
     return vec3_scale(1.0 / vec3_norm(axis), axis);
 }
 
-/* A plane has no box of its own: that of `other`, so that both together are that. */
+/* Returns the bounding box of a body. A plane has no box of its own and gets that of the other body, so that
+ * the common box is the other body's. */
 static struct bounding_box body_box(const struct scene_values *v, int body, struct vec3 centre,
                                     const struct bounding_box *other)
 {
@@ -454,7 +458,8 @@ static struct bounding_box body_box(const struct scene_values *v, int body, stru
     return bounding_box_sphere(centre, body_radius(v, body));
 }
 
-/* Seen from the source's centre, so that a common offset costs no digits. */
+/* Finds the boxes of both bodies at the start relative to the source's centre, so that a common offset of the
+ * bodies costs no digits. */
 static void start_boxes(const struct scene_values *v, const struct scene_state *q, int contact,
                         struct bounding_box boxes[2])
 {
@@ -481,7 +486,7 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
     state->parameters.diagonal = bounding_box_diagonal(&boxes[0], &boxes[1]);
     state->side = 1;
     state->regime = (int32_t)REGIME_APART;
-    if (SCENE_ANY_FRICTION) { /* a thousandth of the diagonal per second, or the user's */
+    if (SCENE_ANY_FRICTION) { /* v_0: automatic, or the user's; 1e-3 has the unit 1/s */
         state->parameters.slip_velocity =
             contact_slip_velocity_control(v, contact) == SLIP_VELOCITY_CONTROL_AUTOMATIC
                 ? 1e-3 * state->parameters.diagonal
@@ -496,7 +501,7 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
     scene_now(v, q, &at);
     state->side = shape.side;
     if (contact_location(v, contact) == LOCATION_AUTOMATIC && !contact_is_capped(&shape)) {
-        /* inside when the centre (or axis) is closer than r_d and the source fits in */
+        /* The source is inside when its centre is closer than r_d to the centre or axis, and it fits in. */
         state->side =
             at.geometry[contact].distance < shape.other_radius && shape.source_radius < shape.other_radius
                 ? -1

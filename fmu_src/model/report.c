@@ -1,4 +1,4 @@
-/* Messages to the owner of a model, and numbers in them. */
+/* Messages to the owner of a model, and the text of numbers in messages. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,7 +53,7 @@ enum model_status model_report_stalled(const struct model *m, const struct step_
 struct shortest shortest_digits(double value)
 {
     struct shortest result = {""};
-    /* 15 digits are always kept by a double, 17 always tell it from its neighbours. */
+    /* A double keeps any 15 digits; 17 digits always tell it from its neighbours. */
     for (int digits = 15; digits <= 17; ++digits) {
         snprintf(result.text, sizeof result.text, "%.*g", digits, value);
         if (strtod(result.text, NULL) == value) {

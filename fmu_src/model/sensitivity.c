@@ -1,5 +1,5 @@
-/* Derivatives of outputs, with respect to time and with respect to inputs: both are coefficients along a path
- * (scene_jet.h). */
+/* Derivatives of outputs with respect to time and with respect to inputs. Both are Taylor coefficients
+ * along a path (scene_jet.h). */
 #include <math.h>
 #include <string.h>
 
@@ -11,12 +11,12 @@
 /* The point about which outputs are differentiated, and a path through it. */
 struct linear_model {
     const struct scene_state *q; /* the state that outputs show */
-    struct scene_state settled;  /* memory for it */
+    struct scene_state settled;  /* memory for q where it is a copy */
     struct scene_instant at;
     struct scene_jet along;
 };
 
-/* False where the inputs cannot be taken over. */
+/* Sets the point at the present instant. False: the inputs cannot be taken over. */
 static bool open_linear_model(struct model *m, struct linear_model *l)
 {
     const struct scene_values *v = &m->state.values;
@@ -40,7 +40,7 @@ static enum model_status check_finite(const struct model *m, const struct variab
                               variable->name);
 }
 
-/* Variables of the list's reference number i. */
+/* Returns the number of variables that reference i of the list stands for. */
 static size_t list_length(const struct variable_list *list, size_t i)
 {
     return list->vectors ? vector_length(scene_variable(list->references[i])) : 1;
@@ -66,7 +66,8 @@ enum model_status model_get_output_derivatives(struct model *m, const struct var
     return status;
 }
 
-/* Of a prescribed body its motion has an effect at once; of a free one the force, on its acceleration. */
+/* Moves one known along the path. An input has an effect only where it is in use: the motion inputs of a
+ * prescribed body, the force and torque on a free one. A state of Model Exchange may be a known too. */
 static void move_inputs(const struct scene_values *v, const struct scene_state *q,
                         const struct scene_instant *at, const struct variable *known, double change,
                         struct scene_jet *along)
@@ -100,7 +101,8 @@ static void move_inputs(const struct scene_values *v, const struct scene_state *
     }
 }
 
-/* Until the end of initialization the diagonal follows the start. */
+/* Returns the slope of the bounding box's diagonal along the path. Only until the end of initialization does
+ * the diagonal follow the positions at the start. */
 static double diagonal_slope(const struct model *m, const struct scene_jet *along, int contact)
 {
     if (m->state.initialized) {
@@ -120,12 +122,13 @@ static void vary_factors(const struct model *m, struct scene_jet *along)
         }
         if (SCENE_ANY_FRICTION &&
             contact_slip_velocity_control(&m->state.values, j) == SLIP_VELOCITY_CONTROL_AUTOMATIC) {
-            along->slip_velocity_slope[j] = 1e-3 * diagonal_slope(m, along, j); /* as prepare.c has it */
+            along->slip_velocity_slope[j] = 1e-3 * diagonal_slope(m, along, j); /* the factor of prepare.c */
         }
     }
 }
 
-/* Until the end of initialization a contact begins at the start: its damping follows gap and rate there. */
+/* Varies the damping that depends on the onset of a contact. Until the end of initialization the onset is the
+ * start, and the damping follows the gap and gap rate there. */
 static void vary_onsets(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
                         struct scene_jet *along)
 {
@@ -142,7 +145,8 @@ static void vary_onsets(const struct model *m, const struct scene_state *q, cons
     }
 }
 
-/* Calculated parameters, too, are those of the start until the end of initialization. */
+/* Returns the derivative of an unknown along the path. Calculated parameters change with the start until the
+ * end of initialization. */
 static double input_derivative(const struct model *m, const struct scene_state *q,
                                const struct scene_instant *at, const struct scene_jet *along,
                                const struct variable *variable)
@@ -159,7 +163,7 @@ static double input_derivative(const struct model *m, const struct scene_state *
     case ROW_contact_effective_viscous_penalty_factor:
         return contact_coefficients_of(&along->law_slope[j], REGIME_COMPRESSION).c;
     case ROW_contact_effective_hertz_stiffness:
-        return 0.0; /* of shapes and materials, which inputs do not change */
+        return 0.0; /* depends on shapes and materials, not on inputs */
     case ROW_contact_effective_hunt_crossley_factor:
         return contact_is_hertz(&along->law_slope[j]) ? contact_factors_of(&along->law_slope[j]).c : 0.0;
 #if HAS_contact_diagonal
@@ -186,12 +190,12 @@ static void begin_path(const struct model *m, struct linear_model *l)
         l->along.jumps = !m->host.exchange && scene_is_force_element(&m->state.values);
     }
     for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS && scene_turns(&m->state.values); ++j) {
-        /* The spring of the state, which a reading does not lay onto the tangent plane. */
+        /* A reading of outputs does not turn the spring of the state into the tangent plane. */
         l->along.spring_lift[j] = vec3_dot(m->state.motion.turning.spring[j], l->at.geometry[j].normal);
     }
 }
 
-/* Follows the changes of the inputs to the contacts. */
+/* Computes how the contacts change with the inputs along the path. */
 static void finish_path(const struct model *m, struct linear_model *l)
 {
     const struct scene_values *v = &m->state.values;
@@ -199,7 +203,7 @@ static void finish_path(const struct model *m, struct linear_model *l)
     vary_onsets(m, l->q, &l->at, &l->along);
     jet_of_contacts(v, l->q, &l->at, &l->along);
     if (SCENE_ANY_FREE && m->state.initialized && !m->host.exchange) {
-        /* Whoever moves a body by a jump of an input does the work on the contact. */
+        /* The jump of an input that moves a body does the work that changes the energy stored in contacts. */
         l->along.external_work[1] = jet_of_stored(v, l->q, &l->along, 1);
     }
 }
@@ -233,7 +237,7 @@ enum model_status model_get_directional_derivative(struct model *m, const struct
     return status;
 }
 
-/* The sum of the unknowns' changes along the path, each times its seed. */
+/* Sums the changes of the unknowns along the path, each times its seed. */
 static enum model_status weighted_change(const struct model *m, const struct linear_model *l,
                                          const struct variable_list *unknowns, const double *seed,
                                          double *sum)
@@ -252,7 +256,8 @@ static enum model_status weighted_change(const struct model *m, const struct lin
     return status;
 }
 
-/* Each known is moved by itself: there are few inputs, and each costs as much as reading all outputs. */
+/* Each known is moved by itself. That is cheap enough: inputs are few, and moving one costs as much as
+ * reading all outputs. */
 enum model_status model_get_adjoint_derivative(struct model *m, const struct variable_list *unknowns,
                                                const struct variable_list *knowns, const double *seed,
                                                double *values)

@@ -9,14 +9,15 @@
 #include "scene/scene_jet.h"
 #include "scene/scene_state.h"
 
-/* Raised when struct model_state, struct scene_state or struct scene_values change their meaning. */
+/* The version is raised when struct model_state, struct scene_state or struct scene_values change their
+ * meaning. */
 #define MODEL_STATE_VERSION 14u
 #define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
 
 /* Who integrates: the model itself, or the importer, in event mode or in continuous-time mode. */
 enum exchange_mode { EXCHANGE_NONE, EXCHANGE_EVENTS, EXCHANGE_CONTINUOUS };
 
-/* Bits of input_signal.marks */
+/* Bits of model_state.marks */
 enum {
     SIGNAL_VALUE = 1,     /* the value was set at this communication point */
     SIGNAL_RATE = 2,      /* a first derivative was set at this communication point */
@@ -24,7 +25,7 @@ enum {
     SIGNAL_EXPLICIT = 8   /* the input goes on by given derivatives */
 };
 
-/* One scalar input as the importer set it. */
+/* The time derivatives of one scalar input as the importer set them. */
 struct input_signal {
     double rate, curvature; /* d/dt and d^2/dt^2 */
 };
@@ -33,15 +34,15 @@ struct input_signal {
  * prescribed angular velocity, axis and external torque. */
 enum { SIGNALS_EACH = SCENE_ANY_ROTATION ? 18 : 9 };
 
-/* Parameters that may be set between steps and of which the motion keeps no copy of its own. */
+/* Values of the tunable parameters, which may be set between steps, where the motion keeps no own copy. */
 struct tunable_values {
     struct vec3 gravity;                           /* [m/s^2] */
     double relative_tolerance, absolute_tolerance; /* of the solver */
     int32_t dashpot[SCENE_CONTACTS];
-    int32_t unused; /* in place of padding */
+    int32_t unused; /* fills the place of padding */
 };
 
-/* Flat and without pointers: this is what is saved. Doubles come first so that there is no padding inside. */
+/* The state as it is saved: flat and without pointers. Doubles come first, which leaves no padding inside. */
 struct model_state {
     uint32_t magic, version, scene, size;
     uint64_t checksum; /* of everything below */
@@ -50,26 +51,26 @@ struct model_state {
     struct scene_state motion;
     double importer_tolerance; /* 0: none given */
     double start_time;
-    /* mark of the states that events make jump, when the importer last set or read them */
+    /* booked_states() (model_exchange.c) when the importer last set or read the states */
     uint64_t booked;
-    struct tunable_values in_force; /* while `tuned`: the parameters in force, which `values` no longer has */
+    struct tunable_values in_force; /* while `tuned`: the parameters in force; `values` has new ones */
     uint8_t marks[SCENE_BODIES][SIGNALS_EACH];
-    uint8_t signals_changed; /* a mark is set that model_apply_inputs has not seen */
+    uint8_t signals_changed; /* model_apply_inputs has not seen some mark yet */
     uint8_t signals_open;    /* some mark is set since the last step */
-    uint8_t tuned;           /* some parameter is set that model_tune has not taken over */
+    uint8_t tuned;           /* model_tune has not taken over some parameter yet */
     uint8_t initialized;
     uint8_t exchange; /* enum exchange_mode */
-    /* whether warnings of contradictions of a body's inputs (bits, model/inputs.c), of a contact without
-     * direction were given */
+    /* the warnings given so far: of a body whose inputs contradict each other (bits, model/inputs.c); of a
+     * contact without direction (0 or 1) */
     uint8_t warned_of_rate[SCENE_BODIES], warned_of_direction[SCENE_CONTACTS];
 };
 
-/* Which outputs are up to date; each value includes the ones before. As bits these are the variables that can
- * be read as they stand (enum variable_source). VARIABLE_FIXED only tells the first two values apart. */
+/* Which outputs are up to date; each value includes the ones before. The bits of a value tell which variables
+ * can be read as they stand (enum variable_source). VARIABLE_FIXED only tells the first two values apart. */
 enum outputs {
     OUTPUTS_NONE = VARIABLE_GIVEN,
-    OUTPUTS_FIXED = OUTPUTS_NONE | VARIABLE_FIXED,  /* of bodies that never move */
-    OUTPUTS_BODIES = OUTPUTS_FIXED | VARIABLE_BODY, /* displacement, position and velocity of all */
+    OUTPUTS_FIXED = OUTPUTS_NONE | VARIABLE_FIXED,  /* outputs of bodies that never move */
+    OUTPUTS_BODIES = OUTPUTS_FIXED | VARIABLE_BODY, /* displacement, position, velocity of all */
     OUTPUTS_ALL = OUTPUTS_BODIES | VARIABLE_COMPUTED
 };
 
@@ -77,7 +78,7 @@ struct model {
     struct model_state state;
     struct model_host host;
     struct integrator integrator;
-    enum outputs outputs; /* in state.values */
+    enum outputs outputs; /* those up to date in state.values */
 };
 
 /* Whether the host wants messages of this status; asked before a costly message is made. */
@@ -95,26 +96,26 @@ static inline void model_forget_outputs(struct model *m)
 CONTACT_COLD enum model_status model_report(const struct model *m, enum model_status status,
                                             const char *format, ...) CONTACT_PRINTF_LIKE(3, 4);
 
-/* MODEL_DISCARD of a step within which contacts change without end, or nearly so. */
+/* Reports, with MODEL_DISCARD, a step within which contacts change regime without end or too often. */
 CONTACT_COLD enum model_status model_report_stalled(const struct model *m,
                                                     const struct step_request *request);
 
 /* Puts the motion at the start that the present parameters and inputs describe. */
 CONTACT_COLD void model_prepare(struct model *m);
 
-/* The factors of a contact that the parameters describe, with the diagonal in force. */
+/* Returns the stiffness and damping factors of a contact by its parameters and the diagonal in force. */
 struct contact_coefficients model_factors(const struct scene_values *v, const struct scene_state *q,
                                           int contact);
 
-/* d/ds of the diagonal of the bounding box, and of the factors made from it, when the separation at the start
- * changes by `rate` s. */
+/* The first function returns d/ds of the bounding box's diagonal when the separation at the start changes by
+ * s times `rate`. The second returns d/ds of the law's factors for that slope of the diagonal. */
 double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate);
 struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope);
 
-/* The paths that the inputs describe at the start. */
+/* Sets the paths of the bodies at the start by the inputs. */
 void model_start_paths(struct model *m);
 
-/* Contradictions between parameters; reports the first. */
+/* Checks the parameters for contradictions and reports the first. */
 CONTACT_COLD enum model_status model_check_consistency(struct model *m);
 
 /* Warns of each parameter that has been set and that nothing reads, naming the choice by which something
@@ -122,46 +123,47 @@ CONTACT_COLD enum model_status model_check_consistency(struct model *m);
 CONTACT_COLD void model_warn_of_idle(struct model *m);
 
 /* Takes changed inputs over into the paths of the motion. False: an energy would be beyond the range of
- * numbers; the motion is unchanged, and other inputs may be set. */
+ * numbers, or an axis has no direction. The motion is then unchanged, and other inputs may be set. */
 bool model_apply_inputs(struct model *m);
 
-/* Keeps the parameters in force before one is set between steps. */
+/* Notes the parameters in force, before one of them is set between steps. */
 void model_begin_tuning(struct model *m);
 
-/* Takes parameters that were set between steps over into the motion and books the energy that this adds or
- * removes. False: a force or an energy would be beyond the range of numbers; the motion is unchanged. The
- * second function tells whether one value would be refused so. */
+/* model_tune takes parameters that were set between steps over into the motion and books the energy that they
+ * add or remove. False: a force or an energy would be beyond the range of numbers; the motion is unchanged.
+ * model_can_tune tells whether model_tune would accept one value. */
 bool model_tune(struct model *m);
 bool model_can_tune(const struct model *m, const struct variable *variable, const void *value);
 
-/* From the present communication point on, inputs go on as they are. */
+/* Clears the marks of the inputs set at this communication point, once a step begins. */
 void model_close_inputs(struct model *m);
 
 /* Warns once of each prescribed body whose given derivative of displacement is not its prescribed
  * velocity. */
 void model_warn_of_rates(struct model *m);
 
-/* Computes outputs of the present, `wanted` at least; false where the inputs cannot be taken over. */
+/* Computes at least the outputs `wanted` of the present instant. False: the inputs cannot be taken over. */
 bool model_update_outputs(struct model *m, enum outputs wanted);
 
-/* Reports that the inputs lead beyond the range of numbers. */
+/* Reports that an axis has no direction, or that the inputs lead beyond the range of numbers. */
 enum model_status model_refuse_inputs(const struct model *m);
 
-/* The integrator's memory for the method that v chooses; MODEL_ERROR when there is none to be had, with a
- * message that begins with `otherwise`. */
+/* motion_open allocates the integrator's memory for the method that v chooses; motion_close frees it.
+ * MODEL_ERROR: the integrator could not be opened; the message begins with `otherwise`. */
 enum model_status motion_open(struct model *m, const struct scene_values *v, const char *otherwise);
 void motion_close(struct model *m);
 
-/* Whether the method goes on from a history that is not part of the saved state, as CVODE does. */
+/* Whether the solver's method uses a history that is not part of the saved state, as CVODE does. */
 bool motion_has_history(const struct scene_values *v);
 
-/* Puts free bodies to where they start; then, all else being known, begins the motion. */
+/* motion_place puts the free bodies to where they start. motion_begin then begins the motion: it settles the
+ * regimes of the contacts. */
 void motion_place(const struct scene_values *v, struct scene_state *q);
 void motion_begin(const struct scene_values *v, struct scene_state *q);
 
-/* Changes the paths of the inputs and books the work that the change does; false, and nothing changed, where
- * the work is not finite. `jumps`: no integrator outside has the springs as its states, so that those of
- * contacts without a free body are laid onto the new tangent planes. */
+/* Changes the paths of the inputs and books the work that the change does. Returns false, and changes
+ * nothing, where that work is not finite. `jumps`: the model itself integrates, so that the friction springs
+ * of contacts without a free body are laid onto the new tangent planes. */
 bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
                    bool jumps);
 
@@ -172,35 +174,36 @@ struct motion_tuning {
     struct vec3 more_gravity;         /* [m/s^2] */
 };
 
-/* Takes them over and books the work; false where something is not finite (q is of no use then). `v` holds
- * the new parameters. */
+/* Takes over new factors and gravity, and books their work. `v` holds the new parameters. False: a force, a
+ * factor or the work is not finite, and q is of no use. */
 bool motion_tune(const struct scene_values *v, struct scene_state *q, const struct motion_tuning *tuning);
 
-/* Moves to the end of the step. */
+/* Moves the motion to the end of the requested step. */
 enum model_status motion_advance(struct model *m, const struct step_request *request);
 
-/* Deferred flight (flight/flight.h): whether the step was such, and computing what was deferred. */
+/* Deferred flight (flight/flight.h): motion_defer advances only the clock, and returns false where it may
+ * not. motion_catch_up computes the states of the bodies after deferred steps. */
 bool motion_defer(struct model *m, double end_time);
 void motion_catch_up(const struct scene_values *v, struct scene_state *q);
 
-/* Sums that are finite only if the motion of the free bodies and all energies are. */
+/* Return sums that are finite only if the motion of the free bodies and the energies are. */
 double motion_size(const struct scene_values *v, const struct scene_state *q);
 double motion_energy(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at);
 
-/* Speeds below it are none [m/s]. */
+/* Returns the speed [m/s] below which a speed counts as zero. */
 double motion_least_speed(const struct scene_values *v);
 
-/* The state that outputs show: q, or `settled`, a copy with the regimes that the present inputs ask for. A
- * reading leaves q as it is. */
+/* Returns the state that outputs show. This is q where a body may be free, else `settled`, a copy of q with
+ * the regimes that the present inputs ask for. Reading outputs leaves q as it is. */
 const struct scene_state *motion_shown(const struct scene_values *v, const struct scene_state *q,
                                        struct scene_state *settled);
 
-/* Model Exchange, before the first step and after an event: clears caches that only the model's own
- * integrator fills. */
+/* Clears the caches that only the model's own integrator fills. Model Exchange calls it before the first step
+ * and after an event. */
 void motion_forget_integration(struct scene_state *q);
 
-/* The value of a state, a rate or an indicator. */
+/* Returns the value of a state, a rate or an indicator of Model Exchange. */
 double model_exchange_value(const struct scene_values *v, const struct scene_state *q,
                             const struct scene_instant *at, const struct variable *variable);
 
@@ -208,13 +211,13 @@ double model_exchange_value(const struct scene_values *v, const struct scene_sta
 void model_exchange_move(const struct scene_values *v, const struct scene_state *q,
                          const struct variable *state, double change, struct scene_jet *along);
 
-/* The change of a rate along the path. */
+/* Returns the change of a rate along the path. */
 double model_exchange_slope(const struct scene_values *v, const struct scene_state *q,
                             const struct scene_instant *at, const struct scene_jet *along,
                             const struct variable *variable);
 
-/* Along a path (scene_jet.h): coefficient `order` of a variable; zero where nothing along the path changes
- * it. */
+/* Returns the Taylor coefficient `order` of an output along a path (scene_jet.h); zero where the path does
+ * not change the output. */
 double output_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
                    const struct scene_jet *along, const struct variable *variable, int order);
 

@@ -18,25 +18,26 @@ enum variable_causality {
     VARIABLE_CALCULATED_PARAMETER,
     VARIABLE_INPUT,
     VARIABLE_OUTPUT,
-    /* local ones, which Model Exchange needs; computed when they are asked for */
-    VARIABLE_STATE,    /* of the integrator outside */
+    /* local variables, which Model Exchange needs; they are computed when they are read */
+    VARIABLE_STATE,    /* of the importer's integrator */
     VARIABLE_RATE,     /* d/dt of a state */
     VARIABLE_INDICATOR /* an event where it changes its sign */
 };
 
 struct variable {
     const char *name;
-    double min, max;    /* inclusive; of an enumeration the first and last item */
+    double min, max;    /* inclusive; for an enumeration the numbers of the first and last item */
     uint32_t reference; /* FMI value reference */
-    /* bytes into struct scene_values; a double for VARIABLE_REAL, else an int32_t; of local variables 0 */
+    /* position of the value in struct scene_values [bytes], 0 for local variables; the value is a double for
+     * VARIABLE_REAL, else an int32_t */
     uint16_t offset;
     uint16_t row;      /* enum variable_row of scene.h */
     uint8_t type;      /* enum variable_type */
     uint8_t causality; /* enum variable_causality */
     uint8_t element;   /* index of the body or contact, 0 for the rest */
     uint8_t component; /* 0..2 in a vector, else 0 */
-    uint8_t reinit;    /* of a state: whether events may make it jump */
-    uint8_t tunable;   /* 1: a parameter that may be set between steps, or what follows from such */
+    uint8_t reinit;    /* for a state: whether events may make it jump */
+    uint8_t tunable;   /* 1: a parameter that may be set between steps, or a value that depends on one */
 };
 
 static inline bool variable_is_local(const struct variable *variable)
@@ -49,7 +50,7 @@ static inline size_t variable_size(const struct variable *variable)
     return variable->type == VARIABLE_REAL ? sizeof(double) : sizeof(int32_t);
 }
 
-/* The value that stands at `at`. */
+/* Returns the variable's value stored at `at` as a number. */
 static inline double variable_number(const struct variable *variable, const void *at)
 {
     double real;
@@ -62,65 +63,69 @@ static inline double variable_number(const struct variable *variable, const void
     return integer;
 }
 
-/* What has to be current for a value to be that of the present; bits above those of an offset. */
+/* What has to be up to date so that a value is that of the present; the bits lie above those of an offset. */
 enum variable_source {
     VARIABLE_OFFSET = 0xffff,
     VARIABLE_GIVEN = 0x10000,    /* nothing: the importer gave it */
     VARIABLE_FIXED = 0x20000,    /* no variable has it, see enum outputs */
     VARIABLE_BODY = 0x40000,     /* the motion of the bodies */
     VARIABLE_COMPUTED = 0x80000, /* everything */
-    VARIABLE_VECTOR = 0x100000   /* also: first of a vector, whose others follow */
+    VARIABLE_VECTOR = 0x100000   /* beside another bit: the first of a vector's three components */
 };
 
-/* All it takes to read a Real variable: its offset and its enum variable_source; 0 for a reference that has
- * none. By value reference, SCENE_REFERENCES of them. */
+/* For each of the SCENE_REFERENCES value references: the offset of its Real variable and the bits of enum
+ * variable_source, or 0 where the reference has no Real variable. */
 extern const uint32_t scene_reals[];
 
 extern const struct variable scene_variables[];
 extern const int scene_variable_count;
 
-/* Whose choice it is: of the body or contact that has the variable, of that contact's bodies, or of any. */
+/* Whose choice counts: that of the body or contact that has the parameter, that of the contact's source or
+ * destination, or that of any body or contact. */
 enum use_whose { USE_OF_OWN, USE_OF_SOURCE, USE_OF_DESTINATION, USE_OF_ANY };
 
-/* Something reads the parameters of a row only while a choice has one of some items: `when` of
- * variables.toml.
- * A parameter is in force where all that stands for one of its alternatives holds, or nothing stands. */
+/* One condition under which the parameters of a row are read: a choice has one of some items (`when` of
+ * variables.toml). A parameter is in force where all conditions of one of its alternatives hold, or where it
+ * has no condition. */
 struct scene_use {
     uint16_t row, choice; /* enum variable_row; ROW_COUNT ends the table */
-    uint8_t items;        /* a bit for the number of each */
+    uint8_t items;        /* one bit for the number of each item */
     uint8_t whose;        /* enum use_whose */
-    uint8_t alternative;  /* from 0, ascending within a row */
-    uint8_t owners;       /* how many bodies or contacts there are to have that choice */
-    char wanted[25];      /* the items by name */
+    uint8_t alternative;  /* number of the alternative, ascending from 0 within a row */
+    uint8_t owners;       /* the number of bodies or contacts that have the choice */
+    char wanted[25];      /* the names of the items */
 };
 
 extern const struct scene_use scene_uses[];
 
 struct scene_values;
 
-/* The number of a choice's item, of a body or contact; a constant where the scene pins it. */
+/* Returns the number of the item that a choice of a body or contact has; a constant where the scene pins
+ * it. */
 int scene_choice(const struct scene_values *v, int row, int element);
 
-/* Where in scene_variables the SCENE_STATES states are, their rates, the SCENE_INDICATORS event indicators;
- * and the nominal values of the states. */
+/* Positions in scene_variables of the SCENE_STATES states, of their rates, and of the SCENE_INDICATORS event
+ * indicators; then the nominal values of the states. */
 extern const uint16_t scene_states[], scene_rates[], scene_indicators[];
 extern const double scene_state_nominals[];
 
-/* The variable of a value reference, NULL when the scene has none; takes the same time for every
- * reference. */
+/* Returns the variable of a value reference, or NULL when the scene has none. The search takes the same time
+ * for every reference. */
 const struct variable *scene_variable(uint32_t reference);
 
-/* The vector of a value reference, which is that of its first component, or a scalar; NULL for others. */
+/* Returns the first component of the vector, or the scalar, that a value reference names; else NULL. The
+ * reference of a vector is that of its first component. */
 const struct variable *vector_variable(uint32_t reference);
 
-/* The number of its components, 1 of a scalar; they follow each other in scene_variables. */
+/* Returns the number of a vector's components, or 1 for a scalar. Components follow each other in
+ * scene_variables. */
 size_t vector_length(const struct variable *first);
 
 /* Variables that a caller names by their value references. */
 struct variable_list {
     const uint32_t *references;
     size_t count;
-    bool vectors; /* each reference stands for a whole vector or a scalar; else for a scalar or a component */
+    bool vectors; /* true: a reference stands for a whole vector or a scalar; else for one number */
 };
 
 #endif
