@@ -19,7 +19,7 @@ struct collocation_place {
     struct collocation_change (*change_at)(const struct collocation *p, double s);
 };
 
-/* A vector of the world in the frame of the start, and back. */
+/* These two functions turn a vector of the world into the frame of the start, and back. */
 static inline struct vec3 collocation_in_frame(const struct collocation *p, struct vec3 a)
 {
     return vec3_make(vec3_dot(p->local.frame[0], a), vec3_dot(p->local.frame[1], a),
@@ -32,17 +32,17 @@ static inline struct vec3 collocation_in_world(const struct collocation *p, stru
                      p->local.frame[2]);
 }
 
-/* A at a time from the start, in the frame. */
+/* Returns A in the frame at the time t from the start [m/s^2]. */
 static struct vec3 acceleration_then(const struct collocation *p, double t)
 {
     return vec3_axpy(vec3_axpy(p->local.acceleration[0], t, p->local.acceleration[1]), t * t,
                      p->local.acceleration[2]);
 }
 
-/* The integral of y over time, by y and y' [m s]. */
+/* Returns the integral of y over time, expressed by the present y and y' [m s]. */
 static double collocation_oscillation_integral(const struct collocation *p, double y, double y_rate)
 {
-    /* a single decay has y' = -faster y, which also holds without a spring */
+    /* y of an overdamped step decays by y' = -faster y, with or without a spring */
     const double integral =
         p->kind == COLLOCATION_OVERDAMPED
             ? -y / oscillator_rates_of(&p->result.oscillator).faster
@@ -61,7 +61,8 @@ static struct collocation_correction collocation_correction_of(const struct coll
 
 /* How n and H turn about a centre or an axis. */
 
-/* half^2 f [m] at the nodes, and its softening, half of -half^2 df/dx by the centrifugal terms. */
+/* Sets half^2 f [m] at the nodes, and the softening, which is half of -half^2 df/dx by
+ * the centrifugal terms. */
 static void centre_load(const struct collocation *p, double *values, double *softening)
 {
     const int points = p->nodes->points;
@@ -86,7 +87,7 @@ static void centre_load(const struct collocation *p, double *values, double *sof
     }
 }
 
-/* H' = d n x A */
+/* Integrates H' = d n x A. Returns the largest change [m]: the change of H times the step divided by d. */
 static double integrate_momentum(struct collocation *p)
 {
     const struct nodal_vec3 *a = &p->work.acceleration_at;
@@ -110,7 +111,7 @@ static double integrate_momentum(struct collocation *p)
     return 2.0 * p->half / p->local.distance * change;
 }
 
-/* n' = H x n / d^2 */
+/* Integrates n' = H x n / d^2. Returns the largest change [m]: the change of n times d. */
 static double integrate_normal(struct collocation *p)
 {
     const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
@@ -142,7 +143,7 @@ static double integrate_normal(struct collocation *p)
     return p->local.distance * change;
 }
 
-/* H by n, then n by that H; returns the largest change [m]. */
+/* Integrates H with the present n, then n with the new H; returns the largest change [m]. */
 static double centre_turn(struct collocation *p)
 {
     if (p->kind != COLLOCATION_RESOLVED) {
@@ -156,7 +157,7 @@ static double centre_turn(struct collocation *p)
     return larger(by_momentum, integrate_normal(p));
 }
 
-/* half n.E at the nodes [m]. */
+/* Sets half n.E at the nodes [m]. */
 static void centre_mismatch(const struct collocation *p, double *values)
 {
     const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
@@ -167,12 +168,12 @@ static void centre_mismatch(const struct collocation *p, double *values)
     }
 }
 
-/* Sweep k multiplies the error by about 1/k of the radians of tangential motion in the step, some two. A
- * shorter step costs less than more sweeps. */
+/* A step turns by about two radians of tangential motion. Sweep k multiplies the error by about these radians
+ * divided by k. A shorter step costs less than more sweeps. */
 enum { MAX_SWEEPS = 30 };
 
-/* Rounding of coefficients relative to the values: they are sums with factors up to 611
- * (lobatto.monomial). */
+/* Rounding of the coefficients relative to the nodal values: a coefficient is a sum of nodal values with
+ * factors up to 611 (lobatto.monomial). */
 static const double COEFFICIENT_ROUNDING = 1e-12;
 
 /* x = s + y: s is the particular solution for the load, y the free oscillation from the start values. */
@@ -215,7 +216,7 @@ static void overdamped_response(struct collocation *p)
     nodal_coefficients(p->nodes, p->result.x, p->result.slow);
 }
 
-/* Rough bound of |x| in the step [m]. */
+/* Returns a rough bound of |x| in the step [m]. */
 static double size_of_deviation(const struct collocation *p)
 {
     double largest = fabs(p->result.y) + fabs(p->result.y_rate);
@@ -225,8 +226,8 @@ static double size_of_deviation(const struct collocation *p)
     return largest;
 }
 
-/* Solves for x under the load. Returns the largest change of a coefficient [m], scaled as if x were as large
- * as d: the force, which follows from x, gets the relative accuracy of the position. */
+/* Solves for x under the load. Returns the largest change of a coefficient [m], scaled up as if x were as
+ * large as d. The force, which follows from x, thereby gets the relative accuracy of the position. */
 static double apply_load(struct collocation *p, const double *values, double softening)
 {
     nodal_values before;
@@ -247,7 +248,7 @@ static double apply_load(struct collocation *p, const double *values, double sof
     return change > COEFFICIENT_ROUNDING * size ? change * fmax(1.0, p->local.distance / size) : 0.0;
 }
 
-/* The load f at the nodes, then x under it. */
+/* Updates the load f at the nodes, then x under this load. */
 static double update_load(struct collocation *p)
 {
     const int points = p->nodes->points;
@@ -256,20 +257,21 @@ static double update_load(struct collocation *p)
     nodal_values softening;
     double mean = 0.0;
     p->place->load(p, values, softening);
-    /* the softening averaged over the step: half its integral over s */
+    /* the mean of -half^2 df/dx over the step is half its integral over s, which is the integral of
+     * `softening` */
     for (int i = 0; i < points && p->kind == COLLOCATION_AVERAGED; ++i) {
         mean += weight[i * points] * softening[i];
     }
     return apply_load(p, values, mean);
 }
 
-/* One Gauss-Seidel sweep: the load f, x, H, n. */
+/* Makes one Gauss-Seidel sweep, which updates the load f, x, H and n in this order. */
 double collocation_sweep(struct collocation *p)
 {
     const double by_load = update_load(p);
     p->work.sweeps += 1;
     if (p->local.head_on) {
-        /* otherwise the load does not depend on x */
+        /* a head-on load does not depend on x, but an overdamped X is iterated */
         return p->kind == COLLOCATION_OVERDAMPED ? by_load : 0.0;
     }
     return larger(by_load, p->place->turn(p));
@@ -285,15 +287,15 @@ static double tail_of(const struct collocation *p, const struct nodal_vec3 *valu
     return across || !p->local.planar ? larger(nodal_tail(p->nodes, values->z), tail) : tail;
 }
 
-/* Error by the last coefficients of the integrands; integrals of Chebyshev polynomials are smaller by the
- * degree. */
+/* Estimates the error from the last coefficients of the integrands. The integral of a Chebyshev polynomial is
+ * smaller than the polynomial by its degree. */
 static double tail_of_all(const struct collocation *p)
 {
     const int points = p->nodes->points;
     const double of_deviation = larger(fabs(p->result.slow[points - 1]), fabs(p->result.slow[points - 2]));
     const double size = size_of_deviation(p);
-    /* the first omitted coefficient is less than a quarter of the last: half the step's radians, two at most,
-     * over its index */
+    /* the first omitted coefficient is less than a quarter of the last one: their ratio is half the step's
+     * radians, two at most, divided by the index */
     const double left_out = 0.25 * ldexp(of_deviation, 2 - points);
     const bool is_overdamped = p->kind == COLLOCATION_OVERDAMPED;
     const double by_deviation =
@@ -306,7 +308,7 @@ static double tail_of_all(const struct collocation *p)
     return larger(by_deviation, larger(by_normal, by_momentum) / points);
 }
 
-/* Whether all values are finite and d > 0: local coordinates end at the centre. */
+/* Whether all values are finite and d > 0. Local coordinates are singular at the centre, d = 0. */
 static bool is_sound(const struct collocation *p)
 {
     for (int i = 0; i < p->nodes->points; ++i) {
@@ -321,7 +323,7 @@ static bool is_sound(const struct collocation *p)
 
 static void sum_up(struct collocation *p)
 {
-    /* without the rate, which is far larger than x in a stiff contact */
+    /* y_rate does not count here: it is far larger than x in a stiff contact */
     double largest = fabs(p->result.y);
     for (int k = 0; k < p->nodes->points; ++k) {
         largest = larger(fabs(p->result.slow[k]), largest);
@@ -348,8 +350,8 @@ bool collocation_finish(struct collocation *p, double before, double tolerance)
     for (int i = p->work.sweeps; i < MAX_SWEEPS; ++i) {
         const double change = collocation_sweep(p);
         /* The error left is about change * gain, where gain is the factor by which the last sweep converged.
-         * H and n converge in turn, so the larger of two factors counts. An overdamped X converges last: no
-         * gain. */
+         * H and n converge in turn, so the larger of the last two factors counts. X of an overdamped step
+         * converges after H and n, so no factor is used there. */
         const double gain_before = gain;
         gain = before > 0.0 && p->kind != COLLOCATION_OVERDAMPED ? fmin(1.0, change / before) : 1.0;
         if (change * fmax(gain, gain_before) <= tolerance) {
@@ -374,7 +376,7 @@ bool collocation_make(struct collocation *p, const struct collocation_problem *f
  * azimuth and tilt, h.x and h.y those of their momenta; n.z and h.z are zero.
  */
 
-/* The state from rows of n and H. */
+/* Returns the state at a rim from the changes n of the angles and h of their momenta, and from x. */
 static struct rim_state collocation_rim_state(const struct collocation *p, struct vec3 n, struct vec3 h,
                                               double x)
 {
@@ -409,8 +411,8 @@ static struct rim_state collocation_rim_state_at_node(const struct collocation *
                                  p->result.x[i]);
 }
 
-/* collocation_correction_of at a rim: the derivatives of the rates with respect to d, times the integral of
- * y. */
+/* Does at a rim what collocation_correction_of does about a centre. The correction is the derivatives of the
+ * rates with respect to d times the integral of y. */
 static struct collocation_correction collocation_rim_correction(const struct collocation *p,
                                                                 const struct rim_state *at,
                                                                 struct vec3 acceleration, double y,
@@ -470,7 +472,7 @@ static void collocation_rim_load(const struct collocation *p, double *values, do
     }
 }
 
-/* Integrates two rows from their rates; returns the largest change. */
+/* Integrates the nodal values of two components from their rates; returns the largest change. */
 static double rim_integrate(const struct collocation *p, const struct nodal_vec3 *rate,
                             struct nodal_vec3 *sum)
 {
@@ -528,7 +530,7 @@ static void collocation_rim_at_node(const struct collocation *p, int node, struc
     *normal = collocation_in_world(p, rim_normal(&at));
 }
 
-/* The state at s; x of collocation_deviation, or averaged. */
+/* Returns the state at s. The caller passes x of collocation_deviation, or the averaged x. */
 static struct rim_state rim_state_then(const struct collocation *p, double s, const double x[4])
 {
     const struct lobatto *nodes = p->nodes;
@@ -571,7 +573,7 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
         tilt[0] += nodal_integral(p->result.tilt_rate, points, s) - p->result.normal_correction.y;
         tilt[1] = nodal_polynomial_at(p->result.tilt_rate, points, s);
         tilt[2] = nodal_slope(p->result.tilt_rate, points, s);
-        if (p->kind != COLLOCATION_RESOLVED) { /* the part by y, as in collocation_rim_correction */
+        if (p->kind != COLLOCATION_RESOLVED) { /* y adds to the tilt as in collocation_rim_correction */
             double slow[4];
             collocation_averaged_deviation(p, s, slow);
             const double by = -2.0 * tilt[1] / (p->from.reach + x[0]);
@@ -587,9 +589,9 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
 
 /* Dense output of a collocated step. */
 
-/* Parts of the interior error at the end of a step of four radians with eight nodes: LEFT_AT_END by the
- * quadrature, and LEFT_OF_PRODUCTS by products of an oscillation as large as d. Measured on
- * random steps, with a margin of three or more. */
+/* The parts of the interior error that are left at the end of a step of four radians with eight nodes.
+ * LEFT_AT_END is the part by the quadrature, LEFT_OF_PRODUCTS the part by products of an oscillation as large
+ * as d. Both were measured on random steps and have a margin of three or more. */
 static const double LEFT_AT_END = 1e-4;
 static const double LEFT_OF_PRODUCTS = 2e-2;
 
@@ -608,7 +610,7 @@ void collocation_averaged_deviation(const struct collocation *p, double s, doubl
     nodal_derivatives(p->result.slow, p->result.terms, s, x);
 }
 
-/* Adds y and its derivatives to x. */
+/* Adds y and its derivatives with respect to s to x and its derivatives. */
 static void add_oscillation(const struct collocation *p, double y, double y_rate, double x[4])
 {
     const double bend = -p->result.oscillator.damping_rate * y_rate - p->result.oscillator.omega2 * y;
@@ -668,7 +670,7 @@ void collocation_overdamped_push(const struct collocation *p, double s, double p
     }
 }
 
-/* The integral from 0 to s of the polynomial `a` times (x - y)'. */
+/* Returns the integral of the polynomial `a` times (x - y)' from 0 to s. */
 static double along_slow(const struct collocation *p, const double *a, double s)
 {
     const int points = p->nodes->points;
@@ -688,8 +690,8 @@ static double along_slow(const struct collocation *p, const double *a, double s)
     return nodal_integral(product, points, s);
 }
 
-/* The integral from 0 to s of the polynomial `a` times y', in closed form. With a spring (Q y + Q' y' /
- * omega2)' = a y' where Q + Q'' / omega2 - damping_rate Q' / omega2 = a. A single decay has (Q y)' = a y'
+/* Returns the integral of the polynomial `a` times y' from 0 to s, in closed form. With a spring (Q y + Q' y'
+ * / omega2)' = a y' where Q + Q'' / omega2 - damping_rate Q' / omega2 = a. A single decay has (Q y)' = a y'
  * where Q - Q' / faster = a. */
 static double along_oscillation(const struct collocation *p, const double *a, double s, double y,
                                 double y_rate)
@@ -713,8 +715,8 @@ static double along_oscillation(const struct collocation *p, const double *a, do
             nodal_slope(q, points, 0.0) * p->result.y_rate / mirrored.omega2);
 }
 
-/* By the oscillator's balance of energy, exact at any frequency: damping_rate x'^2 = -(x'^2 / 2 + omega2 x^2
- * / 2)' + f x', and (x' + e)^2 = x'^2 + 2 e x' + e^2. */
+/* The dissipated energy follows from the oscillator's balance of energy, which is exact at any frequency:
+ * damping_rate x'^2 = -(x'^2 / 2 + omega2 x^2 / 2)' + f x', and (x' + e)^2 = x'^2 + 2 e x' + e^2. */
 double collocation_dissipated(const struct collocation *p, double s)
 {
     const double damping_rate = p->from.damping_rate * p->half;
@@ -796,7 +798,7 @@ double collocation_moment(const struct collocation *p, const struct vec3 weight[
     return p->half * (slow + rest);
 }
 
-/* Change of n and H since the start, y included. */
+/* Sets the changes of n and H since the start, with the part by y. */
 static void frame_change_at(const struct collocation *p, double s, const double x[4],
                             struct vec3 *normal_change, struct vec3 *momentum_change)
 {
@@ -839,11 +841,11 @@ static struct collocation_change centre_change_at(const struct collocation *p, d
     const double root = sqrt(1.0 + longer);
     normal_change =
         vec3_axpy(normal_change, -longer / (root * (1.0 + root)), vec3_add(normal, normal_change));
-    /* differences of c = d n and c' = x' n + H x n / d, by which a short step keeps its digits */
+    /* c = d n and c' = x' n + H x n / d are differenced term by term, so a short step loses no digits */
     const double grown = x[0] - p->from.deviation;
     const double radial = x[1] / p->half;
     struct vec3 gained = vec3_axpy(vec3_scale(radial, normal_change), radial - p->local.rate.x, normal);
-    if (!p->local.head_on) { /* a head-on motion may be at d = 0 */
+    if (!p->local.head_on) { /* d may be 0 in a head-on motion */
         const struct vec3 swing = vec3_add(vec3_cross(momentum_change, vec3_add(normal, normal_change)),
                                            vec3_cross(p->local.momentum, normal_change));
         gained = vec3_axpy(gained, 1.0 / d, swing);
@@ -859,8 +861,8 @@ static struct collocation_change centre_change_at(const struct collocation *p, d
 /* Rounding of a product with the frame's vectors, relative to its factors. */
 static const double FRAME_ROUNDING = 4.0 * DBL_EPSILON;
 
-/* The direction of the part of `a` perpendicular to n, if there is one. The second projection takes away the
- * rounding that the first one leaves of a long `a`. */
+/* Sets the direction of the part of `a` perpendicular to n and returns whether there is such a part. The
+ * second projection takes away the rounding that the first one leaves of a long `a`. */
 static bool direction_across(struct vec3 n, struct vec3 a, struct vec3 *direction)
 {
     struct vec3 across = vec3_axpy(a, -vec3_dot(n, a), n);
@@ -887,7 +889,8 @@ static void set_frame(struct collocation *p)
     p->local.frame[2] = vec3_cross(n, along);
 }
 
-/* Whether a vector lies in the plane of the frame's first two, to rounding; a->z then becomes zero. */
+/* Whether a vector lies to rounding in the plane of the frame's first two vectors; a->z is then
+ * set to zero. */
 static bool flatten(struct vec3 *a)
 {
     if (fabs(a->z) > FRAME_ROUNDING * (fabs(a->x) + fabs(a->y))) {
@@ -897,7 +900,7 @@ static bool flatten(struct vec3 *a)
     return true;
 }
 
-/* Whether n and H are constant: c' and A are along the normal. */
+/* Whether c' and A are along the normal, so that n and H are constant. */
 static bool is_head_on(const struct collocation_problem *from)
 {
     double across = vec3_max_abs(vec3_cross(from->normal, from->rate));
@@ -931,7 +934,7 @@ static double centre_load_at_start(const struct collocation *p)
            p->local.acceleration[0].x - mismatch;
 }
 
-/* The first guess: n to second and H to first order. */
+/* Guesses n by its Taylor polynomial of order two in time and H by the one of order one. */
 static void centre_guess(struct collocation *p, double half)
 {
     const struct vec3 n = {1.0, 0.0, 0.0};
@@ -948,7 +951,7 @@ static void centre_guess(struct collocation *p, double half)
     }
 }
 
-/* Head-on motion takes this table at a rim too. */
+/* A head-on motion uses this table at a rim too, because n does not turn. */
 static const struct collocation_place about_centre = {centre_begin, centre_load_at_start, centre_guess,
                                                       centre_load,  centre_turn,          centre_mismatch,
                                                       NULL,         centre_at_node,       centre_change_at};
@@ -1005,7 +1008,8 @@ static void add_oscillation_at_nodes(struct collocation *p, double sign)
     }
 }
 
-/* Extrapolates to the nodes of a step that is longer by `part`, and subtracts y from x. */
+/* Extrapolates n and H to the nodes of a step that is longer by the fraction `part`, and subtracts
+ * y from x. */
 static void extrapolate(struct collocation *p, double part)
 {
     add_oscillation_at_nodes(p, -1.0);

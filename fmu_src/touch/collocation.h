@@ -6,19 +6,21 @@
  *   x'' + damping_rate x' + omega2 x = f = |H|^2 / d^3 + n.A(t) - damping_rate n.E(t)
  *
  * x is the radial deviation from `reach`, the distance at which the bodies touch. A is the relative
- * acceleration without the contact force. E is the velocity mismatch, the law's rate less c': not zero where
- * a prescribed velocity is not the derivative of its displacement. omega2 = p_n / m_red, damping_rate = p_nv
- * / m_red. The left side is solved exactly (oscillator.h), whatever its stiffness. f, n and H are polynomials
- * collocated at the Lobatto nodes (exponential collocation: Hochbruck and Ostermann, Acta Numerica 19 (2010)
- * 209; Lobatto IIIA: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5).
+ * acceleration without the contact force. E is the velocity mismatch, the rate that the law uses less c'. E
+ * is not zero where a prescribed velocity is not the derivative of its displacement. omega2 is the contact
+ * stiffness p_n divided by the reduced mass m_red, and damping_rate is the dashpot coefficient p_nv divided
+ * by m_red. The left side is solved exactly (oscillator.h), whatever its stiffness. f, n and H are
+ * polynomials collocated at the Lobatto nodes (exponential collocation: Hochbruck and Ostermann, Acta
+ * Numerica 19 (2010) 209; Lobatto IIIA: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5).
  *
  * x = s + y: s is the particular solution for f, y the free oscillation from the start values. Three kinds of
  * step:
  *   resolved     short enough that the nodes resolve y; f, n and H depend on all of x
- *   averaged     many small oscillations; f, n and H depend on y to first order, which is integrated in
- *                closed form
- *   overdamped   far beyond critical damping, or without a spring: x = X + y, y the fast decay alone, treated
- *                as above; X' = u - slower X with u the particular solution at the faster rate
+ *   averaged     many small oscillations; f, n and H depend on y to first order, and this dependence is
+ *                integrated in closed form
+ *   overdamped   far beyond critical damping, or without a spring: x = X + y, where y is the fast decay alone
+ *                and enters n and H as in an averaged step; X' = u - slower X, where slower and faster are
+ *                the decay rates and u is the particular solution at the faster rate
  *
  * Variable s in [0, 2] over the step: time = half s. Derivatives of x are taken with respect to s.
  */
@@ -36,31 +38,31 @@ enum collocation_kind { COLLOCATION_RESOLVED, COLLOCATION_AVERAGED, COLLOCATION_
 
 enum { COLLOCATION_ACCELERATION_TERMS = 3, COLLOCATION_MISMATCH_TERMS = 4 };
 
-/* Polynomials: coefficients of time from the start. */
+/* The start of a step. A and E are polynomials of the time from the start, given by their coefficients. */
 struct collocation_problem {
-    struct vec3 normal;                                       /* n, unit */
-    struct vec3 rate;                                         /* c' [m/s] */
-    double radial;                                            /* x' = n.c', with more digits [m/s] */
-    double reach;                                             /* [m] */
-    double deviation;                                         /* x [m] */
-    double omega2;                                            /* > 0 [1/s^2] */
-    double damping_rate;                                      /* [1/s] */
+    struct vec3 normal;  /* n, unit */
+    struct vec3 rate;    /* c' [m/s] */
+    double radial;       /* x' = n.c', more accurate than by `rate` [m/s] */
+    double reach;        /* [m] */
+    double deviation;    /* x [m] */
+    double omega2;       /* stiffness divided by m_red, > 0 [1/s^2] */
+    double damping_rate; /* [1/s] */
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A [m/s^2, ...] */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E [m/s, ...] */
     bool has_mismatch;                                        /* whether E is other than zero */
-    bool at_rim; /* at the rim of a capped cylinder n, H and f are those of rim.h */
+    bool at_rim; /* contact at the rim of a capped cylinder, where n, H and f follow from rim.h */
     struct rim_start rim;
 };
 
 /* The problem in the frame of the start: n, the direction of the tangential motion, and their cross product.
- * Most motions are plane: n has the first two components and H the third. */
+ * Most motions are plane: n then has only the first two components and H only the third. */
 struct collocation_local {
-    double distance;                                          /* d at the start [m] */
-    struct vec3 frame[3];                                     /* in the world; head-on n alone */
+    double distance;      /* d at the start [m] */
+    struct vec3 frame[3]; /* its vectors in the world; only n if head-on */
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E */
     struct vec3 rate, momentum;                               /* c' [m/s] and H at the start [m^2/s] */
-    bool planar;                                              /* plane motion, to rounding */
+    bool planar;                                              /* the motion is plane to rounding */
     bool head_on;                                             /* c' and A are along n, which is constant */
 };
 
@@ -73,24 +75,25 @@ struct collocation_work {
 
 /* Result of the iteration; vectors are in the frame of the start. */
 struct collocation_result {
-    /* part of n and H at the start that is due to y; zero if resolved */
+    /* part of n and H at the start that is due to the oscillation y; zero in a resolved step */
     struct vec3 normal_correction, momentum_correction;
-    struct nodal_vec3 n, h;           /* change of n and H since the start at the nodes, without y */
+    struct nodal_vec3 n, h;           /* nodal change of n and H since the start, without y */
     struct nodal_vec3 n_rate, h_rate; /* d/ds of n and h */
     nodal_values x;                   /* x at the nodes; includes y only if resolved [m] */
-    nodal_values load;                /* half^2 f, coefficients of s - 1 [m] */
+    nodal_values load;                /* half^2 f, coefficients in s - 1 [m] */
     nodal_values slow;                /* x without y, coefficients of s - 1 [m] */
     nodal_values normal_mismatch;     /* half n.E, coefficients of s - 1 [m] */
     nodal_values tilt_rate;           /* n_rate.y at a rim, coefficients of s - 1 [rad] */
     nodal_values y_of_y, y_of_rate;   /* basis of the free oscillation at the nodes, if resolved */
     int terms;                        /* number of coefficients of `slow` above rounding */
-    /* the oscillator of y, per s; an averaged step corrects omega2 by the mean of -df/dx */
+    /* the oscillator of y, with rates per unit of s; an averaged step adds the mean of -half^2 df/dx to its
+     * omega2 */
     struct oscillator oscillator;
-    double y, y_rate;      /* at the start [m] */
+    double y, y_rate;      /* y and dy/ds at the start [m] */
     double interior_error; /* estimated truncation error between the ends [m] */
 };
 
-struct collocation_place; /* how n and H turn: in collocation.c */
+struct collocation_place; /* the functions by which n and H turn, in collocation.c */
 
 struct collocation {
     struct collocation_problem from;
@@ -103,16 +106,16 @@ struct collocation {
     struct collocation_result result;
 };
 
-/* Whether the iteration converged to `tolerance` [m]. The step [s] times the oscillator's rates
- * (oscillator_rates_of) must be
+/* Makes a step and returns whether the iteration converged to `tolerance` [m]. The product of the step [s]
+ * and the oscillator's rates (oscillator_rates_of) [1/s] must be
  *   resolved   3 or more (oscillator_particular), not much more than 4 (the nodes), below critical damping
  *   averaged   the slower 3 or more
  *   overdamped   the faster 3 or more and four times the slower or more, the slower not much more than 3 */
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
                       enum collocation_kind kind, const struct lobatto *nodes, double tolerance);
 
-/* collocation_make in parts, for a step that is to end at an event.
- *   begin    x under a constant load, for collocation_deviation and collocation_mismatch
+/* These four functions are the parts of collocation_make, for a step that is to end at an event.
+ *   begin    sets x under a constant load, for collocation_deviation and collocation_mismatch
  *   size     sets the length of the step; after a sweep it may change the length only a little
  *   sweep    makes one iteration and returns the largest change [m]
  *   finish   iterates to convergence; `before` is the change by an earlier sweep, 0 without one */
@@ -122,25 +125,26 @@ void collocation_size(struct collocation *p, double step);
 double collocation_sweep(struct collocation *p);
 bool collocation_finish(struct collocation *p, double before, double tolerance);
 
-/* Error of a resolved step at s close to its end, where the order of the nodes' quadrature counts [m]. */
+/* Returns the error of a resolved step at an s close to its end [m]. There the error falls towards the higher
+ * order that the nodes' quadrature has at s = 2. */
 double collocation_error_near_end(const struct collocation *p, double s);
 
-/* x, half n.E, and the first three derivatives of either. */
+/* These functions give x [m] and half n.E [m], each with its first three derivatives with respect to s. */
 void collocation_deviation(const struct collocation *p, double s, double x[4]);
 void collocation_deviation_at_node(const struct collocation *p, int node, double x[4]);
 void collocation_mismatch(const struct collocation *p, double s, double normal_mismatch[4]);
 
-/* The contact force over m_red of an overdamped step, half^2 (x'' - n.A - |H|^2 / d^3) = -(omega2 x +
- * damping_rate (x' + n.E)), and its first two derivatives. They come from x'' and f, because spring and
- * dashpot nearly cancel. */
+/* Gives the contact force of an overdamped step, divided by m_red and times half^2 [m], half^2 (x'' - n.A -
+ * |H|^2 / d^3) = -(omega2 x + damping_rate (x' + n.E)), and its first two derivatives. They are computed from
+ * x'' and f, because the spring force and the dashpot force nearly cancel. */
 void collocation_overdamped_push(const struct collocation *p, double s, double push[3]);
 
-/* x without y, the averaged deviation, and its first three derivatives. */
+/* Gives x without y, the averaged deviation [m], and its first three derivatives with respect to s. */
 void collocation_averaged_deviation(const struct collocation *p, double s, double x[4]);
 
-/* Change of n and H, in the frame, by an oscillation (y, y') while load, acceleration and d stay constant.
- * Their rates are P y with a slowly varying P. The integral of P y is -P (y' + damping_rate y) / omega2, up
- * to terms smaller by the ratio of the slow rate to the oscillation's. */
+/* Change of n and H, in the frame, by an oscillation (y, y') while load, acceleration and d stay constant. y
+ * changes the rates of n and H by P y, where the factor P varies slowly. The integral of P y is -P (y' +
+ * damping_rate y) / omega2, up to terms smaller by the ratio of the slow rate to the oscillation's. */
 struct collocation_correction {
     struct vec3 normal, momentum;
 };
@@ -151,19 +155,19 @@ struct collocation_change {
     double deviation;   /* x(s) [m] */
 };
 
-/* The change at s, in the world. Its error at s = 2 is of the collocation's order at its ends, before that
- * the interior error. */
+/* Returns the change from the start to s, in the world. Its error at s = 2 is of the order that the
+ * collocation has at its ends; before s = 2 it is the interior error. */
 struct collocation_change collocation_change_at(const struct collocation *p, double s);
 
-/* Energy that the dashpot dissipates per unit of mass, the integral from 0 to s of damping_rate (x' + n.E)^2
- * dt [m^2/s^2]. */
+/* Returns the energy that the dashpot dissipates divided by m_red: the integral from 0 to s of damping_rate
+ * (x' + n.E)^2 dt [m^2/s^2]. */
 double collocation_dissipated(const struct collocation *p, double s);
 
-/* rim_edges at s of a step at a rim; x with or without y. */
+/* Evaluates rim_edges at s in a step at a rim. The caller passes x with or without y. */
 void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
                        double axial[3]);
 
-/* The integral from 0 to s of weight(t).(c - c(0)) dt, weight = weight[0] + weight[1] t. */
+/* Returns the integral of weight(t).(c - c(0)) dt from 0 to s, where weight(t) = weight[0] + weight[1] t. */
 double collocation_moment(const struct collocation *p, const struct vec3 weight[2], double s);
 
 #endif

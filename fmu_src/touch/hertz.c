@@ -13,7 +13,8 @@
  * other.
  */
 
-/* Penetration at which the force balances an acceleration [m/s^2] of the reduced mass [m]. */
+/* Returns the penetration [m] at which the normal force divided by the reduced mass is `acceleration`
+ * [m/s^2]. */
 static double hertz_depth_under(const struct contact_pair *from, double acceleration)
 {
     const double ratio = acceleration * from->reduced_mass / from->hertz_stiffness;
@@ -25,9 +26,9 @@ double hertz_depth_to_come(const struct contact_pair *from, double opening)
     const double k = from->hertz_stiffness / from->reduced_mass;
     const double load = pair_load(from) / from->reduced_mass;
     const double speed = fabs(opening);
-    const double stops = fmin(0.5 * speed, 1.0 / from->chi); /* chi = 0: 0.5 speed */
+    const double stops = fmin(0.5 * speed, 1.0 / from->chi); /* 0.5 speed if chi = 0 */
     const double by_speed = pow(2.5 * speed * stops / k, 0.4);
-    const double creeps = sqrt(sqrt(0.5 * load) / (k * from->chi)); /* chi = 0: INFINITY, or NaN */
+    const double creeps = sqrt(sqrt(0.5 * load) / (k * from->chi)); /* INFINITY or NaN if chi = 0 */
     const double by_load = fmin(hertz_depth_under(from, load), creeps);
     return fmax(fmax(by_speed, by_load), -from->gap);
 }
@@ -46,10 +47,10 @@ double hertz_depth_to_come(const struct contact_pair *from, double opening)
  * Variable s = w less w at the start.
  */
 
-/* Gauss-Legendre rule on [-1, 1], 26 points, the positive half. The nearest singularities of dt/dw are the
- * roots of P. For an impact without load they are at w = +-0.966 +- 0.492 i, on the ellipse about -1 and 1
- * whose half axes add up to 2.03, and the error over a whole impact is 2.03^-52 = 1e-16. The largest load
- * allowed makes it 1.93 and 1e-15. */
+/* The positive half of the Gauss-Legendre rule with 26 points on [-1, 1]. The nearest singularities of dt/dw
+ * are the roots of P. For an impact without load they are at w = +-0.966 +- 0.492 i, on the ellipse about -1
+ * and 1 whose half axes add up to 2.03, and the error over a whole impact is 2.03^-52 = 1e-16. Under the
+ * largest load allowed the sum is 1.93 and the error 1e-15. */
 static const struct {
     double node, weight;
 } gauss[] = {
@@ -64,7 +65,7 @@ static const struct {
 
 enum { GAUSS_HALF = sizeof gauss / sizeof gauss[0] };
 
-/* Most steps of Newton's method for delta_max. */
+/* Largest number of steps of Newton's method for delta_max. */
 enum { DEEPEST_STEPS = 50 };
 
 /* P = e (1 + u + u^2 + u^3 + u^4) + 2 L delta_max u^2 (1 + u + u^2). */
@@ -74,7 +75,7 @@ static inline double elastic_polynomial(const struct hertz_elastic *p, double u)
     return p->touch + u * (p->touch + u * high * (1.0 + u * (1.0 + u)));
 }
 
-/* P' and P''. */
+/* Sets out[0] to dP/du and out[1] to its derivative. */
 static void elastic_polynomial_slopes(const struct hertz_elastic *p, double u, double out[2])
 {
     const double high = p->touch + p->pressed;
@@ -82,20 +83,20 @@ static void elastic_polynomial_slopes(const struct hertz_elastic *p, double u, d
     out[1] = high * (2.0 + u * (6.0 + u * 12.0));
 }
 
-/* u by w. */
+/* u = 1 - w^2. */
 static inline double elastic_root(double w)
 {
     return (1.0 - w) * (1.0 + w);
 }
 
-/* dt/dw over 4 delta_max [s/m] */
+/* dt/dw divided by 4 delta_max [s/m]. */
 static inline double elastic_pace(const struct hertz_elastic *p, double w)
 {
     const double u = elastic_root(w);
     return u / sqrt(elastic_polynomial(p, u));
 }
 
-/* The time from w to w + s [s]. */
+/* Returns the time from w to w + s [s]. */
 static double elastic_time_between(const struct hertz_elastic *p, double w, double s)
 {
     const double half = 0.5 * s;
@@ -108,14 +109,14 @@ static double elastic_time_between(const struct hertz_elastic *p, double w, doub
     return 4.0 * p->deepest * half * sum;
 }
 
-/* Twice the stored energy by mass, (4/5) k delta^(5/2) [m^2/s^2]. */
+/* Returns twice the stored elastic energy divided by m_red, (4/5) k delta^(5/2) [m^2/s^2]. */
 static double elastic_stored(double k, double depth)
 {
     return 0.8 * k * depth * depth * sqrt(depth);
 }
 
-/* delta_max, the root of (4/5) k delta^(5/2) = e + 2 L delta. The function is convex: Newton's method comes
- * down to the root from the first step on. */
+/* Returns delta_max [m], the root of (4/5) k delta^(5/2) = e + 2 L delta. The function is convex, so Newton's
+ * method comes down to the root from the first step on. */
 static double elastic_deepest(double k, double load, double touch)
 {
     double depth = pow(1.25 * touch / k, 0.4);
@@ -131,8 +132,8 @@ static double elastic_deepest(double k, double load, double touch)
     return depth;
 }
 
-/* Solves for the motion; false where the closed form does not apply or the impact is slow: e < 4 L delta_max.
- * A contact that hardly parts is slow. */
+/* Solves for the motion. Returns false where the closed form does not apply, or where the impact is slow,
+ * which means e < 4 L delta_max. A contact that hardly parts is slow. */
 static bool elastic_solve(struct hertz_elastic *p, const struct contact_pair *from)
 {
     const double k = from->hertz_stiffness / from->reduced_mass;
@@ -224,10 +225,10 @@ struct pair_change hertz_elastic_advance(const void *hertz_elastic, double s)
 
 /* How long bodies at the touch hardly feel each other, and how contact ends. */
 
-/* A contact force below this part of the load is negligible. */
+/* A contact force is negligible if it is less than NO_FORCE times the load. */
 static const double NO_FORCE = 0.5 * DBL_EPSILON;
 
-/* Most halvings of a step: from the longest to the shortest in double precision. */
+/* Largest number of halvings of a step, enough from 1 s to the smallest number in double precision. */
 enum { HALVINGS = 1100 };
 
 /* Bounds of penetration [m] and relative acceleration [m/s^2] after a time without contact force. */
@@ -266,8 +267,8 @@ double hertz_coasting_time(const struct segment *p)
     double time = p->longest;
     for (int i = 0; i < HALVINGS && time > 0.0; ++i) {
         const struct coasting then = coasting_to(from, time);
-        /* four: penetration, speed and load bring one depth each, and the force grows a little faster than
-         * the depth */
+        /* the factor is four because penetration, speed and load add one depth each, and the force grows a
+         * little faster than the depth */
         if (then.depth <= 4.0 * hertz_depth_under(from, NO_FORCE * then.acceleration)) {
             return time;
         }
@@ -293,7 +294,7 @@ bool hertz_elastic_make(struct segment *p)
     p->unit = elastic_time(made, p->end) / p->end;
     dense_output_add(&p->output, 0.0);
     if (made->start < 0.0 &&
-        -made->start < p->end) { /* every quantity has its extremum at the deepest place */
+        -made->start < p->end) { /* every quantity has its extremum at the largest penetration */
         dense_output_add(&p->output, -made->start);
     }
     dense_output_add(&p->output, p->end);
@@ -310,19 +311,19 @@ bool hertz_elastic_make(struct segment *p)
  *
  * by Radau IIA collocation with twelve stages (Hairer and Wanner, Solving Ordinary Differential Equations II,
  * IV.5). Only the last equation is stiff and takes Newton's method; n and H follow by sweeps. The method
- * damps away what oscillates or decays faster than the step, so the step is only taken where that is within
- * tolerance.
+ * damps away motion that oscillates or decays faster than the step, so the step is only taken where such
+ * motion is within tolerance.
  *
  * Variable s in [0, 2] over the step: time = half s. Vectors are in the frame of the start (frame_flight).
  */
 
-/* n, H, delta and d delta/ds at s. */
+/* n and H (`turned`), delta [m] and d delta/ds [m] at one s. */
 struct slow_place {
     double turned[QUASI_STATIC_TURNING];
     double depth, rate;
 };
 
-/* slow_factor a x b */
+/* Sets out = slow_factor a x b. */
 static inline void slow_cross(const double *a, const double *b, double slow_factor, double out[FRAME])
 {
     out[0] = slow_factor * (a[1] * b[2] - a[2] * b[1]);
@@ -345,7 +346,8 @@ static inline bool is_turning(const struct quasi_static *p, int row)
     return p->flight.dimensions == 3 || (p->flight.dimensions == 2 && in_plane);
 }
 
-/* d2 delta/ds2 by the contact force [m], and its derivatives with respect to delta and d delta/ds. */
+/* Sets out[0] to the part of -d2 delta/ds2 by the contact force [m], and out[1] and out[2] to its derivatives
+ * with respect to delta and d delta/ds. */
 static inline void slow_law(const struct quasi_static *p, double depth, double rate, double out[3])
 {
     const double root = sqrt(depth);
@@ -358,18 +360,18 @@ static inline void slow_law(const struct quasi_static *p, double depth, double r
 
 /* How n and H turn about a centre or at a rim. About a centre their rows are along the frame's vectors. */
 struct quasi_static_turning {
-    /* One sweep at fixed delta: H by n, then n by that H, so that the error falls by two powers of the
-     * radians in the step. Returns the largest change of n. */
+    /* Makes one sweep at fixed delta, which integrates H with the present n and then n with the new H, so
+     * that the error falls by two powers of the radians in the step. Returns the largest change of n. */
     double (*sweep)(struct quasi_static *p);
     void (*load)(const struct quasi_static *p, double load[QUASI_STATIC_N]); /* half^2 L [m] at the nodes */
     void (*normal)(const struct quasi_static *p, const struct slow_place *at,
                    double n[FRAME]); /* in the frame */
-    /* r and r' at a place, in the frame */
+    /* r and r' at s, in the frame */
     void (*deviation)(const struct quasi_static *p, const struct slow_place *at, double s, double r[FRAME],
                       double r_rate[FRAME]);
 };
 
-/* The relative acceleration of flight at a time, in the frame [m/s^2]. */
+/* Sets the relative acceleration without contact force at a time, in the frame [m/s^2]. */
 static void slow_acceleration(const struct frame_flight *flight, double time, double out[FRAME])
 {
     for (int j = 0; j < FRAME; ++j) {
@@ -385,7 +387,7 @@ static double slow_dot(const double *a, const double *b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* n and H at a node. */
+/* Sets n and H at a node. */
 static void turned_at(const struct quasi_static *p, int node, double at[QUASI_STATIC_TURNING])
 {
     for (int j = 0; j < QUASI_STATIC_TURNING; ++j) {
@@ -485,7 +487,7 @@ static const struct quasi_static_turning about_a_centre = {slow_centre_sweep, sl
  * tilt, the rows of H the changes of their momenta; the third rows are zero.
  */
 
-/* Rows of azimuth and tilt, then of their momenta. */
+/* The rows that hold the changes of azimuth and tilt, then those that hold the changes of their momenta. */
 enum { RIM_ROWS = 4 };
 static const int rim_rows[RIM_ROWS] = {0, 1, FRAME, FRAME + 1};
 
@@ -503,12 +505,13 @@ static struct rim_slopes slow_rim_slopes(const struct quasi_static *p, int node,
 {
     const double *pull = p->pull[node];
     double turned[QUASI_STATIC_TURNING];
-    turned_at(p, node, turned); /* they start at zero */
+    turned_at(p, node, turned); /* p->start is zero at a rim */
     *at = slow_rim_state(p, turned, p->depth[node]);
     return rim_slopes_at(at, vec3_from(pull));
 }
 
-/* Two rows, from `first` of rim_rows on, and their rates; returns the largest change by this sweep. */
+/* Integrates two rows, from rim_rows[first] on, after making their rates; returns the largest change by this
+ * sweep. */
 static double slow_rim_integrate(struct quasi_static *p, int first)
 {
     double change = 0.0;
@@ -574,7 +577,7 @@ static void slow_rim_deviation(const struct quasi_static *p, const struct slow_p
 static const struct quasi_static_turning about_a_rim = {slow_rim_sweep, slow_rim_load, slow_rim_normal,
                                                         slow_rim_deviation};
 
-/* PAIR_RADIAL and PAIR_AXIAL at a place, also in a head-on motion. */
+/* Samples PAIR_RADIAL and PAIR_AXIAL at s, also in a head-on motion. */
 static void slow_rim_edges(const struct quasi_static *p, const struct slow_place *at, double s,
                            struct pair_sample *sample)
 {
@@ -598,19 +601,19 @@ static void slow_rim_edges(const struct quasi_static *p, const struct slow_place
 
 enum { SLOW_SWEEPS = 30 };
 
-/* Sweeps have converged once the changes still to come of delta and n are less than this part of them, which
- * is above their rounding. */
+/* Sweeps have converged once the relative changes of delta and n still to come are less than SLOW_SWEPT,
+ * which is above the rounding of delta and n. */
 static const double SLOW_SWEPT = 4.0 * DBL_EPSILON;
 
-/* Newton's matrix is made for the first time when a sweep changes n by less than this. It is made again
- * while a sweep changes delta by more than this part of it. */
+/* Newton's matrix is made for the first time when a sweep changes n by less than NEW_MATRIX. It is made again
+ * while a sweep changes delta by more than NEW_MATRIX relative to delta. */
 static const double NEW_MATRIX = 1e-3;
 
 /* Columns of Newton's matrix have room for the zeros behind them (lu.h). */
 enum { SLOW_STRIDE = QUASI_STATIC_N + LANES };
 
-/* Derivative of the defect with respect to the rate at the nodes, factored: D + spring I + dashpot, where I
- * integrates values at the nodes and D is the inverse of I. */
+/* The factored derivative of the equation's defect with respect to d delta/ds at the nodes. It is D + spring
+ * I + dashpot, where I integrates values at the nodes and D is the inverse of I. */
 struct slow_newton {
     double at[QUASI_STATIC_N * SLOW_STRIDE];
     int pivot[QUASI_STATIC_N];
@@ -621,14 +624,14 @@ static struct lu_matrix slow_system(struct slow_newton *newton)
     return (struct lu_matrix){QUASI_STATIC_N, SLOW_STRIDE, newton->at, newton->pivot, NULL};
 }
 
-/* d/ds at node i of the polynomial that is 1 at node j and 0 at the start and the other nodes.
- * radau_stages_12 is for a step of length 1, half as long. */
+/* Returns the derivative d/ds at node i of the polynomial that is 1 at node j and 0 at the start and the
+ * other nodes. radau_stages_12 is for a step of length 1, half as long. */
 static double slow_derivative(int i, int j)
 {
     return 0.5 * radau_stages_12.inverse[i * QUASI_STATIC_N + j];
 }
 
-/* False where it is singular. */
+/* Makes and factors Newton's matrix. Returns false where the matrix is singular. */
 static bool slow_matrix(const struct quasi_static *p, struct slow_newton *newton)
 {
     memset(newton->at, 0, sizeof newton->at);
@@ -644,7 +647,7 @@ static bool slow_matrix(const struct quasi_static *p, struct slow_newton *newton
     return lu_factor(slow_system(newton));
 }
 
-/* delta and its rate from d2 delta/ds2; false where the bodies would part. */
+/* Integrates d2 delta/ds2 to d delta/ds and delta. Returns false where the bodies would part. */
 static bool take_bend(struct quasi_static *p, double *change)
 {
     nodal_values moved = {0.0};
@@ -667,9 +670,9 @@ static bool take_bend(struct quasi_static *p, double *change)
     return true;
 }
 
-/* First guess of delta: at rest under the load at each node, or as at the start if the damping is beyond
- * critical. The guess of d2 delta/ds2 is zero and leads to another delta; `apart` is the difference, for
- * Newton's first step. */
+/* Makes the first guess of delta: the equilibrium under the load at each node, or the value at the start if
+ * the damping is beyond critical. The guess of d2 delta/ds2 is zero and leads to another delta; `apart` is
+ * the difference of the two, which Newton's first step needs. */
 static bool guess_depth(struct quasi_static *p, const double *load, double apart[QUASI_STATIC_N])
 {
     double law[3];
@@ -688,8 +691,8 @@ static bool guess_depth(struct quasi_static *p, const double *load, double apart
     return true;
 }
 
-/* Difference between the polynomial through the nodes and the value at the start: the truncation error, and
- * any part of the motion that is too fast for the step. */
+/* Returns the difference at the start between the polynomial through the nodes and the given value. The
+ * difference shows the truncation error and any motion that is too fast for the step. */
 static double misses_start(const double *values, double start)
 {
     nodal_values a;
@@ -697,12 +700,13 @@ static double misses_start(const double *values, double start)
     return fabs(nodal_polynomial_at(a, QUASI_STATIC_N, 0.0) - start);
 }
 
-/* After LOOK_AFTER sweeps delta shows whether anything fast is left: a step is given up if that is TOO_FAST
- * times the tolerance. */
+/* After LOOK_AFTER sweeps misses_start of delta shows whether fast motion is left. A step is given up if
+ * misses_start exceeds TOO_FAST times the tolerance. */
 enum { LOOK_AFTER = 2 };
 static const double TOO_FAST = 1e3;
 
-/* Whether the changes still to come add up to less than SLOW_SWEPT, falling by the ratio of the last two. */
+/* Whether the changes still to come add up to less than SLOW_SWEPT if they fall by the ratio of the last two
+ * changes. */
 static bool sweeps_have_converged(double last, double before)
 {
     return last <= SLOW_SWEPT || (last < before && last * last <= SLOW_SWEPT * (before - last));
@@ -760,7 +764,7 @@ static bool slow_is_accurate(const struct quasi_static *p, double tolerance, dou
 {
     const double stiffness = 1.5 * p->k * sqrt(p->depth_start);
     const double damping = p->k * p->depth_start * sqrt(p->depth_start) * p->from->chi;
-    /* the rate at which an overdamped contact settles gives its force */
+    /* the force of an overdamped contact depends on the rate at which the contact settles */
     const bool creeps = damping * damping > 4.0 * stiffness;
     const double fast = fmax(sqrt(stiffness), damping);
     const double by_rate = creeps ? stiffness / damping * p->half : fmax(1.0, fast * p->half);
@@ -777,8 +781,8 @@ static bool slow_is_accurate(const struct quasi_static *p, double tolerance, dou
     return true;
 }
 
-/* Makes a step [s]; false where it is not accurate: delta and its oscillation to `depth_tolerance`, d n to
- * `tolerance` [m]. */
+/* Makes a step [s]. Returns false where the step is not accurate. delta and its oscillation must be accurate
+ * to `depth_tolerance` [m], and d n to `tolerance` [m]. */
 static bool quasi_static_solve(struct quasi_static *p, const struct contact_pair *from, double step,
                                double tolerance, double depth_tolerance)
 {
@@ -865,8 +869,8 @@ static bool has_work(const struct pair_work *work)
     return work->order > 0 && !path_rests(work->path);
 }
 
-/* The integrals of pair_work and of the dashpot's power over [0, s], by Radau's quadrature, whose places are
- * the nodes for the whole step. */
+/* Sets the integrals of pair_work and of the dashpot's power over [0, s] by Radau's quadrature. Over the
+ * whole step its points are the nodes. */
 static void slow_powers(const struct quasi_static *p, double s, struct pair_change *change)
 {
     change->dissipated = change->work[0] = change->work[1] = 0.0;
@@ -931,17 +935,17 @@ struct pair_change quasi_static_advance(const void *quasi_static, double s)
  * the stages' degree allow. */
 static const double SLOW_STEP = 0.7;
 
-/* Smallest length of a segment [radians of the contact's oscillation, or decay times of its damping]. A few
- * series reach as far as a shorter one. */
+/* Smallest length of a segment [radians of the contact's oscillation, or decay times of its damping]. A
+ * shorter segment would reach no farther than a few power series. */
 static const double SLOW_SHORTEST = 16.0;
 
-/* Bounds of the relative accuracy of the penetration and of what is left of its oscillation. Between them it
- * is the solver's tolerance relative to the bodies' size, so that the force is as accurate as the
+/* Bounds of the relative accuracy of the penetration and of its remaining oscillation. Between the bounds the
+ * accuracy is the solver's tolerance relative to the bodies' size, so that the force is as accurate as the
  * positions. */
 static const double SLOW_FINEST = 1e-9;
 static const double SLOW_COARSEST = 1e-4;
 
-/* Part of the solver's tolerances by which a segment may be wrong (integrator/phases.c). */
+/* A segment may be wrong by PART_OF_TOLERANCE times the solver's tolerances (integrator/phases.c). */
 static const double PART_OF_TOLERANCE = 1e-3;
 
 static double slow_accuracy(const struct segment *p)
@@ -951,21 +955,24 @@ static double slow_accuracy(const struct segment *p)
     return fmin(fmax(asked, SLOW_FINEST), SLOW_COARSEST);
 }
 
-/* The scaled derivatives of the slow motion fall with powers of the ratio of the rates, those of the fast
- * motion do not: at this order and the next only the fast motion is left. */
+/* The scaled derivatives of the slow motion fall with powers of the slow rate divided by the fast rate; the
+ * scaled derivatives of the fast motion do not. At order FAST_ORDER and the next only the fast motion is
+ * left. */
 enum { FAST_ORDER = 6 };
-/* The fast motion counts as absent if these derivatives are below the accuracy times FAST_CLEARLY for an
- * oscillation, or DECAY_CLEARLY for a decay. They show an oscillation at about a quarter of its size. */
+/* The fast motion counts as absent if its scaled derivatives are below the accuracy times FAST_CLEARLY for an
+ * oscillation, or times DECAY_CLEARLY for a decay. The derivatives show an oscillation at about a quarter of
+ * its size. */
 static const double FAST_CLEARLY = 0.8;
 static const double DECAY_CLEARLY = 4.0;
 
-/* Trials of making a step, each half as long as the one before. The third and later ones are for a contact
- * beyond critical damping that is still settling: at most CREEP_STEP of its settling times long. */
+/* Numbers of trials of a step; each trial is half as long as the one before. The trials after FOLLOWING are
+ * for a contact beyond critical damping that is still settling. They are at most CREEP_STEP settling times
+ * long. */
 enum { SLOW_ATTEMPTS = 6, FOLLOWING = 2 };
 static const double CREEP_STEP = 2.0;
 
-/* Largest change of the depth in a segment of bodies that leave, and from the third trial on of bodies that
- * sink, as a part of it: force and energy are powers of the depth. */
+/* Largest relative change of the depth in a segment, because force and energy are powers of the depth. The
+ * limit holds for bodies that leave, and from the third trial on also for bodies that sink. */
 static const double PART_OF_DEPTH = 0.5;
 
 /* Load and rates of a lasting contact. */
@@ -973,7 +980,7 @@ struct slow_scales {
     double load;  /* L: the acceleration that presses [m/s^2] */
     double along; /* the tangential rate [1/s] */
     double fast;  /* rate of the contact's oscillation or of its damping, the faster one [1/s] */
-    double creep; /* rate at which an overdamped contact settles [1/s]; 0: the contact oscillates */
+    double creep; /* rate at which an overdamped contact settles [1/s]; 0 if the contact oscillates */
 };
 
 static struct slow_scales slow_scales_of(const struct contact_pair *from)
@@ -993,10 +1000,11 @@ static struct slow_scales slow_scales_of(const struct contact_pair *from)
                                 .creep = dashpot > 2.0 * spring ? spring * spring / dashpot : 0.0};
 }
 
-/* The fast part of the penetration, relative to it, by the coefficients of u = sqrt(delta). */
+/* Returns the fast part of the penetration relative to the penetration, from the coefficients of u =
+ * sqrt(delta). */
 static double fast_part_of(const double *root, double unit, double fast)
 {
-    const double radians = fast * unit * root[0]; /* of the fast motion per s */
+    const double radians = fast * unit * root[0]; /* radians of the fast motion per unit of s */
     double power = 1.0;
     double part = 0.0;
     for (int i = 1; i <= FAST_ORDER + 1; ++i) {
@@ -1022,7 +1030,8 @@ bool quasi_static_applies(const struct segment *p)
 bool quasi_static_is_shown(const struct segment *p, const double *root, double unit)
 {
     const struct slow_scales scales = slow_scales_of(&p->pair);
-    /* the force of an overdamped contact goes with the rate: a decay counts more by the ratio of the rates */
+    /* the force of an overdamped contact depends on the rate, so a decay counts more by the factor fast
+     * divided by creep */
     const double clearly = scales.creep > 0.0 ? DECAY_CLEARLY * scales.creep / scales.fast : FAST_CLEARLY;
     return fast_part_of(root, unit, scales.fast) <= clearly * slow_accuracy(p);
 }

@@ -19,7 +19,7 @@ struct rim_start rim_start_of(struct vec3 axis, double radius, double half_heigh
     return start;
 }
 
-/* Scale of the azimuth among the changes. */
+/* Returns the factor of the azimuth in the changes of rim_state_of, rho divided by d at the start. */
 static double rim_scale(const struct rim_start *start)
 {
     return start->rho / start->distance;
@@ -106,7 +106,7 @@ struct vec3 rim_normal(const struct rim_state *at)
     return vec3_make(c * at->turned_cosine, c * at->turned_sine, -at->sine);
 }
 
-/* By differences that keep their digits. */
+/* Returns c - c(0) by differences of sines and cosines that lose no digits. */
 struct vec3 rim_moved(const struct rim_start *start, const struct rim_state *at)
 {
     const double half_angle = 0.5 * at->tilted;

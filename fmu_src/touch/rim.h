@@ -26,44 +26,46 @@ struct rim_start {
 };
 
 struct rim_state {
-    double d, rho, azimuth, tilt;           /* [m], [rad] */
+    double d, rho, azimuth, tilt;           /* d and rho [m], the angles [rad] */
     double azimuth_momentum, tilt_momentum; /* [m^2/s] */
     double grown, tilted;                   /* changes of d and of the tilt, not rounded by a difference */
-    double cosine, sine;                    /* of the tilt */
-    double turned_cosine, turned_sine;      /* of the azimuth */
+    double cosine, sine;                    /* cosine and sine of the tilt */
+    double turned_cosine, turned_sine;      /* cosine and sine of the azimuth */
 };
 
 struct rim_slopes {
     double azimuth, tilt;                   /* [1/s] */
     double azimuth_momentum, tilt_momentum; /* [m^2/s^2] */
-    double load;                            /* f [m/s^2] */
+    double load;                            /* f [m/s^2]; the other slopes are rates of the state */
 };
 
-/* The start from c and c' (world). The caller passes `distance`, d, because it holds more digits than c. */
+/* Returns the start of a motion from c and c' in the world. The caller passes `distance`, which is d, because
+ * it has less rounding than d computed from c. */
 struct rim_start rim_start_of(struct vec3 axis, double radius, double half_height, struct vec3 c,
                               double distance, struct vec3 rate);
 
-/* The state after d has grown by `grown` and the coordinates have changed. change[0] and change[2] are those
- * of the azimuth times rho/d at the start and of h over it, so that tolerances mean the same in both
- * directions; change[1] and change[3] are those of the tilt and of L. */
+/* Returns the state after d has grown by `grown` and the coordinates have changed. change[0] is the change of
+ * the azimuth times rho divided by d at the start, and change[2] is the change of h divided by this factor,
+ * so that tolerances mean the same in both directions. change[1] and change[3] are the changes of the tilt
+ * and of L. */
 struct rim_state rim_state_of(const struct rim_start *start, const double change[4], double grown);
 
-/* The rates of these changes, from slopes. */
+/* Sets the rates of the four changes of rim_state_of from the slopes. */
 void rim_change_rates(const struct rim_start *start, const struct rim_slopes *slopes, double rates[4]);
 
 struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 acceleration);
 
-/* The derivatives of these rates with respect to d. */
+/* Sets the derivatives of the rates of rim_change_rates with respect to d. */
 void rim_slopes_by_distance(const struct rim_start *start, const struct rim_state *at,
                             struct vec3 acceleration, double slopes[4]);
 
-/* n, c - c(0), and c' with d' = `radial`, in the frame. */
+/* These functions return n, c - c(0) [m], and c' [m/s] where d' = `radial`, in the frame. */
 struct vec3 rim_normal(const struct rim_state *at);
 struct vec3 rim_moved(const struct rim_start *start, const struct rim_state *at);
 struct vec3 rim_velocity(const struct rim_state *at, double radial);
 
-/* reach cos(tilt) and reach sin(tilt), which are zero where the zone of the rim ends, with two derivatives,
- * from the tilt and its derivatives. */
+/* Sets reach cos(tilt) and reach sin(tilt) [m], event functions that are zero where the zone of the rim ends,
+ * and their first two derivatives from the tilt and its derivatives. */
 void rim_edges(const double tilt[3], double reach, double radial[3], double axial[3]);
 
 #endif

@@ -14,10 +14,10 @@
  *   g_t = side n.c',   c_t = c',   c'_t = A + side F_n n / m_red,   d = reach + side g,   n = f / d
  *
  * f points from the source's centre to the axis or the centre of the destination, so f = c. At a rim f points
- * to the nearest point of the circle of radius R at the height h: with e the axis, rho and a the length and
- * the direction of the part of c across e,
+ * to the nearest point of the circle of radius R at the height h. There e is the axis, and rho and a are the
+ * length and the direction of the part of c across e:
  *
- *   f = c - R a + h e,   rho - R and -(c.e + h): how far the centre is beyond side and cap.
+ *   f = c - R a + h e;   the centre is rho - R beyond the side and -(c.e + h) beyond the cap.
  *
  * Linear law: the variable is s = t / unit, and g is integrated.
  *
@@ -27,20 +27,21 @@
  *
  *   u_s = -unit g_t / 2,   c_s = unit u c',   u F_n = k_h u^4 (1 + chi delta'),   g = -u^2
  *
- * is analytic throughout. At the touch and at the release u passes through zero with a slope. A series may
- * begin at u = 0, and the release is an ordinary root of u.
+ * These equations are analytic throughout. At the touch and at the release u passes through zero with a
+ * slope. A series may begin at u = 0, and the release is an ordinary root of u.
  */
 
-/* A row backwards, from its coefficient 1 on: coefficient j at [TAYLOR_ORDER - j], and zero in place of
- * coefficient 0. Products then read both of their factors forwards, several terms in one instruction. */
+/* The coefficients of a series in reversed order, without coefficient 0: coefficient j at [TAYLOR_ORDER - j],
+ * and place TAYLOR_ORDER holds zero. Products then read both of their factors forwards, several terms in one
+ * instruction. */
 typedef double series_back[TAYLOR_TERMS];
 
 /* Everything that the recurrence needs besides the results. */
 struct series_work {
-    series_row power[SEPARATION_DEGREE + 1];  /* t^k, k from 2 on; by_root */
-    double unit_power[SEPARATION_DEGREE + 1]; /* the only coefficient of t^k, else */
-    series_row w[FRAME];                      /* rate of the separation as the law sees it [m/s] */
-    series_row c_rate[FRAME];                 /* its derivative, where that is another [m/s] */
+    series_row power[SEPARATION_DEGREE + 1];  /* coefficients of t^k for k from 2 on, in a series by u */
+    double unit_power[SEPARATION_DEGREE + 1]; /* unit^k, the only coefficient of t^k in a series by time */
+    series_row w[FRAME];                      /* velocity of separation that the law uses [m/s] */
+    series_row c_rate[FRAME];                 /* c', where it differs from w [m/s] */
     series_row n[FRAME];
     series_row d;              /* [m] */
     series_row opening;        /* dg/dt [m/s] */
@@ -54,7 +55,7 @@ struct series_work {
     double inverse_distance, side_by_mass; /* 1/d at the start [1/m], side/m_red [1/kg] */
 };
 
-/* The first coefficients, by which quasi-static motion is recognized, are made before the rest. */
+/* Number of coefficients that are made before the rest, to recognize quasi-static motion by them. */
 enum { SERIES_FIRST = 7 };
 
 /* Properties of a series as constants of its code: fewer dimensions, a lower degree and no mismatch cost
@@ -62,10 +63,11 @@ enum { SERIES_FIRST = 7 };
 struct series_kind {
     int dimensions, degree;
     bool by_root, at_rim, has_mismatch;
-    bool first; /* order zero, where the first and the last term of a product are the same */
+    bool first; /* order zero, at which a product has only one term */
 };
 
-/* Coefficient i of a polynomial of time of `terms` coefficients. Where t = unit s, only t^i has one. */
+/* Returns coefficient i of component j of a polynomial in time with `terms` coefficients. Where t = unit s,
+ * only the power t^i contributes. */
 static inline double along_time(const struct pair_series *p, const struct series_work *z,
                                 const double a[][FRAME], int terms, int j, int i, struct series_kind kind)
 {
@@ -79,7 +81,7 @@ static inline double along_time(const struct pair_series *p, const struct series
     return sum;
 }
 
-/* The parts of products at one order that come from lower ones. */
+/* The parts of the products' coefficients at one order that come from coefficients of lower orders. */
 struct series_sums {
     double time2, square, fourth, drag, speed;
     double n[FRAME], push[FRAME], r[FRAME];
@@ -94,15 +96,15 @@ static inline double lanes_together(double2 a)
 #endif
 }
 
-/* The factors of coefficients 1, 2, ... of another row in coefficient i of the product with a row
- * backwards. */
+/* Returns where in a reversed series the factors begin that coefficients 1, 2, ... of another series have in
+ * coefficient i of the product of both. */
 static inline const double *back_from(const double *back, int i)
 {
     return back + (TAYLOR_ORDER - i);
 }
 
-/* Sums over scalars in a series by u, all in one loop so that none waits for another. The last pair may hold
- * the first unknown coefficient, which is zero so far, as is its factor. */
+/* Sums the products of scalars in a series by u. All sums are in one loop, so that none waits for another.
+ * The last pair may hold the first unknown coefficient, which is zero so far, as is its factor. */
 static inline void sum_lower_scalars(const struct pair_series *p, const struct series_work *z, int i,
                                      struct series_sums *sum)
 {
@@ -126,7 +128,7 @@ static inline void sum_lower_scalars(const struct pair_series *p, const struct s
     sum->drag = lanes_together(drag);
 }
 
-/* Sums over vectors, all components in one loop because they share factors. */
+/* Sums the products of vectors. All components are in one loop because they share factors. */
 static inline void sum_lower_vectors(const struct pair_series *p, const struct series_work *z, int i,
                                      struct series_kind kind, struct series_sums *sum)
 {
@@ -161,7 +163,7 @@ static inline void sum_lower_vectors(const struct pair_series *p, const struct s
     sum->speed = lanes_together(speed);
 }
 
-/* Coefficient i of f, from those of c. At a rim the nearest point of the circle moves. */
+/* Changes f from coefficient i of c to coefficient i of f. At a rim the nearest point of the circle moves. */
 static inline void put_nearest(struct pair_series *p, struct series_work *z, int i, struct series_kind kind,
                                double f[FRAME])
 {
@@ -182,7 +184,7 @@ static inline void put_nearest(struct pair_series *p, struct series_work *z, int
     }
 }
 
-/* Coefficient i of d and n, from those of c and of the gap. */
+/* Sets coefficient i of d and n from the coefficients of c and of the gap. */
 static inline void put_normal_term(struct pair_series *p, struct series_work *z, int i,
                                    const struct series_sums *sum, struct series_kind kind)
 {
@@ -206,7 +208,7 @@ static inline void put_normal_term(struct pair_series *p, struct series_work *z,
     }
 }
 
-/* Coefficient i of n.c', where W is not C'. */
+/* Returns coefficient i of n.c', for a pair with a velocity mismatch, whose w is not c'. */
 static double closing_of(const struct pair_series *p, struct series_work *z, int i, struct series_kind kind)
 {
     double closing = 0.0;
@@ -217,7 +219,7 @@ static double closing_of(const struct pair_series *p, struct series_work *z, int
     return closing;
 }
 
-/* Coefficient i of w and of both rates of the gap. */
+/* Sets coefficient i of w and of both gap rates: p->rate is the law's, z->opening is dg/dt. */
 static inline void put_rates(struct pair_series *p, struct series_work *z, int i,
                              const struct series_sums *sum, struct series_kind kind)
 {
@@ -229,7 +231,7 @@ static inline void put_rates(struct pair_series *p, struct series_work *z, int i
     for (int j = 0; j == 0 || j < kind.dimensions; ++j) {
         z->w[j][i] = along_time(p, z, flight->w, kind.degree, j, i, kind) + p->r_rate[j][i];
         speed += kind.first || kind.dimensions == 1 ? 0.0 : z->n[j][i] * z->w[j][0];
-        /* n is the first direction of the frame elsewhere */
+        /* away from a rim n is the first direction of the frame */
         speed += kind.at_rim ? z->n[j][0] * z->w[j][i] : j == 0 ? z->w[0][i] : 0.0;
     }
     p->rate[i] = is_carried ? from->carried_rate : side * speed;
@@ -240,7 +242,8 @@ static inline void put_rates(struct pair_series *p, struct series_work *z, int i
     }
 }
 
-/* Coefficient i of F_n dt/ds / unit, and of the dashpot's part of it. */
+/* Sets coefficient i of the normal force F_n times dt/ds divided by unit, and of the dashpot's part with the
+ * opposite sign (drag). */
 static inline void put_impulse(struct pair_series *p, struct series_work *z, int i,
                                const struct series_sums *sum, struct series_kind kind)
 {
@@ -257,12 +260,12 @@ static inline void put_impulse(struct pair_series *p, struct series_work *z, int
     z->impulse[i] = from->hertz_stiffness * z->fourth[i] - p->drag[i];
 }
 
-/* 1 / i, because a division would delay the next order. */
+/* The reciprocals of i are tabulated because a division would delay the next order. */
 #define RECIPROCALS(i) 1.0 / (i), 1.0 / ((i) + 1), 1.0 / ((i) + 2), 1.0 / ((i) + 3)
 static const double reciprocal[TAYLOR_TERMS] = {
     0.0, RECIPROCALS(1), RECIPROCALS(5), RECIPROCALS(9), RECIPROCALS(13), RECIPROCALS(17), RECIPROCALS(21)};
 
-/* Coefficient i + 1 of t, g or u, r and r'. */
+/* Sets coefficient i + 1 of t, of g or u, and of r and r'. */
 static inline void put_next(struct pair_series *p, struct series_work *z, int i,
                             const struct series_sums *sum, struct series_kind kind)
 {
@@ -280,8 +283,8 @@ static inline void put_next(struct pair_series *p, struct series_work *z, int i,
     }
 }
 
-/* Writes what the sums of the next order read: rows backwards without their first coefficients, and zeros
- * behind the known coefficients. */
+/* Stores the data of the next order's sums: the reversed series without coefficient 0, and a zero behind the
+ * known coefficients of the others. */
 static inline void note_order(struct pair_series *p, struct series_work *z, int i, struct series_kind kind)
 {
     const int back = TAYLOR_ORDER - i;
@@ -337,7 +340,7 @@ static inline void make_orders(struct pair_series *p, struct series_work *z, str
     }
 }
 
-/* Under constant forces the degree is two at most. */
+/* Under constant forces the flight is a polynomial in time of degree two at most. */
 static inline void make_steady_orders(struct pair_series *p, struct series_work *z,
                                       struct series_orders orders, bool by_root)
 {
@@ -350,7 +353,8 @@ static inline void make_steady_orders(struct pair_series *p, struct series_work 
     }
 }
 
-/* The orders before `begin` are known. Order zero needs t, g or u, r and r' at the start. */
+/* Makes the orders from `begin` up to but without `end`; the orders before `begin` are known. Order zero
+ * needs t, g or u, r and r' at the start. */
 CONTACT_FLATTEN static void make_coefficients(struct pair_series *p, struct series_work *z, int begin,
                                               int end)
 {
@@ -371,7 +375,8 @@ CONTACT_FLATTEN static void make_coefficients(struct pair_series *p, struct seri
     }
 }
 
-/* Rate at which d changes by its own size, at the present speed or by load and force from rest [1/s]. */
+/* Returns the rate at which d changes by its own size, at the present speed or from rest under load and
+ * contact force [1/s]. */
 static double passage_rate_of(const struct contact_pair *from)
 {
     const double force = fabs(from->coefficients.k * from->gap) / from->reduced_mass;
@@ -380,8 +385,8 @@ static double passage_rate_of(const struct contact_pair *from)
 }
 
 /* The unit of s: one radian of the contact's oscillation, one decay time of its damping, or the time of
- * passage, whichever is shortest; under Hertz's law at the depth to come. Its order of magnitude suffices to
- * keep the coefficients within the range of numbers. */
+ * passage, whichever is shortest. Under Hertz's law the rates are taken at the penetration to come. The
+ * unit's order of magnitude suffices to keep the coefficients within the range of numbers. */
 static double unit_of(const struct pair_series *p)
 {
     const struct contact_pair *from = p->from;
@@ -400,16 +405,17 @@ static double unit_of(const struct pair_series *p)
     return isfinite(unit) && unit > 0.0 ? unit : 1.0;
 }
 
-/* The error is read from the last five coefficients: of a free impact from the touch only every fifth one is
- * not zero. */
+/* Number of last coefficients that give the error: in a free impact from the touch only every fifth
+ * coefficient is not zero. */
 enum { LAST_TERMS = 5 };
 
 /* Longest step [units]. Without a force the series are finite sums, and if the unit is the time of passage
  * the last terms may underflow. */
 static const double LONGEST_SERIES = 16.0;
 
-/* The step at which the first omitted term is `accuracy` of the whole (Jorba and Zou), by the least radius of
- * convergence of the last coefficients. A quotient of zeros does not count. */
+/* Returns the step at which the first omitted term divided by the whole is `accuracy` (Jorba and Zou). The
+ * step follows from the least radius of convergence of the last coefficients. A quotient of
+ * zeros is ignored. */
 static double reliable_step(const struct pair_series *p, const struct series_work *z, double accuracy)
 {
     /* u is as large as its first coefficients, for s is of order one */
@@ -417,13 +423,13 @@ static double reliable_step(const struct pair_series *p, const struct series_wor
                               ? larger(fabs(p->opened[2]), larger(fabs(p->opened[1]), fabs(p->opened[0])))
                               : larger(p->from->distance, contact_reach(&p->from->shape));
     double speed = 0.0;
-    double growth = -(double)INFINITY; /* binary logarithm of 1 / the radius of convergence */
+    double growth = -(double)INFINITY; /* minus the binary logarithm of the radius of convergence */
     for (int i = 0; i < TAYLOR_TERMS; ++i) {
         for (int j = 0; j < p->flight.dimensions; ++j) {
             speed = larger(fabs(p->r_rate[j][i]), speed);
         }
         speed = i <= SEPARATION_DEGREE ? larger(fabs(p->rate[i]), speed)
-                                       : speed; /* without a force: the flight */
+                                       : speed; /* without a force r' is zero and the rate is the flight's */
     }
     for (int i = TAYLOR_TERMS - LAST_TERMS; i < TAYLOR_TERMS; ++i) {
         double part = larger(fabs(p->opened[i]) / opened, 0.0);
@@ -436,8 +442,8 @@ static double reliable_step(const struct pair_series *p, const struct series_wor
     return fmin(LONGEST_SERIES, exp2(log2(accuracy) / TAYLOR_TERMS - growth));
 }
 
-/* The coefficients up to SERIES_FIRST. `by_root` only under Hertz's law, from g <= 0 on, and not from rest at
- * g = 0, where s stands still. */
+/* Makes the first SERIES_FIRST coefficients. `by_root` is allowed only under Hertz's law with g <= 0, and not
+ * from rest at g = 0, where time does not advance with s. */
 static void begin_series(struct pair_series *p, struct series_work *z, const struct contact_pair *from,
                          bool by_root)
 {
@@ -461,20 +467,21 @@ static void begin_series(struct pair_series *p, struct series_work *z, const str
     make_coefficients(p, z, 0, SERIES_FIRST);
 }
 
-/* The other coefficients; the sums are exact to `accuracy`, a part of their largest terms. */
+/* Makes the other coefficients and sets the step. The sums are exact to `accuracy` relative to their largest
+ * terms. */
 static void complete_series(struct pair_series *p, struct series_work *z, double accuracy)
 {
     make_coefficients(p, z, SERIES_FIRST, TAYLOR_TERMS);
     p->step = reliable_step(p, z, accuracy);
 }
 
-/* Values and two derivatives of two rows, side by side. */
+/* Evaluates two series and their first two derivatives with respect to s, both series in one loop. */
 static void two_rows_at(const double *a, const double *b, double s, double of_a[3], double of_b[3])
 {
 #if CONTACT_GNU_C
     double2 value = {0.0};
     double2 slope = {0.0};
-    double2 bend = {0.0}; /* half of it */
+    double2 bend = {0.0}; /* half the second derivative */
     for (int i = TAYLOR_TERMS - 1; i >= 0; --i) {
         const double2 next = {a[i], b[i]};
         bend = bend * s + slope;
@@ -493,7 +500,7 @@ static void two_rows_at(const double *a, const double *b, double s, double of_a[
 #endif
 }
 
-/* The time at s [s]. */
+/* Returns the time from the start to s [s]. */
 static double series_time_at(const struct pair_series *p, double s)
 {
     return SCENE_ANY_HERTZ && p->by_root ? taylor_at(p->time, TAYLOR_TERMS, s) : p->unit * s;
@@ -513,7 +520,7 @@ static void series_time_left_at(const void *series_time_left, double s, double *
     *slope = time[1];
 }
 
-/* The s up to `end` of a time. */
+/* Returns the s of a time [s], at most `end`. */
 static double series_place_of(const struct pair_series *p, double time, double end)
 {
     if (!(SCENE_ANY_HERTZ && p->by_root)) {
@@ -542,8 +549,8 @@ static void series_slope_at(const void *row, double s, double *value, double *sl
     *slope = u[2];
 }
 
-/* The first s up to `end` at which u passes through zero and the bodies part; INFINITY: none. A step is a
- * third of the radius of convergence at most, so that u has one extremum in it. */
+/* The first s up to `end` at which u passes through zero and the bodies part; INFINITY if there is none. A
+ * step is at most a third of the radius of convergence, so u has one extremum in it. */
 static double series_parting(const struct pair_series *p, double end)
 {
     const double *u = p->opened;
@@ -564,11 +571,12 @@ static double series_parting(const struct pair_series *p, double end)
     if (low.value > 0.0) {
         return root_between(series_value_at, u, low, high);
     }
-    /* u rises from zero: its root is beyond its top */
+    /* u rises from zero, so its root lies beyond its maximum */
     return root_in_bracket(series_value_at, u, root_in_bracket(series_slope_at, u, 0.0, end), end);
 }
 
-/* F_n = k_h u^3 q with q = 1 - chi g', and its derivatives by s, from those of u and of g'. */
+/* F_n = k_h u^3 q with q = 1 - chi g', and its derivatives with respect to s, from the derivatives of u and
+ * g'. */
 static void hertz_force_at(const struct contact_pair *from, const double *u, const double *rate,
                            double out[3])
 {
@@ -605,7 +613,7 @@ void series_sample(const void *pair_series, double s, struct pair_sample *sample
     }
 }
 
-/* Powers of s, by which sums of many rows at one place need one multiplication a term. */
+/* Powers of s, with which sums of many series at one s need one multiplication per term. */
 struct series_powers {
     double of[TAYLOR_TERMS];
 };
@@ -632,7 +640,7 @@ static double row_at(const double row[TAYLOR_TERMS], const struct series_powers 
     return row[0] + lanes_together(sum);
 }
 
-/* A row of vectors at a place, in the world. */
+/* Returns a series of vectors at one s, in the world. */
 static struct vec3 vector_at(const struct pair_series *p, const series_row *rows,
                              const struct series_powers *at)
 {
@@ -643,7 +651,7 @@ static struct vec3 vector_at(const struct pair_series *p, const series_row *rows
     return out;
 }
 
-/* The integral of pair_work over [0, s]: path(t) r_s ds for order 1, path(t) r'_s ds for order 2. */
+/* Returns the integral of pair_work over [0, s]: path(t) r_s ds for order 1, path(t) r'_s ds for order 2. */
 static double series_work_of(const struct pair_series *p, const struct pair_work *work, double s)
 {
     const series_row *of = work->order == 1 ? p->r : p->r_rate;
@@ -671,8 +679,9 @@ static double series_work_of(const struct pair_series *p, const struct pair_work
     return sum;
 }
 
-/* The integral of -drag g' dt [J]. In time the factors are sums of exponentials, whose product converges at
- * half their pace, so all of its terms count. By u the product converges as the factors do. */
+/* Returns the energy that the dashpot dissipates, the integral of unit drag g' ds [J], where drag is the
+ * series p->drag. In a series by time the factors are sums of exponentials. Their product converges at half
+ * their pace, so all terms of the product count. By u the product converges as the factors do. */
 static double series_dissipated(const struct pair_series *p, double s)
 {
     enum { PRODUCT_ORDER = 2 * TAYLOR_ORDER };
@@ -711,15 +720,17 @@ struct pair_change series_advance(const void *pair_series, double s)
         .work = {series_work_of(p, &p->from->work[0], s), series_work_of(p, &p->from->work[1], s)}};
 }
 
-/* Samples of a segment, so that no quantity has two extrema between two of them. A series by u is a third of
- * the radius of convergence at most; in time the contact may oscillate or pass the centre. */
+/* Numbers of samples of a segment, such that no quantity has two extrema between two samples. A series by u
+ * is at most a third of its radius of convergence long. In a series by time the contact may oscillate or pass
+ * the centre. */
 enum { PLACES_BY_ROOT = 3, PLACES_BY_TIME = 5 };
 
 /*
- * Accuracy of a series: its last terms as a part of the whole. In time it is ROUNDING, because one series
- * takes most of a soft contact. By u it is the segment's tolerance between FINEST, some roundings, and FINE,
- * by which energies close to 1e-10 over thousands of segments; or PART_OF_COARSE of a coarse tolerance up to
- * COARSEST, by which energies close to 1e-10 over an impact.
+ * The accuracy of a series is the size of its last terms relative to the whole. For a series by time it is
+ * ROUNDING, because one series takes most of a soft contact. For a series by u it is the segment's tolerance
+ * between FINEST, some roundings, and FINE, with which energies balance to 1e-10 over thousands of segments.
+ * Under a coarse tolerance it is PART_OF_COARSE times the tolerance, up to COARSEST, with which energies
+ * balance to 1e-10 over an impact.
  */
 static const double ROUNDING = 0.5 * DBL_EPSILON;
 static const double FINEST = 8.0 * DBL_EPSILON;
@@ -736,8 +747,8 @@ static double series_accuracy(const struct segment *p, bool by_root)
     return fmax(fmin(fmax(asked, FINEST), FINE), fmin(PART_OF_COARSE * asked, COARSEST));
 }
 
-/* Whether the series goes by u. From rest at the touch it cannot, and p->longest becomes the coasting
- * time. */
+/* Whether the series is one by u. A series by u cannot start from rest at the touch, and p->longest becomes
+ * the coasting time. */
 static bool goes_by_root(struct segment *p)
 {
     if (!(SCENE_ANY_HERTZ && contact_is_hertz(&p->pair.law))) {
