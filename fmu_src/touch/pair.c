@@ -206,7 +206,8 @@ static double speed_of(const struct scene_values *v, const struct scene_state *q
     return body_is_free(v, body) ? vec3_norm(q->body[body].velocity) : 0.0;
 }
 
-/* Relative error of the force up to which the next segment computes g' from the rounded velocities. */
+/* The next segment computes g' from the rounded velocities where the relative error of the force that results
+ * is at most this. */
 static const double FORCE_ACCURACY = 1e-6;
 
 double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
@@ -240,8 +241,8 @@ static inline void move_body(const struct scene_values *v, struct scene_state *q
     q->body[body].velocity = vec3_add(flown.velocity, r_rate);
 }
 
-/* The part of a vector that takes no part in head-on motion: along a plane or a cylinder's axis; none of a
- * sphere. */
+/* Returns the part of a vector that does not act on head-on motion: along a plane or a cylinder's axis; zero
+ * at a sphere. */
 static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
 {
     if (contact_is_plane(&p->shape)) {
@@ -349,14 +350,14 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change, 
     state->physics.accumulated_gap = change->gap;
 }
 
-/* Components across the plane of motion below this part of a vector are rounding. */
+/* A component perpendicular to the plane of motion is rounding if it is below this fraction of its vector. */
 static const double OUT_OF_PLANE = 8.0 * DBL_EPSILON;
 
 /* Projecting a vector along the normal leaves rounding of any direction. Of such a direction a second
  * projection leaves less than this part. */
 static const double MOSTLY_NORMAL = 0.5;
 
-/* The first tangential direction that the motion of flight has; zero where the motion is head-on. */
+/* Returns the first tangential direction in which the flight moves; zero where the motion is head-on. */
 static struct vec3 tangent_of(const struct contact_pair *from)
 {
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
@@ -377,7 +378,8 @@ static struct vec3 tangent_of(const struct contact_pair *from)
     return vec3_make(0.0, 0.0, 0.0);
 }
 
-/* Puts one coefficient into the frame; whether it is out of the plane. */
+/* Puts one coefficient into the frame. Returns whether the coefficient has a part out of the plane of
+ * motion. */
 static bool put_in_frame(const struct frame_flight *flight, struct vec3 a, double out[FRAME])
 {
     for (int j = 0; j < FRAME; ++j) {
@@ -386,8 +388,8 @@ static bool put_in_frame(const struct frame_flight *flight, struct vec3 a, doubl
     return fabs(out[2]) > OUT_OF_PLANE * vec3_norm(a);
 }
 
-/* Puts C, C' and W into the frame, and their degree; whether the motion leaves the plane of the first two
- * directions. */
+/* Puts C, C' and W into the frame and sets their degree. Returns whether the motion leaves the plane of the
+ * first two directions. */
 static bool put_flight_in_frame(struct frame_flight *flight, const struct contact_pair *from, bool at_rim)
 {
     bool leaves_plane = false;
@@ -430,8 +432,8 @@ struct frame_flight frame_flight_at_rim(const struct contact_pair *from)
  * decays below rounding within one period. */
 static const double LOWEST_FREQUENCY = 0.25;
 
-/* A contact without a spring drifts towards the centre. Largest |g| at which its segment may start, and |g|
- * at which it ends, in parts of the reach. */
+/* A contact without a spring drifts towards the centre. These are the largest |g| at which its segment may
+ * start and the |g| at which its segment ends, as fractions of the reach. */
 static const double DRIFT_STARTS = 0.5;
 static const double DRIFT_ENDS = 0.75;
 
@@ -440,7 +442,7 @@ static double along_normal(const struct contact_pair *from, int degree)
     return from->shape.side * vec3_dot(from->normal, pair_across(from, from->flight.c[degree]));
 }
 
-/* Bound that |g| must stay below [m]. */
+/* Returns the bound below which |g| must stay [m]. */
 static double largest_gap(const struct contact_pair *from)
 {
     return contact_may_reach_centre(&from->shape) ? contact_reach(&from->shape) : DBL_MAX;
@@ -500,8 +502,8 @@ double pair_oscillation_longest(const struct pair_oscillation *p)
     return fmin(longest, free / fabs(p->overdamped.drift));
 }
 
-/* Whether y or y' has decayed so far that it is more accurate by itself than by its increment since the
- * start. */
+/* Whether y or y' has decayed so far that its direct value is more accurate than the start value plus the
+ * increment. */
 static bool has_decayed(double now, double start)
 {
     return 2.0 * fabs(now) < fabs(start);
@@ -512,7 +514,7 @@ static double gap_after_decay(const struct pair_oscillation *p, double y, double
     return has_decayed(y, p->y) ? p->equilibrium + y : p->from->gap + change;
 }
 
-/* Changes of y and y' since the start. */
+/* Returns the changes of y and y' since the start. */
 static struct oscillator_increment oscillation_change(const struct pair_oscillation *p, double s)
 {
     const double damping_rate = p->oscillator.damping_rate;
@@ -568,7 +570,7 @@ bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_qu
     const double c = p->from->coefficients.c * p->rate;
     const double bend = -p->oscillator.damping_rate * p->y_rate - p->y;
     double equilibrium = 0.0;
-    double start = p->rate * p->y_rate; /* the part that oscillates, at the start */
+    double start = p->rate * p->y_rate; /* value of the oscillating part at the start */
     double start_rate = p->rate * bend;
     if (quantity == PAIR_FORCE) {
         equilibrium = -k * p->equilibrium;
@@ -589,7 +591,7 @@ static void sample_from(const struct pair_oscillation *p, const double y[4], str
     }
 }
 
-/* F_n = m_red (g'' - side n.A). */
+/* Computes the force as F_n = m_red (g'' - side n.A). */
 static void sample_overdamped(const struct pair_oscillation *p, double s, struct pair_sample *sample)
 {
     double y[1 + OVERDAMPED_DERIVATIVES];
@@ -628,8 +630,8 @@ void pair_oscillation_sample_extremum(const struct pair_oscillation *p, double s
     sample_from(p, y, sample);
 }
 
-/* By the oscillator's balance of energy: p_nv g'^2 = -(m g'^2 / 2 + p_n (g - equilibrium)^2 / 2)', or without
- * a spring -(m g'^2 / 2 - side m n.A g)'. */
+/* Returns the energy dissipated [J], by the oscillator's energy balance: p_nv g'^2 = -(m g'^2 / 2 + p_n (g -
+ * equilibrium)^2 / 2)', or without a spring -(m g'^2 / 2 - side m n.A g)'. */
 static double dissipated_by_dashpot(const struct pair_oscillation *p, const double grown[2])
 {
     const bool has_spring = p->from->coefficients.k > 0.0;
@@ -690,7 +692,7 @@ struct pair_change pair_oscillation_advance(const void *pair_oscillation, double
     return change;
 }
 
-/* Spring and dashpot nearly cancel, so the force comes from the acceleration. */
+/* Computes the force from the acceleration, because the forces of spring and dashpot nearly cancel. */
 static void add_overdamped_force(const struct pair_collocation *p, double s, struct pair_sample *sample)
 {
     const double factor = p->from->shape.side * p->from->reduced_mass / (p->step.half * p->step.half);
@@ -850,14 +852,15 @@ struct pair_change pair_collocation_advance(const void *pair_collocation, double
     return change;
 }
 
-/* The part of a vector that acts on the contact's motion: across a cylinder's axis; along a plane's normal,
- * so that H = 0 and a polynomial load is followed exactly. */
+/* Returns the part of a vector that acts on the contact's motion. At a cylinder it is the part across the
+ * axis. At a plane it is the part along the normal, so that H = 0 and a polynomial load is followed
+ * exactly. */
 static struct vec3 coupled(const struct contact_pair *p, struct vec3 c)
 {
     return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, c), p->normal) : pair_across(p, c);
 }
 
-/* A = C'' and E = W - C', the parts that act on the contact's motion. */
+/* Sets A = C'' and E = W - C', each reduced to the part that acts on the contact's motion. */
 static void set_paths(const struct contact_pair *p, const struct vec3 felt[SEPARATION_DEGREE],
                       struct collocation_problem *problem)
 {
@@ -872,8 +875,8 @@ static void set_paths(const struct contact_pair *p, const struct vec3 felt[SEPAR
     }
 }
 
-/* Part of the load to which peaks are right. The dashpot turns a difference of W and C' by rounding into a
- * load, and the spring turns it into an oscillation. */
+/* Error of the peaks as a fraction of the load. The dashpot turns a rounding difference of W and C' into a
+ * load, and the spring turns that difference into an oscillation. */
 static const double NEGLIGIBLE_LOAD = 1e-6;
 
 /* Sets the mismatch E = W - C' to zero where it cannot be told from rounding: where rounding of E, by the
@@ -907,7 +910,7 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     problem->rate = out->felt[0];
     problem->deviation = p->shape.side * p->gap;
     problem->reach = contact_reach(&p->shape);
-    if (contact_is_plane(&p->shape)) { /* it may be deeper in the source than that is wide: d > 0 */
+    if (contact_is_plane(&p->shape)) { /* the penetration may exceed the source's width: keep d > 0 */
         problem->reach = fmax(problem->reach, -2.0 * problem->deviation);
     }
     problem->omega2 = p->coefficients.k / p->reduced_mass;
@@ -941,7 +944,7 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
         oscillator_envelope_of(&oscillator, problem->deviation - load / problem->omega2, radial).amplitude;
 }
 
-/* The largest |A| at the start, the middle and the end of the step [m/s^2]. */
+/* Returns the largest |A| at the start, the middle and the end of the step [m/s^2]. */
 static double largest_acceleration(const struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS],
                                    double step)
 {
@@ -962,7 +965,7 @@ double pair_tangential_rate_within(const struct pair_timescales *scales, double 
     return scales->rate_along + sqrt(largest_acceleration(acceleration, step) / scales->distance);
 }
 
-/* A step may exceed the radians asked for, an estimate, by this factor. */
+/* A step may exceed the radians asked for by this factor, because they are only an estimate. */
 static const double RADIANS_MORE = 1.1;
 
 /* Each trial at least halves the logarithm of the excess length, so a step 1e6 times too long needs eight

@@ -46,7 +46,7 @@ struct contact_pair {
      * centre [m] */
     struct vec3 rounded;
     bool starts_rounded;      /* C(0) contains `rounded`, as at the centre */
-    struct vec3 rate_rounded; /* rounding, added to w so that side n.w is the carried rate [m/s] */
+    struct vec3 rate_rounded; /* rounding, added to w so that side n.w is carried_rate [m/s] */
     double carried_rate;      /* g' with more digits than side n.w has; NaN: side n.w suffices [m/s] */
     bool rate_is_known;       /* g' is carried or exactly zero: no rounding of velocities */
     bool has_mismatch;        /* W differs from C' by more than rounding */
@@ -56,14 +56,14 @@ struct contact_pair {
     struct pair_work work[PAIR_BODIES];
 };
 
-/* The motion since the instant. */
+/* The change of the motion since the instant at which the pair was made. */
 struct pair_change {
     double time;              /* [s] */
     struct vec3 r, r_rate;    /* [m], [m/s] */
     double gap;               /* g now [m] */
     bool head_on;             /* gap and gap_rate are all of the relative motion along n */
     double gap_rate;          /* g' now, if head_on [m/s] */
-    double dissipated;        /* by the dashpot [J] */
+    double dissipated;        /* energy dissipated by the dashpot [J] */
     double work[PAIR_BODIES]; /* the integrals of pair_work [J] */
 };
 
@@ -71,31 +71,33 @@ struct pair_change {
  * cylinder's axis does not count. */
 bool pair_is_head_on(const struct contact_pair *p);
 
-/* From the present instant `at`, taken at q->clock, for a contact in compression or restitution. */
+/* Makes the pair from the present instant `at`, taken at q->clock, for a contact in compression or
+ * restitution. */
 void pair_make(struct contact_pair *p, const struct scene_values *v, const struct scene_state *q,
                const struct scene_instant *at, int contact);
 
-/* dg/dt at the start [m/s]. It differs from g' where a prescribed velocity is not the derivative of its
- * displacement. */
+/* Returns dg/dt at the start [m/s]. It differs from g' where a prescribed velocity is not the derivative of
+ * the prescribed displacement. */
 double pair_gap_derivative(const struct contact_pair *p);
 
-/* g'' by the turning of n alone, at a distance d: |w_t|^2 / d, less at a rim [m/s^2]. */
+/* Returns the part of g'' that the turning of n makes at a distance d [m/s^2]: |w_t|^2 / d, and less at a
+ * rim. */
 double pair_turning(const struct contact_pair *p, double distance);
 
-/* The force that would keep the bodies at their present distance, |m_red (|w_t|^2 / d + n.A)| [N]. Near the
- * centre half the reach stands for d, since the bodies only pass there. */
+/* Returns the force that would keep the bodies at their present distance, |m_red (|w_t|^2 / d + n.A)| [N].
+ * Near the centre half the reach replaces d, since the bodies only pass the centre. */
 double pair_load(const struct contact_pair *p);
 
-/* L: the acceleration that presses the bodies together [m/s^2]. */
+/* Returns L, the acceleration that presses the bodies together [m/s^2]. */
 double pair_pressing_load(const struct contact_pair *p);
 
-/* The start in the coordinates of a rim. */
+/* Returns the start of the motion in the coordinates of a rim. */
 struct rim_start pair_rim_start(const struct contact_pair *p);
 
-/* The part of c perpendicular to a cylinder's axis. */
+/* Returns the part of c perpendicular to a cylinder's axis. */
 struct vec3 pair_across(const struct contact_pair *p, struct vec3 c);
 
-/* The part of such a vector across n, which turns n; zero at a plane. */
+/* Returns the part of the vector `across` that is perpendicular to n and turns n; zero at a plane. */
 struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
 
 /* Rounding error of g' computed from the velocities after the change [m/s]; 0 where its effect on the force
@@ -103,11 +105,11 @@ struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
 double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
                                 const struct scene_values *v, const struct scene_state *q, int contact);
 
-/* A change by r along the normal, `side r n`, whose external works have constant paths. */
+/* Returns the change by side r n, along the normal, where the external works have constant paths. */
 struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,
                                             double r_rate, double gap);
 
-/* Moves the bodies, books impulse, dissipated energy and external work; the clock is the caller's. */
+/* Moves the bodies and books impulse, dissipated energy and external work. The caller advances the clock. */
 void pair_apply(const struct contact_pair *p, const struct pair_change *change, const struct scene_values *v,
                 struct scene_state *q, int contact);
 
@@ -125,7 +127,8 @@ struct frame_flight {
 
 struct frame_flight frame_flight_of(const struct contact_pair *from);
 
-/* The flight at a rim, in the frame of a, b = e x a and e, with all three directions and no projection. */
+/* Returns the flight at a rim, in the frame of a, b = e x a and e, with all three directions and no
+ * projection. */
 struct frame_flight frame_flight_at_rim(const struct contact_pair *from);
 
 /*
@@ -152,26 +155,26 @@ struct pair_oscillation {
     double amplitude;             /* bound of |y|, without the drift [m] */
 };
 
-/* Makes it of a pair that moves head-on (from->is_head_on). False where it might reach the centre of solid
- * bodies; contact inside a hollow body ends before. */
+/* Makes the oscillation of a pair that moves head-on (from->is_head_on). Returns false where the motion might
+ * reach the centre of solid bodies; contact inside a hollow body ends before the centre. */
 bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from);
 
-/* Whether factor quantity + offset stays positive for all s >= 0. */
+/* Whether factor * quantity + offset stays positive for all s >= 0. */
 bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_quantity quantity,
                                   double factor, double offset);
 
-/* Upper bound of s for a segment with events, in which no quantity of a decay has two extrema. INFINITY where
- * y oscillates. */
+/* Returns the upper bound of s up to which no quantity of a decay has two extrema, for a segment with events;
+ * INFINITY where y oscillates. */
 double pair_oscillation_longest(const struct pair_oscillation *p);
 
-/* The first s > 0 at which the gap has an extremum. More follow every half period pi / omega_d, as do the
- * extrema of the other quantities. */
+/* Returns the first s > 0 at which the gap has an extremum. Every quantity has further extrema each half
+ * period pi / omega_d. */
 double pair_oscillation_first_extremum(const struct pair_oscillation *p);
 
-/* Whether the gap decreases until that first extremum. */
+/* Whether the gap decreases until pair_oscillation_first_extremum. */
 bool pair_oscillation_closes(const struct pair_oscillation *p);
 
-/* The sample at a minimum (deepest) or maximum of the gap, without trigonometric functions. */
+/* Makes the sample at a minimum (deepest) or maximum of the gap, without trigonometric functions. */
 void pair_oscillation_sample_extremum(const struct pair_oscillation *p, double s, bool deepest,
                                       struct pair_sample *sample);
 
@@ -182,7 +185,7 @@ struct pair_change pair_oscillation_advance(const void *pair_oscillation, double
 /* A contact pair by collocation in local coordinates (touch/collocation.h): steps as long as the tangential
  * motion allows, whatever the penalty factor. Variable s in [0, 2], time = half s. */
 
-/* Rates and sizes of the motion at the start of a step. */
+/* Rates and sizes of the motion at the start of a collocated step. */
 struct pair_timescales {
     struct collocation_problem problem;
     /* coefficients of C from the first one on: the part that acts on the contact's motion */
@@ -200,11 +203,11 @@ struct pair_timescales {
 
 void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p);
 
-/* The largest tangential rate within a step [1/s]. It exceeds the rate at the start where the relative
- * acceleration A grows with time, perhaps from zero. */
+/* Returns the largest tangential rate within a step [1/s]. It exceeds the rate at the start where the
+ * relative acceleration A grows with time, perhaps from zero. */
 double pair_tangential_rate_within(const struct pair_timescales *scales, double step);
 
-/* The longest step, up to `longest` [s], in which the tangential motion covers about `radians`. */
+/* Returns the longest step, up to `longest` [s], in which the tangential motion covers about `radians`. */
 double pair_step_within(const struct pair_timescales *scales, double longest, double radians);
 
 struct pair_collocation {
@@ -215,32 +218,34 @@ struct pair_collocation {
 
 void pair_collocation_sample(const void *pair_collocation, double s, struct pair_sample *sample);
 
-/* The sample at a Lobatto node, cheaper. */
+/* Makes the sample at a Lobatto node, at less cost than at any other s. */
 void pair_collocation_sample_node(const struct pair_collocation *p, int node, struct pair_sample *sample);
 
-/* The sample of the averaged motion, without the oscillation. */
+/* Makes the sample of the averaged motion, without the oscillation. */
 void pair_collocation_sample_averaged(const void *pair_collocation, double s, struct pair_sample *sample);
 
-/* Lower bound of factor quantity + offset in an averaged step: the averaged quantity less the envelope of the
- * oscillation. */
+/* Lower bound of factor * quantity + offset in an averaged step: that of the averaged quantity, less the
+ * envelope of the oscillation. */
 struct pair_lower_bound {
     const struct pair_collocation *of;
     enum pair_quantity quantity;
     double factor, offset;
 };
 
-/* Value and slope of the bound at s; a root_function. */
+/* Writes value and slope of the bound at s; it is a root_function. */
 void pair_lower_bound_at(const void *pair_lower_bound, double s, double *value, double *slope);
 
-/* Value and slope from the averaged sample at s; `envelope` is pair_envelope_of the bounded quantity. */
+/* Writes value and slope from the averaged sample at s; `envelope` is pair_envelope_of the bounded
+ * quantity. */
 void pair_lower_bound_from(const struct pair_lower_bound *bound, const struct oscillator_envelope *envelope,
                            double s, const struct pair_sample *slow, double *value, double *slope);
 
-/* The part of a quantity that oscillates (of minus the force): its value at the start and its rate per s. */
+/* Writes the start value and the rate per s of the oscillating part of a quantity (for the force: of minus
+ * the force). */
 void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,
                            double *rate);
 
-/* Envelope of that part. */
+/* Returns the envelope of the part that pair_free_oscillation returns. */
 struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, enum pair_quantity quantity);
 
 struct pair_change pair_collocation_advance(const void *pair_collocation, double s);

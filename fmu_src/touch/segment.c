@@ -9,12 +9,13 @@
 #include "scene/evaluate.h"
 #include "touch/segment.h"
 
-/* The motion since the start, as the kind of segment gives it. */
+/* Returns the motion since the segment's start, computed by the segment's kind. */
 static struct pair_change kind_advance(const struct segment *p, double s);
 
-/* The terminal event: which event function ends the regime, and with which hysteresis. */
+/* This part of the file finds the terminal event: which event function ends the regime, and with which
+ * hysteresis. */
 
-/* The law's margin ends a regime only once it is negative by this part of the load, besides rounding:
+/* The law's margin ends a regime only once it is negative by rounding and this fraction of the load, so that
  * truncation errors do not change the regime of a contact at rest. */
 static const double HYSTERESIS = 1e-8;
 
@@ -25,7 +26,7 @@ static const double HYSTERESIS = 1e-8;
 static const double CLEAR_SEPARATION = 1e-3;
 static const double GAP_HYSTERESIS = 1e-6;
 
-/* Lower bound of that gap [m]: below it products of the penetration underflow. */
+/* Lower bound of the gap up to which contact lasts [m]: products of smaller penetrations underflow. */
 static const double DIED_AWAY = 1e-100;
 
 /* An approach-only dashpot is switched at every turn of an oscillation, because nothing else damps it, until
@@ -45,7 +46,7 @@ static const double IDLE_DASHPOT = 1e-3;
 static const double REBOUND = 2.0;
 static const double CRITICAL_SWING = 2.0;
 
-/* The largest |g| [m] or |g'| [m/s] of the samples, or its bound. */
+/* Returns the bound of |g| [m] or |g'| [m/s] where one is set, else the largest value of the samples. */
 static double largest_size(const struct segment *p, enum pair_quantity quantity)
 {
     double largest = quantity == PAIR_GAP ? p->largest_gap : p->largest_rate;
@@ -56,8 +57,8 @@ static double largest_size(const struct segment *p, enum pair_quantity quantity)
     return largest;
 }
 
-/* How far the rounding of g' moves the gap at most [m]: each segment computes g' afresh from rounded
- * velocities. */
+/* Returns how far the rounding of the gap rate moves the gap at most [m]. Each segment computes the gap rate
+ * afresh from rounded velocities. */
 static double terminal_event_gap_noise(const struct contact_pair *from)
 {
     const double spring = sqrt(from->coefficients.k / from->reduced_mass);
@@ -65,7 +66,7 @@ static double terminal_event_gap_noise(const struct contact_pair *from)
     return from->rate_rounding / fmax(spring, dashpot);
 }
 
-/* Gap up to which contact lasts where the separation is slow [m]. */
+/* Returns the gap up to which contact lasts where the bodies separate slowly [m]. */
 static double terminal_event_gap_tolerance(const struct segment *p)
 {
     const double most = 2.0 * p->gap_rounding;
@@ -76,7 +77,8 @@ static double terminal_event_gap_tolerance(const struct segment *p)
     return part >= most ? most : fmin(most, fmax(part, fmax(terminal_event_gap_noise(&p->pair), DIED_AWAY)));
 }
 
-/* k and c of the law in compression; under Hertz's law its slopes at the segment's largest depth. */
+/* Returns k and c of the law in compression. Under Hertz's law these are the slopes of the force at the
+ * segment's largest penetration. */
 static struct contact_coefficients full_coefficients(const struct segment *p)
 {
     const struct contact_law *law = &p->pair.law;
@@ -88,7 +90,8 @@ static struct contact_coefficients full_coefficients(const struct segment *p)
     return (struct contact_coefficients){-slopes.by_gap, -slopes.by_rate};
 }
 
-/* Speed of separation at which an approach-only dashpot stops, rounding apart [m/s]; `open` is a force. */
+/* Returns the speed of separation at which an approach-only dashpot stops, without rounding [m/s]; `open` is
+ * a force [N]. */
 static double separating_speed(const struct segment *p, struct contact_coefficients full, double open)
 {
     const double swing = sqrt(full.k * p->pair.reduced_mass); /* force by speed, of the spring alone */
@@ -116,7 +119,7 @@ static struct event_function terminal_event_margin(const struct segment *p)
         return (struct event_function){PAIR_FORCE, 1.0, open + full.c * rate};
     }
     const double swing = full.c / sqrt(full.k * p->pair.reduced_mass);
-    /* approach speed at which the spring alone ends, over the separation speed r0 at which it began */
+    /* approach speed at which the spring alone ends, divided by the separation speed r0 at which it began */
     const double rebound = full.k > 0.0 && swing >= CRITICAL_SWING ? REBOUND * swing : 1.0;
     const double separating = separating_speed(p, full, open) + rate;
     return p->regime == REGIME_RESTITUTION ? (struct event_function){PAIR_GAP_RATE, 1.0, rebound * separating}
@@ -132,7 +135,7 @@ static bool comes_back_at_once(const struct segment *p, double speed)
     return pressing > 0.0 && speed * speed <= 2.0 * pressing * GAP_HYSTERESIS * largest_size(p, PAIR_GAP);
 }
 
-/* The release at p->parting, unless the bodies come back at once. */
+/* Returns the release at p->parting, or no event if the bodies come back at once. */
 static struct terminal_event known_parting(const struct segment *p)
 {
     const double speed = p->output.at[p->output.count - 1].of[PAIR_GAP_RATE][0];
@@ -142,7 +145,7 @@ static struct terminal_event known_parting(const struct segment *p)
         lasts ? (double)INFINITY : p->parting, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
 }
 
-/* The release, by the gap. */
+/* Returns the release, found from the gap. */
 static struct terminal_event parting(struct segment *p)
 {
     struct terminal_event terminal = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
@@ -180,8 +183,8 @@ static struct terminal_event terminal_event_first(struct segment *p)
     return first;
 }
 
-/* The largest |g|. Between two samples a quantity may have one extremum larger than both, but less than four
- * times as large. */
+/* Returns a bound of |g| [m]. Between two samples a quantity may have one extremum that exceeds both, but by
+ * a factor below four. */
 static double deepest_of(const struct segment *p)
 {
     double deepest = 0.25 * p->largest_gap;
@@ -191,7 +194,7 @@ static double deepest_of(const struct segment *p)
     return 4.0 * deepest;
 }
 
-/* The s at which d = 0 and n reverses; INFINITY: not within the segment. */
+/* Returns the s at which d = 0 and n reverses; INFINITY where that is not within the segment. */
 static double terminal_event_centre(const struct segment *p)
 {
     if (p->clear_of_centre || deepest_of(p) < contact_reach(&p->pair.shape)) {
@@ -201,7 +204,8 @@ static double terminal_event_centre(const struct segment *p)
     return dense_output_first_event(&p->output, &distance);
 }
 
-/* Ends the segment at d = 0 if that is before p->terminal, whether or not the regime changes there. */
+/* Ends the segment at d = 0 if the centre is met before p->terminal, whether or not the regime changes
+ * there. */
 static void terminal_event_at_centre(struct segment *p)
 {
     const double s = terminal_event_centre(p);
@@ -214,7 +218,7 @@ static void terminal_event_at_centre(struct segment *p)
     }
 }
 
-/* Samples at the extrema of gap, rate and force; each quantity has one at most. */
+/* Adds samples at the extrema of gap, gap rate and force; each quantity has at most one extremum. */
 static void add_extrema_of_decay(struct segment *p)
 {
     struct dense_output *w = &p->output;
@@ -227,8 +231,8 @@ static void add_extrema_of_decay(struct segment *p)
     dense_output_add(w, p->end);
 }
 
-/* Samples at the first two extrema of the gap. They are half a period apart, so no quantity has two extrema
- * between them. */
+/* Adds samples at the first two extrema of the gap. They are half a period apart, so no quantity has two
+ * extrema between them. */
 static void add_extrema_of_oscillation(struct segment *p)
 {
     const struct pair_oscillation *made = &p->as.oscillation;
@@ -245,7 +249,7 @@ static void add_extrema_of_oscillation(struct segment *p)
     }
 }
 
-/* Whether the bodies neither part nor change their regime any more. */
+/* Whether the bodies never part and never change their regime. */
 static bool is_event_free(const struct segment *p)
 {
     const struct pair_oscillation *made = &p->as.oscillation;
@@ -257,14 +261,14 @@ static bool is_event_free(const struct segment *p)
            pair_oscillation_stays_above(made, margin.quantity, margin.factor, margin.offset);
 }
 
-/* Head-on motion under constant acceleration. */
+/* Whether the motion is head-on under constant acceleration. */
 static bool closed_form_applies(const struct segment *p)
 {
     return p->pair.is_head_on && !contact_is_rim(&p->pair.shape);
 }
 
-/* Over all of p->longest where no event follows; else over a period of the oscillation at most, or over the
- * decay. */
+/* Makes the segment over all of p->longest where no event follows. Otherwise the segment lasts a period of
+ * the oscillation at most, or as long as the decay. */
 static bool closed_form_make(struct segment *p)
 {
     struct pair_oscillation *made = &p->as.oscillation;
@@ -280,7 +284,7 @@ static bool closed_form_make(struct segment *p)
     p->end = fmin(end, pair_oscillation_longest(made));
     dense_output_add(&p->output, 0.0);
     if (made->omega_d > 0.0) {
-        /* the samples are extrema of the gap, where the rate is zero */
+        /* the samples are extrema of the gap, where the gap rate is zero */
         p->largest_gap = fabs(made->equilibrium) + made->amplitude;
         p->largest_rate = made->rate * made->amplitude;
         add_extrema_of_oscillation(p);
@@ -292,16 +296,17 @@ static bool closed_form_make(struct segment *p)
     return true;
 }
 
-/* Smallest length of a collocated segment [radians of the oscillator]. Below it one Taylor step is exact, and
- * oscillator_particular loses digits. */
+/* Smallest length of a collocated segment [radians of the oscillator]. Over a shorter one a single Taylor
+ * step is exact, and oscillator_particular loses digits. */
 static const double COLLOCATED_SHORTEST = 3.0;
 
-/* The two motions are told apart where the oscillator is faster than the tangential motion by this factor. */
+/* The oscillation and the tangential motion are treated apart where the oscillator's rate is at least this
+ * many times the tangential rate. */
 static const double SEPARATION_OF_RATES = 20.0;
 
 /* Length of a resolved segment [radians of the oscillator]: an impact takes a little more than half a period.
- * The oscillation enters the load with the relative size (tangential_rate / oscillator's rate)^2 and is
- * accurate to 3e-7 at the nodes. */
+ * The oscillation's relative size in the load is (tangential_rate / oscillator's rate)^2. Over this length
+ * the oscillation is accurate to 3e-7 at the nodes. */
 static const double RESOLVED_LENGTH = 4.0;
 
 /* Whether the step may be long enough and the oscillator or its decay is faster than the tangential
@@ -322,8 +327,8 @@ static void collocated_begin(struct segment *p)
     p->output.count = 0;
 }
 
-/* Samples at 0.5, 1, 2, 4, ... fast decay times, before the nodes, so that no quantity has two extrema
- * between two samples. */
+/* Adds samples at 0.5, 1, 2, 4, ... decay times of the fast decay, before the nodes, so that no quantity has
+ * two extrema between two samples. */
 static void add_decay_samples(struct segment *p)
 {
     const struct lobatto *nodes = p->as.collocation.step.nodes;
@@ -357,7 +362,7 @@ static void collocated_sample(struct segment *p)
     }
 }
 
-/* A segment within tolerance everywhere, not only at its end, because an event may end it. */
+/* Makes a segment that is within tolerance everywhere, not only at its end, because an event may end it. */
 static bool collocated_make(struct segment *p, double step, enum collocation_kind kind)
 {
     if (!collocation_make(&p->as.collocation.step, &p->scales.problem, step, kind, &lobatto[LOBATTO_TWELVE],
@@ -369,8 +374,8 @@ static bool collocated_make(struct segment *p, double step, enum collocation_kin
     return true;
 }
 
-/* Part of the reach. If a node is nearer to the centre, the motion between the nodes may be nearer still, and
- * d = reach + x loses digits. */
+/* Smallest distance d of a node from the centre, as a fraction of the reach. If a node is nearer, the motion
+ * between the nodes may be nearer still, and d = reach + x loses digits. */
 static const double NEAR_CENTRE = 0.1;
 
 /* Whether local coordinates are accurate throughout the segment. */
@@ -391,15 +396,16 @@ static bool collocated_stays_off_centre(const struct segment *p)
  * about 15 sweeps. */
 static const double LONG_STEP = 2.5;
 
-/* Radians of the tangential motion up to which four or eight nodes are tried first. */
+/* Lengths of a step up to which four or eight nodes are tried first [radians of the tangential motion]. */
 static const double FOUR_NODES = 0.05;
 static const double EIGHT_NODES = 0.5;
 
 enum { AVERAGED_ATTEMPTS = 12 };
 
-/* Error of treating an oscillation or fast decay of amplitude `a` [m] to first order: the second order of its
- * closed-form part, 4 a ratio^2 with `ratio` the tangential rate over the oscillation's; and the mean of
- * (a/d)^2 in n', which acts over `radians` of the tangential motion, 3 a^2 radians / d [m]. */
+/* Returns the error [m] of treating an oscillation or fast decay of amplitude `a` [m] to first order. The
+ * second order of its closed-form part is 4 a ratio^2, where `ratio` is the tangential rate divided by the
+ * oscillation's rate. The mean of (a/d)^2 in n' acts over `radians` of the tangential motion and adds 3 a^2
+ * radians / d. */
 static double averaged_error(double a, double ratio, double distance, double radians)
 {
     return 4.0 * a * ratio * ratio + 3.0 * a * a / distance * radians;
@@ -412,7 +418,7 @@ static void lower_bound_slope(const void *data, double s, double *value, double 
     *slope = 0.0; /* root_in_bracket then bisects */
 }
 
-/* The s up to which a lower bound stays positive. */
+/* Returns the s up to which a lower bound stays positive. */
 static double positive_until(const struct dense_output *w, const struct pair_lower_bound *bound)
 {
     double low_value;
@@ -446,7 +452,7 @@ static double positive_until(const struct dense_output *w, const struct pair_low
     return 2.0;
 }
 
-/* The s up to which neither the bodies part nor the law ends the regime. */
+/* Returns the s up to which neither the bodies part nor the law ends the regime. */
 static double event_free_until(const struct segment *p)
 {
     const struct pair_collocation *made = &p->as.collocation;
@@ -468,7 +474,7 @@ static enum lobatto_size nodes_for(double radians)
     return radians <= EIGHT_NODES ? LOBATTO_EIGHT : LOBATTO_TWELVE;
 }
 
-/* Whether a step is accurate with the oscillation in n and H to first order only. */
+/* Whether a step is accurate if n and H contain the oscillation to first order only. */
 static bool averaged_is_accurate(const struct segment *p, double step)
 {
     const struct pair_timescales *scales = &p->scales;
@@ -479,7 +485,8 @@ static bool averaged_is_accurate(const struct segment *p, double step)
     return slower >= SEPARATION_OF_RATES * tangential_rate && left_out <= p->tolerance;
 }
 
-/* The longest step to try [s]; 0: none. A shorter one helps only where the relative acceleration grows. */
+/* Returns the longest step to try [s], or 0 for none. A shorter step helps only where the relative
+ * acceleration grows. */
 static double longest_step(const struct segment *p)
 {
     const struct pair_timescales *scales = &p->scales;
@@ -534,8 +541,8 @@ static bool averaged_make(struct segment *p)
     return false;
 }
 
-/* Samples of the first guess of a step of RESOLVED_LENGTH, a radian apart: no quantity has two extrema in a
- * radian. */
+/* Number of samples of the first guess over RESOLVED_LENGTH. They are a radian apart, since no quantity has
+ * two extrema in a radian. */
 enum { GUESS_PLACES = 5 };
 
 /* A step ends beyond the contact's end by a part of its length: BEYOND_GUESS covers the error of the first
@@ -549,7 +556,7 @@ static const double BEYOND_SHIFT = 0.02;
  * with twelve nodes at COLLOCATED_SHORTEST. */
 static const double SHORTEST_OF_EIGHT = 1.0;
 
-/* The terminal event under a constant load. */
+/* Returns a first guess of the terminal event: the event under a constant load. */
 static struct terminal_event guess_terminal_event(struct segment *p, double longest)
 {
     struct pair_collocation *made = &p->as.collocation;
@@ -562,7 +569,7 @@ static struct terminal_event guess_terminal_event(struct segment *p, double long
     return terminal_event_first(p);
 }
 
-/* How far a sweep shifts the event in s, by one Newton step. */
+/* Returns how far a sweep shifts the event in s, estimated by one Newton step. */
 static double shift_of(const struct segment *p, const struct event_function *function, double s)
 {
     struct pair_sample at;
@@ -616,7 +623,7 @@ static bool resolved_applies(const struct segment *p)
     return collocated_applies(p) && p->scales.underdamped;
 }
 
-/* Up to the terminal event where that is near; p->terminal is found then. */
+/* Makes the segment. Where the terminal event is near, the segment ends there and p->terminal is set. */
 static bool resolved_make(struct segment *p)
 {
     const double rate = p->scales.rates.slower;
@@ -630,14 +637,14 @@ static bool resolved_make(struct segment *p)
             collocated_make(p, COLLOCATED_SHORTEST / rate, COLLOCATION_RESOLVED));
 }
 
-/* Length of an overdamped segment [radians of the tangential motion]. It must be accurate between its ends
- * too, because an event may end it anywhere. */
+/* Length of an overdamped segment [radians of the tangential motion]. The segment must be accurate between
+ * its ends too, because an event may end it anywhere. */
 static const double OVERDAMPED_STEP = 1.0;
 
 /* Largest growth of d in an overdamped segment that begins near the centre: n' is proportional to 1 / d^2. */
 static const double OVERDAMPED_GROWTH = 4.0;
 
-/* The two decays are treated apart where their rates differ by this factor or more. */
+/* The slow and the fast decay are treated apart where their rates differ by this factor or more. */
 static const double SEPARATION_OF_DECAYS = 4.0;
 
 enum { ATTEMPTS = 12 };
@@ -648,7 +655,7 @@ static bool overdamped_applies(const struct segment *p)
            !(p->scales.rates.faster < SEPARATION_OF_DECAYS * p->scales.rates.slower);
 }
 
-/* Whether a step is accurate with the fast decay, of amplitude `decay` [m], in n and H to first order
+/* Whether a step is accurate if n and H contain the fast decay, of amplitude `decay` [m], to first order
  * only. */
 static bool overdamped_is_accurate(const struct segment *p, double step, double decay)
 {
@@ -679,32 +686,33 @@ static bool overdamped_make(struct segment *p)
     return false;
 }
 
-/* Peaks: the largest force and penetration of a segment, and how far rounding changes them in a very stiff
- * contact. */
+/* This part of the file finds the peaks of a segment: the largest force and penetration, and how far rounding
+ * changes them in a very stiff contact. */
 
 /* The number of roundings in the bounds of scene/evaluate.h. */
 static const double BOUND_ROUNDINGS = 8.0;
 
-/* Roundings of a product n.w, besides the rounding of n. */
+/* The number of roundings in a product n.w, without the rounding of n itself. */
 static const double RATE_ROUNDINGS = 2.0;
 
-/* An error of a peak below this part of the load or peak is not reported: the forces of all other contacts
- * are no more accurate (pair.c). */
+/* An error of a peak is not reported where it is below NEGLIGIBLE times the load or the peak: the forces of
+ * all other contacts are no more accurate (pair.c). */
 static const double NEGLIGIBLE = 1e-6;
 
-/* A dashpot's force at the start is no peak if it is less than this part of the largest force that
- * follows. */
+/* A dashpot's force at the start is not treated as a peak if it is less than this fraction of the largest
+ * force that follows. */
 static const double OUTWEIGHED = 0.5;
 
-/* exp(-40) of an oscillation is less than a rounding of it. */
+/* An oscillation counts as forgotten after this many decay times: exp(-40) of its amplitude is below
+ * rounding. */
 static const double FORGOTTEN = 40.0;
 
 /* Forces at the start of a segment [N]. */
 struct start_forces {
-    double load;    /* at which the contact would rest */
-    double by_gap;  /* of the oscillation about the load, by the gap */
-    double by_rate; /* of the oscillation about the load, by the gap rate */
-    double size;    /* the largest of all */
+    double load;    /* the force at which the contact would rest */
+    double by_gap;  /* oscillation about the load, from the gap's deviation */
+    double by_rate; /* oscillation about the load, from the gap rate */
+    double size;    /* the largest of these forces */
     double error;   /* rounding error of the largest force */
 };
 
@@ -740,7 +748,8 @@ static struct start_forces start_forces_of(const struct segment *p)
     return start;
 }
 
-/* To be called once the peaks of a segment of `time` seconds are in the state. */
+/* Notes how far rounding changes the peaks. It is called once the peaks of a segment of `time` seconds are in
+ * the state. */
 static void peak_error_note(const struct segment *p, double time, struct contact_state *state)
 {
     struct contact_record *record = &state->record;
@@ -791,11 +800,11 @@ struct search {
     struct pair_lower_bound bound; /* lower bound of minus the quantity */
     struct oscillator_envelope envelope;
     double omega, phase, steepness;
-    double end;     /* s up to which is searched */
+    double end;     /* the search covers s up to this place */
     double largest; /* value found so far */
 };
 
-/* Sign of penetration and force over sign of the deviation x. */
+/* Returns the sign with which the deviation x enters the penetration and the force. */
 static double sign_of_oscillation(const struct segment *p)
 {
     return -p->pair.shape.side;
@@ -833,13 +842,14 @@ static void climb(struct search *f, double top, double turn)
     }
 }
 
-/* Climbs the two tops next to a place; the top of the slow part where that is steeper than the oscillation. A
- * period too short to be searched counts with its envelope. */
+/* Climbs the two tops of the oscillation next to a place, or the top of the slow part where the slow part is
+ * steeper than the oscillation. A period too short to be searched counts with its envelope. */
 static void climb_about(struct search *f, double place, const struct pair_sample *slow)
 {
     const double turn = 2.0 * PI / f->omega;
     const double still = f->envelope.amplitude * exp(-f->envelope.decay_rate * place);
-    const double slope = slow_of(f, slow, 1) / (f->steepness * still); /* over the oscillation's steepest */
+    const double slope =
+        slow_of(f, slow, 1) / (f->steepness * still); /* divided by the oscillation's steepest slope */
     if (turn <= PLACES_OF_TURN * DBL_EPSILON * place) {
         f->largest = fmax(f->largest, slow_of(f, slow, 0) + still);
     } else if (fabs(slope) < 1.0) {
@@ -851,8 +861,8 @@ static void climb_about(struct search *f, double place, const struct pair_sample
     }
 }
 
-/* Where slow part plus envelope is highest between two places, to half a period or to the last digit: the
- * tops next to it are searched. The lower bound falls before this place and rises beyond. */
+/* Returns where slow part plus envelope is highest between two places, to half a period or to the last digit:
+ * the tops next to it are searched. The lower bound falls before this place and rises beyond. */
 static double summit_between(const struct search *f, double low, double high)
 {
     double middle = 0.5 * (low + high);
@@ -867,8 +877,8 @@ static double summit_between(const struct search *f, double low, double high)
     return middle;
 }
 
-/* Searches about the summit, then about every other node whose bound exceeds the largest value found: an
- * oscillation that decays may not reach its envelope at the summit. */
+/* Searches about the summit, then about every other node whose bound exceeds the largest value found, since a
+ * decaying oscillation may not reach its envelope at the summit. */
 static void search_swinging(struct search *f)
 {
     const struct dense_output *w = &f->p->output;
@@ -899,7 +909,7 @@ static void search_swinging(struct search *f)
     }
 }
 
-/* The largest value of the slow part, without the oscillation. */
+/* Returns the largest value of the slow part, without the oscillation. */
 static double largest_of_slow(struct segment *p, const struct event_function *what, double end)
 {
     struct dense_output *w = &p->output;
@@ -928,9 +938,9 @@ static double largest_of_swinging(struct segment *p, const struct event_function
     return f.largest;
 }
 
-/* Samples at 0, at doubling places from half the fast decay's time on, and at the nodes: the doubling places
- * show the extrema of the decay, the nodes those of the motion under the load. Taken in portions that a dense
- * output holds. */
+/* Returns the largest of samples at 0, at doubling places from half the fast decay's time on, and at the
+ * nodes. The doubling places show the extrema of the decay, the nodes those of the motion under the load. The
+ * samples are taken in portions that a dense output holds. */
 static double largest_of_decaying(const struct segment *p, const struct event_function *what, double faster,
                                   double end, double largest)
 {
@@ -956,7 +966,8 @@ static double largest_of_decaying(const struct segment *p, const struct event_fu
     }
 }
 
-/* The oscillation of an averaged step is searched apart: the nodes do not resolve it. */
+/* Returns the largest value up to `end`. An averaged step's oscillation is searched apart: the nodes do not
+ * resolve it. */
 static double largest_of(struct segment *p, const struct event_function *what, double end, double known)
 {
     const struct oscillator *o = &p->as.collocation.step.result.oscillator;
@@ -1000,13 +1011,13 @@ static void peaks_note(struct segment *p, struct contact_state *state, double en
  * a plane and at a cap. r x r' counts at a rim alone. A destination sphere has no torque.
  */
 
-/* The part of C that counts, and its second derivative: polynomials of time. */
+/* The part of C that makes a torque, and its second derivative, as polynomials of time. */
 struct lever {
     struct vec3 c[SEPARATION_DEGREE + 1];
     struct vec3 bend[SEPARATION_DEGREE - 1];
 };
 
-/* C x r' - C' x r. */
+/* Returns C x r' - C' x r. */
 static inline struct vec3 boundary_terms(const struct vec3 c[SEPARATION_DEGREE + 1], bool vary,
                                          const struct pair_change *change)
 {
@@ -1072,7 +1083,8 @@ static struct vec3 head_on(const struct contact_pair *p, const struct lever *lev
     return sum;
 }
 
-/* Panels of the quadrature: an impact is smooth but for the power 7/2 of time at its ends. */
+/* Panels of the quadrature: the motion of an impact is smooth except at its ends, where it contains time to
+ * the power 7/2. */
 enum { PANELS = 8 };
 
 static struct vec3 by_quadrature(struct segment *p, const struct lever *lever, double time)
@@ -1132,7 +1144,8 @@ static CONTACT_NOINLINE struct vec3 of_bend(struct segment *p, struct lever *lev
     return by_nodes ? by_quadrature(p, lever, change->time) : as_works(p, lever, change, s);
 }
 
-/* At the side of a cylinder; `along` is C along the axis. */
+/* Returns the torque impulse at the side of a cylinder [N m s]; `along` is the component of C along the
+ * axis. */
 static CONTACT_NOINLINE struct vec3 at_side(struct segment *p, const struct pair_change *change, double s,
                                             const double along[SEPARATION_DEGREE + 1])
 {
@@ -1146,8 +1159,8 @@ static CONTACT_NOINLINE struct vec3 at_side(struct segment *p, const struct pair
     return bends ? vec3_add(sum, of_bend(p, &lever, change, s)) : sum;
 }
 
-/* At a plane, a cap or a rim. The products with r contain C along n by rounding only; if C'' is along n there
- * is nothing to integrate. */
+/* Returns the torque impulse at a plane, a cap or a rim [N m s]. The products with r contain C along n by
+ * rounding only. If C'' is along n there is nothing to integrate. */
 static struct vec3 at_face(struct segment *p, const struct pair_change *change, double s)
 {
     struct vec3 c[SEPARATION_DEGREE + 1];
@@ -1171,7 +1184,7 @@ static struct vec3 at_face(struct segment *p, const struct pair_change *change, 
     return sum;
 }
 
-/* Over [0, s] [N m s]; `change` is the motion at s. */
+/* Returns the torque's impulse over [0, s] [N m s]; `change` is the motion at s. */
 static struct vec3 torque_impulse(struct segment *p, const struct pair_change *change, double s)
 {
     const struct contact_pair *pair = &p->pair;
@@ -1193,14 +1206,12 @@ static struct vec3 torque_impulse(struct segment *p, const struct pair_change *c
     return vec3_scale(-pair->reduced_mass, sum);
 }
 
-/*
- * Where a segment leaves the zone of a capped cylinder that it is made for (shape.h): a terminal event, after
- * which the regime goes on in the next zone.
- */
+/* This part of the file finds where a segment leaves its zone of a capped cylinder (shape.h). Leaving is a
+ * terminal event, after which the regime goes on in the next zone. */
 
-/* The s at which the centre is no longer beyond the side or the cap. `beyond` is the exact distance at the
- * start [m], from which the sample differs by the segment's tolerance. A centre outside by up to `rounding`
- * counts as within. */
+/* Returns the s at which the centre is no longer beyond the side or the cap. `beyond` is the exact distance
+ * at the start [m], from which the sample differs by the segment's tolerance. A centre outside by up to
+ * `rounding` counts as within. */
 static double end_of_rim_by(const struct segment *p, enum pair_quantity quantity, double beyond,
                             double rounding)
 {
@@ -1218,11 +1229,11 @@ static double end_at_rim(const struct segment *p)
                 end_of_rim_by(p, PAIR_AXIAL, place.axial, rounding));
 }
 
-/* A segment along a face of the solid, with the centre near the face or inside. */
+/* The path of a segment along a face of the solid, with the centre near the face or inside the solid. */
 struct face_path {
     const struct segment *segment;
     struct separation_path flight;
-    double raised; /* added to the margin, see depth_margin [m] */
+    double raised; /* amount added to the margin, see depth_margin [m] */
 };
 
 static struct face_path face_path_of(const struct segment *p)
@@ -1235,9 +1246,9 @@ static struct face_path face_path_of(const struct segment *p)
     return path;
 }
 
-/* Margin [m] that is negative where another face is nearer to a centre inside the solid, raised by rounding
- * and by the error of the edge just passed. The gap gives the depth, the flight gives the distance from the
- * other face. Positive outside the solid. */
+/* Writes the margin [m], which is negative where another face is nearer to a centre inside the solid and
+ * positive outside the solid. Rounding and the error of the edge just passed raise it. The gap gives the
+ * depth, the flight gives the distance from the other face. */
 static void depth_margin(const void *data, double s, double *value, double *slope)
 {
     const struct face_path *path = data;
@@ -1254,7 +1265,7 @@ static void depth_margin(const void *data, double s, double *value, double *slop
     *slope = (double)NAN; /* not needed */
 }
 
-/* Bisects to the last digit between two places, at the second of which the margin is below zero. */
+/* Bisects to the last digit between two places. The margin is below zero at the second place. */
 static double halve_to_depth(const struct face_path *path, double low, double high)
 {
     for (;;) {
@@ -1268,7 +1279,8 @@ static double halve_to_depth(const struct face_path *path, double low, double hi
     }
 }
 
-/* Places at which the margin is evaluated; between them it is no more curved than a parabola. */
+/* The number of places at which the margin is evaluated; between two places the margin is no more curved than
+ * a parabola. */
 enum { DEPTHS = 64 };
 
 static double end_by_depth(struct face_path *path, double end)
@@ -1326,7 +1338,7 @@ static double zone_end_of_face(const struct segment *p, double end)
     return may_change_face(&path) ? fmin(s, end_by_depth(&path, fmin(s, end))) : s;
 }
 
-/* Ends the segment where its zone ends, if that is before p->terminal. */
+/* Ends the segment where its zone ends, if the zone ends before p->terminal. */
 static void zone_end_note(struct segment *p)
 {
     p->leaves_zone = false;
@@ -1346,7 +1358,7 @@ static void zone_end_note(struct segment *p)
  * turn: the centre may get nearer to another face in each oscillation. */
 static const double LONGEST_INSIDE = 8.0;
 
-/* How long a segment inside the solid may be, so that no change of the nearest face is missed [s]. */
+/* Returns how long a segment inside the solid may be so that no change of the nearest face is missed [s]. */
 static double zone_longest_inside(const struct segment *p)
 {
     if (!contact_is_capped(&p->pair.shape) || contact_is_rim(&p->pair.shape)) {
@@ -1357,10 +1369,10 @@ static double zone_longest_inside(const struct segment *p)
     return longest < segment_time(p, p->end) && may_change_face(&path) ? longest : (double)INFINITY;
 }
 
-/* The first kind that applies and can be made is taken. `work` is the cost of making a segment and of what
- * follows from it, in steps in closed form of 3,000 instructions each: a series or half a period takes 30,000
- * instructions, a radian of the tangential motion 125,000. Without `applies` it always does. Without `time`
- * and `place` the time is unit s. */
+/* The first kind that applies and can be made is taken. `work` is the cost of making and using a segment, in
+ * steps in closed form of 3,000 instructions each: a series or half a period takes 30,000 instructions, a
+ * radian of the tangential motion 125,000. A kind without `applies` always applies. For a kind without `time`
+ * and `place`, the time is unit times s. */
 static const struct {
     bool (*applies)(const struct segment *p);
     bool (*make)(struct segment *p);
@@ -1370,27 +1382,31 @@ static const struct {
     double (*time)(const struct segment *p, double s);
     double (*place)(const struct segment *p, double time);
 } kinds[] = {
-    /* Head-on under constant acceleration: exact for any time, so it comes first. */
+    /* Head-on motion under constant acceleration: the closed form is exact for any time, so it comes
+     * first. */
     [SEGMENT_CLOSED_FORM] = {closed_form_applies, closed_form_make, pair_oscillation_sample,
                              pair_oscillation_advance, 1, NULL, NULL},
-    /* Fast oscillations that are small and clear of g = 0: many in one step, as far as the tangential motion
+    /* Fast oscillations that are small and clear of g = 0: one step covers as many as the tangential motion
      * allows. */
     [SEGMENT_AVERAGED] = {averaged_applies, averaged_make, pair_collocation_sample, pair_collocation_advance,
                           40, NULL, NULL},
-    /* Other oscillations, below critical damping: half a period and more, most of an impact. */
+    /* Other oscillations below critical damping: a segment covers half a period or more, which is most of an
+     * impact. */
     [SEGMENT_RESOLVED] = {resolved_applies, resolved_make, pair_collocation_sample, pair_collocation_advance,
                           10, NULL, NULL},
-    /* Far beyond critical damping, or without a spring: a radian of the tangential motion. */
+    /* Contacts far beyond critical damping or without a spring: a segment covers a radian of the tangential
+     * motion. */
     [SEGMENT_OVERDAMPED] = {overdamped_applies, overdamped_make, pair_collocation_sample,
                             pair_collocation_advance, 40, NULL, NULL},
-    /* Everything else, soft contacts, short remainders and Hertz's law: two radians of the contact, of its
-     * passage or of the rim. */
+    /* All other contacts: soft ones, short remainders of a motion and Hertz's law. A segment covers two
+     * radians of the contact's oscillation, of the bodies' passage or of the rim. */
     [SEGMENT_SERIES] = {NULL, series_make, series_sample, series_advance, 10, series_time, series_place},
 #if SCENE_ANY_HERTZ
-    /* Hertz's law after the oscillation has died away: a radian of the tangential motion. */
+    /* Hertz's law after the oscillation has died away: a segment covers a radian of the tangential motion. */
     [SEGMENT_QUASI_STATIC] = {quasi_static_applies, quasi_static_make, quasi_static_sample,
                               quasi_static_advance, 40, NULL, NULL},
-    /* Hertz's law without damping, head-on under constant acceleration: all the rest of an impact. */
+    /* Hertz's law without damping, head-on under constant acceleration: a segment covers all the rest of an
+     * impact. */
     [SEGMENT_HERTZ_ELASTIC] = {hertz_elastic_applies, hertz_elastic_make, hertz_elastic_sample,
                                hertz_elastic_advance, 1, hertz_elastic_time, hertz_elastic_place},
 #endif
@@ -1404,7 +1420,7 @@ double segment_time(const struct segment *p, double s)
 double segment_place(const struct segment *p, double time)
 {
     if (!(time > 0.0)) {
-        return 0.0; /* from a touch on the time may be of second order in s, which gives no root at 0 */
+        return 0.0; /* after a start at the touch, time may be of second order in s: no root at 0 */
     }
     return kinds[p->kind].place != NULL ? kinds[p->kind].place(p, time) : time / p->unit;
 }
@@ -1439,8 +1455,9 @@ static bool is_collocated(const struct segment *p)
     return p->kind != SEGMENT_CLOSED_FORM && p->kind < SEGMENT_SERIES;
 }
 
-/* The closed form first, then the series. If the first coefficients of the series show nothing fast, the
- * quasi-static kind follows; where they were wrong the series is made after all. */
+/* Makes a segment under Hertz's law: tries the closed form first, then the series. If the first coefficients
+ * of the series show nothing fast, the quasi-static kind follows. If that kind fails, the series is made
+ * after all. */
 static void make_hertz(struct segment *p)
 {
     p->may_be_quasi_static = quasi_static_applies(p);
@@ -1451,8 +1468,8 @@ static void make_hertz(struct segment *p)
     }
 }
 
-/* Longest segment of bodies that are not head-on [s]: their motion is the flight without contact and a
- * deviation that nearly cancels it, so the flight may only be so long that its rounding stays within that of
+/* Returns the longest segment of bodies that are not head-on [s]. Their motion is the flight plus a deviation
+ * that nearly cancels the flight, so the flight may only be so long that its rounding stays within that of
  * the gap. */
 static double longest_by_flight(const struct segment *p)
 {
@@ -1465,7 +1482,7 @@ static double longest_by_flight(const struct segment *p)
     return longest;
 }
 
-/* By the first collocated kind that applies, if it stays clear of the centre. */
+/* Makes the segment by the first collocated kind that applies, if that segment stays clear of the centre. */
 static bool make_collocated(struct segment *p)
 {
     enum segment_kind kind = SEGMENT_AVERAGED;

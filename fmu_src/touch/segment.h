@@ -13,7 +13,8 @@
 #include "scene/dense_output.h"
 #include "touch/pair.h"
 
-/* Under the linear law in order of preference; the table in segment.c says why. */
+/* The kinds that the linear law uses stand in order of preference; the table in segment.c gives the
+ * reasons. */
 enum segment_kind {
     SEGMENT_CLOSED_FORM,
     SEGMENT_AVERAGED,
@@ -62,7 +63,7 @@ enum {
 struct quasi_static_turning; /* how n and H turn: in hertz.c */
 
 /* A lasting contact under Hertz's law without its oscillation (hertz.c). Vectors are in the frame of the
- * start. */
+ * segment's start. */
 struct quasi_static {
     const struct contact_pair *from;
     const struct quasi_static_turning *turns;
@@ -72,7 +73,7 @@ struct quasi_static {
     double start[QUASI_STATIC_TURNING];         /* n [1] and H [m^2/s] at the start */
     double pull[QUASI_STATIC_N][FRAME];         /* A at the nodes [m/s^2] */
     nodal_values turned[QUASI_STATIC_TURNING];  /* change of n and H since the start, at the nodes */
-    nodal_values turning[QUASI_STATIC_TURNING]; /* d/ds of n and H, at the nodes */
+    nodal_values turning[QUASI_STATIC_TURNING]; /* derivative of n and H by s, at the nodes */
     double depth_start, rate_start;             /* delta and d delta/ds at the start [m] */
     nodal_values depth;                         /* delta at the nodes [m] */
     nodal_values rate;                          /* d delta/ds at the nodes [m] */
@@ -84,8 +85,8 @@ struct quasi_static {
 /* The event that ends a regime. */
 struct terminal_event {
     double s;                       /* INFINITY: not within the segment */
-    struct event_function function; /* which falls through zero at s */
-    enum contact_regime regime;     /* the next one */
+    struct event_function function; /* the function that falls through zero at s */
+    enum contact_regime regime;     /* the regime after the event */
 };
 
 struct segment {
@@ -112,23 +113,24 @@ struct segment {
         struct hertz_elastic hertz_elastic;
         struct quasi_static quasi_static;
     } as;
-    struct pair_timescales scales; /* of all kinds but the closed form */
+    struct pair_timescales scales; /* set by all kinds but the closed form */
     bool event_free;               /* the segment has no event */
     bool clear_of_centre;          /* the segment does not meet d = 0 */
     double largest_gap;            /* bound of |g| [m]; 0: the largest of the samples */
     double largest_rate;           /* bound of |g'| [m/s]; 0: the largest of the samples */
 };
 
-/* A segment from the present instant over at most `longest` > 0 seconds, accurate to `tolerance` [m]. False
- * where there is none. */
+/* Makes a segment from the present instant over at most `longest` > 0 seconds, accurate to `tolerance` [m].
+ * Returns false where no segment can be made. */
 bool segment_make(struct segment *p, const struct scene_values *v, const struct scene_state *q,
                   const struct scene_instant *at, int contact, double longest, double tolerance);
 
-/* The time since the segment's start at s [s], and the s in [0, end] of such a time. */
+/* segment_time returns the time since the segment's start at s [s]; segment_place returns the s in [0, end]
+ * at such a time. */
 double segment_time(const struct segment *p, double s);
 double segment_place(const struct segment *p, double time);
 
-/* Gap, gap rate and force with two derivatives at s in [0, end]. */
+/* Returns gap, gap rate and force, each with two derivatives, at s in [0, end]. */
 const struct pair_sample *segment_sample(struct segment *p, double s);
 
 /* Moves the bodies to s, books impulse, energies, work and peaks of the contact, but not the clock. */
@@ -141,16 +143,17 @@ void segment_advance(struct segment *p, double s, const struct scene_values *v, 
  * `place` are those of segment_time and segment_place.
  */
 
-/* Any contact. False where p->may_be_quasi_static and the first coefficients show that it is. From rest at
- * the touch under Hertz's law p->longest becomes the time for which the force is negligible beside the load.
- * Under that law p->parting is found. */
+/* The kind for any contact. `make` returns false where p->may_be_quasi_static and the first coefficients
+ * confirm it. From rest at the touch under Hertz's law it sets p->longest to the time for which the force is
+ * negligible beside the load. Under Hertz's law it finds p->parting. */
 bool series_make(struct segment *p);
 void series_sample(const void *pair_series, double s, struct pair_sample *sample);
 struct pair_change series_advance(const void *pair_series, double s);
 double series_time(const struct segment *p, double s);
 double series_place(const struct segment *p, double time);
 
-/* Hertz's law without damping, head-on: up to the release. p->parting is found. */
+/* The kind for head-on motion under Hertz's law without damping: a segment lasts up to the release, and
+ * `make` sets p->parting. */
 bool hertz_elastic_applies(const struct segment *p);
 bool hertz_elastic_make(struct segment *p);
 void hertz_elastic_sample(const void *hertz_elastic, double s, struct pair_sample *sample);
@@ -158,32 +161,33 @@ struct pair_change hertz_elastic_advance(const void *hertz_elastic, double s);
 double hertz_elastic_time(const struct segment *p, double s);
 double hertz_elastic_place(const struct segment *p, double time);
 
-/* Hertz's law under a load that presses and changes far more slowly than the contact oscillates or
- * settles. */
+/* The kind for Hertz's law under a load that presses the bodies together and changes far more slowly than the
+ * contact oscillates or settles. */
 bool quasi_static_applies(const struct segment *p);
 bool quasi_static_make(struct segment *p);
 void quasi_static_sample(const void *quasi_static, double s, struct pair_sample *sample);
 struct pair_change quasi_static_advance(const void *quasi_static, double s);
 
-/* Whether the first coefficients of u = sqrt(delta) show no oscillation and no decay; `unit` is dt/ds / u. */
+/* Whether the first coefficients of u = sqrt(delta) show no oscillation and no decay; `unit` is dt/ds divided
+ * by u. */
 bool quasi_static_is_shown(const struct segment *p, const double *root, double unit);
 
-/* The depth to which present speed, load and penetration lead before damping makes the bodies creep, to its
- * order of magnitude [m]. With k = k_h / m_red: an impact reaches delta^(5/2) = 5/4 v^2 / k, with much
- * damping 5/2 v / (k chi). A load a reaches delta^(3/2) = a / k, with much damping delta^4 = a / (2 (k
- * chi)^2). */
+/* Returns the order of magnitude of the penetration to which the present speed, load and penetration lead
+ * before damping makes the bodies creep [m]. With k = k_h / m_red, an impact reaches delta^(5/2) = 5/4 v^2 /
+ * k, and 5/2 v / (k chi) with much damping. A load a reaches delta^(3/2) = a / k, and delta^4 = a / (2 (k
+ * chi)^2) with much damping. */
 double hertz_depth_to_come(const struct contact_pair *from, double opening);
 
-/* For how long the force of a contact at rest at the touch stays negligible beside the load [s]; 0
- * elsewhere. */
+/* Returns for how long the force of a contact that starts at rest at the touch stays negligible beside the
+ * load [s]; 0 for any other contact. */
 double hertz_coasting_time(const struct segment *p);
 
 /* Whether bodies that part at this speed come back before the gap grows to the depth at which the force is
- * negligible beside the load, so that an oscillation that touches zero has no events by rounding. */
+ * negligible beside the load. An oscillation that touches zero then has no events by rounding. */
 bool hertz_hardly_parts(const struct contact_pair *from, double speed);
 
-/* Whether the terminal event is the end of the zone of a capped cylinder, after which the regime goes on in
- * the next zone. */
+/* Whether the terminal event is the end of a capped cylinder's zone. The regime then goes on in the next
+ * zone. */
 static inline bool zone_end_is_terminal(const struct segment *p)
 {
     return SCENE_ANY_CAPS && p->leaves_zone;
