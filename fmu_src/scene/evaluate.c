@@ -63,12 +63,12 @@ static bool has_axis(int body)
 
 static struct vec3 unit(struct vec3 a)
 {
-    /* By the largest component first: squares of small and large numbers leave the range of a double. */
+    /* The largest component divides first: squares of small or large numbers leave the range of a double. */
     const struct vec3 scaled = vec3_scale(1.0 / vec3_max_abs(a), a);
     return vec3_scale(1.0 / vec3_norm(scaled), scaled);
 }
 
-/* The smallest rotation on top that takes the body's axis to a direction of any length but zero. */
+/* Adds the smallest rotation that takes the body's axis to `axis`; none where `axis` is zero. */
 static struct quaternion turned_to(struct quaternion orientation, struct vec3 axis)
 {
     if (!(vec3_max_abs(axis) > 0.0)) {
@@ -215,7 +215,7 @@ static struct body_turn turn_at(const struct scene_values *v, const struct scene
         return (struct body_turn){quaternion_identity(), vec3_make(0.0, 0.0, 0.0)};
     }
     struct body_turn turn = turning->body[body];
-    if (!body_turns_freely(v, body)) { /* whatever an integrator outside says */
+    if (!body_turns_freely(v, body)) { /* an importer's integrator may set another */
         turn.angular_velocity = vec3_make(0.0, 0.0, 0.0);
     }
     turn.orientation = quaternion_unit(turn.orientation); /* an integrator outside lets its length drift */
@@ -321,7 +321,7 @@ struct body_instant scene_body_now(const struct scene_values *v, const struct sc
     return body_at(v, q, q->clock, q->body, body);
 }
 
-/* w as the destination's frame sees it, which may turn. */
+/* The rate of the separation c in the frame of the destination, which may turn [m/s]. */
 static struct vec3 rate_in_destination(const struct scene_values *v, const struct scene_instant *at,
                                        int contact)
 {
@@ -419,7 +419,7 @@ static inline void put_forces(const struct scene_values *v, const struct scene_s
     }
 }
 
-/* Apart from where nothing turns or rubs, which stays small. */
+/* A function of its own, so that the code for scenes where nothing turns or rubs stays small. */
 CONTACT_NOINLINE static void put_forces_turning(const struct scene_values *v, const struct scene_state *q,
                                                 double clock, const struct turning_state *turning,
                                                 struct scene_instant *at)
@@ -518,7 +518,8 @@ double rounding_of_gap(const struct scene_values *v, const struct scene_instant 
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
-    if (SCENE_ANY_PLANE && body_shape(destination) == SHAPE_PLANE) { /* what lies in the plane has no part */
+    if (SCENE_ANY_PLANE &&
+        body_shape(destination) == SHAPE_PLANE) { /* components in the plane do not count */
         const struct vec3 n = at->geometry[contact].normal;
         return 8.0 * DBL_EPSILON *
                (size_along(n, apart) + size_along(n, at->displacement[source]) +
@@ -561,7 +562,7 @@ double rounding_of_force(const struct scene_values *v, const struct scene_state 
            angle * (fabs(slopes.by_rate) * vec3_norm(at->rate[contact]) + fabs(at->normal_force[contact]));
 }
 
-/* Whether rounding of positions turns n: not on a plane or a cap. */
+/* Whether rounding of positions turns n. It does not on a plane or a cap, whose n is given by the axis. */
 static bool rounding_turns(const struct contact_geometry *g, int contact)
 {
     const bool at_cap = SCENE_ANY_CAPS && abs(g->zone) == ZONE_CAP;
@@ -605,7 +606,7 @@ double rounding_margin_offset(const struct scene_values *v, const struct scene_s
 
 /* The gap and its rate as integration carries them, where that is more accurate than positions give them. */
 
-/* DBL_MAX or INFINITY where nothing is known. */
+/* Returns the accumulated gap [m], DBL_MAX or INFINITY where none is known. */
 static double accumulated_gap_of(const struct scene_state *q, int contact)
 {
     const struct contact_state *state = &q->contact[contact];
@@ -615,8 +616,8 @@ static double accumulated_gap_of(const struct scene_state *q, int contact)
     return q->clock == state->schedule.change_clock ? state->schedule.change_gap : (double)INFINITY;
 }
 
-/* Of a stiff contact the force that velocities would make by their rounding alone may exceed the load.
- * Velocities that have been changed show it by a larger difference. */
+/* In a stiff contact the rounding of velocities alone may make a force larger than the load, so the carried
+ * rate is used. A larger difference shows that velocities were changed, and the carried rate is not used. */
 static void take_known_rate(const struct scene_state *q, int contact, struct contact_geometry *geometry)
 {
     const struct contact_state *state = &q->contact[contact];
@@ -819,7 +820,7 @@ double turning_friction_power(const struct scene_values *v, const struct scene_i
 
 /* The scene at its present clock. */
 
-/* A distance below this part of the bodies' size is none. */
+/* A distance d may count as zero only below this fraction of the bodies' size (contact_reach). */
 static const double CENTRE = 1e-9;
 
 bool singularity_is_reached(const struct scene_values *v, const struct scene_instant *at, int contact,
@@ -914,7 +915,7 @@ void scene_now(const struct scene_values *v, const struct scene_state *q, struct
     scene_forces(v, q, q->clock, at);
 }
 
-/* Bounds of the rounding error: positions at different times may be off to either side. */
+/* Bounds of the rounding error by which positions at different times may be off, to either side. */
 static const double END_ROUNDINGS = 4.0;
 
 bool scene_shown_within(const struct scene_values *v, const struct scene_state *q,
@@ -930,7 +931,7 @@ bool scene_shown_within(const struct scene_values *v, const struct scene_state *
     return q->contact[contact].regime != (int32_t)REGIME_APART || (within && !overlaps);
 }
 
-/* By the law alone, of a contact with this gap, within the destination's extents or not. */
+/* The regime that the law gives for this gap [m]. `within`: the source is within the extents. */
 static enum contact_regime regime_by_law(const struct scene_values *v, const struct scene_state *q,
                                          const struct scene_instant *at, int contact, double gap, bool within)
 {
@@ -957,7 +958,7 @@ enum contact_regime scene_regime(const struct scene_values *v, const struct scen
 enum contact_regime scene_regime_of_touching(const struct scene_values *v, const struct scene_state *q,
                                              const struct scene_instant *at, int contact)
 {
-    const double gap = fmin(at->geometry[contact].gap, -DBL_MIN); /* rounding may show none */
+    const double gap = fmin(at->geometry[contact].gap, -DBL_MIN); /* rounding may show no penetration */
     return regime_by_law(v, q, at, contact, gap, true);
 }
 
@@ -972,8 +973,9 @@ static double own_speed_squared(const struct scene_values *v, const struct scene
 }
 
 /*
- * The speed of the onset [m/s]. A load m a presses m x'' = m a - k x^(3/2) from rest to its largest speed
- * where both balance, x_0 = (m a/k)^(2/3), v^2/2 = a x_0 - (2/5) (k/m) x_0^(5/2) = (3/5) a x_0.
+ * The speed at the onset [m/s]. A load m a presses by m x'' = m a - k x^(3/2) from rest to the largest speed
+ * v at x_0, where load and contact force balance: x_0 = (m a/k)^(2/3),
+ * v^2/2 = a x_0 - (2/5) (k/m) x_0^(5/2) = (3/5) a x_0.
  */
 static double onset_speed(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at, int contact)
@@ -1006,7 +1008,7 @@ enum contact_regime onset_take_damping(const struct scene_values *v, struct scen
     return deep != REGIME_APART ? deep : contact_regime_of(&law, -DBL_MIN, g->gap_rate, true);
 }
 
-/* With 2 v dv = d(v^2), and chi v given. */
+/* chi v is given, so d(chi) = -chi dv / v, with 2 v dv = d(v^2). */
 double onset_damping_slope(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at, int contact, double gap_slope, double rate_slope)
 {
@@ -1018,7 +1020,7 @@ double onset_damping_slope(const struct scene_values *v, const struct scene_stat
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_law law = scene_contact_law(v, q, contact);
     const double speed = state->parameters.factors.c / state->onset_damping;
-    const double by_load = 1e-9; /* own speed smaller by more than this part: the load's counts */
+    const double by_load = 1e-9; /* larger relative differences show that the load set the speed */
     if (own_speed_squared(v, q, at, contact) < (1.0 - by_load) * speed * speed) {
         return 0.0;
     }
@@ -1040,7 +1042,7 @@ static void advance_base(struct scene_state *q)
     q->clock = 0.0;
 }
 
-/* The input paths of a body: those its motion follows. */
+/* Shifts the input paths that the motion of a body follows. */
 static void shift_paths(const struct scene_values *v, struct scene_state *q, int body)
 {
     struct body_path *path = &q->path[body];
@@ -1052,7 +1054,7 @@ static void shift_paths(const struct scene_values *v, struct scene_state *q, int
     }
 }
 
-/* And those that it turns by. */
+/* Shifts the input paths that the rotation of a body follows. */
 static void shift_turning_paths(const struct scene_values *v, struct scene_state *q, int body)
 {
     struct body_path *path = &q->path[body];
@@ -1064,7 +1066,7 @@ static void shift_turning_paths(const struct scene_values *v, struct scene_state
     }
 }
 
-/* The origins of free bodies become the places where they are. */
+/* Moves the origins of free bodies to their present places. */
 static void shift_origins(struct scene_state *q)
 {
     q->deferrable_clock = 0.0;
@@ -1075,7 +1077,7 @@ static void shift_origins(struct scene_state *q)
     }
 }
 
-/* The clocks kept of contacts are shifted with the clock. */
+/* Shifts the stored clocks of contacts to the new origin of the clock. */
 static void shift_clocks(struct scene_state *q)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -1083,7 +1085,7 @@ static void shift_clocks(struct scene_state *q)
         q->contact[j].schedule.change_clock -= q->clock;
         q->contact[j].schedule.dead_band_clock -= q->clock;
         if (q->contact[j].regime == REGIME_APART || q->contact[j].regime == REGIME_SEPARATING) {
-            /* Not known where it has flown on to, unless that was foreseen. */
+            /* The gap after the flight is unknown, unless the change of regime was predicted. */
             q->contact[j].physics.accumulated_gap =
                 q->contact[j].schedule.change_clock == 0.0 ? q->contact[j].schedule.change_gap : DBL_MAX;
         }
@@ -1142,10 +1144,10 @@ double energy_potential_change(const struct scene_values *v, const struct scene_
 
 double energy_potential_of(const struct scene_values *v, const struct scene_instant *at)
 {
-    return energy_potential_change(v, at, gravity(v)); /* from none */
+    return energy_potential_change(v, at, gravity(v)); /* the change from zero gravity */
 }
 
-/* I_t omega^2/2 + (I_a - I_t) (omega.e)^2/2 */
+/* I_t omega^2 / 2 + (I_a - I_t) (omega.e)^2 / 2, with I_t transverse, I_a axial, e the axis. */
 double body_rotational_energy(const struct scene_values *v, int body, const struct body_turn *turn)
 {
     const struct body_inertia inertia = body_inertia_of(v, body);

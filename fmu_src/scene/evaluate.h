@@ -12,8 +12,8 @@
 
 /* Rotations and friction at one instant: computed where scene_turns, by turning_complete. */
 struct turning_instant {
-    struct body_turn body[SCENE_BODIES];         /* no rotation at all where a body does not turn */
-    struct vec3 axis[SCENE_CONTACTS];            /* e_d as it has turned; zero of a sphere */
+    struct body_turn body[SCENE_BODIES];         /* identity and zero for a body that does not turn */
+    struct vec3 axis[SCENE_CONTACTS];            /* e_d as it has turned; zero for a sphere */
     struct vec3 source_arm[SCENE_CONTACTS];      /* p - x_src = r_s e [m] */
     struct vec3 destination_arm[SCENE_CONTACTS]; /* p - x_dst [m] */
     struct vec3 slip[SCENE_CONTACTS];            /* v_t [m/s] */
@@ -30,50 +30,53 @@ struct scene_instant {
     struct vec3 separation[SCENE_CONTACTS];   /* c = x_dst - x_src [m] */
     struct vec3 rate[SCENE_CONTACTS];         /* w = v_dst - v_src [m/s] */
     double normal_force[SCENE_CONTACTS];      /* F_n of the smooth law of the regime [N] */
-    struct vec3 source_force[SCENE_CONTACTS]; /* of the contact, friction with it [N] */
+    struct vec3 source_force[SCENE_CONTACTS]; /* contact force, friction included [N] */
     struct turning_instant turning;
 };
 
 /* One body at one instant. */
 struct body_instant {
     struct vec3 origin;       /* u at clock 0 [m] */
-    struct vec3 moved;        /* the part of u since then [m] */
+    struct vec3 moved;        /* the part of u since clock 0 [m] */
     struct vec3 displacement; /* u [m] */
     struct vec3 velocity;     /* v [m/s] */
 };
 
-/* The shape of a contact; with a capped cylinder in contact, the shape of its present zone (shape.h). The
- * whole shape without zones. The shape of the zone that the source faces at an instant. */
+/* scene_contact_shape returns the shape of a contact; for a capped cylinder in contact it is the shape of the
+ * present zone (shape.h). scene_whole_shape returns the shape without zones. */
 struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
                                          int contact);
 struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q,
                                        int contact);
 
-/* Side of the source: +1: outside the destination, -1: inside. */
+/* Returns the side that the source is on: +1 outside the destination, -1 inside. */
 int scene_contact_side(const struct scene_values *v, const struct scene_state *q, int contact);
 
 /* Whether the destination is a finite cylinder without caps, at whose ends contact ends suddenly. */
 bool scene_ends_suddenly(const struct scene_values *v, int contact);
 
+/* Returns the shape of the zone that the source faces at an instant. */
 struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,
                                      const struct scene_instant *at, int contact);
+
+/* Returns the law of the normal force of a contact, with its present damping. */
 struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact);
 
-/* Whether a contact has Hertz's law; and one whose damping is made from the speed of each onset. Constant
- * false in scenes without. */
+/* Whether a contact has Hertz's law. Constant false in scenes without it. */
 bool scene_is_hertz(const struct scene_values *v, int contact);
 
+/* Whether a contact has Hertz's law and its damping follows from the speed at each onset. */
 bool scene_damps_by_onset(const struct scene_values *v, int contact);
 
-/* One body at the present state of q. */
+/* Returns one body at the present clock of q. */
 struct body_instant scene_body_now(const struct scene_values *v, const struct scene_state *q, int body);
 
-/* u and v of every body at a clock; `bodies` (SCENE_BODIES of them) holds the free ones' states and may be
- * NULL where none is free. */
+/* Computes u and v of every body and the geometry of every contact at a clock. `bodies` holds SCENE_BODIES
+ * states, of which those of free bodies are read; it may be NULL where no body is free. */
 void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
                       const struct body_state *bodies, struct scene_instant *at);
 
-/* scene_kinematics and scene_evaluate with another state of rotations and springs than q's. */
+/* Are like scene_kinematics and scene_evaluate, but take rotations and springs from `turning`. */
 void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct body_state *bodies, const struct turning_state *turning,
                               struct scene_instant *at);
@@ -81,32 +84,32 @@ void scene_evaluate_turning(const struct scene_values *v, const struct scene_sta
                             const struct body_state *bodies, const struct turning_state *turning,
                             struct scene_instant *at);
 
-/* The shape of a contact with the axis of the instant. */
+/* Returns the shape of a contact with the destination's axis at the instant. */
 struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,
                                             const struct scene_instant *at, int contact);
 
-/* The rest of the instant, accelerations and forces, in the regimes of q. */
+/* Completes an instant that has kinematics by the accelerations and forces in the regimes of q. */
 void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
                   struct scene_instant *at);
 
-/* Everything of the instant, in the regimes of q. */
+/* Computes the kinematics, accelerations and forces of the instant in the regimes of q. */
 void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
                     const struct body_state *bodies, struct scene_instant *at);
 
-/* contact_within_extents, true at compile time in scenes of spheres. */
+/* Returns contact_within_extents; constant true in scenes without cylinders. */
 bool scene_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry);
 
-/* How far the source is beyond a cylinder's ends, negative within [m]; minus infinity without ends. */
+/* Returns how far the source is beyond a cylinder's ends [m], negative within; -INFINITY without ends. */
 double scene_beyond_ends(const struct contact_shape *shape, const struct contact_geometry *geometry);
 
-/* 1 / m of a free body, 0 for any other [1/kg]. */
+/* Returns 1 divided by the mass of a free body [1/kg]; zero for any other body. */
 double body_inverse_mass(const struct scene_values *v, int body);
 
-/* Sum of the inverse masses of a contact's bodies: 1 / m_eff [1/kg]. */
+/* Returns the sum of the inverse masses of a contact's bodies [1/kg], the inverse of the effective mass. */
 double scene_inverse_mass(const struct scene_values *v, int contact);
 
-/* The acceleration that presses a contact's bodies together: -g'' without the contact's own normal force, at
- * least zero [m/s^2]. `at` has forces. */
+/* Returns the acceleration that presses a contact's bodies together [m/s^2]: -g'' without the contact's own
+ * normal force, at least zero. `at` must have forces. */
 double scene_pressing_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
                                    const struct scene_instant *at, int contact);
 
@@ -115,10 +118,10 @@ double scene_pressing_acceleration(const struct scene_values *v, const struct sc
  * ask. */
 struct vec3 scene_torque_of_force(const struct scene_instant *at, int contact);
 
-/* Power of whatever moves and turns prescribed bodies against a contact [W]. */
+/* Returns the power [W] that the drives of prescribed motions and rotations spend against a contact. */
 double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact);
 
-/* The driving power of all contacts and the power of external forces and torques on free bodies [W]. */
+/* Returns the driving power of all contacts plus the power of external forces and torques [W]. */
 double scene_external_power(const struct scene_values *v, const struct scene_state *q, double clock,
                             const struct scene_instant *at);
 
@@ -126,15 +129,15 @@ double scene_external_power(const struct scene_values *v, const struct scene_sta
  * Bodies that turn and contacts that rub, at one instant. Frame: world; SI units.
  *
  *   e = side n           from the source's centre to the nearest surface of the destination
- *   p = x_src + r_s e    where both forces act
+ *   p = x_src + r_s e    the point where the normal and the friction force act
  *   v_t                  slip: [v_src + omega_src x r_s e] - [v_dst + omega_dst x (p - x_dst)] across n
  *   F_src = -F_n e + F_t(v_t),   tau_src = r_s e x F_src,   tau_dst = (p - x_dst) x (-F_src)
  *
- * A turning axis moves past the source: the gap's rate is that of the motion as the destination's frame sees
- * it, g' = side n.(w - omega_dst x c).
+ * The axis of a turning destination moves past the source. The gap's rate is therefore the one in the
+ * destination's frame, g' = side n.(w - omega_dst x c).
  */
 
-/* Moments of inertia about a body's axis and across it; a sphere's are alike [kg m^2]. */
+/* Moments of inertia about a body's axis and across it [kg m^2]; a sphere has equal ones. */
 struct body_inertia {
     double axial, transverse;
 };
@@ -149,15 +152,15 @@ struct friction_law scene_friction_law(const struct scene_values *v, const struc
 /* The orientation that a body starts with: the smallest rotation that takes z to its axis. */
 struct quaternion turning_start_orientation(const struct scene_values *v, int body);
 
-/* How many steps of a series it takes to say where the bodies whose rotation is prescribed have turned to
- * after `length` seconds: none around one direction, else as many as radians. */
+/* Returns about how many steps of a series the prescribed rotations take over `length` seconds: none where
+ * the direction of rotation is constant, else one for each radian. */
 double turning_prescribed_steps(const struct scene_values *v, const struct scene_state *q, double length);
 
-/* Where a body of prescribed rotation has turned to at a clock. */
+/* Returns the orientation and angular velocity of a body of prescribed rotation at a clock. */
 struct body_turn turning_prescribed_at(const struct scene_values *v, const struct scene_state *q,
                                        double clock, int body);
 
-/* Orientation and angular velocity of every body, the axis of every destination. */
+/* Computes orientation and angular velocity of every body and the axis of every destination. */
 void turning_of_bodies(const struct scene_values *v, const struct scene_state *q, double clock,
                        const struct turning_state *turning, struct scene_instant *at);
 
@@ -166,16 +169,16 @@ void turning_of_bodies(const struct scene_values *v, const struct scene_state *q
 void turning_of_contact(const struct scene_values *v, const struct scene_state *q,
                         const struct turning_state *state, int contact, struct scene_instant *at);
 
-/* Completes an instant by rotations and friction. */
+/* Adds rotations, friction and torques to an instant that has geometry and normal forces. */
 void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
 
 /* Moves turn_origin of all bodies that turn to the present; a part of scene_rebase. */
 void turning_rebase(const struct scene_values *v, struct scene_state *q);
 
-/* After new paths came into force: bodies whose axis was set are turned to it, the shortest way. */
+/* Turns bodies of prescribed rotation to the axes of new paths by the smallest rotation. */
 void turning_take_axes(const struct scene_values *v, struct scene_state *q);
 
-/* Orientations and angular velocities at the start; springs are at rest. */
+/* Sets orientations and angular velocities at the start. */
 void turning_place(const struct scene_values *v, struct scene_state *q);
 
 /* Puts accumulated gaps and carried rates into the present instant where they are known. */
@@ -202,7 +205,7 @@ double rounding_of_event(const struct scene_values *v, const struct contact_law 
                          const struct contact_slopes *slopes, const struct scene_instant *at, int contact,
                          double tolerated);
 
-/* Bound of the rounding error of a contact's force, by g, n and n.w [N]. */
+/* Bound of the error of a contact's normal force by the rounding of g, n and n.w [N]. */
 double rounding_of_force(const struct scene_values *v, const struct scene_state *q,
                          const struct scene_instant *at, int contact);
 
@@ -214,11 +217,11 @@ double rounding_margin_offset(const struct scene_values *v, const struct scene_s
                               const struct scene_instant *at, int contact, double tolerated);
 
 /*
- * How what turns and rubs goes on from an instant (scene_evaluate): torques, angular accelerations, rates of
- * springs. World frame, SI units. Where a contact is apart all of its own are zero.
+ * Torques, angular accelerations and rates of springs at an instant (scene_evaluate). Frame: world; SI units.
+ * A contact that is apart has zero torques and a zero rate of its spring.
  */
 
-/* All torques about the centre of a body of free rotation: of its contacts and the external one [N m]. */
+/* Returns the sum of the contact torques and the external torque about the centre of a body [N m]. */
 struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct scene_instant *at, int body);
 
@@ -229,29 +232,29 @@ struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_s
 struct vec3 turning_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
                                  const struct scene_instant *at, int body);
 
-/* The motion of a contact as contact/slopes.h has it, and its laws. */
+/* Return the motion and the laws of a contact in the structs of contact/slopes.h. */
 struct turning_motion turning_motion_of(const struct turning_state *turning, const struct scene_instant *at,
                                         int contact);
 struct turning_laws turning_laws_of(const struct scene_values *v, const struct scene_state *q, int contact);
 
-/* F_n, slip and spring of a contact. */
+/* Returns the normal force, the slip and the spring of a contact. */
 struct friction_state turning_rubbing(const struct turning_state *turning, const struct scene_instant *at,
                                       int contact);
 
-/* n', the rate of the normal [1/s]. */
+/* Returns n', the rate of the normal [1/s]. */
 struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, int contact);
 
-/* xi', the turning with the normal included [m/s]. */
+/* Returns the spring's rate xi', with its turning by the normal included [m/s]. */
 struct vec3 turning_spring_rate(const struct scene_values *v, const struct scene_state *q,
                                 const struct turning_state *turning, const struct scene_instant *at,
                                 int contact);
 
-/* dF_n/dt [N/s]; of an instant with accelerations. */
+/* Returns the rate of the normal force [N/s]. The instant must have accelerations. */
 double turning_normal_force_rate(const struct scene_values *v, const struct scene_state *q, double clock,
                                  const struct scene_instant *at, int contact);
 
-/* -F_t.v_t, summed up over the contacts: what friction and its springs take [W]. */
+/* Returns the power that friction and its springs take: the sum of -F_t.v_t over the contacts [W]. */
 double turning_friction_power(const struct scene_values *v, const struct scene_instant *at);
 
 /* The singularity d = 0 of solid bodies: n is undefined there and reverses; the escape direction takes its
@@ -273,23 +276,24 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
 /* Margin [m] of a contact that has no zone. */
 #define NO_ZONE_MARGIN 1.0
 
-/* After a regime has been set at the instant: the zone that is met then, or none without contact. */
+/* Sets the zone after a change of regime: a new contact takes the zone of the instant; one that has ended
+ * loses its zone. */
 void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact);
 
-/* The contact passes into the next zone. Whether n jumps there: the centre is inside the solid, or at the
- * circle of the rim. */
+/* Sets the next zone of the contact. Returns whether n jumps at its edge: it does where the centre is inside
+ * the solid or at the circle of the rim. */
 bool zones_pass(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
                 int contact);
 
-/* The zone that is met at the instant, where that is another by more than rounding. */
+/* Sets the zone that the source faces where its centre is outside the present zone by more than rounding. */
 void zones_settle(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
                   int contact);
 
-/* How far the source's centre is within the edges of the zone [m]. */
+/* Returns how far the source's centre is inside the edges of the zone [m]. */
 double zones_margin(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                     int contact);
 
-/* The zone at the instant, as users see it. */
+/* Returns the zone at the instant as outputs show it. */
 enum zone zones_shown(const struct scene_values *v, const struct scene_state *q,
                       const struct scene_instant *at, int contact);
 
@@ -298,7 +302,7 @@ enum zone zones_shown(const struct scene_values *v, const struct scene_state *q,
  * positions and velocities, because they have more digits.
  */
 
-/* The whole instant; the instant without accelerations and forces. */
+/* scene_kinematics_now leaves out accelerations and forces; scene_now computes the whole instant. */
 void scene_kinematics_now(const struct scene_values *v, const struct scene_state *q,
                           struct scene_instant *at);
 void scene_now(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
@@ -307,7 +311,7 @@ void scene_now(const struct scene_values *v, const struct scene_state *q, struct
  * contact ends, and where a change of regime was foreseen. */
 bool scene_gap_is_accumulated(const struct scene_state *q, const struct scene_instant *at, int contact);
 
-/* Whether g' of scene_now is the accumulated one. */
+/* Whether g' of scene_now is the carried rate. */
 bool scene_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact);
 
 /* Whether the source is within the extents of the destination, as users see it. In the plane of an open end
@@ -315,7 +319,7 @@ bool scene_rate_is_known(const struct scene_state *q, const struct scene_instant
 bool scene_shown_within(const struct scene_values *v, const struct scene_state *q,
                         const struct scene_instant *at, int contact, const struct contact_shape *shape);
 
-/* The regime that the geometry of the instant asks for. */
+/* Returns the regime that the law gives for the gap, the gap rate and the axial position of the instant. */
 enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
                                  const struct scene_instant *at, int contact);
 
@@ -332,7 +336,7 @@ enum contact_regime scene_regime_of_touching(const struct scene_values *v, const
  * load gives. Bodies that touch with no speed and no load have no damping.
  */
 
-/* For onset_note. */
+/* Does the work of onset_note for a contact that has damping by the onset. */
 CONTACT_COLD enum contact_regime onset_take_damping(const struct scene_values *v, struct scene_state *q,
                                                     const struct scene_instant *at, int contact,
                                                     enum contact_regime next);
@@ -353,27 +357,27 @@ enum contact_regime onset_note(const struct scene_values *v, struct scene_state 
  * what turns and rubs, kinetic + rotational + potential + contact + tangential + dissipated + friction -
  * external work. */
 
-/* Sum of m v^2 / 2 over the free bodies. */
+/* Returns the sum of m v^2 / 2 over the free bodies. */
 double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at);
 
-/* omega I omega / 2 of a body; its sum over bodies of free rotation; what the tangential springs store. */
+/* Return omega I omega / 2 of a body; its sum over freely turning bodies; the tangential springs' energy. */
 double body_rotational_energy(const struct scene_values *v, int body, const struct body_turn *turn);
 double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at);
 double energy_tangential_of(const struct scene_values *v, const struct scene_state *q,
                             const struct scene_instant *at);
 
-/* Minus the sum of m gravity.x over the free bodies; zero at the world's origin. */
+/* Returns minus the sum of m gravity.x over the free bodies, which is zero at the world's origin. */
 double energy_potential_of(const struct scene_values *v, const struct scene_instant *at);
 
-/* Change of the potential energy by a change of gravity. */
+/* Returns the change of the potential energy by a change of gravity. */
 double energy_potential_change(const struct scene_values *v, const struct scene_instant *at,
                                struct vec3 more_gravity);
 
-/* Sum of p_n g^2 / 2 over the contacts. */
+/* Returns the energy that the normal forces of all contacts store. */
 double energy_stored(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at);
 
-/* -(F_n + p_n g) g' of a contact, and the sum over all [W]. */
+/* Return the power that the dashpot of a contact dissipates, and the sum over all contacts [W]. */
 double energy_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_instant *at, int contact);
 double energy_dissipated_power(const struct scene_values *v, const struct scene_state *q,

@@ -167,7 +167,7 @@ struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b, int or
     return sum;
 }
 
-/* The orientation from the angular velocity: q' = (0, omega) q / 2. */
+/* Puts the orientation's terms from the angular velocity: q' = (0, omega) q / 2. */
 static void put_orientation(const struct vec3 omega[2], struct quaternion q[JET_TERMS])
 {
     q[1] = quaternion_rate(q[0], omega[0]);
@@ -175,7 +175,7 @@ static void put_orientation(const struct vec3 omega[2], struct quaternion q[JET_
         0.5, quaternion_axpy(quaternion_rate(q[0], omega[1]), 1.0, quaternion_rate(q[1], omega[0])));
 }
 
-/* e' = omega x e */
+/* Puts the terms of a body's axis e from e' = omega x e. */
 static void put_turning_axis(const struct vec3 *omega, struct vec3 e[JET_TERMS])
 {
     e[1] = vec3_cross(omega[0], e[0]);
@@ -208,7 +208,7 @@ static void put_prescribed(const struct scene_state *q, int body, struct scene_j
         const struct vec3 rate[2] = {e[1], vec3_scale(2.0, e[2])};
         const double spin[2] = {vec3_dot(omega[0], e[0]),
                                 vec3_dot(omega[1], e[0]) + vec3_dot(omega[0], e[1])};
-        for (int i = 0; i < 2; ++i) { /* the turning of the axis, and the spin about it */
+        for (int i = 0; i < 2; ++i) { /* e x e' turns the axis; the spin is about it */
             seen[i] = vec3_add(turning_jet_cross(e, rate, i), jet_scale(spin, e, i));
         }
     }
@@ -269,7 +269,7 @@ static struct vec3 half_spin_jerk(const struct scene_values *v, const struct sce
     return vec3_scale(0.5 / inertia.transverse, vec3_axpy(torque[1], -more, gyration));
 }
 
-/* Half of the spring's xi'', where xi' = f(F_n, v_t, xi) - n (xi.n'). */
+/* Returns half the spring's second derivative xi'', where xi' = f(F_n, v_t, xi) - n (xi.n'). */
 static struct vec3 half_spring_change(const struct scene_values *v, const struct scene_state *q,
                                       const struct scene_instant *at, const struct scene_jet *along,
                                       int contact)

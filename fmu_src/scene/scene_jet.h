@@ -21,7 +21,7 @@ struct scene_jet {
     struct vec3 displacement[SCENE_BODIES][JET_TERMS];
     struct vec3 velocity[SCENE_BODIES][JET_TERMS];
     struct vec3 force[SCENE_BODIES]; /* d/ds of the external forces on free bodies */
-    /* d/ds of the factors, where they are automatic */
+    /* d/ds of the law's factors, where these are automatic */
     struct contact_law law_slope[SCENE_CONTACTS];
     struct contact_jet contact[SCENE_CONTACTS];
     struct vec3 angular_velocity[SCENE_BODIES][JET_TERMS];
@@ -64,11 +64,11 @@ struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b, int or
 CONTACT_COLD void turning_jet_put_bodies(const struct scene_values *v, const struct scene_state *q,
                                          const struct scene_instant *at, struct scene_jet *along);
 
-/* Completes the jet from contacts that are known to the first order. */
+/* Puts the second-order terms of rotations and springs from contacts known to the first order. */
 CONTACT_COLD void turning_jet_put_changes(const struct scene_values *v, const struct scene_state *q,
                                           const struct scene_instant *at, struct scene_jet *along);
 
-/* The change of the angular acceleration of a body that turns freely. */
+/* Returns the rate of the angular acceleration of a body that turns freely [rad/s^3 in time]. */
 CONTACT_COLD struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct scene_state *q,
                                                  const struct scene_instant *at,
                                                  const struct scene_jet *along, int body);
@@ -94,7 +94,7 @@ CONTACT_COLD double turning_jet_friction_power(const struct scene_values *v, con
 CONTACT_COLD double turning_jet_external_power(const struct scene_values *v, const struct scene_state *q,
                                                const struct scene_jet *along, int order);
 
-/* What free bodies add to the jet of an instant. */
+/* Terms that free bodies add to the jet of an instant. */
 
 /* Half the rate of a free body's acceleration by external and contact forces [m/s^3 in time]. Powers of order
  * 0 or 1 [W]: of dissipation; of external forces on free bodies and of the drives of prescribed bodies. */

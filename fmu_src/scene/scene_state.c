@@ -107,7 +107,7 @@ bool contact_rubs_elastically(const struct scene_values *v, int contact)
     return SCENE_ANY_ELASTIC_FRICTION && contact_friction(v, contact) == FRICTION_ELASTIC;
 }
 
-/* The bits of all choices together: asked for so often that no branch is spent on each. */
+/* Returns the bitwise OR of all choices. It is called so often that it avoids a branch for each choice. */
 static int turning_choices(const struct scene_values *v)
 {
     _Static_assert((int)ROTATION_NONE == 1 && (int)FRICTION_NONE == 1, "another choice has another bit");
@@ -123,7 +123,7 @@ static int turning_choices(const struct scene_values *v)
 
 bool scene_turns(const struct scene_values *v)
 {
-    return SCENE_ANY_TURNING && turning_choices(v) != 1; /* all are none where their bits together are */
+    return SCENE_ANY_TURNING && turning_choices(v) != 1; /* 1: every choice is none */
 }
 
 void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to)
@@ -219,7 +219,7 @@ bool contact_is_foreseen(const struct scene_values *v, const struct scene_state 
                                !contact_is_coupled(v, q, contact));
 }
 
-/* The shape of a contact: by its parameters, in its zone and as it has turned. */
+/* The shape of a contact from its parameters, its zone and the rotation of the destination. */
 
 static bool has_caps(const struct scene_values *v, int body)
 {

@@ -1,6 +1,6 @@
 /*
- * The state of motion of a scene: flat, without pointers, so that copying it saves it. It has room for all
- * that any scene may need; what this scene has no code for stays zero.
+ * The state of motion of a scene. The struct is flat and has no pointers, so that copying it saves it. It has
+ * fields for every kind of scene; the fields that this scene has no code for stay zero.
  *
  * Time is kept as base + base_tail + clock. The clock starts at zero whenever the motion is rebased (an
  * event, a change of input), so that short contacts keep all their digits at late times; base_tail holds what
@@ -26,8 +26,8 @@ struct body_origin {
     struct vec3 velocity;     /* v [m/s] */
 };
 
-/* Where it is now: u = origin.displacement + moved. Short motions far away keep all their digits in
- * `moved`. */
+/* Where a free body is now: u = origin.displacement + moved. A short motion far from the origin keeps all its
+ * digits in `moved`. */
 struct body_state {
     struct vec3 moved;    /* since clock 0 [m] */
     struct vec3 velocity; /* v [m/s] */
@@ -39,9 +39,9 @@ struct body_turn {
     struct vec3 angular_velocity;  /* omega [rad/s] */
 };
 
-/* What turning bodies and friction add to the states of the bodies: moved by whoever integrates. */
+/* The states that turning bodies and friction add to those of the bodies. The integrator advances them. */
 struct turning_state {
-    /* of bodies whose rotation is free; a prescribed one follows its path from turn_origin */
+    /* of bodies whose rotation is free; a prescribed rotation follows its path from turn_origin */
     struct body_turn body[SCENE_BODIES];
     struct vec3 spring[SCENE_CONTACTS]; /* xi of elastic friction, zero where it is none [m] */
 };
@@ -49,7 +49,7 @@ struct turning_state {
 /* What the orientation of a body of prescribed rotation follows. */
 enum turn_follows {
     TURN_FOLLOWS_VELOCITY, /* the angular velocity from turn_origin on, its axis too */
-    TURN_FOLLOWS_AXIS,     /* so, but for the axis, which has derivatives of its own */
+    TURN_FOLLOWS_AXIS, /* the angular velocity turns the body about its axis; the axis follows its own path */
     /* the axis alone, the smallest rotation from z: for an integrator outside, which knows no orientation */
     TURN_FOLLOWS_AXIS_ALONE
 };
@@ -60,12 +60,12 @@ struct body_path {
     struct vec3 velocity[3];         /* of a prescribed body [m/s, ...] */
     struct vec3 force[3];            /* external force on a free body [N, N/s, ...] */
     struct vec3 angular_velocity[3]; /* of a body of prescribed rotation [rad/s, rad/s^2, ...] */
-    struct vec3 axis[3];             /* its axis, of any length */
+    struct vec3 axis[3];             /* axis of a body of prescribed rotation, of any length */
     struct vec3 torque[3];           /* external torque on a body of free rotation [N m, ...] */
     double turn_follows;             /* enum turn_follows: what a body of prescribed rotation follows */
 };
 
-/* What the start fixes. */
+/* Parameters of a contact that are fixed at the start. */
 struct contact_parameters {
     /* p_n and p_nv in force [N/m, N s/m]; k_h and chi [N/m^1.5, s/m], with restitution k_h and chi v */
     struct contact_coefficients factors;
@@ -74,18 +74,18 @@ struct contact_parameters {
     struct vec3 axis;     /* e_d at the start, unit length; zero where the destination is a sphere */
 };
 
-/* What integration carries on besides the motion of the bodies. */
+/* Quantities of a contact that are integrated besides the motion of the bodies. */
 struct contact_physics {
     struct vec3 impulse; /* on the source since initialization [N s] */
     /* accumulated gap g in contact and as contact ends: more accurate than positions give it [m] */
     double accumulated_gap;
     /* g' at the end of the last segment, where velocities tell it too coarsely [m/s] */
     double carried_rate;
-    /* by how much less than this they differ from it then; 0: none is carried [m/s] */
+    /* carried_rate is used while velocities differ from it by less than this; 0: it is not used [m/s] */
     double rate_rounding;
 };
 
-/* What outputs tell of the past. */
+/* The past of a contact, as outputs show it. */
 struct contact_record {
     struct vec3 impulse_mark; /* the impulse at the start of the communication step [N s] */
     double force_bound;       /* the largest that rounding may make of the peak force; 0: no more [N] */
@@ -113,17 +113,17 @@ struct contact_peaks {
     double penetration; /* max(-g) >= 0 [m] */
 };
 
-/* Whoever knows of a force and a penetration notes them here. */
+/* Raises the peaks to a force [N] and a penetration [m] where these are larger. */
 void contact_peaks_note(struct contact_peaks *peaks, double force, double penetration);
 
-/* What has been foreseen. */
+/* The changes of a contact that have been predicted. */
 struct contact_schedule {
     /* the regime changes at this clock in closed form; INFINITY: not before the horizon */
     double change_clock;
     /* until this clock a root finder cannot distinguish the regime from the one before */
     double dead_band_clock;
     double change_gap;     /* g at change_clock, more accurate than positions give it [m] */
-    int32_t change_regime; /* and becomes this */
+    int32_t change_regime; /* the regime after change_clock */
     /* whether d comes down to its own rounding before the horizon, so that n may be undefined */
     int32_t passes_centre;
 };
@@ -167,7 +167,7 @@ struct unfinished_step {
     double solvable, simple; /* as in struct general [s] */
     double at_start[UNFINISHED_STATES];
     double at_end[UNFINISHED_STATES];                           /* at the clock `end` */
-    double weight[UNFINISHED_STATES];                           /* 1 / error allowed */
+    double weight[UNFINISHED_STATES];                           /* 1 divided by the error allowed */
     double chebyshev[RADAU_MOST_STAGES + 1][UNFINISHED_STATES]; /* as in struct radau_step */
     double peaks[SCENE_CONTACTS][2][RADAU_MOST_STAGES + 1];     /* as in struct general */
     int32_t stages;
@@ -178,7 +178,7 @@ struct solver_counters {
     int32_t steps, force_evaluations, events, rejected_steps, fallbacks;
 };
 
-/* Counts on, as far as an FMI Integer reaches. */
+/* Adds to a counter; the counter stops at the largest FMI Integer. */
 void counter_add(int32_t *counter, long more);
 
 struct scene_state {
@@ -186,7 +186,7 @@ struct scene_state {
     struct contact_state contact[SCENE_CONTACTS];
     /* clock up to which regime changes have been looked for; at or before `clock`: look again */
     double horizon_clock;
-    double deferrable_clock; /* until it flight may be deferred, see flight_defer; 0: not known */
+    double deferrable_clock; /* flight may be deferred up to this clock, see flight_defer; 0: not known */
     struct body_origin origin[SCENE_BODIES]; /* used where the body is free */
     struct body_state body[SCENE_BODIES];
     double phase_energy;              /* at clock 0 of the phase, see projection_balance [J] */
@@ -208,13 +208,13 @@ struct scene_state {
     struct unfinished_step unfinished;
 };
 
-/* Copies all but the unfinished step, for whoever looks at the motion and does not go on with it. */
+/* Copies all but the unfinished step. The copy serves for looking at the motion, not for continuing it. */
 void scene_state_look(const struct scene_state *from, struct scene_state *to);
 
-/* The present time [s]. */
+/* Returns the present time [s]. */
 double scene_time(const struct scene_state *q);
 
-/* How far `end_time` is away, without the rounding of base + clock [s]. */
+/* Returns the time left until `end_time` [s], without the rounding of base + clock. */
 double scene_remaining(const struct scene_state *q, double end_time);
 
 /* Moves the origin of the clock to the present: paths are shifted, durations kept; nothing else changes. The
@@ -228,23 +228,23 @@ struct vec3 path_at(const struct vec3 *coefficients, int count, double clock);
 /* The derivative of a path of three coefficients at a clock. */
 struct vec3 path_slope(const struct vec3 path[3], double clock);
 
-/* Whether nothing but the first coefficient counts, as of most paths. */
+/* Whether all coefficients but the first are zero, as in most paths. */
 bool path_is_steady(const struct vec3 *coefficients, int count);
 
 /* Whether a path of three coefficients is zero throughout. */
 bool path_rests(const struct vec3 path[3]);
 
-/* The same path with its origin moved to `clock`. */
+/* Changes the coefficients of a path so that its origin moves to `clock`. */
 void path_shift(struct vec3 *coefficients, int count, double clock);
 
 /* Which bodies move by Newton's law and which contacts act on them, in the regimes of the moment. */
 
-/* Whether body i is free, prescribed; constants where the scene pins it. */
+/* Whether a body is free; whether it is prescribed. Constants where the scene fixes the choice. */
 bool body_is_free(const struct scene_values *v, int body);
 bool body_is_prescribed(const struct scene_values *v, int body);
 
-/* Whether body i turns by Euler's equations, by its inputs, in either way; constants where the scene pins
- * it. */
+/* Whether a body turns by Euler's equations; by its inputs; in either way. Constants where the scene fixes
+ * the choice. */
 bool body_turns_freely(const struct scene_values *v, int body);
 bool body_turn_is_prescribed(const struct scene_values *v, int body);
 bool body_turns(const struct scene_values *v, int body);
@@ -253,13 +253,13 @@ bool body_turns(const struct scene_values *v, int body);
 bool contact_rubs(const struct scene_values *v, int contact);
 bool contact_rubs_elastically(const struct scene_values *v, int contact);
 
-/* Whether any body turns or any contact rubs. Where none does, all is as in scenes without rotation. */
+/* Whether any body turns or any contact rubs. Else the scene is computed as one without rotation. */
 bool scene_turns(const struct scene_values *v);
 
-/* Copies a state, without what has no meaning where nothing turns or rubs. */
+/* Copies a state. Where nothing turns or rubs the fields from `turning` on are left out. */
 void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to);
 
-/* Whether neither body of the contact is free or turns freely: its motion is given. */
+/* Whether the motion of the contact is given: neither body is free or turns freely. */
 bool contact_is_prescribed(const struct scene_values *v, int contact);
 
 /* Whether no body is free or turns freely: the scene is a force element and has no states of bodies. */
@@ -275,8 +275,8 @@ bool scene_uses_ode(const struct scene_values *v);
 /* Whether no bodies overlap. */
 bool scene_is_apart(const struct scene_state *q);
 
-/* Whether a contact transmits a force (it is in compression or restitution), whether any contact but `except`
- * acts on a body. */
+/* Whether a contact transmits a force: it is in compression or restitution. Whether any contact but `except`
+ * transmits a force to a body. */
 bool contact_transmits(const struct scene_state *q, int contact);
 bool body_is_loaded(const struct scene_state *q, int body, int except);
 
