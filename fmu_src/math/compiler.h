@@ -12,7 +12,7 @@
 #define CONTACT_GNU_C 0
 #endif
 
-/* Kept out of its callers, so that what they do often stays small. */
+/* The function is not inlined, so that the frequent paths of its callers stay small. */
 #if CONTACT_GNU_C
 #define CONTACT_NOINLINE __attribute__((noinline))
 #elif defined _MSC_VER && !defined CONTACT_PLAIN_C
@@ -28,7 +28,7 @@
 #define CONTACT_EXPORTED
 #endif
 
-/* Seldom called: made for size. */
+/* The function is seldom called, so the compiler optimizes it for size. */
 #if CONTACT_GNU_C
 #define CONTACT_COLD __attribute__((cold))
 #else

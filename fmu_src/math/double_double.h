@@ -1,7 +1,7 @@
 /*
  * Numbers of twice the digits, as the unevaluated sum of two doubles (T. J. Dekker, Numerische Mathematik 18
- * (1971) 224): about 31 decimal digits. Needs the rounding of IEEE 754 and no contraction of a b + c. For
- * sizes between 1e-130 and 1e290, so that no part of a product underflows or overflows.
+ * (1971) 224): about 31 decimal digits. The code needs the rounding of IEEE 754 and no contraction of a b +
+ * c. Sizes must lie between 1e-130 and 1e290, so that no part of a product underflows or overflows.
  */
 #ifndef CONTACT_MATH_DOUBLE_DOUBLE_H
 #define CONTACT_MATH_DOUBLE_DOUBLE_H
@@ -20,7 +20,7 @@ static inline struct double_double double_double_sum(double a, double b)
     return (struct double_double){sum, (a - (sum - of_b)) + (b - of_b)};
 }
 
-/* The same where |a| >= |b|. */
+/* a + b exactly, where |a| >= |b|. */
 static inline struct double_double double_double_renormalized(double a, double b)
 {
     const double sum = a + b;
@@ -67,7 +67,7 @@ static inline struct double_double double_double_times(struct double_double a, d
     return double_double_renormalized(product.high, product.low + a.low * b);
 }
 
-/* b other than zero. */
+/* Returns a divided by b; b must not be zero. */
 static inline struct double_double double_double_divide(struct double_double a, struct double_double b)
 {
     const double first = a.high / b.high;
@@ -76,7 +76,7 @@ static inline struct double_double double_double_divide(struct double_double a, 
     return double_double_renormalized(first, (rest.high + rest.low) / b.high);
 }
 
-/* Of a >= 0. */
+/* Returns the square root of a >= 0. */
 static inline struct double_double double_double_root(struct double_double a)
 {
     if (!(a.high > 0.0)) {

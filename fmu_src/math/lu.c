@@ -132,7 +132,7 @@ static inline void solve_matrix(const struct lu_matrix *m, struct column side, b
             im = side.re[k] * column.im[k] + side.im[k] * column.re[k];
         }
         subtract_column(side, column, re, im, 0, k, is_complex);
-        side.re[k] = re; /* the last pair may have changed it */
+        side.re[k] = re; /* the last lane of subtract_column may have changed element k */
         if (is_complex) {
             side.im[k] = im;
         }

@@ -20,7 +20,7 @@ static void multiply_block(int points, const double *matrix, const double *value
     sum[1] = high;
 }
 
-/* By differences from the first value, so that a function that hardly changes loses no digits. */
+/* Uses differences from the first value, so that a function that hardly changes loses no digits. */
 void nodal_coefficients(const struct lobatto *nodes, const double *values, double *a)
 {
     nodal_values grown;
@@ -73,8 +73,8 @@ void nodal_derivatives(const double *a, int terms, double s, double out[4])
     const double sigma = s - 1.0;
     double value = 0.0;
     double first = 0.0;
-    double second = 0.0; /* half of it */
-    double third = 0.0;  /* a sixth */
+    double second = 0.0; /* half the second derivative */
+    double third = 0.0;  /* a sixth of the third derivative */
     for (int k = terms - 1; k >= 0; --k) {
         third = third * sigma + second;
         second = second * sigma + first;

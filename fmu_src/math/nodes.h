@@ -59,7 +59,7 @@ static inline void nodal_put_vec3(struct nodal_vec3 *row, int node, struct vec3 
     row->z[node] = a.z;
 }
 
-/* From values at the nodes to coefficients, and back. */
+/* Convert nodal values to coefficients, and coefficients to nodal values. */
 void nodal_coefficients(const struct lobatto *nodes, const double *values, double *a);
 void nodal_values_of(const struct lobatto *nodes, const double *a, double *values);
 
@@ -72,8 +72,8 @@ void nodal_derivatives(const double *a, int terms, double s, double out[4]);
  * `sum`. */
 double nodal_integrate(const struct lobatto *nodes, const double *rate, double *sum);
 
-/* The integral to s by `rate` and its integrals `sum` at the nodes. At the step's end it has the order of the
- * nodes' quadrature. */
+/* Returns the integral of `rate` to s, where `sum` holds the integrals to the nodes. At the step's end it has
+ * the order of the nodes' quadrature. */
 double nodal_integral_to(const struct lobatto *nodes, const double *sum, const double *rate, double s);
 
 /* The integral from 0 to s of the polynomial with coefficients a. */

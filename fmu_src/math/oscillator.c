@@ -13,7 +13,7 @@ static struct oscillator_basis underdamped(double decay_rate, double omega_d, do
                                      cosine - decay_rate * sine};
 }
 
-/* Two real rates; their difference may vanish. */
+/* Returns the basis for two real decay rates, whose difference may vanish. */
 static struct oscillator_basis overdamped(double decay_rate, double spread, double omega2, double z)
 {
     const double fast = -(decay_rate + spread);
@@ -207,7 +207,7 @@ void overdamped_at(const struct overdamped *d, double s, double y[1 + OVERDAMPED
     y[1] += d->drift;
 }
 
-/* e^(-mean s) cos(omega_d s) - 1, omega_d real or not. */
+/* Returns e^(-mean s) cos(omega_d s) - 1, where omega_d is real or imaginary. */
 static double cosine_less(const struct overdamped *d, double s)
 {
     if (d->half_period < (double)INFINITY) {

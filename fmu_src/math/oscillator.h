@@ -60,7 +60,7 @@ struct oscillator_increment oscillator_increment(const struct oscillator *o, dou
  * k! / rate^k below. */
 void oscillator_particular(const struct oscillator *o, const double *load, double *s, int terms);
 
-/* The particular solution of x' + rate x = load. */
+/* Writes the coefficients of the particular solution s of x' + rate x = load. */
 void relaxation_particular(double rate, const double *load, double *s, int terms);
 
 /*
@@ -92,10 +92,10 @@ struct overdamped {
 struct overdamped overdamped_of(double damping_rate, double y, double y_rate);
 struct overdamped overdamped_of_dashpot(double y, double y_rate, double drift);
 
-/* y and its derivatives. */
+/* Writes y and its first four derivatives at s. */
 void overdamped_at(const struct overdamped *d, double s, double y[1 + OVERDAMPED_DERIVATIVES]);
 
-/* Changes of y and y' since the start. */
+/* The changes of y and y' from s = 0 to s. */
 struct overdamped_change {
     double y, y_rate;
 };

@@ -224,7 +224,7 @@ double root_in_bracket(root_function *f, const void *data, double low, double hi
     return root_from(f, data, low, high, value < 0.0 ? 1.0 : -1.0, 0.5 * (low + high));
 }
 
-/* Between two extrema, as of an oscillation: half a cosine. */
+/* Takes the function between two extrema for half a cosine. */
 static double guess_between_extrema(struct root_bracket_end low, struct root_bracket_end high)
 {
     const double mean = (low.value + high.value) / (high.value - low.value);
@@ -301,7 +301,7 @@ double root_lowest(root_function *f, const void *data, const struct root_place p
 /* Largest number of bisections: afterwards an interval of [0, 1] is 1e-12 long. */
 enum { DEPTH = 40 };
 
-/* The polynomial on one part of [0, 1]. */
+/* The Bernstein coefficients `of` of the polynomial on [low, low + width]. */
 struct part {
     double low, width;
     double of[BERNSTEIN_MOST];
@@ -324,8 +324,8 @@ static struct part split(struct part *left, int count)
     return right;
 }
 
-/* Changes of sign among the coefficients: as many as there are roots, or more by an even number
- * (Descartes). */
+/* Returns the changes of sign among the coefficients. Their number exceeds that of the roots by an even
+ * number or zero (Descartes). */
 static int changes_of_sign(const double *of, int count)
 {
     int changes = 0;
@@ -335,10 +335,10 @@ static int changes_of_sign(const double *of, int count)
     return changes;
 }
 
-/* The first fall through zero of the polynomial and an offset. */
+/* Returns the first fall through zero of the polynomial plus an offset. */
 static struct bernstein_fall first_fall_of_sum(const double *coefficients, int count, double offset)
 {
-    struct part open[DEPTH + 1]; /* still to be looked at, the first part last */
+    struct part open[DEPTH + 1]; /* parts still to be searched; the first part stands last */
     int last = 0;
     open[0] = (struct part){.low = 0.0, .width = 1.0};
     for (int i = 0; i < count; ++i) {

@@ -51,11 +51,11 @@ struct root_bracket_end {
  * extrema. */
 double root_guess(struct root_bracket_end low, struct root_bracket_end high);
 
-/* The root in a bracket with f at both ends; f is not zero at the first. */
+/* Returns the root in a bracket whose ends hold value and slope of f; f is not zero at `low`. */
 double root_between(root_function *f, const void *data, struct root_bracket_end low,
                     struct root_bracket_end high);
 
-/* A place and the value there. */
+/* A place s and the function's value there. */
 struct root_place {
     double s, value;
 };
@@ -72,7 +72,7 @@ double root_lowest(root_function *f, const void *data, const struct root_place p
 enum { BERNSTEIN_MOST = 13 }; /* coefficients */
 
 /* A bracket of the place where the polynomial plus `offset` falls through zero, with no other change of sign
- * in it; low = INFINITY: it falls nowhere. */
+ * in it; low = INFINITY: no such place. */
 struct bernstein_fall {
     double low, high, offset;
 };
@@ -81,7 +81,7 @@ struct bernstein_fall {
  * and a deeper one begins where it passes -noise, unless the polynomial ends at or below zero. */
 struct bernstein_fall bernstein_first_fall(const double *coefficients, int count, double noise);
 
-/* The place in the bracket, to rounding. */
+/* Returns the place of the fall in the bracket, accurate to rounding. */
 double bernstein_root(const double *coefficients, int count, struct bernstein_fall fall);
 
 /* Restricts Bernstein coefficients to the polynomial between two places of [0, 1]. */

@@ -60,7 +60,7 @@ static inline struct quaternion quaternion_axpy(struct quaternion a, double s, s
     return (struct quaternion){a.w + s * b.w, a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
 }
 
-/* Of length one, in the same direction. What is zero or no number becomes no rotation. */
+/* Returns q divided by its length. Returns the identity if q is zero, infinite or NaN throughout. */
 static inline struct quaternion quaternion_unit(struct quaternion q)
 {
     const double largest = fmax(fmax(fabs(q.w), fabs(q.x)), fmax(fabs(q.y), fabs(q.z)));

@@ -15,7 +15,7 @@ static inline int radau_padded(int count)
     return (count / RADAU_ROW_BLOCK + 1) * RADAU_ROW_BLOCK;
 }
 
-/* A row of a table times the rows of `from`. */
+/* Sets `to` to the sum of row[j] times row j of `from`. */
 static inline void radau_combine(double *restrict to, const double *row, int count, const double *from,
                                  int stride, int width)
 {
@@ -31,7 +31,7 @@ static inline void radau_combine(double *restrict to, const double *row, int cou
     }
 }
 
-/* Chebyshev polynomials at a part of the step, by their recurrence. */
+/* Sets of[k] to the Chebyshev polynomial T_k at a part of the step, by the recurrence. */
 static inline void radau_polynomials_at(int count, double part, double *of)
 {
     const double x = 2.0 * part - 1.0;
@@ -48,7 +48,7 @@ static inline int radau_padded_forces(const struct radau_problem *problem)
     return (problem->forces + 2 * LANES - 1) / (2 * LANES) * (2 * LANES);
 }
 
-/* The product of two rows. */
+/* Returns the scalar product of two rows. */
 static inline double radau_product(const double *a, const double *b, int count)
 {
     double sum = 0.0;
@@ -61,7 +61,7 @@ static inline double radau_product(const double *a, const double *b, int count)
 /* Most sweeps for a quaternion: they turn it by ten radians. */
 enum { MOST_SWEEPS = 60 };
 
-/* Rows of the system of all stages. */
+/* Returns the number of rows of the system of all stages. */
 static int rows_of_all(const struct radau_problem *problem)
 {
     return problem->turns ? RADAU_MOST_STAGES * (problem->coupled - problem->paired) : 0;
@@ -403,7 +403,7 @@ static void guess_on(struct radau_step *p)
     }
 }
 
-/* The places at all stages: h A times their speeds. */
+/* Sets the changes of the places at all stages to h A times the speeds. */
 static void radau_move_places(struct radau_step *p)
 {
     const struct radau_problem *problem = &p->problem;
@@ -484,7 +484,7 @@ void radau_step_stage(const struct radau_step *p, int stage, double *y)
     }
 }
 
-/* Of the states left, by columns: what depends on them at one stage, and on their places. */
+/* Evaluates the Jacobian at one stage and stores its columns for the states left and for the places. */
 static void radau_take_stage_jacobian(struct radau_step *p, int stage)
 {
     const struct radau_problem *problem = &p->problem;
@@ -526,7 +526,7 @@ double radau_step_start_error(struct radau_step *p)
     return largest;
 }
 
-/* Most iterations: more cost more than two steps of half the length. */
+/* Most iterations: a step with more of them would cost more than two steps of half the length. */
 static const int MOST_ITERATIONS = 12;
 
 /* Corrections that shrink by no more than this do not converge within MOST_ITERATIONS. */
@@ -579,7 +579,7 @@ static bool factor(struct radau_step *p, const struct radau_stages *stages, doub
     return true;
 }
 
-/* One correction from p->residual; returns its largest entry by the weights. */
+/* Adds one correction from p->residual; returns the largest weighted entry of the correction. */
 static double correct(struct radau_step *p)
 {
     const struct radau_stages *stages = p->stages;
@@ -645,7 +645,7 @@ bool radau_step_guess_again(struct radau_step *p, const struct radau_stages *sta
     return factor(p, stages, length);
 }
 
-/* h f - A^-1 change, of the states left. */
+/* Sets the residual h f - A^-1 change of the states left at all stages. */
 static void radau_evaluate_residual(struct radau_step *p)
 {
     const struct radau_problem *problem = &p->problem;
@@ -895,7 +895,7 @@ static void change_without_forces(struct radau_step *p)
     }
 }
 
-/* Changes of the forces at a stage by these changes. */
+/* Writes the changes of the forces at a stage due to the changes of the states and places. */
 static void put_changes_of_forces(struct radau_step *p, int stage, double *side)
 {
     const struct radau_forces *to = &p->forces;
@@ -961,7 +961,7 @@ static void radau_forces_correct(struct radau_step *p)
 /* Newton's method for a step with the Jacobian at every stage: for problems whose stiff directions turn
  * within the step, in which simplified iterations do not converge however stiff they are. */
 
-/* It converges by squares; where it takes more Jacobians the start is too far off. */
+/* Newton's method converges quadratically; if it needs more Jacobians, the guess is too far off. */
 static const int MOST_JACOBIANS = 14;
 
 /* While corrections shrink by this the Jacobians are kept: an iteration with new ones costs ten of those. */
@@ -975,7 +975,7 @@ static const int FREE_ITERATIONS = 6;
  * allowed. */
 static const double FULL_ROUNDING_SHARE = 0.25;
 
-/* Integrals do not see what is less than this part of the error allowed. */
+/* Residuals below this part of the error allowed are negligible for the integrals. */
 static const double INTEGRAL_SHARE = 0.02;
 
 /* Puts A^-1 - h J (by the states left) - h^2 A J (by the places) into the rows of one stage. */
@@ -1022,7 +1022,7 @@ static bool factor_fully(struct radau_step *p)
     return lu_factor(p->all);
 }
 
-/* One correction from the residual; returns its largest entry by the weights. */
+/* Adds one correction from the residual; returns the largest weighted entry of the correction. */
 static double correct_fully(struct radau_step *p)
 {
     const int s = p->stages->stages;
@@ -1048,7 +1048,7 @@ static double correct_fully(struct radau_step *p)
     return largest;
 }
 
-/* The change of a place at a stage by the last corrections. */
+/* Returns the change of a place at a stage due to the last corrections. */
 static double place_moved(const struct radau_step *p, int stage, int place)
 {
     const int s = p->stages->stages;

@@ -53,9 +53,9 @@ struct radau_step {
     struct radau_problem problem;
     const struct radau_stages *stages; /* method of the last solution */
     double start, length;              /* clock at the start, and length of the last solution [s] */
-    int evaluations;                   /* of the rates, since the caller set it to zero */
-    int iterations;                    /* of the last solution */
-    double contraction;                /* ratio of its last two corrections */
+    int evaluations;                   /* number since the caller set it to zero */
+    int iterations;                    /* number in the last solution */
+    double contraction;                /* last correction of the last solution divided by the one before */
     double *y, *start_rates;           /* states and rates at the start [size] */
     double *change, *rates;            /* [stages][stride]: the states less y, and their rates */
     double *chebyshev; /* [stages + 1][stride]: coefficients of change, -1 at the start, 1 at the end */
@@ -65,7 +65,7 @@ struct radau_step {
     double *jacobian;              /* [coupled][coupled], by columns */
     double *by_others, *by_places; /* its parts for the others: [others][others], [paired][others] */
     struct lu_matrix system[RADAU_MOST_STAGES / 2];
-    double factored_length; /* step that the systems are factored for; 0: none */
+    double factored_length; /* step length [s] that the systems are factored for; 0: none */
     const struct radau_stages *factored_stages;
     double *others_change, *residual, *scratch; /* [stages][width] */
     double *places_change;                      /* [stages][paired, padded] */
@@ -80,11 +80,11 @@ struct radau_step {
     int *speed_among;           /* [paired]: index of a speed among the others */
 };
 
-/* Bytes of memory for a problem, and a step that uses them for this problem or a smaller one. */
+/* The first returns the bytes of memory for a problem; the second sets up a step in such memory. */
 size_t radau_step_memory(const struct radau_problem *problem);
 void radau_step_place(struct radau_step *p, const struct radau_problem *problem, void *memory);
 
-/* Begins at a state; evaluates rates and Jacobian there. */
+/* Begins a step at the state y and evaluates the rates and the Jacobian at y. */
 void radau_step_begin(struct radau_step *p, double clock, const double *y);
 
 /* Start the iterations from the solution of the linear problem, or from the last polynomial for a step of

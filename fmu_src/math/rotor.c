@@ -15,8 +15,8 @@ static struct double_double add_times(struct double_double sum, double a, double
     return double_double_add(sum, double_double_product(a, b));
 }
 
-/* The angle without its whole turns. Each round leaves half a turn and what rounding of the number of turns
- * left: three are enough for all digits that there are. */
+/* Returns the angle without its whole turns. Each round leaves half a turn and the rounding error of the
+ * number of turns; three rounds are enough for all digits. */
 static struct double_double without_turns(struct double_double angle)
 {
     if (!(fabs(angle.high) < TOO_MANY_TURNS)) {
@@ -31,7 +31,7 @@ static struct double_double without_turns(struct double_double angle)
     return angle;
 }
 
-/* Of rate times factor times time; `rate` in 1/unit. */
+/* Returns the sine and cosine of rate times factor times time; `rate` is in 1/unit. */
 static struct sine_cosine sine_cosine_after(const struct rotor *rotor, struct double_double rate,
                                             double factor, double time)
 {
@@ -166,7 +166,7 @@ void rotor_rates_shift(struct vec3 *coefficient, int count, double time)
     }
 }
 
-/* I_1 omega + (I_3 - I_1) omega_3 e_3, over I_1 */
+/* Returns L divided by I_1, where L = I_1 omega + (I_3 - I_1) omega_3 e_3. */
 static struct vec3 rate_of_momentum(const struct rotor_state *start, double transverse_inertia,
                                     double axial_inertia)
 {
@@ -185,7 +185,7 @@ void rotor_rates_under_torque(const struct rotor_state *start, double transverse
     }
 }
 
-/* The longest such step, from `left` down. */
+/* Returns the longest step, at most `left`, whose angle a is at most ROTOR_REACH. */
 static double step_of(const struct vec3 lambda[ROTOR_RATES], double left)
 {
     double size[ROTOR_RATES];
@@ -254,7 +254,7 @@ static struct quaternion turned_by_series(const struct vec3 lambda[ROTOR_RATES],
     return quaternion_unit(q);
 }
 
-/* How omega_3 grows in a step, and its integral: tau.e_3 / I_3 is a product of series. */
+/* Returns the increment of omega_3 in a step and adds the increment's integral to `integral`. */
 static double spin_grown(const struct vec3 torque[ROTOR_TORQUES], double axial_inertia,
                          const struct vec3 term[ROTOR_TERMS + 1], double step, double *integral)
 {

@@ -15,7 +15,7 @@
 #include "math/double_double.h"
 #include "math/quaternion.h"
 
-/* How a body is turned, and how it turns. */
+/* Orientation and angular velocity of a body. */
 struct rotor_state {
     struct quaternion orientation; /* unit, body to world */
     struct vec3 angular_velocity;  /* omega, in the world's frame [rad/s] */
@@ -34,7 +34,7 @@ struct rotor {
 /* Moments of inertia in any unit, both positive and finite. */
 struct rotor rotor_from(struct rotor_state start, double transverse_inertia, double axial_inertia);
 
-/* After any time, forwards or backwards. The orientation is continuous in sign, from the start on. */
+/* Returns the state after a time [s] of either sign. The quaternion's sign is continuous in time. */
 struct rotor_state rotor_at(const struct rotor *rotor, double time);
 
 /* The axis e_3 alone, and its rate omega x e_3. */
@@ -44,7 +44,7 @@ struct rotor_axis {
 };
 struct rotor_axis rotor_axis_at(const struct rotor *rotor, double time);
 
-/* |P| and the size of the axis' rate, both constant [rad/s]. */
+/* Return |P| and the magnitude of the axis' rate [rad/s]; both are constant. */
 double rotor_precession(const struct rotor *rotor);
 double rotor_axis_speed(const struct rotor *rotor);
 
@@ -61,20 +61,20 @@ double rotor_axis_speed(const struct rotor *rotor);
 /* Coefficients of lambda and of a torque. */
 enum { ROTOR_RATES = 4, ROTOR_TORQUES = 3 };
 
-/* lambda of a body under a torque, from its state on. */
+/* Sets the coefficients of lambda for a body under a torque, with time zero at the state `start`. */
 void rotor_rates_under_torque(const struct rotor_state *start, double transverse_inertia,
                               double axial_inertia, const struct vec3 torque[ROTOR_TORQUES],
                               struct vec3 lambda[ROTOR_RATES]);
 
-/* Where an axis has turned to after time >= 0. */
+/* Returns the direction of an axis after time >= 0 [s]. */
 struct vec3 rotor_axis_after(const struct vec3 lambda[ROTOR_RATES], struct vec3 axis, double time);
 
-/* The state after time >= 0 under a torque. */
+/* Returns the state after time >= 0 [s] under a torque. */
 struct rotor_state rotor_under_torque(const struct rotor_state *start, double transverse_inertia,
                                       double axial_inertia, const struct vec3 torque[ROTOR_TORQUES],
                                       double time);
 
-/* The same polynomial with its origin moved on by `time`. */
+/* Moves the origin of a polynomial of time on by `time` [s], in place. */
 void rotor_rates_shift(struct vec3 *coefficient, int count, double time);
 
 #endif

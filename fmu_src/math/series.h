@@ -22,13 +22,13 @@ double taylor_power(const double *a, double exponent, const double *p, int order
 /* Coefficient of the quotient q = a / b, b[0] != 0. */
 double taylor_divide(const double *a, const double *b, const double *q, int order);
 
-/* Sum of the series at s. */
+/* Returns the sum of the series at s. */
 double taylor_at(const double *a, int terms, double s);
 
-/* Its value and its first two derivatives. */
+/* Writes the value of the series at s and its first two derivatives. */
 void taylor_derivatives(const double *a, int terms, double s, double out[3]);
 
-/* The integral from 0 to s. */
+/* Returns the integral of the series from 0 to s. */
 double taylor_integral(const double *a, int terms, double s);
 
 #endif

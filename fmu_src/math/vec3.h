@@ -50,7 +50,7 @@ static inline bool vec3_is_zero(struct vec3 a)
     return a.x == 0.0 && a.y == 0.0 && a.z == 0.0;
 }
 
-/* Out of three numbers and into them. */
+/* Convert three numbers to a vector, and a vector to three numbers. */
 static inline struct vec3 vec3_from(const double *data)
 {
     return (struct vec3){data[0], data[1], data[2]};
@@ -63,7 +63,7 @@ static inline void vec3_to(struct vec3 a, double *data)
     data[2] = a.z;
 }
 
-/* Component 0, 1 or 2. */
+/* Returns component 0, 1 or 2. */
 static inline double vec3_get(struct vec3 a, int index)
 {
     return index == 0 ? a.x : index == 1 ? a.y : a.z;
