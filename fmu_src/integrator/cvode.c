@@ -15,7 +15,7 @@
 #include "scene/dense_output.h"
 #include "scene/ode.h"
 
-/* Values and motion that CVODE's callbacks need. */
+/* The values and the motion that CVODE's callbacks need. */
 
 struct cvode_problem {
     struct scene_ode ode;
@@ -32,17 +32,17 @@ struct cvode {
     struct cvode_problem problem;
     enum solver_method method;
     int size;
-    struct scene_output output[SCENE_CONTACTS]; /* of the phase */
-    double longest_step;                        /* of the phase [s]; 0: no bound */
-    double reached; /* end of the last step, or its root: at or beyond the scene's clock [s] */
-    int flag;       /* what CVODE returned there */
-    double y_clock; /* when y is the state [s] */
-    long steps, evaluations, rejected; /* CVODE's counters already booked in the motion's */
-    void (*release)(void *memory);     /* of this struct */
-    char *message;                     /* the solver's, INTEGRATOR_MESSAGE_SIZE bytes */
+    struct scene_output output[SCENE_CONTACTS]; /* outputs of the phase */
+    double longest_step;                        /* bound on internal steps of the phase [s]; 0: none */
+    double reached; /* end of the last step, or its root, not before the scene's clock [s] */
+    int flag;       /* CVODE's return value of that step */
+    double y_clock; /* the clock at which y is the state [s] */
+    long steps, evaluations, rejected; /* CVODE's counts already added to the motion's */
+    void (*release)(void *memory);     /* frees this struct */
+    char *message;                     /* the integrator's message, INTEGRATOR_MESSAGE_SIZE bytes */
 };
 
-/* SUNDIALS reports here instead of printing. */
+/* Takes SUNDIALS' error messages, which would be printed otherwise. */
 #if SUNDIALS_VERSION_MAJOR >= 7
 static void keep_message(int line, const char *function, const char *file, const char *text, SUNErrCode code,
                          void *data, SUNContext context)
@@ -77,7 +77,7 @@ static bool silence(struct cvode *c)
 #endif
 }
 
-/* The scene's differential equations (scene/ode.h) as CVODE calls them. */
+/* These callbacks give CVODE the scene's differential equations (scene/ode.h). */
 static int rates_of(double clock, N_Vector y, N_Vector rate, void *problem)
 {
     const struct cvode_problem *p = problem;
@@ -92,7 +92,7 @@ static int events_of(double clock, N_Vector y, double *roots, void *problem)
     return 0;
 }
 
-/* Error weights 1 / (relative size + absolute). */
+/* Sets the error weights 1 / (relative * size + absolute), where `size` is the size of each state. */
 static int weights_of(N_Vector y, N_Vector weights, void *problem)
 {
     const struct cvode_problem *p = problem;
@@ -104,8 +104,8 @@ static int weights_of(N_Vector y, N_Vector weights, void *problem)
     return 0;
 }
 
-/* The Newton matrix I - gamma J, made in place: CVODE's own way keeps a copy of J that it allocates in the
- * first step. */
+/* Makes the Newton matrix I - gamma J in place. CVODE's own function would keep a copy of J, which it
+ * allocates in the first step. */
 static int newton_matrix(double clock, N_Vector y, N_Vector rate, SUNMatrix matrix, int jacobian_ok,
                          int *jacobian_now, double gamma, void *problem, N_Vector unused1, N_Vector unused2,
                          N_Vector unused3)
@@ -133,7 +133,7 @@ static bool attach_fixed_point(struct cvode *c)
 
 static bool configure(struct cvode *c)
 {
-    /* Event functions matter where they fall, see scene/ode.h. */
+    /* An event is a fall of an event function through zero, see scene/ode.h. */
     int falling[ODE_EVENTS];
     for (int i = 0; i < ODE_EVENTS; ++i) {
         falling[i] = -1;
@@ -212,19 +212,19 @@ void cvode_close(struct cvode **slot)
     *slot = NULL;
 }
 
-/* Largest rotation of n in one internal step [rad]: contact cannot end and begin again within such a step.
- * Near the centre, where n rotates fast, the penetration stands for d, since the gap opens only after that
- * distance. */
+/* Largest rotation of the normal n in one internal step [rad]: a contact cannot end and begin again within
+ * such a step. Near the centre, where n rotates fast, the penetration takes the place of the distance d,
+ * because the gap opens only after the bodies have moved by the penetration. */
 static const double LARGEST_ANGLE = 0.1;
 
-/* Largest step [s]: until n has rotated by that angle, or the bodies have moved by that part of the
- * penetration, or of the source's radius where a touch is not foreseen. Within it speeds are below sqrt(w^2 +
- * 4 a d). */
+/* Returns the largest step [s]. In it the bodies move by LARGEST_ANGLE times the larger of distance and
+ * penetration, or times the source's radius where no force is transmitted. Within the step the relative speed
+ * is below sqrt(w^2 + 4 a d), where a is the acceleration by gravity and external forces. */
 static double largest_step_of(const struct scene_values *v, const struct scene_state *q,
                               const struct scene_instant *at, int contact)
 {
     const int source = contact_source(contact);
-    const double distance = fabs(at->geometry[contact].distance); /* of a plane it may be negative */
+    const double distance = fabs(at->geometry[contact].distance); /* a plane's may be negative */
     const struct vec3 force_difference =
         vec3_sub(path_at(q->path[source].force, 3, q->clock),
                  path_at(q->path[contact_destination(contact)].force, 3, q->clock));
@@ -235,7 +235,7 @@ static double largest_step_of(const struct scene_values *v, const struct scene_s
     return LARGEST_ANGLE * length / speed;
 }
 
-/* Bound on the internal step [s]; 0: none. */
+/* Returns the bound on the internal step [s]; 0: no bound. */
 static double largest_step(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at)
 {
@@ -249,16 +249,16 @@ static double largest_step(const struct scene_values *v, const struct scene_stat
     return bound;
 }
 
-/* Local error allowed in one internal step / tolerance. The errors of some hundred steps of a contact add up,
- * BDF's all with the sign of its damping. Chosen so that at 1e-10 the energy balance after
- * the 63 impacts of a ball in a cylinder (scripts/scenarios/p3b_bouncing_in_cylinder.toml) closes to better
- * than 1e-9 of its largest term. */
+/* Returns the local error allowed in one internal step, divided by the tolerance. The errors of some hundred
+ * steps of a contact add up, because the damping of BDF gives all of them one sign. With these shares and a
+ * tolerance of 1e-10 the energy balance after the 63 impacts of a ball in a cylinder
+ * (scripts/scenarios/p3b_bouncing_in_cylinder.toml) closes to better than 1e-9 of its largest term. */
 static double tolerance_share(enum solver_method method)
 {
     return method == SOLVER_METHOD_CVODE_ADAMS ? 0.02 : 0.005;
 }
 
-/* The motion at a clock within the last internal step; a scene_output's `move`. */
+/* Moves the scene to a clock within the last internal step; serves as `move` of a scene_output. */
 static void move_to(void *memory, double clock, struct scene_state *q)
 {
     struct cvode *c = memory;
@@ -269,7 +269,7 @@ static void move_to(void *memory, double clock, struct scene_state *q)
     ode_unpack(c->problem.ode.values, q, NV_DATA_S(c->y));
 }
 
-/* Starts a phase from the motion; false where CVODE refuses. c->problem knows values and motion. */
+/* Starts a phase from the motion; returns false where CVODE fails. c->problem refers to `v`, `q`. */
 static bool start_phase(struct cvode *c, const struct scene_values *v, struct scene_state *q)
 {
     struct scene_instant at;
@@ -290,7 +290,8 @@ static bool start_phase(struct cvode *c, const struct scene_values *v, struct sc
            CVodeSetMaxStep(c->memory, c->longest_step) == CV_SUCCESS;
 }
 
-/* CVODE derives its first step from the time aimed at, which is not far longer than the contact's own. */
+/* Returns the time that CVODE aims at [s]. CVODE derives its first step from this time, so that it must not
+ * be far longer than the time of a contact. */
 static double first_aim(const struct cvode *c, double clock, double clock_end)
 {
     const double longest = 1e4 * c->longest_step;
@@ -314,8 +315,8 @@ static void book_counters(struct cvode *c, struct scene_state *q, struct advance
     c->rejected = failures;
 }
 
-/* CVODE places a root within 100 roundings of its time and step; four times that is beyond doubt in the new
- * regime. */
+/* Returns the end of the dead band after a root [s]. CVODE places a root to 100 roundings of its time and
+ * step. After four times this error the contact is certainly in its new regime. */
 static double dead_band_clock(struct cvode *c, double clock)
 {
     double step = 0.0;
@@ -323,7 +324,7 @@ static double dead_band_clock(struct cvode *c, double clock)
     return clock + 400.0 * DBL_EPSILON * (clock + step);
 }
 
-/* Which contact leaves its regime at the root just found, and into which. */
+/* Sets the contact whose event function has the root just found, the event and the next regime. */
 static void root_event(struct cvode *c, const struct scene_values *v, const struct scene_state *q,
                        struct advance *step)
 {
@@ -342,7 +343,7 @@ static void root_event(struct cvode *c, const struct scene_values *v, const stru
     }
 }
 
-/* Corrects the state at an event where the exact value is known. */
+/* Closes the gap and restores the energy where a contact ends by its gap; sets the dead band. */
 static void tidy_event(struct cvode *c, const struct scene_values *v, struct scene_state *q,
                        const struct advance *step)
 {
@@ -358,8 +359,9 @@ static void tidy_event(struct cvode *c, const struct scene_values *v, struct sce
     q->contact[step->contact].schedule.dead_band_clock = dead_band_clock(c, q->clock);
 }
 
-/* Contacts that end, or begin, at almost the same time: when the first has ended the phase, the second may
- * already be past its root by more than the offset, and CVODE would not find it any more. */
+/* Finds a contact that has already passed its event. Two contacts may end, or begin, at almost the same time:
+ * when the first has ended the phase, the event function of the second may already be below zero by more than
+ * its offset, and CVODE would not find that root any more. */
 static bool is_over_already(struct cvode *c, const struct scene_values *v, struct scene_state *q,
                             struct advance *step)
 {
@@ -378,7 +380,8 @@ static bool is_over_already(struct cvode *c, const struct scene_values *v, struc
     return false;
 }
 
-/* A step of CVODE is short against the contact's own time: within it no quantity has two extrema. */
+/* Notes the peaks up to the clock `to`. A step of CVODE is short compared with the time of a contact, so that
+ * no quantity has two extrema within it. */
 static void note_peaks(struct cvode *c, struct scene_state *q, double to)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -392,7 +395,7 @@ static void note_peaks(struct cvode *c, struct scene_state *q, double to)
     }
 }
 
-/* One internal step of CVODE, less where a root or `stop` comes before its end. */
+/* Makes one internal step of CVODE, which ends early at a root or at CVODE's stop time. */
 static enum advance_result one_internal_step(struct cvode *c, struct scene_state *q, struct advance *step)
 {
     if (advance_is_spent(step)) {
@@ -402,7 +405,7 @@ static enum advance_result one_internal_step(struct cvode *c, struct scene_state
     c->flag = CVode(c->memory, aim, c->y, &c->reached, CV_ONE_STEP);
     c->y_clock = c->reached;
     book_counters(c, q, step);
-    if (c->flag == CV_TOO_CLOSE) { /* a last digit of the clock: nothing moves */
+    if (c->flag == CV_TOO_CLOSE) { /* the time left is rounding of the clock: nothing moves */
         q->clock = step->clock_end;
         return ADVANCE_REACHED;
     }

@@ -7,8 +7,8 @@
 
 struct cvode;
 
-/* Makes, or makes anew when the method or the number of free bodies differs, the integrator's memory. On
- * failure returns false with a message (INTEGRATOR_MESSAGE_SIZE bytes) and leaves *c closed. */
+/* Makes the integrator's memory, and makes it anew when the method or the number of states has changed. On
+ * failure returns false with a message (INTEGRATOR_MESSAGE_SIZE bytes), *slot unchanged. */
 bool cvode_open(struct cvode **slot, const struct scene_values *v, const struct integrator_memory *memory,
                 char *message);
 

@@ -1,4 +1,4 @@
-/* The general segment: terminal events, peaks, and the way from one clock to another. */
+/* The general segment finds terminal events and peaks, and moves the scene from one clock to another. */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -11,30 +11,29 @@
 #include "scene/evaluate.h"
 #include "scene/ode.h"
 
-/* An event is located by a step that ends close to it. Within this part of the step its rate locates it. */
+/* An event is located by a step that ends close to it. If the distance is below this part of the step, the
+ * rate of the event function gives the rest. */
 static const double CLOSE = 1e-6;
 
-/* A dip below zero counts only if it is deeper than this part of the largest value and than the error of the
- * polynomial. */
+/* A dip of an event function below zero counts only if it is deeper than this part of the function's largest
+ * value plus the error of its polynomial. */
 static const double NOISE = 64.0 * DBL_EPSILON;
 
 /* Where bodies turn, a polynomial whose error is below this part of the error allowed needs no shorter step
- * to end at an event: a thousand impacts then keep momenta to 1e-12. */
+ * to end at an event. With this part, momenta are kept to 1e-12 over a thousand impacts. */
 static const double ACCURATE_WITHIN = 1e-3;
 
-/* Trials that locate an event: each halves the bracket or converges quadratically. */
+/* Largest number of trials that locate an event: each trial halves the bracket or converges quadratically. */
 enum { MOST_TRIALS = 40 };
 
-/* Newton steps from a state that is CLOSE to an event to the event itself. */
+/* Largest number of Newton steps from a state that is CLOSE to an event to the event itself. */
 enum { MOST_MOVES = 4 };
 
 /*
- * The gap of bodies that fly past each other within a step is no polynomial: d = |c| has a kink, the sharper
- * the nearer they come. d^2 is one wherever the motion is. Of outer surfaces, in place of g = d - R,
- *
- *   (d^2 - R^2) / (2 R) = g (1 + g/(2 R)),   of inner ones, g = R - d,   g (1 - g/(2 R))
- *
- * which has the same sign, root and slope there.
+ * The gap of bodies that fly past each other within a step is no polynomial, because d = |c| bends sharply
+ * where they are nearest. d^2 is a polynomial wherever the motion is. For outer surfaces (g = d - R) the gap
+ * is therefore replaced by g (1 + g/(2 R)) = (d^2 - R^2) / (2 R), for inner surfaces (g = R - d) by
+ * g (1 - g/(2 R)). Each replacement has the sign and the root of the gap, and its slope at the root.
  */
 static double smooth_gap(const struct general *g, int contact, double gap)
 {
@@ -66,7 +65,7 @@ static void sample_events_at(struct general *g, double clock, int place)
     }
 }
 
-/* The limit that an event function compares F* with [N]. */
+/* Returns the limit [N] with which an event function compares |F*|, see contact/friction.h. */
 static double limit_of_event(const struct friction_law *law, enum friction_regime regime,
                              enum ode_event event, double normal_force)
 {
@@ -77,9 +76,9 @@ static double limit_of_event(const struct friction_law *law, enum friction_regim
 }
 
 /*
- * |F*| of elastic friction has a kink where the spring passes zero. |F*|^2 is a polynomial wherever the
- * motion is. In place of L - |F*| the samples become (L^2 - |F*|^2) / S, where S is the largest of L + |F*|
- * in the step: the sign stays at every sample, and with it the event.
+ * |F*| of elastic friction has a kink where the spring passes zero, while |F*|^2 is a polynomial wherever the
+ * motion is. The samples L - |F*|, where L is the limit, are therefore replaced by (L^2 - |F*|^2) / S, where
+ * S is the largest L + |F*| in the step. No sample changes its sign, so that the event stays.
  */
 static void smooth_limit(struct general *g, int contact, const struct friction_law *law, enum ode_event event,
                          double offset)
@@ -114,7 +113,7 @@ static void smooth_friction(struct general *g, int contact)
     }
 }
 
-/* Samples the event functions at the start and at all stages. */
+/* Samples the event functions at the start of the step and at all Radau stages. */
 static void sample_events(struct general *g)
 {
     const struct radau_step *p = &g->step;
@@ -130,8 +129,8 @@ static void sample_events(struct general *g)
     }
 }
 
-/* Bernstein coefficients of the polynomial through a quantity's values at the start and all stages, which
- * stand `stride` doubles apart. */
+/* Computes the Bernstein coefficients of the polynomial through a quantity's values at the start of the step
+ * and all stages. The values stand `stride` doubles apart. */
 static void bernstein_of(const struct radau_stages *stages, const double *values, int stride,
                          double of[BERNSTEIN_MOST])
 {
@@ -146,7 +145,7 @@ static void bernstein_of(const struct radau_stages *stages, const double *values
     }
 }
 
-/* Computes the Bernstein coefficients of one event function; false where they show no zero. */
+/* Computes the Bernstein coefficients of one event function; returns false where all are positive. */
 static bool may_fall(const struct general *g, int event, double of[BERNSTEIN_MOST], double *largest)
 {
     const int count = g->step.stages->stages + 1;
@@ -181,7 +180,7 @@ static double event_at(struct general *g, int event, double clock, const double 
     return all[event];
 }
 
-/* The event function at a part of the step, for the state that the polynomial has there. */
+/* Returns the event function at a part of the step, for the state given by the polynomial of the states. */
 static double event_within(struct general *g, int event, double part)
 {
     const struct radau_step *p = &g->step;
@@ -189,8 +188,8 @@ static double event_within(struct general *g, int event, double part)
     return event_at(g, event, p->start + part * p->length, g->y);
 }
 
-/* Finds two neighbouring samples that enclose the first root. False: no sample is below zero, the function
- * may fall between two of them only. */
+/* Finds two neighbouring samples that enclose the first root. Returns false where no sample is at or below
+ * zero, so that the function can be so between two samples only. */
 static bool enclose_root(const struct general *g, int event, double ends[2])
 {
     const struct radau_stages *stages = g->step.stages;
@@ -204,12 +203,12 @@ static bool enclose_root(const struct general *g, int event, double ends[2])
     return false;
 }
 
-/* Places between two samples at which an event function's polynomial is searched for its lowest value. */
+/* Number of places at which an event function's polynomial is searched for its lowest value. */
 enum { DIP_PLACES = 16 };
 
 /* Encloses a root between two samples that are both above zero, where the polynomial falls through zero at
- * `from`. The function itself is evaluated where the polynomial is lowest before the next sample. False: the
- * function is above zero there, so that the dip is an error of the polynomial. */
+ * `from`. The event function itself is evaluated where the polynomial is lowest before the next sample. If it
+ * is above zero there, the dip is an error of the polynomial, and false is returned. */
 static bool enclose_dip(struct general *g, int event, const double *of, double from, double ends[2])
 {
     const struct radau_stages *stages = g->step.stages;
@@ -230,9 +229,9 @@ static bool enclose_dip(struct general *g, int event, const double *of, double f
     return !(event_within(g, event, ends[1]) > 0.0);
 }
 
-/* The root of the event function itself along the polynomial of the states, by bisection and secants in turn;
- * the polynomial of the event function gives the first guess. These roots decide which event comes first.
- * INFINITY: the function itself has no root. */
+/* Returns the root of the event function itself along the polynomial of the states; INFINITY: it has none.
+ * The root is found by bisection and secants in turn; the polynomial of the event function gives the first
+ * guess. These roots decide which event comes first. */
 static double root_within(struct general *g, int event, const double *of, double part)
 {
     double ends[2];
@@ -283,7 +282,7 @@ struct general_event general_first_event(struct general *g)
         const struct bernstein_fall fall = bernstein_first_fall(of, count, noise);
         double ends[2] = {fall.low, 0.0};
         if (g->step.problem.turns && enclose_root(g, e, ends)) {
-            ends[0] = fmin(ends[0], fall.low); /* the polynomial is not the last word */
+            ends[0] = fmin(ends[0], fall.low); /* the function itself may fall earlier than its polynomial */
         }
         if (ends[0] < first.part) {
             const double by_polynomial = bernstein_root(of, count, fall);
@@ -294,7 +293,8 @@ struct general_event general_first_event(struct general *g)
     return first;
 }
 
-/* Rate of the event function along the polynomial [its unit/s], by a difference before a place. */
+/* Returns the rate of the event function at a part of the step [its unit/s], by a backward difference along
+ * the polynomial of the states. */
 static double rate_at(struct general *g, int event, double part)
 {
     const struct radau_step *p = &g->step;
@@ -305,15 +305,15 @@ static double rate_at(struct general *g, int event, double part)
     return (event_at(g, event, p->start + part * p->length, g->y) - before) / (apart * p->length);
 }
 
-/* Time from a state to the event by the rate of its function [s]. */
+/* Estimates the time from a state to the event [s] by the rate of the event function. */
 static double missing_to(struct general *g, int event, double rate, double clock, const double *y)
 {
     return rate < 0.0 ? -event_at(g, event, clock, y) / rate : 0.0;
 }
 
-/* Solves the step again for another length, with the polynomial as guess. False: it has no solution, or its
- * error is too large. A stiff step is judged at all its nodes, because its end has a slip that the longer
- * step had not resolved. */
+/* Solves the step again for another length, with its polynomial as guess. Returns false where the iteration
+ * does not converge or the error is too large. A stiff step is judged by its error within as well, because
+ * the longer step had not resolved the slip at the new end. */
 static bool solve_again(struct general *g, double length)
 {
     struct radau_step *p = &g->step;
@@ -326,8 +326,8 @@ static bool solve_again(struct general *g, double length)
 }
 
 /* Moves a state that is close to the event to the event. The rate is right to a few hundredths, so that each
- * move leaves a few hundredths of the distance. The last leaves only rounding of the gap, so that bodies that
- * part are apart. */
+ * move leaves a few hundredths of the distance. The last move leaves only rounding of the gap, so that bodies
+ * whose contact ends do not overlap. */
 static void move_to_event(struct general *g, int event, double rate, double *clock, double *y)
 {
     const struct radau_problem *problem = &g->step.problem;
@@ -347,7 +347,8 @@ static void move_to_event(struct general *g, int event, double rate, double *clo
     }
 }
 
-/* Makes a shorter step and looks for the event on its polynomial; `clock` and `y` are its end. */
+/* Makes a step of another length and looks for the first event on its polynomial. `clock` and `y` become the
+ * clock and the state at its end. */
 static bool look_again(struct general *g, double length, struct general_event *found, double *clock,
                        double *y)
 {
@@ -360,10 +361,11 @@ static bool look_again(struct general *g, double length, struct general_event *f
     return true;
 }
 
-/* Where the polynomial is less accurate within than at its end, a shorter step is made that ends at the
- * event, and the event is located again on its polynomial until both agree. Where no such step can be made,
- * because friction has no direction where the normal force ends, a step of half the length comes first. A
- * stiff step is made again in any case: its polynomial may go on to F_n < 0 and show slip the other way. */
+/* Where the polynomial is not accurate enough between its ends, a shorter step is made that ends at the
+ * event. The event is located again on the shorter step's polynomial until both agree. Where no such step can
+ * be made, because friction has no direction where the normal force ends, a step of half the length comes
+ * first. A stiff step is made again in any case, because its polynomial may reach F_n < 0 and reverse the
+ * slip. */
 bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y)
 {
     struct radau_step *p = &g->step;
@@ -409,7 +411,7 @@ void general_set_peaks(struct general *g)
     }
 }
 
-/* The largest Bernstein coefficient between two parts of the step: an upper bound of the quantity there. */
+/* Returns the largest Bernstein coefficient between two parts of the step, an upper bound of the quantity. */
 static double bound_between(const struct general *g, int contact, int quantity, double from, double to)
 {
     const int count = g->step.stages->stages + 1;
@@ -423,8 +425,8 @@ static double bound_between(const struct general *g, int contact, int quantity, 
     return most;
 }
 
-/* Whether force and depth between `from` and the present exceed the peaks noted by no more than the error
- * allowed in a step. */
+/* Whether normal force and penetration between the clock `from` and the present exceed the peaks noted by so
+ * little that no search is worth it. */
 static bool is_known(const struct general *g, const struct scene_state *q, const struct scene_instant *at,
                      int contact, double from)
 {
@@ -446,7 +448,7 @@ static bool is_known(const struct general *g, const struct scene_state *q, const
            bound_between(g, contact, GENERAL_DEPTH, first, last) <= depth;
 }
 
-/* Searches for peaks by parts of less than half an oscillation: a step of twelve stages is five radians at
+/* Searches for peaks by parts of less than half an oscillation. A step of twelve stages lasts five radians at
  * most. */
 static void look_for_peaks(struct general *g, struct scene_state *q, int contact, double from)
 {
@@ -463,7 +465,7 @@ static void look_for_peaks(struct general *g, struct scene_state *q, int contact
     scene_output_add_torque(output, from, q->clock, parts, q);
 }
 
-/* Notes the peaks from a clock within the step to the present. */
+/* Notes the peaks between the clock `from`, within the step, and the present. */
 static void note_peaks_within(struct general *g, struct scene_state *q, double from)
 {
     struct scene_instant at;
@@ -496,8 +498,8 @@ void general_move_scene(struct general *g, struct scene_state *q, double clock, 
     note_peaks_within(g, q, from);
 }
 
-/* A step may go on beyond a communication point. The state of motion keeps its polynomial, on which the
- * motion is read there. */
+/* A step may go on beyond a communication point. The state of motion then stores the step's polynomial, which
+ * gives the motion at that point. */
 
 void general_keep_step(const struct general *g, struct scene_state *q)
 {
@@ -550,12 +552,12 @@ void general_follow(struct general *g, struct scene_state *q, double clock)
     q->integrator_fresh = 0;
 }
 
-/* Error allowed in a step as a part of the tolerances, because impacts multiply errors; and its lower limit,
- * the rounding in a step and its events. */
+/* The error allowed in a step is this part of the tolerances, because impacts multiply errors. The relative
+ * error allowed is at least LEAST_TOLERANCE, the rounding in a step and its events. */
 static const double TOLERANCE_SHARE = 1e-3;
 static const double LEAST_TOLERANCE = 1024.0 * DBL_EPSILON;
 
-/* Error allowed where outputs are read within a step, as a part of the tolerance. */
+/* Where outputs are read within a step, the error allowed there is this part of the tolerance. */
 static const double READ_PART = 0.1;
 
 static struct radau_problem problem_of(struct general *g, const struct scene_values *v)
@@ -629,7 +631,7 @@ void general_close(struct general **slot)
     }
 }
 
-/* The motion at a clock within the last step; a scene_output's `move`. */
+/* Moves the scene to a clock within the last step; serves as `move` of a scene_output. */
 static void move_along_step(void *memory, double clock, struct scene_state *q)
 {
     struct general *g = memory;
@@ -673,7 +675,7 @@ void general_start(struct general *g, const struct scene_values *v, struct scene
     }
 }
 
-/* Whether a contact ends because the gap opens, not because the source passes an end of its cylinder. */
+/* Whether a contact ends because the gap opens, and not because the source passes an end of the cylinder. */
 static bool parts_at_gap(const struct general *g, const struct scene_values *v, const struct scene_state *q,
                          const struct scene_instant *at, int contact)
 {
@@ -684,7 +686,8 @@ static bool parts_at_gap(const struct general *g, const struct scene_values *v, 
 }
 
 /* Moves free bodies back along their velocities to a gap of zero. A shift along the normal would change the
- * angular momentum at every impact. The time moved is at most rounding of the clock or of a second. */
+ * angular momentum at every impact. The motion goes back by 64 roundings of the clock or of a second at
+ * most. */
 static void go_back_to_gap(const struct scene_values *v, struct scene_state *q,
                            const struct scene_instant *at, int contact)
 {
@@ -700,8 +703,8 @@ static void go_back_to_gap(const struct scene_values *v, struct scene_state *q,
     }
 }
 
-/* Closes the gap and restores the energy at the end of a contact. The error allowed in a step is a speed's,
- * too. */
+/* Closes the gap and restores the energy at the end of a contact. The energy is restored within the error of
+ * the speed that a step is allowed. */
 static void tidy_end(struct general *g, const struct scene_values *v, struct scene_state *q,
                      const struct advance *step)
 {
@@ -718,9 +721,9 @@ static void tidy_end(struct general *g, const struct scene_values *v, struct sce
     q->contact[step->contact].schedule.dead_band_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
 }
 
-/* Finds a contact that is already past its event: where two contacts end or begin at almost the same time, or
- * where friction changes just before a contact ends, the second event may be past its root by more than the
- * offset. */
+/* Finds a contact that has already passed its event. Where two contacts end or begin at almost the same time,
+ * or friction changes just before a contact ends, the first event ends the phase. The event function of the
+ * second event may then already be below zero by more than its offset. */
 static bool has_passed_event(struct general *g, const struct scene_values *v, struct scene_state *q,
                              struct advance *step)
 {
@@ -741,12 +744,12 @@ static bool has_passed_event(struct general *g, const struct scene_values *v, st
 }
 
 /* Makes a step up to its end or its first event. Where no step can be made to end at the event, a step of
- * half the way comes first, and so on until the event is within rounding of the clock. */
+ * half that length is made first. The length is halved until the event is within rounding of the clock. */
 static enum advance_result make_step(struct general *g, const struct scene_state *q, struct advance *step)
 {
     struct general_end *end = &g->end;
     const double left = step->clock_end - q->clock;
-    /* only steps of scenes that turn or rub are kept beyond the end, and only where rounding allows it */
+    /* a step goes beyond the end only where the scene turns or rubs and rounding allows accurate outputs */
     const double most =
         g->step.problem.turns && g->read_share <= 1.0 ? fmax(step->clock_limit - q->clock, left) : left;
     double longest = (double)INFINITY;
@@ -776,11 +779,11 @@ static enum advance_result make_step(struct general *g, const struct scene_state
             return ADVANCE_REACHED;
         }
         longest = 0.5 * until;
-        step->budget += 1; /* the way is halved fifty times at most */
+        step->budget += 1; /* this step is not counted: the length is halved fifty times at most */
     }
 }
 
-/* Moves the scene to the end of the step and tells what ends it. */
+/* Moves the scene to the end of the step and, where an event ends it, sets the event and its regime. */
 static enum advance_result end_step(struct general *g, const struct scene_values *v, struct scene_state *q,
                                     struct advance *step)
 {
@@ -820,12 +823,12 @@ static enum advance_result make_steps(struct general *g, const struct scene_valu
         result = end_step(g, v, q, step);
     }
     if (result == ADVANCE_REACHED && g->step.problem.turns) {
-        general_keep_step(g, q); /* the next one goes on from its polynomial */
+        general_keep_step(g, q); /* the next call goes on from this step */
     }
     return result;
 }
 
-/* Not inline, because its caller is faster while it is small. */
+/* This function is not inlined, because its caller is faster while it is small. */
 CONTACT_NOINLINE enum advance_result general_advance(struct general *g, const struct scene_values *v,
                                                      struct scene_state *q, struct advance *step)
 {
@@ -837,7 +840,7 @@ CONTACT_NOINLINE enum advance_result general_advance(struct general *g, const st
             general_follow(g, q, step->clock_end);
             return ADVANCE_REACHED;
         }
-        struct scene_instant at; /* up to the end of the step that the last call has left unfinished */
+        struct scene_instant at; /* the last call has stored a step, which ends here */
         general_set_events(g, &at);
         result = end_step(g, v, q, step);
     } else {

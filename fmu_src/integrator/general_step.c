@@ -1,4 +1,4 @@
-/* One step of the general segment: limits of its length, errors allowed, Newton's method, step control. */
+/* This file makes one step of the general segment: its length, the errors allowed, Newton's method. */
 #include <float.h>
 #include <stdio.h>
 #include <string.h>
@@ -7,7 +7,8 @@
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"
 
-/* Length of a first step in radians of the fastest oscillation: an impact takes pi, by Hertz's law four. */
+/* Length of a first step in radians of the fastest oscillation. An impact takes pi radians with a linear
+ * spring, and four with Hertz's law. */
 static const double FIRST_STEP = 4.0;
 
 double general_length_of_springs(const struct general *g)
@@ -15,7 +16,7 @@ double general_length_of_springs(const struct general *g)
     const struct radau_step *p = &g->step;
     double square = 0.0;
     for (int i = 0; i < p->problem.paired; ++i) {
-        double sum = 0.0; /* the effect of all places on one speed */
+        double sum = 0.0; /* effect of all positions on one speed [1/s^2] */
         for (int j = 0; j < p->problem.paired; ++j) {
             sum += fabs(p->by_places[j * p->others + p->speed_among[i]]);
         }
@@ -24,13 +25,14 @@ double general_length_of_springs(const struct general *g)
     return square > 0.0 ? FIRST_STEP / sqrt(square) : (double)INFINITY;
 }
 
-/* From this part of its largest depth on Hertz's spring shows its stiffness by its slope, which goes with the
- * root of the depth: general_length_of_springs and the error of a step then see it. */
+/* The stiffness of Hertz's spring grows with the square root of the penetration. From this part of the
+ * largest penetration on, general_length_of_springs and the error of a step show the stiffness well
+ * enough. */
 static const double DEEP = 0.25;
 
-/* Order of magnitude of the largest depth after a touch [m]. An impact without damping has delta^(5/2) =
- * 5/4 v^2 / k, one with much damping 5/2 v / (k chi). Rest under a load a has delta^(3/2) = a / k. `k` is
- * k_h / m_red. */
+/* Returns the order of magnitude of the largest penetration delta after a touch [m]. An impact without
+ * damping has delta^(5/2) = 5/4 v^2 / k; an impact with much damping has delta^(5/2) = 5/2 v / (k chi). A
+ * body at rest under the acceleration `load` a has delta^(3/2) = a / k. `k` is k_h / m_red. */
 static double depth_to_come(double k, double chi, double speed, double load)
 {
     const double stops = fmin(0.5 * speed, 1.0 / chi); /* chi = 0: 0.5 speed */
@@ -71,9 +73,9 @@ double general_length_of_impacts(const struct scene_values *v, const struct scen
     return least;
 }
 
-/* Regularized friction bends where the slip falls to a few v_0. A step ends SLIP_BEFORE times v_0 / |du/dt|
- * before the slip is zero, where exp(-slip/v_0) is still rounding. The next steps follow the bend over
- * SLIP_WITHIN of them. Below SLIP_AFTER v_0 friction is nearly linear. */
+/* Regularized friction as a function of the slip bends where the slip falls to a few v_0. A step ends
+ * SLIP_BEFORE times v_0 / |du/dt| before the slip u is zero, where exp(-slip/v_0) is still rounding. The next
+ * steps may last SLIP_WITHIN times v_0 / |du/dt|. Below SLIP_AFTER times v_0 friction is nearly linear. */
 static const double SLIP_BEFORE = 20.0;
 static const double SLIP_WITHIN = 8.0;
 static const double SLIP_AFTER = 4.0;
@@ -83,7 +85,7 @@ static const double SLIP_AFTER = 4.0;
 static const double SLIP_SHORTEST = 1e-13;
 static const double SLIP_ROUNDING = 1e-12;
 
-/* The time at which of[0] + of[1] t + of[2] t^2, positive at first, falls to zero; INFINITY: never. */
+/* Returns the time at which of[0] + of[1] t + of[2] t^2, positive at t = 0, becomes zero; or INFINITY. */
 static double time_to_zero(const double of[3])
 {
     const double square = of[1] * of[1] - 4.0 * of[0] * of[2];
@@ -91,7 +93,7 @@ static double time_to_zero(const double of[3])
         return (double)INFINITY;
     }
     const double q = -0.5 * (of[1] + copysign(sqrt(square), of[1]));
-    const double near = of[1] < 0.0 ? of[0] / q : q / of[2]; /* a root that keeps its digits */
+    const double near = of[1] < 0.0 ? of[0] / q : q / of[2]; /* without cancellation */
     return near > 0.0 ? near : (double)INFINITY;
 }
 
@@ -124,9 +126,9 @@ double general_length_of_sliding(const struct scene_values *v, const struct scen
     return fmax(least, SLIP_SHORTEST * fmax(q->clock, 1.0));
 }
 
-/* Errors that a step of the general segment is allowed. */
+/* The functions that follow set the errors allowed in a step of the general segment. */
 
-/* The largest stiffness by mass of a place on its own acceleration [1/s^2]. */
+/* Returns the largest derivative of an acceleration by its own position [1/s^2]. */
 static double spring_of_places(const struct radau_step *p)
 {
     double most = 0.0;
@@ -136,11 +138,12 @@ static double spring_of_places(const struct radau_step *p)
     return most;
 }
 
-/* Rounding of a difference of states, such as the slip, as a part of their size: as in rounding_of_rate. */
+/* Rounding of a difference of states, such as the slip, divided by their size; see rounding_of_rate. */
 static const double ROUNDING_OF_STATES = 8.0 * DBL_EPSILON;
 
-/* Rounding in the rate of one of the states left [its unit/s]: rounding of gaps through the springs, and
- * rounding of the other states left, each by its size. */
+/* Returns the rounding in the rate of a state [its unit/s], where `left` numbers the states without
+ * positions. It comes from the rounding of gaps through the springs, and from the rounding of these
+ * states. */
 static double rounding_of_rates(const struct general *g, int left)
 {
     const struct radau_step *p = &g->step;
@@ -155,14 +158,14 @@ static double rounding_of_rates(const struct general *g, int left)
     return by_places * g->place_rounding + ROUNDING_OF_STATES * by_others;
 }
 
-/* Rounding makes forces that act for at most a radian of the oscillation or a decay time. The error allowed
- * in a speed is not below the change that they make. */
+/* Adds rounding to the errors allowed. A force made by rounding acts for at most one radian of the
+ * oscillation or one decay time. The error allowed in a speed is at least the change by such a force. */
 static void allow_rounding(struct general *g)
 {
     struct radau_step *p = &g->step;
     const double spring = spring_of_places(p);
     const double fastest = fmax(sqrt(spring), 1.0 / p->length);
-    double rounding[ODE_MOST_STATES] = {0.0}; /* of those left */
+    double rounding[ODE_MOST_STATES] = {0.0}; /* of the states without positions */
     for (int i = 0; i < p->others; ++i) {
         rounding[i] = rounding_of_rates(g, i) / fmax(fastest, fabs(p->by_others[i * p->others + i]));
     }
@@ -180,8 +183,8 @@ static void allow_rounding(struct general *g)
     }
 }
 
-/* Weights of errors: by the sizes of the states at the start, or at the end of the guess if those are
- * larger; where bodies turn, by what rounding makes of them. */
+/* The size of a state is the larger of its sizes at the start and at the end of the guess. Where bodies turn,
+ * the errors allowed include rounding. */
 void general_set_weights(struct general *g)
 {
     struct radau_step *p = &g->step;
@@ -197,10 +200,9 @@ void general_set_weights(struct general *g)
     }
 }
 
-/* Steps of the general segment in which friction is so stiff that Newton's method takes the Jacobian at every
- * stage. */
+/* The next functions solve steps whose friction is so stiff that the Jacobian is needed at every stage. */
 
-/* Friction regimes and v_0 that are restored after a first guess. */
+/* Friction regimes and slip velocities v_0 [m/s] that are restored after a first guess. */
 struct kept_friction {
     int32_t regime[SCENE_CONTACTS];
     double slip_velocity[SCENE_CONTACTS];
@@ -255,36 +257,37 @@ bool general_solve_fully(struct general *g, bool thoroughly)
     return rolls && radau_step_solve_fully(p, general_newton_share(g));
 }
 
-/* One step of the general segment: its stages, its length, its error. */
+/* The functions that follow make one step of the general segment: its stages, its length, its error. */
 
-/* After a failure of Newton's method with the Jacobian at every stage the step shrinks by SOLVABLE_PART.
- * After each success its limit grows by SOLVABLE_GROWTH. */
+/* After a failure of Newton's method with the Jacobian at every stage, the limit of the step's length is
+ * SOLVABLE_PART times that length. After each success the limit is multiplied by SOLVABLE_GROWTH. */
 static const double SOLVABLE_PART = 0.6;
 static const double SOLVABLE_GROWTH = 1.1;
 
-/* After a success with at most EASY_ITERATIONS iterations the limit grows faster. */
+/* After a success with at most EASY_ITERATIONS iterations the limit is multiplied by EASY_GROWTH instead. */
 enum { EASY_ITERATIONS = 3 };
 static const double EASY_GROWTH = 2.0;
 
-/* Growth of the limit for simplified iterations, which cost less when they fail. */
+/* Growth of the limit for simplified iterations. It exceeds SOLVABLE_GROWTH: their failures cost less. */
 static const double SIMPLE_GROWTH = 1.3;
 
-/* A state that decays by more powers of e than this within a step has a force that is mostly rounding:
- * Newton's method needs the Jacobian at every stage. */
+/* A step is stiff where a state decays by more than this number of powers of e within it. The force on that
+ * state is then mostly rounding, and Newton's method needs the Jacobian at every stage. */
 static const double STIFF = 200.0;
 
-/* A decay by fewer powers of e than this is followed by the polynomial. Simplified iterations then fail only
- * because the step is too long for a change within it. */
+/* The polynomial follows a decay by fewer powers of e than this. Simplified iterations then fail only because
+ * the step is too long for a change within it. */
 static const double LEAST_STIFF = 5.0;
 
-/* Common rounding of a gap / its bound. */
+/* Usual rounding of a gap, divided by the bound of that rounding (rounding_of_gap). */
 static const double ROUNDING_OF_GAP = 0.5;
 
-/* The error at the end of a step may be a thousandth of the tolerance (general.c), elsewhere all of it. */
+/* Factor of the error within a step: the error at its end may be a thousandth of the tolerance (general.c),
+ * the error before the end may be all of the tolerance. */
 static const double WITHIN_SHARE = 1e-3;
 
-/* Length of an equally accurate step of four or eight stages / length of one of twelve. The oscillation y'' =
- * -y has an error of 1e-12 after steps of 0.18, 2 and 5 radians (measured). */
+/* Length of a step of four or eight stages, divided by the length of an equally accurate step of twelve. The
+ * oscillation y'' = -y has an error of 1e-12 after steps of 0.18, 2 and 5 radians (measured). */
 static const double REACH_OF_FOUR = 0.035;
 static const double REACH_OF_EIGHT = 0.4;
 
@@ -292,8 +295,9 @@ static const double REACH_OF_EIGHT = 0.4;
 static const double GROWTH = 4.0;
 static const double SHRINKAGE = 0.15;
 
-/* The error by decay before the first stage goes with a low power of the length where it is small. A large
- * one comes from a decay much faster than the step, and the step shrinks by START_SHRINKAGE at most. */
+/* A small error by decay before the first stage grows with a low power of the step's length; START_POWER is
+ * the inverse of that power. A large error comes from a decay much faster than the step; the next length is
+ * at least START_SHRINKAGE times the last. */
 static const double START_SHRINKAGE = 0.05;
 static const double START_POWER = 1.0 / 6.0;
 
@@ -302,10 +306,10 @@ static const double START_POWER = 1.0 / 6.0;
 static const double NOISE_OF_ERROR = 0.1;
 static const double NOISE_OF_DECREASE = 0.1;
 
-/* The next step is a little shorter than the error would allow. */
+/* The next step is shorter by this factor than the error would allow. */
 static const double SAFETY = 0.9;
 
-/* Length of an accurate step of these stages / length of one of twelve. */
+/* Returns the length of an accurate step of these stages, divided by the length of one of twelve stages. */
 static double reach_of(const struct radau_stages *stages)
 {
     return stages->stages == 4 ? REACH_OF_FOUR : stages->stages == 8 ? REACH_OF_EIGHT : 1.0;
@@ -318,21 +322,21 @@ static const struct radau_stages *stages_for(double length, double longest)
                                                 : &radau_stages_12;
 }
 
-/* Beyond so many v_0 regularized friction is at its limit: exp(-40) is less than rounding of 1. */
+/* Above this multiple of v_0 regularized friction is at its limit: exp(-40) is below the rounding of 1. */
 static const double SATURATED_SLIP = 40.0;
 
-/* Error that rounding of the slip leaves in an integral of regularized friction [N]. Corrections by the
- * Jacobian remove its linear part (move_integrals in math/radau_step.c); the square of rounding / v_0
- * remains. */
+/* Returns the error [N] that rounding of the slip leaves in the rate of an integral of regularized friction.
+ * Corrections by the Jacobian (move_integrals in math/radau_step.c) remove the part linear in the rounding.
+ * The square of the rounding divided by v_0 remains. */
 static double rounding_of_friction(const struct friction_law *law, double limit, double speeds)
 {
     const double part = fmin(ROUNDING_OF_STATES * speeds / law->slip_velocity, 1.0);
     return fmax(limit, 0.0) * part * part;
 }
 
-/* Friction is a function of slip / v_0, so that the error allowed in a speed, and in a spin at the end of an
- * arm [m], is at most v_0. Newton's method leaves its share of this error. Integrals see the square of that
- * share / v_0, which may be the tolerance at most. */
+/* Friction is a function of the slip divided by v_0. The error allowed in a speed, and in a spin times its
+ * arm [m], is therefore at most v_0. Newton's method leaves its share of this error. The error of integrals
+ * goes with the square of what is left, divided by v_0; this square may be the tolerance at most. */
 static void limit_errors_of_slip(struct general *g, double slip_velocity, int body, double arm)
 {
     const struct scene_values *v = g->ode.values;
@@ -350,7 +354,7 @@ static void limit_errors_of_slip(struct general *g, double slip_velocity, int bo
     }
 }
 
-/* Limits the errors of the states by a contact's regularized friction; notes its rounding in integrals. */
+/* Limits the errors allowed in states by regularized friction, and notes its rounding in integrals. */
 static void note_friction(struct general *g, const struct scene_instant *at, int contact)
 {
     const struct scene_values *v = g->ode.values;
@@ -383,8 +387,8 @@ static void note_friction(struct general *g, const struct scene_instant *at, int
     }
 }
 
-/* Notes at the start of a step the rounding of gaps [m] and of the rates of integrals, and the largest error
- * allowed in each state. */
+/* Notes, at the start of a step, the rounding of gaps [m], the rounding of the rates of integrals, and the
+ * largest error allowed in each state. */
 static void note_errors(struct general *g)
 {
     struct scene_instant at;
@@ -403,7 +407,7 @@ static void note_errors(struct general *g)
     }
 }
 
-/* The fastest decay of a state left [1/s], by a Jacobian of these states. */
+/* Returns the fastest decay of a state that is no position [1/s], by the Jacobian `by_others`. */
 static double fastest_decay_of(const struct radau_step *p, const double *by_others)
 {
     double most = 0.0;
@@ -425,7 +429,7 @@ void general_begin(struct general *g, double clock, const double *y)
     }
 }
 
-/* Solves by Newton's method with the Jacobian at every stage. */
+/* Solves the stages by Newton's method with the Jacobian at every stage. */
 static bool try_fully(struct general *g, const struct radau_stages *stages, double length, bool thoroughly)
 {
     g->fully = true;
@@ -459,8 +463,9 @@ bool general_is_stiff(const struct general *g)
     return SCENE_ANY_FRICTION && g->step.problem.turns && g->step.length * g->fastest_decay > LEAST_STIFF;
 }
 
-/* Rolling ends within a step whose fastest decay falls to less than this part. The slip then bends between
- * the last nodes, and the coefficients decrease as if it did not: the error within is that at the end. */
+/* Rolling ends within a step if the fastest decay at its stages is less than this part of that at its start.
+ * The slip then bends between the last nodes, and the Chebyshev coefficients decrease as if it did not. The
+ * error at the end is then taken to be at least the error within. */
 static const double END_OF_ROLLING = 0.3;
 
 double general_finish_step(struct general *g)
@@ -477,7 +482,7 @@ double general_finish_step(struct general *g)
     return fmax(g->error_at_end, g->error_of_start);
 }
 
-/* Factor of the next length: the error goes with the power 2 s - 1 of the length, s stages. */
+/* Returns the factor of the next length. With s stages the error goes as length to the power 2 s - 1. */
 static double factor_of(const struct general *g, double error, const struct radau_stages *stages)
 {
     if (!(error < (double)INFINITY)) {

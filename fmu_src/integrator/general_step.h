@@ -1,4 +1,4 @@
-/* The parts of the general segment, for general.c and general_step.c. */
+/* The parts of the general segment that general.c and general_step.c share. */
 #ifndef CONTACT_INTEGRATOR_GENERAL_STEP_H
 #define CONTACT_INTEGRATOR_GENERAL_STEP_H
 
@@ -8,17 +8,17 @@
 #include "scene/dense_output.h"
 #include "scene/ode.h"
 
-/* Newton's iteration ends when its last correction is below this part of the error allowed. The part is
- * smaller where bodies turn, because a thousand impacts shall keep their angular momentum. */
+/* Newton's iteration ends when its last correction is below this part of the error allowed in a step. The
+ * part is smaller where bodies turn, because the angular momentum shall be kept over a thousand impacts. */
 #define GENERAL_NEWTON_SHARE 0.05
 #define GENERAL_TURNING_NEWTON_SHARE 0.002
 
-/* The quantities whose peaks are sought: F_n and the penetration. */
+/* The quantities whose peaks are sought: the normal force and the penetration. */
 enum { GENERAL_FORCE, GENERAL_DEPTH, GENERAL_LOADS };
 
 struct general_event {
-    double part; /* of the step; INFINITY: none */
-    int event;   /* which function */
+    double part; /* time from the start of the step, divided by its length; INFINITY: no event */
+    int event;   /* index of the event function */
 };
 
 /* The end of the last step. */
@@ -40,25 +40,25 @@ struct general {
     double simple;         /* estimate of the longest step that simplified iterations solve [s] */
     double fastest_decay;  /* fastest decay of a state at the start of the step [1/s] */
     double place_rounding; /* rounding of the gaps at the start of the step [m] */
-    double error_within;   /* largest error within the last step / error allowed */
-    double error_at_end;   /* error at the end of the last step / error allowed */
-    double error_of_start; /* error by what decays before the first stage / error allowed */
+    double error_within;   /* largest error within the last step, divided by the error allowed */
+    double error_at_end;   /* error at the end of the last step, divided by the error allowed */
+    double error_of_start; /* error by decay before the first stage, divided by the error allowed */
     double longest;        /* estimate of the longest accurate step of twelve stages [s] */
     double within_share;   /* factor of error_within when it is compared with error_at_end */
-    double read_share;     /* within_share where outputs are read within the step; above 1: none are read */
+    double read_share;     /* within_share where outputs are read within the step; above 1: none is read */
     double *y, *size_of, *end_size; /* [size]: a state; sizes of the states at both ends of the step */
-    /* [size], from the start of the step: rounding of the rates of integrals; largest errors of states */
+    /* [size], noted at the start of the step: rounding of the rates of integrals; largest errors allowed */
     double *rate_rounding, *largest_error;
     struct general_end end;
     double at_start[ODE_EVENTS];                      /* event functions at the start */
-    double events[RADAU_MOST_STAGES + 1][ODE_EVENTS]; /* smoothed, at the start and at the stages */
-    double event_size[ODE_EVENTS];                    /* largest value before smoothing */
+    double events[RADAU_MOST_STAGES + 1][ODE_EVENTS]; /* event functions at start and stages, smoothed */
+    double event_size[ODE_EVENTS];                    /* largest |event function| before smoothing */
     /* F_n [N] and -g [m] at the start and at the stages; their Bernstein coefficients */
     double loads[RADAU_MOST_STAGES + 1][SCENE_CONTACTS][GENERAL_LOADS];
     double peaks[SCENE_CONTACTS][GENERAL_LOADS][BERNSTEIN_MOST];
     struct scene_output output[SCENE_CONTACTS];
     long rejected;
-    void (*release)(void *memory); /* of this struct */
+    void (*release)(void *memory); /* frees this struct */
     char *message;                 /* INTEGRATOR_MESSAGE_SIZE bytes */
 };
 
@@ -67,32 +67,35 @@ static inline double general_newton_share(const struct general *g)
     return g->step.problem.turns ? GENERAL_TURNING_NEWTON_SHARE : GENERAL_NEWTON_SHARE;
 }
 
-/* Takes over values and state. Sets the offsets of the event functions at the present instant. Does both, and
- * prepares a step that starts from the motion. */
+/* general_attach makes the segment work on `v` and `q`. general_set_events sets the offsets of the event
+ * functions at the present instant `at`. general_start does both and prepares a step that starts from `q`. */
 void general_attach(struct general *g, const struct scene_values *v, struct scene_state *q);
 void general_set_events(struct general *g, struct scene_instant *at);
 void general_start(struct general *g, const struct scene_values *v, struct scene_state *q);
 
-/* Begins steps at y. Makes one accurate step of at most `limit` [s] as general->step; false with a message
- * where no step is accurate enough, false where the `budget` of steps is used up. A step longer than `left`
- * [s] is accurate within as well, because outputs are read there. */
+/* general_begin begins steps at the state `y`. general_step_make makes one accurate step of at most `limit`
+ * [s] in g->step. It returns false with a message where no step is accurate enough, and false where the
+ * `budget` of steps is used up. A step longer than `left` [s] is accurate within as well, because outputs are
+ * read there. */
 void general_begin(struct general *g, double clock, const double *y);
 bool general_step_make(struct general *g, double limit, double left, long *budget);
 
-/* Prepares the search for peaks, after general_first_event. Moves the scene to a clock within the step or at
- * its end, and notes the peaks up to there and, where nothing turns, the impulses of torque. */
+/* general_set_peaks prepares the search for peaks; it is called after general_first_event. general_move_scene
+ * moves the scene to a clock within the step or at its end, and notes the peaks up to that clock and, where
+ * nothing turns, the impulses of torque. */
 void general_set_peaks(struct general *g);
 void general_move_scene(struct general *g, struct scene_state *q, double clock, const double *y);
 
-/* Keeps the step in q. Takes up the step that q keeps; false: q keeps none. Moves the scene along the step to
- * a clock within it. Where nothing turns or rubs no step is kept. */
+/* general_keep_step stores the step in `q`. general_take_up goes on with the step that `q` stores, and
+ * returns false where `q` stores none: no step is stored where nothing turns or rubs. general_follow moves
+ * the scene along the step to a clock within it. */
 void general_keep_step(const struct general *g, struct scene_state *q);
 bool general_take_up(struct general *g, const struct scene_values *v, struct scene_state *q);
 void general_follow(struct general *g, struct scene_state *q, double clock);
 
-/* Limits of a step's length [s], INFINITY: none. The springs at the start of general->step and impacts that
- * begin under Hertz's law limit the first step. Regularized friction whose slip is about to end limits every
- * step. */
+/* Each function returns a limit of a step's length [s]; INFINITY: no limit. The springs at the start of
+ * g->step and impacts that begin under Hertz's law limit the first step. Regularized friction whose slip is
+ * about to end limits every step. */
 double general_length_of_springs(const struct general *g);
 double general_length_of_sliding(const struct scene_values *v, const struct scene_state *q);
 double general_length_of_impacts(const struct scene_values *v, const struct scene_state *q,
@@ -104,19 +107,19 @@ void general_set_weights(struct general *g);
 /* Whether a state decays within the step so fast that the polynomial does not follow it. */
 bool general_is_stiff(const struct general *g);
 
-/* Completes a step whose stages are solved. Returns its largest error / error allowed. */
+/* Completes a step whose stages are solved. Returns its largest error, divided by the error allowed. */
 double general_finish_step(struct general *g);
 
-/* Solves a stiff step from its guess; false where the iteration does not converge. `thoroughly`: where the
- * guess that continues the last polynomial is poor, a second guess is made. */
+/* Solves a stiff step from its guess; returns false where the iteration does not converge. If `thoroughly`, a
+ * second guess is made where the guess that continues the last step's polynomial is poor. */
 bool general_solve_fully(struct general *g, bool thoroughly);
 
-/* The first terminal event within general->step. */
+/* Returns the first terminal event within g->step. */
 struct general_event general_first_event(struct general *g);
 
-/* Shortens the step so that it ends at the event; `y` and `clock` are the state and the clock there. Where
- * the shorter step shows that the event comes later, the step ends before the event and `found` is none.
- * False where no step is accurate enough. */
+/* Shortens the step so that it ends at the event `found`; `y` and `clock` become the state and the clock at
+ * its end. Where the shorter step shows that the event comes later, the step ends before the event and
+ * `found` becomes "no event". The function returns false where no step is accurate enough. */
 bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y);
 
 #endif

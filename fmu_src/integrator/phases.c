@@ -43,7 +43,7 @@ void integrator_close(struct integrator *s)
     (void)s;
 }
 
-/* The present instant, without accelerations and forces: computed once, however many ask for it. */
+/* Returns the present instant without accelerations and forces. It is computed once and then reused. */
 static const struct scene_instant *advance_now(struct advance *step, const struct scene_values *v,
                                                const struct scene_state *q)
 {
@@ -54,11 +54,12 @@ static const struct scene_instant *advance_now(struct advance *step, const struc
     return &step->now;
 }
 
-/* Horizon of a separating contact, as a multiple of the time in which it opens at its present rate. */
+/* Horizon of a separating contact, divided by the time in which its gap opens at the present gap rate. */
 static const double SEPARATION_TIMES = 4.0;
 
-/* The horizon is at most this [s], or this many times as long as the phase has lasted; so are steps. In units
- * of a path of degree four and so long bodies measure 1e-72, whose fourth power is a number still. */
+/* The horizon is at most the longer of LONGEST_HORIZON [s] and HORIZON_GROWTH times the time since the phase
+ * began. Over so long a time a path of degree four becomes so long that bodies measure 1e-72 of it; the
+ * fourth power of this size is still above underflow. */
 static const double LONGEST_HORIZON = 1e18;
 static const double HORIZON_GROWTH = 1e3;
 
@@ -68,10 +69,10 @@ static double horizon_of_flight(double clock, double remaining)
     return horizon > LONGEST_HORIZON ? fmin(horizon, fmax(LONGEST_HORIZON, HORIZON_GROWTH * clock)) : horizon;
 }
 
-/* The horizon of the search for regime changes [s]: the rest of the step, or the time since the phase began
- * if that is longer, so that a flight of many short steps is searched a few times only. While a contact
- * separates it is not much longer than that lasts: the conditions are then nearly linear and their roots
- * cheap. */
+/* Returns the horizon of the search for regime changes [s]. It is the longer of the rest of the step and the
+ * time since the phase began, so that a flight of many short steps is searched a few times only. While a
+ * contact separates, the horizon is not much longer than the separation lasts. The conditions are then nearly
+ * linear, and their roots are cheap. */
 static double horizon_from(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at, double remaining)
 {
@@ -86,7 +87,7 @@ static double horizon_from(const struct scene_values *v, const struct scene_stat
     return horizon;
 }
 
-/* Says of every contact when its regime changes next. */
+/* Notes for every contact when its regime changes next; does nothing before the horizon is reached. */
 static inline void look_ahead(const struct scene_values *v, struct scene_state *q, double remaining,
                               struct advance *step)
 {
@@ -107,7 +108,7 @@ static inline void look_ahead(const struct scene_values *v, struct scene_state *
     q->horizon_clock = q->clock + horizon;
 }
 
-/* The contact whose closed-form change comes first. */
+/* Returns the contact whose predicted change comes first. */
 static int contact_changing_first(const struct scene_state *q)
 {
     int first = 0;
@@ -119,22 +120,23 @@ static int contact_changing_first(const struct scene_state *q)
     return first;
 }
 
-/* A separating contact opens, unless a prescribed displacement goes another way than its velocity says. */
+/* Notes the peak penetration of separating contacts with a prescribed body. Such a contact may close further,
+ * where the prescribed displacement does not agree with the prescribed velocity. */
 static void note_depth_of_released(const struct scene_values *v, struct scene_state *q, struct advance *step)
 {
     for (int j = 0; SCENE_ANY_PRESCRIBED && j < SCENE_CONTACTS; ++j) {
         const bool led =
             body_is_prescribed(v, contact_source(j)) || body_is_prescribed(v, contact_destination(j));
-        /* the paths of regime_change_note_depth have a fixed axis */
+        /* regime_change_note_depth needs an axis that keeps its direction */
         if (led && q->contact[j].regime == REGIME_SEPARATING && !contact_axis_turns(v, j)) {
             regime_change_note_depth(v, q, advance_now(step, v, q), j, step->clock_end);
         }
     }
 }
 
-/* The error allowed in a segment [m]: a thousandth of the tolerances, because impacts amplify errors. Near
- * the centre it is cut in proportion to d, because an error e across n turns n by e / d. It is never below
- * what rounding leaves. */
+/* Returns the error allowed in a segment [m]. It is a thousandth of the tolerances, because impacts amplify
+ * errors. Near the centre it is reduced in proportion to the distance d, because an error e perpendicular to
+ * the normal n turns n by the angle e / d. It is never below rounding. */
 static double tolerance_of(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at, int contact)
 {
@@ -146,8 +148,8 @@ static double tolerance_of(const struct scene_values *v, const struct scene_stat
     return fmax(1e-3 * asked * (distance / size), 8.0 * DBL_EPSILON * size);
 }
 
-/* Segments are made for contact pairs where nothing turns or rubs and no free body takes part in two contacts
- * that transmit forces. */
+/* Whether segments can be made for the contact pairs: nothing turns or rubs, and no free body takes part in
+ * two contacts that transmit forces. */
 static bool pairs_are_alone(const struct scene_values *v, const struct scene_state *q)
 {
     if (solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || scene_turns(v)) {
@@ -161,12 +163,12 @@ static bool pairs_are_alone(const struct scene_values *v, const struct scene_sta
     return true;
 }
 
-/* One synchronized step: all contact pairs advance by the same time, up to the first terminal event, the
- * first end of a segment, or the first passage of a centre. */
+/* In a synchronized step all contact pairs advance by the same time. The step ends at the first terminal
+ * event, the first end of a segment, or the first passage of a centre. */
 struct synchronized_step {
     struct segment segment[SCENE_CONTACTS];
     double longest, time; /* limit and length of the step [s] */
-    int terminal;         /* the contact whose regime ends, or begins anew, at its end; -1: none */
+    int terminal;         /* the contact with a terminal event at the step's end; -1: none */
     enum contact_regime next;
     bool changes; /* whether the regime or the zone of that contact changes at the end */
 };
@@ -176,8 +178,8 @@ static bool has_segment(const struct scene_values *v, const struct scene_state *
     return contact_transmits(q, contact) && !contact_is_prescribed(v, contact);
 }
 
-/* A segment that reaches this part of the time asked for reaches it within rounding, and does not shorten the
- * other pairs. */
+/* A segment that lasts at least this part of the time asked for ends there within rounding. Such a segment
+ * does not shorten the segments of the other pairs. */
 static const double ALL_OF_IT = 1.0 - 4.0 * DBL_EPSILON;
 
 static bool add_pair(struct synchronized_step *all, const struct scene_values *v, const struct scene_state *q,
@@ -205,8 +207,8 @@ static bool add_pair(struct synchronized_step *all, const struct scene_values *v
     return true;
 }
 
-/* Where one pair shortens the step, the pairs made before it are made again: a segment is most accurate at
- * its own end. */
+/* Makes the segments of all pairs. Where one pair shortens the step, the segments made before are made again,
+ * because a segment is most accurate at its own end. */
 static bool synchronized_step_make(struct synchronized_step *all, const struct scene_values *v,
                                    const struct scene_state *q, const struct scene_instant *at,
                                    double longest)
@@ -214,7 +216,7 @@ static bool synchronized_step_make(struct synchronized_step *all, const struct s
     all->longest = all->time = longest;
     all->terminal = -1;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        all->segment[j].kind = SEGMENT_CLOSED_FORM; /* defined where there is none, too */
+        all->segment[j].kind = SEGMENT_CLOSED_FORM; /* pairs without a segment need values, too */
         all->segment[j].unit = all->segment[j].end = 0.0;
         all->segment[j].work = 0;
     }
@@ -229,8 +231,8 @@ static bool synchronized_step_make(struct synchronized_step *all, const struct s
     return true;
 }
 
-/* Integrates the prescribed contacts to a clock; returns the clock reached. The depth is found separately,
- * because a quadrature of a force that is zero does not show it. */
+/* Integrates the prescribed contacts to the clock `end`; returns the clock reached. The penetration is found
+ * separately, because the quadrature of a force that is zero does not show it. */
 static double integrate_prescribed(const struct scene_values *v, struct scene_state *q, double end,
                                    struct advance *step)
 {
@@ -245,8 +247,7 @@ static double integrate_prescribed(const struct scene_values *v, struct scene_st
     return reached;
 }
 
-/* Integrates the prescribed contacts over the same time; false where the budget ends the synchronized step
- * early. */
+/* Integrates the prescribed contacts over the synchronized step; false where the budget ends it early. */
 static bool synchronized_step_integrate(struct synchronized_step *all, const struct scene_values *v,
                                         struct scene_state *q, struct advance *step)
 {
@@ -263,7 +264,7 @@ static bool synchronized_step_integrate(struct synchronized_step *all, const str
     return true;
 }
 
-/* External work on bodies without a contact force. */
+/* Adds the external work on bodies on which no contact force acts. */
 static void book_flights(const struct scene_values *v, struct scene_state *q, double time)
 {
     for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
@@ -275,7 +276,8 @@ static void book_flights(const struct scene_values *v, struct scene_state *q, do
     }
 }
 
-/* A step that ends where it begins moves nothing: a segment is right to its tolerance there, not exact. */
+/* Moves the scene to the end of the step. A step of zero length moves nothing, because a segment starts at
+ * the present state to its tolerance only, not exactly. */
 static void synchronized_step_apply(struct synchronized_step *all, const struct scene_values *v,
                                     struct scene_state *q)
 {
@@ -297,7 +299,8 @@ static void synchronized_step_apply(struct synchronized_step *all, const struct 
     flight_restore(v, q);
 }
 
-/* Energy stored by separating contacts [J]. Their force is zero, so that it is lost as the gap opens. */
+/* Returns the energy stored by separating contacts [J]. Their force is zero, so that this energy is
+ * dissipated as the gap opens. */
 static double stored_in_separating(const struct scene_values *v, const struct scene_state *q,
                                    struct advance *step)
 {
@@ -321,7 +324,7 @@ static long work_of_pairs(const struct synchronized_step *all)
     return sum;
 }
 
-/* Advances the contact pairs segment by segment (touch/segment.h), and the prescribed contacts with them. */
+/* Advances the contact pairs segment by segment (touch/segment.h), together with the prescribed contacts. */
 static enum advance_result advance_pairs(struct integrator *s, const struct scene_values *v,
                                          struct scene_state *q, struct advance *step)
 {
@@ -389,9 +392,9 @@ static enum advance_result advance_flight(struct integrator *s, const struct sce
 }
 
 #if SCENE_HAS_GENERAL
-/* The clock up to which nothing foreseen ends a step: the next change of a regime, and the horizon unless
- * nothing is foreseen. Steps go on beyond the end of a communication step only where the phase has lasted
- * before, so that inputs that change at every communication point waste no steps. */
+/* Returns the clock up to which a step may go on [s]: the first foreseen change of a regime, and the horizon
+ * where a change can be foreseen. A step goes on beyond the end of a communication step only where the phase
+ * has lasted for some time, so that inputs that change at every communication point waste no steps. */
 static double unforeseen_until(const struct scene_values *v, const struct scene_state *q)
 {
     double until = q->clock + HORIZON_GROWTH * q->clock;
@@ -431,8 +434,8 @@ static enum advance_result advance_cvode(struct integrator *s, const struct scen
 }
 #endif
 
-/* The phases of motion in order of preference. One that applies may give up where the motion is too hard for
- * it (ADVANCE_FAILED); the next one that applies goes on from there. */
+/* The phases of motion stand in order of preference. A phase that applies may give up where the motion is too
+ * hard for it (ADVANCE_FAILED). The next phase that applies then goes on from there. */
 static const struct motion_phase {
     bool (*applies)(const struct scene_values *v, const struct scene_state *q);
     enum advance_result (*advance)(struct integrator *s, const struct scene_values *v, struct scene_state *q,
@@ -471,7 +474,7 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
     return ADVANCE_FAILED;
 }
 
-/* Puts a contact into its next regime; returns whether contact begins or ends with it. */
+/* Puts a contact into its next regime; returns whether the contact begins or ends by this change. */
 static bool change_regime(const struct scene_values *v, struct scene_state *q, struct advance *step,
                           int contact, enum contact_regime regime)
 {
@@ -481,7 +484,7 @@ static bool change_regime(const struct scene_values *v, struct scene_state *q, s
     return touched != (q->contact[contact].regime != (int32_t)REGIME_APART);
 }
 
-/* Takes the event that ended a phase; returns whether contact begins or ends with it. */
+/* Changes the regime by the event that ended a phase; returns whether a contact begins or ends by it. */
 static bool take_event(const struct scene_values *v, struct scene_state *q, struct advance *step)
 {
     if (SCENE_ANY_FRICTION && step->event > ODE_EVENT_LAW && step->event != ODE_EVENT_ZONE) {
@@ -492,8 +495,8 @@ static bool take_event(const struct scene_values *v, struct scene_state *q, stru
     return change_regime(v, q, step, step->contact, step->regime);
 }
 
-/* The end of the step after a contact has begun or ended: the caller may read the outputs and end the step
- * earlier. It is not asked at the start of the step, so that steps advance. */
+/* Returns the end of the step [s] after a contact has begun or ended. The caller's at_event may read the
+ * outputs and end the step earlier. It is not called at the start, so that every step advances. */
 static double end_after_event(const struct step_request *request, struct scene_state *q, double start,
                               double end_time)
 {
@@ -505,7 +508,8 @@ static double end_after_event(const struct step_request *request, struct scene_s
     return fmin(end_time, request->at_event(request->context, end_time));
 }
 
-/* More changes of regimes than this at one instant never end; so many take some hundredths of a second. */
+/* If more changes of regimes than this happen at one instant, they are taken to be endless. So many changes
+ * take some hundredths of a second to compute. */
 enum { MOST_AT_ONCE = 10000 };
 
 static enum integrator_status run_phases(struct integrator *s, const struct scene_values *v,
@@ -514,7 +518,7 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
 {
     const double start = scene_time(q);
     double end_time = request->end_time;
-    double latest = -(double)INFINITY; /* clock of the last event */
+    double latest = -(double)INFINITY; /* time of the last event [s] */
     int at_once = 0;
     for (;;) {
         bool begins_or_ends = false;
@@ -544,7 +548,7 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         case ADVANCE_EVENT:
             begins_or_ends = take_event(v, q, step);
             break;
-        case ADVANCE_STEP_LIMIT: /* a quadrature (prescribed.c) has a limit of its own */
+        case ADVANCE_STEP_LIMIT: /* a quadrature (prescribed.c) may end by a limit of its own */
             return advance_is_spent(step) ? INTEGRATOR_STEP_LIMIT : INTEGRATOR_STALLED;
         case ADVANCE_FAILED:
         default:
@@ -600,7 +604,7 @@ bool integrator_defer_further(const struct scene_values *v, struct scene_state *
     flight_catch_up(v, q);
     const double before = q->clock;
     const double apart = flight_apart_until(v, q);
-    /* As the step would go: to the horizon, from where it looks ahead, and to its end. */
+    /* An integrated step would go to the horizon, look ahead from there, and go on to its end. */
     q->clock = deferrable;
     const double remaining = scene_remaining(q, end_time);
     const double further = remaining > 0.0 ? horizon_of_flight(q->clock, remaining) : 0.0;

@@ -1,7 +1,7 @@
 /*
- * Integrates a scene, phase by phase. All methods have one interface: a method integrates within fixed
- * regimes of the contacts (a smooth problem) and stops at the first change of regime; integrator_run strings
- * these phases together.
+ * A scene is integrated phase by phase. All methods have one interface: a method integrates within fixed
+ * regimes of the contacts (a smooth problem) and stops at the first change of regime. integrator_run joins
+ * these phases.
  *
  *   flight/          no contact transmits a force: closed form, for every method
  *   touch/           event_driven, contact pairs that share no free body: closed form, series, collocation
@@ -17,32 +17,32 @@
 #include "integrator/step_request.h"
 #include "scene/transition.h"
 
-/* One advance of a phase: within fixed regimes of the contacts, up to a clock or their first change. */
+/* An advance integrates one phase within fixed regimes, up to a clock or to the first change of a regime. */
 
-/* The end of an advance. */
+/* The reason why an advance ended. */
 enum advance_result { ADVANCE_REACHED, ADVANCE_EVENT, ADVANCE_STEP_LIMIT, ADVANCE_FAILED };
 
 struct advance {
-    double clock_end;           /* in: not beyond this clock */
-    double clock_limit;         /* in: up to here nothing is known that would end the phase */
-    long budget;                /* in: at most so many internal steps; out: what is left of it */
-    long work;                  /* likewise work, in internal steps in closed form: see advance_spend */
+    double clock_end;           /* in: the advance ends at this clock at the latest [s] */
+    double clock_limit;         /* in: no end of the phase is foreseen before this clock [s] */
+    long budget;                /* in: most internal steps allowed; out: the number left */
+    long work;                  /* in: most work allowed, in the units below; out: the work left */
     struct scene_instant now;   /* the present instant, if `is_now`; see advance_now */
-    bool is_now;                /* to be cleared by whoever moves the bodies */
-    int contact;                /* out, ADVANCE_EVENT: which contact changes its regime at q->clock */
-    enum contact_regime regime; /* out, ADVANCE_EVENT: and into which */
-    int event; /* out, ADVANCE_EVENT: by which of its event functions (scene/ode.h); 0, 1: by regime alone */
+    bool is_now;                /* whether `now` is valid: code that moves the bodies clears it */
+    int contact;                /* out, ADVANCE_EVENT: the contact whose regime changes at q->clock */
+    enum contact_regime regime; /* out, ADVANCE_EVENT: its next regime */
+    int event; /* out, ADVANCE_EVENT: its event function (scene/ode.h); 0, 1: only the regime changes */
 };
 
 /*
- * Work, in units of some 3,000 instructions: an internal step in closed form or an event takes one unit, and
- * segment_make returns the work of other segments. An evaluation of forces by the general segment
- * takes 9,000 to 20,000, a step of CVODE 50,000 to 300,000, a panel of the quadrature of a prescribed contact
- * 100,000.
+ * Work is counted in units of some 3,000 instructions. An internal step in closed form or an event takes one
+ * unit; segment_make returns the work of other segments. An evaluation of forces by the general segment takes
+ * 9,000 to 20,000 instructions, and a step of CVODE takes 50,000 to 300,000. A panel of the quadrature of a
+ * prescribed contact takes 100,000 instructions.
  */
 enum { EVALUATION_WORK = 6, CVODE_STEP_WORK = 25, PANEL_WORK = 35 };
 
-/* Subtracts internal steps and their work from the budget. */
+/* Subtracts internal steps, and work in units, from what is left. */
 static inline void advance_spend(struct advance *step, long steps, long work)
 {
     step->budget -= steps;
@@ -63,35 +63,35 @@ enum integrator_status {
 
 enum { INTEGRATOR_MESSAGE_SIZE = 256 };
 
-/* Where the methods get their memory from. */
+/* The functions by which the methods allocate and release their memory. */
 struct integrator_memory {
     void *(*allocate)(size_t count, size_t size); /* zeroed, as calloc */
     void (*release)(void *memory);
 };
 
-/* Memory of the methods. Holds nothing that must be saved: everything can be rebuilt from scene_values and
- * motion. */
+/* The memory of the methods. It need not be saved: values and motion suffice to rebuild it. */
 struct integrator {
     struct cvode *cvode;
     struct general *general;
     char message[INTEGRATOR_MESSAGE_SIZE];
 };
 
-/* Prepares the memory for the scene's method; false when out of memory. Called again it adapts to changed
- * values. */
+/* Prepares the memory for the scene's method; returns false when out of memory or where this FMU lacks the
+ * method. A further call adapts the memory to changed values. */
 bool integrator_open(struct integrator *s, const struct scene_values *v,
                      const struct integrator_memory *memory);
 
 void integrator_close(struct integrator *s);
 
-/* Integrates to the end of the step, through as many phases as there are. Tolerances are those of v; a
- * deferred flight must have been caught up (flight.h). */
+/* Integrates to the end of the step, through as many phases as there are. The tolerances are taken from `v`.
+ * A deferred flight must have been caught up before (flight.h). */
 enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
                                       struct scene_state *q, const struct step_request *request);
 
-/* Goes on with a flight that could be deferred up to the horizon (flight.h): where no contact can begin
- * before the next horizon, the clock advances to the end of the step and the horizon to what a search would
- * make it, so that results have the same bits. False, and the motion as it was, where a search is needed. */
+/* Goes on with a flight that could be deferred up to the horizon (flight.h). Where no contact can begin
+ * before the next horizon, the clock advances to the end of the step. The horizon advances as a search would
+ * set it, so that results have the same bits. Where a search is needed, the function returns false and leaves
+ * the motion as it was. */
 bool integrator_defer_further(const struct scene_values *v, struct scene_state *q, double end_time);
 
 #endif

@@ -9,8 +9,8 @@
 #include "math/polynomial.h"
 #include "scene/evaluate.h"
 
-/* Seconds until a quantity with the rate `speed` and the half acceleration `bend` leaves the rounding `noise`
- * around zero; 0 where it is outside. Until then its sign means nothing. */
+/* Returns the time [s] in which a quantity with the rate `speed` and half the second derivative `bend` leaves
+ * the rounding `noise` around zero; 0 where the quantity is outside. Until then its sign means nothing. */
 static double leaving_time(double value, double noise, double speed, double bend)
 {
     if (fabs(value) > noise) {
@@ -20,8 +20,9 @@ static double leaving_time(double value, double noise, double speed, double bend
     return isfinite(soonest) ? soonest : 0.0;
 }
 
-/* d/dt of the event function while separating, in flight: g changes by c'; g' = side n.w changes by w' and by
- * the turning of n, which is c' across n / d. */
+/* Returns the time derivative of the event function of a separating contact in flight. The gap g changes by
+ * c'. The gap rate g' = side n.w changes by w' and by the turning of the normal n. The rate of turning is the
+ * part of c' perpendicular to n, divided by the distance d. */
 static double margin_slope(const struct contact_shape *shape, const struct contact_law *law,
                            const struct contact_geometry *now, const struct separation_path *separation)
 {
@@ -36,7 +37,7 @@ static double margin_slope(const struct contact_shape *shape, const struct conta
     return slopes.by_gap * opening + slopes.by_rate * bend;
 }
 
-/* Rounding of the event function while separating, by rounding of the gap, of n and of n.w. */
+/* Returns the rounding of the event function of a separating contact: that of the gap, of n and of n.w. */
 static double dead_band_rounding(const struct contact_shape *shape, const struct contact_law *law,
                                  const struct contact_geometry *now, double gap_rounding, double by_positions,
                                  const struct separation_path *separation)
@@ -47,9 +48,10 @@ static double dead_band_rounding(const struct contact_shape *shape, const struct
     return slopes.by_gap * gap_rounding + fmin(turn, 1.0) * slopes.by_rate * vec3_norm(separation->w[0]);
 }
 
-/* The dead band of a regime whose boundary has just been crossed: it lasts until this s of the path, whatever
- * rounding shows. `gap_rounding` bounds the rounding of the gap, `by_positions` the rounding of a gap made
- * from positions. `just_begun`: the force at the event is not zero but below the integrator's tolerance. */
+/* Returns the end of the dead band as a parameter s of the path: a regime whose boundary has just been
+ * crossed lasts until then, whatever rounding shows. `gap_rounding` bounds the rounding of the gap,
+ * `by_positions` that of a gap computed from positions. If `just_begun`, the integrator has left a small
+ * force. */
 static double dead_band_of(const struct relative_path *path, const struct contact_shape *shape,
                            const struct contact_law *law, const struct contact_geometry *now,
                            double gap_rounding, double by_positions, const struct separation_path *separation,
@@ -62,7 +64,7 @@ static double dead_band_of(const struct relative_path *path, const struct contac
         const double slope = margin_slope(shape, law, now, separation);
         double noise = dead_band_rounding(shape, law, now, gap_rounding, by_positions, separation);
         if (just_begun && margin < 0.0 && slope > 0.0) {
-            /* what the integrator left of the force that is now zero */
+            /* the force, now zero, that the integrator left at the event */
             noise = fmax(noise, -2.0 * margin);
         }
         settle = fmax(settle, leaving_time(margin, noise, slope, 0.0));
@@ -70,8 +72,8 @@ static double dead_band_of(const struct relative_path *path, const struct contac
     return settle / path->horizon;
 }
 
-/* While rounding may put the source on either side of an end plane, the path has it on the side that fits the
- * present regime. `rounding` bounds the rounding of its place along the axis [m]. */
+/* While rounding may put the source on either side of a cylinder's end plane, the path has the source on the
+ * side that fits the present regime. `rounding` bounds the rounding of the source's axial position [m]. */
 static void dead_band_at_ends(struct relative_path *path, const struct contact_shape *shape,
                               const struct contact_geometry *now, double rounding,
                               const struct separation_path *separation, enum contact_regime present)
@@ -95,7 +97,7 @@ static enum contact_regime regime_at(const struct relative_path *path, const str
                              relative_path_within(path, s));
 }
 
-/* The change to a regime at s of the path. */
+/* Returns the change to the regime `next` at the parameter s of the path. */
 static struct regime_change change_at(const struct relative_path *path, double s, enum contact_regime next)
 {
     double gap;
@@ -104,8 +106,9 @@ static struct regime_change change_at(const struct relative_path *path, double s
     return (struct regime_change){s * path->horizon, next, path->scale * gap, false};
 }
 
-/* The first of `count` sorted events in [0, 1] after `settle` from which on the regime is not the present
- * one. `ends_only`: only the passage of a cylinder's end changes it. Centres are not checked. */
+/* Returns the first of `count` sorted events in [0, 1] after `settle` after which the regime differs from the
+ * present regime. If `ends_only`, only the passage of a cylinder's end changes the regime. The passage of a
+ * centre is not checked. */
 static struct regime_change path_first_change(const struct relative_path *path, const double *events,
                                               int count, const struct contact_law *law,
                                               enum contact_regime present, bool ends_only, double settle)
@@ -128,7 +131,7 @@ static struct regime_change path_first_change(const struct relative_path *path, 
     return (struct regime_change){(double)INFINITY, present, 0.0, false};
 }
 
-/* Below this distance [scale] the direction is rounding. */
+/* Below this distance, in units of the path's scale, the direction of the normal is rounding. */
 static const double NO_DISTANCE = 1e-9;
 
 static bool is_at_centre(const struct relative_path *path, double s)
@@ -139,8 +142,8 @@ static bool is_at_centre(const struct relative_path *path, double s)
     return path->side * gap + path->reach <= NO_DISTANCE;
 }
 
-/* Whether the distance vanishes before `until`, within rounding. A source that does not move, on the axis for
- * example, passes no centre and keeps its direction. */
+/* Whether the distance falls to zero, within rounding, before the parameter `until` of the path. A source
+ * that does not move, for example on the axis, passes no centre; its normal keeps its direction. */
 static bool path_passes_centre(const struct relative_path *path, const struct extremes *extremes,
                                double until)
 {
@@ -169,32 +172,32 @@ static bool path_keeps_away(const struct relative_path *path)
 }
 
 /*
- * The first change of regime of a prescribed contact: neither body is free, so the path is the same in every
- * regime.
+ * The functions that follow find the first change of regime of a prescribed contact. Neither body is free, so
+ * the path does not depend on the regime.
  *
- * A condition that is zero at an event is computed again after it, from paths with a new origin, and rounding
- * may then give it either sign. A change counts only where its condition exceeds its rounding, and it takes
- * place where the condition is zero. So rounding at one event cannot cause another.
+ * A condition that is zero at an event is computed again after the event, from a path with a new origin;
+ * rounding may then give it either sign. A change counts only where its condition exceeds its rounding, and
+ * it takes place where the condition is zero. So rounding at one event cannot cause another event.
  */
 
-/* Rounding of the positions that the path starts from, and the speed at which they change. */
+/* Rounding at the start of the path, and the relative speed of the bodies. */
 struct prescribed_rounding {
     double gap;   /* rounding of the gap [m] */
     double axial; /* rounding of the place along a cylinder's axis [m] */
     double speed; /* bound of |w| over the whole path [m/s] */
 };
 
-/* Rounding of a sum of products of vectors, as in rounding_of_gap. */
+/* Rounding of a sum of products of vectors, divided by the size of its terms, as in rounding_of_gap. */
 static const double ROUNDINGS = 8.0 * DBL_EPSILON;
 
-/* Arguments of the law at one place of the path, and bounds of their rounding. */
+/* Gap, gap rate and axial distance at one place of the path, and bounds of their rounding. */
 struct prescribed_instant {
     double gap, rate, beyond;                   /* [m], [m/s], distance beyond a cylinder's end [m] */
     double gap_noise, rate_noise, beyond_noise; /* rounding bounds [m], [m/s], [m] */
     enum contact_regime regime;
 };
 
-/* The size of a polynomial's terms at s >= 0, to which its rounding is proportional. */
+/* Returns the sum of the absolute terms of a polynomial at s >= 0; its rounding goes with this sum. */
 static double size_of(const struct polynomial *p, double s)
 {
     double size = fabs(p->a[p->degree]);
@@ -227,7 +230,7 @@ static struct prescribed_instant prescribed_at(const struct relative_path *path,
     at.gap_noise = fmax(rounding->gap, ROUNDINGS * path->scale * (size_of_path(path, s) + path->reach));
     if (distance > 0.0) {
         at.rate = path->side * along / distance * speed_unit;
-        /* c.w / d: of the sum itself, and of an error of c as large as that of the gap. */
+        /* The rounding of c.w / d comes from the sum c.w and from an error of c as large as the gap's. */
         const double sum = ROUNDINGS * size_of(&path->half_rate, s) / distance * speed_unit;
         at.rate_noise = sum + at.gap_noise * rounding->speed / (path->scale * distance);
     }
@@ -240,7 +243,7 @@ static struct prescribed_instant prescribed_at(const struct relative_path *path,
     return at;
 }
 
-/* Whether the regime has changed by more than rounding. */
+/* Whether the regime has changed and its condition exceeds its rounding. */
 static bool has_changed(const struct prescribed_instant *at, const struct contact_law *law,
                         enum contact_regime present)
 {
@@ -258,8 +261,9 @@ static bool has_changed(const struct prescribed_instant *at, const struct contac
            fabs(slopes.by_gap) * at->gap_noise + fabs(slopes.by_rate) * at->rate_noise;
 }
 
-/* Candidate events of the law come from squared polynomials, which lose digits where the path is long. So the
- * change is located by bisection of the regime itself, between an instant before it and one after. */
+/* Candidates for events of the law are roots of squared polynomials, which lose digits where the path is
+ * long. So the change is located by bisection of the regime itself, between an instant before and one after
+ * it. */
 static double halve_to_change(const struct relative_path *path, const struct contact_law *law,
                               const struct prescribed_rounding *rounding, double before, double after,
                               enum contact_regime next)
@@ -273,7 +277,8 @@ static double halve_to_change(const struct relative_path *path, const struct con
     }
 }
 
-/* `events`: `count` instants of the path, sorted, among them all at which the regime may change. */
+/* Returns the first change of regime. `events` are `count` sorted places of the path, which include every
+ * place at which the regime may change. */
 static struct regime_change prescribed_first_change(const struct relative_path *path,
                                                     const struct contact_law *law,
                                                     const struct prescribed_rounding *rounding,
@@ -302,8 +307,8 @@ static struct regime_change prescribed_first_change(const struct relative_path *
     return (struct regime_change){(double)INFINITY, present, 0.0, false};
 }
 
-/* The first touch of bodies that are apart at `settle`, after which compression begins; INFINITY: none. False
- * where this does not decide: the bodies are not apart, or do not approach at the touch. */
+/* Finds the first touch of bodies that are apart at `settle`; compression begins there. INFINITY: no touch.
+ * Returns false where the bodies are not apart at `settle`, or do not approach at the touch. */
 static bool first_touch(const struct relative_path *path, const struct extremes *extremes, double settle,
                         double *touch)
 {
@@ -326,13 +331,13 @@ static bool first_touch(const struct relative_path *path, const struct extremes 
     return low.value > 0.0;
 }
 
-/* The change of bodies that are apart: compression from their first touch on, if there is one. */
+/* Returns the change of bodies that are apart: compression begins at their first touch, if they touch. */
 static struct regime_change first_touch_at(double after)
 {
     return (struct regime_change){after, isfinite(after) ? REGIME_COMPRESSION : REGIME_APART, 0.0, false};
 }
 
-/* Head-on flight: the change as the root of a quadratic equation; false where that does not apply. */
+/* Finds the change in head-on flight as the root of a quadratic equation; false where that fails. */
 static bool head_on_change(const struct contact_shape *shape, const struct contact_law *law,
                            const struct separation_path *separation, const struct contact_geometry *now,
                            enum contact_regime present, double gap_rounding, double by_positions,
@@ -359,7 +364,8 @@ static bool head_on_change(const struct contact_shape *shape, const struct conta
     return true;
 }
 
-/* At d = 0 the separation is only rounding: it is set along the escape direction, that of the motion. */
+/* Where the distance d is zero the separation vector is only rounding. The vector is set along the escape
+ * direction, which is that of the motion. */
 static void leave_centre_in_flight(const struct contact_shape *shape, struct separation_path *separation,
                                    struct contact_geometry *now)
 {
@@ -374,7 +380,7 @@ static void leave_centre_in_flight(const struct contact_shape *shape, struct sep
     }
 }
 
-/* Bound of |w| within the horizon. */
+/* Returns a bound of the relative speed |w| within the horizon [m/s]. */
 static double speed_at_most(const struct separation_path *separation, double horizon)
 {
     double speed = vec3_norm(separation->w[SEPARATION_DEGREE - 1]);
@@ -384,7 +390,7 @@ static double speed_at_most(const struct separation_path *separation, double hor
     return speed;
 }
 
-/* The first change of a contact of which neither body is free. */
+/* Returns the first change of a contact of which neither body is free. */
 static struct regime_change prescribed_regime_change(const struct relative_path *path,
                                                      const struct contact_shape *shape,
                                                      const struct contact_law *law,
@@ -400,8 +406,8 @@ static struct regime_change prescribed_regime_change(const struct relative_path 
     return next;
 }
 
-/* The first change in flight after `settle`: the first touch, or the first candidate after which the regime
- * differs. */
+/* Returns the first change in flight after `settle`. The change is the first touch, or the first candidate
+ * after which the regime differs from the present one. */
 static struct regime_change flight_regime_change(const struct relative_path *path,
                                                  const struct contact_shape *shape,
                                                  const struct contact_law *law, enum contact_regime present,
@@ -419,14 +425,14 @@ static struct regime_change flight_regime_change(const struct relative_path *pat
         next = path_first_change(path, events, count, law, present, false, settle);
         const double rounding = fmax(by_positions, 8.0 * DBL_EPSILON * path->scale);
         if (present == REGIME_APART && fabs(next.gap) <= rounding) {
-            next.gap = 0.0; /* the bodies touch there; otherwise the source has come in by an end */
+            next.gap = 0.0; /* the bodies touch; elsewhere the source enters by an end */
         }
     }
     next.passes_centre = path_passes_centre(path, &extremes, next.after / path->horizon);
     return next;
 }
 
-/* The first change with a smooth shape: any but a capped cylinder. */
+/* Returns the first change of a contact with a smooth shape or, within one zone, with a capped cylinder. */
 static struct regime_change smooth_regime_change(const struct scene_values *v, const struct scene_state *q,
                                                  const struct scene_instant *at, double clock, int contact,
                                                  double horizon)
@@ -467,7 +473,7 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
         return prescribed_regime_change(&path, &shape, &law, &rounding, present);
     }
     const double found = (q->contact[contact].schedule.dead_band_clock - clock) / horizon;
-    /* Bodies that approach touch where g = 0; waiting for more than rounding would add penetration. */
+    /* Bodies that approach touch where g = 0; a wait until the gap exceeds rounding would add penetration. */
     const bool approaches = present == REGIME_APART && now.gap_rate < -rounding_of_rate(at, contact);
     const double unclear = approaches ? 0.0 : gap_rounding;
     const double settle = fmax(found, dead_band_of(&path, &shape, &law, &now, unclear, by_positions,
@@ -505,13 +511,13 @@ static struct regime_change capped_regime_change(const struct scene_values *v, c
         const struct contact_law law = scene_contact_law(v, q, contact);
         const struct rim_change change =
             rim_first_change(&shape, &law, &path, rounding_of_gap(v, at, contact), present, 0.0, until);
-        const double gap = change.regime == REGIME_APART ? 0.0 : DBL_MAX; /* as positions give it */
+        const double gap = change.regime == REGIME_APART ? 0.0 : DBL_MAX; /* DBL_MAX: by positions */
         next = (struct regime_change){change.time, change.regime, gap, false};
     } else if (until > 0.0) {
         next = smooth_regime_change(v, q, at, clock, contact, until);
     }
     if (!(next.after < end) && end < (double)INFINITY) {
-        /* the gap goes on as positions give it */
+        /* DBL_MAX: the gap stays that of the positions */
         return (struct regime_change){end, present, DBL_MAX, next.passes_centre};
     }
     return next;
@@ -541,16 +547,16 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
         return;
     }
     if (contact_is_capped(&shape) && shape.solid.zone == 0) {
-        return; /* it is apart */
+        return; /* such a contact is apart */
     }
     const struct relative_path path =
         relative_path_make(&shape, &separation, at->geometry[contact].gap, until - q->clock);
     contact_peaks_note(&q->contact[contact].peaks, 0.0, -candidates_least_gap(&path));
 }
 
-/* Number of instants at which the law of a lasting contact is checked: per radian that the axis turns, the
- * least, and the most. So few suffice, because the conditions of its changes are smooth functions of the
- * motion. */
+/* The law of a lasting contact is checked at LEAST_LAW_INSTANTS instants, and at LAW_INSTANTS_PER_RADIAN more
+ * per radian that the axis turns, but at MOST_LAW_INSTANTS at most. So few instants suffice, because the
+ * conditions of its changes are smooth functions of the motion. */
 static const double LAW_INSTANTS_PER_RADIAN = 16.0, LEAST_LAW_INSTANTS = 64.0, MOST_LAW_INSTANTS = 1e6;
 
 bool contact_axis_turns(const struct scene_values *v, int contact)
@@ -559,7 +565,7 @@ bool contact_axis_turns(const struct scene_values *v, int contact)
     return body_turns(v, destination) && body_shape(destination) != SHAPE_SPHERE;
 }
 
-/* Whether another contact presses on a body of this one. */
+/* Whether another contact transmits a force to a body of this contact that moves freely. */
 static bool is_loaded(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     for (int i = 0; SCENE_CONTACTS > 1 && i < 2; ++i) {
@@ -607,7 +613,7 @@ static double halve_to_regime(const struct advancement_path *path, const struct 
     }
 }
 
-/* Looks for a change of the law before `until`, while the bodies go on touching. */
+/* Looks for a change of regime by the force law before `until` [s], while the bodies go on touching. */
 static void look_for_law(const struct advancement_path *from_now, const struct contact_law *law,
                          enum contact_regime present, double until, long budget, struct prediction *found)
 {
@@ -650,7 +656,7 @@ static struct prediction advancement_prediction(const struct scene_values *v, co
                             : change.gap == 0.0 ? REGIME_COMPRESSION
                                                 : regime_at_time(&path, &law, change.after);
         if (found.next.regime == REGIME_APART && apart) {
-            found.next.regime = REGIME_COMPRESSION; /* on the end plane, to rounding */
+            found.next.regime = REGIME_COMPRESSION; /* the source is on the end plane, to rounding */
         }
     }
     if (!apart && contact_has_events(&law)) {
@@ -677,15 +683,15 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
     return (struct prediction){next, horizon, 0};
 }
 
-/* Part of the terms of the discriminant below which the parabola may only touch zero: its root then has less
- * than half of its digits. */
+/* Where the discriminant is below this part of its terms, the parabola may only touch zero. Its root then has
+ * less than half of the digits. */
 static const double CLEAR_OF_GRAZING = 1e-8;
 
-/* The bound stays below the root by this part of the time, which is far more than rounding. */
+/* The bound is earlier than the root by this part of the time, which is far more than rounding. */
 static const double CLEARANCE = 1e-3;
 
-/* The time up to which value + rate t + bend t^2 is positive. `gap_rounding` and `rate_rounding` bound the
- * rounding of value and rate. A value below its rounding counts as zero. */
+/* Returns a time [s] up to which value + rate t + bend t^2 is certainly positive. `gap_rounding` and
+ * `rate_rounding` bound the rounding of `value` and `rate`. The function returns 0 where rounding decides. */
 static double above_plane_until(double value, double rate, double bend, double gap_rounding,
                                 double rate_rounding)
 {
@@ -704,13 +710,13 @@ static double above_plane_until(double value, double rate, double bend, double g
     return fmax(0.0, t * (1.0 - CLEARANCE) - rounding);
 }
 
-/* The acceleration of a body in unforced flight. */
+/* Returns the acceleration of a body in flight without external force [m/s^2]. */
 static struct vec3 free_fall(const struct scene_values *v, int body)
 {
     return body_is_free(v, body) ? gravity(v) : vec3_make(0.0, 0.0, 0.0);
 }
 
-/* Whether apart_for applies: not to a source inside, nor to prescribed bodies. */
+/* Whether apart_for applies: the source is outside its destination, and neither body is prescribed. */
 static bool apart_is_known(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
@@ -718,16 +724,16 @@ static bool apart_is_known(const struct scene_values *v, const struct scene_stat
            !body_is_prescribed(v, contact_destination(contact));
 }
 
-/* Seconds from the present instant `at` for which bodies that are apart cannot touch. A convex destination
- * lies behind the plane that touches it in the point nearest to the source, so the gap is at least the
- * source's height above that plane, a parabola of time. */
+/* Returns the time [s] after the present instant `at` in which bodies that are apart cannot touch. A convex
+ * destination lies behind the plane that touches it in the point nearest to the source. So the gap is at
+ * least the source's height above that plane, which is a parabola of time. */
 static double apart_for(const struct scene_values *v, const struct scene_state *q,
                         const struct scene_instant *at, int contact)
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
     const struct contact_geometry *now = &at->geometry[contact];
     const double rounding = rounding_of_gap(v, at, contact);
-    /* Beyond a cylinder's open ends bodies may overlap. */
+    /* Beyond a cylinder's open ends the gap may be negative without a touch. */
     const double least = relative_path_has_ends(&shape) ? 0.0 : -rounding;
     if (now->degenerate || !(now->gap > least)) {
         return 0.0;

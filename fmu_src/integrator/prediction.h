@@ -1,15 +1,15 @@
 /*
- * When a contact's regime changes, in closed form.
+ * These functions find in closed form when a contact's regime changes.
  *
  * Without a contact force the separation is a polynomial c(t) of degree four or less (two for constant
  * force), so the conditions "bodies touch" (|rho|^2 = reach^2), "passes a cylinder's end" (c.e_d = +-L/2),
  * "gap rate changes sign" (rho.rho' = 0) and "law is zero" (p_n g + p_nv g' = 0, squared) are polynomials
- * too. All their roots are isolated, so no change is missed however long the interval is. The same holds in
- * every regime when no body is free.
+ * too. All their roots are isolated, so no change is missed however long the interval is. When no body is
+ * free, the separation is such a polynomial in every regime.
  *
- * With a contact force between free bodies only the passage of an end is known in advance: the force is
- * perpendicular to the axis. Where another contact acts on one of the bodies nothing is; the integrator then
- * finds the change as a root.
+ * With a contact force between free bodies only the passage of a cylinder's end is known in advance, because
+ * the force is perpendicular to the axis. Where another contact acts on one of the bodies no change is known
+ * in advance; the integrator then finds the change as a root.
  */
 #ifndef CONTACT_INTEGRATOR_PREDICTION_H
 #define CONTACT_INTEGRATOR_PREDICTION_H
@@ -18,15 +18,16 @@
 
 struct regime_change {
     double after; /* seconds from the present; INFINITY when nothing changes within the horizon */
-    enum contact_regime regime; /* the regime from then on */
-    double gap;                 /* g then, as fine as it is known at present [m] */
-    bool passes_centre;         /* within the horizon d comes down to its own rounding */
+    enum contact_regime regime; /* the regime after the change */
+    double gap;                 /* gap g at the change, to the present accuracy [m] */
+    bool passes_centre;         /* whether d may fall to its rounding within the horizon */
 };
 
 /*
- * The first change of the regime of `contact` within `horizon` seconds of the instant `at`, taken at `clock`.
- * Exact to the rounding of the gap, which after contact is much less than that of positions. A change so soon
- * that gap or end plane are still within rounding belongs to the transition just made, and is ignored.
+ * Returns the first change of the regime of `contact` within `horizon` seconds of the instant `at`, which was
+ * taken at `clock`. The change is exact to the rounding of the gap, which just after a contact is much less
+ * than the rounding of positions. While the gap, or the distance from an end plane, is still within rounding,
+ * a change belongs to the transition just made and is ignored.
  */
 struct regime_change next_regime_change(const struct scene_values *v, const struct scene_state *q,
                                         const struct scene_instant *at, double clock, int contact,
@@ -35,32 +36,33 @@ struct regime_change next_regime_change(const struct scene_values *v, const stru
 /* Whether the axis of the destination may turn. */
 bool contact_axis_turns(const struct scene_values *v, int contact);
 
-/* Takes the gap from `at`, the present, to the clock `until` into account for the peak penetration of a
- * contact that transmits no force or whose motion is given: its extremes are roots of a polynomial. */
+/* Notes the peak penetration of a contact from the present instant `at` to the clock `until`. The contact
+ * transmits no force, or its motion is prescribed, so the extremes of its gap are roots of a polynomial. */
 void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,
                               const struct scene_instant *at, int contact, double until);
 
 /*
- * When a contact's regime changes next, as far as that can be foreseen: in closed form where its axis keeps
- * its direction, and by conservative advancement, which misses no touch, where the axis turns.
+ * A prediction is the next foreseen change of a contact's regime. It is found in closed form where the axis
+ * of the contact keeps its direction. Where the axis turns, it is found by conservative advancement, which
+ * misses no touch.
  */
 
 struct prediction {
     struct regime_change next;
-    double searched;  /* how far: the horizon, unless the budget ended the search [s] */
-    long evaluations; /* of the budget, that the search took; none in closed form */
+    double searched;  /* time searched [s]: the horizon, unless the budget ended the search */
+    long evaluations; /* evaluations that the search took from the budget; 0 in closed form */
 };
 
-/* Within `horizon` seconds of the instant `at`, the present. Nothing is foreseen where the integrator watches
- * the change: in a contact that transmits a force while something turns or rubs, and where another contact
- * acts on its bodies. `budget` > 0. */
+/* Returns the prediction within `horizon` seconds of the present instant `at`; `budget` > 0. No change is
+ * foreseen where the integrator watches for it. The integrator does so in a contact that transmits a force
+ * while something turns or rubs, and where another contact acts on its bodies. */
 struct prediction prediction_of(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, int contact, double horizon, long budget);
 
-/* Until when bodies in flight certainly do not touch, which is cheaper to tell than when they do. */
+/* A time until which bodies in flight certainly do not touch is cheaper to find than the touch itself. */
 
-/* The clock before which no bodies that are apart touch, without external forces; INFINITY: never; 0: not
- * known. */
+/* Returns a clock [s] before which no bodies that are apart touch, if no external forces act. INFINITY: they
+ * never touch; 0: no such clock is known. */
 double flight_apart_until(const struct scene_values *v, const struct scene_state *q);
 
 #endif
