@@ -1,4 +1,3 @@
-/* Indices of the scene's states in the vector y of its differential equations. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -77,7 +76,7 @@ int ode_forces(const struct scene_values *v)
     const int forces = 3 * SCENE_CONTACTS;
     int left = scene_turns(v) ? ode_coupled(v) - ode_body(v, SCENE_BODIES) / 2 : 0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        left = contact_rubs_elastically(v, j) ? 0 : left; /* springs couple, too */
+        left = contact_rubs_elastically(v, j) ? 0 : left; /* springs act on rates too, not by forces alone */
     }
     return forces < left ? forces : 0;
 }
@@ -94,7 +93,7 @@ int ode_tipping(const struct scene_values *v)
     return count;
 }
 
-/* I_1 of a body of free rotation [kg m^2], and I_1/I_3 - 1. */
+/* Return I_1 [kg m^2] and I_1/I_3 - 1 [1] of a body that turns freely; I_3 is about its axis. */
 static double turning_inertia(const struct scene_values *v, int body)
 {
     return body_inertia_of(v, body).transverse;
@@ -119,7 +118,7 @@ static void four_to(struct quaternion a, double *data)
     data[3] = a.z;
 }
 
-/* L / I_1 = omega + (I_3/I_1 - 1) (omega.e) e, and back. */
+/* Return L / I_1 = omega + (I_3/I_1 - 1) (omega.e) e from omega [rad/s], and omega from L / I_1. */
 static struct vec3 spin_of(const struct scene_values *v, const struct body_turn *turn, int body)
 {
     const struct body_inertia inertia = body_inertia_of(v, body);
@@ -135,7 +134,7 @@ static struct vec3 angular_velocity_of(const struct scene_values *v, struct quat
     return vec3_axpy(spin, turning_flatness(v, body) * vec3_dot(spin, e), e);
 }
 
-/* The states of bodies that turn and of springs into y, and out of it; y's orientations need not be unit. */
+/* Write rotations and springs into y, and read them from y, whose orientations may have any length. */
 static void turning_pack(const struct scene_ode *ode, double *y)
 {
     const struct turning_layout layout = turning_layout_of(ode->values);
@@ -230,7 +229,7 @@ static void set_three(double *sizes, double size)
     sizes[0] = sizes[1] = sizes[2] = size;
 }
 
-/* An orientation is as large as a unit quaternion. */
+/* Does the work of ode_nominal for the states that turning and rubbing add. An orientation has the size 1. */
 static void turning_nominal(const struct scene_ode *ode, const double *y, double *sizes)
 {
     const struct scene_values *v = ode->values;
@@ -253,18 +252,17 @@ static void turning_nominal(const struct scene_ode *ode, const double *y, double
     }
 }
 
-/* The event functions of contacts in a scene that turns or rubs. */
-
-/* The larger of the gap and the source's distance beyond the ends of its cylinder [m]. */
+/* Returns the larger of the gap and the source's distance beyond the ends of a cylinder [m]. */
 static double way_to_contact(const struct scene_ode *ode, const struct scene_instant *at, int contact)
 {
     const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
     return fmax(at->geometry[contact].gap, scene_beyond_ends(&shape, &at->geometry[contact]));
 }
 
-/* Depth until contact ends [m], smooth: between the ends of a cylinder it is multiplied by (h^2 - z^2) / (2
- * h^2), h = L/2. The minimum of the depth and the distance to the ends would have a corner, which the
- * polynomial of a long step does not follow. */
+/* Returns the depth [m], which falls through zero where contact ends. Between the ends of a cylinder, at the
+ * axial position z [m], the depth is multiplied by (h^2 - z^2) / (2 h^2) with h = L/2. The minimum of the
+ * depth and of the distance from the ends would have a corner, which the polynomial of a long step cannot
+ * follow. */
 static double depth_to_parting(const struct scene_ode *ode, const struct scene_instant *at, int contact)
 {
     const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
@@ -278,13 +276,14 @@ static double depth_to_parting(const struct scene_ode *ode, const struct scene_i
     return depth * (ode->gap_offset[contact] + within) / half;
 }
 
+/* Whether the friction is elastic and sticks. */
 static bool breaks_away(const struct turning_laws *laws)
 {
     return laws->friction.kind == FRICTION_ELASTIC && laws->friction_regime == FRICTION_STICKING;
 }
 
-/* Sticking ends at the lesser of mu_s F_n and F_max. Each has an event function of its own, because the
- * minimum is not smooth. */
+/* Sets the event functions of friction. Sticking ends at the lesser of mu_s F_n and F_max; each of the two
+ * has an event function, because the minimum is not smooth. */
 static void friction_events(const struct scene_ode *ode, double clock, const struct turning_state *turning,
                             const struct scene_instant *at, int contact, double *out)
 {
@@ -335,8 +334,8 @@ static void turning_events(const struct scene_ode *ode, double clock, const doub
     }
 }
 
-/* Error of an event function of friction where speeds are right to `tolerated` [m/s] and F_n to `of_force`
- * [N]. */
+/* Returns the error of the stick event where speeds have an error of `tolerated` [m/s] and F_n one of
+ * `of_force` [N]. */
 static double stick_rounding(const struct turning_laws *laws, double normal_force, double of_force,
                              double tolerated)
 {
@@ -347,7 +346,7 @@ static double stick_rounding(const struct turning_laws *laws, double normal_forc
     return is_force ? law->damping * tolerated + of_limit : tolerated;
 }
 
-/* Sets offsets by rounding alone. */
+/* Sets the offsets of friction's event functions to twice their errors. */
 static void put_friction_offsets(struct scene_ode *ode, const struct scene_instant *at, int contact,
                                  double tolerated)
 {
@@ -360,7 +359,7 @@ static void put_friction_offsets(struct scene_ode *ode, const struct scene_insta
     ode->stick_offset[contact] = 2.0 * stick_rounding(&laws, force, of_force, tolerated);
     ode->cap_offset[contact] =
         breaks_away(&laws) ? ode->stick_offset[contact] : 2.0 * laws.friction.coefficient * rounding;
-    /* of contact_push, which is the force or its factor */
+    /* the error of contact_push, which is F_n, or its factor under Hertz's law */
     ode->lift_offset[contact] =
         2.0 *
         (contact_is_hertz(&laws.normal) ? 8.0 * DBL_EPSILON + laws.normal.damping * tolerated : rounding);
@@ -376,7 +375,8 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
     friction_events(ode, ode->state->clock, &ode->state->turning, at, contact, events);
 }
 
-/* Sets the offsets of friction's event functions, for speeds that are right to `tolerated` [m/s]. */
+/* Sets the offsets of friction's event functions, so that each starts above zero. The speeds have errors of
+ * at most `tolerated` [m/s]. */
 static void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int contact,
                           double tolerated)
 {
@@ -384,7 +384,7 @@ static void turning_begin(struct scene_ode *ode, const struct scene_instant *at,
     ode->stick_offset[contact] = ode->cap_offset[contact] = ode->lift_offset[contact] = 0.0;
     if (!SCENE_ANY_FRICTION || !contact_transmits(ode->state, contact) ||
         !contact_rubs(ode->values, contact)) {
-        return; /* `events` has no room for those of friction */
+        return; /* `events` has no room for events of friction */
     }
     turning_friction_events(ode, at, contact, tolerated, events);
     ode->stick_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_STICK], 0.0);
@@ -392,7 +392,7 @@ static void turning_begin(struct scene_ode *ode, const struct scene_instant *at,
     ode->lift_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_LIFT], 0.0);
 }
 
-/* Relative acceleration by everything but the contact itself. */
+/* Returns the relative acceleration of the bodies by everything but the contact itself [m/s^2]. */
 static struct vec3 acceleration_by_others(const struct scene_values *v, const struct scene_instant *at,
                                           int contact)
 {
@@ -401,8 +401,8 @@ static struct vec3 acceleration_by_others(const struct scene_values *v, const st
     return vec3_axpy(all, scene_inverse_mass(v, contact), at->source_force[contact]);
 }
 
-/* At rest n takes the direction of the acceleration by other contacts: the contact's own force acts along c,
- * so no other direction persists. */
+/* Where the bodies are at relative rest, n takes the direction of the acceleration by other contacts. No
+ * other direction persists, because the contact's own force acts along c. */
 void ode_leave_centres(const struct scene_values *v, struct scene_state *q)
 {
     struct scene_instant at;
@@ -417,14 +417,14 @@ void ode_leave_centres(const struct scene_values *v, struct scene_state *q)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (at.geometry[j].degenerate && contact_is_coupled(v, q, j)) {
             const struct contact_shape shape = scene_contact_shape(v, q, j);
-            scene_now(v, q, &at); /* this direction changes the forces on the next contact */
+            scene_now(v, q, &at); /* the direction of one contact changes the forces on the next */
             q->contact[j].normal = singularity_escape(&shape, at.rate[j], acceleration_by_others(v, &at, j),
                                                       q->contact[j].normal);
         }
     }
 }
 
-/* Momentum of the lightest free body with that energy: sqrt(2 m E) [N s]. */
+/* Returns the momentum sqrt(2 m E) [N s] of the lightest free body, of mass m, with the energy E [J]. */
 static double momentum_scale(const struct scene_values *v, double energy)
 {
     double lightest = (double)INFINITY;
@@ -434,7 +434,8 @@ static double momentum_scale(const struct scene_values *v, double energy)
     return sqrt(2.0 * lightest * energy);
 }
 
-/* See rounding_margin_offset. Twice the gap's rounding bound: the start itself may be off by one. */
+/* gap_offset is twice the gap's rounding bound, because the gap at the start may itself be wrong by one
+ * bound. rounding_margin_offset (scene/evaluate.h) gives the reasons for margin_offset. */
 void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double relative, double absolute)
 {
     const struct scene_values *v = ode->values;
@@ -557,9 +558,10 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
     }
 }
 
-/* The Jacobian of a scene that turns or rubs: exact, by directional derivatives of each contact. */
+/* This part computes the Jacobian of a scene that turns or rubs, from directional derivatives of each
+ * contact. */
 
-/* The leading rows and columns of the Jacobian, dense, by columns. Entries outside are dropped. */
+/* The leading `size` rows and columns of a Jacobian, by columns. Entries outside are dropped. */
 struct jacobian {
     double *at;
     int size;
@@ -593,7 +595,7 @@ struct turning_linearization {
     struct turning_state turning;
     struct turning_layout layout;
     struct jacobian matrix;
-    double *of_forces; /* [coupled][3 contacts]: only the forces by the states are wanted; else NULL */
+    double *of_forces; /* takes [coupled][3 contacts], d force / d state; NULL: not wanted */
 };
 
 static struct vec3 along_axis(int component)
@@ -603,26 +605,26 @@ static struct vec3 along_axis(int component)
     return a;
 }
 
-/* d omega of a body by component k of its spin: e_k + (I_1/I_3 - 1) e (e.e_k). */
+/* Returns the change of omega by component k of L / I_1: e_k + (I_1/I_3 - 1) e (e.e_k). */
 static struct vec3 rotation_by_spin(const struct turning_linearization *l, int body, int k)
 {
     const struct vec3 e = quaternion_third_axis(l->at.turning.body[body].orientation);
     return vec3_axpy(along_axis(k), turning_flatness(l->ode->values, body) * vec3_get(e, k), e);
 }
 
-/* d e by component k of the orientation in y, which may have any length: e is the axis of the unit
- * quaternion. */
+/* Returns the change of the axis e by component k of the orientation in y. This quaternion may have any
+ * length; e is the axis of the unit quaternion. */
 static struct vec3 axis_by_orientation(const struct turning_linearization *l, int body, int k)
 {
     const double *data = l->y + l->layout.orientation[body];
     const struct quaternion q = four_from(data);
     const struct vec3 slopes[4] = {
-        {q.y, -q.x, q.w}, {q.z, -q.w, -q.x}, {q.w, q.z, -q.y}, {q.x, q.y, q.z}}; /* halves */
+        {q.y, -q.x, q.w}, {q.z, -q.w, -q.x}, {q.w, q.z, -q.y}, {q.x, q.y, q.z}}; /* half derivatives */
     const struct vec3 e = quaternion_third_axis(l->at.turning.body[body].orientation);
     return vec3_scale(2.0 / quaternion_dot(q, q), vec3_axpy(slopes[k], -data[k], e));
 }
 
-/* d omega by that change of the axis, under the same spin. */
+/* Returns the change of omega by a change of the axis e, at constant L / I_1. */
 static struct vec3 rotation_by_axis(const struct turning_linearization *l, int body, struct vec3 change)
 {
     const struct vec3 spin = vec3_from(l->y + l->layout.spin[body]);
@@ -631,7 +633,7 @@ static struct vec3 rotation_by_axis(const struct turning_linearization *l, int b
     return vec3_scale(turning_flatness(l->ode->values, body), both);
 }
 
-/* Adds a change of the force and torque on a body, times a sign. */
+/* Adds a change of the force, times `sign`, and a change of the torque on a body. */
 static void add_to_body(const struct turning_linearization *l, int column, int body, double sign,
                         struct vec3 force, struct vec3 torque)
 {
@@ -720,8 +722,7 @@ static void add_contact(const struct turning_linearization *l, int contact)
     }
 }
 
-/* Adds a body's own entries: its displacement by its velocity, its orientation by its angular velocity, and
- * the work of the external force and torque. */
+/* Adds the derivatives by a body's velocity of its displacement's rate and of the external force's power. */
 static void add_motion(const struct turning_linearization *l, double clock, int body)
 {
     const struct scene_values *v = l->ode->values;
@@ -733,6 +734,7 @@ static void add_motion(const struct turning_linearization *l, double clock, int 
     }
 }
 
+/* Adds the derivatives of the rate of a body's orientation and of the external torque's power. */
 static void add_rotation(const struct turning_linearization *l, double clock, int body)
 {
     const int spin = l->layout.spin[body];
@@ -805,17 +807,15 @@ void ode_split_jacobian(const void *scene_ode, double clock, const double *y, do
     }
 }
 
-/* The event functions of the scene's differential equations. */
-
-/* Zero is returned as a tiny negative number: a contact that starts at g = 0 does not end at once, a root is
- * not found twice, and CVODE, which rejects functions that stay at zero, never sees one. 1e-100 is far below
- * any meaningful gap, rate or force and leaves room for the root finder's products and quotients. */
+/* Returns a tiny negative number in place of zero. A contact that starts at g = 0 then does not end at once,
+ * no root is found twice, and CVODE never sees a function that stays at zero, which it rejects. 1e-100 is far
+ * below any meaningful gap, rate or force, and leaves room for the root finder's products and quotients. */
 static double not_zero(double value)
 {
     return fabs(value) < 1e-100 ? -1e-100 : value;
 }
 
-/* The event functions of a contact whose bodies are loaded by another contact, so that closed forms do not
+/* Sets the event functions of a contact with a body that another contact loads, so that closed forms do not
  * foresee its changes. */
 static void coupled_events(const struct scene_ode *ode, const struct contact_shape *shape,
                            const struct contact_law *law, const struct contact_geometry *g, int j,
@@ -886,7 +886,7 @@ enum contact_regime ode_regime_after(const struct scene_values *v, const struct 
     const struct contact_law law = scene_contact_law(v, q, contact);
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
     if (event == ODE_EVENT_ZONE) {
-        return regime; /* in the next zone */
+        return regime; /* the contact goes on in the next zone */
     }
     if (event == 1) {
         return contact_regime_after(&law, regime);
@@ -916,7 +916,7 @@ static void add_row(struct jacobian m, int row, int column, double factor, struc
     }
 }
 
-/* a^T M */
+/* Returns a^T M. */
 static struct vec3 left_product(struct vec3 a, double m[3][3])
 {
     return vec3_make(a.x * m[0][0] + a.y * m[1][0] + a.z * m[2][0],
@@ -1008,7 +1008,8 @@ void ode_coupled_jacobian(const void *scene_ode, double clock, const double *y, 
     }
 }
 
-/* Whether only gravity and contacts do work on a body. A prescribed body rests by both of its inputs. */
+/* Whether only gravity and contacts do work on a body. A prescribed body must rest by both of its inputs,
+ * displacement and velocity. */
 static bool body_is_undriven(const struct scene_values *v, const struct scene_state *q, int body)
 {
     const struct body_path *path = &q->path[body];
@@ -1018,8 +1019,8 @@ static bool body_is_undriven(const struct scene_values *v, const struct scene_st
     return !body_is_free(v, body) || path_rests(path->force);
 }
 
-/* Whether a contact keeps the energy of its relative motion, and no other contact acts. Bodies that turn
- * exchange it with rotational energy. */
+/* Whether a contact keeps the energy of its relative motion, and no other contact acts. Bodies that turn do
+ * not keep it: they exchange it with rotational energy. */
 static bool keeps_energy(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -1038,7 +1039,7 @@ struct relative_energy {
     double kinetic, stored, potential;
 };
 
-/* Two free bodies fall together: gravity does not change their relative motion. */
+/* The potential counts only where one body is not free, because two free bodies fall together. */
 static struct relative_energy relative_energy_of(const struct scene_values *v, const struct scene_state *q,
                                                  const struct scene_instant *at, int contact)
 {
@@ -1084,23 +1085,24 @@ void projection_close_gap(const struct scene_values *v, struct scene_state *q, i
         vec3_axpy(q->body[destination].moved, body_inverse_mass(v, destination), grow);
 }
 
-/* An impulse j along the normal, positive where it speeds the bodies apart, changes the energy of the
- * relative motion by j g' + j^2 (1/m_s + 1/m_d) / 2. */
+/* Returns the impulse j along the normal [N s], positive where it drives the bodies apart, that adds the
+ * `missing` energy [J]: j g' + j^2 (1/m_s + 1/m_d) / 2. */
 static double impulse_for(double missing, double gap_rate, double by_both)
 {
     const double square = gap_rate * gap_rate + 2.0 * missing * by_both;
     return square > 0.0 ? 2.0 * missing / (gap_rate + copysign(sqrt(square), gap_rate)) : 0.0;
 }
 
-/* Largest correction / energy: an integrator's error is smaller, so a larger difference has another cause. */
+/* Largest correction of the energy as a fraction of the energy. An integrator's error is smaller, so that a
+ * larger difference has another cause. */
 static const double LARGEST_CORRECTION = 1e-3;
 
-/* A contact takes some thousand internal steps at the smallest tolerance. The errors of so many steps may add
- * up. */
+/* Number of steps whose errors may add up: a contact takes some thousand internal steps at the smallest
+ * tolerance. */
 static const double MOST_STEPS = 1e4;
 
-/* Whether the missing energy exceeds the rounding of its terms and is explained by an integrator's error of
- * `tolerated` [m/s] and rounding in each step. */
+/* Whether the missing energy [J] exceeds the rounding of its terms, but is explained by an error of
+ * `tolerated` [m/s] and by rounding in each step of the integrator. */
 static bool is_integration_error(double missing, const struct relative_energy *energy, double mass,
                                  double gap_rate, double speed, double tolerated)
 {
