@@ -93,12 +93,7 @@ int ode_tipping(const struct scene_values *v)
     return count;
 }
 
-/* Return I_1 [kg m^2] and I_1/I_3 - 1 [1] of a body that turns freely; I_3 is about its axis. */
-static double turning_inertia(const struct scene_values *v, int body)
-{
-    return body_inertia_of(v, body).transverse;
-}
-
+/* Returns I_1/I_3 - 1 [1] of a body that turns freely; I_3 is about its axis. */
 static double turning_flatness(const struct scene_values *v, int body)
 {
     const struct body_inertia inertia = body_inertia_of(v, body);
@@ -134,68 +129,46 @@ static struct vec3 angular_velocity_of(const struct scene_values *v, struct quat
     return vec3_axpy(spin, turning_flatness(v, body) * vec3_dot(spin, e), e);
 }
 
-/* Write rotations and springs into y, and read them from y, whose orientations may have any length. */
+/* Writes the states that turning and rubbing add into y. */
 static void turning_pack(const struct scene_ode *ode, double *y)
 {
-    const struct turning_layout layout = turning_layout_of(ode->values);
-    if (SCENE_ANY_ROTATION) {
-        for (int i = 0; i < SCENE_BODIES; ++i) {
-            if (layout.spin[i] >= 0) {
-                const struct body_turn *turn = &ode->state->turning.body[i];
-                vec3_to(spin_of(ode->values, turn, i), y + layout.spin[i]);
-                four_to(turn->orientation, y + layout.orientation[i]);
-            }
-        }
-    }
-    if (SCENE_ANY_FRICTION) {
-        for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            if (layout.spring[j] >= 0) {
-                vec3_to(ode->state->turning.spring[j], y + layout.spring[j]);
-            }
-        }
-    }
-}
-
-static void turning_unpack(const struct scene_values *v, const double *y, struct turning_state *turning)
-{
-    const struct turning_layout layout = turning_layout_of(v);
-    if (SCENE_ANY_ROTATION) {
-        for (int i = 0; i < SCENE_BODIES; ++i) {
-            if (layout.spin[i] >= 0) {
-                struct body_turn *turn = &turning->body[i];
-                turn->orientation = quaternion_unit(four_from(y + layout.orientation[i]));
-                turn->angular_velocity =
-                    angular_velocity_of(v, turn->orientation, vec3_from(y + layout.spin[i]), i);
-            }
-        }
-    }
-    if (SCENE_ANY_FRICTION) {
-        for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            if (layout.spring[j] >= 0) {
-                turning->spring[j] = vec3_from(y + layout.spring[j]);
-            }
-        }
-    }
-}
-
-static void turning_pack_integrals(const struct scene_ode *ode, double *y)
-{
     const struct scene_values *v = ode->values;
+    const struct turning_layout layout = turning_layout_of(v);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (layout.spin[i] >= 0) {
+            const struct body_turn *turn = &ode->state->turning.body[i];
+            vec3_to(spin_of(v, turn, i), y + layout.spin[i]);
+            four_to(turn->orientation, y + layout.orientation[i]);
+        }
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_torques *torques = &ode->state->contact[j].torques;
+        if (layout.spring[j] >= 0) {
+            vec3_to(ode->state->turning.spring[j], y + layout.spring[j]);
+        }
         vec3_to(torques->source_impulse, y + ode_impulse(v, j) + 3);
         vec3_to(torques->destination_impulse, y + ode_impulse(v, j) + 6);
     }
     y[ode_dissipated(v) + 2] = ode->state->friction_energy;
 }
 
-static void turning_unpack_integrals(const struct scene_values *v, struct scene_state *q, const double *y)
+/* Reads rotations and springs from y, whose orientations may have any length. */
+static void turning_unpack(const struct scene_values *v, const double *y, struct turning_state *turning)
 {
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        q->contact[j].torques.source_impulse = vec3_from(y + ode_impulse(v, j) + 3);
-        q->contact[j].torques.destination_impulse = vec3_from(y + ode_impulse(v, j) + 6);
+    const struct turning_layout layout = turning_layout_of(v);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (layout.spin[i] >= 0) {
+            struct body_turn *turn = &turning->body[i];
+            turn->orientation = quaternion_unit(four_from(y + layout.orientation[i]));
+            turn->angular_velocity =
+                angular_velocity_of(v, turn->orientation, vec3_from(y + layout.spin[i]), i);
+        }
     }
-    q->friction_energy = y[ode_dissipated(v) + 2];
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (layout.spring[j] >= 0) {
+            turning->spring[j] = vec3_from(y + layout.spring[j]);
+        }
+    }
 }
 
 static void turning_rates(const struct scene_ode *ode, double clock, const double *y,
@@ -209,7 +182,7 @@ static void turning_rates(const struct scene_ode *ode, double clock, const doubl
         if (layout.spin[i] >= 0) {
             const struct vec3 torque = turning_torque_on(v, ode->state, clock, at, i);
             const struct quaternion orientation = four_from(y + layout.orientation[i]);
-            vec3_to(vec3_scale(1.0 / turning_inertia(v, i), torque), rates + layout.spin[i]);
+            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), rates + layout.spin[i]);
             four_to(quaternion_rate(orientation, at->turning.body[i].angular_velocity),
                     rates + layout.orientation[i]);
         }
@@ -483,7 +456,6 @@ void ode_pack(const struct scene_ode *ode, double *y)
     y[ode_dissipated(v) + 1] = q->external_work;
     if (scene_turns(v)) {
         turning_pack(ode, y);
-        turning_pack_integrals(ode, y);
     }
 }
 
@@ -497,7 +469,11 @@ void ode_unpack(const struct scene_values *v, struct scene_state *q, const doubl
     q->external_work = y[ode_dissipated(v) + 1];
     if (scene_turns(v)) {
         turning_unpack(v, y, &q->turning);
-        turning_unpack_integrals(v, q, y);
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            q->contact[j].torques.source_impulse = vec3_from(y + ode_impulse(v, j) + 3);
+            q->contact[j].torques.destination_impulse = vec3_from(y + ode_impulse(v, j) + 6);
+        }
+        q->friction_energy = y[ode_dissipated(v) + 2];
     }
 }
 
@@ -645,7 +621,7 @@ static void add_to_body(const struct turning_linearization *l, int column, int b
         add_entry(l->matrix, work, column, -sign * vec3_dot(force, l->at.velocity[body]));
     }
     if (l->layout.spin[body] >= 0) {
-        add_three(l->matrix, l->layout.spin[body], column, 1.0 / turning_inertia(v, body), torque);
+        add_three(l->matrix, l->layout.spin[body], column, 1.0 / body_inertia_of(v, body).transverse, torque);
     } else if (body_turn_is_prescribed(v, body)) {
         add_entry(l->matrix, work, column, -vec3_dot(torque, l->at.turning.body[body].angular_velocity));
     }
@@ -723,14 +699,14 @@ static void add_contact(const struct turning_linearization *l, int contact)
 }
 
 /* Adds the derivatives by a body's velocity of its displacement's rate and of the external force's power. */
-static void add_motion(const struct turning_linearization *l, double clock, int body)
+static void add_motion(struct jacobian m, const struct scene_ode *ode, double clock, int body)
 {
-    const struct scene_values *v = l->ode->values;
+    const struct scene_values *v = ode->values;
     const int index = ode_body(v, body);
     for (int k = 0; k < 3 && body_is_free(v, body); ++k) {
-        const struct vec3 force = path_at(l->ode->state->path[body].force, 3, clock);
-        add_entry(l->matrix, index + k, index + 3 + k, 1.0);
-        add_entry(l->matrix, ode_dissipated(v) + 1, index + 3 + k, vec3_get(force, k));
+        const struct vec3 force = path_at(ode->state->path[body].force, 3, clock);
+        add_entry(m, index + k, index + 3 + k, 1.0);
+        add_entry(m, ode_dissipated(v) + 1, index + 3 + k, vec3_get(force, k));
     }
 }
 
@@ -766,7 +742,7 @@ static void linearize(struct turning_linearization *l, double clock)
     turning_unpack(ode->values, l->y, &l->turning);
     ode_instant(ode, clock, l->y, &l->at);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        add_motion(l, clock, i);
+        add_motion(l->matrix, ode, clock, i);
         if (SCENE_ANY_ROTATION && l->layout.spin[i] >= 0) {
             add_rotation(l, clock, i);
         }
@@ -774,14 +750,6 @@ static void linearize(struct turning_linearization *l, double clock)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         add_contact(l, j);
     }
-}
-
-/* The leading `size` rows and columns of the Jacobian, by columns. */
-static void turning_jacobian(const struct scene_ode *ode, double clock, const double *y, int size,
-                             double *columns)
-{
-    struct turning_linearization l = {.ode = ode, .y = y, .matrix = {columns, size}};
-    linearize(&l, clock);
 }
 
 void ode_split_jacobian(const void *scene_ode, double clock, const double *y, double *columns,
@@ -822,11 +790,8 @@ static void coupled_events(const struct scene_ode *ode, const struct contact_sha
                            double out[ODE_EVENTS_EACH])
 {
     const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
-    if (regime == REGIME_APART) {
-        out[0] = not_zero(ode->gap_offset[j] + fmax(g->gap, scene_beyond_ends(shape, g)));
-    } else {
-        out[0] = not_zero(ode->gap_offset[j] - fmax(g->gap, scene_beyond_ends(shape, g)));
-    }
+    const double apart = fmax(g->gap, scene_beyond_ends(shape, g));
+    out[0] = not_zero(ode->gap_offset[j] + (regime == REGIME_APART ? apart : -apart));
     if (regime == REGIME_SEPARATING) {
         out[1] = not_zero(ode->margin_offset[j] + contact_event(law, regime, g->gap, g->gap_rate));
     }
@@ -952,27 +917,22 @@ static void contact_columns(struct jacobian jacobian, const struct scene_ode *od
     add_row(jacobian, ode_dissipated(v), column + 3, sign, gradient->power_by_rate);
 }
 
-void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
+/* Sets the leading `size` rows and columns of the Jacobian, by columns. */
+static void put_jacobian(const struct scene_ode *ode, double clock, const double *y, int size,
+                         double *columns)
 {
-    const struct scene_ode *ode = scene_ode;
     const struct scene_values *v = ode->values;
-    const struct jacobian jacobian = {columns, ode_size(v)};
+    const struct jacobian jacobian = {columns, size};
     if (scene_turns(v)) {
-        turning_jacobian(ode, clock, y, ode_size(v), columns);
+        struct turning_linearization l = {.ode = ode, .y = y, .matrix = jacobian};
+        linearize(&l, clock);
         return;
     }
     struct scene_instant at;
     ode_instant(ode, clock, y, &at);
-    memset(columns, 0, (size_t)jacobian.size * (size_t)jacobian.size * sizeof *columns);
+    memset(columns, 0, (size_t)size * (size_t)size * sizeof *columns);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            const int index = ode_body(v, i);
-            for (int k = 0; k < 3; ++k) {
-                add_entry(jacobian, index + k, index + 3 + k, 1.0);
-            }
-            add_row(jacobian, ode_dissipated(v) + 1, index + 3, 1.0,
-                    path_at(ode->state->path[i].force, 3, clock));
-        }
+        add_motion(jacobian, ode, clock, i);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
@@ -992,20 +952,16 @@ void ode_jacobian(const void *scene_ode, double clock, const double *y, double *
     }
 }
 
+void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
+{
+    const struct scene_ode *ode = scene_ode;
+    put_jacobian(ode, clock, y, ode_size(ode->values), columns);
+}
+
 void ode_coupled_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
 {
     const struct scene_ode *ode = scene_ode;
-    double whole[ODE_MOST_STATES * ODE_MOST_STATES];
-    const int size = ode_size(ode->values);
-    const int coupled = ode_coupled(ode->values);
-    if (scene_turns(ode->values)) {
-        turning_jacobian(ode, clock, y, coupled, columns);
-        return;
-    }
-    ode_jacobian(ode, clock, y, whole);
-    for (int j = 0; j < coupled; ++j) {
-        memcpy(columns + j * coupled, whole + j * size, (size_t)coupled * sizeof *columns);
-    }
+    put_jacobian(ode, clock, y, ode_coupled(ode->values), columns);
 }
 
 /* Whether only gravity and contacts do work on a body. A prescribed body must rest by both of its inputs,
