@@ -11,7 +11,7 @@
 #include "scene/dense_output.h"
 #include "scene/evaluate.h"
 
-/* One contact. A search evaluates it in regimes and with springs that q does not have yet, so q serves as
+/* One contact. A search sets regimes and springs in q before it knows whether they are reached: q serves as
  * working memory. */
 struct prescribed_contact {
     const struct scene_values *v;
@@ -19,10 +19,10 @@ struct prescribed_contact {
     int contact;
 };
 
-/* The places of the integrals: impulse of the force on the source [N s]; impulses of the torques on source
- * and destination [N m s]; energies that the normal law dissipates, that friction takes, and the work of
- * whoever moves the bodies [J]. The integral of the law's event function tells only whether a panel
- * resolves that function, which may change where no force acts. */
+/* The indices of the integrals: impulse of the force on the source [N s]; impulses of the torques on source
+ * and destination [N m s]; the energy dissipated by the normal law, the energy taken by friction, and the
+ * work of whoever moves the bodies [J]. The last integral, of the law's event function, serves only to tell
+ * whether a panel resolves this function, which may change where no force acts. */
 enum {
     TERM_FORCE = 0,
     TERM_SOURCE_TORQUE = 3,
@@ -34,16 +34,16 @@ enum {
     TERMS = TERM_EVENT + SCENE_ANY_TURNING
 };
 
-/* The integrals over a stretch of time, and the spring of elastic friction by collocation at the same
- * nodes, which has order ten at the end. */
+/* The integrals over an interval of time. The spring of elastic friction follows by collocation at the same
+ * Gauss nodes, and has order ten at the end. */
 struct panel {
     double from, to;     /* clocks [s] */
     double sum[TERMS];   /* the integrals */
-    double size[TERMS];  /* the integrals of the size of the terms of each integrand */
+    double size[TERMS];  /* the integrals of the absolute terms of each integrand, for its rounding */
     double lever[TERMS]; /* the integrals of d integrand / d force */
     struct vec3 spring;  /* xi at the end [m] */
-    double slipped;      /* the path of the slip [m] */
-    double passed;       /* the path of the sum of all speeds whose difference is the slip [m] */
+    double slipped;      /* the integral of the slip's speed [m] */
+    double passed;       /* the integral of all speeds whose difference is the slip, for its rounding [m] */
     struct {
         double clock;
         struct vec3 spring, slip, normal;
@@ -55,12 +55,12 @@ struct span {
     struct prescribed_contact c;
     double length;      /* [s], from q->clock on */
     double sum[TERMS];  /* the integrals so far */
-    double size[TERMS]; /* the integrals of the sizes of their terms so far */
+    double size[TERMS]; /* the integrals of their absolute terms so far */
     struct vec3 spring; /* xi at present [m] */
     bool elastic;       /* friction has a spring */
     long *panels;       /* panels that the quadrature may still make */
     long *evaluations;  /* evaluations that the search for touches may still make */
-    long panel_cost;    /* in panels of bodies without springs that turn about fixed directions */
+    long panel_cost;    /* cost of a panel; 1: nothing turns about a changing direction, no spring */
 };
 
 static enum contact_regime regime_of(const struct prescribed_contact *c)
@@ -73,7 +73,8 @@ static void kinematics_at(const struct prescribed_contact *c, double clock, stru
     scene_kinematics(c->v, c->q, clock, c->q->body, at);
 }
 
-/* The instant of a contact in its present regimes, whose formulas are smooth beyond their ends too. */
+/* Computes the instant of a contact in its present regimes, whose formulas hold smoothly beyond their
+ * ends. */
 CONTACT_NOINLINE static void instant_at(const struct prescribed_contact *c, double clock, struct vec3 spring,
                                         struct scene_instant *at)
 {
@@ -84,8 +85,8 @@ CONTACT_NOINLINE static void instant_at(const struct prescribed_contact *c, doub
     scene_forces(c->v, c->q, clock, at);
 }
 
-/* Puts the torques, the power that friction takes, and the sum of the lengths of both arms [m]. Returns a
- * bound of the speeds of the contact points by the bodies' rotations [m/s]. */
+/* Sets the torques, the power that friction takes, and the sum of the lengths of both lever arms [m]. Returns
+ * a bound of the speeds that the bodies' rotations give the contact points [m/s]. */
 static double torque_rates(const struct prescribed_contact *c, const struct scene_instant *at,
                            double rate[TERMS], double *arm)
 {
@@ -110,8 +111,8 @@ static double torque_rates(const struct prescribed_contact *c, const struct scen
                    vec3_norm(turning->body[contact_destination(j)].angular_velocity));
 }
 
-/* Puts the integrands, the size of their terms (`scale`) and d integrand / d force (`lever`). Returns the sum
- * of the speeds whose difference is the slip [m/s]. */
+/* Sets the integrands (`rate`), the size of their terms (`scale`) and d integrand / d force (`lever`).
+ * Returns the sum of the speeds whose difference is the slip [m/s]. */
 static double rates_at(const struct prescribed_contact *c, const struct scene_instant *at, double rate[TERMS],
                        double scale[TERMS], double lever[TERMS])
 {
@@ -134,7 +135,7 @@ static double rates_at(const struct prescribed_contact *c, const struct scene_in
     if (SCENE_ANY_FREE) {
         rate[TERM_DISSIPATED] = energy_dissipated_power_of(c->v, c->q, at, j);
         rate[TERM_WORK] = scene_driving_power(c->v, at, j);
-        /* a spring may lose energy while the force is clipped to zero */
+        /* the spring loses energy also while the force is clipped to zero */
         scale[TERM_DISSIPATED] += fabs(contact_stored_slope(&law, regime_of(c), g->gap)) * speed;
     }
     if (SCENE_ANY_TURNING) {
@@ -146,8 +147,8 @@ static double rates_at(const struct prescribed_contact *c, const struct scene_in
     return speed;
 }
 
-/* Integrals from 0 to node i of [0, 1] of the polynomial that is 1 at node j and 0 at the other nodes of the
- * Gauss rule; computed from that definition with 30 digits. */
+/* COLLOCATION[i][j] is the integral from 0 to node i of the polynomial that is 1 at node j and 0 at the other
+ * nodes of the Gauss rule on [0, 1]. The numbers were computed from this definition with 30 digits. */
 static const double COLLOCATION[GAUSS_NODES][GAUSS_NODES] = {
     {0.059231721264047272, -0.019570364359076037, 0.011254400818642956, -0.0055937936608121849,
      0.0015881129678659985},
@@ -160,17 +161,18 @@ static const double COLLOCATION[GAUSS_NODES][GAUSS_NODES] = {
     {0.11687532956022855, 0.24490812891049542, 0.27319004362580149, 0.25888469960875927,
      0.059231721264047272}};
 
-/* The unknowns are the components of the spring at all nodes. A column of the matrix has a zero behind
- * them (lu.h). */
+/* The unknowns are the components of the spring at all nodes. Each column of the matrix has a zero behind its
+ * entries, as math/lu.h asks for. */
 enum { UNKNOWNS = 3 * GAUSS_NODES, COLUMN = UNKNOWNS + 1 };
 
-/* The arguments of the spring's rate at a node, besides the spring. */
+/* The arguments of the spring's rate at one node; the spring itself is the unknown. */
 struct spring_node {
     struct friction_state rubbing;
     struct vec3 normal, normal_rate;
-    double factor; /* of the rate, for the variable of a panel of length one [s] */
+    double factor; /* d time / d variable of the panel, which runs from 0 to 1 [s] */
 };
 
+/* The collocation equations of the spring over one panel. */
 struct spring_problem {
     struct friction_law law;
     enum friction_regime regime;
@@ -178,6 +180,7 @@ struct spring_problem {
     struct vec3 start;
 };
 
+/* Returns xi' [m/s] at node i for a spring xi [m]. */
 static struct vec3 spring_rate_at(const struct spring_problem *p, int i, struct vec3 spring)
 {
     const struct spring_node *node = &p->node[i];
@@ -187,7 +190,8 @@ static struct vec3 spring_rate_at(const struct spring_problem *p, int i, struct 
     return vec3_axpy(own, -vec3_dot(spring, node->normal_rate), node->normal);
 }
 
-/* The matrix I - A x J by columns, and the residual. */
+/* Sets the matrix by columns, which is the identity minus the derivatives of the integrated rates, and the
+ * residual [m]. */
 static void put_equations(const struct spring_problem *p, const struct vec3 x[GAUSS_NODES],
                           double m[UNKNOWNS][COLUMN], double residual[COLUMN])
 {
@@ -220,8 +224,9 @@ static void put_equations(const struct spring_problem *p, const struct vec3 x[GA
 
 /* Newton's method converges in two or three steps where the panel is short enough. */
 enum { NEWTON_STEPS = 12 };
-static const double NEWTON_PART = 1e-14; /* last correction / spring or its change */
+static const double NEWTON_PART = 1e-14; /* largest last correction divided by the spring's length */
 
+/* Solves the equations for the springs x at the nodes. False: the panel is too long. */
 static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NODES])
 {
     for (int step = 0; step < NEWTON_STEPS; ++step) {
@@ -252,7 +257,7 @@ static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NOD
     return false;
 }
 
-/* The spring at the nodes, and at the end of the panel. */
+/* Sets the spring at the nodes and at the end of the panel. False: the panel is too long. */
 static bool put_springs(const struct prescribed_contact *c, bool graded, struct vec3 start,
                         struct panel *panel)
 {
@@ -282,9 +287,9 @@ static bool put_springs(const struct prescribed_contact *c, bool graded, struct 
     return true;
 }
 
-/* Near the touch Hertz's force goes with the power 3/2 of time. A panel at one end of which the depth is
- * less than this part of the depth in its middle is graded (nodes.h). Elsewhere equal steps converge
- * faster. */
+/* Depth at an end of a panel as a fraction of the depth in its middle, below which the panel is graded
+ * (math/nodes.h). Near the touch Hertz's force is proportional to the power 3/2 of time, which graded nodes
+ * follow better. Elsewhere nodes without grading converge faster. */
 static const double SHALLOW = 0.1;
 
 static bool wants_grading(const struct prescribed_contact *c, double from, double to)
@@ -302,7 +307,7 @@ static bool wants_grading(const struct prescribed_contact *c, double from, doubl
     return fmax(gap[0], gap[2]) > SHALLOW * gap[1];
 }
 
-/* Makes a panel; false where Newton's method finds no spring because the panel is too long. */
+/* Computes a panel; false where Newton's method finds no spring because the panel is too long. */
 CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, double from, double to,
                                         struct vec3 spring, struct panel *panel)
 {
@@ -346,11 +351,12 @@ CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, doub
  * functions that end them, and the regimes after each event. All forces are smooth between two events.
  */
 
-/* EVENT_LAW is the law's event (contact/law.h). By its events (contact/friction.h) friction ends or begins
- * under a dashpot that pulls, reaches or leaves its largest force, sticks or breaks away. */
+/* EVENT_LAW is the law's event (contact/law.h). The others are those of friction (contact/friction.h). At
+ * EVENT_LIFT the dashpot begins or ceases to pull. At EVENT_CAP friction reaches or leaves its largest force.
+ * At EVENT_STICK the contact sticks or breaks away. */
 enum regime_event { EVENT_LAW, EVENT_LIFT, EVENT_CAP, EVENT_STICK, REGIME_EVENTS };
 
-/* Event functions, positive within the regimes, and bounds of their rounding. */
+/* The event functions, which are positive within the present regimes, and bounds of their rounding. */
 struct margins {
     double value[REGIME_EVENTS];
     double noise[REGIME_EVENTS];
@@ -361,7 +367,7 @@ static struct vec3 spring_of(const struct scene_state *q, int contact)
     return SCENE_ANY_FRICTION ? q->turning.spring[contact] : vec3_make(0.0, 0.0, 0.0);
 }
 
-/* A spring laid across the normal at an instant. */
+/* Returns the part of a spring [m] across the normal at a clock. */
 static struct vec3 laid_spring(const struct prescribed_contact *c, double clock, struct vec3 spring)
 {
     struct scene_instant at;
@@ -370,6 +376,7 @@ static struct vec3 laid_spring(const struct prescribed_contact *c, double clock,
     return vec3_axpy(spring, -vec3_dot(spring, n), n);
 }
 
+/* Returns the rounding bound of the law's event function. */
 static double event_rounding(const struct prescribed_contact *c, const struct contact_law *law,
                              enum contact_regime regime, const struct scene_instant *at)
 {
@@ -380,17 +387,19 @@ static double event_rounding(const struct prescribed_contact *c, const struct co
 
 static const struct vec3 NO_SPRING = {0.0, 0.0, 0.0};
 
+/* Sets the regime of friction and the spring. */
 static void rub_with(const struct prescribed_contact *c, enum friction_regime regime, struct vec3 spring)
 {
     c->q->contact[c->contact].friction_regime = (int32_t)regime;
     c->q->turning.spring[c->contact] = spring;
 }
 
-/* Typical length of a spring / the source's radius where no force gives the length. */
+/* Least length of a spring that begins to slide, as a fraction of the source's radius: the force may be
+ * zero. */
 static const double FIRST_LENGTH = 1e-4;
 
-/* The spring at the start of sliding without a dashpot: only its direction is a state, and it begins along
- * the slip. */
+/* Returns the spring at the start of sliding. Without a dashpot the spring is along the slip, and only its
+ * direction has a meaning. With a dashpot it is at rest. */
 static struct vec3 first_spring(const struct prescribed_contact *c, const struct friction_law *law,
                                 const struct scene_instant *at)
 {
@@ -405,7 +414,7 @@ static struct vec3 first_spring(const struct prescribed_contact *c, const struct
     return vec3_scale(fmax(length, least) / speed, slip);
 }
 
-/* Begins friction at an instant with a spring at rest. The contact slides where F_n is zero to rounding. */
+/* Begins friction at a clock with a spring at rest. */
 static void start_friction(const struct prescribed_contact *c, double clock)
 {
     const int j = c->contact;
@@ -422,7 +431,7 @@ static void start_friction(const struct prescribed_contact *c, double clock)
     rub_with(c, next, law.kind == FRICTION_ELASTIC && slides ? first_spring(c, &law, &at) : NO_SPRING);
 }
 
-/* Sets friction at the instant at which a regime of the law begins. */
+/* Begins friction at a clock where the contact rubs and has a force; else ends it. */
 static void friction_from(const struct prescribed_contact *c, double clock)
 {
     if (contact_rubs(c->v, c->contact) && contact_transmits(c->q, c->contact)) {
@@ -432,7 +441,7 @@ static void friction_from(const struct prescribed_contact *c, double clock)
     }
 }
 
-/* Rounding of friction's event functions / the terms whose difference they are. */
+/* Rounding error of an event function of friction, divided by the terms whose difference it is. */
 static const double MARGIN_ROUNDING = 1e-13;
 
 static void put_margin(struct margins *margins, enum regime_event event, double value, double noise)
@@ -489,12 +498,12 @@ static void margins_at(const struct prescribed_contact *c, double clock, struct 
     }
 }
 
-/* The first event whose function is below zero by more than rounding; a function of friction must be below
- * its value at `start`, too. REGIME_EVENTS: none. */
+/* Returns the first event whose function is below zero by more than rounding, or REGIME_EVENTS if there is
+ * none. A function of friction must also be below its value at `start`. */
 static enum regime_event event_passed(const struct margins *now, const struct margins *start)
 {
     for (int i = 0; i < REGIME_EVENTS; ++i) {
-        /* the law's may jump, in the centre, so that it starts below zero on the other side */
+        /* the law's function may jump in the centre, and start below zero on its other side */
         const double floor = start && i != EVENT_LAW ? fmin(start->value[i], 0.0) : 0.0;
         if (now->value[i] < floor - now->noise[i]) {
             return (enum regime_event)i;
@@ -503,6 +512,7 @@ static enum regime_event event_passed(const struct margins *now, const struct ma
     return REGIME_EVENTS;
 }
 
+/* Changes the regime of friction after one of its events. */
 static void take_friction_event(const struct prescribed_contact *c, double clock, struct vec3 spring,
                                 enum regime_event event)
 {
@@ -525,8 +535,8 @@ static void take_friction_event(const struct prescribed_contact *c, double clock
     }
 }
 
-/* At a corner of the force the slip may no longer stretch the spring, or the spring may be too long. One
- * event at most follows. */
+/* Takes the event of friction that a corner of the normal force causes, if any: the slip may no longer
+ * stretch the spring, or the spring may be too long. */
 static void reconsider_friction(const struct prescribed_contact *c, double clock)
 {
     struct margins margins;
@@ -538,8 +548,8 @@ static void reconsider_friction(const struct prescribed_contact *c, double clock
     }
 }
 
-/* Sets friction after the law's event: it ends or begins with the force, and may stick at the force's
- * corner. */
+/* Sets friction after the law's event. Friction ends or begins with the normal force, and may stick at a
+ * corner of this force. */
 static void follow_law(const struct prescribed_contact *c, double clock, enum contact_regime before)
 {
     if (!contact_rubs(c->v, c->contact)) {
@@ -565,8 +575,7 @@ void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-/* Sets the regimes and the spring after an event at an instant. A contact that sticks again keeps the spring
- * of sliding. */
+/* Sets the regimes and the spring after an event. A contact that sticks again keeps the spring of sliding. */
 static void take_regime_event(const struct prescribed_contact *c, double clock, struct vec3 spring,
                               enum regime_event event)
 {
@@ -582,7 +591,7 @@ static void take_regime_event(const struct prescribed_contact *c, double clock, 
     }
 }
 
-/* Sets the regimes from the touch on, and after the parting. */
+/* Set the regimes that hold from the touch on, and after the parting. */
 static void begin_regimes(const struct prescribed_contact *c, double clock)
 {
     struct scene_instant at;
@@ -603,27 +612,31 @@ static void end_regimes(const struct prescribed_contact *c)
     }
 }
 
-/* A panel and its halves agree to this part of the size of their terms. The error of the halves is a
- * thousandth of that. */
+/* Largest difference of a panel and its halves, divided by the size of their terms. The order ten of the
+ * Gauss rule makes the error of the halves a thousandth of this difference. */
 static const double PANELS_AGREE = 1e-12;
-/* Where the normal reverses in the centre the force jumps. The jump is enclosed by panels so short that they
- * contribute at most this part of the whole span. */
+/* Largest difference of a panel and its halves, divided by the integrals over the whole span. Where the
+ * normal reverses in the centre the force jumps, and panels around the jump need not agree once they are so
+ * short. */
 static const double JUMPS_AGREE = 1e-14;
-/* Rounding of a slip / the speeds whose difference it is. A spring that sticks integrates it. */
+/* Rounding error of a slip, divided by the speeds whose difference the slip is. A spring that sticks
+ * integrates this error. */
 static const double SLIP_ROUNDINGS = 8.0 * DBL_EPSILON;
-/* The integral of the law's event function agrees so closely that its changes of sign show at the nodes. */
+/* Largest relative difference of the integrals of the law's event function. A panel that resolves the
+ * function so well shows its changes of sign at the nodes. */
 static const double EVENTS_AGREE = 1e-6;
 
-/* The cosine of the largest rotation of n between an end of a panel and the node next to it, 0.5 rad.
- * Where it turns further it may reverse, in the centre. */
+/* The cosine of the largest rotation of n between an end of a panel and the node next to it, 0.5 rad. An n
+ * that turns further may reverse, in the centre. */
 static const double LARGEST_TURN_COSINE = 0.88;
 
-/* Slips / v_0: above SATURATED exp(-|v_t|/v_0) is rounding; an interpolation follows it over a change of
- * FOLLOWED; below PROPORTIONAL friction is proportional to the slip. */
+/* Slip speeds divided by v_0. Above SATURATED the term exp(-|v_t|/v_0) is rounding. Over a change by FOLLOWED
+ * the interpolation between nodes follows this term. Below PROPORTIONAL friction is proportional to the
+ * slip. */
 static const double SATURATED = 40.0, FOLLOWED = 2.0, PROPORTIONAL = 1e-6;
 
-/* Regularized friction reverses with the slip within a layer that ends with exp(-|v_t|/v_0) and has a corner
- * of its slope in the middle. */
+/* Whether two slips at neighbouring nodes resolve the layer of small slips in which regularized friction
+ * reverses. The layer has the shape exp(-|v_t|/v_0), with a corner of the slope in its middle. */
 static bool sees_layer(const struct span *s, struct vec3 slip, struct vec3 next)
 {
     const double unit = scene_friction_law(s->c.v, s->c.q, s->c.contact).slip_velocity;
@@ -650,8 +663,9 @@ static bool sees_end(const struct span *s, const struct scene_instant *at, const
            (!SCENE_ANY_FRICTION || sees_layer(s, at->turning.slip[j], panel->node[node].slip));
 }
 
-/* In a scene without a free body in which nothing turns no panel goes beyond an extreme of the gap, where the
- * normal may reverse. `at`: the instants at both ends. */
+/* Whether sees_end holds at the ends of both halves of a panel; `at` holds the instants at the panel's ends.
+ * In a scene without a free body in which nothing turns, no panel goes beyond an extreme of the gap, so that
+ * the normal cannot reverse. */
 static bool sees_ends(const struct span *s, const struct panel *left, const struct panel *right,
                       const struct scene_instant at[2])
 {
@@ -664,8 +678,8 @@ static bool sees_ends(const struct span *s, const struct panel *left, const stru
            sees_end(s, &middle, right, 0) && sees_end(s, &at[1], right, GAUSS_NODES - 1);
 }
 
-/* Whether a panel and its halves agree. Near the centre n may be rounding at one end of both halves; the
- * bound of the other end then holds for nearly all of the time between. */
+/* Whether a panel and its halves agree. Near the centre n may be mere rounding at one end of the panel; the
+ * rounding bound of the force at the other end then holds for nearly all of the time between. */
 CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct panel *whole,
                                           const struct panel *left, const struct panel *right)
 {
@@ -692,7 +706,8 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
            sees_ends(s, left, right, at);
 }
 
-/* The quadrature resolves a panel by five nodes each half: no quantity has two extrema within a quarter. */
+/* Parts of a panel in the search for peaks. Each half of a panel has five nodes, so that no quantity has two
+ * extrema within a quarter of the panel. */
 enum { PANEL_PARTS = 4 };
 
 CONTACT_NOINLINE static void note_peaks_between(const struct span *s, double from, double to)
@@ -713,13 +728,13 @@ static void add_sums(struct span *s, const struct panel *panel)
     s->spring = panel->spring;
 }
 
-/* A place of a panel, and the event functions there. */
+/* A clock within a panel, and the event functions there. */
 struct place {
     double clock;
     struct margins at;
 };
 
-/* The places of both halves of a panel: the start, the nodes and the end. */
+/* Number of places in both halves of a panel: the start, the nodes and the end. */
 enum { PANEL_PLACES = 2 * GAUSS_NODES + 2 };
 
 static void put_place(const struct span *s, double clock, struct vec3 spring, struct place *place)
@@ -728,7 +743,7 @@ static void put_place(const struct span *s, double clock, struct vec3 spring, st
     margins_at(&s->c, clock, spring, &place->at);
 }
 
-/* An event function without a spring, for root_lowest. */
+/* An event function of a contact without a spring, as the argument of root_lowest. */
 struct dip {
     const struct span *span;
     int event;
@@ -743,8 +758,8 @@ static void dip_at(const void *data, double clock, double *value, double *slope)
     *slope = (double)NAN; /* not needed */
 }
 
-/* Whether an event function of a contact without a spring falls below zero between three places, and the
- * clock at which it is lowest. */
+/* Whether an event function of a contact without a spring falls below zero between three places. *after
+ * becomes the clock at which the function is lowest. */
 static bool finds_dip(const struct span *s, const struct place place[3], double *after)
 {
     for (int event = 0; event < EVENT_STICK; ++event) {
@@ -765,7 +780,7 @@ static bool finds_dip(const struct span *s, const struct place place[3], double 
     return false;
 }
 
-/* The first two places of both halves of a panel between which a regime ends; false: none. */
+/* Finds the first two neighbouring places of a panel between which a regime ends; false: there are none. */
 static bool finds_event(const struct span *s, const struct panel *left, const struct panel *right,
                         struct place *start, double *before, double *after)
 {
@@ -791,7 +806,7 @@ static bool finds_event(const struct span *s, const struct panel *left, const st
     return false;
 }
 
-/* The quadrature compares a panel with its two halves: three panels are made for each one that it counts. */
+/* Panels that are computed for each one that the quadrature counts: a panel and its two halves. */
 enum { PANELS_COMPARED = 3 };
 
 /* Bisects between `before` and `after` until the clock of an event is known to rounding. Makes the panel that
@@ -822,8 +837,8 @@ static bool panel_to_event(const struct span *s, const struct place *start, doub
     return *event != REGIME_EVENTS;
 }
 
-/* Where an event ends a regime in one of two panels: integrates up to it and changes the regime. Returns
- * whether there is one. */
+/* Whether an event ends a regime in the halves of a panel. If so, integrates up to the event and changes the
+ * regime. */
 static bool passes_event(struct span *s, const struct panel *left, const struct panel *right, double *clock)
 {
     struct panel panel;
@@ -847,8 +862,8 @@ static bool passes_event(struct span *s, const struct panel *left, const struct 
     return true;
 }
 
-/* Adds the integrals from one clock to another, between which the bodies touch; returns the clock reached,
- * before `end` where no panels are left. */
+/* Adds the integrals between two clocks, between which the bodies touch. Returns the clock reached, which
+ * lies before `end` where no panels are left. */
 CONTACT_NOINLINE static double integrate_between(struct span *s, double from, double end)
 {
     double clock = from;
@@ -888,7 +903,7 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
     return clock;
 }
 
-/* Cost of a panel with the springs of elastic friction, in panels without. */
+/* Cost of a panel with a spring, divided by the cost of a panel without. */
 enum { ELASTIC_PANEL = 2 };
 
 static struct span span_of(const struct scene_values *v, struct scene_state *q, int contact, double length,
@@ -901,7 +916,8 @@ static struct span span_of(const struct scene_values *v, struct scene_state *q, 
                          .panel_cost = contact_rubs_elastically(v, contact) ? ELASTIC_PANEL : 1};
 }
 
-/* Adds impulses and energies to those of the scene. Scenes without a free body keep means over the span. */
+/* Adds the integrals of a span to the impulses and energies of the scene. Scenes in which no body may be free
+ * keep means over the span instead. */
 static void book_span(const struct span *s)
 {
     struct scene_state *q = s->c.q;
@@ -939,8 +955,8 @@ static bool is_prescribed_touch(const struct scene_values *v, const struct scene
     return contact_is_prescribed(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
 }
 
-/* Books the integrals of all prescribed contacts; of none where the panels run out before `end`. Returns
- * the clock reached. */
+/* Integrates and books all prescribed contacts. Where the panels are used up before `end`, nothing is booked.
+ * Returns the clock reached. */
 static double integrate_contacts(const struct scene_values *v, struct scene_state *q, double end,
                                  long *panels)
 {
@@ -969,8 +985,8 @@ static double integrate_contacts(const struct scene_values *v, struct scene_stat
     return end;
 }
 
-/* Where the panels run out within one contact, all contacts begin again and are integrated up to the clock
- * that this one has reached. */
+/* Where the panels are used up within one contact, all contacts are integrated anew, up to the clock that
+ * this contact has reached. */
 double prescribed_integrate(const struct scene_values *v, struct scene_state *q, double end, long *budget)
 {
     const long allowed = *budget < PRESCRIBED_PANELS ? *budget : PRESCRIBED_PANELS;
@@ -1001,7 +1017,7 @@ static struct axis_motion axis_from(const struct span *s, const struct scene_ins
     return axis_motion_fixed(axis);
 }
 
-/* The path of the separation from a clock on. */
+/* Returns the path of the separation from a clock on, for conservative advancement. */
 static struct advancement_path path_from(const struct span *s, double clock)
 {
     struct scene_instant at;
@@ -1016,11 +1032,11 @@ static struct advancement_path path_from(const struct span *s, double clock)
     return path;
 }
 
-/* Limit of evaluations of the gap in the search for touches and partings, which take some tenths of a second;
- * some dozens are usual. */
+/* Most evaluations of the gap in the search for touches and partings of a step. Some dozens are usual; so
+ * many take some tenths of a second of computing. */
 static const long SEARCH_BUDGET = 1000000;
 
-/* Finds the clock of the next change, `end` where there is none. False: the evaluations are used up. */
+/* Sets *next to the clock of the next touch or parting, or to `end`. False: the evaluations are used up. */
 static bool finds_change(const struct span *s, double clock, double end, enum advancement_change change,
                          double *next)
 {
@@ -1058,8 +1074,8 @@ static void end_contact(struct span *s, double clock)
     counter_add(&s->c.q->counters.events, 1);
 }
 
-/* Books the energy that is stored at a clock, times a sign, as dissipated: at a finite cylinder's end or at a
- * jump of the regime. */
+/* Books the energy stored at a clock, times `sign`, as dissipated. It is other than zero where contact begins
+ * or ends at the end of a finite cylinder, or by a jump of the regime. */
 static void book_stored(struct span *s, double clock, double sign)
 {
     if (SCENE_ANY_FREE) {
@@ -1082,7 +1098,7 @@ static bool integrate_located(struct span *s)
     while (clock < end) {
         const bool touches = q->contact[j].regime != (int32_t)REGIME_APART;
         double next;
-        if ((*s->panels)-- <= 0 || /* any number of changes ends */
+        if ((*s->panels)-- <= 0 || /* so that any number of changes ends */
             !finds_change(s, clock, end, touches ? ADVANCEMENT_PARTING : ADVANCEMENT_TOUCH, &next) ||
             (touches && integrate_between(s, clock, next) < next)) {
             return false;
@@ -1099,17 +1115,18 @@ static bool integrate_located(struct span *s)
     return true;
 }
 
-/* Number of steps of turning_prescribed_steps that cost as much as the rest of a panel. */
+/* Steps of turning_prescribed_steps that cost as much as the rest of a panel. */
 static const double STEPS_OF_PANEL = 5.0;
 
 #if !SCENE_ANY_FREE
 
 /*
- * A scene without a free body: regimes and forces of the present, and communication steps in which nothing
- * turns or rubs. Places are parts of the step, from 0 to 1.
+ * This part serves scenes in which no body may be free: the regimes and forces of the present, and
+ * communication steps in which nothing turns or rubs. A place is a time as a fraction of the step, from 0 to
+ * 1.
  */
 
-/* Sets the regimes by the present instant, at the start and after inputs have jumped. */
+/* Sets the regimes of a contact that may turn or rub to those of the present instant. */
 static void settle_regimes(const struct scene_values *v, struct scene_state *q, int contact)
 {
     struct scene_instant at;
@@ -1177,7 +1194,7 @@ static double clock_of(const struct span *s, double place)
     return s->c.q->clock + place * s->length;
 }
 
-/* The regime of a contact half-way between two places. */
+/* Returns the regime of a contact half-way between two places. */
 static enum contact_regime regime_between(const struct span *s, double from, double to)
 {
     struct scene_instant at;
@@ -1194,7 +1211,7 @@ static bool integrate_regime(struct span *s, double from, double to)
            !(integrate_between(s, clock_of(s, from), clock_of(s, to)) < clock_of(s, to));
 }
 
-/* The first of ascending places beyond a given place; 1: none. */
+/* Returns the first of the ascending places beyond `from`, or 1 if there is none. */
 static double first_after(const double *places, int count, double from)
 {
     for (int i = 0; i < count; ++i) {
@@ -1205,7 +1222,7 @@ static double first_after(const double *places, int count, double from)
     return 1.0;
 }
 
-/* Whether the bodies begin to touch between two places, so that the onset sets the damping. */
+/* Whether the bodies begin to touch between two places and the onset sets the damping; if so, sets it. */
 CONTACT_COLD static bool takes_damping(struct span *s, double from, double to)
 {
     if (!scene_damps_by_onset(s->c.v, s->c.contact) || regime_of(&s->c) != REGIME_APART) {
@@ -1218,13 +1235,13 @@ CONTACT_COLD static bool takes_damping(struct span *s, double from, double to)
     return next != REGIME_APART;
 }
 
-/* Integrates a part of the step, within which the shape is smooth and has this path. */
+/* Integrates a part of the step, within which the contact stays in one zone and has the path `path`. */
 static bool integrate_path(struct span *s, const struct contact_shape *shape,
                            const struct relative_path *path, double from, double end)
 {
     const struct extremes extremes = extremes_of(path);
     double events[MAX_CANDIDATES];
-    int count = -1; /* the places of the law's events are not known */
+    int count = -1; /* the places of the law's events are to be found */
     while (from < end) {
         if (count < 0) {
             const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
@@ -1246,8 +1263,8 @@ static bool integrate_path(struct span *s, const struct contact_shape *shape,
 
 #if SCENE_ANY_CAPS
 
-/* A path changes the regime at a rim a dozen times at most. More changes than this are rounding; the rest of
- * the part is then integrated in the regime of its middle. */
+/* Most changes of regime at a rim in one part of the step. A path causes a dozen at most; further changes are
+ * rounding, and the rest of the part is integrated in the regime of its middle. */
 enum { MOST_RIM_CHANGES = 100 };
 
 /* Integrates the part of the step in which the contact is at a rim, one regime after another. */

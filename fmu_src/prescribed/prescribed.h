@@ -1,39 +1,42 @@
 /*
- * Contacts between bodies that the importer moves: neither body is free or turns freely, so that every
- * force is a function of time. Impulses, energies and work are quadratures of smooth formulas between two
- * changes of a regime. A panel of time is halved until both halves agree with the whole.
+ * Contacts between bodies that the importer moves: neither body is free or turns freely, so that every force
+ * is a function of time. Impulses, energies and work are integrals of smooth functions between two changes of
+ * a regime. The time is divided into panels, each integrated by a Gauss rule, and a panel is halved until the
+ * sum over its halves agrees with the whole.
  *
- * Where nothing turns or rubs the separation is a polynomial of time, and so are the conditions at which
- * the law changes: their roots are the events. Where a body turns or a contact rubs, touches come from
- * conservative advancement, which misses none, and the events of law and friction are located between the
- * nodes.
+ * Where nothing turns or rubs, the separation is a polynomial of time, and the conditions at which the law
+ * changes are polynomials too. Their roots are the events. Where a body turns or a contact rubs, conservative
+ * advancement finds the touches and misses none, and the events of law and friction are located between the
+ * nodes of the panels.
  */
 #ifndef CONTACT_PRESCRIBED_PRESCRIBED_H
 #define CONTACT_PRESCRIBED_PRESCRIBED_H
 
 #include "scene/scene_state.h"
 
-/* Limit of the panels in a communication step, which take about a second. A contact takes some dozens. */
+/* Most panels of a communication step. A contact takes some dozens; so many panels take about a second of
+ * computing. */
 enum { PRESCRIBED_PANELS = 20000 };
 
 /* Integrates the prescribed contacts over [q->clock, end], on which no regime changes, and books impulses,
- * energies, work and peaks. Each panel takes one step of the budget, but does not count in solver.steps.
- * Returns the clock reached, before `end` where the budget ran out; does not change q->clock. */
+ * energies, work and peaks. Each panel takes one step of *budget, but does not count in solver.steps. Returns
+ * the clock reached, which lies before `end` where the budget is used up. q->clock stays. */
 double prescribed_integrate(const struct scene_values *v, struct scene_state *q, double end, long *budget);
 
-/* Integrates the prescribed contacts over `length` seconds from the present, through all changes of regimes.
- * It serves scenes without a free body, which get the mean force instead of its impulse, and force elements
- * that turn or rub. The regimes and the spring of q become those at the end. False, and q is undefined, where
- * PRESCRIBED_PANELS panels or the search for touches did not suffice. */
+/* Integrates the prescribed contacts over `length` seconds from the present, through all changes of regimes,
+ * for scenes in which no body may be free and for force elements that turn or rub. The former get the mean
+ * force instead of an impulse. The regimes and springs of q become those at the end. Returns false where
+ * `panels` panels or the evaluations of the search for touches are used up; q is then undefined. */
 bool prescribed_over(const struct scene_values *v, struct scene_state *q, double length, long panels);
 
-/* Sets the regimes of q by the present instant. */
+/* Sets the regimes of q to those of the present instant. */
 void prescribed_settle(const struct scene_values *v, struct scene_state *q);
 
-/* Settles the regimes; notes the force of the present instant as the peak, with a mean of zero. */
+/* Sets the regimes to those of the present instant, the peaks to its force and penetration, the mean to
+ * zero. */
 void prescribed_begin(const struct scene_values *v, struct scene_state *q);
 
-/* Turns the springs of contacts that touch into the new tangent planes after inputs have jumped. */
+/* Projects the friction springs onto the new tangent planes after inputs have jumped. */
 void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q);
 
 #endif

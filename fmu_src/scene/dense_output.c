@@ -6,6 +6,7 @@
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"
 
+/* An event function on a dense output, as the argument of a root finder. */
 struct probe {
     const struct dense_output *output;
     const struct event_function *what;
@@ -61,7 +62,8 @@ static void probe_slope(const void *data, double s, double *value, double *slope
     *slope = probe->what->factor * at.of[probe->what->quantity][2];
 }
 
-/* The quantity at a place, or its slope: ends of a bracket of probe_value, probe_slope. */
+/* Return an end of a bracket for root finders: value_end holds an event function and its slope at sample i,
+ * for probe_value; slope_end holds the slope and the second derivative, for probe_slope. */
 static struct root_bracket_end value_end(const struct probe *probe, int i)
 {
     const struct pair_sample *at = &probe->output->at[i];
@@ -75,7 +77,7 @@ static struct root_bracket_end slope_end(const struct event_function *what, doub
     return (struct root_bracket_end){s, slope_of(what, at), what->factor * at->of[what->quantity][2]};
 }
 
-/* Where the quantity has its extremum between two places. */
+/* Returns the extremum of the event function between the samples i and i + 1. */
 static struct root_bracket_end extremum_between(const struct probe *probe, int i)
 {
     struct root_bracket_end extremum = {
@@ -86,7 +88,8 @@ static struct root_bracket_end extremum_between(const struct probe *probe, int i
     return extremum;
 }
 
-/* The fall through zero between two samples: directly, by way of a minimum, or after a rise from below. */
+/* Returns the s of the fall through zero between the samples i and i + 1: directly, by way of a minimum, or
+ * after a rise from below; else INFINITY. */
 static double fall_between(const struct probe *probe, int i)
 {
     const struct dense_output *w = probe->output;
@@ -112,8 +115,8 @@ static double fall_between(const struct probe *probe, int i)
     return (double)INFINITY;
 }
 
-/* Whether the first two samples are not above zero and one is below. A function that is zero and stays so, as
- * the gap rate at rest, is not below. */
+/* Whether neither of the first two samples is above zero and one is below. A function that stays zero, as the
+ * gap rate at rest does, does not start below. */
 static bool starts_below(const struct dense_output *w, const struct event_function *what)
 {
     const double first = value_of(what, &w->at[0]);
@@ -134,10 +137,10 @@ double dense_output_first_event(const struct dense_output *w, const struct event
     return fall;
 }
 
-/* Where the maximum is higher than the present point by less than this part, a parabola gives it to
- * rounding. */
+/* Rise to the top as a fraction of the present value, below which a parabola gives the top to rounding. */
 static const double NEAR_TOP = 1e-10;
 
+/* Most steps of Newton's method, which converges quadratically; where it does not, the caller bisects. */
 enum { CLIMBS = 6 };
 
 bool dense_output_climb(const struct dense_output *w, const struct event_function *what, double s, double low,
@@ -162,14 +165,14 @@ bool dense_output_climb(const struct dense_output *w, const struct event_functio
     return false;
 }
 
-/* Whether a place is itself the top, to rounding. */
+/* Whether a sample is itself the top, to rounding. */
 static bool is_top(const struct event_function *what, const struct pair_sample *at)
 {
     const double slope = slope_of(what, at);
     return slope * slope <= DBL_EPSILON * fabs(at->of[what->quantity][2] * value_of(what, at));
 }
 
-/* The bend of a quantity; root_in_bracket then bisects. */
+/* Sets the second derivative as a root_function. Its slope is unknown; with zero, root_in_bracket bisects. */
 static void probe_bend(const void *data, double s, double *value, double *slope)
 {
     const struct probe *probe = data;
@@ -178,8 +181,9 @@ static void probe_bend(const void *data, double s, double *value, double *slope)
     *slope = 0.0;
 }
 
-/* Whether a slope that has its extremum between two places stays clear of zero there: by the cubic through
- * both ends, at the zero of the chord of its bend, more than half of the smaller end is left. */
+/* Whether a slope with an extremum between `low` and `high` stays clear of zero. The cubic through both ends
+ * is taken where its linearly interpolated derivative is zero; its value there must exceed half of the
+ * smaller end value. */
 static bool stays_clear(const struct root_bracket_end *low, const struct root_bracket_end *high)
 {
     const double width = high->s - low->s;
@@ -191,9 +195,9 @@ static bool stays_clear(const struct root_bracket_end *low, const struct root_br
     return low->value > 0.0 ? between > least : between < -least;
 }
 
-/* Whether there is a top between two places, given the slope at both, and between which ends the slope falls
- * through zero: the places themselves, or, where the quantity goes the same way at both, one of them and the
- * place at which its slope turns. */
+/* Whether there is a top between `low` and `high`, which hold slopes. Where the quantity rises or falls at
+ * both ends, one end moves to the extremum of the slope, so that the slope falls through zero between the
+ * ends. */
 static bool brackets_top(const struct probe *probe, struct root_bracket_end *low,
                          struct root_bracket_end *high)
 {
@@ -212,8 +216,8 @@ bool dense_output_is_larger(const struct dense_output *w, double value, double l
     return value > largest + w->worth_a_search * fabs(largest);
 }
 
-/* Whether a top between two places may be larger than what is known: where the quantity bends down at both it
- * lies below both tangents. */
+/* Whether a top between two samples may exceed the largest value known. Where the quantity bends down at both
+ * samples, the top lies below the crossing of the two tangents. */
 static bool may_be_larger(const struct probe *probe, const struct root_bracket_end *low,
                           const struct root_bracket_end *high, const struct pair_sample *at,
                           const struct pair_sample *next, double largest)
@@ -226,7 +230,8 @@ static bool may_be_larger(const struct probe *probe, const struct root_bracket_e
            dense_output_is_larger(probe->output, value_of(what, at) + low->value * meet, largest);
 }
 
-/* The larger of `largest` and of the top between the samples at low and high. */
+/* Returns the larger of `largest` and of the top between the samples `at` and `next`, whose slopes are `low`
+ * and `high`. */
 static double larger_between(const struct probe *probe, struct root_bracket_end low,
                              struct root_bracket_end high, const struct pair_sample *at,
                              const struct pair_sample *next, double largest)
@@ -280,7 +285,7 @@ static void scene_at(const struct scene_output *o, double clock, struct scene_st
     scene_evaluate(o->values, q, clock, q->body, at);
 }
 
-/* A dense_output_sampler; its variable is the clock. */
+/* Samples the scene; serves as a dense_output_sampler, whose variable is the clock [s]. */
 static void sample_scene(const void *output, double clock, struct pair_sample *sample)
 {
     const struct scene_output *o = output;
@@ -295,8 +300,9 @@ static void sample_scene(const void *output, double clock, struct pair_sample *s
     put_terms(sample->of[PAIR_FORCE], jet->normal_force);
 }
 
-/* In the centre of solid bodies n reverses, and the force of a dashpot with it: it is largest right before or
- * right after. There the gap, which falls at `low` and rises at `high`, is least. */
+/* Notes the peaks on both sides of the centre of solid bodies. There n and the force of a dashpot reverse, so
+ * that the force is largest right before or right after. The gap falls at `low`, rises at `high`, and is
+ * least in the centre. */
 static void note_at_centre(const struct scene_output *o, double low, double high, struct contact_peaks *peaks)
 {
     struct pair_sample at;
@@ -307,8 +313,8 @@ static void note_at_centre(const struct scene_output *o, double low, double high
     }
 }
 
-/* Whether the motion may have come through the centre: the bodies overlap by more than half the distance at
- * which they touch, and approach no more. */
+/* Whether the motion between two samples may have passed the centre: the bodies have stopped approaching, and
+ * overlap by more than half of the distance d at which they touch. */
 static bool may_pass_centre(const struct scene_output *o, const struct pair_sample *before,
                             const struct pair_sample *after)
 {

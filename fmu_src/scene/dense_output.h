@@ -1,4 +1,4 @@
-/* Dense output of a segment, location of event functions on it, and largest values of its quantities. */
+/* The dense output of a segment: samples of it, the first event on it, and the largest values on it. */
 #ifndef CONTACT_SCENE_DENSE_OUTPUT_H
 #define CONTACT_SCENE_DENSE_OUTPUT_H
 
@@ -6,8 +6,7 @@
 
 #include "scene/scene_state.h"
 
-/* The quantities whose zeros are events, each with its first two derivatives with respect to the segment's
- * variable s. */
+/* The quantities that may end a segment or have a peak. */
 enum pair_quantity {
     PAIR_GAP,
     PAIR_GAP_RATE,
@@ -17,8 +16,9 @@ enum pair_quantity {
     PAIR_QUANTITIES = SCENE_ANY_CAPS ? PAIR_AXIAL + 1 : PAIR_RADIAL
 };
 
+/* Each quantity with its first two derivatives by the segment's variable s: g [m], g' as the law sees it
+ * [m/s], F_n [N]; at a rim the distances of the centre beyond side and cap [m]. */
 struct pair_sample {
-    /* g [m], g' as the law sees it [m/s], F_n [N]; at a rim how far beyond side and cap the centre is [m] */
     double of[PAIR_QUANTITIES][3];
 };
 
@@ -26,15 +26,15 @@ typedef void dense_output_sampler(const void *segment, double s, struct pair_sam
 
 enum { DENSE_OUTPUT_POINTS = 24 };
 
-/* Between tops less than this part of the largest value known is not worth a search: it is less than the
- * tolerance that anybody asks for (1e-8 is the start value). */
+/* The usual value of `worth_a_search` below, which is less than any tolerance that users ask for; 1e-8 is the
+ * tolerance at the start. */
 #define DENSE_OUTPUT_WORTH_A_SEARCH 1e-9
 
 /* A segment sampled at ascending s, so densely that no quantity has two extrema between two samples. */
 struct dense_output {
     dense_output_sampler *sampler;
     const void *segment;
-    /* a top that is larger than the largest value known by less than this part of it is not looked for */
+    /* a top is looked for only if it may exceed the largest value known by this fraction of that value */
     double worth_a_search;
     int count;
     double s[DENSE_OUTPUT_POINTS];
@@ -43,60 +43,62 @@ struct dense_output {
     struct pair_sample latest;
 };
 
-/* Samples at one place more, beyond those there are. */
+/* Adds a sample at s, which is larger than all s so far. */
 void dense_output_add(struct dense_output *w, double s);
 
-/* Samples at the first `count` places already in w->s. */
+/* Takes the samples at the first `count` values of w->s. */
 void dense_output_sample(struct dense_output *w);
 
-/* The sample at any s; the latest one is kept. */
+/* Returns the sample at any s, and keeps it in case that s is asked for again. */
 const struct pair_sample *dense_output_at(struct dense_output *w, double s);
 
-/* An event function: factor quantity + offset. The event is its fall through zero. */
+/* An event function: factor times quantity + offset. A fall through zero is an event. */
 struct event_function {
     enum pair_quantity quantity;
     double factor, offset;
 };
 
-/* The first s at which the event function falls through zero, also after a rise from below; the first sample
- * if it starts below zero and stays there; INFINITY if there is no event. */
+/* Returns the first s at which the event function falls through zero, also after a rise from below. Returns
+ * the first sample's s if the function starts below zero and stays there, and INFINITY if there is no
+ * event. */
 double dense_output_first_event(const struct dense_output *w, const struct event_function *what);
 
-/* Newton's method from s towards a top of factor quantity, inside [low, high]. `largest` becomes the largest
- * value met; false where no top was reached. */
+/* Goes by Newton's method from s to a top of factor times quantity inside [low, high]. *largest is raised to
+ * the largest value met. Returns false where no top was reached. */
 bool dense_output_climb(const struct dense_output *w, const struct event_function *what, double s, double low,
                         double high, double *largest);
 
-/* Whether a value is larger than the largest known by so much that it is worth a search. */
+/* Whether a value exceeds the largest known by so much that a search for a top is worth while. */
 bool dense_output_is_larger(const struct dense_output *w, double value, double largest);
 
-/* The larger of `known` and of factor quantity up to `end`, which may be before the last sample; `then` is
- * the sample at `end`. */
+/* Returns the largest value of factor times quantity up to `end`, or `known` if this is larger. `end` may lie
+ * before the last sample; `then` is the sample at `end`. */
 double dense_output_largest(const struct dense_output *w, const struct event_function *what, double end,
                             const struct pair_sample *then, double known);
 
 /*
- * Dense output of a contact whose motion no segment computes: the motion is given, or an integrator knows it
- * between the ends of its steps. It finds the largest force and penetration.
+ * The dense output of a contact without a segment: its motion is prescribed, or an integrator computes it
+ * between the ends of its steps. The samples show the largest force and penetration.
  */
 
 struct scene_output {
     const struct scene_values *values;
     const struct scene_state *state; /* regimes and paths */
     int contact;
-    /* puts the free bodies where they are at a clock; NULL: the contact has none */
+    /* moves the free bodies to their places at a clock; NULL: no body is free */
     void (*move)(void *mover, double clock, struct scene_state *q);
     void *mover;
-    struct dense_output output; /* its variable is the clock; empty to begin with */
+    struct dense_output output; /* its variable is the clock [s]; it is empty at the start */
 };
 
-/* Takes the motion from where the last call ended, or `from`, to another clock into account for the peaks of
- * the communication step, looked at in so many parts that no quantity has two extrema within one. */
+/* Raises the peaks to the largest force and penetration up to the clock `to`, from the end of the last call
+ * on; the first call starts at `from`. The caller chooses so many `parts` that no quantity has two extrema
+ * within one. */
 void scene_output_note_peaks(struct scene_output *o, double from, double to, int parts,
                              struct contact_peaks *peaks);
 
-/* Where nothing turns or rubs, and the destination is no sphere: the impulse of the torque on it from one
- * clock to another, in so many panels of degree nine [N m s]. */
+/* Adds the impulse of the torque on the destination between two clocks [N m s], by `panels` Gauss rules of
+ * degree nine. Does nothing where something turns or rubs, or where the destination is a sphere. */
 void scene_output_add_torque(const struct scene_output *o, double from, double to, int panels,
                              struct scene_state *q);
 

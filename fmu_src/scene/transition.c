@@ -4,8 +4,8 @@
 #include "scene/ode.h"
 #include "scene/transition.h"
 
-/* The margin is raised by so many rounding bounds of the gap, because its own value may be off by one bound
- * on either side of a change. */
+/* Rounding bounds by which a margin is raised. The margin may be wrong by one bound on either side of a
+ * change, so that two bounds are needed; four leave room. */
 static const double MARGIN_ROUNDINGS = 4.0;
 
 double regime_touch_margin(const struct scene_values *v, const struct scene_state *q,
@@ -65,6 +65,7 @@ enum contact_regime regime_by_margins(const struct scene_values *v, const struct
     return within || !contact_has_events(&law) ? regime : contact_regime_after(&law, regime);
 }
 
+/* Whether a regime of friction lies beyond the change of an event, so that its margin is negative. */
 static bool is_beyond(enum friction_regime regime, enum ode_event event)
 {
     switch (event) {
@@ -77,13 +78,13 @@ static bool is_beyond(enum friction_regime regime, enum ode_event event)
     }
 }
 
-/* What the tolerances leave of a slip [m/s]. */
+/* Returns the error of the slip that the solver's tolerances allow [m/s]. */
 static double tolerated_slip(const struct scene_values *v, const struct scene_instant *at, int contact)
 {
     return solver_relative_tolerance(v) * vec3_norm(at->turning.slip[contact]) + solver_absolute_tolerance(v);
 }
 
-/* An event function of friction, raised by the error that rounding and the tolerance of speeds may cause. */
+/* Returns an event function of friction, raised by its error by rounding and by the tolerance of speeds. */
 static double raised_friction_event(const struct scene_values *v, const struct scene_state *q,
                                     const struct scene_instant *at, int contact, enum ode_event event)
 {
@@ -110,7 +111,7 @@ enum ode_event regime_friction_event(const struct scene_values *v, const struct 
     for (int i = 0; i < 3 && contact_rubs(v, contact) && contact_transmits(q, contact); ++i) {
         const double margin = raised_friction_event(v, q, at, contact, EVENTS[i]);
         if (margin < 0.0 ||
-            (margin == 0.0 && at->normal_force[contact] > 0.0)) { /* without force it begins */
+            (margin == 0.0 && at->normal_force[contact] > 0.0)) { /* at zero force friction has just begun */
             return EVENTS[i];
         }
     }
@@ -122,8 +123,8 @@ static void set_friction_regime(struct scene_state *q, int contact, enum frictio
     q->contact[contact].friction_regime = (int32_t)regime;
 }
 
-/* Whether the dashpot pulls. Its lift event looks at the push, so this does, too: friction that is lifted has
- * an event that ends it. */
+/* Whether the dashpot pulls. The push decides, as in the lift event, so that friction which is lifted has an
+ * event that ends this regime. */
 static bool is_lifted(const struct scene_values *v, const struct scene_state *q,
                       const struct scene_instant *at, int contact)
 {
@@ -132,13 +133,15 @@ static bool is_lifted(const struct scene_values *v, const struct scene_state *q,
     return contact_may_pull(&law) && contact_push(&law, g->gap, g->gap_rate) < 0.0;
 }
 
-/* A force that is not above zero where nothing pulls is rounding, or about to grow. */
+/* Returns the regime of sliding. Where nothing pulls, a normal force [N] that is not above zero is rounding
+ * or about to grow. */
 static enum friction_regime sliding_regime(const struct friction_law *law, double normal_force)
 {
     return normal_force > 0.0 ? friction_sliding_regime(law, normal_force) : FRICTION_SLIDING;
 }
 
-/* The spring is at rest; what it stored counts as dissipated from now on (energy.friction). */
+/* Ends friction and relaxes its spring. The energy of the spring counts as dissipated from now on
+ * (energy.friction). */
 static void end_friction(struct scene_state *q, int contact)
 {
     set_friction_regime(q, contact, FRICTION_LIFTED);
@@ -146,8 +149,9 @@ static void end_friction(struct scene_state *q, int contact)
 }
 
 /*
- * What the normal force comes to in an impact [N]: the spring's where it has stored the energy of the
- * approach. An energy goes with the power 2 of the depth, under Hertz's law 5/2. Zero where nothing tells.
+ * Returns the spring's normal force [N] where it has stored the energy of the approach, as at the deepest
+ * point of an impact. The stored energy is proportional to the depth squared, under Hertz's law to the depth
+ * to the power 5/2. Zero where neither body is free or nothing is stored.
  */
 static double impact_force(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at, int contact)
@@ -164,11 +168,12 @@ static double impact_force(const struct scene_values *v, const struct scene_stat
     return -contact_stored_slope(&law, REGIME_COMPRESSION, -depth);
 }
 
-/* A spring's length where no force tells: of the source's radius. */
+/* Length of a friction spring as a fraction of the source's radius, where no force gives the length. */
 static const double TYPICAL_LENGTH = 1e-4;
 
-/* Of sliding without a dashpot the state is the spring's direction, with a length that errors of the spring
- * are small beside; the force does not depend on it. */
+/* Returns the spring of a contact that begins to slide along `along` without a dashpot. Only the direction of
+ * this spring has a meaning. The length does not matter for the force; it is so large that errors of the
+ * spring are small beside it. */
 static struct vec3 direction_to_slide(const struct scene_values *v, const struct scene_state *q,
                                       const struct scene_instant *at, const struct friction_law *law,
                                       int contact, struct vec3 along)
@@ -180,8 +185,8 @@ static struct vec3 direction_to_slide(const struct scene_values *v, const struct
     return size > 0.0 ? vec3_scale(typical / size, along) : along;
 }
 
-/* F_n at an onset, where one that rounding and the tolerance of speeds explain is zero: it grows from there,
- * and the rates decide. */
+/* Returns F_n at an onset [N]. A force that rounding and the tolerance of speeds explain counts as zero; the
+ * rates then decide which regime follows. */
 static double onset_force(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at, int contact)
 {
@@ -195,6 +200,7 @@ static double onset_force(const struct scene_values *v, const struct scene_state
     return force > MARGIN_ROUNDINGS * error ? force : 0.0;
 }
 
+/* Begins friction with a spring at rest. */
 static void begin_friction(const struct scene_values *v, struct scene_state *q, int contact)
 {
     struct scene_instant at;
@@ -211,6 +217,7 @@ static void begin_friction(const struct scene_values *v, struct scene_state *q, 
     }
 }
 
+/* Puts a contact that slides into sticking, with the spring that holds the friction force. */
 static void stick(const struct friction_law *law, enum friction_regime regime, struct friction_state rubbing,
                   struct scene_state *q, int contact)
 {
@@ -218,9 +225,9 @@ static void stick(const struct friction_law *law, enum friction_regime regime, s
     set_friction_regime(q, contact, FRICTION_STICKING);
 }
 
-/* Without a dashpot a contact slides only while the slip stretches the spring on. Where it does not, the
- * contact sticks again at once: under mu_s > mu, where the spring jumps back as it breaks away, and where
- * errors have found F* beyond its limit while it falls. */
+/* Ends sticking. Without a dashpot a contact slides only while the slip stretches the spring further; else it
+ * sticks again at once. It does so with mu_s > mu, where the spring jumps back as the contact breaks away,
+ * and where errors have put F* beyond its limit although F* falls. */
 static void break_away(const struct scene_values *v, struct scene_state *q, int contact)
 {
     struct scene_instant at;
@@ -236,7 +243,7 @@ static void break_away(const struct scene_values *v, struct scene_state *q, int 
     const struct friction_state rubbing = turning_rubbing(&q->turning, &at, contact);
     const double force_rate = turning_normal_force_rate(v, q, q->clock, &at, contact);
     const bool jumps = law.static_coefficient > law.coefficient;
-    const double least = jumps ? 0.0 : -tolerated_slip(v, &at, contact); /* below it no error decides */
+    const double least = jumps ? 0.0 : -tolerated_slip(v, &at, contact); /* below this no error decides */
     if (law.damping == 0.0 && friction_stick_event(&law, next, rubbing, force_rate) < least) {
         stick(&law, next, rubbing, q, contact);
     } else if (law.damping == 0.0) {
@@ -253,8 +260,8 @@ static void stop_sliding(const struct scene_values *v, struct scene_state *q, in
           turning_rubbing(&q->turning, &at, contact), q, contact);
 }
 
-/* At a corner of the law, where the force falls more slowly from then on or begins to rise, and where a
- * given velocity jumps, the slip may no longer stretch the spring. */
+/* Lets a contact go on sliding unless it sticks. The slip may no longer stretch the spring after a corner of
+ * the law, from where on the force falls more slowly or rises, and after a prescribed velocity has jumped. */
 static void keep_sliding(const struct scene_values *v, struct scene_state *q, int contact)
 {
     struct scene_instant at;
@@ -269,7 +276,7 @@ static void keep_sliding(const struct scene_values *v, struct scene_state *q, in
     }
 }
 
-/* The regime that the present force asks for. */
+/* Puts friction into the regime that the present normal force asks for. */
 static void reconsider(const struct scene_values *v, struct scene_state *q, int contact)
 {
     struct scene_instant at;
@@ -349,8 +356,8 @@ static void set_regime(const struct scene_values *v, struct scene_state *q, int 
     }
 }
 
-/* Rounding of the gap after contact, besides its rounding bound: that of the distance covered into and out of
- * the contact [m]. */
+/* Returns the rounding error of the gap after a contact that has `lasted` so many seconds [m]: 32 roundings
+ * of the distance that the bodies have covered relative to each other. */
 static double way_rounding(const struct scene_state *q, const struct scene_instant *at, int contact,
                            double lasted)
 {
@@ -358,8 +365,8 @@ static double way_rounding(const struct scene_state *q, const struct scene_insta
     return 32.0 * DBL_EPSILON * way;
 }
 
-/* The gap at a change of regime: where contact ends by the gap it is zero or more; where a touch was found by
- * an integrator, not foreseen, it is zero. */
+/* Returns the gap at a change of regime [m]. Where contact ends by the gap, the gap is at least zero. Where
+ * an integrator has found a touch, the gap is zero; a foreseen touch has a gap of its own. */
 static double gap_at_change(const struct scene_values *v, const struct scene_state *q,
                             const struct scene_instant *at, int contact, enum contact_regime regime,
                             double lasted)
@@ -375,9 +382,9 @@ static double gap_at_change(const struct scene_values *v, const struct scene_sta
     return fabs(gap) > fmax(rounding_of_gap(v, at, contact), rounding) ? gap : meant;
 }
 
-/* After a deep impact, which is long against the bodies' sizes, the gap is rounded more than positions are
- * here, so that the bodies might touch again at once. They are moved to a gap of zero. A larger gap is a
- * cylinder's end and stays. */
+/* Moves bodies that part to a gap of zero. After an impact deep in comparison with the bodies' sizes, the gap
+ * has a larger rounding error than positions have here, so that the bodies might touch again at once. A
+ * larger gap shows that contact has ended at a cylinder's end, and stays. */
 static void close_rounded_gap(const struct scene_values *v, struct scene_state *q, struct scene_instant *at,
                               int contact, double lasted)
 {
@@ -387,20 +394,20 @@ static void close_rounded_gap(const struct scene_values *v, struct scene_state *
         gap <= 0.25 * rounding_of_gap(v, at, contact)) {
         return;
     }
-    q->contact[contact].physics.accumulated_gap = DBL_MAX; /* not known: as positions give it */
+    q->contact[contact].physics.accumulated_gap = DBL_MAX; /* unknown; positions give the gap */
     projection_close_gap(v, q, contact);
     scene_rebase(v, q);
     scene_kinematics_now(v, q, at);
 }
 
-/* Start of a phase: forget foreseen changes, note the energy balance. */
+/* Begins a phase of motion: forgets foreseen changes and notes the energy to be kept. */
 static void begin_phase(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at)
 {
     q->horizon_clock = -(double)INFINITY;
     q->phase_energy = scene_uses_ode(v) ? projection_balance(v, q, at) : 0.0;
 }
 
-/* Takes the instant into account for the peaks of the communication step. */
+/* Raises the peaks of the communication step to the values of the instant. */
 static void note_peaks_of(struct scene_state *q, const struct scene_instant *at)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -420,8 +427,8 @@ static inline void note_peaks_of_touching(const struct scene_values *v, struct s
     }
 }
 
-/* Where n jumps, so does the gap rate: the gap is as positions give it, the regime is what the law says of
- * the new rate, and the spring of elastic friction begins at rest in the new face. */
+/* Returns the regime after a jump of n, with which the gap rate jumps too. Positions give the gap, the law
+ * gives the regime for the new rate, and the spring of elastic friction begins at rest on the new face. */
 static enum contact_regime regime_at_jump(const struct scene_values *v, struct scene_state *q,
                                           struct scene_instant *at, int contact)
 {
@@ -433,8 +440,8 @@ static enum contact_regime regime_at_jump(const struct scene_values *v, struct s
     return scene_regime_of_touching(v, q, at, contact);
 }
 
-/* Into the next zone of a capped cylinder, outside the solid with the gap as it is known. Returns the regime
- * there. */
+/* Passes into the next zone of a capped cylinder and returns the regime there. Outside the solid the known
+ * gap is kept. */
 static enum contact_regime pass_zone(const struct scene_values *v, struct scene_state *q,
                                      struct scene_instant *at, int contact)
 {
@@ -552,7 +559,7 @@ void transition_scale_force_error(struct scene_state *q, int contact, struct con
     *error = fmin(*error * fmax(1.0, fmax(by_gap, by_rate)), DBL_MAX);
 }
 
-/* Peaks, and the normals for where there are none. */
+/* Notes the peaks, and the normals, which serve later where the distance d is zero. */
 static void note_instant(struct scene_state *q, const struct scene_instant *at)
 {
     note_peaks_of(q, at);
