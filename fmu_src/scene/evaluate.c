@@ -18,16 +18,8 @@ bool scene_damps_by_onset(const struct scene_values *v, int contact)
            contact_viscous_control(v, contact) == VISCOUS_CONTROL_RESTITUTION;
 }
 
-enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
-                               const struct scene_instant *at, int contact, enum contact_regime next)
-{
-    if (SCENE_ANY_RESTITUTION && SCENE_ANY_HERTZ) {
-        return scene_damps_by_onset(v, contact) ? onset_take_damping(v, q, at, contact, next) : next;
-    }
-    return next;
-}
-
-/* Homogeneous solids: sphere 2/5 m r^2; cylinder m r^2/2 and m (3 r^2 + L^2)/12. */
+/* Automatic moments of inertia are those of homogeneous solids: 2/5 m r^2 for a sphere; m r^2/2 about the
+ * axis and m (3 r^2 + L^2)/12 across it for a cylinder. */
 struct body_inertia body_inertia_of(const struct scene_values *v, int body)
 {
     const bool is_cylinder = SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER;
@@ -46,14 +38,13 @@ struct body_inertia body_inertia_of(const struct scene_values *v, int body)
 
 struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    struct friction_law law = {.kind = (enum friction)contact_friction(v, contact),
-                               .coefficient = contact_friction_coefficient(v, contact),
-                               .static_coefficient = contact_static_friction_coefficient(v, contact),
-                               .largest = contact_maximum_friction_force(v, contact),
-                               .stiffness = contact_tangential_stiffness(v, contact),
-                               .damping = contact_tangential_damping(v, contact),
-                               .slip_velocity = q->contact[contact].parameters.slip_velocity};
-    return law;
+    return (struct friction_law){.kind = (enum friction)contact_friction(v, contact),
+                                 .coefficient = contact_friction_coefficient(v, contact),
+                                 .static_coefficient = contact_static_friction_coefficient(v, contact),
+                                 .largest = contact_maximum_friction_force(v, contact),
+                                 .stiffness = contact_tangential_stiffness(v, contact),
+                                 .damping = contact_tangential_damping(v, contact),
+                                 .slip_velocity = q->contact[contact].parameters.slip_velocity};
 }
 
 static bool has_axis(int body)
@@ -84,24 +75,25 @@ struct quaternion turning_start_orientation(const struct scene_values *v, int bo
                           : quaternion_identity();
 }
 
-/* Coefficient n of the series in t/step is at most exp(a/2)/8^n, where a is the angle that the sizes of
- * omega's terms would turn by in 8 steps (Cauchy's bound). With a <= 8, for a constant omega a step of one
- * radian, what follows 20 terms is below exp(4)/8^21 = 6e-18. */
+/* Terms of the series of a rotation over one step, and the bound of the angle a [rad] by which the summed
+ * sizes of omega's terms would turn the body in 8 steps. By Cauchy's bound, coefficient n of the series in
+ * time / step is at most exp(a/2)/8^n. With a <= 8, which is a step of one radian for a constant omega, the
+ * term after the twentieth is below exp(4)/8^21 = 6e-18. */
 enum { SERIES_TERMS = 20 };
 static const double SERIES_REACH = 8.0;
 
 /*
- * The rotation by the angular velocity omega(t) = sum omega_i t^i from 0 to `clock`, from q' = (0, omega)
- * q/2:
- * (n + 1) q_(n+1) = sum_i (0, omega_i) q_(n-i) / 2, in steps of at most one radian. A step takes the
- * polynomial along to its own start.
+ * Returns the orientation q at `clock` from that at 0, under the angular velocity omega(t) = sum omega_i t^i.
+ * From q' = (0, omega) q/2 follow the coefficients of a power series,
+ *   (n + 1) q_(n+1) = sum_i (0, omega_i) q_(n-i) / 2
+ * A series covers a step of at most one radian. Each step moves the origin of the polynomial to its start.
  */
 static struct quaternion rotation_over(const struct vec3 *omega, double clock, struct quaternion q)
 {
     struct vec3 rest[3] = {omega[0], omega[1], omega[2]};
     double left = clock;
     double before = (double)INFINITY;
-    while (left > 0.0 && left < before) { /* turning_prescribed_steps tells how often */
+    while (left > 0.0 && left < before) { /* see turning_prescribed_steps */
         const double w[3] = {vec3_norm(rest[0]), vec3_norm(rest[1]), vec3_norm(rest[2])};
         double step = left;
         double far = SERIES_REACH * step;
@@ -133,7 +125,7 @@ static struct quaternion turned_by(const struct vec3 *omega, double clock, struc
     if (clock == 0.0) {
         return q;
     }
-    if (path_is_steady(omega, 3)) { /* about one direction: the angle is the integral of the speed */
+    if (path_is_steady(omega, 3)) { /* the angular velocity is constant */
         return quaternion_unit(quaternion_product(quaternion_of_rotation(vec3_scale(clock, omega[0])), q));
     }
     return rotation_over(omega, clock, q);
@@ -167,7 +159,8 @@ struct body_turn turning_prescribed_at(const struct scene_values *v, const struc
     return at;
 }
 
-void turning_rebase(const struct scene_values *v, struct scene_state *q)
+/* Moves turn_origin of all bodies that turn to the present. */
+static void turning_rebase(const struct scene_values *v, struct scene_state *q)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_turns_freely(v, i)) {
@@ -193,18 +186,6 @@ void turning_take_axes(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-static void place_body(const struct scene_values *v, struct scene_state *q, int body)
-{
-    q->turn_origin[body] = (struct body_turn){turning_start_orientation(v, body), vec3_make(0.0, 0.0, 0.0)};
-    if (body_turns_freely(v, body)) {
-        q->turn_origin[body].angular_velocity = body_initial_angular_velocity(v, body);
-    }
-    if (body_turn_is_prescribed(v, body) && has_axis(body)) {
-        q->turn_origin[body].orientation = turned_to(quaternion_identity(), q->path[body].axis[0]);
-    }
-    q->turning.body[body] = q->turn_origin[body];
-}
-
 static struct body_turn turn_at(const struct scene_values *v, const struct scene_state *q, double clock,
                                 const struct turning_state *turning, int body)
 {
@@ -215,22 +196,31 @@ static struct body_turn turn_at(const struct scene_values *v, const struct scene
         return (struct body_turn){quaternion_identity(), vec3_make(0.0, 0.0, 0.0)};
     }
     struct body_turn turn = turning->body[body];
-    if (!body_turns_freely(v, body)) { /* an importer's integrator may set another */
+    if (!body_turns_freely(v, body)) { /* an importer's integrator may have set another one */
         turn.angular_velocity = vec3_make(0.0, 0.0, 0.0);
     }
-    turn.orientation = quaternion_unit(turn.orientation); /* an integrator outside lets its length drift */
+    turn.orientation = quaternion_unit(turn.orientation); /* an importer's integrator lets its length drift */
     return turn;
 }
 
 void turning_place(const struct scene_values *v, struct scene_state *q)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        place_body(v, q, i);
+        struct body_turn *origin = &q->turn_origin[i];
+        *origin = (struct body_turn){turning_start_orientation(v, i), vec3_make(0.0, 0.0, 0.0)};
+        if (body_turns_freely(v, i)) {
+            origin->angular_velocity = body_initial_angular_velocity(v, i);
+        }
+        if (body_turn_is_prescribed(v, i) && has_axis(i)) {
+            origin->orientation = turned_to(quaternion_identity(), q->path[i].axis[0]);
+        }
+        q->turning.body[i] = *origin;
     }
 }
 
-void turning_of_bodies(const struct scene_values *v, const struct scene_state *q, double clock,
-                       const struct turning_state *turning, struct scene_instant *at)
+/* Sets orientation and angular velocity of every body and the axis of every destination. */
+static void turning_of_bodies(const struct scene_values *v, const struct scene_state *q, double clock,
+                              const struct turning_state *turning, struct scene_instant *at)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         at->turning.body[i] = turn_at(v, q, clock, turning, i);
@@ -246,8 +236,10 @@ void turning_of_bodies(const struct scene_values *v, const struct scene_state *q
     }
 }
 
-void turning_of_contact(const struct scene_values *v, const struct scene_state *q,
-                        const struct turning_state *state, int contact, struct scene_instant *at)
+/* Sets slip, friction and torques of a contact whose geometry and normal force are known. Adds friction to
+ * the force on the source. */
+static void turning_of_contact(const struct scene_values *v, const struct scene_state *q,
+                               const struct turning_state *state, int contact, struct scene_instant *at)
 {
     struct turning_instant *turning = &at->turning;
     const int source = contact_source(contact);
@@ -357,6 +349,22 @@ static void put_kinematics(const struct scene_values *v, const struct scene_stat
     }
 }
 
+/* Does the work of scene_kinematics with the rotations in `turning`. */
+CONTACT_NOINLINE static void scene_kinematics_turning(const struct scene_values *v,
+                                                      const struct scene_state *q, double clock,
+                                                      const struct body_state *bodies,
+                                                      const struct turning_state *turning,
+                                                      struct scene_instant *at)
+{
+    put_kinematics(v, q, clock, bodies, at);
+    turning_of_bodies(v, q, clock, turning, at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_shape shape = scene_contact_shape_at(v, q, at, j);
+        at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate_in_destination(v, at, j),
+                                              q->contact[j].normal);
+    }
+}
+
 CONTACT_FLATTEN void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
                                       const struct body_state *bodies, struct scene_instant *at)
 {
@@ -371,20 +379,7 @@ CONTACT_FLATTEN void scene_kinematics(const struct scene_values *v, const struct
     }
 }
 
-CONTACT_NOINLINE void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q,
-                                               double clock, const struct body_state *bodies,
-                                               const struct turning_state *turning, struct scene_instant *at)
-{
-    put_kinematics(v, q, clock, bodies, at);
-    turning_of_bodies(v, q, clock, turning, at);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_shape shape = scene_contact_shape_at(v, q, at, j);
-        at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate_in_destination(v, at, j),
-                                              q->contact[j].normal);
-    }
-}
-
-/* `turning`: NULL where nothing turns or rubs. */
+/* Completes an instant by accelerations and forces. `turning` is NULL where nothing turns or rubs. */
 static inline void put_forces(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct turning_state *turning, struct scene_instant *at)
 {
@@ -419,7 +414,7 @@ static inline void put_forces(const struct scene_values *v, const struct scene_s
     }
 }
 
-/* A function of its own, so that the code for scenes where nothing turns or rubs stays small. */
+/* Is not inlined, so that the code for scenes where nothing turns or rubs stays small. */
 CONTACT_NOINLINE static void put_forces_turning(const struct scene_values *v, const struct scene_state *q,
                                                 double clock, const struct turning_state *turning,
                                                 struct scene_instant *at)
@@ -569,9 +564,9 @@ static bool rounding_turns(const struct contact_geometry *g, int contact)
     return !at_cap && !g->degenerate && body_shape(contact_destination(contact)) != SHAPE_PLANE;
 }
 
-/* Below this [m/s] the sign of g' means nothing: rounding of w; rounding of n, which has no meaning where d =
- * 0 (d < 0: a centre below a cap); the speed of an oscillation as large as the gap's rounding bound; the
- * integrator's tolerance. */
+/* Returns the size of g' [m/s] below which its sign means nothing. It is the sum of the rounding of w, the
+ * rounding of n, the speed of an oscillation as large as the gap's rounding bound, and the integrator's
+ * tolerance. */
 static double rate_rounding(const struct scene_values *v, const struct contact_law *law,
                             const struct scene_instant *at, int contact, double tolerated)
 {
@@ -604,9 +599,7 @@ double rounding_margin_offset(const struct scene_values *v, const struct scene_s
     return 2.0 * (fmax(-event, 0.0) + rounding);
 }
 
-/* The gap and its rate as integration carries them, where that is more accurate than positions give them. */
-
-/* Returns the accumulated gap [m], DBL_MAX or INFINITY where none is known. */
+/* Returns the accumulated gap [m], or DBL_MAX or INFINITY where none is known. */
 static double accumulated_gap_of(const struct scene_state *q, int contact)
 {
     const struct contact_state *state = &q->contact[contact];
@@ -616,8 +609,9 @@ static double accumulated_gap_of(const struct scene_state *q, int contact)
     return q->clock == state->schedule.change_clock ? state->schedule.change_gap : (double)INFINITY;
 }
 
-/* In a stiff contact the rounding of velocities alone may make a force larger than the load, so the carried
- * rate is used. A larger difference shows that velocities were changed, and the carried rate is not used. */
+/* Puts the carried rate into the geometry of a contact. In a stiff contact the rounding of velocities alone
+ * may make a force larger than the load, so that the carried rate is needed. A carried rate that differs by
+ * more than rounding is not used, because it shows that velocities have been changed since. */
 static void take_known_rate(const struct scene_state *q, int contact, struct contact_geometry *geometry)
 {
     const struct contact_state *state = &q->contact[contact];
@@ -627,9 +621,12 @@ static void take_known_rate(const struct scene_state *q, int contact, struct con
     }
 }
 
-/* The penetration of a stiff contact at rest is less than the rounding of d, so the accumulated gap is used.
- * It is not if it differs by more than rounding: positions have then been changed since. */
-void scene_put_known_gaps(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
+/* Puts accumulated gaps and carried rates into the present instant. The penetration of a stiff contact at
+ * rest is less than the rounding of d, so that the accumulated gap is needed. An accumulated gap that differs
+ * from the one of positions by more than rounding is not used, because it shows that positions have been
+ * changed since. */
+static void scene_put_known_gaps(const struct scene_values *v, const struct scene_state *q,
+                                 struct scene_instant *at)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double known = accumulated_gap_of(q, j);
@@ -742,13 +739,12 @@ struct vec3 turning_spring_rate(const struct scene_values *v, const struct scene
                                 const struct turning_state *turning, const struct scene_instant *at,
                                 int contact)
 {
-    const struct friction_law law = scene_friction_law(v, q, contact);
     const struct turning_laws laws = turning_laws_of(v, q, contact);
     const struct friction_state rubbing = turning_rubbing(turning, at, contact);
     if (laws.regime == REGIME_APART) {
         return vec3_make(0.0, 0.0, 0.0);
     }
-    const struct vec3 own = friction_spring_rate(&law, laws.friction_regime, rubbing);
+    const struct vec3 own = friction_spring_rate(&laws.friction, laws.friction_regime, rubbing);
     const double tilted = vec3_dot(rubbing.spring, turning_normal_rate(v, q, at, contact));
     return vec3_axpy(own, -tilted, at->geometry[contact].normal);
 }
@@ -817,8 +813,6 @@ double turning_friction_power(const struct scene_values *v, const struct scene_i
     }
     return sum;
 }
-
-/* The scene at its present clock. */
 
 /* A distance d may count as zero only below this fraction of the bodies' size (contact_reach). */
 static const double CENTRE = 1e-9;
@@ -915,7 +909,7 @@ void scene_now(const struct scene_values *v, const struct scene_state *q, struct
     scene_forces(v, q, q->clock, at);
 }
 
-/* Bounds of the rounding error by which positions at different times may be off, to either side. */
+/* Rounding bounds by which the axial position may be wrong, at different times to different sides. */
 static const double END_ROUNDINGS = 4.0;
 
 bool scene_shown_within(const struct scene_values *v, const struct scene_state *q,
@@ -931,7 +925,7 @@ bool scene_shown_within(const struct scene_values *v, const struct scene_state *
     return q->contact[contact].regime != (int32_t)REGIME_APART || (within && !overlaps);
 }
 
-/* The regime that the law gives for this gap [m]. `within`: the source is within the extents. */
+/* Returns the regime that the law gives for a gap [m]. `within`: the source is within the extents. */
 static enum contact_regime regime_by_law(const struct scene_values *v, const struct scene_state *q,
                                          const struct scene_instant *at, int contact, double gap, bool within)
 {
@@ -962,7 +956,7 @@ enum contact_regime scene_regime_of_touching(const struct scene_values *v, const
     return regime_by_law(v, q, at, contact, gap, true);
 }
 
-/* The square of the speed at the touch by motion and stored energy alone [m^2/s^2]. */
+/* Returns the square of the speed at the touch [m^2/s^2] that the present speed and stored energy give. */
 static double own_speed_squared(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, int contact)
 {
@@ -973,9 +967,10 @@ static double own_speed_squared(const struct scene_values *v, const struct scene
 }
 
 /*
- * The speed at the onset [m/s]. A load m a presses by m x'' = m a - k x^(3/2) from rest to the largest speed
- * v at x_0, where load and contact force balance: x_0 = (m a/k)^(2/3),
- * v^2/2 = a x_0 - (2/5) (k/m) x_0^(5/2) = (3/5) a x_0.
+ * Returns the speed at the onset [m/s]. A load that gives the acceleration a presses the bodies together from
+ * rest, by m x'' = m a - k x^(3/2) with the penetration x. The speed v is largest at the depth x_0 where load
+ * and contact force balance:
+ *   x_0 = (m a/k)^(2/3),   v^2/2 = a x_0 - (2/5) (k/m) x_0^(5/2) = (3/5) a x_0
  */
 static double onset_speed(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at, int contact)
@@ -993,8 +988,11 @@ static double onset_speed(const struct scene_values *v, const struct scene_state
     return sqrt(fmax(speed_squared, 1.2 * a * depth));
 }
 
-enum contact_regime onset_take_damping(const struct scene_values *v, struct scene_state *q,
-                                       const struct scene_instant *at, int contact, enum contact_regime next)
+/* Does the work of onset_note for a contact that has damping by the onset. */
+CONTACT_COLD static enum contact_regime onset_take_damping(const struct scene_values *v,
+                                                           struct scene_state *q,
+                                                           const struct scene_instant *at, int contact,
+                                                           enum contact_regime next)
 {
     struct contact_state *state = &q->contact[contact];
     if (next == REGIME_APART || state->regime != (int32_t)REGIME_APART) {
@@ -1008,7 +1006,16 @@ enum contact_regime onset_take_damping(const struct scene_values *v, struct scen
     return deep != REGIME_APART ? deep : contact_regime_of(&law, -DBL_MIN, g->gap_rate, true);
 }
 
-/* chi v is given, so d(chi) = -chi dv / v, with 2 v dv = d(v^2). */
+enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
+                               const struct scene_instant *at, int contact, enum contact_regime next)
+{
+    if (SCENE_ANY_RESTITUTION && SCENE_ANY_HERTZ) {
+        return scene_damps_by_onset(v, contact) ? onset_take_damping(v, q, at, contact, next) : next;
+    }
+    return next;
+}
+
+/* The factor chi v is given, so that d chi = -chi dv / v, where 2 v dv is the change of v^2. */
 double onset_damping_slope(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at, int contact, double gap_slope, double rate_slope)
 {
@@ -1029,9 +1036,8 @@ double onset_damping_slope(const struct scene_values *v, const struct scene_stat
     return -state->onset_damping * half / (speed * speed);
 }
 
-/* Moving the origin of the clock to the present. */
-
-/* base + base_tail += clock, by Knuth's two-sum, so that base_tail holds the rounding error exactly. */
+/* Adds the clock to base + base_tail, by Knuth's two-sum, so that base_tail holds the rounding error
+ * exactly. */
 static void advance_base(struct scene_state *q)
 {
     const double add = q->base_tail + q->clock;
@@ -1042,7 +1048,7 @@ static void advance_base(struct scene_state *q)
     q->clock = 0.0;
 }
 
-/* Shifts the input paths that the motion of a body follows. */
+/* Shifts the input paths that the motion and the rotation of a body follow. */
 static void shift_paths(const struct scene_values *v, struct scene_state *q, int body)
 {
     struct body_path *path = &q->path[body];
@@ -1052,12 +1058,6 @@ static void shift_paths(const struct scene_values *v, struct scene_state *q, int
     } else if (body_is_free(v, body)) {
         path_shift(path->force, 3, q->clock);
     }
-}
-
-/* Shifts the input paths that the rotation of a body follows. */
-static void shift_turning_paths(const struct scene_values *v, struct scene_state *q, int body)
-{
-    struct body_path *path = &q->path[body];
     if (body_turn_is_prescribed(v, body)) {
         path_shift(path->angular_velocity, 3, q->clock);
         path_shift(path->axis, 3, q->clock);
@@ -1095,12 +1095,11 @@ static void shift_clocks(struct scene_state *q)
 
 void scene_rebase(const struct scene_values *v, struct scene_state *q)
 {
-    const bool turns = scene_turns(v);
     q->integrator_fresh = 1;
     if (SCENE_ANY_FREE) {
         shift_origins(q);
     }
-    if (turns) {
+    if (scene_turns(v)) {
         turning_rebase(v, q);
     }
     if (q->clock == 0.0) {
@@ -1108,9 +1107,6 @@ void scene_rebase(const struct scene_values *v, struct scene_state *q)
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         shift_paths(v, q, i);
-    }
-    for (int i = 0; turns && i < SCENE_BODIES; ++i) {
-        shift_turning_paths(v, q, i);
     }
     if (SCENE_ANY_FREE) {
         shift_clocks(q);
@@ -1147,7 +1143,8 @@ double energy_potential_of(const struct scene_values *v, const struct scene_inst
     return energy_potential_change(v, at, gravity(v)); /* the change from zero gravity */
 }
 
-/* I_t omega^2 / 2 + (I_a - I_t) (omega.e)^2 / 2, with I_t transverse, I_a axial, e the axis. */
+/* The energy is I_t omega^2 / 2 + (I_a - I_t) (omega.e)^2 / 2, with the transverse moment of inertia I_t, the
+ * axial one I_a and the axis e. */
 double body_rotational_energy(const struct scene_values *v, int body, const struct body_turn *turn)
 {
     const struct body_inertia inertia = body_inertia_of(v, body);

@@ -10,7 +10,8 @@
 #include "math/compiler.h"
 #include "scene/scene_state.h"
 
-/* Rotations and friction at one instant: computed where scene_turns, by turning_complete. */
+/* Rotations and friction at one instant. Where scene_turns they are computed with the forces, else by
+ * turning_complete alone. */
 struct turning_instant {
     struct body_turn body[SCENE_BODIES];         /* identity and zero for a body that does not turn */
     struct vec3 axis[SCENE_CONTACTS];            /* e_d as it has turned; zero for a sphere */
@@ -76,10 +77,7 @@ struct body_instant scene_body_now(const struct scene_values *v, const struct sc
 void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
                       const struct body_state *bodies, struct scene_instant *at);
 
-/* Are like scene_kinematics and scene_evaluate, but take rotations and springs from `turning`. */
-void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct body_state *bodies, const struct turning_state *turning,
-                              struct scene_instant *at);
+/* Does the work of scene_evaluate with the rotations and springs in `turning`. */
 void scene_evaluate_turning(const struct scene_values *v, const struct scene_state *q, double clock,
                             const struct body_state *bodies, const struct turning_state *turning,
                             struct scene_instant *at);
@@ -113,9 +111,8 @@ double scene_inverse_mass(const struct scene_values *v, int contact);
 double scene_pressing_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
                                    const struct scene_instant *at, int contact);
 
-/* Where nothing turns or rubs: the torque on the destination about its centre, c x F, as the source's lever
- * arm is along F [N m]. None where the destination is a sphere: scenes without SCENE_HAS_TORQUES do not
- * ask. */
+/* Returns the torque on the destination about its centre [N m] where nothing turns or rubs. The torque is c x
+ * F, because the lever arm of the source is along F, and zero where the destination is a sphere. */
 struct vec3 scene_torque_of_force(const struct scene_instant *at, int contact);
 
 /* Returns the power [W] that the drives of prescribed motions and rotations spend against a contact. */
@@ -142,14 +139,14 @@ struct body_inertia {
     double axial, transverse;
 };
 
-/* Moments of inertia of a body that turns freely, from its parameters. */
+/* Returns the moments of inertia of a body that turns freely. */
 struct body_inertia body_inertia_of(const struct scene_values *v, int body);
 
-/* The law of friction of a contact. */
+/* Returns the law of friction of a contact. */
 struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q,
                                        int contact);
 
-/* The orientation that a body starts with: the smallest rotation that takes z to its axis. */
+/* Returns the orientation that a body starts with, the smallest rotation that takes z to its axis. */
 struct quaternion turning_start_orientation(const struct scene_values *v, int body);
 
 /* Returns about how many steps of a series the prescribed rotations take over `length` seconds: none where
@@ -160,20 +157,8 @@ double turning_prescribed_steps(const struct scene_values *v, const struct scene
 struct body_turn turning_prescribed_at(const struct scene_values *v, const struct scene_state *q,
                                        double clock, int body);
 
-/* Computes orientation and angular velocity of every body and the axis of every destination. */
-void turning_of_bodies(const struct scene_values *v, const struct scene_state *q, double clock,
-                       const struct turning_state *turning, struct scene_instant *at);
-
-/* Slip, friction and torques of a contact whose geometry and normal force are known; adds friction to the
- * force on the source. */
-void turning_of_contact(const struct scene_values *v, const struct scene_state *q,
-                        const struct turning_state *state, int contact, struct scene_instant *at);
-
 /* Adds rotations, friction and torques to an instant that has geometry and normal forces. */
 void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
-
-/* Moves turn_origin of all bodies that turn to the present; a part of scene_rebase. */
-void turning_rebase(const struct scene_values *v, struct scene_state *q);
 
 /* Turns bodies of prescribed rotation to the axes of new paths by the smallest rotation. */
 void turning_take_axes(const struct scene_values *v, struct scene_state *q);
@@ -181,38 +166,34 @@ void turning_take_axes(const struct scene_values *v, struct scene_state *q);
 /* Sets orientations and angular velocities at the start. */
 void turning_place(const struct scene_values *v, struct scene_state *q);
 
-/* Puts accumulated gaps and carried rates into the present instant where they are known. */
-void scene_put_known_gaps(const struct scene_values *v, const struct scene_state *q,
-                          struct scene_instant *at);
-
-/* Bounds of the rounding errors of gaps, their rates and regime margins. */
-
-/* Bound of the rounding error of the gap [m]: eight roundings of the terms that it is computed from, which
- * are locations, displacements and radii (of a shell nearly filled by the source the difference of the radii,
- * which is exact). Below it the sign of the gap means nothing. */
+/* Returns a bound of the rounding error of the gap [m], below which the sign of the gap means nothing: eight
+ * roundings of locations, displacements and radii, from which the gap is computed. Of a shell that the source
+ * nearly fills, the difference of the radii counts instead, which is exact. */
 double rounding_of_gap(const struct scene_values *v, const struct scene_instant *at, int contact);
 
-/* Bound of the rounding error of the source's axial position, which is compared with L/2 [m]. */
+/* Returns a bound of the rounding error of the source's axial position [m], which is compared with L/2. */
 double rounding_of_axial(const struct scene_values *v, const struct scene_instant *at, int contact,
                          const struct contact_shape *shape);
 
-/* Bound of the rounding error of w and g', which are differences of the bodies' velocities [m/s]. */
+/* Returns a bound of the rounding error of w and g' [m/s], which are differences of the bodies'
+ * velocities. */
 double rounding_of_rate(const struct scene_instant *at, int contact);
 
-/* Bound of the rounding error of an event function of the law with these slopes (contact_event), where speeds
- * are right to `tolerated` [m/s]. */
+/* Returns a bound of the error of the law's event function (contact_event), which has these slopes, by
+ * rounding and by an error of the speeds of `tolerated` [m/s]. */
 double rounding_of_event(const struct scene_values *v, const struct contact_law *law,
                          const struct contact_slopes *slopes, const struct scene_instant *at, int contact,
                          double tolerated);
 
-/* Bound of the error of a contact's normal force by the rounding of g, n and n.w [N]. */
+/* Returns a bound of the error of a contact's normal force by the rounding of g, n and n.w [N]. */
 double rounding_of_force(const struct scene_values *v, const struct scene_state *q,
                          const struct scene_instant *at, int contact);
 
-/* An offset that makes a regime's margin positive at the start of a phase although rounding, or an error of
- * the speeds by `tolerated` [m/s], may have left it at or below zero. Without it a root finder would miss the
- * fall of a margin that starts below zero, and would find many of one that stays near zero, as at rest. The
- * force is continuous there, so the delay changes little. */
+/* Returns an offset that makes the law's event function positive at the start of a phase, although rounding
+ * or an error of the speeds of `tolerated` [m/s] may have left the function at or below zero. Without the
+ * offset a root finder would miss the fall of a function that starts below zero, and would find many falls of
+ * one that stays near zero, as at rest. The offset delays the event a little, which matters little, because
+ * the force is continuous there. */
 double rounding_margin_offset(const struct scene_values *v, const struct scene_state *q,
                               const struct scene_instant *at, int contact, double tolerated);
 
@@ -226,7 +207,8 @@ struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_s
                               const struct scene_instant *at, int body);
 
 /*
- * d omega/dt [rad/s^2]. Of a free top with the axis e: with omega_3 = omega.e, tau_3 = tau.e
+ * Returns d omega/dt of a body [rad/s^2]. A body that turns freely under the torque tau, with the axis e, the
+ * moments of inertia I_3 about the axis and I_1 across it, omega_3 = omega.e and tau_3 = tau.e, obeys
  *   I_1 omega' = tau - (I_3 - I_1) (tau_3 / I_3 e + omega_3 omega x e)
  */
 struct vec3 turning_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
@@ -257,16 +239,14 @@ double turning_normal_force_rate(const struct scene_values *v, const struct scen
 /* Returns the power that friction and its springs take: the sum of -F_t.v_t over the contacts [W]. */
 double turning_friction_power(const struct scene_values *v, const struct scene_instant *at);
 
-/* The singularity d = 0 of solid bodies: n is undefined there and reverses; the escape direction takes its
- * place. */
-
-/* Whether d = 0 within rounding, by positions or by the accumulated gap. */
+/* Whether d = 0 within rounding, by positions or by the accumulated gap. Solid bodies may reach this
+ * singularity, where n is undefined and reverses; the escape direction takes the place of n. */
 bool singularity_is_reached(const struct scene_values *v, const struct scene_instant *at, int contact,
                             const struct contact_shape *shape);
 
-/* The escape direction, in which bodies leave d = 0: the direction of their relative velocity `rate`; at
- * relative rest the direction of `acceleration`, the relative acceleration by all but this contact; without
- * both `held`, the direction that n had before. */
+/* Returns the escape direction, in which bodies leave d = 0. It is the direction of their relative velocity
+ * `rate`. At relative rest it is the direction of `acceleration`, the relative acceleration by all but this
+ * contact. Without an acceleration it is `held`, the direction that n had before. */
 struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 rate, struct vec3 acceleration,
                                struct vec3 held);
 
@@ -307,15 +287,15 @@ void scene_kinematics_now(const struct scene_values *v, const struct scene_state
                           struct scene_instant *at);
 void scene_now(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
 
-/* Whether the gap of scene_now is the accumulated one, more accurate than positions give it: in contact, as
- * contact ends, and where a change of regime was foreseen. */
+/* Whether the gap of scene_now is the accumulated one, which is more accurate than positions give it. Such a
+ * gap exists in contact, as contact ends, and where a change of regime was foreseen. */
 bool scene_gap_is_accumulated(const struct scene_state *q, const struct scene_instant *at, int contact);
 
-/* Whether g' of scene_now is the carried rate. */
+/* Whether g' of scene_now is the rate that the last segment of the contact has left (`carried_rate`). */
 bool scene_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact);
 
-/* Whether the source is within the extents of the destination, as users see it. In the plane of an open end
- * rounding takes either side of it, and the regime that is in force decides. */
+/* Whether outputs show the source within the extents of the destination. Where rounding may put the source on
+ * either side of an open end, the present regime decides. */
 bool scene_shown_within(const struct scene_values *v, const struct scene_state *q,
                         const struct scene_instant *at, int contact, const struct contact_shape *shape);
 
@@ -323,26 +303,23 @@ bool scene_shown_within(const struct scene_values *v, const struct scene_state *
 enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
                                  const struct scene_instant *at, int contact);
 
-/* The regime that the law asks for while a contact goes on touching, whatever the rounding of its gap. */
+/* Returns the regime that the law gives while a contact goes on touching, even if rounding shows an open
+ * gap. */
 enum contact_regime scene_regime_of_touching(const struct scene_values *v, const struct scene_state *q,
                                              const struct scene_instant *at, int contact);
 
 /*
- * Damping by the onset. With a coefficient of restitution Hunt and Crossley's factor chi follows from the
- * speed of approach v at the onset [m/s]: chi v is a function of the coefficient.
+ * Damping by the onset: with a coefficient of restitution, the damping factor chi [s/m] of Hunt and Crossley
+ * follows from the speed of approach v at the onset [m/s], because the number chi v is a function of the
+ * coefficient.
  *
  * A start in overlap takes the speed at the touch that its motion and stored energy would have had. Where the
  * load would press the bodies together faster from rest than they approach, v is the largest speed that the
  * load gives. Bodies that touch with no speed and no load have no damping.
  */
 
-/* Does the work of onset_note for a contact that has damping by the onset. */
-CONTACT_COLD enum contact_regime onset_take_damping(const struct scene_values *v, struct scene_state *q,
-                                                    const struct scene_instant *at, int contact,
-                                                    enum contact_regime next);
-
-/* Change of chi by changes of the gap and the rate of a start in overlap; a change of the load counts as
- * none. */
+/* Returns the derivative of chi at a start in overlap, from those of the gap and the gap rate. A change of
+ * the load does not count. */
 CONTACT_COLD double onset_damping_slope(const struct scene_values *v, const struct scene_state *q,
                                         const struct scene_instant *at, int contact, double gap_slope,
                                         double rate_slope);
@@ -353,14 +330,14 @@ CONTACT_COLD double onset_damping_slope(const struct scene_values *v, const stru
 enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
                                const struct scene_instant *at, int contact, enum contact_regime next);
 
-/* Energies of the scene [J]. kinetic + potential + contact + dissipated - external work stays constant; with
- * what turns and rubs, kinetic + rotational + potential + contact + tangential + dissipated + friction -
- * external work. */
+/* Energies of the scene [J]. The sum kinetic + potential + contact + dissipated - external work stays
+ * constant. Where something turns or rubs, rotational + tangential + friction are added to this sum. */
 
 /* Returns the sum of m v^2 / 2 over the free bodies. */
 double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at);
 
-/* Return omega I omega / 2 of a body; its sum over freely turning bodies; the tangential springs' energy. */
+/* Return the rotational energy omega I omega / 2 of a body, the sum over freely turning bodies, and the
+ * energy of the friction springs. */
 double body_rotational_energy(const struct scene_values *v, int body, const struct body_turn *turn);
 double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at);
 double energy_tangential_of(const struct scene_values *v, const struct scene_state *q,
