@@ -4,6 +4,196 @@
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"
 
+/* Returns coefficient `order` of a cross product. */
+static struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b, int order)
+{
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    for (int i = 0; i <= order; ++i) {
+        sum = vec3_add(sum, vec3_cross(a[i], b[order - i]));
+    }
+    return sum;
+}
+
+/* The jets on which a contact's geometry depends: c, w, the rotations of both bodies, the axis of the
+ * shape. */
+struct contact_path {
+    struct vec3 c[JET_TERMS], w[JET_TERMS], source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
+};
+
+static struct contact_path path_of(const struct scene_values *v, const struct scene_instant *at,
+                                   const struct scene_jet *along, const struct contact_shape *shape,
+                                   int contact)
+{
+    const int from = contact_source(contact);
+    const int to = contact_destination(contact);
+    struct contact_path path;
+    memset(&path, 0, sizeof path);
+    for (int i = 1; i < JET_TERMS; ++i) {
+        path.c[i] = vec3_sub(along->displacement[to][i], along->displacement[from][i]);
+        path.w[i] = vec3_sub(along->velocity[to][i], along->velocity[from][i]);
+        path.source[i] = along->angular_velocity[from][i];
+        path.destination[i] = along->angular_velocity[to][i];
+        if (body_turns(v, to)) {
+            path.axis[i] = along->axis[to][i];
+        }
+    }
+    path.c[0] = at->separation[contact];
+    path.w[0] = at->rate[contact];
+    path.source[0] = at->turning.body[from].angular_velocity;
+    path.destination[0] = at->turning.body[to].angular_velocity;
+    path.axis[0] = at->turning.axis[contact];
+    for (int i = 0; i < JET_TERMS && contact_is_upside_down(shape); ++i) {
+        path.axis[i] = vec3_scale(-1.0, path.axis[i]);
+    }
+    return path;
+}
+
+/* Sets the offset of a rim, (rho - r_d) a - (height - h) e. The unit vector a points to the axis, rho a = c -
+ * (c.e) e, height = -c.e, h = L/2, and e points out of the cylinder at the rim's end. */
+static void put_rim_offset(const struct contact_shape *shape, const struct contact_path *path,
+                           struct vec3 offset[JET_TERMS])
+{
+    struct vec3 across[JET_TERMS], to_axis[JET_TERMS];
+    double axial[JET_TERMS], radial[JET_TERMS], rho[JET_TERMS];
+    jet_of_axis_distance(path->c, path->axis, across, axial, rho);
+    to_axis[0] = vec3_scale(1.0 / rho[0], across[0]);
+    jet_divide(across, rho, to_axis);
+    for (int i = 0; i < JET_TERMS; ++i) {
+        radial[i] = rho[i] - (i == 0 ? shape->solid.radius : 0.0);
+        axial[i] += i == 0 ? shape->solid.half_height : 0.0;
+    }
+    for (int i = 1; i < JET_TERMS; ++i) {
+        offset[i] = vec3_add(jet_scale(radial, to_axis, i), jet_scale(axial, path->axis, i));
+    }
+}
+
+static void put_offset(const struct contact_shape *shape, const struct contact_path *path,
+                       struct vec3 offset[JET_TERMS])
+{
+    if (contact_is_rim(shape)) {
+        put_rim_offset(shape, path, offset);
+        return;
+    }
+    for (int i = 1; i < JET_TERMS; ++i) {
+        offset[i] = path->c[i];
+        if (contact_is_cylinder(shape)) {
+            double axial[JET_TERMS];
+            for (int k = 0; k <= i; ++k) {
+                axial[k] = jet_dot(path->c, path->axis, k);
+            }
+            offset[i] = vec3_sub(path->c[i], jet_scale(axial, path->axis, i));
+        }
+    }
+}
+
+/* Sets the terms of d and n from d^2 = offset.offset and d n = offset; a plane has n = -e and d = n.c. */
+static void put_distance(const struct contact_shape *shape, const struct contact_geometry *g,
+                         const struct contact_path *path, struct contact_jet *jet)
+{
+    struct vec3 offset[JET_TERMS] = {g->offset};
+    double length[JET_TERMS];
+    jet->normal[0] = g->normal;
+    jet->distance[0] = g->distance;
+    put_offset(shape, path, offset);
+    jet_length(offset, length);
+    for (int i = 1; i < JET_TERMS; ++i) {
+        jet->normal[i] = contact_is_plane(shape) ? vec3_scale(-1.0, path->axis[i]) : vec3_make(0.0, 0.0, 0.0);
+    }
+    for (int i = 1; i < JET_TERMS; ++i) {
+        jet->distance[i] = contact_is_plane(shape) ? jet_dot(jet->normal, path->c, i)
+                           : g->degenerate         ? 0.0
+                                                   : length[i];
+    }
+    if (contact_turns(shape, g)) {
+        jet_divide(offset, jet->distance, jet->normal); /* d n = offset */
+    }
+}
+
+static void put_normal_force(const struct contact_shape *shape, const struct contact_geometry *g,
+                             const struct contact_path *path, const struct contact_law *law,
+                             const struct contact_law *change, enum contact_regime regime,
+                             struct contact_jet *jet)
+{
+    struct vec3 seen[JET_TERMS];
+    for (int i = 0; i < JET_TERMS; ++i) {
+        seen[i] = vec3_sub(path->w[i], turning_jet_cross(path->destination, path->c, i));
+        jet->gap[i] = i > 0 ? shape->side * jet->distance[i] : g->gap;
+        jet->gap_rate[i] = i > 0 ? shape->side * jet_dot(jet->normal, seen, i) : g->gap_rate;
+        jet->normal_force[i] = contact_force_term(law, change, regime, jet->gap, jet->gap_rate, i);
+        jet->source_force[i] = vec3_scale(-shape->side, jet_scale(jet->normal_force, jet->normal, i));
+    }
+}
+
+/* Sets the terms of the lever arms and of the slip of a contact whose normal is known. */
+static void put_slip(const struct contact_shape *shape, const struct contact_path *path,
+                     const struct contact_jet *jet, struct turning_jet *turning)
+{
+    struct vec3 far[JET_TERMS];
+    struct vec3 all[JET_TERMS];
+    double along_normal[JET_TERMS];
+    for (int i = 0; i < JET_TERMS; ++i) {
+        turning->source_arm[i] = vec3_scale(shape->side * shape->source_radius, jet->normal[i]);
+        far[i] = vec3_sub(turning->source_arm[i], path->c[i]);
+        turning->destination_arm[i] = far[i];
+        const struct vec3 past = vec3_sub(turning_jet_cross(path->source, turning->source_arm, i),
+                                          turning_jet_cross(path->destination, far, i));
+        all[i] = vec3_sub(past, path->w[i]);
+        along_normal[i] = jet_dot(all, jet->normal, i);
+        turning->slip[i] = vec3_sub(all[i], jet_scale(along_normal, jet->normal, i));
+    }
+}
+
+static void put_friction(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_jet *along, int contact, struct contact_jet *jet,
+                         struct turning_jet *turning)
+{
+    if (!contact_rubs(v, contact) || q->contact[contact].regime == (int32_t)REGIME_APART) {
+        return;
+    }
+    const struct turning_laws laws = turning_laws_of(v, q, contact);
+    struct friction_path path = {.slip_velocity_slope = along->slip_velocity_slope[contact]};
+    memcpy(path.normal_force, jet->normal_force, sizeof path.normal_force);
+    memcpy(path.slip, turning->slip, sizeof path.slip);
+    if (SCENE_ANY_FRICTION) {
+        memcpy(path.spring, along->spring[contact], sizeof path.spring);
+        path.spring[0] = q->turning.spring[contact];
+        if (along->jumps) {
+            path.spring[1] =
+                vec3_axpy(path.spring[1], -vec3_dot(path.spring[0], jet->normal[1]), jet->normal[0]);
+            path.spring[1] = vec3_axpy(path.spring[1], -along->spring_lift[contact], jet->normal[1]);
+        }
+    }
+    for (int i = 0; i < JET_TERMS; ++i) {
+        turning->friction_force[i] = friction_force_term(&laws.friction, laws.friction_regime, &path, i);
+        turning->stored[i] = friction_stored_term(&laws.friction, laws.friction_regime, &path, i);
+        jet->source_force[i] = vec3_add(jet->source_force[i], turning->friction_force[i]);
+    }
+}
+
+/* Computes a contact's jet from bodies, springs and factors. Where nothing turns or rubs, the jet of the
+ * normal force is known already, and only torques and slip are computed. */
+static void turning_jet_of_contact(const struct scene_values *v, const struct scene_state *q,
+                                   const struct scene_instant *at, int contact, struct scene_jet *along)
+{
+    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const struct contact_path path = path_of(v, at, along, &shape, contact);
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    struct contact_jet *jet = &along->contact[contact];
+    struct turning_jet *turning = &along->turning[contact];
+    memset(turning, 0, sizeof *turning);
+    if (scene_turns(v)) {
+        put_distance(&shape, &at->geometry[contact], &path, jet);
+        put_normal_force(&shape, &at->geometry[contact], &path, &law, &along->law_slope[contact],
+                         (enum contact_regime)q->contact[contact].regime, jet);
+    }
+    put_slip(&shape, &path, jet, turning);
+    put_friction(v, q, along, contact, jet, turning);
+    for (int i = 0; i < JET_TERMS; ++i) {
+        turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
+        turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
+    }
+}
+
 void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at, struct scene_jet *along)
 {
@@ -27,6 +217,83 @@ void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
     }
 }
 
+/* Puts the orientation's terms from the angular velocity: q' = (0, omega) q / 2. */
+static void put_orientation(const struct vec3 omega[2], struct quaternion q[JET_TERMS])
+{
+    q[1] = quaternion_rate(q[0], omega[0]);
+    q[2] = quaternion_scale(
+        0.5, quaternion_axpy(quaternion_rate(q[0], omega[1]), 1.0, quaternion_rate(q[1], omega[0])));
+}
+
+/* Puts the terms of a body's axis e from e' = omega x e. */
+static void put_turning_axis(const struct vec3 *omega, struct vec3 e[JET_TERMS])
+{
+    e[1] = vec3_cross(omega[0], e[0]);
+    e[2] = vec3_scale(0.5, turning_jet_cross(omega, e, 1));
+}
+
+/* Puts the jet of an axis whose direction is a polynomial that need not have unit length. */
+static void put_given_axis(const struct body_path *path, double clock, struct vec3 e[JET_TERMS])
+{
+    struct vec3 a[3];
+    double length[JET_TERMS];
+    memcpy(a, path->axis, sizeof a);
+    path_shift(a, 3, clock);
+    jet_length(a, length);
+    if (length[0] > 0.0) {
+        jet_divide(a, length, e);
+    }
+}
+
+static void put_prescribed(const struct scene_state *q, int body, struct scene_jet *along)
+{
+    const struct body_path *path = &q->path[body];
+    struct vec3 *omega = along->angular_velocity[body];
+    struct vec3 *e = along->axis[body];
+    omega[2] = path->angular_velocity[2];
+    put_turning_axis(omega, e);
+    struct vec3 seen[2] = {omega[0], omega[1]};
+    if (path->turn_follows != TURN_FOLLOWS_VELOCITY && body_shape(body) != SHAPE_SPHERE) {
+        put_given_axis(path, q->clock, e);
+        const struct vec3 rate[2] = {e[1], vec3_scale(2.0, e[2])};
+        const double spin[2] = {vec3_dot(omega[0], e[0]),
+                                vec3_dot(omega[1], e[0]) + vec3_dot(omega[0], e[1])};
+        for (int i = 0; i < 2; ++i) { /* e x e' turns the axis; the spin is about it */
+            seen[i] = vec3_add(turning_jet_cross(e, rate, i), jet_scale(spin, e, i));
+        }
+    }
+    put_orientation(seen, along->orientation[body]);
+}
+
+/* Sets the rotations of the bodies in time and the rates of the springs from the instant. The second
+ * derivative of the angular velocity of a body that turns freely follows by put_turning_changes. */
+static void put_turning_bodies(const struct scene_values *v, const struct scene_state *q,
+                               const struct scene_instant *at, struct scene_jet *along)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        along->angular_velocity[i][0] = at->turning.body[i].angular_velocity;
+        along->orientation[i][0] = at->turning.body[i].orientation;
+        along->axis[i][0] = quaternion_third_axis(at->turning.body[i].orientation);
+        if (SCENE_ANY_ROTATION) {
+            along->angular_velocity[i][1] = turning_acceleration(v, q, q->clock, at, i);
+            if (body_turn_is_prescribed(v, i)) {
+                put_prescribed(q, i, along);
+            } else if (body_turns_freely(v, i)) {
+                const struct body_path *path = &q->path[i];
+                along->torque[i] = path_slope(path->torque, q->clock);
+                put_turning_axis(along->angular_velocity[i], along->axis[i]);
+                put_orientation(along->angular_velocity[i], along->orientation[i]);
+            }
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_rubs_elastically(v, j)) {
+            along->spring[j][0] = q->turning.spring[j];
+            along->spring[j][1] = turning_spring_rate(v, q, &q->turning, at, j);
+        }
+    }
+}
+
 /* Puts the bodies' terms from their velocities and accelerations. */
 static void put_bodies(const struct scene_values *v, const struct scene_state *q,
                        const struct scene_instant *at, struct scene_jet *along)
@@ -41,8 +308,36 @@ static void put_bodies(const struct scene_values *v, const struct scene_state *q
         along->velocity[i][2] = q->path[i].velocity[2];
     }
     if (scene_turns(v)) {
-        turning_jet_put_bodies(v, q, at, along);
+        put_turning_bodies(v, q, at, along);
     }
+}
+
+/* Returns coefficient `order` of the power of external torques and of the drives of prescribed rotations
+ * [W]. */
+static double turning_jet_external_power(const struct scene_values *v, const struct scene_state *q,
+                                         const struct scene_jet *along, int order)
+{
+    double power = 0.0;
+    if (SCENE_ANY_ROTATION) {
+        for (int i = 0; i < SCENE_BODIES; ++i) {
+            if (body_turns_freely(v, i)) {
+                const struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
+                power += jet_dot(torque, along->angular_velocity[i], order);
+            }
+        }
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            const int source = contact_source(j);
+            const int destination = contact_destination(j);
+            if (body_turn_is_prescribed(v, source)) {
+                power -= jet_dot(along->turning[j].source_torque, along->angular_velocity[source], order);
+            }
+            if (body_turn_is_prescribed(v, destination)) {
+                power -= jet_dot(along->turning[j].destination_torque, along->angular_velocity[destination],
+                                 order);
+            }
+        }
+    }
+    return power;
 }
 
 struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body)
@@ -94,7 +389,8 @@ double free_bodies_dissipated_power(const struct scene_values *v, const struct s
     return power;
 }
 
-/* Puts the rate of the free bodies' accelerations by the contact forces; false: no body is free. */
+/* Puts the rates of the free bodies' accelerations from the contact forces. False: no body moves by
+ * forces. */
 static bool put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -119,130 +415,7 @@ static void put_work(const struct scene_values *v, const struct scene_state *q, 
     }
 }
 
-/* Puts the contacts' terms, the free bodies' third terms by the forces, and the contacts' terms again. */
-static void put_contacts(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, struct scene_jet *along)
-{
-    jet_of_contacts(v, q, at, along);
-    if (scene_turns(v)) {
-        turning_jet_put_changes(v, q, at, along);
-    }
-    if ((SCENE_ANY_FREE && put_jerk(v, q, along)) || scene_turns(v)) {
-        jet_of_contacts(v, q, at, along);
-    }
-}
-
-void jet_in_time(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
-                 struct scene_jet *along)
-{
-    put_bodies(v, q, at, along);
-    put_contacts(v, q, at, along);
-    if (SCENE_ANY_FREE) {
-        put_work(v, q, along);
-    }
-}
-
-void jet_of_motion(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
-                   struct scene_jet *along)
-{
-    put_bodies(v, q, at, along);
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_prescribed(v, i)) {
-            struct vec3 displacement[4];
-            memcpy(displacement, q->path[i].displacement, sizeof displacement);
-            path_shift(displacement, 4, q->clock);
-            along->displacement[i][1] = displacement[1];
-            along->displacement[i][2] = displacement[2];
-        }
-    }
-    put_contacts(v, q, at, along);
-}
-
-struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b, int order)
-{
-    struct vec3 sum = {0.0, 0.0, 0.0};
-    for (int i = 0; i <= order; ++i) {
-        sum = vec3_add(sum, vec3_cross(a[i], b[order - i]));
-    }
-    return sum;
-}
-
-/* Puts the orientation's terms from the angular velocity: q' = (0, omega) q / 2. */
-static void put_orientation(const struct vec3 omega[2], struct quaternion q[JET_TERMS])
-{
-    q[1] = quaternion_rate(q[0], omega[0]);
-    q[2] = quaternion_scale(
-        0.5, quaternion_axpy(quaternion_rate(q[0], omega[1]), 1.0, quaternion_rate(q[1], omega[0])));
-}
-
-/* Puts the terms of a body's axis e from e' = omega x e. */
-static void put_turning_axis(const struct vec3 *omega, struct vec3 e[JET_TERMS])
-{
-    e[1] = vec3_cross(omega[0], e[0]);
-    e[2] = vec3_scale(0.5, turning_jet_cross(omega, e, 1));
-}
-
-/* Puts the jet of an axis whose direction is a polynomial that need not have unit length. */
-static void put_given_axis(const struct body_path *path, double clock, struct vec3 e[JET_TERMS])
-{
-    struct vec3 a[3];
-    double length[JET_TERMS];
-    memcpy(a, path->axis, sizeof a);
-    path_shift(a, 3, clock);
-    jet_length(a, length);
-    if (length[0] > 0.0) {
-        jet_divide(a, length, e);
-    }
-}
-
-static void put_prescribed(const struct scene_state *q, int body, struct scene_jet *along)
-{
-    const struct body_path *path = &q->path[body];
-    struct vec3 *omega = along->angular_velocity[body];
-    struct vec3 *e = along->axis[body];
-    omega[2] = path->angular_velocity[2];
-    put_turning_axis(omega, e);
-    struct vec3 seen[2] = {omega[0], omega[1]};
-    if (path->turn_follows != TURN_FOLLOWS_VELOCITY && body_shape(body) != SHAPE_SPHERE) {
-        put_given_axis(path, q->clock, e);
-        const struct vec3 rate[2] = {e[1], vec3_scale(2.0, e[2])};
-        const double spin[2] = {vec3_dot(omega[0], e[0]),
-                                vec3_dot(omega[1], e[0]) + vec3_dot(omega[0], e[1])};
-        for (int i = 0; i < 2; ++i) { /* e x e' turns the axis; the spin is about it */
-            seen[i] = vec3_add(turning_jet_cross(e, rate, i), jet_scale(spin, e, i));
-        }
-    }
-    put_orientation(seen, along->orientation[body]);
-}
-
-void turning_jet_put_bodies(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at, struct scene_jet *along)
-{
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        along->angular_velocity[i][0] = at->turning.body[i].angular_velocity;
-        along->orientation[i][0] = at->turning.body[i].orientation;
-        along->axis[i][0] = quaternion_third_axis(at->turning.body[i].orientation);
-        if (SCENE_ANY_ROTATION) {
-            along->angular_velocity[i][1] = turning_acceleration(v, q, q->clock, at, i);
-            if (body_turn_is_prescribed(v, i)) {
-                put_prescribed(q, i, along);
-            } else if (body_turns_freely(v, i)) {
-                const struct body_path *path = &q->path[i];
-                along->torque[i] = path_slope(path->torque, q->clock);
-                put_turning_axis(along->angular_velocity[i], along->axis[i]);
-                put_orientation(along->angular_velocity[i], along->orientation[i]);
-            }
-        }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_rubs_elastically(v, j)) {
-            along->spring[j][0] = q->turning.spring[j];
-            along->spring[j][1] = turning_spring_rate(v, q, &q->turning, at, j);
-        }
-    }
-}
-
-/* Half the rate of a free body's angular acceleration omega', where
+/* Returns half the rate of the angular acceleration omega' of a body that turns freely [rad/s^3], where
  * I_1 omega' = tau - (I_3 - I_1) (tau_3 / I_3 e + omega_3 omega x e). */
 static struct vec3 half_spin_jerk(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_instant *at, const struct scene_jet *along, int body)
@@ -288,8 +461,9 @@ static struct vec3 half_spring_change(const struct scene_values *v, const struct
     return vec3_scale(0.5, vec3_sub(sum, jet_scale(tilted, geometry->normal, 1)));
 }
 
-void turning_jet_put_changes(const struct scene_values *v, const struct scene_state *q,
-                             const struct scene_instant *at, struct scene_jet *along)
+/* Sets the second-order terms of rotations and springs from contacts known to the first order. */
+static void put_turning_changes(const struct scene_values *v, const struct scene_state *q,
+                                const struct scene_instant *at, struct scene_jet *along)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_turns_freely(v, i)) {
@@ -301,6 +475,47 @@ void turning_jet_put_changes(const struct scene_values *v, const struct scene_st
             along->spring[j][2] = half_spring_change(v, q, at, along, j);
         }
     }
+}
+
+/* Puts the contacts' terms. The forces then give the coefficients 2 of the free bodies' velocities and of
+ * rotations, on which the coefficients 2 of the contacts depend; therefore the contacts' terms are put
+ * again. */
+static void put_contacts(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, struct scene_jet *along)
+{
+    jet_of_contacts(v, q, at, along);
+    if (scene_turns(v)) {
+        put_turning_changes(v, q, at, along);
+    }
+    if ((SCENE_ANY_FREE && put_jerk(v, q, along)) || scene_turns(v)) {
+        jet_of_contacts(v, q, at, along);
+    }
+}
+
+void jet_in_time(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
+                 struct scene_jet *along)
+{
+    put_bodies(v, q, at, along);
+    put_contacts(v, q, at, along);
+    if (SCENE_ANY_FREE) {
+        put_work(v, q, along);
+    }
+}
+
+void jet_of_motion(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
+                   struct scene_jet *along)
+{
+    put_bodies(v, q, at, along);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_prescribed(v, i)) {
+            struct vec3 displacement[4];
+            memcpy(displacement, q->path[i].displacement, sizeof displacement);
+            path_shift(displacement, 4, q->clock);
+            along->displacement[i][1] = displacement[1];
+            along->displacement[i][2] = displacement[2];
+        }
+    }
+    put_contacts(v, q, at, along);
 }
 
 struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct scene_state *q,
@@ -361,209 +576,6 @@ double turning_jet_friction_power(const struct scene_values *v, const struct sce
         }
     }
     return power;
-}
-
-double turning_jet_external_power(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_jet *along, int order)
-{
-    double power = 0.0;
-    if (SCENE_ANY_ROTATION) {
-        for (int i = 0; i < SCENE_BODIES; ++i) {
-            if (body_turns_freely(v, i)) {
-                const struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
-                power += jet_dot(torque, along->angular_velocity[i], order);
-            }
-        }
-        for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            const int source = contact_source(j);
-            const int destination = contact_destination(j);
-            if (body_turn_is_prescribed(v, source)) {
-                power -= jet_dot(along->turning[j].source_torque, along->angular_velocity[source], order);
-            }
-            if (body_turn_is_prescribed(v, destination)) {
-                power -= jet_dot(along->turning[j].destination_torque, along->angular_velocity[destination],
-                                 order);
-            }
-        }
-    }
-    return power;
-}
-
-/* The jets that a contact's geometry depends on: separation, its rate, rotations, the axis of the shape. */
-struct contact_path {
-    struct vec3 c[JET_TERMS], w[JET_TERMS], source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
-};
-
-static struct contact_path path_of(const struct scene_values *v, const struct scene_instant *at,
-                                   const struct scene_jet *along, const struct contact_shape *shape,
-                                   int contact)
-{
-    const int from = contact_source(contact);
-    const int to = contact_destination(contact);
-    struct contact_path path;
-    memset(&path, 0, sizeof path);
-    for (int i = 1; i < JET_TERMS; ++i) {
-        path.c[i] = vec3_sub(along->displacement[to][i], along->displacement[from][i]);
-        path.w[i] = vec3_sub(along->velocity[to][i], along->velocity[from][i]);
-        path.source[i] = along->angular_velocity[from][i];
-        path.destination[i] = along->angular_velocity[to][i];
-        if (body_turns(v, to)) {
-            path.axis[i] = along->axis[to][i];
-        }
-    }
-    path.c[0] = at->separation[contact];
-    path.w[0] = at->rate[contact];
-    path.source[0] = at->turning.body[from].angular_velocity;
-    path.destination[0] = at->turning.body[to].angular_velocity;
-    path.axis[0] = at->turning.axis[contact];
-    for (int i = 0; i < JET_TERMS && contact_is_upside_down(shape); ++i) {
-        path.axis[i] = vec3_scale(-1.0, path.axis[i]);
-    }
-    return path;
-}
-
-/* The offset of a rim: offset = (rho - r_d) a - (height - h) e. The unit vector a points to the axis, rho a =
- * c - (c.e) e, height = -c.e, and e points out of the cylinder at the rim's end. */
-static void put_rim_offset(const struct contact_shape *shape, const struct contact_path *path,
-                           struct vec3 offset[JET_TERMS])
-{
-    struct vec3 across[JET_TERMS], to_axis[JET_TERMS];
-    double axial[JET_TERMS], radial[JET_TERMS], rho[JET_TERMS];
-    jet_of_axis_distance(path->c, path->axis, across, axial, rho);
-    to_axis[0] = vec3_scale(1.0 / rho[0], across[0]);
-    jet_divide(across, rho, to_axis);
-    for (int i = 0; i < JET_TERMS; ++i) {
-        radial[i] = rho[i] - (i == 0 ? shape->solid.radius : 0.0);
-        axial[i] += i == 0 ? shape->solid.half_height : 0.0;
-    }
-    for (int i = 1; i < JET_TERMS; ++i) {
-        offset[i] = vec3_add(jet_scale(radial, to_axis, i), jet_scale(axial, path->axis, i));
-    }
-}
-
-static void put_offset(const struct contact_shape *shape, const struct contact_path *path,
-                       struct vec3 offset[JET_TERMS])
-{
-    if (contact_is_rim(shape)) {
-        put_rim_offset(shape, path, offset);
-        return;
-    }
-    for (int i = 1; i < JET_TERMS; ++i) {
-        offset[i] = path->c[i];
-        if (contact_is_cylinder(shape)) {
-            double axial[JET_TERMS];
-            for (int k = 0; k <= i; ++k) {
-                axial[k] = jet_dot(path->c, path->axis, k);
-            }
-            offset[i] = vec3_sub(path->c[i], jet_scale(axial, path->axis, i));
-        }
-    }
-}
-
-/* Terms of d and n from d^2 = offset.offset and d n = offset; a plane has n = -e and d = n.c. */
-static void put_distance(const struct contact_shape *shape, const struct contact_geometry *g,
-                         const struct contact_path *path, struct contact_jet *jet)
-{
-    struct vec3 offset[JET_TERMS] = {g->offset};
-    double length[JET_TERMS];
-    jet->normal[0] = g->normal;
-    jet->distance[0] = g->distance;
-    put_offset(shape, path, offset);
-    jet_length(offset, length);
-    for (int i = 1; i < JET_TERMS; ++i) {
-        jet->normal[i] = contact_is_plane(shape) ? vec3_scale(-1.0, path->axis[i]) : vec3_make(0.0, 0.0, 0.0);
-    }
-    for (int i = 1; i < JET_TERMS; ++i) {
-        jet->distance[i] = contact_is_plane(shape) ? jet_dot(jet->normal, path->c, i)
-                           : g->degenerate         ? 0.0
-                                                   : length[i];
-    }
-    if (contact_turns(shape, g)) {
-        jet_divide(offset, jet->distance, jet->normal); /* d n = offset */
-    }
-}
-
-static void put_normal_force(const struct contact_shape *shape, const struct contact_geometry *g,
-                             const struct contact_path *path, const struct contact_law *law,
-                             const struct contact_law *change, enum contact_regime regime,
-                             struct contact_jet *jet)
-{
-    struct vec3 seen[JET_TERMS];
-    for (int i = 0; i < JET_TERMS; ++i) {
-        seen[i] = vec3_sub(path->w[i], turning_jet_cross(path->destination, path->c, i));
-        jet->gap[i] = i > 0 ? shape->side * jet->distance[i] : g->gap;
-        jet->gap_rate[i] = i > 0 ? shape->side * jet_dot(jet->normal, seen, i) : g->gap_rate;
-        jet->normal_force[i] = contact_force_term(law, change, regime, jet->gap, jet->gap_rate, i);
-        jet->source_force[i] = vec3_scale(-shape->side, jet_scale(jet->normal_force, jet->normal, i));
-    }
-}
-
-/* Terms of arms and slip of a contact whose normal is known. */
-static void put_slip(const struct contact_shape *shape, const struct contact_path *path,
-                     const struct contact_jet *jet, struct turning_jet *turning)
-{
-    struct vec3 far[JET_TERMS];
-    struct vec3 all[JET_TERMS];
-    double along_normal[JET_TERMS];
-    for (int i = 0; i < JET_TERMS; ++i) {
-        turning->source_arm[i] = vec3_scale(shape->side * shape->source_radius, jet->normal[i]);
-        far[i] = vec3_sub(turning->source_arm[i], path->c[i]);
-        turning->destination_arm[i] = far[i];
-        const struct vec3 past = vec3_sub(turning_jet_cross(path->source, turning->source_arm, i),
-                                          turning_jet_cross(path->destination, far, i));
-        all[i] = vec3_sub(past, path->w[i]);
-        along_normal[i] = jet_dot(all, jet->normal, i);
-        turning->slip[i] = vec3_sub(all[i], jet_scale(along_normal, jet->normal, i));
-    }
-}
-
-static void put_friction(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_jet *along, int contact, struct contact_jet *jet,
-                         struct turning_jet *turning)
-{
-    if (!contact_rubs(v, contact) || q->contact[contact].regime == (int32_t)REGIME_APART) {
-        return;
-    }
-    const struct turning_laws laws = turning_laws_of(v, q, contact);
-    struct friction_path path = {.slip_velocity_slope = along->slip_velocity_slope[contact]};
-    memcpy(path.normal_force, jet->normal_force, sizeof path.normal_force);
-    memcpy(path.slip, turning->slip, sizeof path.slip);
-    if (SCENE_ANY_FRICTION) {
-        memcpy(path.spring, along->spring[contact], sizeof path.spring);
-        path.spring[0] = q->turning.spring[contact];
-        if (along->jumps) {
-            path.spring[1] =
-                vec3_axpy(path.spring[1], -vec3_dot(path.spring[0], jet->normal[1]), jet->normal[0]);
-            path.spring[1] = vec3_axpy(path.spring[1], -along->spring_lift[contact], jet->normal[1]);
-        }
-    }
-    for (int i = 0; i < JET_TERMS; ++i) {
-        turning->friction_force[i] = friction_force_term(&laws.friction, laws.friction_regime, &path, i);
-        turning->stored[i] = friction_stored_term(&laws.friction, laws.friction_regime, &path, i);
-        jet->source_force[i] = vec3_add(jet->source_force[i], turning->friction_force[i]);
-    }
-}
-
-void turning_jet_of_contact(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at, int contact, struct scene_jet *along)
-{
-    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
-    const struct contact_path path = path_of(v, at, along, &shape, contact);
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    struct contact_jet *jet = &along->contact[contact];
-    struct turning_jet *turning = &along->turning[contact];
-    memset(turning, 0, sizeof *turning);
-    if (scene_turns(v)) {
-        put_distance(&shape, &at->geometry[contact], &path, jet);
-        put_normal_force(&shape, &at->geometry[contact], &path, &law, &along->law_slope[contact],
-                         (enum contact_regime)q->contact[contact].regime, jet);
-    }
-    put_slip(&shape, &path, jet, turning);
-    put_friction(v, q, along, contact, jet, turning);
-    for (int i = 0; i < JET_TERMS; ++i) {
-        turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
-        turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
-    }
 }
 
 double jet_of_kinetic(const struct scene_values *v, const struct scene_jet *along, int order)

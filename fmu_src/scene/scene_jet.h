@@ -44,29 +44,15 @@ struct scene_jet {
 CONTACT_COLD void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_instant *at, struct scene_jet *along);
 
-/* The whole jet in time. Free bodies follow Newton's law; prescribed bodies follow their velocity, which
- * counts as the derivative of their displacement. */
+/* Computes the whole jet in time. Free bodies follow Newton's law; prescribed bodies follow their velocity,
+ * which counts as the derivative of their displacement. */
 CONTACT_COLD void jet_in_time(const struct scene_values *v, const struct scene_state *q,
                               const struct scene_instant *at, struct scene_jet *along);
 
-/* The jet in time in which prescribed displacements follow their own derivatives. These need not be the
- * prescribed velocity, which the force law sees. */
+/* Computes the jet in time in which prescribed displacements follow their own derivatives. These need not be
+ * the prescribed velocity, which the force law sees. */
 CONTACT_COLD void jet_of_motion(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, struct scene_jet *along);
-
-/* The jet of rotations and friction: rotations of the bodies, turning axes, torques, slip and springs. */
-
-/* Coefficient `order` of a cross product. */
-struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b, int order);
-
-/* Computes the rotations of the bodies in time and the rates of the springs from the instant. The change of
- * the angular acceleration of bodies that turn freely follows by turning_jet_put_changes. */
-CONTACT_COLD void turning_jet_put_bodies(const struct scene_values *v, const struct scene_state *q,
-                                         const struct scene_instant *at, struct scene_jet *along);
-
-/* Puts the second-order terms of rotations and springs from contacts known to the first order. */
-CONTACT_COLD void turning_jet_put_changes(const struct scene_values *v, const struct scene_state *q,
-                                          const struct scene_instant *at, struct scene_jet *along);
 
 /* Returns the rate of the angular acceleration of a body that turns freely [rad/s^3 in time]. */
 CONTACT_COLD struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct scene_state *q,
@@ -77,34 +63,25 @@ CONTACT_COLD struct vec3 turning_jet_spin_change(const struct scene_values *v, c
 CONTACT_COLD void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at,
                                         int body, int component, double change, struct scene_jet *along);
 
-/* Computes a contact's jet from bodies, springs and factors. Where nothing turns or rubs the contact is known
- * and only torques and slip are computed. */
-CONTACT_COLD void turning_jet_of_contact(const struct scene_values *v, const struct scene_state *q,
-                                         const struct scene_instant *at, int contact,
-                                         struct scene_jet *along);
-
-/* Coefficients of the rotational energy and of the springs' energy [J], of the power of friction and its
- * springs, and of the power of external torques [W]. */
+/* Return coefficient `order` of the rotational energy, of the springs' energy [J], and of the power that
+ * friction and its springs take [W]. */
 CONTACT_COLD double turning_jet_of_rotational(const struct scene_values *v, const struct scene_jet *along,
                                               int order);
 CONTACT_COLD double turning_jet_of_tangential(const struct scene_values *v, const struct scene_state *q,
                                               const struct scene_jet *along, int order);
 CONTACT_COLD double turning_jet_friction_power(const struct scene_values *v, const struct scene_jet *along,
                                                int order);
-CONTACT_COLD double turning_jet_external_power(const struct scene_values *v, const struct scene_state *q,
-                                               const struct scene_jet *along, int order);
-
-/* Terms that free bodies add to the jet of an instant. */
-
-/* Half the rate of a free body's acceleration by external and contact forces [m/s^3 in time]. Powers of order
- * 0 or 1 [W]: of dissipation; of external forces on free bodies and of the drives of prescribed bodies. */
+/* Returns half the rate of a free body's acceleration by external and contact forces [m/s^3 in time]. */
 struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body);
+
+/* Return coefficient `order`, 0 or 1, of the power of dissipation, and of the power of the external forces on
+ * free bodies and of the drives of prescribed bodies [W]. */
 double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
                                     const struct scene_jet *along, int order);
 double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_jet *along, int order);
 
-/* Coefficient `order` of the energies along the path [J/s^order]. */
+/* Return coefficient `order` of the energies along the path [J/s^order in time]. */
 double jet_of_kinetic(const struct scene_values *v, const struct scene_jet *along, int order);
 double jet_of_potential(const struct scene_values *v, const struct scene_jet *along, int order);
 double jet_of_stored(const struct scene_values *v, const struct scene_state *q, const struct scene_jet *along,

@@ -149,19 +149,15 @@ bool scene_is_force_element(const struct scene_values *v)
     return true;
 }
 
-static int contacts_of(int body)
-{
-    int count = 0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        count += contact_source(j) == body || contact_destination(j) == body;
-    }
-    return count;
-}
-
-bool scene_shares_free_body(const struct scene_values *v)
+/* Whether any free body is in more than one contact, so that contacts may act on each other through it. */
+static bool scene_shares_free_body(const struct scene_values *v)
 {
     for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i) && contacts_of(i) > 1) {
+        int contacts = 0;
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            contacts += contact_source(j) == i || contact_destination(j) == i;
+        }
+        if (body_is_free(v, i) && contacts > 1) {
             return true;
         }
     }

@@ -33,7 +33,7 @@ struct body_state {
     struct vec3 velocity; /* v [m/s] */
 };
 
-/* How a body is turned, in the world frame. */
+/* The orientation and the angular velocity of a body, in the world frame. */
 struct body_turn {
     struct quaternion orientation; /* unit, from the body's frame to the world's */
     struct vec3 angular_velocity;  /* omega [rad/s] */
@@ -46,11 +46,11 @@ struct turning_state {
     struct vec3 spring[SCENE_CONTACTS]; /* xi of elastic friction, zero where it is none [m] */
 };
 
-/* What the orientation of a body of prescribed rotation follows. */
+/* The inputs that a prescribed rotation follows. */
 enum turn_follows {
-    TURN_FOLLOWS_VELOCITY, /* the angular velocity from turn_origin on, its axis too */
+    TURN_FOLLOWS_VELOCITY, /* the angular velocity turns the body and its axis, from turn_origin on */
     TURN_FOLLOWS_AXIS, /* the angular velocity turns the body about its axis; the axis follows its own path */
-    /* the axis alone, the smallest rotation from z: for an integrator outside, which knows no orientation */
+    /* the axis alone sets the orientation, as the smallest rotation from z; for an importer's integrator */
     TURN_FOLLOWS_AXIS_ALONE
 };
 
@@ -88,10 +88,10 @@ struct contact_physics {
 /* The past of a contact, as outputs show it. */
 struct contact_record {
     struct vec3 impulse_mark; /* the impulse at the start of the communication step [N s] */
-    double force_bound;       /* the largest that rounding may make of the peak force; 0: no more [N] */
-    double force_error;       /* by how much, as far as it has not decayed; 0: negligible [N] */
-    double onset_time;        /* when the contact under way, or the last one, began [s] */
-    double last_duration;     /* of the last finished contact [s] */
+    double force_bound; /* upper bound of the peak force with its rounding error; 0: no bound is needed [N] */
+    double force_error; /* the part of this rounding error that has not decayed; 0: negligible [N] */
+    double onset_time;  /* the time at which the present or the last contact began [s] */
+    double last_duration; /* of the last finished contact [s] */
     /* the clock at that onset (negative once rebased), for exact durations [s] */
     double touch_clock;
     int32_t onsets;
@@ -118,7 +118,7 @@ void contact_peaks_note(struct contact_peaks *peaks, double force, double penetr
 
 /* The changes of a contact that have been predicted. */
 struct contact_schedule {
-    /* the regime changes at this clock in closed form; INFINITY: not before the horizon */
+    /* the clock at which the regime changes, by a closed form; INFINITY: not before the horizon */
     double change_clock;
     /* until this clock a root finder cannot distinguish the regime from the one before */
     double dead_band_clock;
@@ -131,10 +131,10 @@ struct contact_schedule {
 struct contact_state {
     struct vec3 normal; /* the last valid n, for d = 0 */
     struct contact_parameters parameters;
-    double onset_damping; /* with restitution: chi of the contact under way, or of the last one [s/m] */
+    double onset_damping; /* with restitution: chi of the present or the last contact [s/m] */
     struct contact_peaks peaks;
     struct contact_torques torques;
-    /* on the source, over the last communication step, kept where no body may be free [N] */
+    /* mean force on the source over the last communication step, kept where no body may be free [N] */
     struct vec3 mean_force;
     struct contact_physics physics;
     struct contact_record record;
@@ -147,9 +147,10 @@ struct contact_state {
 };
 
 /*
- * A step of the general segment (integrator/general.h) that ends at the communication point or goes on beyond
- * it: its polynomial in the states of scene/ode.h, and what the steps after it start from. It is a part of
- * the state of motion, so that a saved state goes on as the instance does from which it was saved.
+ * A step of the general segment (integrator/general.h) that reaches the communication point or goes beyond
+ * it: the polynomial of the states of scene/ode.h over the step, and the start values of later steps. The
+ * step is a part of the state of motion, so that a restored state goes on exactly as the instance that was
+ * saved.
  */
 enum {
     /* states at most: 6 of motion and 7 of rotation for each body, 3 of the spring and 9 impulses for each
@@ -161,9 +162,9 @@ enum {
 };
 
 struct unfinished_step {
-    double start, length;    /* clock at its start, time up to its end [s] */
-    double end;              /* clock at which it is left: at an event, or at its end [s] */
-    double present;          /* clock up to which the motion has followed it [s] */
+    double start, length;    /* the clock at the start of the step, and its length [s] */
+    double end;              /* the clock of the event that ends the step early, or of its end [s] */
+    double present;          /* the clock up to which the motion has followed the step [s] */
     double solvable, simple; /* as in struct general [s] */
     double at_start[UNFINISHED_STATES];
     double at_end[UNFINISHED_STATES];                           /* at the clock `end` */
@@ -171,7 +172,7 @@ struct unfinished_step {
     double chebyshev[RADAU_MOST_STAGES + 1][UNFINISHED_STATES]; /* as in struct radau_step */
     double peaks[SCENE_CONTACTS][2][RADAU_MOST_STAGES + 1];     /* as in struct general */
     int32_t stages;
-    int32_t event; /* which function of scene/ode.h ends it; -1: none */
+    int32_t event; /* the index of the event function of scene/ode.h that ends the step; -1: none */
 };
 
 struct solver_counters {
@@ -184,16 +185,16 @@ void counter_add(int32_t *counter, long more);
 struct scene_state {
     double base, base_tail, clock; /* [s] */
     struct contact_state contact[SCENE_CONTACTS];
-    /* clock up to which regime changes have been looked for; at or before `clock`: look again */
+    /* clock up to which regime changes have been predicted; at or before `clock`: predict again */
     double horizon_clock;
     double deferrable_clock; /* flight may be deferred up to this clock, see flight_defer; 0: not known */
     struct body_origin origin[SCENE_BODIES]; /* used where the body is free */
     struct body_state body[SCENE_BODIES];
     double phase_energy;              /* at clock 0 of the phase, see projection_balance [J] */
     double dissipated, external_work; /* since initialization [J] */
-    double friction_energy; /* taken by friction since initialization, with what springs store [J] */
-    double step_length;     /* length of the last communication step, as far as it got [s] */
-    double general_length;  /* of a step that the general segment may try next [s]; 0: not known */
+    double friction_energy;           /* taken by friction and its springs since initialization [J] */
+    double step_length;    /* length of the part of the last communication step that was completed [s] */
+    double general_length; /* length of the step that the general segment may try next [s]; 0: not known */
     struct body_path path[SCENE_BODIES];
     struct solver_counters counters;
     /* 1: integrators start from this state: neither CVODE's history nor `unfinished` matters */
@@ -201,10 +202,10 @@ struct scene_state {
     /* 1: the flight is deferred: body states are those of an earlier clock, see flight_catch_up */
     int32_t deferred;
     int32_t unused; /* in place of padding */
-    /* of no meaning where nothing turns or rubs: last, see scene_state_copy */
+    /* the fields from here on have no meaning where nothing turns or rubs, see scene_state_copy */
     struct turning_state turning;
     struct body_turn turn_origin[SCENE_BODIES]; /* at clock 0, of bodies that turn */
-    /* what event_driven goes on with unless `integrator_fresh`: last, see scene_state_look */
+    /* event_driven goes on with this step unless `integrator_fresh`; last, see scene_state_look */
     struct unfinished_step unfinished;
 };
 
@@ -218,14 +219,14 @@ double scene_time(const struct scene_state *q);
 double scene_remaining(const struct scene_state *q, double end_time);
 
 /* Moves the origin of the clock to the present: paths are shifted, durations kept; nothing else changes. The
- * integrator restarts. To be called after every change of body states; a deferred flight must have been
- * caught up (flight.h). */
+ * integrator restarts. The function is to be called after every change of body states, and not during a
+ * deferred flight (flight/flight.h). */
 void scene_rebase(const struct scene_values *v, struct scene_state *q);
 
-/* A path's value at a clock, of `count` coefficients. */
+/* Returns the value of a path of `count` coefficients at a clock. */
 struct vec3 path_at(const struct vec3 *coefficients, int count, double clock);
 
-/* The derivative of a path of three coefficients at a clock. */
+/* Returns the derivative of a path of three coefficients at a clock. */
 struct vec3 path_slope(const struct vec3 path[3], double clock);
 
 /* Whether all coefficients but the first are zero, as in most paths. */
@@ -237,14 +238,13 @@ bool path_rests(const struct vec3 path[3]);
 /* Changes the coefficients of a path so that its origin moves to `clock`. */
 void path_shift(struct vec3 *coefficients, int count, double clock);
 
-/* Which bodies move by Newton's law and which contacts act on them, in the regimes of the moment. */
-
-/* Whether a body is free; whether it is prescribed. Constants where the scene fixes the choice. */
+/* Whether a body moves freely, by Newton's law; whether its motion is prescribed. The answers are
+ * compile-time constants where the scene pins the choice. */
 bool body_is_free(const struct scene_values *v, int body);
 bool body_is_prescribed(const struct scene_values *v, int body);
 
-/* Whether a body turns by Euler's equations; by its inputs; in either way. Constants where the scene fixes
- * the choice. */
+/* Whether a body turns freely, by Euler's equations; whether its rotation is prescribed; whether it turns in
+ * either way. The answers are compile-time constants where the scene pins the choice. */
 bool body_turns_freely(const struct scene_values *v, int body);
 bool body_turn_is_prescribed(const struct scene_values *v, int body);
 bool body_turns(const struct scene_values *v, int body);
@@ -256,17 +256,14 @@ bool contact_rubs_elastically(const struct scene_values *v, int contact);
 /* Whether any body turns or any contact rubs. Else the scene is computed as one without rotation. */
 bool scene_turns(const struct scene_values *v);
 
-/* Copies a state. Where nothing turns or rubs the fields from `turning` on are left out. */
+/* Copies a state, without the fields from `turning` on where nothing turns or rubs. */
 void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to);
 
-/* Whether the motion of the contact is given: neither body is free or turns freely. */
+/* Whether the motion of a contact is prescribed: neither body is free or turns freely. */
 bool contact_is_prescribed(const struct scene_values *v, int contact);
 
 /* Whether no body is free or turns freely: the scene is a force element and has no states of bodies. */
 bool scene_is_force_element(const struct scene_values *v);
-
-/* Whether any free body is in more than one contact, so that contacts may act on each other through it. */
-bool scene_shares_free_body(const struct scene_values *v);
 
 /* Whether the motion may be integrated as differential equations (scene/ode.h): by CVODE, or by the general
  * segment of event_driven, for bodies in several contacts and where something turns or rubs. */
@@ -284,10 +281,9 @@ bool body_is_loaded(const struct scene_state *q, int body, int except);
  * even while this one is apart. Constant false in scenes of one contact. */
 bool contact_is_coupled(const struct scene_values *v, const struct scene_state *q, int contact);
 
-/* Whether it is known when the contact changes its regime before that is integrated
- * (integrator/prediction.h):
- * always where nothing turns or rubs, as far as closed forms tell; else while it transmits no force or its
- * motion is given, and no other contact acts on its bodies. */
+/* Whether the next change of the contact's regime is predicted before the motion is integrated
+ * (integrator/prediction.h). Where nothing turns or rubs, it always is. Elsewhere it is predicted only while
+ * no other contact acts on the bodies and the contact transmits no force or its motion is prescribed. */
 bool contact_is_foreseen(const struct scene_values *v, const struct scene_state *q, int contact);
 
 #endif
