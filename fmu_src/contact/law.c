@@ -31,7 +31,7 @@ struct hertz_law {
     double damping;   /* chi [s/m] */
 };
 
-/* delta^(3/2) */
+/* Returns delta^(3/2) [m^1.5] with delta = -g, or zero for g >= 0. */
 static double three_halves(double gap)
 {
     return gap < 0.0 ? -gap * sqrt(-gap) : 0.0;
@@ -74,7 +74,8 @@ static void power_of_depth(const double *gap, double exponent, int order, double
 {
     double depth[TAYLOR_TERMS];
     depth[0] = -gap[0];
-    power[0] = depth[0] > 0.0 ? taylor_power(depth, exponent, power, 0) : 0.0; /* every order needs it */
+    power[0] = depth[0] > 0.0 ? taylor_power(depth, exponent, power, 0)
+                              : 0.0; /* taylor_power needs it at every order */
     for (int i = 1; i <= order; ++i) {
         depth[i] = -gap[i];
         power[i] = depth[0] > 0.0 ? taylor_power(depth, exponent, power, i) : 0.0;
@@ -127,15 +128,16 @@ static double first_met(unmet_condition *unmet, double wanted, double high)
     }
 }
 
-/* k = K and part = (K - E)/(e^2 K), without differences, which cancel for a nearly circular contact. */
+/* The complete elliptic integrals K and E as k = K and part = (K - E)/(e^2 K). The difference K - E itself
+ * would cancel for a nearly circular contact, where e = 0. */
 struct elliptic {
     double k, part;
 };
 
 /*
- * Computes both values by the arithmetic-geometric mean (agm) of 1 and k'. K is pi / (2 agm); (K - E)/K is
- * the sum of 2^(n-1) c_n^2, where c_0 = e and c_n is half the difference of the preceding means, so that
- * c_1^2 / e^2 = (1 - k')/(4 (1 + k')). Source: Abramowitz and Stegun, 17.6.
+ * Computes k and part for the ratio k' of the semi-axes by the arithmetic-geometric mean (agm) of 1 and k'. K
+ * is pi / (2 agm); (K - E)/K is the sum of 2^(n-1) c_n^2, where c_0 = e and c_n is half the difference of the
+ * preceding means, so that c_1^2 / e^2 = (1 - k')/(4 (1 + k')). Source: Abramowitz and Stegun, 17.6.
  */
 static struct elliptic elliptic_of(double ratio)
 {
@@ -186,7 +188,8 @@ double hertz_stiffness(const struct contact_shape *shape, double modulus)
     return hertz_elliptic_stiffness(modulus, fmin(along, curved), fmax(along, curved));
 }
 
-/* Largest r_s divided by r_d without conformity: r_s r_d / (r_d - r_s) is here already ten times r_s. */
+/* Largest r_s divided by r_d without conformity. The effective radius r_s r_d / (r_d - r_s) is here already
+ * ten times r_s. */
 static const double CONFORMING = 0.9;
 
 bool hertz_is_conforming(const struct contact_shape *shape)
@@ -235,7 +238,8 @@ static double logarithm_rest(double x)
     return sum;
 }
 
-/* Whether ln((1 + y)/(1 - e y)) < y (1 + e). Both sides are divided by y^2 (1 + e) where y is small. */
+/* Whether y = chi v is too small for the coefficient of restitution e with full damping: ln((1 + y)/(1 - e
+ * y)) < y (1 + e). Both sides are divided by y^2 (1 + e) where y is small. */
 static bool dissipates_too_little(double y, double e)
 {
     if (y <= SMALL) {
@@ -244,7 +248,8 @@ static bool dissipates_too_little(double y, double e)
     return log1p(y) - log1p(-e * y) < y * (1.0 + e);
 }
 
-/* Whether e^2 < 2 (y - ln(1 + y))/y^2. */
+/* Whether y = chi v is too small for the coefficient of restitution e with an approach-only dashpot: e^2 <
+ * 2 (y - ln(1 + y))/y^2. */
 static bool returns_too_fast(double y, double e)
 {
     if (y <= SMALL) {
@@ -517,7 +522,7 @@ double contact_dissipated_term(const struct contact_law *law, enum contact_regim
                                       law->stiffness * taylor_multiply(gap, gap_rate, order));
 }
 
-/* Whether the law is Hertz's, as in contact_is_hertz. */
+/* Whether the law is Hertz's, as contact_is_hertz tells of a struct contact_law. */
 static bool has_hertz(const struct contact_factors *factors)
 {
     const struct contact_law law = {.law = factors->law};
@@ -542,7 +547,8 @@ static double damping_by_restitution(const struct contact_factors *factors, enum
     return 2.0 * ratio * sqrt(p_n) / sqrt(factors->inverse_mass);
 }
 
-/* Returns chi [s/m], or with restitution the number chi v [1]. */
+/* Returns chi [s/m]; with restitution the number chi v [1] instead, where v is the approach speed at the
+ * onset. */
 static double hunt_crossley_factor(const struct contact_factors *factors, enum dashpot dashpot,
                                    double diagonal)
 {
@@ -589,7 +595,7 @@ struct contact_law contact_law_of(const struct contact_factors *factors, enum da
 struct contact_law contact_law_slope(const struct contact_factors *factors, struct contact_coefficients at,
                                      double diagonal_slope)
 {
-    if (has_hertz(factors)) { /* chi = tau_n / diag */
+    if (has_hertz(factors)) { /* an automatic chi is tau_n / diag */
         const bool automatic =
             factors->method != METHOD_PENALTY && factors->viscous_control == VISCOUS_CONTROL_AUTOMATIC;
         const double by_diagonal = at.c * at.c / factors->characteristic_time;

@@ -40,7 +40,21 @@ bool contact_is_near_axis(struct vec3 across, double axial)
     return fabs(across.x) + fabs(across.y) + fabs(across.z) < 1e-8 * fabs(axial);
 }
 
-struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c, double axial)
+/* Returns `once`, a vector that has been projected across the axis, projected a second time. Near the axis
+ * the result of one projection is mostly rounding, which may point along the axis; the second projection
+ * removes that part. The result is zero where too little is left; c then counts as on the axis. */
+static struct vec3 contact_across_again(const struct contact_shape *shape, struct vec3 once)
+{
+    if (vec3_is_zero(once)) {
+        return vec3_make(0.0, 0.0, 0.0); /* this is exact for gravity along the axis */
+    }
+    const double size = fabs(once.x) + fabs(once.y) + fabs(once.z);
+    const struct vec3 twice = vec3_axpy(once, -vec3_dot(once, shape->axis), shape->axis);
+    return vec3_norm(twice) > 0.1 * size ? twice : vec3_make(0.0, 0.0, 0.0);
+}
+
+/* Returns the part of c across a cylinder's axis, accurate near the axis too; `axial` is c.e_d. */
+static struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c, double axial)
 {
     const struct vec3 once = vec3_axpy(c, -axial, shape->axis);
     return contact_is_near_axis(once, axial) ? contact_across_again(shape, once) : once;
@@ -93,16 +107,6 @@ static double gap_at(const struct contact_shape *shape, double distance)
     /* other - source is exact for a source that nearly fills its shell. For a smaller source, other -
      * distance is exact at the touch. */
     return fills_shell(shape) ? (other - source) - distance : (other - distance) - source;
-}
-
-struct vec3 contact_across_again(const struct contact_shape *shape, struct vec3 once)
-{
-    if (vec3_is_zero(once)) {
-        return vec3_make(0.0, 0.0, 0.0); /* this is exact for gravity along the axis */
-    }
-    const double size = fabs(once.x) + fabs(once.y) + fabs(once.z);
-    const struct vec3 twice = vec3_axpy(once, -vec3_dot(once, shape->axis), shape->axis);
-    return vec3_norm(twice) > 0.1 * size ? twice : vec3_make(0.0, 0.0, 0.0);
 }
 
 static struct contact_geometry geometry_in(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
@@ -199,7 +203,9 @@ struct vec3 contact_direction_of(const struct contact_shape *shape, const struct
     return flipped ? vec3_scale(-1.0, at->normal) : at->normal;
 }
 
-struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 normal, struct vec3 w)
+/* Returns the part of w that rotates n [m/s]: w without its components along n and along a cylinder's axis;
+ * zero for a plane. */
+static struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 normal, struct vec3 w)
 {
     if (contact_is_plane(shape)) {
         return vec3_make(0.0, 0.0, 0.0);

@@ -84,14 +84,6 @@ bool contact_turns(const struct contact_shape *shape, const struct contact_geome
  * `axial`, that a single projection leaves less than about half of its digits. */
 bool contact_is_near_axis(struct vec3 across, double axial);
 
-/* Returns `once`, a vector that has been projected across the axis, projected a second time. Near the axis
- * the result of one projection is mostly rounding, which may point along the axis; the second projection
- * removes that part. The result is zero where too little is left; c then counts as on the axis. */
-struct vec3 contact_across_again(const struct contact_shape *shape, struct vec3 once);
-
-/* Returns the part of c across a cylinder's axis, accurate near the axis too; `axial` is c.e_d. */
-struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c, double axial);
-
 /* Returns the part of c across a cylinder's axis; c itself for other shapes. */
 struct vec3 contact_across(const struct contact_shape *shape, struct vec3 c);
 
@@ -116,15 +108,11 @@ bool contact_within_extents(const struct contact_shape *shape, double axial);
 /* Returns the output e_c: towards the destination's centre (sphere) or the contact point (other shapes). */
 struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at);
 
-/* Returns the part of w that rotates n [m/s]: w without its components along n and along a cylinder's axis;
- * zero for a plane. */
-struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 normal, struct vec3 w);
-
 /*
- * Returns T w, which is d times the rate of n while the source moves with w. T is the projection of
- * contact_tangential, except for a rim, where n turns by 1/d across the circle and by (rho - r_d)/(rho d)
- * along the circle, with the distance rho from the axis: T = I - n n^T - (r_d / rho) b b^T with the
- * circumferential direction b.
+ * Returns T w, which is d times the rate of n while the source moves with w. T removes the components along n
+ * and along a cylinder's axis, and is zero for a plane. For a rim n turns by 1/d across the circle and by
+ * (rho - r_d)/(rho d) along the circle, with the distance rho from the axis: T = I - n n^T - (r_d / rho) b
+ * b^T with the circumferential direction b.
  */
 struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
                                  struct vec3 w);

@@ -1,7 +1,8 @@
 #include "contact/slopes.h"
+#include "math/series.h"
 #include "math/vec3.h"
 
-/* Adds factor T to m. */
+/* Adds `factor` times T to m. The header defines T. */
 static void add_projector(double m[3][3], double factor, const struct contact_shape *shape,
                           const struct contact_geometry *at)
 {
@@ -47,15 +48,6 @@ struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
     return gradient;
 }
 
-double jet_product(const double *a, const double *b, int order)
-{
-    double sum = 0.0;
-    for (int i = 0; i <= order && i < JET_TERMS; ++i) {
-        sum += a[i] * b[order - i];
-    }
-    return sum;
-}
-
 double jet_dot(const struct vec3 *a, const struct vec3 *b, int order)
 {
     double sum = 0.0;
@@ -86,15 +78,6 @@ static double jet_of_hypotenuse(const double *cosine, const double *a, const dou
     return sum / order;
 }
 
-static double jet_of_quotient(const double *a, const double *b, const double *quotient, int order)
-{
-    double rest = a[order];
-    for (int j = 1; j <= order; ++j) {
-        rest -= b[j] * quotient[order - j];
-    }
-    return rest / b[0];
-}
-
 /* Sets all coefficients of d and n of a rim: n = (dr a + dz e) / d. The unit vector a points to the axis and
  * turns along the circle, e is the normal of the cap, and -dz > 0 is the height of the centre above the
  * cap. */
@@ -120,8 +103,8 @@ static void jet_of_rim(const struct contact_shape *shape, const struct contact_g
         a[i] = nowhere;
         a[i] = vec3_scale(1.0 / rho[0], vec3_sub(across, jet_scale(rho, a, i)));
         result->distance[i] = jet_of_hypotenuse(cosine, radial, sine, axial, i);
-        cosine[i] = jet_of_quotient(radial, result->distance, cosine, i);
-        sine[i] = jet_of_quotient(axial, result->distance, sine, i);
+        cosine[i] = taylor_divide(radial, result->distance, cosine, i);
+        sine[i] = taylor_divide(axial, result->distance, sine, i);
         result->normal[i] = vec3_axpy(jet_scale(cosine, a, i), sine[i], shape->axis);
     }
 }
@@ -260,7 +243,7 @@ static struct vec3 regularized_term(const struct friction_law *law, const struct
     factor[1] = s[1] * speed[1] / (v_0 * v_0) - path->slip_velocity_slope * (s[1] * z + s[0]) / (v_0 * v_0);
     factor[2] = (s[1] * speed[2] + 0.5 * s[2] * speed[1] * speed[1] / v_0) / (v_0 * v_0);
     for (int i = 0; i < JET_TERMS; ++i) {
-        weight[i] = -jet_product(limit, factor, i);
+        weight[i] = -taylor_multiply(limit, factor, i);
     }
     return jet_scale(weight, path->slip, order);
 }
@@ -303,12 +286,12 @@ double friction_stored_term(const struct friction_law *law, enum friction_regime
     }
     if (slides && law->damping == 0.0) { /* the spring is L / k_t long */
         put_limit(law, regime, path, limit);
-        return 0.5 * jet_product(limit, limit, order) / law->stiffness;
+        return 0.5 * taylor_multiply(limit, limit, order) / law->stiffness;
     }
     return 0.5 * law->stiffness * jet_dot(path->spring, path->spring, order);
 }
 
-/* Returns a - n (n.a). */
+/* Returns the part of a across n, a - n (n.a). */
 static struct vec3 without_normal(struct vec3 a, struct vec3 n)
 {
     return vec3_axpy(a, -vec3_dot(n, a), n);
@@ -347,13 +330,13 @@ struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const
     return s;
 }
 
-/* Changes of n, d, w_g, the part of w_g across n, and n.w_g. */
+/* The changes of the geometry by a change of the motion. */
 struct geometry_change {
-    struct vec3 normal, seen_rate, tangential;
-    double distance, along;
-    struct vec3 axis;            /* e of the shape */
-    struct vec3 circumferential; /* for a rim: b, and r_d / rho below */
-    double circumferential_part;
+    struct vec3 normal, seen_rate, tangential; /* of n, of w_g, and of the part of w_g across n */
+    double distance, along;                    /* of d and of n.w_g */
+    struct vec3 axis;                          /* e of the shape */
+    struct vec3 circumferential;               /* of b, at a rim */
+    double circumferential_part;               /* of r_d / rho, at a rim */
 };
 
 /* Returns the change of a rim's offset and sets the changes of b and r_d / rho, with offset = (rho - r_d) a +
@@ -402,6 +385,7 @@ static struct vec3 offset_along(const struct turning_slopes *s, const struct tur
     return vec3_axpy(vec3_axpy(change->separation, -axial, axis), -s->geometry.axial, d->axis);
 }
 
+/* Returns all changes of the geometry. */
 static struct geometry_change geometry_along(const struct turning_slopes *s,
                                              const struct turning_motion *change)
 {
@@ -446,6 +430,7 @@ static struct vec3 normal_rate_along(const struct turning_slopes *s, const struc
     return vec3_axpy(turned, s->inverse_distance, across);
 }
 
+/* Returns the change of v_t. */
 static struct vec3 slip_along(const struct turning_slopes *s, const struct turning_motion *change,
                               const struct geometry_change *d)
 {

@@ -33,10 +33,10 @@ struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
  * time derivatives divided by factorials. If s is a step in some direction, the coefficients c[1] are
  * directional derivatives.
  *
- *   d d = n.d c (n.e_d = 0),   d n = offset,   g = side (d - reach),   g' = side n.w,   F_n by the law
+ *   d' = n.c' (as n.e_d = 0),   d n = offset,   g = side (d - reach),   g_t = side n.w,   F_n by the law
  *
- * The present regime applies; at the edge of a regime the derivatives are one-sided, from within the present
- * regime. Where d = 0, n is constant.
+ * The prime is d/ds here, and g_t is the gap rate. The present regime applies; at the edge of a regime the
+ * derivatives are one-sided, from within the present regime. Where d = 0, n is constant.
  */
 
 enum { JET_TERMS = 3 };
@@ -48,15 +48,15 @@ struct contact_jet {
     struct vec3 source_force[JET_TERMS]; /* -side F_n n */
 };
 
-/* Sets the series from the geometry at s = 0 (c[0] itself is not used), the law, and the derivatives d/ds of
- * its factors in `change`. */
+/* Sets the series from the geometry at s = 0, the coefficients 1 and 2 of c, those of w, the law, and the
+ * derivatives d/ds of its factors in `change`. */
 CONTACT_COLD void contact_jet_make(const struct contact_shape *shape, const struct contact_geometry *at,
                                    const struct vec3 c[JET_TERMS], const struct vec3 w[JET_TERMS],
                                    const struct contact_law *law, const struct contact_law *change,
                                    enum contact_regime regime, struct contact_jet *result);
 
-/* Return coefficient `order` of a product of two series. */
-double jet_product(const double *a, const double *b, int order);
+/* Return coefficient `order` of a product of two series; taylor_multiply (math/series.h) serves for
+ * numbers. */
 double jet_dot(const struct vec3 *a, const struct vec3 *b, int order);
 struct vec3 jet_scale(const double *a, const struct vec3 *b, int order);
 
@@ -92,8 +92,9 @@ CONTACT_COLD void jet_of_axis_distance(const struct vec3 c[JET_TERMS], const str
                                        double rho[JET_TERMS]);
 
 /*
- * Exact directional derivatives with respect to the motion, for implicit integration: those of the force, the
- * torques and the spring's rate of a contact that rotates or has friction. World frame, SI units.
+ * Exact directional derivatives of the force, the torques and the spring's rate of a contact that rotates or
+ * has friction. The direction is a change of the motion. Implicit integration needs them. World frame, SI
+ * units.
  *
  *   w_g = w - omega_d x c                          the rate of c as the destination sees it
  *   g' = side n.w_g

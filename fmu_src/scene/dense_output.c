@@ -18,13 +18,6 @@ void dense_output_add(struct dense_output *w, double s)
     w->s[w->count++] = s;
 }
 
-void dense_output_sample(struct dense_output *w)
-{
-    for (int i = 0; i < w->count; ++i) {
-        w->sampler(w->segment, w->s[i], &w->at[i]);
-    }
-}
-
 const struct pair_sample *dense_output_at(struct dense_output *w, double s)
 {
     if (w->latest_s != s) {

@@ -46,9 +46,6 @@ struct dense_output {
 /* Adds a sample at s, which is larger than all s so far. */
 void dense_output_add(struct dense_output *w, double s);
 
-/* Takes the samples at the first `count` values of w->s. */
-void dense_output_sample(struct dense_output *w);
-
 /* Returns the sample at any s, and keeps it in case that s is asked for again. */
 const struct pair_sample *dense_output_at(struct dense_output *w, double s);
 

@@ -1,6 +1,7 @@
 #include <string.h>
 
 #include "contact/slopes.h"
+#include "math/series.h"
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"
 
@@ -547,7 +548,7 @@ double turning_jet_of_rotational(const struct scene_values *v, const struct scen
             for (int k = 0; k <= order; ++k) {
                 spin[k] = jet_dot(along->angular_velocity[i], along->axis[i], k);
             }
-            const double axial = jet_product(spin, spin, order);
+            const double axial = taylor_multiply(spin, spin, order);
             const double square = jet_dot(along->angular_velocity[i], along->angular_velocity[i], order);
             sum += 0.5 * (inertia.transverse * square + (inertia.axial - inertia.transverse) * axial);
         }

@@ -69,7 +69,7 @@ static int run(struct model *m, enum manner manner, double push)
         if (i == STEPS / 2 && push != 0.0) {
             model_set(m, named("source.external_force[2]"), &push);
         }
-        CHECK(model_step(m, i * STEP) == MODEL_OK);
+        CHECK(scene_step(m, i * STEP) == MODEL_OK);
         deferred += m->state.motion.deferred;
         if (manner == LOOKING) {
             (void)scene_read(m, named(i % 2 == 0 ? "source.position[1]" : "contact.gap"));
@@ -154,7 +154,7 @@ TEST(the_last_direction_is_that_of_the_step_before_the_axis)
     scene_put(v->world.gravity, 0.0, 2.0, 0.0);
     CHECK(model_exit_initialization(m) == MODEL_OK);
     for (int i = 1; i <= 7; ++i) {
-        CHECK(model_step(m, i / 16.0) == MODEL_OK);
+        CHECK(scene_step(m, i / 16.0) == MODEL_OK);
     }
     CHECK_CLOSE("distance", scene_read(m, named("contact.distance")), 0.0, 0.0);
     /* At 6/16 s: x = 1/32, y = 1/256. Inside a cylinder e_c points from its axis to the wall. */

@@ -23,6 +23,15 @@ static void sample_waves(const void *waves, double s, struct pair_sample *sample
     }
 }
 
+/* Samples at the places that are in w->s already. */
+static void sample_all(struct dense_output *w)
+{
+    const int count = w->count;
+    for (w->count = 0; w->count < count;) {
+        dense_output_add(w, w->s[w->count]);
+    }
+}
+
 /* Places at most `widest` apart, the first at zero or later. */
 static struct dense_output random_output(struct random *r, dense_output_sampler *sampler, const void *segment,
                                          double widest)
@@ -33,7 +42,7 @@ static struct dense_output random_output(struct random *r, dense_output_sampler 
     for (int i = 1; i < w.count; ++i) {
         w.s[i] = w.s[i - 1] + random_between(r, 0.01, 1.0) * widest;
     }
-    dense_output_sample(&w);
+    sample_all(&w);
     return w;
 }
 
@@ -160,7 +169,7 @@ static double fall_seen_from(const struct parabola *p, double second)
 {
     const struct event_function gap = {PAIR_GAP, 1.0, 0.0};
     struct dense_output w = {.sampler = sample_parabola, .segment = p, .count = 3, .s = {0.0, second, 2.0}};
-    dense_output_sample(&w);
+    sample_all(&w);
     return dense_output_first_event(&w, &gap);
 }
 

@@ -127,8 +127,8 @@ static void begin(struct model *m, struct heard *heard)
     m->state.values.world.gravity[2] = -9.81;
     scene_put(m->state.values.body[DESTINATION].axis, 0.0, 1.0, 0.0);
     CHECK(model_exit_initialization(m) == MODEL_OK);
-    CHECK(model_step(m, 0.25) == MODEL_OK);
-    CHECK(model_step(m, 0.5) == MODEL_OK);
+    CHECK(scene_step(m, 0.25) == MODEL_OK);
+    CHECK(scene_step(m, 0.5) == MODEL_OK);
 }
 
 TEST(a_state_with_one_wrong_value_is_refused_and_changes_nothing)
@@ -148,7 +148,7 @@ TEST(a_state_with_one_wrong_value_is_refused_and_changes_nothing)
                            memcmp(&after, &good, sizeof good) == 0;
         check_that(holds, harmful[i].name, __FILE__, __LINE__);
     }
-    CHECK(model_step(&m, 0.75) == MODEL_OK);
+    CHECK(scene_step(&m, 0.75) == MODEL_OK);
     integrator_close(&m.integrator);
 }
 
@@ -182,7 +182,7 @@ TEST(counters_stay_at_the_largest_integer_and_can_be_restored)
     scene_put(m.state.values.body[SOURCE].prescribed_velocity, 3.0, 0.0, 0.0);
     CHECK(model_exit_initialization(&m) == MODEL_OK);
     m.state.motion.counters.force_evaluations = INT32_MAX - 3;
-    CHECK(model_step(&m, 2.0) == MODEL_OK);
+    CHECK(scene_step(&m, 2.0) == MODEL_OK);
     CHECK(m.state.motion.counters.force_evaluations == INT32_MAX);
     model_save(&m, &saved);
     CHECK(model_restore(&m, &saved, sizeof saved) == MODEL_OK);

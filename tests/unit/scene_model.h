@@ -33,6 +33,12 @@ static inline struct model scene_model(void)
     return m;
 }
 
+static inline enum model_status scene_step(struct model *m, double end_time)
+{
+    const struct step_request request = {.end_time = end_time};
+    return model_step_requested(m, &request);
+}
+
 static inline void scene_put(double *to, double x, double y, double z)
 {
     to[0] = x;
