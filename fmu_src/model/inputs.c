@@ -233,8 +233,9 @@ static struct tunable_values tunable_values_of(const struct scene_values *v)
     return now;
 }
 
-/* A deferred flight is computed here, because it went with the gravity in force before. */
-void model_begin_tuning(struct model *m)
+/* Notes the parameters in force, before one of them is set between steps. A deferred flight is computed here,
+ * because it took place under the gravity in force before. */
+static void model_begin_tuning(struct model *m)
 {
     if (!m->state.tuned) {
         motion_catch_up(&m->state.values, &m->state.motion);
@@ -245,7 +246,8 @@ void model_begin_tuning(struct model *m)
     m->state.signals_open = 1;
 }
 
-/* Compares gravity and dashpots with `before`, and new factors with those of q. Whether anything differs. */
+/* Whether gravity, a dashpot or a factor of the law differs from the values in force, which are `before` and
+ * the factors of q. Sets `tuning`. */
 static bool differs(const struct scene_values *v, const struct scene_state *q,
                     const struct tunable_values *before, struct motion_tuning *tuning)
 {
@@ -276,7 +278,9 @@ static bool take_over(const struct scene_values *v, struct scene_state *q,
     return !differs(v, q, before, &tuning) || motion_tune(v, q, &tuning);
 }
 
-bool model_tune(struct model *m)
+/* Takes parameters that were set between steps over into the motion and books the energy that they add or
+ * remove. False: a force or an energy would be beyond the range of numbers; the motion is unchanged. */
+static bool model_tune(struct model *m)
 {
     if (!m->state.tuned) {
         return true;
@@ -290,7 +294,8 @@ bool model_tune(struct model *m)
     return taken;
 }
 
-bool model_can_tune(const struct model *m, const struct variable *variable, const void *value)
+/* Whether model_tune would accept one value. */
+static bool model_can_tune(const struct model *m, const struct variable *variable, const void *value)
 {
     struct scene_values v = m->state.values;
     struct scene_state q = m->state.motion;

@@ -6,8 +6,6 @@
 
 #include "model/state.h"
 
-/* This part creates, resets, starts and steps a model. */
-
 struct model *model_create(const struct model_host *host)
 {
     struct model *m = host->allocate(1, sizeof *m);
@@ -113,15 +111,6 @@ static void undo_step(struct model *m, const struct scene_state *before)
     scene_rebase(&m->state.values, &m->state.motion);
 }
 
-static enum model_status step_refused(struct model *m, const struct scene_state *before, double end_time)
-{
-    undo_step(m, before);
-    return model_report(m, MODEL_DISCARD,
-                        "The step to %s s takes the motion beyond the range of numbers; it stays at %s s "
-                        "(allowed: steps with finite speeds, displacements and energies).",
-                        shortest_digits(end_time).text, shortest_digits(model_time(m)).text);
-}
-
 /* Takes a step. The motion returns to the state before the step where the step ends beyond the range of
  * numbers, or where a step that is to be taken as a whole ends early. */
 static enum model_status take_step(struct model *m, const struct step_request *request)
@@ -131,7 +120,11 @@ static enum model_status take_step(struct model *m, const struct step_request *r
     scene_state_copy(&m->state.values, &m->state.motion, &before);
     const enum model_status status = motion_advance(m, request);
     if (!motion_is_finite(m)) {
-        return step_refused(m, &before, request->end_time);
+        undo_step(m, &before);
+        return model_report(m, MODEL_DISCARD,
+                            "The step to %s s takes the motion beyond the range of numbers; it stays at %s s "
+                            "(allowed: steps with finite speeds, displacements and energies).",
+                            shortest_digits(request->end_time).text, shortest_digits(model_time(m)).text);
     }
     if (status == MODEL_DISCARD && request->whole) {
         undo_step(m, &before);
@@ -192,19 +185,16 @@ enum model_status model_step_requested(struct model *m, const struct step_reques
 
 enum { HEADER_SIZE = offsetof(struct model_state, values) };
 
-/* Returns the checksum FNV-1a of 64 bits (Fowler, Noll, Vo), which any one altered byte changes. */
-static uint64_t checksum_of(const unsigned char *bytes, size_t size)
+/* Returns the checksum FNV-1a of 64 bits (Fowler, Noll, Vo) of all bytes behind the header. Any one altered
+ * byte changes the checksum. */
+static uint64_t payload_checksum(const struct model_state *state)
 {
+    const unsigned char *bytes = (const unsigned char *)state;
     uint64_t hash = 14695981039346656037u;
-    for (size_t i = 0; i < size; ++i) {
+    for (size_t i = HEADER_SIZE; i < sizeof *state; ++i) {
         hash = (hash ^ bytes[i]) * 1099511628211u;
     }
     return hash;
-}
-
-static uint64_t payload_checksum(const struct model_state *state)
-{
-    return checksum_of((const unsigned char *)state + HEADER_SIZE, sizeof *state - HEADER_SIZE);
 }
 
 size_t model_state_size(void)
@@ -295,28 +285,18 @@ static bool is_direction(struct vec3 a)
 
 static bool contact_is_sound(const struct contact_state *contact, bool initialized)
 {
-    if (!known_regime(contact->regime) || (initialized && contact->side != 1 && contact->side != -1)) {
-        return false;
-    }
-    if (initialized && !is_direction(contact->normal)) {
-        return false;
-    }
-    if (contact->friction_regime < (int32_t)FRICTION_STICKING ||
-        contact->friction_regime > (int32_t)FRICTION_LIFTED) {
-        return false;
-    }
-    if (!known_zone(contact->zone)) {
-        return false;
-    }
-    if ((SCENE_ANY_CYLINDER || SCENE_ANY_PLANE) && initialized && !is_direction(contact->parameters.axis) &&
-        !vec3_is_zero(contact->parameters.axis)) { /* a sphere's axis is the zero vector */
-        return false;
-    }
+    const bool friction_is_known = contact->friction_regime >= (int32_t)FRICTION_STICKING &&
+                                   contact->friction_regime <= (int32_t)FRICTION_LIFTED;
+    const bool placed = (contact->side == 1 || contact->side == -1) && is_direction(contact->normal);
+    const bool has_axis = (!SCENE_ANY_CYLINDER && !SCENE_ANY_PLANE) || !initialized ||
+                          is_direction(contact->parameters.axis) ||
+                          vec3_is_zero(contact->parameters.axis); /* a sphere's axis is the zero vector */
     /* The times up to which a search has looked ahead may be infinite, but not NaN. */
     const struct contact_schedule *ahead = &contact->schedule;
-    return known_regime(ahead->change_regime) && contact->record.onsets >= 0 && !isnan(ahead->change_clock) &&
-           !isnan(ahead->dead_band_clock) && isfinite(ahead->change_gap) &&
-           all_finite(contact, &contact->record.onsets);
+    return known_regime(contact->regime) && (!initialized || placed) && friction_is_known &&
+           known_zone(contact->zone) && has_axis && known_regime(ahead->change_regime) &&
+           contact->record.onsets >= 0 && !isnan(ahead->change_clock) && !isnan(ahead->dead_band_clock) &&
+           isfinite(ahead->change_gap) && all_finite(contact, &contact->record.onsets);
 }
 
 /* Whether the step that event_driven goes on with is sound, or event_driven starts anew. */

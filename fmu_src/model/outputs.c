@@ -121,8 +121,6 @@ static double show_motion(struct scene_values *v, const struct scene_state *q, c
     return sum;
 }
 
-/* This part computes derivatives of energies and of the outputs over a communication step. */
-
 bool model_has_derivatives(const struct variable *variable)
 {
     return variable->row != ROW_contact_mean_force && variable->row != ROW_contact_mean_source_torque &&
@@ -130,30 +128,7 @@ bool model_has_derivatives(const struct variable *variable)
            variable->row != ROW_contact_peak_penetration;
 }
 
-/* Sets *term to coefficient `order` of an output over the step. False: the variable is no such output. */
-static bool step_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
-                      const struct scene_jet *along, const struct variable *variable, int order, double *term)
-{
-    const int j = variable->element;
-    const bool touches = q->contact[j].regime != REGIME_APART;
-    switch (variable->row) {
-    case ROW_contact_peak_force: /* until initialization ends, peaks are values at the start */
-        *term =
-            !m->state.initialized && at->normal_force[j] > 0.0 ? along->contact[j].normal_force[order] : 0.0;
-        return true;
-    case ROW_contact_peak_penetration:
-        *term = !m->state.initialized && touches ? -along->contact[j].gap[order] : 0.0;
-        return true;
-    case ROW_contact_mean_force:
-    case ROW_contact_mean_source_torque:
-    case ROW_contact_mean_destination_torque:
-        *term = 0.0;
-        return true;
-    default:
-        return false;
-    }
-}
-
+/* Returns coefficient `order` of an energy [J/s^order in time]. */
 static double energy_term(const struct model *m, const struct scene_jet *along, int row, int order)
 {
     const struct scene_values *v = &m->state.values;
@@ -186,36 +161,6 @@ static double energy_term(const struct model *m, const struct scene_jet *along, 
     }
 }
 
-/* Sets *term to coefficient `order` of an energy or of an output over the run, which only scenes with a free
- * body have. False: the variable is no such output. */
-static bool motion_term(const struct model *m, const struct scene_state *q, const struct scene_jet *along,
-                        const struct variable *variable, int order, double *term)
-{
-    const struct contact_state *contact = q->contact;
-    const int j = variable->element;
-    switch (variable->row) {
-    case ROW_energy_kinetic:
-    case ROW_energy_potential:
-    case ROW_energy_contact:
-    case ROW_energy_dissipated:
-    case ROW_energy_external_work:
-    case ROW_energy_total:
-    case ROW_energy_rotational:
-    case ROW_energy_tangential:
-    case ROW_energy_friction:
-        *term = energy_term(m, along, variable->row, order);
-        return true;
-    case ROW_contact_last_duration: /* the duration grows with time in contact */
-        *term = contact[j].regime != REGIME_APART ? along->time[order] : 0.0;
-        return true;
-    case ROW_contact_last_onset_time:
-        *term = 0.0;
-        return true;
-    default:
-        return false;
-    }
-}
-
 /* This part sets the outputs of rotation and friction. */
 
 static void put_turn(struct scene_values *v, const struct turning_instant *turning, int body)
@@ -235,15 +180,12 @@ static void put_turn(struct scene_values *v, const struct turning_instant *turni
 static bool sticks(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                    int contact)
 {
-    if (SCENE_ANY_FRICTION) {
-        if (!contact_rubs(v, contact) || q->contact[contact].regime == (int32_t)REGIME_APART) {
-            return false;
-        }
-        return contact_rubs_elastically(v, contact)
-                   ? q->contact[contact].friction_regime == (int32_t)FRICTION_STICKING
-                   : vec3_norm(at->turning.slip[contact]) < q->contact[contact].parameters.slip_velocity;
+    if (!contact_rubs(v, contact) || q->contact[contact].regime == (int32_t)REGIME_APART) {
+        return false;
     }
-    return false;
+    return contact_rubs_elastically(v, contact)
+               ? q->contact[contact].friction_regime == (int32_t)FRICTION_STICKING
+               : vec3_norm(at->turning.slip[contact]) < q->contact[contact].parameters.slip_velocity;
 }
 
 static double put_rubbing(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
@@ -371,13 +313,11 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
     case ROW_contact_destination_force:
         vector = vec3_scale(-1.0, contact->source_force[order]);
         break;
-    case ROW_contact_point: { /* source's centre + (d - r_d) n */
-        const double radius = shape.other_radius;
+    case ROW_contact_point: /* source's centre + (d - r_d) n */
         vector = vec3_add(along->displacement[contact_source(j)][order],
                           jet_scale(contact->distance, contact->normal, order));
-        vector = vec3_axpy(vector, -radius, contact->normal[order]);
+        vector = vec3_axpy(vector, -shape.other_radius, contact->normal[order]);
         break;
-    }
     default:
         if (SCENE_ANY_TURNING) {
             vector = turning_term(along, variable, order);
@@ -390,26 +330,46 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
 double output_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
                    const struct scene_jet *along, const struct variable *variable, int order)
 {
+    const int j = variable->element;
+    const int k = variable->component;
+    const bool starting = !m->state.initialized;
+    const bool touches = j < SCENE_CONTACTS && q->contact[j].regime != REGIME_APART;
     switch (variable->row) {
     case ROW_body_displacement:
     case ROW_body_position:
-        return vec3_get(along->displacement[variable->element][order], variable->component);
+        return vec3_get(along->displacement[j][order], k);
     case ROW_body_velocity:
-        return vec3_get(along->velocity[variable->element][order], variable->component);
+        return vec3_get(along->velocity[j][order], k);
     case ROW_body_angular_velocity:
-        return vec3_get(along->angular_velocity[variable->element][order], variable->component);
+        return vec3_get(along->angular_velocity[j][order], k);
     case ROW_body_current_axis:
-        return vec3_get(along->axis[variable->element][order], variable->component);
+        return vec3_get(along->axis[j][order], k);
     case ROW_body_orientation:
-        return quaternion_component(along->orientation[variable->element][order], variable->component);
+        return quaternion_component(along->orientation[j][order], k);
+    case ROW_contact_peak_force: /* until initialization ends, peaks are values at the start */
+        return starting && at->normal_force[j] > 0.0 ? along->contact[j].normal_force[order] : 0.0;
+    case ROW_contact_peak_penetration:
+        return starting && touches ? -along->contact[j].gap[order] : 0.0;
+    case ROW_contact_mean_force:
+    case ROW_contact_mean_source_torque:
+    case ROW_contact_mean_destination_torque:
+    case ROW_contact_last_onset_time:
+        return 0.0;
+    case ROW_contact_last_duration: /* the duration grows with time in contact */
+        return touches ? along->time[order] : 0.0;
+    case ROW_energy_kinetic:
+    case ROW_energy_potential:
+    case ROW_energy_contact:
+    case ROW_energy_dissipated:
+    case ROW_energy_external_work:
+    case ROW_energy_total:
+    case ROW_energy_rotational:
+    case ROW_energy_tangential:
+    case ROW_energy_friction:
+        return energy_term(m, along, variable->row, order);
     default:
-        break;
+        return contact_term(m, q, at, along, variable, order);
     }
-    double term = 0.0;
-    return (SCENE_ANY_FREE && motion_term(m, q, along, variable, order, &term)) ||
-                   step_term(m, q, at, along, variable, order, &term)
-               ? term
-               : contact_term(m, q, at, along, variable, order);
 }
 
 /* This part computes the outputs of the present instant from the motion alone. */
@@ -550,13 +510,9 @@ bool model_update_outputs(struct model *m, enum outputs wanted)
 /* Returns the outputs that have to be computed so that a variable shows the present. */
 static enum outputs outputs_for(const struct model *m, const struct variable *variable)
 {
-    switch (variable->row) {
-    case ROW_body_displacement:
-    case ROW_body_position:
-    case ROW_body_velocity:
+    if (variable->row == ROW_body_displacement || variable->row == ROW_body_position ||
+        variable->row == ROW_body_velocity) {
         return OUTPUTS_BODIES;
-    default:
-        break;
     }
     const bool given = variable->causality == VARIABLE_PARAMETER || variable->causality == VARIABLE_INPUT;
     return given && m->state.initialized ? OUTPUTS_NONE : OUTPUTS_ALL;

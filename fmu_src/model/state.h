@@ -126,15 +126,6 @@ CONTACT_COLD void model_warn_of_idle(struct model *m);
  * numbers, or an axis has no direction. The motion is then unchanged, and other inputs may be set. */
 bool model_apply_inputs(struct model *m);
 
-/* Notes the parameters in force, before one of them is set between steps. */
-void model_begin_tuning(struct model *m);
-
-/* model_tune takes parameters that were set between steps over into the motion and books the energy that they
- * add or remove. False: a force or an energy would be beyond the range of numbers; the motion is unchanged.
- * model_can_tune tells whether model_tune would accept one value. */
-bool model_tune(struct model *m);
-bool model_can_tune(const struct model *m, const struct variable *variable, const void *value);
-
 /* Clears the marks of the inputs set at this communication point, once a step begins. */
 void model_close_inputs(struct model *m);
 
