@@ -260,6 +260,8 @@ static const char *real_name(const struct instance *instance)
     return instance->adapter->type_names[VARIABLE_REAL];
 }
 
+enum { ANY_TYPE = TYPES_REAL | TYPES_INTEGER | TYPES_BOOLEAN | TYPES_ENUMERATION };
+
 /* Returns the variable of a reference if it has one of the types, else NULL after a message. */
 static inline const struct variable *find_variable(struct instance *instance, const struct call *call,
                                                    uint32_t reference, unsigned types)
@@ -323,10 +325,8 @@ static inline const struct variable *find_settable(struct instance *instance, co
 const struct variable *find_real(struct instance *instance, const struct call *call, uint32_t reference,
                                  enum variable_causality causality)
 {
-    const struct variable *variable = variable_of(instance, reference);
-    if (variable == NULL) {
-        log_report(instance, MODEL_ERROR, "%s: unknown value reference %u", call->name, (unsigned)reference);
-    } else if (variable->type != VARIABLE_REAL || variable->causality != causality) {
+    const struct variable *variable = find_variable(instance, call, reference, ANY_TYPE);
+    if (variable != NULL && (variable->type != VARIABLE_REAL || variable->causality != causality)) {
         log_report(instance, MODEL_ERROR, "%s: value reference %u is %s, which is no %s %s", call->name,
                    (unsigned)reference, variable->name, real_name(instance),
                    causality == VARIABLE_INPUT ? "input" : "output");
@@ -349,10 +349,9 @@ static enum model_status check_components(struct instance *instance, const struc
                                           const uint32_t *references, size_t count, const char *name,
                                           size_t given)
 {
-    const unsigned any = TYPES_REAL | TYPES_INTEGER | TYPES_BOOLEAN | TYPES_ENUMERATION;
     size_t components = 0;
     for (size_t i = 0; i < count; ++i) {
-        const struct variable *first = find_variable(instance, call, references[i], any);
+        const struct variable *first = find_variable(instance, call, references[i], ANY_TYPE);
         if (first == NULL) {
             return MODEL_ERROR;
         }

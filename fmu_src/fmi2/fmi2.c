@@ -230,17 +230,13 @@ CONTACT_FLATTEN fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference
     return (fmi2Status)instance_get_values(instance, CALL2(GetReal), TYPES_REAL, vr, nvr, value, nvr);
 }
 
-fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[])
-{
-    return (fmi2Status)instance_set_values(c, CALL2(SetReal), TYPES_REAL, vr, nvr, value, nvr);
-}
-
 #define GETTER2(Type, types)                                                                                 \
     PASS2(Get##Type, (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2##Type value[]),       \
           instance_get_values(c, call, types, vr, nvr, (void *)value, nvr))
 #define SETTER2(Type, types)                                                                                 \
     PASS2(Set##Type, (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2##Type value[]), \
           instance_set_values(c, call, types, vr, nvr, (const void *)value, nvr))
+SETTER2(Real, TYPES_REAL)
 GETTER2(Integer, TYPES_INTEGER | TYPES_ENUMERATION)
 SETTER2(Integer, TYPES_INTEGER | TYPES_ENUMERATION)
 GETTER2(Boolean, TYPES_BOOLEAN)
@@ -363,36 +359,19 @@ static fmi2Status ask_status(struct instance *instance, const struct call *call,
                                           call->name, status_kind_name(kind), answered);
 }
 
-fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
-{
-    const fmi2Status asked =
-        ask_status(c, CALL2(GetStatus), s, "fmi2DoStepStatus", s == fmi2DoStepStatus, value);
-    if (asked == fmi2OK) {
-        *value = (fmi2Status)((const struct instance *)c)->step_status;
+/* A status function that answers one kind of question. The model never ends a run by itself. */
+#define STATUS2(Type, Value, known, answer)                                                                  \
+    fmi2Status fmi2Get##Type(fmi2Component c, const fmi2StatusKind s, Value *value)                          \
+    {                                                                                                        \
+        const fmi2Status asked = ask_status(c, CALL2(Get##Type), s, #known, s == known, value);              \
+        if (asked == fmi2OK) {                                                                               \
+            *value = answer;                                                                                 \
+        }                                                                                                    \
+        return asked;                                                                                        \
     }
-    return asked;
-}
-
-fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
-{
-    const fmi2Status asked =
-        ask_status(c, CALL2(GetRealStatus), s, "fmi2LastSuccessfulTime", s == fmi2LastSuccessfulTime, value);
-    if (asked == fmi2OK) {
-        *value = instance_time_reached(c);
-    }
-    return asked;
-}
-
-/* The model never ends a run by itself. */
-fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
-{
-    const fmi2Status asked =
-        ask_status(c, CALL2(GetBooleanStatus), s, "fmi2Terminated", s == fmi2Terminated, value);
-    if (asked == fmi2OK) {
-        *value = fmi2False;
-    }
-    return asked;
-}
+STATUS2(Status, fmi2Status, fmi2DoStepStatus, (fmi2Status)((const struct instance *)c)->step_status)
+STATUS2(RealStatus, fmi2Real, fmi2LastSuccessfulTime, instance_time_reached(c))
+STATUS2(BooleanStatus, fmi2Boolean, fmi2Terminated, fmi2False)
 
 PASS2(GetIntegerStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Integer *value),
       ask_status(c, call, s, "none", false, value))

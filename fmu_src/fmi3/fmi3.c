@@ -382,20 +382,14 @@ BOTH(UInt32)
 BOTH(UInt64)
 BOTH(String)
 
-fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, size_t sizes[],
-                         fmi3Binary values[], size_t count)
-{
-    (void)sizes;
-    return (fmi3Status)instance_get_values(c, CALL3(GetBinary), TYPES_NONE, vr, nvr, (void *)values, count);
-}
-
-fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, const size_t sizes[],
-                         const fmi3Binary values[], size_t count)
-{
-    (void)sizes;
-    return (fmi3Status)instance_set_values(c, CALL3(SetBinary), TYPES_NONE, vr, nvr, (const void *)values,
-                                           count);
-}
+PASS3(GetBinary,
+      (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, size_t sizes[], fmi3Binary values[],
+       size_t count),
+      ((void)sizes, instance_get_values(c, call, TYPES_NONE, vr, nvr, (void *)values, count)))
+PASS3(SetBinary,
+      (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, const size_t sizes[],
+       const fmi3Binary values[], size_t count),
+      ((void)sizes, instance_set_values(c, call, TYPES_NONE, vr, nvr, (const void *)values, count)))
 
 /* This part computes derivatives of outputs with respect to time and with respect to inputs. */
 
