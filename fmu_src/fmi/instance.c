@@ -18,8 +18,6 @@ bool step_plainly_in_order(const struct instance *instance, double point, double
            fabs(point - time) <= STEP_SLACK * size && end > time && end <= instance->experiment.stop_time;
 }
 
-/* Messages to the importer's logger. */
-
 /* Bytes of the longest message and of the longest instance name in it; longer ones are cut. */
 #define MESSAGE_SIZE 1024
 #define NAME_SHOWN 200
@@ -138,8 +136,6 @@ static void log_from_model(void *context, enum model_status status, const char *
         send_message(context, status, category, message);
     }
 }
-
-/* This part checks the kind of instance, the phase and the arrays of a call. */
 
 static const struct phase_name {
     unsigned phase;
@@ -527,8 +523,6 @@ enum model_status instance_set_values(struct instance *instance, const struct ca
     return status;
 }
 
-/* This part computes derivatives of outputs with respect to time. */
-
 enum { LOWEST_ORDER = 1, HIGHEST_ORDER = 2 }; /* maxOutputDerivativeOrder of the model description */
 
 enum model_status check_order(struct instance *instance, const struct call *call,
@@ -578,8 +572,6 @@ enum model_status instance_output_derivatives(struct instance *instance, const s
     return status == MODEL_OK ? model_get_output_derivatives(instance->model, &list, orders, values) : status;
 }
 
-/* This part computes directional and adjoint derivatives of outputs with respect to inputs. */
-
 /* Whether states and their rates may be knowns and unknowns. */
 static bool knows_states(const struct instance *instance)
 {
@@ -619,7 +611,7 @@ static enum model_status check_known(struct instance *instance, const struct cal
     return find_real(instance, call, reference, VARIABLE_INPUT) != NULL ? MODEL_OK : MODEL_ERROR;
 }
 
-/* Checks that the seeds of the references are finite. */
+/* Checks that the seeds of all variables in `references` are finite. */
 static enum model_status check_seeds(struct instance *instance, const struct call *call,
                                      const uint32_t *references, size_t count, const double *seed)
 {
@@ -682,8 +674,6 @@ enum model_status instance_product(struct instance *instance, const struct call 
     return (p->adjoint ? model_get_adjoint_derivative : model_get_directional_derivative)(
         instance->model, &unknowns, &knowns, p->seed, p->sensitivity);
 }
-
-/* Communication steps. */
 
 /*
  * Returns by how much two times that should be equal may differ [s], since importers round when they add up
@@ -752,8 +742,6 @@ double instance_time_reached(const struct instance *instance)
     const double time = model_time(instance->model);
     return fabs(instance->asked_end - time) <= 4.0 * DBL_EPSILON * fabs(time) ? instance->asked_end : time;
 }
-
-/* Model Exchange. */
 
 enum model_status exchange_update(struct instance *instance, struct exchange_news *news)
 {
@@ -912,18 +900,15 @@ static void write_block(struct instance *instance, void *block)
     memcpy(block, &header, sizeof header);
 }
 
-static bool one_phase(uint32_t phase, unsigned allowed)
-{
-    return phase != 0 && (phase & (phase - 1)) == 0 && (phase & ~allowed) == 0;
-}
-
 static bool plausible_header(const struct instance *instance, const struct block_header *header)
 {
     /* Only FMI 3.0 has an event mode in Co-Simulation. */
     const unsigned others = instance->host.exchange           ? PHASE_STEP
                             : instance->adapter->version >= 3 ? PHASE_CONTINUOUS
                                                               : PHASES_EXCHANGED;
-    return one_phase(header->phase, (PHASES_ALL | PHASE_FATAL) & ~others) && header->set_up <= 1 &&
+    const unsigned allowed = (PHASES_ALL | PHASE_FATAL) & ~others;
+    const bool is_one_phase = header->phase != 0 && (header->phase & (header->phase - 1)) == 0;
+    return is_one_phase && (header->phase & ~allowed) == 0 && header->set_up <= 1 &&
            isfinite(header->start_time) && header->stop_time >= header->start_time;
 }
 
@@ -1096,8 +1081,6 @@ enum model_status state_block_deserialize(struct instance *instance, const struc
     memcpy(block->bytes, bytes, size);
     return MODEL_OK;
 }
-
-/* This part creates, sets up, starts, ends and resets an instance. */
 
 static void forget_experiment(struct instance *instance)
 {

@@ -129,8 +129,6 @@ static const struct adapter adapter_of_fmi2 = {
     .state_magic = 0x544E4F43u, /* "CONT" on a little-endian machine */
 };
 
-/* This part creates, sets up, starts, ends and resets an instance. */
-
 const char *fmi2GetTypesPlatform(void)
 {
     return fmi2TypesPlatform;
@@ -244,8 +242,6 @@ SETTER2(Boolean, TYPES_BOOLEAN)
 GETTER2(String, TYPES_NONE)
 SETTER2(String, TYPES_NONE)
 
-/* This part handles time derivatives of inputs and outputs, and derivatives of outputs by inputs. */
-
 static enum model_status check_input_derivative(struct instance *instance, fmi2ValueReference reference,
                                                 fmi2Integer order, fmi2Real value)
 {
@@ -302,8 +298,6 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                               .sensitivity = dvUnknown};
     return (fmi2Status)instance_product(c, CALL2(GetDirectionalDerivative), &p);
 }
-
-/* This part takes communication steps and answers the status functions about the last step. */
 
 /* Takes any step and sends messages. It is not inlined into fmi2DoStep, so that a deferred flight saves no
  * registers for it. */
@@ -378,8 +372,6 @@ PASS2(GetIntegerStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Integer *v
 PASS2(GetStringStatus, (fmi2Component c, const fmi2StatusKind s, fmi2String *value),
       ask_status(c, call, s, "none", false, value))
 
-/* Model Exchange. */
-
 /* The model never ends a run by itself. */
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo)
 {
@@ -417,8 +409,6 @@ PASS2(GetContinuousStates, (fmi2Component c, fmi2Real x[], size_t nx),
       exchange_get(c, call, EXCHANGE_STATES, x, nx))
 PASS2(GetNominalsOfContinuousStates, (fmi2Component c, fmi2Real x[], size_t nx),
       exchange_get(c, call, EXCHANGE_NOMINALS, x, nx))
-
-/* Saved states. */
 
 PASS2(GetFMUstate, (fmi2Component c, fmi2FMUstate *state), state_block_get(c, call, state))
 PASS2(SetFMUstate, (fmi2Component c, fmi2FMUstate state), state_block_set(c, call, state))

@@ -93,34 +93,25 @@ _Static_assert((int)MODEL_FATAL == (int)fmi3Fatal, "status order");
 #define NO_EVALUATION "providesEvaluateDiscreteStates is false"
 #define NO_ELEMENTS "providesPerElementDependencies is false"
 
+/* The first parameters of the functions for clocks. */
+#define CLOCKS fmi3Instance c, const fmi3ValueReference clocks[], size_t count
+#define FRACTIONS fmi3UInt64 counters[], fmi3UInt64 resolutions[]
+#define FRACTIONS_SET const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]
+
 /* Functions that these FMUs refuse with a message, and their parameters. They exist because importers look
  * for all functions of the standard. */
 #define ABSENT_TABLE(ROW)                                                                                    \
-    ROW(GetClock, NO_CLOCKS,                                                                                 \
-        (fmi3Instance c, const fmi3ValueReference clocks[], size_t count, fmi3Clock values[]))               \
-    ROW(SetClock, NO_CLOCKS,                                                                                 \
-        (fmi3Instance c, const fmi3ValueReference clocks[], size_t count, const fmi3Clock values[]))         \
+    ROW(GetClock, NO_CLOCKS, (CLOCKS, fmi3Clock values[]))                                                   \
+    ROW(SetClock, NO_CLOCKS, (CLOCKS, const fmi3Clock values[]))                                             \
     ROW(GetIntervalDecimal, NO_CLOCKS,                                                                       \
-        (fmi3Instance c, const fmi3ValueReference clocks[], size_t count, fmi3Float64 intervals[],           \
-         fmi3IntervalQualifier qualifiers[]))                                                                \
-    ROW(GetIntervalFraction, NO_CLOCKS,                                                                      \
-        (fmi3Instance c, const fmi3ValueReference clocks[], size_t count, fmi3UInt64 counters[],             \
-         fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[]))                                      \
-    ROW(GetShiftDecimal, NO_CLOCKS,                                                                          \
-        (fmi3Instance c, const fmi3ValueReference clocks[], size_t count, fmi3Float64 shifts[]))             \
-    ROW(GetShiftFraction, NO_CLOCKS,                                                                         \
-        (fmi3Instance c, const fmi3ValueReference clocks[], size_t count, fmi3UInt64 counters[],             \
-         fmi3UInt64 resolutions[]))                                                                          \
-    ROW(SetIntervalDecimal, NO_CLOCKS,                                                                       \
-        (fmi3Instance c, const fmi3ValueReference clocks[], size_t count, const fmi3Float64 intervals[]))    \
-    ROW(SetIntervalFraction, NO_CLOCKS,                                                                      \
-        (fmi3Instance c, const fmi3ValueReference clocks[], size_t count, const fmi3UInt64 counters[],       \
-         const fmi3UInt64 resolutions[]))                                                                    \
-    ROW(SetShiftDecimal, NO_CLOCKS,                                                                          \
-        (fmi3Instance c, const fmi3ValueReference clocks[], size_t count, const fmi3Float64 shifts[]))       \
-    ROW(SetShiftFraction, NO_CLOCKS,                                                                         \
-        (fmi3Instance c, const fmi3ValueReference clocks[], size_t count, const fmi3UInt64 counters[],       \
-         const fmi3UInt64 resolutions[]))                                                                    \
+        (CLOCKS, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[]))                               \
+    ROW(GetIntervalFraction, NO_CLOCKS, (CLOCKS, FRACTIONS, fmi3IntervalQualifier qualifiers[]))             \
+    ROW(GetShiftDecimal, NO_CLOCKS, (CLOCKS, fmi3Float64 shifts[]))                                          \
+    ROW(GetShiftFraction, NO_CLOCKS, (CLOCKS, FRACTIONS))                                                    \
+    ROW(SetIntervalDecimal, NO_CLOCKS, (CLOCKS, const fmi3Float64 intervals[]))                              \
+    ROW(SetIntervalFraction, NO_CLOCKS, (CLOCKS, FRACTIONS_SET))                                             \
+    ROW(SetShiftDecimal, NO_CLOCKS, (CLOCKS, const fmi3Float64 shifts[]))                                    \
+    ROW(SetShiftFraction, NO_CLOCKS, (CLOCKS, FRACTIONS_SET))                                                \
     ROW(ActivateModelPartition, NO_PARTITIONS, (fmi3Instance c, fmi3ValueReference clock, fmi3Float64 time)) \
     ROW(GetNumberOfVariableDependencies, NO_ELEMENTS,                                                        \
         (fmi3Instance c, fmi3ValueReference reference, size_t * count))                                      \
@@ -191,8 +182,6 @@ static const struct adapter adapter_of_fmi3 = {
                     [VARIABLE_ENUMERATION] = sizeof(fmi3Int64)},
     .state_magic = 0x334E4F43u, /* "CON3" on a little-endian machine */
 };
-
-/* This part creates an instance of Co-Simulation or of Model Exchange. */
 
 /* Returns an instance that lives only for messages and that the new instance is copied from. */
 static struct fmi3_instance make_nobody(const char *name, bool exchange, fmi3InstanceEnvironment environment,
@@ -286,8 +275,6 @@ fmi3Instance fmi3InstantiateScheduledExecution(
                            "Scheduled Execution", "Co-Simulation or Model Exchange");
     return NULL;
 }
-
-/* This part sets up, starts, ends and resets an instance. */
 
 const char *fmi3GetVersion(void)
 {
@@ -391,34 +378,24 @@ PASS3(SetBinary,
        const fmi3Binary values[], size_t count),
       ((void)sizes, instance_set_values(c, call, TYPES_NONE, vr, nvr, (const void *)values, count)))
 
-/* This part computes derivatives of outputs with respect to time and with respect to inputs. */
-
 PASS3(GetOutputDerivatives,
       (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, const fmi3Int32 orders[],
        fmi3Float64 values[], size_t count),
       instance_output_derivatives(c, call, vr, orders, nvr, values, count))
 
-fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,
-                                        const fmi3ValueReference knowns[], size_t nKnowns,
-                                        const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[],
-                                        size_t nSensitivity)
-{
-    const struct product p = {false,        unknowns, knowns, nUnknowns,  nKnowns,
-                              nSensitivity, nSeed,    seed,   sensitivity};
-    return (fmi3Status)instance_product(c, CALL3(GetDirectionalDerivative), &p);
-}
-
-fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,
-                                    const fmi3ValueReference knowns[], size_t nKnowns,
-                                    const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[],
-                                    size_t nSensitivity)
-{
-    const struct product p = {true,  unknowns,     knowns, nUnknowns,  nKnowns,
-                              nSeed, nSensitivity, seed,   sensitivity};
-    return (fmi3Status)instance_product(c, CALL3(GetAdjointDerivative), &p);
-}
-
-/* This part takes communication steps, with the events and intermediate updates within them. */
+/* A function that multiplies with the matrix of derivatives. The last two arguments are the numbers of
+ * components that the importer gives for the unknowns and for the knowns. */
+#define PRODUCT3(function, is_adjoint, unknown_components, known_components)                                 \
+    fmi3Status fmi3##function(fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,         \
+                              const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],   \
+                              size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)                  \
+    {                                                                                                        \
+        const struct product p = {is_adjoint,         unknowns,         knowns, nUnknowns,  nKnowns,         \
+                                  unknown_components, known_components, seed,   sensitivity};                \
+        return (fmi3Status)instance_product(c, CALL3(function), &p);                                         \
+    }
+PRODUCT3(GetDirectionalDerivative, false, nSensitivity, nSeed)
+PRODUCT3(GetAdjointDerivative, true, nSeed, nSensitivity)
 
 /* Calls the intermediate update callback at an event within the step. Returns the time at which the importer
  * wants the step to end [s]. */
@@ -566,8 +543,6 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
     return (fmi3Status)status;
 }
 
-/* Model Exchange. */
-
 /* noSetFMUStatePriorToCurrentPoint has no effect, because states are saved only on request. */
 PASS3(CompletedIntegratorStep,
       (fmi3Instance c, fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode,
@@ -601,8 +576,6 @@ PASS3(GetContinuousStates, (fmi3Instance c, fmi3Float64 x[], size_t nx),
       exchange_get(c, call, EXCHANGE_STATES, x, nx))
 PASS3(GetNominalsOfContinuousStates, (fmi3Instance c, fmi3Float64 x[], size_t nx),
       exchange_get(c, call, EXCHANGE_NOMINALS, x, nx))
-
-/* Saved states. */
 
 /* A state saved in event mode of Co-Simulation puts an instance without event mode into step mode. */
 fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state)
