@@ -26,31 +26,10 @@ double contact_linear_force(struct contact_coefficients linear, double gap, doub
  * Source: K. H. Hunt, F. R. E. Crossley, Journal of Applied Mechanics 42 (1975) 440.
  */
 
-struct hertz_law {
-    double stiffness; /* k_h [N/m^1.5] */
-    double damping;   /* chi [s/m] */
-};
-
 /* Returns delta^(3/2) [m^1.5] with delta = -g, or zero for g >= 0. */
 static double three_halves(double gap)
 {
     return gap < 0.0 ? -gap * sqrt(-gap) : 0.0;
-}
-
-/* Return F_n [N] and its derivatives with respect to g and g'. */
-static double hertz_force(struct hertz_law law, double gap, double gap_rate)
-{
-    return law.stiffness * three_halves(gap) * (1.0 - law.damping * gap_rate);
-}
-
-static double hertz_force_by_gap(struct hertz_law law, double gap, double gap_rate)
-{
-    return gap < 0.0 ? -1.5 * law.stiffness * sqrt(-gap) * (1.0 - law.damping * gap_rate) : 0.0;
-}
-
-static double hertz_force_by_rate(struct hertz_law law, double gap)
-{
-    return -law.stiffness * three_halves(gap) * law.damping;
 }
 
 /* Return the stored energy 2/5 k_h delta^(5/2) [J] and its first two derivatives with respect to g. */
@@ -84,11 +63,12 @@ static void power_of_depth(const double *gap, double exponent, int order, double
 
 /* Return the Taylor coefficient `order` of F_n, of the stored energy and of the spring's part of F_n along a
  * path, from the coefficients 0..order of g and g'; zero where the path begins at g >= 0. */
-static double hertz_force_term(struct hertz_law law, const double *gap, const double *gap_rate, int order)
+static double hertz_force_term(double stiffness, double damping, const double *gap, const double *gap_rate,
+                               int order)
 {
     double power[TAYLOR_TERMS];
     power_of_depth(gap, 1.5, order, power);
-    return law.stiffness * (power[order] - law.damping * taylor_multiply(power, gap_rate, order));
+    return stiffness * (power[order] - damping * taylor_multiply(power, gap_rate, order));
 }
 
 static double hertz_energy_term(double stiffness, const double *gap, int order)
@@ -100,7 +80,7 @@ static double hertz_energy_term(double stiffness, const double *gap, int order)
 
 static double hertz_spring_term(double stiffness, const double *gap, int order)
 {
-    return hertz_force_term((struct hertz_law){stiffness, 0.0}, gap, gap, order);
+    return hertz_force_term(stiffness, 0.0, gap, gap, order);
 }
 
 double hertz_modulus(struct contact_material source, struct contact_material destination)
@@ -295,9 +275,10 @@ static bool regime_pushes(enum contact_regime regime)
     return regime == REGIME_COMPRESSION || regime == REGIME_RESTITUTION;
 }
 
-static struct hertz_law hertz_law_of(const struct contact_law *law, enum contact_regime regime)
+/* Returns the damping factor chi of Hertz's law in a regime [s/m]. */
+static double hertz_damping_in(const struct contact_law *law, enum contact_regime regime)
 {
-    return (struct hertz_law){law->stiffness, regime == REGIME_COMPRESSION ? law->damping : 0.0};
+    return regime == REGIME_COMPRESSION ? law->damping : 0.0;
 }
 
 /* Whether the formula of compression gives no push, so that a non-adhesive dashpot clips the force. */
@@ -326,7 +307,8 @@ enum contact_regime contact_regime_of(const struct contact_law *law, double gap,
 double contact_force(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate)
 {
     if (contact_is_hertz(law)) {
-        return regime_pushes(regime) ? hertz_force(hertz_law_of(law, regime), gap, gap_rate) : 0.0;
+        const double chi = hertz_damping_in(law, regime);
+        return regime_pushes(regime) ? law->stiffness * three_halves(gap) * (1.0 - chi * gap_rate) : 0.0;
     }
     const struct contact_coefficients linear = contact_coefficients_of(law, regime);
     return linear.k == 0.0 && linear.c == 0.0 ? 0.0 : contact_linear_force(linear, gap, gap_rate);
@@ -343,10 +325,13 @@ struct contact_slopes contact_force_slopes(const struct contact_law *law, enum c
                                            double gap, double gap_rate)
 {
     if (contact_is_hertz(law)) {
-        const struct hertz_law hertz = hertz_law_of(law, regime);
-        return regime_pushes(regime) ? (struct contact_slopes){hertz_force_by_gap(hertz, gap, gap_rate),
-                                                               hertz_force_by_rate(hertz, gap)}
-                                     : (struct contact_slopes){0.0, 0.0};
+        if (!regime_pushes(regime)) {
+            return (struct contact_slopes){0.0, 0.0};
+        }
+        const double chi = hertz_damping_in(law, regime);
+        return (struct contact_slopes){gap < 0.0 ? -1.5 * law->stiffness * sqrt(-gap) * (1.0 - chi * gap_rate)
+                                                 : 0.0,
+                                       -law->stiffness * three_halves(gap) * chi};
     }
     const struct contact_coefficients linear = contact_coefficients_of(law, regime);
     return (struct contact_slopes){-linear.k, -linear.c};
@@ -360,15 +345,14 @@ static double hertz_term(const struct contact_law *law, const struct contact_law
     if (!regime_pushes(regime)) {
         return 0.0;
     }
-    const struct hertz_law hertz = hertz_law_of(law, regime);
-    const double force = hertz_force_term(hertz, gap, gap_rate, order);
+    const double chi = hertz_damping_in(law, regime);
+    const double force = hertz_force_term(law->stiffness, chi, gap, gap_rate, order);
     if (!change || order == 0) {
         return force;
     }
-    const struct hertz_law stiffer = {change->stiffness, hertz.damping};
-    const struct hertz_law damped = {law->stiffness, hertz_law_of(change, regime).damping};
-    return force + hertz_force_term(stiffer, gap, gap_rate, order - 1) +
-           (hertz_force_term(damped, gap, gap_rate, order - 1) -
+    const double more_chi = hertz_damping_in(change, regime);
+    return force + hertz_force_term(change->stiffness, chi, gap, gap_rate, order - 1) +
+           (hertz_force_term(law->stiffness, more_chi, gap, gap_rate, order - 1) -
             hertz_spring_term(law->stiffness, gap, order - 1));
 }
 

@@ -245,7 +245,7 @@ struct contact_law contact_law_of(const struct contact_factors *factors, enum da
                                   double diagonal);
 
 /* Returns the derivatives of the factors, whose present values are `at`, along a path on which the diagonal
- * has the derivative `diagonal_slope`. Of the linear law an automatic factor is proportional to the diagonal,
+ * has the derivative `diagonal_slope`. An automatic factor of the linear law is proportional to the diagonal,
  * and p_nv by restitution to sqrt(p_n); an automatic chi is inversely proportional to the diagonal. Other
  * factors are constant. */
 struct contact_law contact_law_slope(const struct contact_factors *factors, struct contact_coefficients at,

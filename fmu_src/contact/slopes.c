@@ -385,7 +385,6 @@ static struct vec3 offset_along(const struct turning_slopes *s, const struct tur
     return vec3_axpy(vec3_axpy(change->separation, -axial, axis), -s->geometry.axial, d->axis);
 }
 
-/* Returns all changes of the geometry. */
 static struct geometry_change geometry_along(const struct turning_slopes *s,
                                              const struct turning_motion *change)
 {
@@ -430,7 +429,6 @@ static struct vec3 normal_rate_along(const struct turning_slopes *s, const struc
     return vec3_axpy(turned, s->inverse_distance, across);
 }
 
-/* Returns the change of v_t. */
 static struct vec3 slip_along(const struct turning_slopes *s, const struct turning_motion *change,
                               const struct geometry_change *d)
 {

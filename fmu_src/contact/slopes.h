@@ -60,7 +60,7 @@ CONTACT_COLD void contact_jet_make(const struct contact_shape *shape, const stru
 double jet_dot(const struct vec3 *a, const struct vec3 *b, int order);
 struct vec3 jet_scale(const double *a, const struct vec3 *b, int order);
 
-/* The laws of friction (friction.h) along a path, in the same series as the normal force law above. */
+/* The series of the laws of friction (friction.h) along a path. */
 
 /* The arguments of F_t along a path: the series of F_n, v_t and xi, and dv_0/ds. */
 struct friction_path {
