@@ -1,4 +1,5 @@
 #include <float.h>
+#include <string.h>
 
 #include "contact/shape.h"
 #include "flight/conservative_advancement.h"
@@ -26,13 +27,6 @@ static bool is_steady_axis(const struct vec3 *coefficient, int count)
     return true;
 }
 
-static void copy_terms(struct axis_motion *motion, const struct vec3 *coefficient, int count)
-{
-    for (int i = 0; i < count; ++i) {
-        motion->coefficient[i] = coefficient[i];
-    }
-}
-
 struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *rate, int count)
 {
     if (is_steady_axis(rate, count)) {
@@ -43,7 +37,7 @@ struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *r
         return axis_motion_of_rotor(&rotor);
     }
     struct axis_motion motion = {.kind = AXIS_PRESCRIBED, .axis = axis};
-    copy_terms(&motion, rate, count);
+    memcpy(motion.coefficient, rate, (size_t)count * sizeof *rate);
     return motion;
 }
 
@@ -51,7 +45,7 @@ struct axis_motion axis_motion_following(const struct vec3 *direction, int count
 {
     struct axis_motion motion = {.kind = is_steady_axis(direction, count) ? AXIS_FIXED : AXIS_FOLLOWS};
     motion.axis = vec3_scale(1.0 / vec3_norm(direction[0]), direction[0]);
-    copy_terms(&motion, direction, count);
+    memcpy(motion.coefficient, direction, (size_t)count * sizeof *direction);
     return motion;
 }
 
@@ -88,7 +82,8 @@ static struct rotor_axis prescribed_axis_at(const struct axis_motion *motion, do
     return (struct rotor_axis){axis, vec3_cross(at[0], axis)};
 }
 
-struct rotor_axis axis_motion_at(const struct axis_motion *motion, double time)
+/* Returns e_d and its rate at a time no earlier than `from`. */
+static struct rotor_axis axis_motion_at(const struct axis_motion *motion, double time)
 {
     switch (motion->kind) {
     case AXIS_PRECESSES:
@@ -160,12 +155,6 @@ static int functions_of(const struct advancement_path *path)
 {
     const bool has_ends = contact_is_cylinder(&path->shape) && isfinite(path->shape.half_length);
     return has_ends ? ADVANCEMENT_FUNCTIONS : 1;
-}
-
-/* Whether the bodies touch only where their centres are near each other. */
-static bool has_reach(const struct advancement_path *path)
-{
-    return path->shape.side > 0 && (functions_of(path) > 1 || contact_is_capped(&path->shape));
 }
 
 /* Sets the separation and its time derivatives, by Horner's scheme. */
@@ -382,7 +371,10 @@ static double step_from(const struct advancement_search *search, struct advancem
                         double horizon, double *length)
 {
     const double rest = horizon - time;
-    if (search->change == ADVANCEMENT_TOUCH && has_reach(search->path)) {
+    const struct contact_shape *shape = &search->path->shape;
+    /* bodies of finite size touch only where their centres are near each other */
+    const bool has_reach = shape->side > 0 && (search->count > 1 || contact_is_capped(shape));
+    if (search->change == ADVANCEMENT_TOUCH && has_reach) {
         const struct falling beyond = beyond_reach(search->path, at, rest);
         const double away = stays_above(&beyond, 0.0);
         if (away >= rest) {

@@ -32,15 +32,12 @@ struct axis_motion {
 struct axis_motion axis_motion_fixed(struct vec3 axis);
 struct axis_motion axis_motion_of_rotor(const struct rotor *rotor);
 
-/* Return the motion from `count` <= AXIS_TERMS coefficients. A constant angular velocity makes a steady
- * turn. */
+/* Return the motion from `count` <= AXIS_TERMS coefficients of an angular velocity, of which a constant one
+ * makes a steady turn, and from those of a direction. */
 struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *rate, int count);
 struct axis_motion axis_motion_following(const struct vec3 *direction, int count);
 
-/* Returns e_d and its rate at a time no earlier than `from`. */
-struct rotor_axis axis_motion_at(const struct axis_motion *motion, double time);
-
-/* Moves the origin `from` to `time`; axis_motion_at then no longer accepts earlier times. */
+/* Moves the origin `from` to `time`; later calls with earlier times are then not allowed. */
 void axis_motion_move_on(struct axis_motion *motion, double time);
 
 /*

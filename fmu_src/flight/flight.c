@@ -19,8 +19,9 @@ static void torque_from_now(const struct scene_state *q, int body, struct vec3 t
     path_shift(torque, ROTOR_TORQUES, q->clock);
 }
 
-struct body_turn flight_turn_at(const struct scene_values *v, const struct scene_state *q, int body,
-                                double clock)
+/* Returns the rotation of a freely turning body at a clock no earlier than the present. */
+static struct body_turn flight_turn_at(const struct scene_values *v, const struct scene_state *q, int body,
+                                       double clock)
 {
     struct rotor_state then;
     if (!path_rests(q->path[body].torque)) {
@@ -37,21 +38,17 @@ struct body_turn flight_turn_at(const struct scene_values *v, const struct scene
     return (struct body_turn){then.orientation, then.angular_velocity};
 }
 
-double flight_torque_work(const struct scene_values *v, const struct scene_state *q, int body,
-                          const struct body_turn *then)
-{
-    if (path_rests(q->path[body].torque)) {
-        return 0.0;
-    }
-    return body_rotational_energy(v, body, then) - body_rotational_energy(v, body, &q->turning.body[body]);
-}
-
-void flight_turn_all(const struct scene_values *v, struct scene_state *q, double clock)
+/* Turns all freely turning bodies to a clock and books the work of the torques, but does not move the
+ * clock. */
+static void flight_turn_all(const struct scene_values *v, struct scene_state *q, double clock)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_turns_freely(v, i)) {
             const struct body_turn then = flight_turn_at(v, q, i, clock);
-            q->external_work += flight_torque_work(v, q, i, &then);
+            if (!path_rests(q->path[i].torque)) {
+                q->external_work +=
+                    body_rotational_energy(v, i, &then) - body_rotational_energy(v, i, &q->turning.body[i]);
+            }
             q->turning.body[i] = then;
         }
     }
@@ -102,12 +99,14 @@ static bool is_along(struct vec3 normal, struct vec3 a)
     return vec3_is_zero(vec3_cross(normal, a));
 }
 
+/* Whether a vector is zero, for a cylinder only across its axis. */
 static bool is_zero_across(const struct contact_shape *shape, struct vec3 a)
 {
     return vec3_is_zero(a) || (contact_is_cylinder(shape) && vec3_is_zero(contact_across(shape, a)));
 }
 
-/* Whether the first two terms of w are those of c', for a cylinder only across its axis. */
+/* Whether the first two terms of w are those of c', for a cylinder only across its axis, where c[1] and c[2]
+ * have the parts `speed` and `bend`. */
 static bool rates_agree(const struct contact_shape *shape, const struct separation_path *separation,
                         struct vec3 speed, struct vec3 bend)
 {
@@ -155,7 +154,7 @@ bool flight_is_head_on(const struct contact_shape *shape, const struct separatio
     return true;
 }
 
-/* value + rate t + bend t^2 */
+/* The function value + rate t + bend t^2 of the time t [s]. */
 struct parabola {
     double value, rate, bend;
 };
@@ -325,8 +324,9 @@ double flight_work(const struct scene_values *v, int body, struct body_state sta
     return flight_work_along(velocity, terms, force, time);
 }
 
-struct body_state flight_body_at(const struct scene_values *v, const struct scene_state *q, int body,
-                                 double clock)
+/* Returns a free body's state at a clock, by the polynomial from the clock's origin. */
+static struct body_state flight_body_at(const struct scene_values *v, const struct scene_state *q, int body,
+                                        double clock)
 {
     const struct body_state start = {.velocity = q->origin[body].velocity};
     return flight_from(v, body, start, q->path[body].force, clock);
@@ -360,6 +360,7 @@ void flight_advance(const struct scene_values *v, struct scene_state *q, double 
     q->dissipated += apart ? 0.0 : stored - stored_now(v, q);
 }
 
+/* Whether a contact is apart, has had no force in the communication step, and keeps clear of its centre. */
 static bool contact_is_deferrable(const struct contact_state *state)
 {
     return state->regime == REGIME_APART && !state->schedule.passes_centre &&
@@ -420,11 +421,13 @@ void flight_catch_up(const struct scene_values *v, struct scene_state *q)
     q->deferred = 0;
 }
 
+/* Returns a with its component along the axis replaced by that of `exact`. */
 static struct vec3 with_axial_of(struct vec3 a, struct vec3 exact, struct vec3 axis)
 {
     return vec3_axpy(a, vec3_dot(vec3_sub(exact, a), axis), axis);
 }
 
+/* Restores the axial motion of a body that only the cylinder of this contact loads. */
 static void restore_axial(const struct scene_values *v, struct scene_state *q, int contact, int body)
 {
     if (body_is_free(v, body) && !body_is_loaded(q, body, contact)) {

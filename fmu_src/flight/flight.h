@@ -10,17 +10,6 @@
 #include "flight/relative_path.h"
 #include "scene/evaluate.h"
 
-/* Returns the rotation of a freely rotating body at a clock no earlier than the present. */
-struct body_turn flight_turn_at(const struct scene_values *v, const struct scene_state *q, int body,
-                                double clock);
-
-/* Returns the work of the external torque on the body until the rotation `then` [J]. */
-double flight_torque_work(const struct scene_values *v, const struct scene_state *q, int body,
-                          const struct body_turn *then);
-
-/* Rotates all freely rotating bodies and books the work of torques, but does not move the clock. */
-void flight_turn_all(const struct scene_values *v, struct scene_state *q, double clock);
-
 /* Returns the axis motion of a body without contact forces from now on; `at` is the present rotation. */
 struct axis_motion flight_axis_motion(const struct scene_values *v, const struct scene_state *q,
                                       const struct body_turn *at, int body);
@@ -78,7 +67,8 @@ int flight_velocity(const struct scene_values *v, int body, struct vec3 start, c
  * coefficients. */
 static const double FLIGHT_MEAN[FLIGHT_TERMS] = {1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0};
 
-/* Return the displacement by such a velocity [m], and the work of a force along this displacement [J]. */
+/* Return the displacement in `time` seconds by a velocity of flight_velocity [m], and the work of a force
+ * along this displacement [J]. */
 struct vec3 flight_displacement(const struct vec3 *velocity, int terms, double time);
 double flight_work_along(const struct vec3 *velocity, int terms, const struct vec3 force[3], double time);
 
@@ -89,15 +79,11 @@ struct body_state flight_from(const struct scene_values *v, int body, struct bod
 double flight_work(const struct scene_values *v, int body, struct body_state start,
                    const struct vec3 force[3], double time);
 
-/* Returns a free body's state at a clock, by the polynomial from the clock's origin. */
-struct body_state flight_body_at(const struct scene_values *v, const struct scene_state *q, int body,
-                                 double clock);
-
 /* Moves all free bodies to `clock` while flight_is_free. Books the work of the external forces, and the
  * stored energy that separating contacts lose. */
 void flight_advance(const struct scene_values *v, struct scene_state *q, double clock);
 
-/* Returns flight_body_at for a zero external force, identical to the last bit. */
+/* Returns the state of a free body without external force at a clock. */
 static inline struct body_state flight_unforced_at(const struct scene_values *v, const struct scene_state *q,
                                                    int body, double clock)
 {

@@ -119,7 +119,7 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
     }
     path.reach = contact_reach(shape) / path.scale;
     if (relative_path_has_ends(shape)) {
-        /* the same division of both numbers keeps a source that is in an end plane exactly there */
+        /* both numbers are divided alike, so that a source in an end plane stays exactly there */
         path.axial.a[0] = vec3_dot(separation->c[0], shape->axis) / path.scale;
         path.half_length = shape->half_length / path.scale;
         path.has_ends = true;

@@ -27,7 +27,7 @@ struct relative_path {
     double start;              /* |c| at the start [scale] */
     double gap;                /* gap at the start, with more digits than |c| has [scale] */
     struct polynomial closing; /* c.c', whose roots are the extremes of the distance */
-    /* c.w, with the rate w that the force law uses; equals `closing` for consistent motion */
+    /* c.w with the rate w that the force law uses; equals `closing` where w = c' */
     struct polynomial half_rate;
     /* the destination is a plane: c is (d, 0, 0), `closing` is d' and `half_rate` is n.w */
     bool flat;
@@ -36,7 +36,7 @@ struct relative_path {
     double reach;            /* distance d at which the bodies touch [scale] */
     double half_length;      /* L / 2 of a cylinder with end planes [scale] */
     bool has_ends;
-    bool starts_within; /* the source is between the end planes until s = ends_dead_band (prediction.h) */
+    bool starts_within; /* whether the source is between the end planes up to s = ends_dead_band */
     double ends_dead_band;
     int side;
 };

@@ -28,67 +28,6 @@ static struct separation_path zone_path_from(const struct separation_path *path,
     return from;
 }
 
-/* Returns the first t > 0 [s] at which gap + n.(c(t) - c(0)) falls through zero, or INFINITY after `left`. */
-static double plane_touch(const struct separation_path *path, struct vec3 n, double gap, double left)
-{
-    struct polynomial along = {{gap}, SEPARATION_DEGREE};
-    double power = 1.0;
-    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        power *= left;
-        along.a[i] = power * vec3_dot(n, path->c[i]);
-    }
-    double roots[POLYNOMIAL_MAX_DEGREE];
-    return polynomial_sign_changes(&along, roots) > 0 ? left * roots[0] : (double)INFINITY;
-}
-
-/* Returns plane_touch of a quadratic path, accurate however short the time is compared with the horizon. */
-static double steady_touch(const struct separation_path *path, struct vec3 n, double gap, double left)
-{
-    const double speed = vec3_dot(n, path->c[1]);
-    const double bend = vec3_dot(n, path->c[2]);
-    const double square = speed * speed - 4.0 * bend * gap;
-    double time = (double)INFINITY;
-    if (speed < 0.0 && square >= 0.0) {
-        time = 2.0 * gap / (-speed + sqrt(square));
-    } else if (bend < 0.0) {
-        time = (speed + sqrt(square)) / (-2.0 * bend);
-    }
-    return time <= left ? time : (double)INFINITY;
-}
-
-/* Largest number of steps. Near a graze the steps become as short as the rounding of the gap. */
-enum { TOUCH_STEPS = 10000 };
-
-double zone_path_first_touch(const struct contact_shape *shape, const struct separation_path *path,
-                             double gap, double settled, double horizon)
-{
-    const struct vec3 none = {0.0, 0.0, 0.0};
-    const bool is_steady = vec3_is_zero(path->c[3]) && vec3_is_zero(path->c[4]);
-    const double better_by = gap - contact_geometry_at(shape, path->c[0], path->c[1], none).gap;
-    double time = settled;
-    for (int i = 0; i < TOUCH_STEPS && time <= horizon; ++i) {
-        const struct separation_path from = zone_path_from(path, time);
-        const struct contact_geometry at = contact_geometry_at(shape, from.c[0], from.c[1], none);
-        const double above = at.gap + better_by;
-        if (!(above > 0.0)) {
-            return time;
-        }
-        const double left = horizon - time;
-        const double step = is_steady ? steady_touch(&from, at.normal, above, left)
-                                      : plane_touch(&from, at.normal, above, left);
-        if (!(step < (double)INFINITY)) {
-            return (double)INFINITY;
-        }
-        const bool closes = vec3_dot(at.normal, from.c[1]) < 0.0;
-        const double before = time;
-        time += step;
-        if (!(time > before) || (closes && above <= zone_path_rounding(&shape->solid, &from))) {
-            return time; /* another step would be smaller than rounding */
-        }
-    }
-    return (double)INFINITY;
-}
-
 /* Returns rho^2 - (offset + slope z)^2 [scale^2]; a root is a crossing of a cone about the axis. */
 static struct polynomial edge_cone(const struct relative_path *path, double offset, double slope)
 {
@@ -101,6 +40,7 @@ static struct polynomial edge_cone(const struct relative_path *path, double offs
     return polynomial_add(&rho2, -1.0, &square);
 }
 
+/* Returns c.e + offset [scale]; a root is a crossing of a plane across the axis e. */
 static struct polynomial edge_plane(const struct relative_path *path, double offset)
 {
     struct polynomial height = path->axial;
@@ -108,6 +48,7 @@ static struct polynomial edge_plane(const struct relative_path *path, double off
     return height;
 }
 
+/* Returns the path relative to an endless cylinder about the axis of the solid. */
 static struct relative_path solid_path(const struct contact_solid *solid, const struct separation_path *path,
                                        double horizon)
 {
@@ -140,6 +81,7 @@ int zone_path_edges(const struct contact_solid *solid, const struct separation_p
     return polynomial_add_sign_changes(&wall, edges, count);
 }
 
+/* A distance of the centre from edges of zones [m], positive within them. */
 typedef double zone_margin(const struct contact_solid *solid, struct vec3 c);
 
 /* Number of places that are tried between two edges. An edge polynomial has degree eight at most, so it
@@ -164,6 +106,7 @@ static double zone_clear_place(const struct contact_solid *solid, const struct s
     return clearest;
 }
 
+/* Returns the distance of the centre from the edges of the zone that it is in [m]. */
 static double nearest_margin(const struct contact_solid *solid, struct vec3 c)
 {
     const struct solid_place place = contact_place_at(solid, c);
@@ -256,7 +199,7 @@ static const double RIM_STEP = 0.05;
 enum { RIM_SHORT_STEPS = 20000 };
 static const double RIM_LONG_STEP = 1e-4;
 
-/* Relative rounding of a sum of products of vectors (prediction.c). */
+/* Relative rounding error of a sum of products of vectors, as in rounding_of_gap. */
 static const double RIM_ROUNDINGS = 8.0 * DBL_EPSILON;
 
 /* The arguments of the force law at one time. */
@@ -265,7 +208,7 @@ struct rim_instant {
     double distance;         /* from the circle [m] */
     double event;            /* event function of the law in the present regime (contact_event) */
     enum contact_regime regime;
-    double gap_noise, rate_noise;
+    double gap_noise, rate_noise; /* rounding bounds of g [m] and g' [m/s] */
 };
 
 struct rim_search {
@@ -276,6 +219,7 @@ struct rim_search {
     enum contact_regime present;
 };
 
+/* Returns the arguments of the force law and their rounding bounds at a time [s]. */
 static struct rim_instant rim_instant_at(const struct rim_search *search, double time)
 {
     const struct separation_path *path = search->path;
@@ -358,7 +302,7 @@ static struct rim_change rim_halve_to_change(const struct rim_search *search, do
     }
 }
 
-/* The event function of the present regime, for root_lowest. */
+/* Sets the event function of the present regime, as a root_function for root_lowest. */
 static void rim_event(const void *data, double time, double *value, double *slope)
 {
     const struct rim_search *search = data;
@@ -435,8 +379,8 @@ enum { GAP_TERMS = 2 * SEPARATION_DEGREE + 1 };
 struct gap_series {
     double radial[GAP_TERMS], axial[GAP_TERMS], gap[GAP_TERMS];
     double rounding; /* rounding bound of the first terms [m] */
-    /* rate[i] [1/s] is the largest rate at which path terms of orders up to i move the path by its distance.
-     * A term of order i is rounding below `rounding` rate[i]^i. */
+    /* rate[i] [1/s] is the largest (|c_k| / d)^(1/k) of the path's terms c_k of orders k up to i, with the
+     * distance d at the start. A term of order i is rounding below `rounding` rate[i]^i. */
     double rate[GAP_TERMS];
 };
 
@@ -483,14 +427,6 @@ static void put_solid_place(struct gap_series *series, const struct contact_soli
     }
 }
 
-static void put_term_rates(struct gap_series *series, const struct separation_path *path, double distance)
-{
-    for (int i = 1; i < GAP_TERMS; ++i) {
-        const double own = i <= SEPARATION_DEGREE ? pow(vec3_norm(path->c[i]) / distance, 1.0 / i) : 0.0;
-        series->rate[i] = fmax(series->rate[i - 1], own);
-    }
-}
-
 /* Returns the series of the gap in the zone that the path enters. */
 static struct gap_series gap_series_of(const struct contact_shape *shape, const struct separation_path *path,
                                        double rounding)
@@ -499,7 +435,10 @@ static struct gap_series gap_series_of(const struct contact_shape *shape, const 
     const struct contact_geometry at =
         contact_geometry_at(shape, path->c[0], path->c[1], vec3_make(0.0, 0.0, 0.0));
     put_solid_place(&series, &shape->solid, path);
-    put_term_rates(&series, path, at.distance);
+    for (int i = 1; i < GAP_TERMS; ++i) {
+        const double own = i <= SEPARATION_DEGREE ? pow(vec3_norm(path->c[i]) / at.distance, 1.0 / i) : 0.0;
+        series.rate[i] = fmax(series.rate[i - 1], own);
+    }
     const bool beyond_side = series.radial[first_term(&series, series.radial)] > 0.0;
     const bool beyond_cap = series.axial[first_term(&series, series.axial)] > 0.0;
     double square[GAP_TERMS];
@@ -522,9 +461,9 @@ struct meeting {
     double leaving; /* otherwise the time until the gap exceeds rounding, or returns to zero [s] */
 };
 
-/* Returns the further motion. Positions give the gap to within `noise` [m]. `known` points to a gap with more
- * digits, as just after a contact, or is NULL. The signs of a known gap and of its rate count however small
- * they are, because a ball may hop by less than rounding. */
+/* Returns how bodies move on that touch within rounding. Positions give the gap to within `noise` [m].
+ * `known` points to a gap with more digits, as just after a contact, or is NULL. The signs of a known gap and
+ * of its rate count however small they are, because a ball may hop by less than rounding. */
 static struct meeting meeting_of(const struct contact_shape *shape, const struct separation_path *path,
                                  double noise, const double *known)
 {
@@ -550,6 +489,69 @@ static struct meeting meeting_of(const struct contact_shape *shape, const struct
         meeting.leaving *= polynomial_sign_changes(&hop, roots) > 0 ? roots[0] : 1.0;
     }
     return meeting;
+}
+
+/* Returns the first t > 0 [s] at which gap + n.(c(t) - c(0)) falls through zero, or INFINITY after `left`. */
+static double plane_touch(const struct separation_path *path, struct vec3 n, double gap, double left)
+{
+    struct polynomial along = {{gap}, SEPARATION_DEGREE};
+    double power = 1.0;
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        power *= left;
+        along.a[i] = power * vec3_dot(n, path->c[i]);
+    }
+    double roots[POLYNOMIAL_MAX_DEGREE];
+    return polynomial_sign_changes(&along, roots) > 0 ? left * roots[0] : (double)INFINITY;
+}
+
+/* Returns plane_touch of a quadratic path, accurate however short the time is compared with the horizon. */
+static double steady_touch(const struct separation_path *path, struct vec3 n, double gap, double left)
+{
+    const double speed = vec3_dot(n, path->c[1]);
+    const double bend = vec3_dot(n, path->c[2]);
+    const double square = speed * speed - 4.0 * bend * gap;
+    double time = (double)INFINITY;
+    if (speed < 0.0 && square >= 0.0) {
+        time = 2.0 * gap / (-speed + sqrt(square));
+    } else if (bend < 0.0) {
+        time = (speed + sqrt(square)) / (-2.0 * bend);
+    }
+    return time <= left ? time : (double)INFINITY;
+}
+
+/* Largest number of steps. Near a graze the steps become as short as the rounding of the gap. */
+enum { TOUCH_STEPS = 10000 };
+
+/* Returns the time of the first touch after `settled` [s]; INFINITY: no touch within the horizon [s]. `gap`
+ * is the gap at the start [m], which may have more digits than the positions. */
+static double zone_path_first_touch(const struct contact_shape *shape, const struct separation_path *path,
+                                    double gap, double settled, double horizon)
+{
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    const bool is_steady = vec3_is_zero(path->c[3]) && vec3_is_zero(path->c[4]);
+    const double better_by = gap - contact_geometry_at(shape, path->c[0], path->c[1], none).gap;
+    double time = settled;
+    for (int i = 0; i < TOUCH_STEPS && time <= horizon; ++i) {
+        const struct separation_path from = zone_path_from(path, time);
+        const struct contact_geometry at = contact_geometry_at(shape, from.c[0], from.c[1], none);
+        const double above = at.gap + better_by;
+        if (!(above > 0.0)) {
+            return time;
+        }
+        const double left = horizon - time;
+        const double step = is_steady ? steady_touch(&from, at.normal, above, left)
+                                      : plane_touch(&from, at.normal, above, left);
+        if (!(step < (double)INFINITY)) {
+            return (double)INFINITY;
+        }
+        const bool closes = vec3_dot(at.normal, from.c[1]) < 0.0;
+        const double before = time;
+        time += step;
+        if (!(time > before) || (closes && above <= zone_path_rounding(&shape->solid, &from))) {
+            return time; /* another step would be smaller than rounding */
+        }
+    }
+    return (double)INFINITY;
 }
 
 /* Largest number of trials: a gap that stays at zero may come within rounding more than once. */

@@ -17,11 +17,6 @@
 /* Returns the rounding bound of the gap [m]. */
 double zone_path_rounding(const struct contact_solid *solid, const struct separation_path *path);
 
-/* Returns the time of the first touch after `settled` [s]; INFINITY: no touch within the horizon [s]. `gap`
- * is the gap at the start [m], which may have more digits than the positions. */
-double zone_path_first_touch(const struct contact_shape *shape, const struct separation_path *path,
-                             double gap, double settled, double horizon);
-
 /* Returns the time at which the path leaves the zone solid->zone [s]; INFINITY: not within the horizon. */
 double zone_path_end(const struct contact_solid *solid, const struct separation_path *path, double horizon);
 

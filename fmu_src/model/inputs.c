@@ -145,7 +145,7 @@ static void put_turned_axis(const struct model *m, int body, struct body_path *p
     if (path->turn_follows == TURN_FOLLOWS_VELOCITY && body_shape(body) != SHAPE_SPHERE &&
         body_turn_is_prescribed(&m->state.values, body)) {
         const struct scene_state *q = &m->state.motion;
-        const struct body_turn now = turning_prescribed_at(&m->state.values, q, q->clock, body);
+        const struct body_turn now = turning_prescribed_at(q, q->clock, body);
         path->axis[0] = quaternion_third_axis(now.orientation);
     }
 }
@@ -163,8 +163,6 @@ static void input_path_shift(const struct model *m, int body, struct body_path *
         put_turned_axis(m, body, path);
     }
 }
-
-/* This part computes the factors of the contact law from the parameters. */
 
 static struct contact_material material_of(const struct scene_values *v, int body)
 {
@@ -304,8 +302,6 @@ static bool model_can_tune(const struct model *m, const struct variable *variabl
     memcpy((char *)&v + variable->offset, value, variable_size(variable));
     return take_over(&v, &q, &before);
 }
-
-/* This part sets the inputs as the importer gives them and puts them into force. */
 
 /* Returns the index of a variable among its body's input signals, or -1 when it is no input. */
 static int signal_of(const struct variable *variable)

@@ -418,8 +418,6 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
     return status;
 }
 
-/* This part finds vectors among the variables. */
-
 const struct variable *vector_variable(uint32_t reference)
 {
     const struct variable *variable = scene_variable(reference);

@@ -151,7 +151,8 @@ enum model_status model_exchange_set_states(struct model *m, const double *state
 /* Sets a state that model_check has found in range. */
 void model_exchange_set_state(struct model *m, const struct variable *state, double value);
 
-/* The values that model_exchange_get reads; the nominal values are those of the states. */
+/* The kinds of values that model_exchange_get reads. EXCHANGE_NOMINALS are the nominal values of the
+ * states. */
 enum exchange_values { EXCHANGE_STATES, EXCHANGE_RATES, EXCHANGE_INDICATORS, EXCHANGE_NOMINALS };
 
 /* Reads the values named by `which`. MODEL_DISCARD: a value is beyond the range of numbers. */

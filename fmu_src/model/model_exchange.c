@@ -19,16 +19,13 @@ static double *state_at(struct scene_state *q, const struct variable *state)
 {
     const int i = state->element;
     const int k = state->component;
-    if (SCENE_ANY_ROTATION && state->row == ROW_body_orientation_state) {
-        return orientation_part(&q->turning.body[i].orientation, k);
-    }
-    if (SCENE_ANY_ROTATION && state->row == ROW_body_angular_velocity_state) {
-        return vec3_part(&q->turning.body[i].angular_velocity, k);
-    }
-    if (SCENE_ANY_FRICTION && state->row == ROW_contact_spring_state) {
-        return vec3_part(&q->turning.spring[i], k);
-    }
     switch (state->row) {
+    case ROW_body_orientation_state:
+        return orientation_part(&q->turning.body[i].orientation, k);
+    case ROW_body_angular_velocity_state:
+        return vec3_part(&q->turning.body[i].angular_velocity, k);
+    case ROW_contact_spring_state:
+        return vec3_part(&q->turning.spring[i], k);
     case ROW_body_displacement_state:
         return vec3_part(&q->body[i].moved, k);
     case ROW_body_velocity_state:
@@ -61,17 +58,14 @@ static double rate_of(const struct scene_values *v, const struct scene_state *q,
         struct quaternion change = quaternion_rate(turn->orientation, turn->angular_velocity);
         return body_turns_freely(v, i) ? *orientation_part(&change, k) : 0.0;
     }
-    if (SCENE_ANY_ROTATION && rate->row == ROW_body_angular_acceleration) {
+    switch (rate->row) {
+    case ROW_body_angular_acceleration:
         return body_turns_freely(v, i) ? vec3_get(turning_acceleration(v, q, q->clock, at, i), k) : 0.0;
-    }
-    if (SCENE_ANY_FRICTION && rate->row == ROW_contact_spring_rate) {
+    case ROW_contact_spring_rate:
         return contact_rubs_elastically(v, i) ? vec3_get(turning_spring_rate(v, q, &q->turning, at, i), k)
                                               : 0.0;
-    }
-    if (SCENE_ANY_FRICTION && rate->row == ROW_energy_friction_power) {
+    case ROW_energy_friction_power:
         return scene_turns(v) ? turning_friction_power(v, at) : 0.0;
-    }
-    switch (rate->row) {
     case ROW_body_displacement_rate:
         return body_is_free(v, i) ? vec3_get(at->velocity[i], k) : 0.0;
     case ROW_body_acceleration:
@@ -89,9 +83,6 @@ static double indicator_of(const struct scene_values *v, const struct scene_stat
                            const struct scene_instant *at, const struct variable *indicator)
 {
     const int j = indicator->element;
-    if (!SCENE_ANY_FREE) {
-        return 0.0;
-    }
     switch (indicator->row) {
     case ROW_contact_touch_indicator:
         return regime_touch_margin(v, q, at, j);
@@ -99,16 +90,13 @@ static double indicator_of(const struct scene_values *v, const struct scene_stat
         return regime_dashpot_margin(v, q, at, j);
     case ROW_contact_zone_indicator:
         return regime_zone_margin(v, q, at, j);
-    default:
-        break;
+    case ROW_contact_stick_indicator:
+        return regime_friction_margin(v, q, at, j, ODE_EVENT_STICK);
+    case ROW_contact_cap_indicator:
+        return regime_friction_margin(v, q, at, j, ODE_EVENT_CAP);
+    default: /* ROW_contact_lift_indicator */
+        return regime_friction_margin(v, q, at, j, ODE_EVENT_LIFT);
     }
-    if (SCENE_ANY_FRICTION) {
-        return regime_friction_margin(v, q, at, j,
-                                      indicator->row == ROW_contact_stick_indicator ? ODE_EVENT_STICK
-                                      : indicator->row == ROW_contact_cap_indicator ? ODE_EVENT_CAP
-                                                                                    : ODE_EVENT_LIFT);
-    }
-    return 0.0;
 }
 
 double model_exchange_value(const struct scene_values *v, const struct scene_state *q,
@@ -149,8 +137,6 @@ static uint64_t booked_states(const struct scene_state *q)
     }
     return SCENE_ANY_FRICTION ? mark_of(mark, &q->friction_energy, 1) : mark;
 }
-
-/* This part computes changes of states and rates along a path, for derivatives. */
 
 /* Changes one component of an orientation along a path. The importer's quaternion may have any length; the
  * change of its direction alone turns the body and its axis. */
@@ -258,19 +244,15 @@ double model_exchange_slope(const struct scene_values *v, const struct scene_sta
 {
     const int i = variable->element;
     const int k = variable->component;
-    if (SCENE_ANY_ROTATION && variable->row == ROW_body_orientation_rate) {
-        return body_turns_freely(v, i) ? orientation_rate_slope(q, along, variable) : 0.0;
-    }
-    if (SCENE_ANY_ROTATION && variable->row == ROW_body_angular_acceleration) {
-        return body_turns_freely(v, i) ? vec3_get(turning_jet_spin_change(v, q, at, along, i), k) : 0.0;
-    }
-    if (SCENE_ANY_FRICTION && variable->row == ROW_contact_spring_rate) {
-        return spring_rate_slope(v, q, at, along, variable);
-    }
-    if (SCENE_ANY_FRICTION && variable->row == ROW_energy_friction_power) {
-        return scene_turns(v) ? turning_jet_friction_power(v, along, 1) : 0.0;
-    }
     switch (variable->row) {
+    case ROW_body_orientation_rate:
+        return body_turns_freely(v, i) ? orientation_rate_slope(q, along, variable) : 0.0;
+    case ROW_body_angular_acceleration:
+        return body_turns_freely(v, i) ? vec3_get(turning_jet_spin_change(v, q, at, along, i), k) : 0.0;
+    case ROW_contact_spring_rate:
+        return spring_rate_slope(v, q, at, along, variable);
+    case ROW_energy_friction_power:
+        return scene_turns(v) ? turning_jet_friction_power(v, along, 1) : 0.0;
     case ROW_body_displacement_rate:
         return body_is_free(v, i) ? vec3_get(along->velocity[i][1], k) : 0.0;
     case ROW_body_acceleration:
@@ -283,8 +265,6 @@ double model_exchange_slope(const struct scene_values *v, const struct scene_sta
         return 0.0;
     }
 }
-
-/* This part changes regimes and foresees touches. */
 
 /* Changes each regime whose event function has passed zero. Whether one has changed. */
 static bool change_regimes(const struct scene_values *v, struct scene_state *q)
@@ -339,8 +319,6 @@ static double touch_after(const struct scene_values *v, const struct scene_state
     }
     return after;
 }
-
-/* This part implements the functions that model.h declares. */
 
 void model_exchange_set_continuous(struct model *m, bool continuous)
 {
@@ -430,10 +408,7 @@ enum model_status model_exchange_update(struct model *m, bool *changed, bool *ju
 {
     struct scene_state *q = &m->state.motion;
     const enum model_status status = follow(m);
-    *changed = false;
-    if (status == MODEL_OK) {
-        *changed = change_regimes(&m->state.values, q);
-    }
+    *changed = status == MODEL_OK && change_regimes(&m->state.values, q);
     *jumped = booked_states(q) != m->state.booked;
     if (*changed) {
         model_report(m, MODEL_OK, "Changes of contact at %.17g s; since initialization: %d.", scene_time(q),

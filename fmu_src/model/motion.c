@@ -174,6 +174,17 @@ static enum model_status report_step_limit(const struct model *m, const struct s
         request->whole ? "where it began" : "there");
 }
 
+/* Reports a step within which contacts change regime without end or too often. */
+static enum model_status report_stalled(const struct model *m, const struct step_request *request)
+{
+    return model_report(
+        m, MODEL_DISCARD,
+        "The step to %s s %s at %s s: contacts change there more often than can be followed within about a "
+        "second (allowed: some ten thousand times). Go on from %s, in smaller steps.",
+        shortest_digits(request->end_time).text, request->whole ? "is undone, it got stuck" : "stopped",
+        shortest_digits(scene_time(&m->state.motion)).text, request->whole ? "where it began" : "there");
+}
+
 /* Takes a step of a force element. Its contacts are integrated over the step where a state or an output of
  * the scene needs their integrals. */
 static enum model_status advance_force_element(struct model *m, const struct step_request *request)
@@ -193,7 +204,7 @@ static enum model_status advance_force_element(struct model *m, const struct ste
         !prescribed_over(v, q, length, limit < PRESCRIBED_PANELS ? limit : PRESCRIBED_PANELS)) {
         const struct step_request whole = {.end_time = request->end_time, .whole = true};
         *q = before;
-        return limit < PRESCRIBED_PANELS ? report_step_limit(m, &whole) : model_report_stalled(m, &whole);
+        return limit < PRESCRIBED_PANELS ? report_step_limit(m, &whole) : report_stalled(m, &whole);
     }
     q->clock += length;
     if (SCENE_ANY_FREE) {
@@ -220,7 +231,7 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
     case INTEGRATOR_STEP_LIMIT:
         return report_step_limit(m, request);
     case INTEGRATOR_STALLED:
-        return model_report_stalled(m, request);
+        return report_stalled(m, request);
     case INTEGRATOR_FAILED:
     default:
         return model_report(m, MODEL_ERROR, "The step to %s s failed at %s s: %s",

@@ -6,8 +6,6 @@
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"
 
-/* This part sets energies, counters and the contact outputs over a communication step or the run. */
-
 /* Returns an impulse divided by the length of the step [s]. The function does not multiply by the reciprocal,
  * which is infinite for steps of less than 1e-308 s. */
 static struct vec3 mean_of(struct vec3 impulse, double window)
@@ -161,8 +159,6 @@ static double energy_term(const struct model *m, const struct scene_jet *along, 
     }
 }
 
-/* This part sets the outputs of rotation and friction. */
-
 static void put_turn(struct scene_values *v, const struct turning_instant *turning, int body)
 {
     const struct body_turn *turn = &turning->body[body];
@@ -259,8 +255,8 @@ static double quaternion_component(struct quaternion a, int index)
     return index == 0 ? a.w : vec3_get(quaternion_vector(a), index - 1);
 }
 
-/* Returns coefficient `order` of the output distance. A capped cylinder's is the distance from its axis in
- * every zone. */
+/* Returns coefficient `order` of the output `distance`, for a capped cylinder that of the distance from its
+ * axis in every zone. */
 static double distance_term(const struct scene_values *v, const struct contact_shape *shape,
                             const struct scene_instant *at, const struct scene_jet *along, int contact,
                             int order)
@@ -372,8 +368,6 @@ double output_term(const struct model *m, const struct scene_state *q, const str
     }
 }
 
-/* This part computes the outputs of the present instant from the motion alone. */
-
 /* Returns the contact point: the source's centre + (d - r_d) n, with the distance d, the destination's radius
  * r_d and the normal n. This is the point of the destination's surface on the line along n. */
 static struct vec3 contact_point_of(const struct scene_values *v, const struct contact_shape *shape,
@@ -386,7 +380,7 @@ static struct vec3 contact_point_of(const struct scene_values *v, const struct c
     return vec3_axpy(centre, reach, g->normal);
 }
 
-/* Returns the output distance [m]. A capped cylinder's is the distance from its axis in every zone. */
+/* Returns the output `distance` [m], for a capped cylinder the distance from its axis in every zone. */
 static double distance_of(const struct contact_shape *shape, const struct scene_instant *at, int contact)
 {
     if (contact_is_capped(shape)) {
@@ -394,18 +388,6 @@ static double distance_of(const struct contact_shape *shape, const struct scene_
         return vec3_norm(vec3_axpy(c, -vec3_dot(c, shape->solid.axis), shape->solid.axis));
     }
     return at->geometry[contact].distance;
-}
-
-/* Sets the outputs of Hertz's factors. Returns a sum that is finite only if both factors are. */
-static double put_hertz(struct scene_values *v, int contact, const struct contact_law *law)
-{
-    struct contact_coefficients factors = {0.0, 0.0};
-    if (contact_is_hertz(law)) {
-        factors = contact_factors_of(law);
-    }
-    put_contact_effective_hertz_stiffness(v, contact, factors.k);
-    put_contact_effective_hunt_crossley_factor(v, contact, factors.c);
-    return factors.k + factors.c;
 }
 
 /* Sets the outputs of a contact. Returns a sum that is finite only if all of them are, since products of
@@ -422,8 +404,12 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     const bool within = scene_shown_within(v, q, at, contact, &shape);
     const double force = contact_normal_force_of(&law, regime, g->gap, g->gap_rate);
     const struct contact_coefficients factors = contact_coefficients_of(&law, REGIME_COMPRESSION);
+    const struct contact_coefficients none = {0.0, 0.0};
+    const struct contact_coefficients hertz = contact_is_hertz(&law) ? contact_factors_of(&law) : none;
     put_contact_effective_penalty_factor(v, contact, factors.k);
     put_contact_effective_viscous_penalty_factor(v, contact, factors.c);
+    put_contact_effective_hertz_stiffness(v, contact, hertz.k);
+    put_contact_effective_hunt_crossley_factor(v, contact, hertz.c);
     put_contact_diagonal(v, contact, state->parameters.diagonal);
     put_contact_gap(v, contact, within ? g->gap : contact_gap_beyond_ends(v, contact));
     put_contact_gap_rate(v, contact, within ? g->gap_rate : 0.0);
@@ -437,7 +423,7 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     put_contact_normal_force(v, contact, force);
     put_contact_source_force(v, contact, source_force);
     put_contact_destination_force(v, contact, vec3_scale(-1.0, source_force));
-    return force + distance + g->gap_rate + factors.k + factors.c + put_hertz(v, contact, &law);
+    return force + distance + g->gap_rate + factors.k + factors.c + (hertz.k + hertz.c);
 }
 
 static void warn_of_missing_direction(struct model *m, const struct scene_state *q,

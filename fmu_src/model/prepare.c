@@ -57,8 +57,6 @@ static enum model_status check_rotation(struct model *m, int body)
                : check_inertia(m, body);
 }
 
-/* This part holds the checks and warnings for the contacts. */
-
 /* The parameter that scales the stiffness of a contact's spring. */
 struct spring_factor {
     double value;
@@ -426,8 +424,6 @@ enum model_status model_check_consistency(struct model *m)
     const enum model_status status = check_start(m);
     return status == MODEL_OK ? warn_of_conforming(m) : status;
 }
-
-/* This part puts the motion at its start, by the parameters and inputs. */
 
 static struct vec3 start_displacement(const struct scene_values *v, const struct scene_state *q, int body)
 {

@@ -40,16 +40,6 @@ enum model_status model_report(const struct model *m, enum model_status status, 
     return status;
 }
 
-enum model_status model_report_stalled(const struct model *m, const struct step_request *request)
-{
-    return model_report(
-        m, MODEL_DISCARD,
-        "The step to %s s %s at %s s: contacts change there more often than can be followed within about a "
-        "second (allowed: some ten thousand times). Go on from %s, in smaller steps.",
-        shortest_digits(request->end_time).text, request->whole ? "is undone, it got stuck" : "stopped",
-        shortest_digits(scene_time(&m->state.motion)).text, request->whole ? "where it began" : "there");
-}
-
 struct shortest shortest_digits(double value)
 {
     struct shortest result = {""};

@@ -122,7 +122,8 @@ static void vary_factors(const struct model *m, struct scene_jet *along)
         }
         if (SCENE_ANY_FRICTION &&
             contact_slip_velocity_control(&m->state.values, j) == SLIP_VELOCITY_CONTROL_AUTOMATIC) {
-            along->slip_velocity_slope[j] = 1e-3 * diagonal_slope(m, along, j); /* the factor of prepare.c */
+            along->slip_velocity_slope[j] =
+                1e-3 * diagonal_slope(m, along, j); /* prepare.c has this factor too */
         }
     }
 }

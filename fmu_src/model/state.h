@@ -34,7 +34,7 @@ struct input_signal {
  * prescribed angular velocity, axis and external torque. */
 enum { SIGNALS_EACH = SCENE_ANY_ROTATION ? 18 : 9 };
 
-/* Values of the tunable parameters, which may be set between steps, where the motion keeps no own copy. */
+/* The values of those parameters that may be set between steps and of which the motion keeps no copy. */
 struct tunable_values {
     struct vec3 gravity;                           /* [m/s^2] */
     double relative_tolerance, absolute_tolerance; /* of the solver */
@@ -95,10 +95,6 @@ static inline void model_forget_outputs(struct model *m)
 /* Formats and sends a message when the host wants the category. */
 CONTACT_COLD enum model_status model_report(const struct model *m, enum model_status status,
                                             const char *format, ...) CONTACT_PRINTF_LIKE(3, 4);
-
-/* Reports, with MODEL_DISCARD, a step within which contacts change regime without end or too often. */
-CONTACT_COLD enum model_status model_report_stalled(const struct model *m,
-                                                    const struct step_request *request);
 
 /* Puts the motion at the start that the present parameters and inputs describe. */
 CONTACT_COLD void model_prepare(struct model *m);

@@ -63,11 +63,12 @@ static inline double variable_number(const struct variable *variable, const void
     return integer;
 }
 
-/* What has to be up to date so that a value is that of the present; the bits lie above those of an offset. */
+/* Bits that tell what must be up to date before a Real variable can be read. They lie above the bits of an
+ * offset. */
 enum variable_source {
     VARIABLE_OFFSET = 0xffff,
-    VARIABLE_GIVEN = 0x10000,    /* nothing: the importer gave it */
-    VARIABLE_FIXED = 0x20000,    /* no variable has it, see enum outputs */
+    VARIABLE_GIVEN = 0x10000,    /* nothing, because the importer gave the value */
+    VARIABLE_FIXED = 0x20000,    /* not used by variables; tells two values of enum outputs apart */
     VARIABLE_BODY = 0x40000,     /* the motion of the bodies */
     VARIABLE_COMPUTED = 0x80000, /* everything */
     VARIABLE_VECTOR = 0x100000   /* beside another bit: the first of a vector's three components */
@@ -80,8 +81,8 @@ extern const uint32_t scene_reals[];
 extern const struct variable scene_variables[];
 extern const int scene_variable_count;
 
-/* Whose choice counts: that of the body or contact that has the parameter, that of the contact's source or
- * destination, or that of any body or contact. */
+/* The body or contact whose choice decides whether a parameter is read: the one that has the parameter, the
+ * contact's source or destination, or any. */
 enum use_whose { USE_OF_OWN, USE_OF_SOURCE, USE_OF_DESTINATION, USE_OF_ANY };
 
 /* One condition under which the parameters of a row are read: a choice has one of some items (`when` of

@@ -172,7 +172,6 @@ struct spring_node {
     double factor; /* d time / d variable of the panel, which runs from 0 to 1 [s] */
 };
 
-/* The collocation equations of the spring over one panel. */
 struct spring_problem {
     struct friction_law law;
     enum friction_regime regime;
@@ -376,7 +375,6 @@ static struct vec3 laid_spring(const struct prescribed_contact *c, double clock,
     return vec3_axpy(spring, -vec3_dot(spring, n), n);
 }
 
-/* Returns the rounding bound of the law's event function. */
 static double event_rounding(const struct prescribed_contact *c, const struct contact_law *law,
                              enum contact_regime regime, const struct scene_instant *at)
 {
@@ -387,7 +385,6 @@ static double event_rounding(const struct prescribed_contact *c, const struct co
 
 static const struct vec3 NO_SPRING = {0.0, 0.0, 0.0};
 
-/* Sets the regime of friction and the spring. */
 static void rub_with(const struct prescribed_contact *c, enum friction_regime regime, struct vec3 spring)
 {
     c->q->contact[c->contact].friction_regime = (int32_t)regime;
@@ -512,7 +509,6 @@ static enum regime_event event_passed(const struct margins *now, const struct ma
     return REGIME_EVENTS;
 }
 
-/* Changes the regime of friction after one of its events. */
 static void take_friction_event(const struct prescribed_contact *c, double clock, struct vec3 spring,
                                 enum regime_event event)
 {
@@ -890,7 +886,7 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
         if (scene_turns(s->c.v) && made && divides && passes_event(s, &left, &right, &clock)) {
             continue;
         }
-        if (made) { /* else the span is one rounding of the clock, and its integrals are zero */
+        if (made) { /* else the time between is one rounding of the clock, and the integrals are zero */
             add_sums(s, &left);
             add_sums(s, &right);
             note_peaks_between(s, clock, to);
@@ -950,11 +946,6 @@ static void book_span(const struct span *s)
 
 #if SCENE_ANY_FREE
 
-static bool is_prescribed_touch(const struct scene_values *v, const struct scene_state *q, int contact)
-{
-    return contact_is_prescribed(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
-}
-
 /* Integrates and books all prescribed contacts. Where the panels are used up before `end`, nothing is booked.
  * Returns the clock reached. */
 static double integrate_contacts(const struct scene_values *v, struct scene_state *q, double end,
@@ -966,7 +957,7 @@ static double integrate_contacts(const struct scene_values *v, struct scene_stat
         before[j] = q->contact[j].peaks;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (is_prescribed_touch(v, q, j)) {
+        if (contact_is_prescribed(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
             span[j] = span_of(v, q, j, end - q->clock, panels);
             const double reached = integrate_between(&span[j], q->clock, end);
             if (reached < end) {
@@ -1006,15 +997,14 @@ static struct axis_motion axis_from(const struct span *s, const struct scene_ins
 {
     const int destination = contact_destination(s->c.contact);
     const struct vec3 axis = at->turning.axis[s->c.contact];
-    if (body_turn_is_prescribed(s->c.v, destination) && body_shape(destination) != SHAPE_SPHERE) {
-        struct body_path path = s->c.q->path[destination];
-        path_shift(path.angular_velocity, 3, clock);
-        path_shift(path.axis, 3, clock);
-        return path.turn_follows == TURN_FOLLOWS_VELOCITY
-                   ? axis_motion_prescribed(axis, path.angular_velocity, 3)
-                   : axis_motion_following(path.axis, 3);
+    if (!body_turn_is_prescribed(s->c.v, destination) || body_shape(destination) == SHAPE_SPHERE) {
+        return axis_motion_fixed(axis);
     }
-    return axis_motion_fixed(axis);
+    struct body_path path = s->c.q->path[destination];
+    path_shift(path.angular_velocity, 3, clock);
+    path_shift(path.axis, 3, clock);
+    return path.turn_follows == TURN_FOLLOWS_VELOCITY ? axis_motion_prescribed(axis, path.angular_velocity, 3)
+                                                      : axis_motion_following(path.axis, 3);
 }
 
 /* Returns the path of the separation from a clock on, for conservative advancement. */

@@ -144,12 +144,10 @@ double turning_prescribed_steps(const struct scene_values *v, const struct scene
     return steps;
 }
 
-struct body_turn turning_prescribed_at(const struct scene_values *v, const struct scene_state *q,
-                                       double clock, int body)
+struct body_turn turning_prescribed_at(const struct scene_state *q, double clock, int body)
 {
     const struct body_path *path = &q->path[body];
     struct body_turn at = {quaternion_identity(), path_at(path->angular_velocity, 3, clock)};
-    (void)v;
     if (path->turn_follows != TURN_FOLLOWS_AXIS_ALONE) {
         at.orientation = turned_by(path->angular_velocity, clock, q->turn_origin[body].orientation);
     }
@@ -166,7 +164,7 @@ static void turning_rebase(const struct scene_values *v, struct scene_state *q)
         if (body_turns_freely(v, i)) {
             q->turn_origin[i] = q->turning.body[i];
         } else if (body_turn_is_prescribed(v, i)) {
-            q->turn_origin[i] = turning_prescribed_at(v, q, q->clock, i);
+            q->turn_origin[i] = turning_prescribed_at(q, q->clock, i);
             q->turning.body[i] = q->turn_origin[i];
         }
     }
@@ -190,7 +188,7 @@ static struct body_turn turn_at(const struct scene_values *v, const struct scene
                                 const struct turning_state *turning, int body)
 {
     if (body_turn_is_prescribed(v, body)) {
-        return turning_prescribed_at(v, q, clock, body);
+        return turning_prescribed_at(q, clock, body);
     }
     if (!SCENE_ANY_ROTATION) {
         return (struct body_turn){quaternion_identity(), vec3_make(0.0, 0.0, 0.0)};
@@ -313,7 +311,7 @@ struct body_instant scene_body_now(const struct scene_values *v, const struct sc
     return body_at(v, q, q->clock, q->body, body);
 }
 
-/* The rate of the separation c in the frame of the destination, which may turn [m/s]. */
+/* Returns the rate of the separation c in the frame of the destination, which may turn [m/s]. */
 static struct vec3 rate_in_destination(const struct scene_values *v, const struct scene_instant *at,
                                        int contact)
 {
@@ -508,32 +506,36 @@ static double size_along(struct vec3 axis, struct vec3 a)
     return fabs(axis.x * a.x) + fabs(axis.y * a.y) + fabs(axis.z * a.z);
 }
 
-double rounding_of_gap(const struct scene_values *v, const struct scene_instant *at, int contact)
+/* Returns the sum of the sizes of the terms of c along an axis [m]. */
+static double terms_along(const struct scene_values *v, const struct scene_instant *at, int contact,
+                          struct vec3 axis)
 {
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
-    if (SCENE_ANY_PLANE &&
-        body_shape(destination) == SHAPE_PLANE) { /* components in the plane do not count */
-        const struct vec3 n = at->geometry[contact].normal;
-        return 8.0 * DBL_EPSILON *
-               (size_along(n, apart) + size_along(n, at->displacement[source]) +
-                size_along(n, at->displacement[destination]) + at->geometry[contact].gap_terms);
+    return size_along(axis, apart) + size_along(axis, at->displacement[source]) +
+           size_along(axis, at->displacement[destination]);
+}
+
+double rounding_of_gap(const struct scene_values *v, const struct scene_instant *at, int contact)
+{
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    if (SCENE_ANY_PLANE && body_shape(destination) == SHAPE_PLANE) {
+        /* components in the plane do not count */
+        return 8.0 * DBL_EPSILON * (terms_along(v, at, contact, g->normal) + g->gap_terms);
     }
+    const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
     return 8.0 * DBL_EPSILON *
            (vec3_max_abs(apart) + vec3_max_abs(at->displacement[source]) +
-            vec3_max_abs(at->displacement[destination]) + at->geometry[contact].gap_terms);
+            vec3_max_abs(at->displacement[destination]) + g->gap_terms);
 }
 
 double rounding_of_axial(const struct scene_values *v, const struct scene_instant *at, int contact,
                          const struct contact_shape *shape)
 {
-    const int source = contact_source(contact);
-    const int destination = contact_destination(contact);
-    const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
-    return 8.0 * DBL_EPSILON *
-           (size_along(shape->axis, apart) + size_along(shape->axis, at->displacement[source]) +
-            size_along(shape->axis, at->displacement[destination]) + shape->half_length);
+    return 8.0 * DBL_EPSILON * (terms_along(v, at, contact, shape->axis) + shape->half_length);
 }
 
 double rounding_of_rate(const struct scene_instant *at, int contact)
@@ -609,18 +611,6 @@ static double accumulated_gap_of(const struct scene_state *q, int contact)
     return q->clock == state->schedule.change_clock ? state->schedule.change_gap : (double)INFINITY;
 }
 
-/* Puts the carried rate into the geometry of a contact. In a stiff contact the rounding of velocities alone
- * may make a force larger than the load, so that the carried rate is needed. A carried rate that differs by
- * more than rounding is not used, because it shows that velocities have been changed since. */
-static void take_known_rate(const struct scene_state *q, int contact, struct contact_geometry *geometry)
-{
-    const struct contact_state *state = &q->contact[contact];
-    if (contact_transmits(q, contact) &&
-        fabs(state->physics.carried_rate - geometry->gap_rate) < state->physics.rate_rounding) {
-        geometry->gap_rate = state->physics.carried_rate;
-    }
-}
-
 /* Puts accumulated gaps and carried rates into the present instant. The penetration of a stiff contact at
  * rest is less than the rounding of d, so that the accumulated gap is needed. An accumulated gap that differs
  * from the one of positions by more than rounding is not used, because it shows that positions have been
@@ -633,7 +623,13 @@ static void scene_put_known_gaps(const struct scene_values *v, const struct scen
         if (known < DBL_MAX && fabs(known - at->geometry[j].gap) <= rounding_of_gap(v, at, j)) {
             at->geometry[j].gap = known;
         }
-        take_known_rate(q, j, &at->geometry[j]);
+        /* The rounding of velocities alone may make a force larger than the load, so that the carried rate is
+         * needed. A larger difference shows that velocities have been changed since. */
+        const struct contact_physics *physics = &q->contact[j].physics;
+        if (contact_transmits(q, j) &&
+            fabs(physics->carried_rate - at->geometry[j].gap_rate) < physics->rate_rounding) {
+            at->geometry[j].gap_rate = physics->carried_rate;
+        }
     }
 }
 
@@ -909,7 +905,8 @@ void scene_now(const struct scene_values *v, const struct scene_state *q, struct
     scene_forces(v, q, q->clock, at);
 }
 
-/* Rounding bounds by which the axial position may be wrong, at different times to different sides. */
+/* Distance from an open end, in rounding bounds of the axial position, below which rounding may decide the
+ * side: the position may be wrong by a bound to either side, at two times that are compared. */
 static const double END_ROUNDINGS = 4.0;
 
 bool scene_shown_within(const struct scene_values *v, const struct scene_state *q,

@@ -154,8 +154,7 @@ struct quaternion turning_start_orientation(const struct scene_values *v, int bo
 double turning_prescribed_steps(const struct scene_values *v, const struct scene_state *q, double length);
 
 /* Returns the orientation and angular velocity of a body of prescribed rotation at a clock. */
-struct body_turn turning_prescribed_at(const struct scene_values *v, const struct scene_state *q,
-                                       double clock, int body);
+struct body_turn turning_prescribed_at(const struct scene_state *q, double clock, int body);
 
 /* Adds rotations, friction and torques to an instant that has geometry and normal forces. */
 void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
@@ -167,8 +166,8 @@ void turning_take_axes(const struct scene_values *v, struct scene_state *q);
 void turning_place(const struct scene_values *v, struct scene_state *q);
 
 /* Returns a bound of the rounding error of the gap [m], below which the sign of the gap means nothing: eight
- * roundings of locations, displacements and radii, from which the gap is computed. Of a shell that the source
- * nearly fills, the difference of the radii counts instead, which is exact. */
+ * roundings of locations, displacements and radii, from which the gap is computed. For a shell that the
+ * source nearly fills, the difference of the radii counts instead, which is exact. */
 double rounding_of_gap(const struct scene_values *v, const struct scene_instant *at, int contact);
 
 /* Returns a bound of the rounding error of the source's axial position [m], which is compared with L/2. */

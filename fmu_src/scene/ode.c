@@ -225,31 +225,22 @@ static void turning_nominal(const struct scene_ode *ode, const double *y, double
     }
 }
 
-/* Returns the larger of the gap and the source's distance beyond the ends of a cylinder [m]. */
-static double way_to_contact(const struct scene_ode *ode, const struct scene_instant *at, int contact)
-{
-    const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
-    return fmax(at->geometry[contact].gap, scene_beyond_ends(&shape, &at->geometry[contact]));
-}
-
 /* Returns the depth [m], which falls through zero where contact ends. Between the ends of a cylinder, at the
  * axial position z [m], the depth is multiplied by (h^2 - z^2) / (2 h^2) with h = L/2. The minimum of the
  * depth and of the distance from the ends would have a corner, which the polynomial of a long step cannot
  * follow. */
-static double depth_to_parting(const struct scene_ode *ode, const struct scene_instant *at, int contact)
+static double depth_to_parting(const struct scene_ode *ode, const struct contact_shape *shape,
+                               const struct contact_geometry *g, int contact)
 {
-    const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
-    const struct contact_geometry *g = &at->geometry[contact];
     const double depth = ode->gap_offset[contact] - g->gap;
-    if (!contact_is_cylinder(&shape) || !isfinite(shape.half_length)) {
+    const double half = shape->half_length;
+    if (!contact_is_cylinder(shape) || !isfinite(half)) {
         return depth;
     }
-    const double half = shape.half_length;
     const double within = (half - fabs(g->axial)) * 0.5 * (1.0 + fabs(g->axial) / half);
     return depth * (ode->gap_offset[contact] + within) / half;
 }
 
-/* Whether the friction is elastic and sticks. */
 static bool breaks_away(const struct turning_laws *laws)
 {
     return laws->friction.kind == FRICTION_ELASTIC && laws->friction_regime == FRICTION_STICKING;
@@ -294,8 +285,9 @@ static void turning_events(const struct scene_ode *ode, double clock, const doub
     }
     if (!contact_is_foreseen(ode->values, ode->state, contact)) {
         const bool apart = laws.regime == REGIME_APART;
-        out[ODE_EVENT_GAP] = apart ? ode->gap_offset[contact] + way_to_contact(ode, at, contact)
-                                   : depth_to_parting(ode, at, contact);
+        const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
+        out[ODE_EVENT_GAP] = apart ? ode->gap_offset[contact] + fmax(g->gap, scene_beyond_ends(&shape, g))
+                                   : depth_to_parting(ode, &shape, g, contact);
         out[ODE_EVENT_LAW] = apart ? 1.0
                                    : ode->margin_offset[contact] +
                                          contact_event(&laws.normal, laws.regime, g->gap, g->gap_rate);

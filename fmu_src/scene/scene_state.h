@@ -77,9 +77,10 @@ struct contact_parameters {
 /* Quantities of a contact that are integrated besides the motion of the bodies. */
 struct contact_physics {
     struct vec3 impulse; /* on the source since initialization [N s] */
-    /* accumulated gap g in contact and as contact ends: more accurate than positions give it [m] */
+    /* the gap g as integration has accumulated it, in contact and as contact ends; it is more accurate than
+     * positions give it [m] */
     double accumulated_gap;
-    /* g' at the end of the last segment, where velocities tell it too coarsely [m/s] */
+    /* g' at the end of the last segment, kept where velocities give g' too coarsely [m/s] */
     double carried_rate;
     /* carried_rate is used while velocities differ from it by less than this; 0: it is not used [m/s] */
     double rate_rounding;
@@ -91,8 +92,8 @@ struct contact_record {
     double force_bound; /* upper bound of the peak force with its rounding error; 0: no bound is needed [N] */
     double force_error; /* the part of this rounding error that has not decayed; 0: negligible [N] */
     double onset_time;  /* the time at which the present or the last contact began [s] */
-    double last_duration; /* of the last finished contact [s] */
-    /* the clock at that onset (negative once rebased), for exact durations [s] */
+    double last_duration; /* duration of the last finished contact [s] */
+    /* the clock at onset_time, negative after the clock's origin has moved; gives exact durations [s] */
     double touch_clock;
     int32_t onsets;
     int32_t unused; /* in place of padding */
@@ -124,7 +125,7 @@ struct contact_schedule {
     double dead_band_clock;
     double change_gap;     /* g at change_clock, more accurate than positions give it [m] */
     int32_t change_regime; /* the regime after change_clock */
-    /* whether d comes down to its own rounding before the horizon, so that n may be undefined */
+    /* 1: d may fall to its rounding error before the horizon, so that n may be undefined; else 0 */
     int32_t passes_centre;
 };
 
@@ -190,7 +191,7 @@ struct scene_state {
     double deferrable_clock; /* flight may be deferred up to this clock, see flight_defer; 0: not known */
     struct body_origin origin[SCENE_BODIES]; /* used where the body is free */
     struct body_state body[SCENE_BODIES];
-    double phase_energy;              /* at clock 0 of the phase, see projection_balance [J] */
+    double phase_energy;              /* projection_balance at the start of the phase [J] */
     double dissipated, external_work; /* since initialization [J] */
     double friction_energy;           /* taken by friction and its springs since initialization [J] */
     double step_length;    /* length of the part of the last communication step that was completed [s] */
