@@ -158,11 +158,11 @@ double hertz_stiffness(const struct contact_shape *shape, double modulus)
 {
     const double r_s = shape->source_radius;
     const double r_d = shape->other_radius;
-    const double alone = 0.5 / r_s; /* A = B on a plane; the coefficient along a cylinder */
+    const double alone = 0.5 / r_s; /* both A and B on a plane, one of them along a cylinder [1/m] */
     if (contact_is_plane(shape)) {
         return hertz_elliptic_stiffness(modulus, alone, alone);
     }
-    /* half of 1/r_s + 1/r_d outside, half of 1/r_s - 1/r_d inside */
+    /* the coefficient is half of 1/r_s + 1/r_d outside, half of 1/r_s - 1/r_d inside */
     const double curved = 0.5 * (r_d + shape->side * r_s) / r_s / r_d;
     const double along = contact_is_cylinder(shape) ? alone : curved;
     return hertz_elliptic_stiffness(modulus, fmin(along, curved), fmax(along, curved));
@@ -177,25 +177,20 @@ bool hertz_is_conforming(const struct contact_shape *shape)
     return shape->side < 0 && shape->source_radius > CONFORMING * shape->other_radius;
 }
 
-/* Returns h(zeta) of restitution_damping_ratio in law.h; h rises from 0 without bound. */
-static double loss_of(double ratio)
-{
-    const double square = (1.0 - ratio) * (1.0 + ratio);
-    if (square == 0.0) {
-        return 1.0;
-    }
-    return square > 0.0 ? ratio * acos(ratio) / sqrt(square) : ratio * acosh(ratio) / sqrt(-square);
-}
-
+/* Whether h(zeta) of restitution_damping_ratio (law.h) is below `loss`; h rises from 0 without bound. */
 static bool loses_less(double ratio, double loss)
 {
-    return loss_of(ratio) < loss;
+    const double square = (1.0 - ratio) * (1.0 + ratio);
+    const double h = square == 0.0  ? 1.0
+                     : square > 0.0 ? ratio * acos(ratio) / sqrt(square)
+                                    : ratio * acosh(ratio) / sqrt(-square);
+    return h < loss;
 }
 
 double restitution_damping_ratio(double restitution, enum dashpot dashpot)
 {
     if (dashpot == DASHPOT_UNCLAMPED) {
-        const double loss = 0.0 - log(restitution); /* 0.0 - avoids a negative zero */
+        const double loss = 0.0 - log(restitution); /* the subtraction from 0.0 avoids a negative zero */
         return restitution > 0.0 ? loss / sqrt(PI * PI + loss * loss) : 1.0;
     }
     const double loss = 0.0 - log(fmax(restitution, RESTITUTION_LEAST));
@@ -506,11 +501,10 @@ double contact_dissipated_term(const struct contact_law *law, enum contact_regim
                                       law->stiffness * taylor_multiply(gap, gap_rate, order));
 }
 
-/* Whether the law is Hertz's, as contact_is_hertz tells of a struct contact_law. */
+/* Whether the law is Hertz's; a compile-time false in builds without Hertz's law. */
 static bool has_hertz(const struct contact_factors *factors)
 {
-    const struct contact_law law = {.law = factors->law};
-    return contact_is_hertz(&law);
+    return CONTACT_ANY_HERTZ && factors->law == LAW_HERTZ;
 }
 
 /* Whether the damping follows from a coefficient of restitution. The answer is a compile-time false where the

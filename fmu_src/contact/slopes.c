@@ -291,12 +291,6 @@ double friction_stored_term(const struct friction_law *law, enum friction_regime
     return 0.5 * law->stiffness * jet_dot(path->spring, path->spring, order);
 }
 
-/* Returns the part of a across n, a - n (n.a). */
-static struct vec3 without_normal(struct vec3 a, struct vec3 n)
-{
-    return vec3_axpy(a, -vec3_dot(n, a), n);
-}
-
 static struct vec3 matrix_times(double m[3][3], struct vec3 a)
 {
     return vec3_make(m[0][0] * a.x + m[0][1] * a.y + m[0][2] * a.z,
@@ -315,7 +309,8 @@ struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const
     s.inverse_distance = contact_turns(shape, at) ? 1.0 / at->distance : 0.0;
     s.normal_rate = vec3_axpy(vec3_cross(motion->destination_rotation, n), s.inverse_distance, s.across);
     const struct vec3 spin = vec3_sub(motion->source_rotation, motion->destination_rotation);
-    s.slip = vec3_sub(vec3_scale(lever, vec3_cross(spin, n)), without_normal(s.seen_rate, n));
+    const struct vec3 tangential = vec3_axpy(s.seen_rate, -vec3_dot(n, s.seen_rate), n);
+    s.slip = vec3_sub(vec3_scale(lever, vec3_cross(spin, n)), tangential);
 
     s.normal_force = contact_force(&laws->normal, laws->regime, at->gap, at->gap_rate);
     s.normal_slopes = contact_force_slopes(&laws->normal, laws->regime, at->gap, at->gap_rate);

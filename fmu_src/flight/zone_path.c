@@ -70,13 +70,13 @@ int zone_path_edges(const struct contact_solid *solid, const struct separation_p
     const double r = solid->radius / along.scale;
     int count = 0;
     for (int end = -1; end <= 1; end += 2) {
-        const struct polynomial cap = edge_plane(&along, end * h); /* z = +-h */
+        const struct polynomial cap = edge_plane(&along, end * h); /* roots are passages of z = +-h */
         const struct polynomial ridge = edge_cone(&along, r - h, end);
         count = polynomial_add_sign_changes(&cap, edges, count);
         count = polynomial_add_sign_changes(&ridge, edges, count);
     }
     const struct polynomial middle = edge_plane(&along, 0.0);
-    const struct polynomial wall = edge_cone(&along, r, 0.0); /* rho = r_d */
+    const struct polynomial wall = edge_cone(&along, r, 0.0); /* roots are passages of rho = r_d */
     count = polynomial_add_sign_changes(&middle, edges, count);
     return polynomial_add_sign_changes(&wall, edges, count);
 }

@@ -207,7 +207,7 @@ static bool intermediate_in_order(struct instance *nobody, const char *function,
                                 "as many value references as told");
     }
     for (size_t i = 0; i < count; ++i) {
-        char given[16]; /* 32 bits in decimal */
+        char given[16]; /* holds 32 bits in decimal */
         (void)snprintf(given, sizeof given, "%u", (unsigned)required[i]);
         if (!instance_expects(nobody, function, vector_variable(required[i]) != NULL,
                               "requiredIntermediateVariables", given, "value references of variables")) {

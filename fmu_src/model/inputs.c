@@ -175,7 +175,7 @@ static double hertz_stiffness_of(const struct scene_values *v, const struct scen
     if (!scene_is_hertz(v, contact) || contact_penalty_control(v, contact) != PENALTY_CONTROL_AUTOMATIC) {
         return contact_hertz_stiffness(v, contact);
     }
-    const struct contact_shape shape = scene_whole_shape(v, q, contact); /* the side's k_h serves all zones */
+    const struct contact_shape shape = scene_whole_shape(v, q, contact); /* one k_h serves all zones */
     return hertz_stiffness(&shape, hertz_modulus(material_of(v, contact_source(contact)),
                                                  material_of(v, contact_destination(contact))));
 }

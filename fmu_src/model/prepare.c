@@ -66,7 +66,7 @@ struct spring_factor {
 static struct spring_factor spring_factor_of(const struct scene_values *v, int contact)
 {
     const bool automatic = contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC;
-    if (scene_is_hertz(v, contact)) { /* automatic: k_h > 0, because moduli are */
+    if (scene_is_hertz(v, contact)) { /* an automatic k_h is above zero, because moduli are */
         return (struct spring_factor){automatic ? 1.0 : contact_hertz_stiffness(v, contact),
                                       "hertz_stiffness"};
     }
@@ -74,14 +74,20 @@ static struct spring_factor spring_factor_of(const struct scene_values *v, int c
                      : (struct spring_factor){contact_penalty_factor(v, contact), "penalty_factor"};
 }
 
-/* Refuses a coefficient of restitution without a spring, which would cause no rebound. The linear law also
- * needs the mass of a free body. */
-static enum model_status check_restitution(struct model *m, int contact)
+/* Refuses viscous_only under Hertz's law, which always has a spring. Refuses a coefficient of restitution
+ * without a spring, which would cause no rebound; the linear law also needs the mass of a free body. */
+static enum model_status check_law(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
     const char *name = scene_contact_name(contact);
     const char *source = scene_body_name(contact_source(contact));
     const char *destination = scene_body_name(contact_destination(contact));
+    if (scene_is_hertz(v, contact) && contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.penalty_control = viscous_only contradicts %s.law = hertz "
+                            "(allowed: automatic, user_defined; viscous_only with law linear).",
+                            name, name);
+    }
     if (!SCENE_ANY_RESTITUTION || contact_viscous_control(v, contact) != VISCOUS_CONTROL_RESTITUTION ||
         contact_method(v, contact) == METHOD_PENALTY) {
         return MODEL_OK;
@@ -109,20 +115,6 @@ static enum model_status check_restitution(struct model *m, int contact)
             name, name, spring.name);
     }
     return MODEL_OK;
-}
-
-/* Refuses viscous_only under Hertz's law, which always has a spring, and then checks the restitution. */
-static enum model_status check_law(struct model *m, int contact)
-{
-    const struct scene_values *v = &m->state.values;
-    const char *name = scene_contact_name(contact);
-    if (scene_is_hertz(v, contact) && contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.penalty_control = viscous_only contradicts %s.law = hertz "
-                            "(allowed: automatic, user_defined; viscous_only with law linear).",
-                            name, name);
-    }
-    return check_restitution(m, contact);
 }
 
 /* Checks that the static coefficient of elastic friction is not below the sliding one. */

@@ -59,7 +59,8 @@ enum model_status model_get_output_derivatives(struct model *m, const struct var
         const struct variable *first = scene_variable(outputs->references[i]);
         const size_t length = list_length(outputs, i);
         for (size_t k = 0; k < length && status == MODEL_OK; ++k, ++values) {
-            *values = orders[i] * output_term(m, l.q, &l.at, &l.along, first + k, orders[i]); /* 1! and 2! */
+            /* a derivative is the Taylor coefficient times order!, which is the order for 1 and 2 */
+            *values = orders[i] * output_term(m, l.q, &l.at, &l.along, first + k, orders[i]);
             status = check_finite(m, first + k, *values);
         }
     }

@@ -460,7 +460,7 @@ static void friction_margins(const struct prescribed_contact *c, double clock, c
     if (contact_may_pull(&pull)) {
         const struct contact_geometry *g = &at->geometry[j];
         const double push = contact_push(&pull, g->gap, g->gap_rate);
-        pull.dashpot = DASHPOT_NON_ADHESIVE; /* its event function is the end of the push */
+        pull.dashpot = DASHPOT_NON_ADHESIVE; /* the event function of this dashpot is the push */
         put_margin(margins, EVENT_LIFT, friction_lift_event(&law, regime, push),
                    event_rounding(c, &pull, REGIME_COMPRESSION, at));
     }
@@ -1088,7 +1088,7 @@ static bool integrate_located(struct span *s)
     while (clock < end) {
         const bool touches = q->contact[j].regime != (int32_t)REGIME_APART;
         double next;
-        if ((*s->panels)-- <= 0 || /* so that any number of changes ends */
+        if ((*s->panels)-- <= 0 || /* each change costs a panel, so that the loop ends */
             !finds_change(s, clock, end, touches ? ADVANCEMENT_PARTING : ADVANCEMENT_TOUCH, &next) ||
             (touches && integrate_between(s, clock, next) < next)) {
             return false;

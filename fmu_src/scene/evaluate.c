@@ -194,7 +194,7 @@ static struct body_turn turn_at(const struct scene_values *v, const struct scene
         return (struct body_turn){quaternion_identity(), vec3_make(0.0, 0.0, 0.0)};
     }
     struct body_turn turn = turning->body[body];
-    if (!body_turns_freely(v, body)) { /* an importer's integrator may have set another one */
+    if (!body_turns_freely(v, body)) { /* an importer's integrator may set another */
         turn.angular_velocity = vec3_make(0.0, 0.0, 0.0);
     }
     turn.orientation = quaternion_unit(turn.orientation); /* an importer's integrator lets its length drift */
@@ -663,29 +663,23 @@ struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_s
     return torque;
 }
 
-static struct vec3 free_acceleration_of(const struct scene_values *v, const struct body_turn *turn, int body,
-                                        struct vec3 torque)
+struct vec3 turning_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
+                                 const struct scene_instant *at, int body)
 {
+    if (body_turn_is_prescribed(v, body)) {
+        return path_slope(q->path[body].angular_velocity, clock);
+    }
+    if (!body_turns_freely(v, body)) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    const struct vec3 torque = turning_torque_on(v, q, clock, at, body);
     const struct body_inertia inertia = body_inertia_of(v, body);
-    const struct vec3 e = quaternion_third_axis(turn->orientation);
-    const struct vec3 omega = turn->angular_velocity;
+    const struct vec3 e = quaternion_third_axis(at->turning.body[body].orientation);
+    const struct vec3 omega = at->turning.body[body].angular_velocity;
     const double more = inertia.axial - inertia.transverse;
     const struct vec3 gyration = vec3_scale(vec3_dot(omega, e), vec3_cross(omega, e));
     const struct vec3 axial = vec3_axpy(gyration, vec3_dot(torque, e) / inertia.axial, e);
     return vec3_scale(1.0 / inertia.transverse, vec3_axpy(torque, -more, axial));
-}
-
-struct vec3 turning_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
-                                 const struct scene_instant *at, int body)
-{
-    if (body_turns_freely(v, body)) {
-        return free_acceleration_of(v, &at->turning.body[body], body,
-                                    turning_torque_on(v, q, clock, at, body));
-    }
-    if (body_turn_is_prescribed(v, body)) {
-        return path_slope(q->path[body].angular_velocity, clock);
-    }
-    return vec3_make(0.0, 0.0, 0.0);
 }
 
 struct turning_motion turning_motion_of(const struct turning_state *turning, const struct scene_instant *at,

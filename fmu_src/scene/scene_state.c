@@ -215,8 +215,6 @@ bool contact_is_foreseen(const struct scene_values *v, const struct scene_state 
                                !contact_is_coupled(v, q, contact));
 }
 
-/* The shape of a contact from its parameters, its zone and the rotation of the destination. */
-
 static bool has_caps(const struct scene_values *v, int body)
 {
     return SCENE_ANY_CAPS && body_shape(body) == SHAPE_CYLINDER && body_finite_length(v, body) &&
@@ -269,11 +267,8 @@ struct contact_shape scene_contact_shape(const struct scene_values *v, const str
                                          int contact)
 {
     const int zone = q->contact[contact].zone;
-    if (!SCENE_ANY_CAPS || zone == 0) {
-        return scene_whole_shape(v, q, contact);
-    }
-    const struct contact_shape shape = scene_whole_shape(v, q, contact);
-    return contact_shape_in(&shape, zone);
+    const struct contact_shape whole = scene_whole_shape(v, q, contact);
+    return SCENE_ANY_CAPS && zone != 0 ? contact_shape_in(&whole, zone) : whole;
 }
 
 struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,

@@ -107,12 +107,12 @@ double regime_friction_margin(const struct scene_values *v, const struct scene_s
 enum ode_event regime_friction_event(const struct scene_values *v, const struct scene_state *q,
                                      const struct scene_instant *at, int contact)
 {
-    static const enum ode_event EVENTS[] = {ODE_EVENT_STICK, ODE_EVENT_CAP, ODE_EVENT_LIFT};
-    for (int i = 0; i < 3 && contact_rubs(v, contact) && contact_transmits(q, contact); ++i) {
-        const double margin = raised_friction_event(v, q, at, contact, EVENTS[i]);
+    const bool rubs = contact_rubs(v, contact) && contact_transmits(q, contact);
+    for (int event = ODE_EVENT_STICK; rubs && event <= ODE_EVENT_LIFT; ++event) {
+        const double margin = raised_friction_event(v, q, at, contact, (enum ode_event)event);
         if (margin < 0.0 ||
             (margin == 0.0 && at->normal_force[contact] > 0.0)) { /* at zero force friction has just begun */
-            return EVENTS[i];
+            return (enum ode_event)event;
         }
     }
     return ODE_EVENT_GAP;
@@ -243,7 +243,7 @@ static void break_away(const struct scene_values *v, struct scene_state *q, int 
     const struct friction_state rubbing = turning_rubbing(&q->turning, &at, contact);
     const double force_rate = turning_normal_force_rate(v, q, q->clock, &at, contact);
     const bool jumps = law.static_coefficient > law.coefficient;
-    const double least = jumps ? 0.0 : -tolerated_slip(v, &at, contact); /* below this no error decides */
+    const double least = jumps ? 0.0 : -tolerated_slip(v, &at, contact); /* a value below this is no error */
     if (law.damping == 0.0 && friction_stick_event(&law, next, rubbing, force_rate) < least) {
         stick(&law, next, rubbing, q, contact);
     } else if (law.damping == 0.0) {
