@@ -138,18 +138,6 @@ static bool input_path_is_same(const struct body_path *a, const struct body_path
            same_coefficients(a->velocity, b->velocity, 3) && same_coefficients(a->force, b->force, 3);
 }
 
-/* Sets the path of an axis that has followed the angular velocity to its present direction, from which the
- * components that are not set go on. */
-static void put_turned_axis(const struct model *m, int body, struct body_path *path)
-{
-    if (path->turn_follows == TURN_FOLLOWS_VELOCITY && body_shape(body) != SHAPE_SPHERE &&
-        body_turn_is_prescribed(&m->state.values, body)) {
-        const struct scene_state *q = &m->state.motion;
-        const struct body_turn now = turning_prescribed_at(q, q->clock, body);
-        path->axis[0] = quaternion_third_axis(now.orientation);
-    }
-}
-
 static void input_path_shift(const struct model *m, int body, struct body_path *path)
 {
     const double clock = m->state.motion.clock;
@@ -160,7 +148,13 @@ static void input_path_shift(const struct model *m, int body, struct body_path *
         path_shift(path->angular_velocity, 3, clock);
         path_shift(path->axis, 3, clock);
         path_shift(path->torque, 3, clock);
-        put_turned_axis(m, body, path);
+        if (path->turn_follows == TURN_FOLLOWS_VELOCITY && body_shape(body) != SHAPE_SPHERE &&
+            body_turn_is_prescribed(&m->state.values, body)) {
+            /* the axis has followed the angular velocity; components that are not set go on from where it
+             * is */
+            const struct body_turn now = turning_prescribed_at(&m->state.motion, clock, body);
+            path->axis[0] = quaternion_third_axis(now.orientation);
+        }
     }
 }
 

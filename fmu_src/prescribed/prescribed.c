@@ -587,19 +587,6 @@ static void take_regime_event(const struct prescribed_contact *c, double clock, 
     }
 }
 
-/* Set the regimes that hold from the touch on, and after the parting. */
-static void begin_regimes(const struct prescribed_contact *c, double clock)
-{
-    struct scene_instant at;
-    struct contact_state *state = &c->q->contact[c->contact];
-    kinematics_at(c, clock, &at);
-    (void)onset_note(c->v, c->q, &at, c->contact, scene_regime_of_touching(c->v, c->q, &at, c->contact));
-    state->regime = (int32_t)scene_regime_of_touching(c->v, c->q, &at, c->contact);
-    if (SCENE_ANY_FRICTION) {
-        friction_from(c, clock);
-    }
-}
-
 static void end_regimes(const struct prescribed_contact *c)
 {
     c->q->contact[c->contact].regime = (int32_t)REGIME_APART;
@@ -1042,9 +1029,16 @@ static bool finds_change(const struct span *s, double clock, double end, enum ad
 
 static void begin_contact(struct span *s, double clock)
 {
-    struct scene_state *q = s->c.q;
-    begin_regimes(&s->c, clock);
-    s->spring = spring_of(q, s->c.contact);
+    const struct prescribed_contact *c = &s->c;
+    struct scene_state *q = c->q;
+    struct scene_instant at;
+    kinematics_at(c, clock, &at);
+    (void)onset_note(c->v, q, &at, c->contact, scene_regime_of_touching(c->v, q, &at, c->contact));
+    q->contact[c->contact].regime = (int32_t)scene_regime_of_touching(c->v, q, &at, c->contact);
+    if (SCENE_ANY_FRICTION) {
+        friction_from(c, clock);
+    }
+    s->spring = spring_of(q, c->contact);
     if (SCENE_ANY_FREE) {
         struct contact_record *record = &q->contact[s->c.contact].record;
         counter_add(&record->onsets, 1);

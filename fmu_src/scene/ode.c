@@ -311,9 +311,8 @@ static double stick_rounding(const struct turning_laws *laws, double normal_forc
     return is_force ? law->damping * tolerated + of_limit : tolerated;
 }
 
-/* Sets the offsets of friction's event functions to twice their errors. */
-static void put_friction_offsets(struct scene_ode *ode, const struct scene_instant *at, int contact,
-                                 double tolerated)
+void turning_friction_events(struct scene_ode *ode, const struct scene_instant *at, int contact,
+                             double tolerated, double events[ODE_EVENTS_EACH])
 {
     const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
     const double force = at->normal_force[contact];
@@ -321,6 +320,9 @@ static void put_friction_offsets(struct scene_ode *ode, const struct scene_insta
     const double by_rate = contact_force_slopes(&laws.normal, laws.regime, g->gap, g->gap_rate).by_rate;
     const double rounding = 8.0 * DBL_EPSILON * fabs(force) + fabs(by_rate) * tolerated;
     const double of_force = rounding_of_force(ode->values, ode->state, at, contact);
+    for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+        events[i] = 1.0;
+    }
     ode->stick_offset[contact] = 2.0 * stick_rounding(&laws, force, of_force, tolerated);
     ode->cap_offset[contact] =
         breaks_away(&laws) ? ode->stick_offset[contact] : 2.0 * laws.friction.coefficient * rounding;
@@ -328,15 +330,6 @@ static void put_friction_offsets(struct scene_ode *ode, const struct scene_insta
     ode->lift_offset[contact] =
         2.0 *
         (contact_is_hertz(&laws.normal) ? 8.0 * DBL_EPSILON + laws.normal.damping * tolerated : rounding);
-}
-
-void turning_friction_events(struct scene_ode *ode, const struct scene_instant *at, int contact,
-                             double tolerated, double events[ODE_EVENTS_EACH])
-{
-    for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
-        events[i] = 1.0;
-    }
-    put_friction_offsets(ode, at, contact, tolerated);
     friction_events(ode, ode->state->clock, &ode->state->turning, at, contact, events);
 }
 
