@@ -368,18 +368,6 @@ double output_term(const struct model *m, const struct scene_state *q, const str
     }
 }
 
-/* Returns the contact point: the source's centre + (d - r_d) n, with the distance d, the destination's radius
- * r_d and the normal n. This is the point of the destination's surface on the line along n. */
-static struct vec3 contact_point_of(const struct scene_values *v, const struct contact_shape *shape,
-                                    const struct scene_instant *at, int contact)
-{
-    const int source = contact_source(contact);
-    const struct contact_geometry *g = &at->geometry[contact];
-    const struct vec3 centre = vec3_add(body_center(v, source), at->displacement[source]);
-    const double reach = g->distance - shape->other_radius;
-    return vec3_axpy(centre, reach, g->normal);
-}
-
 /* Returns the output `distance` [m], for a capped cylinder the distance from its axis in every zone. */
 static double distance_of(const struct contact_shape *shape, const struct scene_instant *at, int contact)
 {
@@ -397,6 +385,8 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
 {
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const int source = contact_source(contact);
+    const struct vec3 centre = vec3_add(body_center(v, source), at->displacement[source]);
     const double distance = distance_of(&shape, at, contact);
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_state *state = &q->contact[contact];
@@ -415,7 +405,7 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     put_contact_gap_rate(v, contact, within ? g->gap_rate : 0.0);
     put_contact_distance(v, contact, distance);
     put_contact_direction(v, contact, contact_direction_of(&shape, g));
-    put_contact_point(v, contact, contact_point_of(v, &shape, at, contact));
+    put_contact_point(v, contact, vec3_axpy(centre, g->distance - shape.other_radius, g->normal));
     put_contact_active(v, contact, regime != REGIME_APART);
     put_contact_within_extents(v, contact, within);
     put_contact_zone(v, contact, (int32_t)zones_shown(v, q, at, contact));

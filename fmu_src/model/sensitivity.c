@@ -210,11 +210,31 @@ static void finish_path(const struct model *m, struct linear_model *l)
     }
 }
 
+/* Computes the changes of the unknowns along the path. Without seeds, `values` takes them one by one; with
+ * seeds, *values becomes the sum of the changes, each times its seed. */
+static enum model_status put_changes(const struct model *m, const struct linear_model *l,
+                                     const struct variable_list *unknowns, const double *seed, double *values)
+{
+    enum model_status status = MODEL_OK;
+    double sum = 0.0;
+    for (size_t i = 0; i < unknowns->count; ++i) {
+        const struct variable *first = scene_variable(unknowns->references[i]);
+        const size_t length = list_length(unknowns, i);
+        for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
+            const double change = input_derivative(m, l->q, &l->at, &l->along, first + k);
+            sum += seed ? *seed++ * change : 0.0;
+            *values = seed ? sum : change;
+            values += seed ? 0 : 1;
+            status = check_finite(m, first + k, change);
+        }
+    }
+    return status;
+}
+
 enum model_status model_get_directional_derivative(struct model *m, const struct variable_list *unknowns,
                                                    const struct variable_list *knowns,
                                                    const double *direction, double *values)
 {
-    enum model_status status = MODEL_OK;
     struct linear_model l;
     if (!open_linear_model(m, &l)) {
         return model_refuse_inputs(m);
@@ -228,34 +248,7 @@ enum model_status model_get_directional_derivative(struct model *m, const struct
         }
     }
     finish_path(m, &l);
-    for (size_t i = 0; i < unknowns->count; ++i) {
-        const struct variable *first = scene_variable(unknowns->references[i]);
-        const size_t length = list_length(unknowns, i);
-        for (size_t k = 0; k < length && status == MODEL_OK; ++k, ++values) {
-            *values = input_derivative(m, l.q, &l.at, &l.along, first + k);
-            status = check_finite(m, first + k, *values);
-        }
-    }
-    return status;
-}
-
-/* Sums the changes of the unknowns along the path, each times its seed. */
-static enum model_status weighted_change(const struct model *m, const struct linear_model *l,
-                                         const struct variable_list *unknowns, const double *seed,
-                                         double *sum)
-{
-    enum model_status status = MODEL_OK;
-    *sum = 0.0;
-    for (size_t i = 0; i < unknowns->count; ++i) {
-        const struct variable *first = scene_variable(unknowns->references[i]);
-        const size_t length = list_length(unknowns, i);
-        for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
-            const double change = input_derivative(m, l->q, &l->at, &l->along, first + k);
-            *sum += *seed++ * change;
-            status = check_finite(m, first + k, change);
-        }
-    }
-    return status;
+    return put_changes(m, &l, unknowns, NULL, values);
 }
 
 /* Each known is moved by itself. That is cheap enough: inputs are few, and moving one costs as much as
@@ -276,7 +269,8 @@ enum model_status model_get_adjoint_derivative(struct model *m, const struct var
             begin_path(m, &l);
             move_inputs(&m->state.values, l.q, &l.at, first + k, 1.0, &l.along);
             finish_path(m, &l);
-            status = weighted_change(m, &l, unknowns, seed, values);
+            *values = 0.0;
+            status = put_changes(m, &l, unknowns, seed, values);
             if (status == MODEL_OK && !isfinite(*values)) {
                 status = model_report(m, MODEL_DISCARD,
                                       "An adjoint derivative with respect to %s is beyond the range of "
