@@ -32,7 +32,7 @@ double motion_energy(const struct scene_values *v, const struct scene_state *q,
 {
     return !SCENE_ANY_FREE || scene_is_force_element(v)
                ? 0.0
-               : energy_kinetic_of(v, at) + energy_potential_of(v, at) + energy_stored(v, q, at);
+               : energy_kinetic_of(v, at) + energy_potential(v, at, gravity(v)) + energy_stored(v, q, at);
 }
 
 void motion_forget_integration(struct scene_state *q)
@@ -146,7 +146,7 @@ bool motion_tune(const struct scene_values *v, struct scene_state *q, const stru
         struct scene_instant at;
         scene_now(v, q, &at);
         stored = energy_stored(v, q, &at);
-        q->external_work += energy_potential_change(v, &at, tuning->more_gravity);
+        q->external_work += energy_potential(v, &at, tuning->more_gravity);
         scene_rebase(v, q);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {

@@ -82,7 +82,7 @@ static double put_energies(struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at)
 {
     const double kinetic = energy_kinetic_of(v, at);
-    const double potential = energy_potential_of(v, at);
+    const double potential = energy_potential(v, at, gravity(v));
     const double stored = energy_stored(v, q, at);
     put_energy_kinetic(v, kinetic);
     put_energy_potential(v, potential);

@@ -57,23 +57,6 @@ static enum model_status check_rotation(struct model *m, int body)
                : check_inertia(m, body);
 }
 
-/* The parameter that scales the stiffness of a contact's spring. */
-struct spring_factor {
-    double value;
-    const char *name;
-};
-
-static struct spring_factor spring_factor_of(const struct scene_values *v, int contact)
-{
-    const bool automatic = contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC;
-    if (scene_is_hertz(v, contact)) { /* an automatic k_h is above zero, because moduli are */
-        return (struct spring_factor){automatic ? 1.0 : contact_hertz_stiffness(v, contact),
-                                      "hertz_stiffness"};
-    }
-    return automatic ? (struct spring_factor){contact_penalty_multiplier(v, contact), "penalty_multiplier"}
-                     : (struct spring_factor){contact_penalty_factor(v, contact), "penalty_factor"};
-}
-
 /* Refuses viscous_only under Hertz's law, which always has a spring. Refuses a coefficient of restitution
  * without a spring, which would cause no rebound; the linear law also needs the mass of a free body. */
 static enum model_status check_law(struct model *m, int contact)
@@ -106,13 +89,20 @@ static enum model_status check_law(struct model *m, int contact)
             "%s.motion = free).",
             name, source, destination, source, destination);
     }
-    const struct spring_factor spring = spring_factor_of(v, contact);
-    if (spring.value == 0.0) {
+    const bool automatic = contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC;
+    const bool hertz = scene_is_hertz(v, contact); /* an automatic k_h is above zero, because moduli are */
+    const double factor = hertz       ? (automatic ? 1.0 : contact_hertz_stiffness(v, contact))
+                          : automatic ? contact_penalty_multiplier(v, contact)
+                                      : contact_penalty_factor(v, contact);
+    if (factor == 0.0) {
         return model_report(
             m, MODEL_ERROR,
             "%s.viscous_control = restitution contradicts %s.%s = 0: without a spring there is "
             "no rebound (allowed: a factor above 0).",
-            name, name, spring.name);
+            name, name,
+            hertz       ? "hertz_stiffness"
+            : automatic ? "penalty_multiplier"
+                        : "penalty_factor");
     }
     return MODEL_OK;
 }

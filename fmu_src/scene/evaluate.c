@@ -1116,22 +1116,16 @@ double energy_kinetic_of(const struct scene_values *v, const struct scene_instan
     return sum;
 }
 
-double energy_potential_change(const struct scene_values *v, const struct scene_instant *at,
-                               struct vec3 more_gravity)
+double energy_potential(const struct scene_values *v, const struct scene_instant *at, struct vec3 field)
 {
     double sum = 0.0;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            const double centre = vec3_dot(more_gravity, body_center(v, i));
-            sum -= body_mass(v, i) * (centre + vec3_dot(more_gravity, at->displacement[i]));
+            const double centre = vec3_dot(field, body_center(v, i));
+            sum -= body_mass(v, i) * (centre + vec3_dot(field, at->displacement[i]));
         }
     }
     return sum;
-}
-
-double energy_potential_of(const struct scene_values *v, const struct scene_instant *at)
-{
-    return energy_potential_change(v, at, gravity(v)); /* the change from zero gravity */
 }
 
 /* The energy is I_t omega^2 / 2 + (I_a - I_t) (omega.e)^2 / 2, with the transverse moment of inertia I_t, the

@@ -342,12 +342,9 @@ double energy_rotational_of(const struct scene_values *v, const struct scene_ins
 double energy_tangential_of(const struct scene_values *v, const struct scene_state *q,
                             const struct scene_instant *at);
 
-/* Returns minus the sum of m gravity.x over the free bodies, which is zero at the world's origin. */
-double energy_potential_of(const struct scene_values *v, const struct scene_instant *at);
-
-/* Returns the change of the potential energy by a change of gravity. */
-double energy_potential_change(const struct scene_values *v, const struct scene_instant *at,
-                               struct vec3 more_gravity);
+/* Returns the potential energy in a field g [m/s^2], minus the sum of m g.x over the free bodies; the field
+ * is gravity, or a change of gravity. */
+double energy_potential(const struct scene_values *v, const struct scene_instant *at, struct vec3 field);
 
 /* Returns the energy that the normal forces of all contacts store. */
 double energy_stored(const struct scene_values *v, const struct scene_state *q,
