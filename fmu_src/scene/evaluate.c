@@ -979,14 +979,11 @@ static double onset_speed(const struct scene_values *v, const struct scene_state
     return sqrt(fmax(speed_squared, 1.2 * a * depth));
 }
 
-/* Does the work of onset_note for a contact that has damping by the onset. */
-CONTACT_COLD static enum contact_regime onset_take_damping(const struct scene_values *v,
-                                                           struct scene_state *q,
-                                                           const struct scene_instant *at, int contact,
-                                                           enum contact_regime next)
+enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
+                               const struct scene_instant *at, int contact, enum contact_regime next)
 {
     struct contact_state *state = &q->contact[contact];
-    if (next == REGIME_APART || state->regime != (int32_t)REGIME_APART) {
+    if (!scene_damps_by_onset(v, contact) || next == REGIME_APART || state->regime != (int32_t)REGIME_APART) {
         return next;
     }
     const double damping = state->parameters.factors.c / onset_speed(v, q, at, contact);
@@ -995,15 +992,6 @@ CONTACT_COLD static enum contact_regime onset_take_damping(const struct scene_va
     const struct contact_geometry *g = &at->geometry[contact];
     const enum contact_regime deep = scene_regime(v, q, at, contact);
     return deep != REGIME_APART ? deep : contact_regime_of(&law, -DBL_MIN, g->gap_rate, true);
-}
-
-enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
-                               const struct scene_instant *at, int contact, enum contact_regime next)
-{
-    if (SCENE_ANY_RESTITUTION && SCENE_ANY_HERTZ) {
-        return scene_damps_by_onset(v, contact) ? onset_take_damping(v, q, at, contact, next) : next;
-    }
-    return next;
 }
 
 /* The factor chi v is given, so that d chi = -chi dv / v, where 2 v dv is the change of v^2. */
