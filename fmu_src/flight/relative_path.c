@@ -180,8 +180,8 @@ bool relative_path_within(const struct relative_path *path, double s)
                                     : fabs(polynomial_at(&path->axial, s)) <= path->half_length;
 }
 
-/* Returns the polynomial of (chi g')^2 = 1, where Hunt and Crossley's damping would begin to pull: g' = side
- * (c.w)/d, or n.w for a plane. */
+/* Returns a polynomial with the roots of (chi g')^2 = 1, where Hunt and Crossley's damping would begin to
+ * pull: g' = side (c.w)/d, or n.w for a plane. */
 static struct polynomial hertz_condition(const struct relative_path *path, const struct contact_law *law)
 {
     const double unit = contact_factors_of(law).c * path->scale / path->horizon;
@@ -210,7 +210,8 @@ static struct polynomial law_condition_of_plane(const struct relative_path *path
     return polynomial_add(&sum, scaled_damping / unit, &path->half_rate);
 }
 
-/* Returns the polynomial of k (d - reach) + c d' = 0: (k d^2 + c d d')^2 = k^2 reach^2 d^2. */
+/* Returns a polynomial with the roots of k (d - reach) + c d' = 0, from (k d^2 + c d d')^2 = k^2 reach^2
+ * d^2. */
 static struct polynomial law_condition(const struct relative_path *path, const struct contact_law *law)
 {
     const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);

@@ -1255,7 +1255,8 @@ enum { MOST_RIM_CHANGES = 100 };
 CONTACT_COLD static bool integrate_at_rim(struct span *s, const struct contact_shape *shape,
                                           const struct separation_path *path, double from, double end)
 {
-    const double soon = 1e-9; /* a place right after the start of the part, as a fraction of it */
+    const double soon =
+        1e-9; /* distance of a place right after the start of the part, as a fraction of the part */
     for (int changes = 0; from < end; ++changes) {
         const double after = from + soon * (end - from);
         const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);

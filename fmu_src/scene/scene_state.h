@@ -101,8 +101,8 @@ struct contact_record {
 
 /* Torques about the bodies' centres in time. */
 struct contact_torques {
-    /* impulses since initialization, and at the start of the communication step [N m s] */
-    struct vec3 source_impulse, destination_impulse;
+    struct vec3 source_impulse, destination_impulse; /* since initialization [N m s] */
+    /* the impulses at the start of the communication step [N m s] */
     struct vec3 source_mark, destination_mark;
     /* means over the last communication step, kept where no body may be free [N m] */
     struct vec3 source_mean, destination_mean;
