@@ -354,19 +354,21 @@ static fmi2Status ask_status(struct instance *instance, const struct call *call,
 }
 
 /* A status function that answers one kind of question. The model never ends a run by itself. */
-#define STATUS2(Type, Value, known, answer)                                                                  \
-    fmi2Status fmi2Get##Type(fmi2Component c, const fmi2StatusKind s, Value *value)                          \
+#define STATUS2(function, parameters, known, answer)                                                         \
+    fmi2Status fmi2##function parameters                                                                     \
     {                                                                                                        \
-        const fmi2Status asked = ask_status(c, CALL2(Get##Type), s, #known, s == known, value);              \
+        const fmi2Status asked = ask_status(c, CALL2(function), s, #known, s == (known), value);             \
         if (asked == fmi2OK) {                                                                               \
-            *value = answer;                                                                                 \
+            *value = (answer);                                                                               \
         }                                                                                                    \
         return asked;                                                                                        \
     }
-STATUS2(Status, fmi2Status, fmi2DoStepStatus, (fmi2Status)((const struct instance *)c)->step_status)
-STATUS2(RealStatus, fmi2Real, fmi2LastSuccessfulTime, instance_time_reached(c))
-STATUS2(BooleanStatus, fmi2Boolean, fmi2Terminated, fmi2False)
-
+STATUS2(GetStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Status *value), fmi2DoStepStatus,
+        (fmi2Status)((const struct instance *)c)->step_status)
+STATUS2(GetRealStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Real *value), fmi2LastSuccessfulTime,
+        instance_time_reached(c))
+STATUS2(GetBooleanStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value), fmi2Terminated,
+        fmi2False)
 PASS2(GetIntegerStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Integer *value),
       ask_status(c, call, s, "none", false, value))
 PASS2(GetStringStatus, (fmi2Component c, const fmi2StatusKind s, fmi2String *value),
