@@ -15,7 +15,7 @@ RESULT = re.compile(r"^(?:static )?(?:inline )?bool [^{]*\n\{\n    return ([^;]*
 # What is no function: members, tags, attributes.
 OTHER = re.compile(r"(?:->|\.)\w+|\b(?:struct|enum|union) \w+|__attribute__\(\(\w+")
 VARIABLE = re.compile(r"(?:\b(?!sizeof |return )\w+(?: |\*| \*)|, \*?(?=\w+;))(\w+)(?=\[|;|,|\)| =)")
-CONSTANT = re.compile(r"static const [\w ]*?[ *](\w+)(?:\[[^=]*)? =")
+CONSTANT = re.compile(r"(?:static )?const [\w ]*?[ *](\w+)(?:\[[^=]*)? =")
 
 
 def pruned(text, scene_header, left_out):
@@ -215,6 +215,8 @@ def _piece(lines, at):
     constant = CONSTANT.match(line)
     if constant:
         return Piece(_until(lines, at, ";"), constant[1])
+    if line.startswith("extern "):  # what it declares is there for whoever else asks for it
+        return Piece(_until(lines, at, ";"), declares=True)
     if not re.match(r"[A-Za-z_]", line) or line.startswith(("typedef ", "_Static_assert")):
         return Piece([line])
     if re.match(r"[A-Z][A-Z0-9_]*\(", line):  # a macro that makes a function

@@ -108,6 +108,13 @@ static const double LOST[] = {
     1.0,
 };
 """
+# One that other files see is as lost, with what it is made of.
+SHARED = """\
+static const double node[1] = {
+    0.5,
+};
+const struct pair shared = {1.0, node};
+"""
 BRANCH = "#if SCENE_A && !SCENE_B\n"
 LAST_BRANCH = "#elif SCENE_C\nint other;\n#endif\n"
 OF_D = "#ifdef CONTACT_NO_D\n"
@@ -130,7 +137,8 @@ static const double FAR = 3.0;
 {LOST}struct pair {{
     double first, near_by;
 }};
-{BRANCH}double near_(double x);
+extern const struct pair shared;
+{SHARED}{BRANCH}double near_(double x);
 {LAST_BRANCH}{OF_D}#ifdef __GNUC__
 int kept;
 #endif
@@ -158,7 +166,7 @@ def test_what_nothing_asks_for_is_left_out_of_the_sources():
 
     header = "#define SCENE_A 1 /* one */\n#define SCENE_B 0\n"
     wanted = SOURCES
-    for part in (LOST, BRANCH, LAST_BRANCH, OF_D, NOT_D, ASKED_BY_NOBODY):
+    for part in (LOST, SHARED, BRANCH, LAST_BRANCH, OF_D, NOT_D, ASKED_BY_NOBODY):
         assert part in wanted
         wanted = wanted.replace(part, "")
     assert pruned(SOURCES, header, ["CONTACT_NO_D"]) == wanted
