@@ -5,13 +5,27 @@ It goes by how this project is formatted: definitions begin in the first column,
 there.
 """
 
+import operator
 import re
 
 DIRECTIVE = re.compile(r"#(if|ifdef|ifndef|elif|else|endif)\b(.*)")
 NAME = re.compile(r"[A-Za-z_]\w*")
-DEFINED = re.compile(r"^#define ((?:SCENE|CONTACT_ANY)_\w+) (-?\d+)(?: */\*.*\*/)?$", re.MULTILINE)
+DEFINED = re.compile(r"^#define ((?:SCENE|HAS|CONTACT_ANY)_\w+) (-?\d+)(?: */\*.*\*/)?$", re.MULTILINE)
+# A function that returns one word, as those of scene.h do where the scene pins a choice
+PINNED = re.compile(
+    r"^static inline [\w ]+ (\w+)\([^)]*\)\n\{\n(?:    \(void\)\w+;\n)*    return (\w+);\n\}$", re.MULTILINE
+)
+ENUM = re.compile(r"^(?:typedef )?enum(?: \w+)? \{([^}]*)\}", re.MULTILINE)
 CALLED = re.compile(r"(\w+)\(")
-RESULT = re.compile(r"^(?:static )?(?:inline )?bool [^{]*\n\{\n    return ([^;]*);\n\}$")
+RESULT = re.compile(
+    r"^(?:static )?(?:inline )?bool [^{]*\n\{\n(?:    \(void\)\w+;\n)*    return ([^;]*);\n\}$"
+)
+FLAG = re.compile(r"^static const (?:bool|int) \w+ = ([^;]*);$")
+LOCAL = re.compile(r"^ +const (?:bool|int) (\w+) = ([^;]*);$", re.MULTILINE)
+ASSIGNED = re.compile(r" [-+*/|&]?= ")
+COMPARE = {"==": operator.eq, "!=": operator.ne, "<": operator.lt, ">": operator.gt, "<=": operator.le}
+COMPARE[">="] = operator.ge
+BRACKETS = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}
 # What is no function: members, tags, attributes.
 OTHER = re.compile(r"(?:->|\.)\w+|\b(?:struct|enum|union) \w+|__attribute__\(\(\w+")
 VARIABLE = re.compile(r"(?:\b(?!sizeof |return )\w+(?: |\*| \*)|, \*?(?=\w+;))(\w+)(?=\[|;|,|\)| =)")
@@ -20,16 +34,36 @@ CONSTANT = re.compile(r"(?:static )?const [\w ]*?[ *](\w+)(?:\[[^=]*)? =")
 
 def pruned(text, scene_header, left_out):
     """The text of C as the macros of scene.h have it; left_out: all macros CONTACT_NO_... that are defined"""
-    known = {name: int(value) for name, value in DEFINED.findall(scene_header)}
-    lines, rest = _chosen(text.split("\n"), 0, Conditions(known, left_out))
+    values = {name: int(value) for name, value in DEFINED.findall(scene_header)}
+    lines, rest = _chosen(text.split("\n"), 0, Conditions(values, left_out))
     assert rest == len(text.split("\n"))
-    known |= {name: int(value) for name, value in DEFINED.findall("\n".join(lines))}
+    text = "\n".join(lines)
+    values |= {name: int(value) for name, value in DEFINED.findall(text)}
+    known = Known(values | _enumerators(text))
+    for name, word in PINNED.findall(scene_header):
+        number = known.number(word)
+        if number is not None:
+            known.functions[name] = number
     pieces = _pieces(lines)
-    never = Never(known, pieces)
-    for piece in pieces:
-        if piece.is_function():
-            piece.lines = _without_dead(piece.lines, never)
+    while known.learn(pieces):
+        for piece in pieces:
+            if piece.is_function():
+                piece.lines = _without_dead(piece.lines, known)
     return "\n".join(line for piece in _wanted(pieces) for line in piece.lines)
+
+
+def _enumerators(text):
+    """The numbers of all items of enumerations"""
+    values = {}
+    for items in ENUM.findall(text):
+        number = -1
+        for item in items.split(","):
+            name, _, given = item.strip().partition(" = ")
+            number = number + 1 if not given else int(given) if given.isdigit() else values.get(given)
+            if not name or number is None:
+                break
+            values[name] = number
+    return values
 
 
 class Conditions:
@@ -112,73 +146,233 @@ class Piece:
         return set(NAME.findall(text)) - (set(VARIABLE.findall(text)) - set(CALLED.findall(text)))
 
 
-class Never:
-    """What is false in this scene: macros that are 0, and functions that return nothing else, as those do
-    that consist of `return SCENE_ANY_CAPS && ...` alone"""
+class Known:
+    """What has one value in this scene: macros, constants, and functions such as those that consist of
+    `return SCENE_ANY_CAPS && ...` alone"""
 
-    def __init__(self, known, pieces):
-        self.names = {name for name, value in known.items() if value == 0}
-        results = {piece.name: found[1] for piece in pieces if (found := RESULT.search(piece.text()))}
-        before = None
-        while before != len(self.names):
-            before = len(self.names)
-            self.names |= {name for name, result in results.items() if self.holds_not(result)}
+    def __init__(self, values, functions=None):
+        self.values = dict(values)
+        self.functions = dict(functions or {})
+        self.asked = 0
 
-    def holds_not(self, condition):
-        """Whether it is known to be false"""
+    def learn(self, pieces):
+        """Whether there is more to know than when it was asked before"""
+        for piece in pieces:
+            for pattern, names in ((RESULT, self.functions), (FLAG, self.values)):
+                found = pattern.search(piece.text())
+                value = self.value(found[1]) if found else None
+                if value is not None:
+                    names[piece.name] = int(value)
+        before, self.asked = self.asked, len(self.values) + len(self.functions)
+        return self.asked > before
+
+    def within(self, lines):
+        """The same, with what a function's own constants are, of those that are declared once"""
+        inside = Known(self.values, self.functions)
+        text = "\n".join(lines)
+        declared = VARIABLE.findall(text)
+        inside.values = {name: value for name, value in inside.values.items() if name not in declared}
+        for name, expression in LOCAL.findall(text):
+            value = inside.value(expression)
+            if value is not None and declared.count(name) == 1:
+                inside.values[name] = int(value)
+        return inside
+
+    def value(self, condition):
+        """True, false, or None where it is not known"""
         condition = " ".join(condition.split())
-        either = _split(condition, "||")
-        if len(either) > 1:
-            return all(self.holds_not(one) for one in either)
-        both = _split(condition, "&&")
-        if len(both) > 1:
-            return any(self.holds_not(one) for one in both)
+        for sign, decides in (("||", True), ("&&", False)):
+            parts = _split(condition, sign)
+            if len(parts) > 1:
+                values = [self.value(part) for part in parts]
+                return decides if decides in values else None if None in values else not decides
+        if condition.startswith("!"):
+            value = self.value(condition[1:])
+            return None if value is None else not value
         if condition.startswith("(") and _closed(condition, 0) == len(condition) - 1:
-            return self.holds_not(condition[1:-1])
-        found = re.match(r"\w+", condition)
-        rest = condition[found.end() :] if found else "none"
-        called = rest.startswith("(") and _closed(rest, 0) == len(rest) - 1
-        return found is not None and found[0] in self.names and (called or not rest)
+            return self.value(condition[1:-1])
+        for sign, holds in COMPARE.items():
+            parts = [self.number(part) for part in condition.split(f" {sign} ")]
+            if len(parts) == 2:
+                return None if None in parts else holds(*parts)
+        number = self.number(condition)
+        return None if number is None else number != 0
+
+    def number(self, word):
+        """That of a constant or of a function's call, or None"""
+        if word.isdigit():
+            return int(word)
+        found = re.match(r"\w+(?=\()", word)
+        if found and _closed(word, found.end()) == len(word) - 1:
+            return self.functions.get(found[0])
+        return {"true": 1, "false": 0}.get(word, self.values.get(word))
 
 
 def _closed(text, at):
     """Where the bracket at a place is closed"""
     depth = 0
     for place in range(at, len(text)):
-        depth += {"(": 1, ")": -1}.get(text[place], 0)
+        depth += BRACKETS.get(text[place], 0)
         if depth == 0:
             return place
     return len(text)
 
 
-def _split(text, operator):
-    """At an operator that is in no bracket"""
+def _split(text, sign):
+    """At a sign that is in no bracket"""
     parts, depth, start = [], 0, 0
     for place, character in enumerate(text):
-        depth += {"(": 1, ")": -1}.get(character, 0)
-        if depth == 0 and text.startswith(operator, place):
+        depth += BRACKETS.get(character, 0)
+        if depth == 0 and text.startswith(sign, place):
             parts.append(text[start:place])
-            start = place + len(operator)
+            start = place + len(sign)
     return [*parts, text[start:]]
 
 
-def _without_dead(lines, never):
-    """Without the branches and loops that are never taken"""
+def _simple(text, known):
+    """An expression, or several, without operands and choices that are known to have no effect"""
+    for sign in (";", ","):
+        parts = _split(text, sign)
+        if len(parts) > 1:
+            return sign.join(_simple(part, known) for part in parts)
+    assigned = ASSIGNED.search(text)
+    if assigned and _split(text, assigned[0])[0] == text[: assigned.start()]:
+        return text[: assigned.end()] + _simple(text[assigned.end() :], known)
+    if text.strip().startswith("return "):
+        rest = text[text.index("return ") + 7 :]
+        return text[: -len(rest)] + _simple(rest, known)
+    begins = text[: len(text) - len(text.lstrip())]
+    return begins + _simple_value(text[len(begins) :], known)
+
+
+def _simple_value(text, known):
+    condition = _split(text, " ? ")[0]
+    if condition != text:
+        first, second = _choices(text[len(condition) + 3 :])
+        value = known.value(condition)
+        if value is not None:
+            return _simple_value(first if value else second, known)
+        parts = [_simple_value(part, known) for part in (condition, first, second)]
+        return f"{parts[0]} ? {parts[1]} : {parts[2]}"
+    for sign in (" || ", " && "):
+        parts = _split(text, sign)
+        if len(parts) > 1:
+            value = known.value(text)
+            if value is not None:
+                return str(value).lower()
+            return sign.join(_simple_value(part, known) for part in parts if known.value(part) is None)
+    return _in_brackets(text, known)
+
+
+def _choices(text):
+    """The two results of `condition ? one : other`, of which the first may be such a choice itself"""
+    depth = inside = 0
+    for place, character in enumerate(text):
+        depth += BRACKETS.get(character, 0)
+        if depth == 0 and text.startswith((" ? ", " : "), place):
+            inside += 1 if text[place + 1] == "?" else -1
+            if inside < 0:
+                return text[:place], text[place + 3 :]
+    raise ValueError(text)
+
+
+def _in_brackets(text, known):
+    made, at = "", 0
+    while at < len(text):
+        made += text[at]
+        if text[at] in "([{":
+            end = _closed(text, at)
+            made += _simple(text[at + 1 : end], known) + text[end : end + 1]
+            at = end
+        at += 1
+    return made
+
+
+def _without_dead(lines, known):
+    """A function without what never happens: operands, branches, loops, what is behind a return"""
+    begin = lines.index("{") + 1
+    known = known.within(lines)
+    kept, at = [], begin
+    while at < len(lines) - 1:
+        statement = _statement(lines, at)
+        at += len(statement)
+        kept += _simple_statement(statement, known)
+    return [*lines[:begin], *_alive(kept, known), "}"]
+
+
+def _statement(lines, at):
+    """The lines of a statement, of the head of a block, or of a block's end"""
+    depth = 0
+    for end in range(at, len(lines)):
+        line = lines[end].strip()
+        depth += sum(BRACKETS.get(character, 0) for character in line.removeprefix("}"))
+        block = depth == 1 and re.search(r"(?<!=) \{$", line)
+        if block or (depth == 0 and re.search(r"^#|^\}$|;$|^(?:case .*|\w+):$|^$", line)):
+            return lines[at : end + 1]
+    return lines[at : at + 1]  # a compiler chooses between lines of which each opens the same bracket
+
+
+def _simple_statement(lines, known):
+    first = lines[0].lstrip()
+    text = " ".join([first, *(line.strip() for line in lines[1:])])
+    if '"' in text or "'" in text or not re.search(r" (?:&&|\|\||\?) ", text):
+        return lines
+    end = 1 if text[-1] in ";{:" else 0
+    begin = 2 if text.startswith("} ") else 0  # of `} else if (...) {`
+    body = text[begin : len(text) - end]
+    made = text[:begin] + _simple(body, known) + text[len(text) - end :]
+    return lines if made == text else [lines[0][: -len(first)] + made]
+
+
+def _alive(lines, known):
+    """The statements of a block without those that are never reached"""
+    indent = next((re.match(" *", line)[0] for line in lines if line[:1] == " "), "")
+    choice = any(line.startswith("#") for line in lines)  # a compiler's
     kept, at = [], 0
     while at < len(lines):
-        begins = re.match(r"( +)(?:if|for) \(", lines[at])
+        begins = re.match(r"( +)(?:if|for|while) \(.*", lines[at])
         if not begins:
             kept.append(lines[at])
+            returns = re.match(rf"{indent}return\b", lines[at])
             at += 1
+            if returns and not choice:
+                while not kept[-1].endswith(";"):
+                    kept.append(lines[at])
+                    at += 1
+                return kept
             continue
         branches, at = _branches(lines, at, begins[1])
-        alive = [branch for branch in branches if not never.holds_not(_condition(branch[0]))]
-        for number, (head, inside) in enumerate(alive):
-            first = head[0] if number else head[0].replace("} else ", "", 1)
-            kept += [first, *head[1:], *_without_dead(inside, never)]
-        if alive:
-            kept.append(begins[1] + "}")
+        made = _chosen_branches(branches, begins[1], known)
+        kept += made
+        if begins[1] == indent and not choice and made and made[0].strip() != "{" and _returns(made, indent):
+            return kept
     return kept
+
+
+def _returns(lines, indent):
+    """Whether the last statement of a block is a return"""
+    last = [line for line in lines if line.startswith(indent) and line[len(indent)] != " "]
+    return last[-1].startswith(f"{indent}return")
+
+
+def _chosen_branches(branches, indent, known):
+    """Those of an `if` or a loop that may be taken, each without what is dead in it"""
+    made = []
+    for head, inside in branches:
+        value = known.value(_condition(head))
+        if value is False:
+            continue
+        inside = _alive(inside, known)
+        loops = re.match(" +(?:for|while) ", head[0])
+        if value is None or loops:
+            made += [head[0] if made else head[0].replace("} else ", "", 1), *head[1:], *inside]
+            continue
+        if made:
+            return [*made, f"{indent}}} else {{", *inside, f"{indent}}}"]
+        if inside and _returns(inside, indent + "    "):
+            return [line.removeprefix("    ") for line in inside]
+        return [f"{indent}{{", *inside, f"{indent}}}"]
+    return [*made, f"{indent}}}"] if made else []
 
 
 def _branches(lines, at, indent):
@@ -195,9 +389,10 @@ def _branches(lines, at, indent):
 
 
 def _condition(head):
+    """What decides; of a mere `else` what is true"""
     text = " ".join(line.strip() for line in head)
     opened = text.find("(")
-    condition = text[opened + 1 : _closed(text, opened)] if opened >= 0 else ""
+    condition = text[opened + 1 : _closed(text, opened)] if opened >= 0 else "true"
     return condition.split(";")[1] if text.startswith("for ") else condition
 
 

@@ -172,6 +172,57 @@ def test_what_nothing_asks_for_is_left_out_of_the_sources():
     assert pruned(SOURCES, header, ["CONTACT_NO_D"]) == wanted
 
 
+PINNED = """\
+#define SCENE_A 1
+#define SCENE_B 0
+#define SCENE_CONTACTS 1
+static inline enum law contact_law(const struct values *v, int contact)
+{
+    (void)v;
+    (void)contact;
+    return LAW_LINEAR;
+}
+"""
+# Before and after
+DECIDED = [
+    ("x = SCENE_A && a(y) ? b(y) : c(y);", "x = a(y) ? b(y) : c(y);"),
+    ("x = SCENE_B && a(y) ? b(y) : c(y);", "x = c(y);"),
+    ("return y > 1 ? (struct s){b(y), SCENE_B ? 1 : 2} : e;", "return y > 1 ? (struct s){b(y), 2} : e;"),
+    ("x = a(y, !SCENE_A || y);", "x = a(y, y);"),
+    ("x = SCENE_CONTACTS > 1 || contact_law(v, y) == LAW_HERTZ || y;", "x = y;"),
+    ("x = y || SCENE_A;", "x = true;"),
+    ("x = a(y) * SCENE_CONTACTS;", "x = a(y) * SCENE_CONTACTS;"),
+    ("if (contact_law(v, y) != LAW_LINEAR) {\n        a(y);\n    }\n    b(y);", "b(y);"),
+    ("if (SCENE_A) {\n        return a(y);\n    }\n    return b(y);", "return a(y);"),
+    (
+        "if (SCENE_A) {\n        x = a(y);\n    } else {\n        x = b(y);\n    }",
+        "{\n        x = a(y);\n    }",
+    ),
+    (
+        "if (y) {\n        x = a(y);\n    } else if (SCENE_A) {\n        x = b(y);\n"
+        "    } else {\n        c(y);\n    }",
+        "if (y) {\n        x = a(y);\n    } else {\n        x = b(y);\n    }",
+    ),
+    ("for (int i = 0; i < y && SCENE_B; ++i) {\n        a(i);\n    }\n    b(y);", "b(y);"),
+    ("while (SCENE_A && y) {\n        a(y);\n    }", "while (y) {\n        a(y);\n    }"),
+    ("const bool known = SCENE_B;\n    x = known && a(y);", "const bool known = SCENE_B;\n    x = false;"),
+    (
+        "const bool SCENE_A = y;\n    x = SCENE_A && a(y);",
+        "const bool SCENE_A = y;\n    x = SCENE_A && a(y);",
+    ),
+]
+
+
+@pytest.mark.parametrize(("before", "after"), DECIDED)
+def test_what_the_scene_decides_is_decided_in_the_sources(before, after):
+    """Whatever stays has the value that it had."""
+    sys.path.insert(0, str(ROOT / "cmake"))
+    from prune import pruned
+
+    text = "enum law {\n    LAW_LINEAR,\n    LAW_HERTZ\n};\nint fmi2Call(int y)\n{\n    %s\n}\n"
+    assert pruned(text % before, PINNED, []) == text % after
+
+
 def test_fmpy_compiles_the_sources(unpacked, tmp_path):
     """The command of fmpy's users; its CMake project links no libm, which Python itself has"""
     folder = unpacked("ForceElement")
