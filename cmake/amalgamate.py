@@ -8,7 +8,7 @@ import re
 import sys
 from pathlib import Path
 
-from prune import pruned
+from prune import pruned, pruned_header
 
 INCLUDE = re.compile(r'^#include ([<"])([^>"]+)[>"].*\n', re.MULTILINE)
 # A string, which may look like a comment inside, or a comment.
@@ -151,7 +151,8 @@ def main(units, scene, source, headers, fmi, output):
     name, text = amalgamated(files, Path(source).resolve(), scene, fmi)
     output.mkdir(parents=True, exist_ok=True)
     (output / "contact.c").write_text(text, encoding="utf-8")
-    (output / "scene.h").write_text(INCLUDE.sub("", (scene / "scene.h").read_text("utf-8")), encoding="utf-8")
+    header = without_comments(INCLUDE.sub("", (scene / "scene.h").read_text("utf-8")))
+    (output / "scene.h").write_text(pruned_header(header, text), encoding="utf-8")
     (output / "buildDescription.xml").write_text(BUILD_DESCRIPTION.format(name=name), encoding="utf-8")
     for header in sorted(headers.glob(f"fmi{fmi}*.h")):
         (output / header.name).write_text(with_notice(header.read_text(encoding="utf-8")), encoding="utf-8")

@@ -52,6 +52,16 @@ def pruned(text, scene_header, left_out):
     return "\n".join(line for piece in _wanted(pieces) for line in piece.lines)
 
 
+def pruned_header(header, text):
+    """scene.h without comments and without functions and constants that a text has no name of"""
+    pieces = _pieces(header.split("\n"))
+    for piece in pieces:
+        found = re.match(r"#define (\w+) ", piece.lines[0])
+        piece.name = found[1] if found else piece.name
+    wanted = _wanted(pieces, NAME.findall(text))
+    return "\n".join(line for piece in wanted for line in piece.lines)
+
+
 def _enumerators(text):
     """The numbers of all items of enumerations"""
     values = {}
@@ -440,12 +450,12 @@ def _until(lines, at, ends):
     return lines[at : end + 1]
 
 
-def _wanted(pieces):
+def _wanted(pieces, asked=()):
     """Without functions and constants that neither FMI nor anything that is kept has a name of"""
     of_name = {}
     for piece in pieces:
         of_name.setdefault(piece.name, []).append(piece)
-    waiting = [name for piece in of_name.get(None, []) for name in piece.needs()]
+    waiting = [*asked, *(name for piece in of_name.get(None, []) for name in piece.needs())]
     waiting += [name for name in of_name if name and re.match(r"fmi[23][A-Z]", name)]
     needed = set()
     while waiting:

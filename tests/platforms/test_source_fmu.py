@@ -223,6 +223,39 @@ def test_what_the_scene_decides_is_decided_in_the_sources(before, after):
     assert pruned(text % before, PINNED, []) == text % after
 
 
+HEADER = """\
+#ifndef SCENE_H
+#define SCENE_H
+#define SCENE_BODIES 2
+#define HAS_body_radius 1
+#define HAS_body_mass 0
+static inline int body_count(void)
+{
+    return SCENE_BODIES;
+}
+static inline int body_shape(int body)
+{
+    return body;
+}
+#endif
+"""
+UNUSED = (
+    "#define HAS_body_mass 0\n",
+    "static inline int body_shape(int body)\n{\n    return body;\n}\n",
+)
+
+
+def test_the_header_of_the_sources_has_what_they_ask_for():
+    sys.path.insert(0, str(ROOT / "cmake"))
+    from prune import pruned_header
+
+    wanted = HEADER
+    for part in UNUSED:
+        assert part in wanted
+        wanted = wanted.replace(part, "")
+    assert pruned_header(HEADER, "int a = HAS_body_radius * body_count();") == wanted
+
+
 def test_fmpy_compiles_the_sources(unpacked, tmp_path):
     """The command of fmpy's users; its CMake project links no libm, which Python itself has"""
     folder = unpacked("ForceElement")
