@@ -125,15 +125,6 @@ def test_null_pointers_of_a_step_are_refused(instance):
     assert instance.get("time") == 0.0
 
 
-def test_contradictions_leave_initialization_mode_open(pair):
-    with Instance(pair) as instance:
-        instance.set({"contact.location": "inside", "source.radius": 0.6})
-        instance.ok("EnterInitializationMode", False, 0.0, 0.0, False, 0.0)
-        assert instance.call("ExitInitializationMode") > OK
-        instance.set({"source.radius": 0.1})
-        instance.ok("ExitInitializationMode")
-
-
 @pytest.mark.parametrize("scene", ["SphereSphere", "BallOnSphere"])
 def test_a_step_that_gets_stuck_is_undone(scene):
     """fmi3Discard leaves the instance as it was before the call, and smaller steps go on."""

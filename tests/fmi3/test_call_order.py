@@ -30,7 +30,7 @@ def bring_to(instance, state):
     """From instantiated on, as an importer goes; `error` and `fatal` are enter_forged's"""
     if state == "instantiated":
         return
-    instance.ok("EnterInitializationMode", False, 0.0, 0.0, False, 0.0)
+    instance.enter_initialization()
     if state == "initialization":
         return
     instance.ok("ExitInitializationMode")

@@ -223,17 +223,6 @@ def test_every_range_of_the_description_is_enforced(every_fmu):
             assert instance.set_one(variable, variable.start_value) == OK
 
 
-def test_an_axis_of_no_length_is_refused(universal):
-    with raw.Instance(universal) as instance:
-        instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-        instance.set({"destination.axis": [0.0, 0.0, 0.0], "source.center": [1.1, 0.0, 0.0]})
-        instance.ok("EnterInitializationMode")
-        with instance.expect(ERROR, "destination.axis") as got:
-            got(instance.call("ExitInitializationMode"))
-        instance.set({"destination.axis": [0.0, 2.0, 0.0]})
-        instance.ok("ExitInitializationMode")
-
-
 @pytest.mark.parametrize("size", [5e-324, 1e-310, 1e-300])
 def test_a_step_of_hardly_any_time_gives_numbers(universal, size):
     """1 / size would be infinite; the mean of no impulse over it is 0."""

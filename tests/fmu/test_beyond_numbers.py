@@ -96,9 +96,7 @@ def test_such_a_state_can_be_saved_and_gone_back_to():
 def test_a_start_beyond_is_refused_and_shows_what_is_finite(values, beyond):
     fmu = raw.load("SphereSphere")
     with raw.Instance(fmu) as instance:
-        instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-        instance.set(values)
-        instance.ok("EnterInitializationMode")
+        instance.enter_initialization(values)
         refused = set()
         for variable in fmu.select("output", kind="Real"):
             status, value = read(instance, variable)
@@ -119,9 +117,7 @@ def test_an_axis_of_no_direction_gives_no_numbers():
     """It is refused at the end of initialization; until then what depends on it cannot be read."""
     fmu = raw.load("SphereCylinder")
     with raw.Instance(fmu) as instance:
-        instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-        instance.set({"destination.axis": [0.0, 0.0, 0.0]})
-        instance.ok("EnterInitializationMode")
+        instance.enter_initialization({"destination.axis": [0.0, 0.0, 0.0]})
         answers = {one.name: read(instance, one) for one in fmu.select("output", kind="Real")}
         assert [
             name for name, (status, value) in answers.items() if status == OK and not math.isfinite(value)
@@ -137,9 +133,7 @@ def test_an_axis_of_no_direction_gives_no_numbers():
 def test_a_reading_names_the_variable_that_is_no_number():
     fmu = raw.load("SphereSphere")
     with raw.Instance(fmu) as instance:
-        instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-        instance.set({"source.mass": 1e10, "source.initial_velocity": [1e150, 0.0, 0.0]})
-        instance.ok("EnterInitializationMode")
+        instance.enter_initialization({"source.mass": 1e10, "source.initial_velocity": [1e150, 0.0, 0.0]})
         references = [fmu.variables[name].reference for name in ("contact.gap", "energy.kinetic")]
         with instance.expect(DISCARD, "energy.kinetic", "range of numbers") as got:
             got(instance.call("GetReal", array(c_uint, references), 2, array(c_double, [0.0] * 2)))

@@ -121,9 +121,7 @@ def test_start_values_can_be_read_at_once_and_outputs_cannot(every_fmu):
 
 def test_outputs_are_there_in_initialization_mode(fmu):
     with raw.Instance(fmu) as instance:
-        instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-        instance.set({"source.center": [0.9, 0.0, 0.3]})
-        instance.ok("EnterInitializationMode")
+        instance.enter_initialization({"source.center": [0.9, 0.0, 0.3]})
         first = instance.get("contact.gap")
         instance.set({"source.center": [0.8, 0.0, 0.2]})
         assert instance.get("contact.gap") != first

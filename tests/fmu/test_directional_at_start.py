@@ -65,9 +65,9 @@ MADE_OF_THE_DIAGONAL = ("automatic factors", "automatic stiffness")
 def test_derivatives_of_the_start_are_those_of_difference_quotients(scene, name):
     fmu = raw.load(scene)
     with raw.Instance(fmu) as instance:
-        instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-        instance.set({**TOUCHING, **(LYING if scene == "SphereCylinder" else {}), **STARTS[name]})
-        instance.ok("EnterInitializationMode")
+        instance.enter_initialization(
+            {**TOUCHING, **(LYING if scene == "SphereCylinder" else {}), **STARTS[name]}
+        )
         unknowns = fmu.select("output", "calculatedParameter", kind="Real")
         knowns = fmu.select("input", kind="Real")
         given = checked_jacobian(instance, unknowns, knowns)

@@ -163,9 +163,7 @@ def test_a_warning_may_be_watched(universal):
     values = {"source.center": [0.0, 0.0, 0.0], "contact.location": "outside", "source.motion": "fixed"}
     with Meddler(universal) as meddled, raw.Instance(universal) as plain:
         for instance in (meddled, plain):
-            instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-            instance.set(values)
-            instance.ok("EnterInitializationMode")
+            instance.enter_initialization(values)
         meddled.state = "initialization"
         meddled.prepare()
         plain.save()
@@ -178,9 +176,7 @@ def test_a_warning_may_be_watched(universal):
 
 def test_a_refused_initialization_and_a_refused_state_may_be_watched(universal):
     with Meddler(universal) as instance:
-        instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-        instance.set({"contact.location": "inside", "destination.radius": 0.05})
-        instance.ok("EnterInitializationMode")
+        instance.enter_initialization({"contact.location": "inside", "destination.radius": 0.05})
         instance.state = "initialization"
         instance.prepare()
         assert instance.call("ExitInitializationMode") == ERROR

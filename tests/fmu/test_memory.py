@@ -56,8 +56,7 @@ def test_states_the_importer_forgot_come_back_with_the_instance(fmu):
 
 def initialize_in_two_attempts(instance: raw.Instance) -> int:
     """How many attempts were refused for want of memory: none or one"""
-    instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-    instance.ok("EnterInitializationMode")
+    instance.enter_initialization()
     status = instance.call("ExitInitializationMode")
     if status == OK:
         return 0

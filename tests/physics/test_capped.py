@@ -1,5 +1,5 @@
 """Capped cylinders: event_driven against an independent integration over side, cap and rim, approaches to the
-rim over the edge, edge-on impacts, starts within the solid, refusals.
+rim over the edge, edge-on impacts, starts within the solid.
 """
 
 import os
@@ -11,7 +11,6 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from contact_fmus.fmu.contact_fmu import FmuError
 from support.checks import check_close, run, start
 from support.reference.capped import CappedPair
 from support.reference.capped import run as reference
@@ -284,21 +283,6 @@ def test_methods_agree_over_the_rim(opened):
     for method in ("cvode_bdf", "cvode_adams"):
         run(fmu, values, end, 3, 1e-11, method)
         check_close(method, state(fmu), expected, 1e-6)
-
-
-@pytest.mark.parametrize(
-    "wrong, names",
-    [
-        ({"destination.finite_length": False}, ("destination.ends", "destination.finite_length")),
-        ({"contact.location": "inside"}, ("contact.location", "destination.ends")),
-    ],
-)
-def test_contradictions_are_refused_by_name(opened, wrong, names):
-    fmu = opened("SphereCylinder")
-    values = values_of(upright(), [0.0, 0.0, 2.0], np.zeros(3)) | wrong
-    with pytest.raises(FmuError) as refused:
-        start(fmu, values)
-    assert all(name in str(refused.value) for name in names)
 
 
 def test_automatic_location_is_outside(opened):

@@ -71,6 +71,17 @@ class Message(NamedTuple):
     text: str
 
 
+class AnyFmu:
+    """`variables` by name"""
+
+    def select(self, *causalities: str, kind: str | None = None) -> list[Any]:
+        return [
+            variable
+            for variable in self.variables.values()
+            if variable.causality in causalities and kind in (None, variable.type)
+        ]
+
+
 class AnyInstance:
     """`fmu.library` has its functions, `prefix` begins their names; it never raises for a refused call, `ok`
     does. `messages` have a status and a text.
@@ -100,6 +111,25 @@ class AnyInstance:
 
     def texts(self) -> list[str]:
         return [message.text for message in self.messages]
+
+    def enter_initialization(
+        self,
+        values: dict[str, Any] | None = None,
+        tolerance: float | None = None,
+        start: float = 0.0,
+        stop: float | None = None,
+    ) -> None:
+        experiment = (tolerance is not None, tolerance or 0.0, start, stop is not None, stop or 0.0)
+        if self.prefix == "fmi2":
+            self.ok("SetupExperiment", *experiment)
+        self.set(values or {})
+        self.ok("EnterInitializationMode", *(experiment if self.prefix == "fmi3" else ()))
+
+    def initialize(self, *arguments: Any, **options: Any) -> AnyInstance:
+        """To the end of initialization mode, with the arguments of `enter_initialization`"""
+        self.enter_initialization(*arguments, **options)
+        self.ok("ExitInitializationMode")
+        return self
 
     @contextlib.contextmanager
     def expect(self, status: int, *words: str):

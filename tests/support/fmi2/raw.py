@@ -73,10 +73,6 @@ class Variable(NamedTuple):
         return "Integer" if self.type == "Enumeration" else self.type
 
     @property
-    def settable(self) -> bool:
-        return self.causality in ("parameter", "input")
-
-    @property
     def start_value(self) -> float | int:
         return _number(self.start, self.type)
 
@@ -87,7 +83,7 @@ def _number(text: str, kind: str) -> float | int:
     return {"true": 1, "false": 0}[text] if kind == "Boolean" else int(text)
 
 
-class Fmu:
+class Fmu(prototypes.AnyFmu):
     """An unpacked FMU with its loaded library"""
 
     def __init__(self, path: Path):
@@ -107,13 +103,6 @@ class Fmu:
         other = copy.copy(self)
         other._open(library_file)
         return other
-
-    def select(self, *causalities: str, kind: str | None = None) -> list[Variable]:
-        return [
-            variable
-            for variable in self.variables.values()
-            if variable.causality in causalities and kind in (None, variable.type)
-        ]
 
 
 def _roles(description: Any) -> dict[str, list[str]]:
@@ -263,26 +252,6 @@ class Instance(prototypes.AnyInstance):
         self.ok("SetRealInputDerivatives", references, 3, array(c_int, [order] * 3), array(c_double, values))
 
     # life cycle
-
-    def initialize(
-        self,
-        values: dict[str, Any] | None = None,
-        tolerance: float | None = None,
-        start: float = 0.0,
-        stop: float | None = None,
-    ) -> Instance:
-        self.ok(
-            "SetupExperiment",
-            int(tolerance is not None),
-            tolerance or 0.0,
-            start,
-            int(stop is not None),
-            stop or 0.0,
-        )
-        self.set(values or {})
-        self.ok("EnterInitializationMode")
-        self.ok("ExitInitializationMode")
-        return self
 
     def run(self, steps: Iterable[float], start: float = 0.0) -> list[dict[str, bytes]]:
         """The bits of all outputs after each step"""

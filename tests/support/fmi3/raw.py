@@ -58,7 +58,7 @@ class Variable(NamedTuple):
         return "Int64" if self.type == "Enumeration" else self.type
 
 
-class Fmu:
+class Fmu(prototypes.AnyFmu):
     """An unpacked FMU with its loaded library"""
 
     def __init__(self, path: Path):
@@ -69,13 +69,6 @@ class Fmu:
         self.library = prototypes.bind(self.library_file, PROTOTYPES)
         self.variables = {one.name: _variable(one) for one in self.description.modelVariables}
         self.roles = _roles(self.description)
-
-    def select(self, *causalities: str, kind: str | None = None) -> list[Variable]:
-        return [
-            variable
-            for variable in self.variables.values()
-            if variable.causality in causalities and kind in (None, variable.type)
-        ]
 
 
 def _variable(found: Any) -> Variable:
@@ -189,17 +182,6 @@ class Instance(prototypes.AnyInstance):
         return {one.name: np.asarray(self.get(one.name)).tobytes() for one in self.fmu.select(*causalities)}
 
     # life cycle
-
-    def initialize(
-        self, values: dict[str, Any] | None = None, tolerance: float | None = None, stop: float | None = None
-    ) -> Instance:
-        self.set(values or {})
-        self.ok(
-            *("EnterInitializationMode", tolerance is not None, tolerance or 0.0, 0.0),
-            *(stop is not None, stop or 0.0),
-        )
-        self.ok("ExitInitializationMode")
-        return self
 
     def step(self, time: float, size: float) -> Step:
         event, terminate, early, last = c_bool(True), c_bool(True), c_bool(True), c_double(np.nan)
