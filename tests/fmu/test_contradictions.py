@@ -1,5 +1,5 @@
-"""Parameters that contradict each other are refused at the end of initialization, naming both, by FMI 2.0 and by
-FMI 3.0; values that make no sense are refused as they are set."""
+"""Parameters that contradict each other are refused at the end of initialization, naming both, by FMI 2.0 and
+by FMI 3.0; values that make no sense are refused as they are set."""
 
 import pytest
 

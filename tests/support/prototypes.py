@@ -109,6 +109,10 @@ class AnyInstance:
         status = self.call(function, *arguments)
         assert status <= WARNING, f"{self.prefix}{function}{arguments}: status {status}, {self.texts()}"
 
+    def access(self, function: str, references: Any, values: Any, count: int = 1, length: int = 1) -> int:
+        """fmi<version>Get... or Set...; `length`: of all values, which FMI 3.0 is told"""
+        return self.call(function, references, count, values, *[length] * (self.prefix == "fmi3"))
+
     def texts(self) -> list[str]:
         return [message.text for message in self.messages]
 

@@ -39,6 +39,7 @@ class EventInfo(ctypes.Structure):
 
 PROTOTYPES = prototypes.read(2, {"fmi2CallbackFunctions": Callbacks, "fmi2EventInfo": EventInfo})
 ARGUMENTS = {name: prototype.arguments for name, prototype in PROTOTYPES.items()}
+TYPES = {"Real": c_double, "Integer": c_int, "Boolean": c_int, "String": c_char_p}
 
 
 def array(kind: Any, values: Iterable) -> Any:
@@ -66,6 +67,7 @@ class Variable(NamedTuple):
     maximum: float
     items: tuple[str, ...]  # an enumeration's item names; their values run from `minimum` on
     variability: str
+    length: int = 1
 
     @property
     def call_type(self) -> str:
