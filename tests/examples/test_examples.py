@@ -9,6 +9,7 @@ import subprocess
 import sys
 
 import nbformat
+import numpy as np
 import pytest
 from nbclient import NotebookClient
 
@@ -16,6 +17,7 @@ from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file, fmus_folder
 from support.checks import check_close
 from support.programs import PATIENCE, environment, python
+from support.reference.turning_run import follow
 from support.sources import ROOT
 
 EXAMPLES = ROOT / "examples"
@@ -53,16 +55,25 @@ def test_the_integrator_around_the_force_element_keeps_the_energy(tmp_path):
 
 
 @pytest.fixture
-def integrator():
-    spec = importlib.util.spec_from_file_location("integrator", EXAMPLES / "multibody_integrator.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look it up
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules[spec.name]
+def example():
+    """The module of an example, by its name"""
+    loaded = []
+
+    def load(name):
+        spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[name] = module  # dataclasses look it up
+        loaded.append(name)
+        spec.loader.exec_module(module)
+        return module
+
+    yield load
+    for name in loaded:
+        del sys.modules[name]
 
 
-def test_without_its_spring_it_moves_as_the_fmu_that_integrates_by_itself(integrator):
+def test_without_its_spring_it_moves_as_the_fmu_that_integrates_by_itself(example):
+    integrator = example("multibody_integrator")
     contact = integrator.ContactForce(str(fmu_file("ForceElement")))
     motion = integrator.move(integrator.Ball(contact, stiffness=0.0), 0.6)
     contact.close()
@@ -73,6 +84,35 @@ def test_without_its_spring_it_moves_as_the_fmu_that_integrates_by_itself(integr
         fmu.step(0.6)
         assert fmu["contact.onsets"] == 1
         check_close("displacement", motion.y[:3, -1], fmu["source.displacement"], 1e-6)
+
+
+def test_a_hand_written_integrator_moves_both_bodies_as_the_reference(example):
+    """Around TurningForceElement, by an independent integration of both"""
+    example = example("turning_integrator")
+    end = 0.06  # s: the ball has come, slid and left
+    contact = example.ContactLoads(str(fmu_file("TurningForceElement")))
+    state = example.move(contact, end)
+    contact.close()
+    moments = example.inertia(example.CYLINDER)
+    values = {
+        "source.radius": 0.1, "source.mass": 1.0, "source.center": example.BALL["center"],
+        "source.rotation": "free", "source.initial_velocity": example.VELOCITY,
+        "source.initial_angular_velocity": example.SPIN, "destination.radius": 0.5, "destination.mass": 20.0,
+        "destination.motion": "free", "destination.rotation": "free", "gravity": [0.0, 0.0, 0.0],
+        "destination.inertia_control": "user_defined", "destination.axial_inertia": moments[2],
+        "destination.transverse_inertia": moments[0], "contact.location": "outside",
+        "contact.friction": "regularized",
+        **{name: value for name, value in example.LAW.items() if name != "contact.slip_velocity_control"},
+        "contact.slip_velocity_control": "user_defined",
+    }  # fmt: skip
+    right = follow(values, "cylinder", end).figures()
+    assert right["contact.onsets"] == 1
+    for body, part in (("source", state[:13]), ("destination", state[13:])):
+        check_close(f"{body}.position", part[:3], right[f"{body}.position"], 1e-6)
+        check_close(f"{body}.velocity", part[3:6], right[f"{body}.velocity"], 2e-5)
+        check_close(f"{body}.angular_velocity", part[10:], right[f"{body}.angular_velocity"], 2e-4)
+    strayed = np.max(np.abs(example.momenta(state) - example.momenta(example.begin())))
+    check_close("momenta", strayed, 0.0, 1e-12)
 
 
 def test_the_notebook_runs(monkeypatch):

@@ -27,24 +27,15 @@ def expected(seed):
     return TurningRun(scene.values, scene.shape).run(scene.end).figures()
 
 
-# Hertz's law with a dashpot that may pull, whose force ends with the contact (342, 394, 409, 642); a corner
-# of the law at which the slip no longer stretches the spring (410, 457).
+# Two events at once, of which neither may be passed over: Hertz's law with a dashpot that may pull, whose
+# force ends with the contact (342, 394, 409, 642); a corner of the law at which the slip no longer stretches
+# the spring (410, 457).
 TWO_EVENTS = (342, 394, 409, 410, 457, 642)
 # Neither turns nor rubs: only the mean torque is new.
 NO_TURNING = (179, 329, 537, 657)
 
 
-@pytest.mark.parametrize("seed", TWO_EVENTS)
-def test_of_two_events_at_once_neither_is_passed_over(opened, seed):
-    test_a_scene_goes_as_the_reference_says(opened, seed)
-
-
-@pytest.mark.parametrize("seed", NO_TURNING)
-def test_where_nothing_turns_or_rubs(opened, seed):
-    test_a_scene_goes_as_the_reference_says(opened, seed)
-
-
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", dict.fromkeys([*SEEDS, *TWO_EVENTS, *NO_TURNING]))
 def test_a_scene_goes_as_the_reference_says(opened, seed):
     scene, wrong = random_turning_scene(seed), {}
     for method in METHODS:

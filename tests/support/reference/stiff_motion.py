@@ -63,27 +63,3 @@ def damped_motion(shape, penalty, damping, end, tolerance):
     late = solution.t > 0.5 * pi / frequency
     y = solution.y[:, -1]
     return position(shape, RADIUS + y[0] / penalty, y[2], y[4], end), solution.y[0, late].min()
-
-
-def mean_motion(shape, penalty, end, tolerance=1e-13):
-    """Position at the end of the motion that is free of fast oscillation, to first order in 1/p_n: the
-    overlap is what carries the ball, s = m s''(without contact)/p_n.
-    """
-
-    def overlap(y):
-        """s and s' to first order"""
-        a, a_rate, b, b_rate = y
-        a_second, b_second = turning(RADIUS, 0.0, *y)
-        push_rate = 2 * RADIUS * b_rate * b_second + 2 * RADIUS * cos(b) ** 2 * a_rate * a_second
-        push_rate -= 2 * RADIUS * cos(b) * sin(b) * b_rate * a_rate**2
-        push_rate -= GRAVITY * (sin(b) * b_rate * cos(a) + cos(b) * sin(a) * a_rate)
-        return MASS * outward(RADIUS, *y) / penalty, MASS * push_rate / penalty
-
-    def rates(_time, y):
-        s, s_rate = overlap(y)
-        a_second, b_second = turning(RADIUS + s, s_rate, *y)
-        return [y[1], a_second, y[3], b_second]
-
-    solution = solve_ivp(rates, (0.0, end), start_angles(shape), "DOP853", rtol=tolerance, atol=tolerance)
-    y = solution.y[:, -1]
-    return position(shape, RADIUS + overlap(y)[0], y[0], y[2], end)
