@@ -183,50 +183,83 @@ END_PLANE = {
 }
 
 
-def stepped(fmu, values, steps, size, read):
-    start(fmu, values)
-    for _ in range(steps):
-        fmu.step(size)
-        if read:
-            fmu["contact.gap"], fmu["energy.total"], fmu["contact.active"]
-    return fmu
+# The source comes at -1.5 m/s and turns back: z = 1.1 - 1.5 t + t^2 is 0.6 at 0.5 s and at 1 s.
+COMES_AND_GOES = straight([0.0, 0.0, 1.1], [0.0, 0.0, -1.5], contact__viscous_penalty_factor=10.0) | {
+    "source.prescribed_displacement.derivatives": [[0.0, 0.0, -1.5], [0.0, 0.0, 2.0]],
+    "source.prescribed_velocity.derivatives": [[0.0, 0.0, 2.0]],
+}
+# It turns back just over the rim's circle, half-way between its two passages: the distance from the axis is
+# 0.5 at 0.10718, 0.8 and 1.49282 s; the gap is zero where it is 0.5433.
+TURNS_AT_THE_CIRCLE = straight([0.02, -0.64, 0.525], [1.2, 1.6, 0.0]) | {
+    "gravity": [0.0, 0.0, 0.0],
+    "destination.axis": [0.0, 0.0, 1.0],
+    "destination.finite_length": True,
+    "destination.length": 1.0,
+    "destination.ends": "capped",
+    "source.radius": 0.05,
+    "source.prescribed_displacement.derivatives": [[1.2, 1.6, 0.0], [-1.5, -2.0, 0.0]],
+    "source.prescribed_velocity.derivatives": [[-1.5, -2.0, 0.0]],
+    "contact.penalty_factor": 1e4,
+    "contact.viscous_penalty_factor": 0.0,
+}
+ALONG_THE_SIDE = TURNS_AT_THE_CIRCLE | {
+    "source.center": [0.55, 0.0, 0.775],
+    "source.prescribed_velocity": [0.0, 0.0, -0.5],
+    "source.prescribed_displacement.derivatives": [[0.0, 0.0, -0.5]],
+    "source.prescribed_velocity.derivatives": [[0.0, 0.0, 0.0]],
+}
+CLIPPED_BEFORE_THE_RELEASE = TURNS_AT_THE_CIRCLE | {
+    "source.radius": 0.5,
+    "source.center": [0.55, 0.0, 1.795],
+    "source.prescribed_velocity": [0.0, 0.0, -2.0],
+    "source.prescribed_displacement.derivatives": [[0.0, 0.0, -2.0], [0.0, 0.0, 2.5]],
+    "source.prescribed_velocity.derivatives": [[0.0, 0.0, 2.5]],
+    "contact.penalty_factor": 1e6,
+    "contact.viscous_penalty_factor": 100.0,
+}
+ONSETS, BEGAN, LASTED = "contact.onsets", "contact.last_onset_time", "contact.last_duration"
+LOST, TOTAL, CYLINDER = "energy.dissipated", "energy.total", "SphereCylinder"
+TURNED = 0.0691576057658999  # s, when it comes to the circle
+# FMU, values, end, numbers of steps, what is so at the end and to what
+WAYS = {
+    "leaves by the end": (
+        *(CYLINDER, straight([0.0, 0.0, 0.59], [0.0, 1.0, 0.0]) | END_PLANE, 1.0, (10,)),
+        *({LOST: 0.5, TOTAL: 0.5}, 1e-12),
+    ),
+    "passes both ends on communication points": (
+        *(CYLINDER, straight([0.0, -1.0, 0.59], [0.0, 1.0, 0.0]) | END_PLANE, 2.0, (8,)),
+        *({ONSETS: 1, LASTED: 1.0, LOST: 0.0}, 1e-12),
+    ),
+    "touches on a communication point": (
+        *("SpherePlane", straight([0.0, 0.0, 0.6], [0.0, 0.0, -1.0]), 1.0, (4,)),
+        *({ONSETS: 1, BEGAN: 0.5}, 1e-12),
+    ),
+    "parts on a communication point": (
+        *("SphereSphere", COMES_AND_GOES, 2.0, (8,), {ONSETS: 1, BEGAN: 0.5, LASTED: 0.5}, 1e-12),
+    ),
+    "turns back at an edge and is over the cap between": (
+        *(CYLINDER, TURNS_AT_THE_CIRCLE, 2.5, (1, 2, 22)),
+        *({ONSETS: 1, BEGAN: TURNED, LASTED: 2.0 * (0.8 - TURNED)}, 1e-12),
+    ),
+    "goes along the side without depth": (CYLINDER, ALONG_THE_SIDE, 1.25, (1, 5, 22), {ONSETS: 0}, 0.0),
+    "has its dashpot clipped before the release wherever a step ends": (
+        *(CYLINDER, CLIPPED_BEFORE_THE_RELEASE, 2.5, (1, 100), {LOST: 0.0366930944}, 1e-9),
+    ),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("read", [False, True])
-def test_a_source_that_leaves_by_the_end_between_two_readings(opened, read):
-    values = straight([0.0, 0.0, 0.59], [0.0, 1.0, 0.0]) | END_PLANE
-    fmu = stepped(opened("SphereCylinder"), values, 10, 0.1, read)
-    check_close("dissipated", fmu["energy.dissipated"], 0.5, 1e-12)
-    check_close("total", fmu["energy.total"], 0.5, 1e-12)
-
-
-@pytest.mark.parametrize("read", [False, True])
-def test_a_source_that_passes_both_ends_on_communication_points(opened, read):
-    values = straight([0.0, -1.0, 0.59], [0.0, 1.0, 0.0]) | END_PLANE
-    fmu = stepped(opened("SphereCylinder"), values, 8, 0.25, read)
-    assert fmu["contact.onsets"] == 1
-    check_close("duration", fmu["contact.last_duration"], 1.0, 1e-12)
-    check_close("dissipated", fmu["energy.dissipated"], 0.0, 1e-12)
-
-
-@pytest.mark.parametrize("read", [False, True])
-def test_a_touch_on_a_communication_point_is_one_onset(opened, read):
-    values = straight([0.0, 0.0, 0.6], [0.0, 0.0, -1.0])
-    fmu = stepped(opened("SpherePlane"), values, 4, 0.25, read)
-    assert fmu["contact.onsets"] == 1
-    check_close("onset", fmu["contact.last_onset_time"], 0.5, 1e-12)
-
-
-@pytest.mark.parametrize("read", [False, True])
-def test_a_parting_on_a_communication_point_has_its_duration(opened, read):
-    """The source comes at -1.5 m/s and turns back: z = 1.1 - 1.5 t + t^2 is 0.6 at 0.5 s and at 1 s."""
-    values = straight([0.0, 0.0, 1.1], [0.0, 0.0, -1.5], contact__viscous_penalty_factor=10.0)
-    values["source.prescribed_displacement.derivatives"] = [[0.0, 0.0, -1.5], [0.0, 0.0, 2.0]]
-    values["source.prescribed_velocity.derivatives"] = [[0.0, 0.0, 2.0]]
-    fmu = stepped(opened("SphereSphere"), values, 8, 0.25, read)
-    assert fmu["contact.onsets"] == 1
-    check_close("onset", fmu["contact.last_onset_time"], 0.5, 1e-12)
-    check_close("duration", fmu["contact.last_duration"], 0.5, 1e-12)
+@pytest.mark.parametrize("way", WAYS)
+def test_events_at_edges_and_communication_points_are_those_of_the_closed_form(opened, way, read):
+    name, values, end, counts, expected, allowed = WAYS[way]
+    for steps in counts:
+        fmu = start(opened(name), values)
+        for _ in range(steps):
+            fmu.step(end / steps)
+            if read:
+                fmu["contact.gap"], fmu["energy.total"], fmu["contact.active"]
+        for output, value in expected.items():
+            check_close(f"{output} in {steps} steps", fmu[output], value, allowed)
 
 
 @pytest.mark.parametrize("axial", [0.5, -0.5])
@@ -408,59 +441,3 @@ def test_a_plane_that_moves_and_turns_away_has_no_deeper_penetration_than_sample
     peak = parts["contact.peak_penetration"]
     assert peak > 1e-4
     check_close("peak penetration", whole["contact.peak_penetration"], peak, 1e-8 * peak)
-
-
-# A path that turns back just over the rim's circle, half-way between its two passages; along the side without
-# depth; past the rim with a dashpot that is clipped right before a communication point.
-TURNS_AT_THE_CIRCLE = {
-    "gravity": [0.0, 0.0, 0.0],
-    "destination.axis": [0.0, 0.0, 1.0],
-    "destination.finite_length": True,
-    "destination.length": 1.0,
-    "destination.ends": "capped",
-    "source.radius": 0.05,
-    "source.motion": "prescribed",
-    "source.center": [0.02, -0.64, 0.525],
-    "source.prescribed_velocity": [1.2, 1.6, 0.0],
-    "source.prescribed_displacement.derivatives": [[1.2, 1.6, 0.0], [-1.5, -2.0, 0.0]],
-    "source.prescribed_velocity.derivatives": [[-1.5, -2.0, 0.0]],
-    "contact.penalty_factor": 1e4,
-    "contact.viscous_penalty_factor": 0.0,
-}
-
-
-@pytest.mark.parametrize("steps", [1, 2, 22])
-def test_a_path_that_turns_back_at_an_edge_is_over_the_cap_between(opened, steps):
-    """The distance from the axis is 0.5 at 0.10718, 0.8 and 1.49282 s; the gap is zero where it is 0.5433."""
-    values = TURNS_AT_THE_CIRCLE
-    fmu = stepped(opened("SphereCylinder"), values, steps, 2.5 / steps, True)
-    assert fmu["contact.onsets"] == 1
-    check_close("onset", fmu["contact.last_onset_time"], 0.0691576057658999, 1e-12)
-    check_close("duration", fmu["contact.last_duration"], 2.0 * (0.8 - 0.0691576057658999), 1e-12)
-
-
-@pytest.mark.parametrize("steps", [1, 5, 22])
-def test_along_the_side_without_depth_there_is_no_contact(opened, steps):
-    values = TURNS_AT_THE_CIRCLE | {
-        "source.center": [0.55, 0.0, 0.775],
-        "source.prescribed_velocity": [0.0, 0.0, -0.5],
-        "source.prescribed_displacement.derivatives": [[0.0, 0.0, -0.5]],
-        "source.prescribed_velocity.derivatives": [[0.0, 0.0, 0.0]],
-    }
-    fmu = stepped(opened("SphereCylinder"), values, steps, 1.25 / steps, True)
-    assert fmu["contact.onsets"] == 0
-
-
-@pytest.mark.parametrize("steps", [1, 100])
-def test_a_dashpot_is_clipped_before_the_release_wherever_a_step_ends(opened, steps):
-    values = TURNS_AT_THE_CIRCLE | {
-        "source.radius": 0.5,
-        "source.center": [0.55, 0.0, 1.795],
-        "source.prescribed_velocity": [0.0, 0.0, -2.0],
-        "source.prescribed_displacement.derivatives": [[0.0, 0.0, -2.0], [0.0, 0.0, 2.5]],
-        "source.prescribed_velocity.derivatives": [[0.0, 0.0, 2.5]],
-        "contact.penalty_factor": 1e6,
-        "contact.viscous_penalty_factor": 100.0,
-    }
-    fmu = stepped(opened("SphereCylinder"), values, steps, 2.5 / steps, True)
-    check_close("dissipated", fmu["energy.dissipated"], 0.0366930944, 1e-9)
