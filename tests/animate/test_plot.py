@@ -1,4 +1,4 @@
-"""`plot`: what is drawn of any scene, and every request that makes no sense ends in one sentence."""
+"""`plot`: what is drawn of any scene"""
 
 import json
 import re
@@ -103,40 +103,6 @@ def test_the_page_draws_and_zooms(browser, tmp_path):
     page.wait_for("contactPlot.all[0].range[1] - contactPlot.all[0].range[0] < 2")
     assert (page.complaints, page.requests) == ([], [])
     page.close()
-
-
-REQUESTS = {
-    "no such name": (["BallInShel"], "did you mean 'BallInShell'"),
-    "no such file": (["nothing.csv"], "no such file"),
-    "no such variable": (["BallInShell", "--variables", "contact.gp"], "did you mean 'contact.gap'"),
-    "no such parameter": (["BallInShell", "--set", "source.radios=1"], "source.radius"),
-    "a refused value": (["BallInShell", "--set", "source.radius=-1"], "radius"),
-    "no value": (["BallInShell", "--set", "source.radius"], "NAME=VALUE"),
-    "unknown format": (["BallInShell", "-o", "picture.pnk"], "did you mean '.png'"),
-    "time runs backwards": (["BallInShell", "--stop", "-1"], "--stop"),
-    "not a result": (["{folder}/text.csv"], "first column is not 'time'"),
-    "one row": (["{folder}/row.csv"], "two are needed"),
-    "not an FMU": (["{folder}/text.fmu"], "no FMU"),
-    "not a scenario": (["{folder}/text.toml"], "text.toml"),
-}
-
-
-@pytest.mark.parametrize("command", ["plot", "animate"])
-@pytest.mark.parametrize("case", REQUESTS)
-def test_a_request_without_sense_ends_in_one_sentence(case, command, tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    for suffix in ("csv", "fmu", "toml"):
-        (tmp_path / f"text.{suffix}").write_text("no table, no archive")
-    (tmp_path / "row.csv").write_text("time,contact.gap\n0,1\n")
-    arguments, told = REQUESTS[case]
-    if command == "animate" and case in ("no such variable", "unknown format"):
-        arguments, told = ["BallInShell", "-o", "page.htm"], "did you mean '.html'"
-    status = main([command, *(one.format(folder=tmp_path) for one in arguments)])
-    lines = capsys.readouterr().err.strip().splitlines()
-    assert status in (2, 3)
-    assert len(lines) == 1
-    assert lines[0].startswith(f"contact-fmus {command}: ")
-    assert told in lines[0]
 
 
 def test_a_result_needs_its_fmu_for_an_animation(shell, tmp_path, capsys):

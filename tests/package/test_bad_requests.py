@@ -12,6 +12,7 @@ from contact_fmus.__main__ import COMMANDS
 from contact_fmus.fmu.files import fmu_file
 from support.foreign import XML, foreign_fmu, packed
 from support.programs import PATIENCE, environment
+from support.sources import ROOT
 
 # A model exchange FMU, and an FMI 3.0 one, as other vendors make them
 MODEL_EXCHANGE = """<?xml version="1.0" encoding="UTF-8"?>
@@ -92,8 +93,13 @@ WRONG = {
     "run: a study": (["run", "study.toml"], "contact-fmus sweep"),
     "run: scenario": (["run", "broken.toml"], "broken.toml"),
     "plot: a scene": (["plot", "scene.toml"], "contact-fmus build"),
-    "plot: no such file": (["plot", "nowhere.csv"], "nowhere.csv: there is no such file"),
     "plot: text": (["plot", "words.csv", "--variables", "x"], "column x holds text"),
+    "plot: no such variable": (
+        ["plot", "BallInShell", "--variables", "contact.gp"],
+        "did you mean 'contact.gap'",
+    ),
+    "plot: unknown format": (["plot", "BallInShell", "-o", "picture.pnk"], "did you mean '.png'"),
+    "animate: unknown format": (["animate", "BallInShell", "-o", "page.htm"], "did you mean '.html'"),
     "animate: another kind": (["animate", "picture.png"], "a result (.csv)"),
     "build: no such file": (["build", "nowhere.toml"], "nowhere.toml"),
     "build: no toml": (["build", "text.fmu"], "text.fmu"),
@@ -130,6 +136,21 @@ WRONG = {
     "report": (["report", "--output", "text.fmu"], "text.fmu"),
     "beyond": (["stability", "--beyond", "one", "two"], "one"),
 }
+BY_ARGPARSE = ("unknown command", "run: stop", "beyond")  # usage, or another name
+DRAWN = {
+    "no such name": (["BallInShel"], "did you mean 'BallInShell'"),
+    "no such file": (["nowhere.csv"], "nowhere.csv: there is no such file"),
+    "no such parameter": (["BallInShell", "--set", "source.radios=1"], "source.radius"),
+    "a refused value": (["BallInShell", "--set", "source.radius=-1"], "radius"),
+    "no value": (["BallInShell", "--set", "source.radius"], "NAME=VALUE"),
+    "time runs backwards": (["BallInShell", "--stop", "-1"], "--stop"),
+    "not a result": (["text.csv"], "first column is not 'time'"),
+    "one row": (["row.csv"], "two are needed"),
+    "not an FMU": (["text.fmu"], "no FMU"),
+    "not a scenario": (["broken.toml"], "broken.toml"),
+}
+for one in ("plot", "animate"):
+    WRONG |= {f"{one}: {case}": ([one, *words], told) for case, (words, told) in DRAWN.items()}
 
 
 @pytest.mark.parametrize("case", WRONG)
@@ -139,6 +160,8 @@ def test_a_bad_request_ends_in_one_sentence_and_status_2(case, ask, tmp_path):
     (tmp_path / "bytes.toml").write_bytes(bytes(range(256)))
     (tmp_path / "broken.toml").write_text("title = \n")
     (tmp_path / "words.csv").write_text("time,x\n0,1\n1,high\n")
+    (tmp_path / "text.csv").write_text("no table, no archive")
+    (tmp_path / "row.csv").write_text("time,contact.gap\n0,1\n")
     (tmp_path / "picture.png").write_bytes(b"\x89PNG")
     (tmp_path / "study.toml").write_text(STUDY)
     packed(tmp_path, {"readme.txt": "nothing"}).rename(tmp_path / "empty.fmu")
@@ -149,7 +172,22 @@ def test_a_bad_request_ends_in_one_sentence_and_status_2(case, ask, tmp_path):
     arguments, words = WRONG[case]
     status, told, _ = ask(*arguments)
     assert status == 2, told
+    if arguments[0] in ("plot", "animate"):
+        told = re.sub("; scenarios: .*", "", told)  # as many as there are
     assert one_sentence(told) and words in told, told
+    assert told.startswith(f"contact-fmus {arguments[0]}: ") or case in BY_ARGPARSE, told
+
+
+SCRIPTS = [("report", "--fast"), ("report", "--output")]
+SCRIPTS += [("stability", one) for one in ("--fast", "--output", "--beyond", "--beyond 1")]
+
+
+@pytest.mark.parametrize("name, arguments", SCRIPTS)
+def test_a_script_refuses_what_it_does_not_know(name, arguments):
+    command = [ROOT / "scripts" / f"{name}.sh", *arguments.split()]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert run.returncode == 2
+    assert run.stderr.startswith(f"{name}: ") and arguments.split()[0] in run.stderr
 
 
 @pytest.mark.parametrize("name", COMMANDS)

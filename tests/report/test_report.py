@@ -247,14 +247,6 @@ def test_rows_survive_their_file(tmp_path):
     assert read_rows(tmp_path / "rows.csv") == [row, empty]
 
 
-@pytest.mark.parametrize("arguments", [["--fast"], ["--output"]])
-def test_the_command_refuses_what_it_does_not_know(arguments):
-    command = [ROOT / "scripts" / "report.sh", *arguments]
-    run = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert run.returncode == 2
-    assert run.stderr.startswith("report: ") and arguments[0] in run.stderr
-
-
 def test_measuring_without_a_host_says_what_to_do(tmp_path):
     command = [sys.executable, "-m", "contact_fmus", "measure", "--quick", "--output", tmp_path]
     environment = {"PYTHONPATH": str(ROOT / "scripts"), "CONTACT_BUILD": str(tmp_path)}

@@ -3,10 +3,8 @@
 import csv
 import math
 import re
-import subprocess
 from collections import Counter
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from lxml import etree
@@ -226,11 +224,3 @@ def test_the_page_stands_alone_and_tells_every_refusal(rows, tmp_path):
         assert len({line.replace("\\|", "").count("|") for line in table.splitlines()}) == 1, table
     with (tmp_path / "runs.csv").open(encoding="utf-8") as stream:
         assert len(list(csv.DictReader(stream))) == len(rows)
-
-
-@pytest.mark.parametrize("arguments", [["--fast"], ["--output"], ["--beyond"], ["--beyond", "1"]])
-def test_the_command_refuses_what_it_does_not_know(arguments):
-    command = [Path(__file__).resolve().parents[2] / "scripts" / "stability.sh", *arguments]
-    run = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert run.returncode == 2
-    assert run.stderr.startswith("stability: ") and arguments[0] in run.stderr
