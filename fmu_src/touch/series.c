@@ -660,19 +660,24 @@ static double series_work_of(const struct pair_series *p, const struct pair_work
     if (work->order == 0 || (is_steady && vec3_is_zero(work->path[0]))) {
         return 0.0;
     }
+    /* the path is a series in s; its terms beyond the first are zero where it is constant, and beyond the
+     * third where time is proportional to s */
+    const int terms = is_steady ? 1 : SCENE_ANY_HERTZ && p->by_root ? TAYLOR_ORDER : 3;
     for (int j = 0; j < p->flight.dimensions; ++j) {
         double path[3];
-        series_row slope;
         series_row along;
-        series_row power;
+        series_row power = {0.0};
         for (int k = 0; k < 3; ++k) {
             path[k] = vec3_dot(work->path[k], p->flight.frame[j]);
         }
-        for (int i = 0; i < TAYLOR_ORDER; ++i) {
-            slope[i] = (i + 1) * of[j][i + 1];
+        for (int i = 0; i < terms; ++i) {
             along[i] = path[0] * (i == 0) + path[1] * p->time[i];
             along[i] += path[2] == 0.0 ? 0.0 : path[2] * taylor_multiply(p->time, p->time, i);
-            power[i] = is_steady ? path[0] * slope[i] : taylor_multiply(along, slope, i);
+        }
+        for (int i = 0; i < TAYLOR_ORDER; ++i) {
+            for (int k = 0; k <= i && k < terms; ++k) {
+                power[i] += along[k] * ((i - k + 1) * of[j][i - k + 1]);
+            }
         }
         sum += taylor_integral(power, TAYLOR_ORDER, s);
     }
