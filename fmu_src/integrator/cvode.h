@@ -8,7 +8,7 @@
 struct cvode;
 
 /* Makes the integrator's memory, and makes it anew when the method or the number of states has changed. On
- * failure returns false with a message (INTEGRATOR_MESSAGE_SIZE bytes), *slot unchanged. */
+ * failure it returns false, writes a message (INTEGRATOR_MESSAGE_SIZE bytes) and leaves *slot unchanged. */
 bool cvode_open(struct cvode **slot, const struct scene_values *v, const struct integrator_memory *memory,
                 char *message);
 

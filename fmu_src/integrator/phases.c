@@ -392,9 +392,11 @@ static enum advance_result advance_flight(struct integrator *s, const struct sce
 }
 
 #if SCENE_HAS_GENERAL
-/* Returns the clock up to which a step may go on [s]: the first foreseen change of a regime, and the horizon
- * where a change can be foreseen. A step goes on beyond the end of a communication step only where the phase
- * has lasted for some time, so that inputs that change at every communication point waste no steps. */
+/* Returns the clock up to which an internal step of the general segment may reach [s]. No step crosses a
+ * regime change that the closed forms foresee, nor the horizon up to which they have looked for one. A step
+ * may reach beyond the end of the communication step, but only in proportion to the time since the phase
+ * began. An input that changes at every communication point begins a new phase there, and the part of a step
+ * beyond that point would be wasted. */
 static double unforeseen_until(const struct scene_values *v, const struct scene_state *q)
 {
     double until = q->clock + HORIZON_GROWTH * q->clock;

@@ -102,8 +102,9 @@ struct overdamped_change {
 
 struct overdamped_change overdamped_since(const struct overdamped *d, double s);
 
-/* The s at which the derivative of an order is zero; each has one zero at most. Negative: before the start.
- * INFINITY: nowhere. The s is approximate so close to critical damping that y oscillates. */
+/* Returns the s at which the derivative of y of this order is zero; each derivative has one zero at most. The
+ * result is negative where the zero lies before the start, and INFINITY where there is none. It is only
+ * approximate where the damping is slightly below critical and y still oscillates. */
 double overdamped_zero(const struct overdamped *d, int order);
 
 #endif

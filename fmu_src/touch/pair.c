@@ -432,8 +432,10 @@ struct frame_flight frame_flight_at_rim(const struct contact_pair *from)
  * decays below rounding within one period. */
 static const double LOWEST_FREQUENCY = 0.25;
 
-/* A contact without a spring drifts towards the centre. These are the largest |g| at which its segment may
- * start and the |g| at which its segment ends, as fractions of the reach. */
+/* A contact without a spring drifts towards the centre, d = 0, where |g| is the reach. A segment in closed
+ * form is made only if its bound of |g| without the drift is below DRIFT_STARTS of the reach, and it ends
+ * where the drift may take |g| to DRIFT_ENDS of the reach. The two differ, so that each segment has room for
+ * some drift, and DRIFT_ENDS is below 1, so that no segment reaches the centre. */
 static const double DRIFT_STARTS = 0.5;
 static const double DRIFT_ENDS = 0.75;
 

@@ -374,8 +374,9 @@ static bool collocated_make(struct segment *p, double step, enum collocation_kin
     return true;
 }
 
-/* Smallest distance d of a node from the centre, as a fraction of the reach. If a node is nearer, the motion
- * between the nodes may be nearer still, and d = reach + x loses digits. */
+/* Smallest distance d of a node from the centre, as a fraction of the reach. The sum d = reach + x loses one
+ * decimal digit where d is a tenth of the reach. If a node is nearer, the motion between the nodes may be
+ * nearer still. */
 static const double NEAR_CENTRE = 0.1;
 
 /* Whether local coordinates are accurate throughout the segment. */
@@ -699,8 +700,8 @@ static const double RATE_ROUNDINGS = 2.0;
  * all other contacts are no more accurate (pair.c). */
 static const double NEGLIGIBLE = 1e-6;
 
-/* A dashpot's force at the start is not treated as a peak if it is less than this fraction of the largest
- * force that follows. */
+/* The rounding of a dashpot's force at the start counts in full if that force is more than this fraction of
+ * the largest force at the start, because it may then itself be the peak. */
 static const double OUTWEIGHED = 0.5;
 
 /* An oscillation counts as forgotten after this many decay times: exp(-40) of its amplitude is below
