@@ -1552,11 +1552,6 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
     return p->end > 0.0;
 }
 
-const struct pair_sample *segment_sample(struct segment *p, double s)
-{
-    return dense_output_at(&p->output, s);
-}
-
 /* Corrects r along n so that bodies that part are as far apart as the gap: both have truncation errors of
  * their own, by which bodies that part at a gap of zero must not overlap. Other segments need no correction,
  * because the next one begins at the gap (contact_pair.rounded), and near a centre it would turn n by its
@@ -1591,7 +1586,7 @@ void segment_advance(struct segment *p, double s, const struct scene_values *v, 
     pair_apply(&p->pair, &change, v, q, contact);
     state->physics.rate_rounding = pair_rate_rounding_after(&p->pair, &change, v, q, contact);
     if (state->physics.rate_rounding > 0.0) {
-        state->physics.carried_rate = segment_sample(p, s)->of[PAIR_GAP_RATE][0];
+        state->physics.carried_rate = dense_output_at(&p->output, s)->of[PAIR_GAP_RATE][0];
     }
     if (SCENE_HAS_TORQUES) {
         state->torques.destination_impulse =

@@ -1,6 +1,6 @@
 /*
- * A segment: smooth motion of one contact pair within one regime. Its users make it, sample it, advance the
- * bodies along it and stop at its terminal event. The kind of segment is known in this folder only: each kind
+ * A segment: smooth motion of one contact pair within one regime. Its users make it, advance the bodies
+ * along it and stop at its terminal event. The kind of segment is known in this folder only: each kind
  * solves one form of the problem and answers `applies`, `make`, `sample` and `advance` (the table in
  * segment.c).
  */
@@ -129,9 +129,6 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
  * at such a time. */
 double segment_time(const struct segment *p, double s);
 double segment_place(const struct segment *p, double time);
-
-/* Returns gap, gap rate and force, each with two derivatives, at s in [0, end]. */
-const struct pair_sample *segment_sample(struct segment *p, double s);
 
 /* Moves the bodies to s, books impulse, energies, work and peaks of the contact, but not the clock. */
 void segment_advance(struct segment *p, double s, const struct scene_values *v, struct scene_state *q,
