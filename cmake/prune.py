@@ -45,10 +45,11 @@ def pruned(text, scene_header, left_out):
         if number is not None:
             known.functions[name] = number
     pieces = _pieces(lines)
-    while known.learn(pieces):
+    while new := known.learn(pieces):
         for piece in pieces:
-            if piece.is_function():
-                piece.lines = _without_dead(piece.lines, known)
+            if piece.is_function() and new & set(NAME.findall(piece.text())):
+                while (made := _without_dead(piece.lines, known)) != piece.lines:
+                    piece.lines = made
     return "\n".join(line for piece in _wanted(pieces) for line in piece.lines)
 
 
@@ -163,18 +164,18 @@ class Known:
     def __init__(self, values, functions=None):
         self.values = dict(values)
         self.functions = dict(functions or {})
-        self.asked = 0
+        self.told = set()
 
     def learn(self, pieces):
-        """Whether there is more to know than when it was asked before"""
+        """The names of what is known now and was not when it was asked before"""
         for piece in pieces:
             for pattern, names in ((RESULT, self.functions), (FLAG, self.values)):
                 found = pattern.search(piece.text())
                 value = self.value(found[1]) if found else None
                 if value is not None:
                     names[piece.name] = int(value)
-        before, self.asked = self.asked, len(self.values) + len(self.functions)
-        return self.asked > before
+        before, self.told = self.told, {*self.values, *self.functions, "return"}
+        return self.told - before
 
     def within(self, lines):
         """The same, with what a function's own constants are, of those that are declared once"""
