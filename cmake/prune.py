@@ -7,6 +7,7 @@ there.
 
 import operator
 import re
+from collections import Counter
 
 DIRECTIVE = re.compile(r"#(if|ifdef|ifndef|elif|else|endif)\b(.*)")
 NAME = re.compile(r"[A-Za-z_]\w*")
@@ -29,6 +30,7 @@ BRACKETS = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}
 # What is no function: members, tags, attributes.
 OTHER = re.compile(r"(?:->|\.)\w+|\b(?:struct|enum|union) \w+|__attribute__\(\(\w+")
 VARIABLE = re.compile(r"(?:\b(?!sizeof |return )\w+(?: |\*| \*)|, \*?(?=\w+;))(\w+)(?=\[|;|,|\)| =)")
+TYPE = re.compile(r"^(?:struct|union) (\w+) \{\n(?:[^}\n].*\n)+\};\n", re.MULTILINE)
 CONSTANT = re.compile(r"(?:static )?const [\w ]*?[ *](\w+)(?:\[[^=]*)? =")
 
 
@@ -50,7 +52,14 @@ def pruned(text, scene_header, left_out):
             if piece.is_function() and new & set(NAME.findall(piece.text())):
                 while (made := _without_dead(piece.lines, known)) != piece.lines:
                     piece.lines = made
-    return "\n".join(line for piece in _wanted(pieces) for line in piece.lines)
+    return _without_types("\n".join(line for piece in _wanted(pieces) for line in piece.lines), scene_header)
+
+
+def _without_types(text, scene_header):
+    """Without structures that are named nowhere but where they are defined"""
+    named = Counter(NAME.findall(text + scene_header))
+    less = TYPE.sub(lambda found: found[0] if named[found[1]] > 1 else "", text)
+    return text if less == text else _without_types(less, scene_header)
 
 
 def pruned_header(header, text):

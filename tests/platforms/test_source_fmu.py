@@ -115,6 +115,15 @@ static const double node[1] = {
 };
 const struct pair shared = {1.0, node};
 """
+# A structure that only another of which nobody speaks has
+UNNAMED = """\
+struct inner {
+    double a;
+};
+struct outer {
+    struct inner b;
+};
+"""
 BRANCH = "#if SCENE_A && !SCENE_B\n"
 LAST_BRANCH = "#elif SCENE_C\nint other;\n#endif\n"
 OF_D = "#ifdef CONTACT_NO_D\n"
@@ -138,7 +147,7 @@ static const double FAR = 3.0;
     double first, near_by;
 }};
 extern const struct pair shared;
-{SHARED}{BRANCH}double near_(double x);
+{UNNAMED}{SHARED}{BRANCH}double near_(double x);
 {LAST_BRANCH}{OF_D}#ifdef __GNUC__
 int kept;
 #endif
@@ -166,7 +175,7 @@ def test_what_nothing_asks_for_is_left_out_of_the_sources():
 
     header = "#define SCENE_A 1 /* one */\n#define SCENE_B 0\n"
     wanted = SOURCES
-    for part in (LOST, SHARED, BRANCH, LAST_BRANCH, OF_D, NOT_D, ASKED_BY_NOBODY):
+    for part in (LOST, UNNAMED, SHARED, BRANCH, LAST_BRANCH, OF_D, NOT_D, ASKED_BY_NOBODY):
         assert part in wanted
         wanted = wanted.replace(part, "")
     assert pruned(SOURCES, header, ["CONTACT_NO_D"]) == wanted
