@@ -43,17 +43,22 @@ def page_of(sources, tmp_path_factory):
 
 
 @pytest.fixture
-def opened(browser, page_of):
-    """The animation of a case in the browser; closed again, and nothing may have gone wrong until then"""
+def shown(browser):
+    """A page in the browser; closed again, and nothing may have gone wrong until then"""
     pages = []
 
-    def get(case, **options):
-        pages.append(browser.open(page_of(case), **options))
-        pages[-1].wait_for("window.contactAnimation && contactAnimation.frames > 1")
+    def get(file, ready="window.contactAnimation && contactAnimation.frames > 1", **options):
+        pages.append(browser.open(file, **options))
+        pages[-1].wait_for(ready)
         return pages[-1]
 
     yield get
     for page in pages:
-        assert page.complaints == []
-        assert page.requests == []
+        assert (page.complaints, page.requests) == ([], [])
         page.close()
+
+
+@pytest.fixture
+def opened(shown, page_of):
+    """The animation of a case"""
+    return lambda case, **options: shown(page_of(case), **options)

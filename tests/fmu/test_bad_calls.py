@@ -99,28 +99,22 @@ def test_an_fmu_in_a_folder_with_an_odd_name_works(fmu, tmp_path):
 # experiment and steps
 
 
-@pytest.mark.parametrize("start", NOT_FINITE)
-def test_a_start_time_is_finite(fmu, start):
+EXPERIMENTS = [
+    *(("fmi2SetupExperiment", "startTime", (0, 0.0, start, 0, 0.0), {}) for start in NOT_FINITE),
+    *(
+        ("fmi2SetupExperiment", "stopTime", (0, 0.0, 1.0, 1, stop), {"start": 1.0})
+        for stop in (*NOT_FINITE, 0.999, -1.0)
+    ),
+    *(("", "tolerance", (1, one, 0.0, 0, 0.0), {"tolerance": 1e-6}) for one in (*NOT_FINITE, 0.0, -1e-6)),
+]
+
+
+@pytest.mark.parametrize("told, word, arguments, right", EXPERIMENTS)
+def test_an_experiment_has_finite_times_in_order_and_a_positive_tolerance(fmu, told, word, arguments, right):
     with raw.Instance(fmu) as instance:
-        with instance.expect(ERROR, "fmi2SetupExperiment", "startTime") as got:
-            got(instance.call("SetupExperiment", 0, 0.0, start, 0, 0.0))
-        instance.initialize()
-
-
-@pytest.mark.parametrize("stop", [*NOT_FINITE, 0.999, -1.0])
-def test_a_stop_time_follows_the_start_time(fmu, stop):
-    with raw.Instance(fmu) as instance:
-        with instance.expect(ERROR, "fmi2SetupExperiment", "stopTime") as got:
-            got(instance.call("SetupExperiment", 0, 0.0, 1.0, 1, stop))
-        instance.initialize(start=1.0)
-
-
-@pytest.mark.parametrize("tolerance", [*NOT_FINITE, 0.0, -1e-6])
-def test_a_tolerance_is_positive_and_finite(fmu, tolerance):
-    with raw.Instance(fmu) as instance:
-        with instance.expect(ERROR, "tolerance") as got:
-            got(instance.call("SetupExperiment", 1, tolerance, 0.0, 0, 0.0))
-        instance.initialize(tolerance=1e-6)
+        with instance.expect(ERROR, told, word) as got:
+            got(instance.call("SetupExperiment", *arguments))
+        instance.initialize(**right)
 
 
 @pytest.mark.parametrize(("tolerance", "used"), [(2.0, 1e-2), (1e-300, 1e-14)])

@@ -26,18 +26,10 @@ def wheel(far_from_clone, tmp_path_factory):
     folder = tmp_path_factory.mktemp("wheel")
     options = [f"cmake.define.CONTACT_PREBUILT={BUILD}", f"build-dir={folder / 'build'}"]
     settings = [part for option in options for part in ("--config-setting", option)]
-    command = [
-        sys.executable,
-        "-m",
-        "build",
-        "--wheel",
-        "--no-isolation",
-        "--outdir",
-        str(folder),
-        *settings,
-        str(ROOT),
-    ]
-    run = subprocess.run(command, capture_output=True, text=True, check=False, env=far_from_clone)
+    command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", folder]
+    run = subprocess.run(
+        [*command, *settings, ROOT], capture_output=True, text=True, check=False, env=far_from_clone
+    )
     assert run.returncode == 0, run.stdout + run.stderr
     (file,) = folder.glob("*.whl")
     return file
@@ -50,18 +42,8 @@ def installed(wheel, far_from_clone, tmp_path_factory):
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(folder)], check=True)
     python = folder / "bin" / "python"
     site = Path(sysconfig.get_path("purelib", vars={"base": str(folder), "platbase": str(folder)}))
-    install = [
-        sys.executable,
-        "-m",
-        "pip",
-        "--python",
-        str(python),
-        "install",
-        "--quiet",
-        "--no-deps",
-        "--no-index",
-    ]
-    subprocess.run([*install, str(wheel)], check=True, env=far_from_clone)
+    install = [sys.executable, "-m", "pip", "--python", python, "install", "--quiet"]
+    subprocess.run([*install, "--no-deps", "--no-index", wheel], check=True, env=far_from_clone)
     (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
     return folder / "bin"
 

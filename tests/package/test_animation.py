@@ -43,16 +43,7 @@ def test_a_clone_without_three_js_makes_it(tmp_path):
 
 
 def test_the_source_archive_carries_three_js(far_from_clone, tmp_path):
-    command = [
-        sys.executable,
-        "-m",
-        "build",
-        "--sdist",
-        "--no-isolation",
-        "--outdir",
-        str(tmp_path),
-        str(ROOT),
-    ]
+    command = [sys.executable, "-m", "build", "--sdist", "--no-isolation", "--outdir", tmp_path, ROOT]
     subprocess.run(command, check=True, capture_output=True, env=far_from_clone)
     (file,) = tmp_path.glob("*.tar.gz")
     names = subprocess.run(["tar", "tzf", file], capture_output=True, text=True, check=True).stdout

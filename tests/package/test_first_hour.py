@@ -27,8 +27,7 @@ def photographs(page, times, folder, name):
     """A picture at each time, kept in the folder too, and where its ball is: column, row, part of a radius"""
     found = []
     for number, time in enumerate(times):
-        page.run(f"contactAnimation.seek({time})")
-        page.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        page.drawn(time)
         (folder / f"{name}_{number:02}.png").write_bytes(page.png())
         found.append((page.picture().astype(int), page.run(BALL)))
     return found

@@ -201,5 +201,18 @@ class Page:
     def picture(self) -> np.ndarray:
         return np.array(Image.open(io.BytesIO(self.png())).convert("RGB"))
 
+    def stage(self) -> np.ndarray:
+        """Of an animation, the picture of the bodies alone, once it is on the screen"""
+        rectangle = "document.querySelector('.stage canvas').getBoundingClientRect()"
+        left, top, width, height = self.run(f"(r => [r.left, r.top, r.width, r.height])({rectangle})")
+        self.drawn()
+        return self.picture()[int(top) : int(top + height), int(left) : int(left + width)].astype(int)
+
+    def drawn(self, time: float | None = None) -> None:
+        """Waits until an animation, sent to the time if there is one, is on the screen"""
+        if time is not None:
+            self.run(f"contactAnimation.seek({time})")
+        self.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
     def close(self) -> None:
         self.browser.call("Target.closeTarget", targetId=self.target)
