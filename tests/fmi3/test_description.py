@@ -12,13 +12,8 @@ from fmpy.validation import validate_fmu
 from contact_fmus.fmu.files import fmu_file, unpack
 from support.fmi3 import raw
 from support.fmi3.raw import ARGUMENTS
+from support.generator.generated import SUMS_UP
 
-# and what is settled at each onset
-SUMS_UP = {
-    "mean_force", "mean_source_torque", "mean_destination_torque", "peak_force", "peak_penetration",
-    "last_onset_time", "last_duration",
-    "effective_hunt_crossley_factor",
-}  # fmt: skip
 TYPES = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean", "Enumeration": "Enumeration"}
 
 

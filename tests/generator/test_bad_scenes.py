@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from support.generator.generated import FOLDER, run
+from support.generator.generated import FOLDER, refused, run
 
 GOOD = """
 name = "Pair"
@@ -59,19 +59,6 @@ def answer(tmp_path):
 def test_the_good_scene_is_good(answer):
     done = answer(GOOD)
     assert (done.returncode, done.stderr) == (0, "")
-
-
-def refused(done, *words):
-    """One line on stderr with these words in this order, nothing on stdout, status 2."""
-    assert (done.returncode, done.stdout) == (2, "")
-    line, end = done.stderr[:-1], done.stderr[-1]
-    assert end == "\n"
-    assert "\n" not in line
-    assert "Traceback" not in line
-    position = 0
-    for word in words:
-        assert word in line[position:], f"'{word}' is missing in: {line}"
-        position = line.index(word, position) + len(word)
 
 
 @pytest.mark.parametrize("case", BAD)

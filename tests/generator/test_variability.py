@@ -2,14 +2,8 @@
 
 import pytest
 
-from support.generator.generated import SCENES, describe
+from support.generator.generated import SCENES, SUMS_UP, describe
 
-# and what is settled at each onset
-SUMS_UP = {
-    "mean_force", "mean_source_torque", "mean_destination_torque", "peak_force", "peak_penetration",
-    "last_onset_time", "last_duration",
-    "effective_hunt_crossley_factor",
-}  # fmt: skip
 TUNABLE = {
     "penalty_multiplier", "penalty_factor", "characteristic_time", "viscous_penalty_factor", "dashpot",
     "reference_modulus", "gravity", "relative_tolerance", "absolute_tolerance", "max_internal_steps",

@@ -20,6 +20,12 @@ FOLDER = ROOT / "modelDescription"
 SCENES = sorted(path.stem for path in (FOLDER / "scenes").glob("*.toml"))
 CATALOGUE = tomllib.loads((FOLDER / "variables.toml").read_text(encoding="utf-8"))
 LARGEST = sys.float_info.max
+# What sums up a step, and what is settled at each onset
+SUMS_UP = {
+    "mean_force", "mean_source_torque", "mean_destination_torque", "peak_force", "peak_penetration",
+    "last_onset_time", "last_duration",
+    "effective_hunt_crossley_factor",
+}  # fmt: skip
 
 
 def run(*arguments) -> subprocess.CompletedProcess:
@@ -31,6 +37,17 @@ def run(*arguments) -> subprocess.CompletedProcess:
         except SystemExit as ended:  # of argparse
             status = ended.code
     return subprocess.CompletedProcess(arguments, status, out.getvalue(), errors.getvalue())
+
+
+def refused(done: subprocess.CompletedProcess, *words: str) -> None:
+    """One line on stderr with these words in this order, nothing on stdout, status 2"""
+    assert (done.returncode, done.stdout) == (2, "")
+    line, end = done.stderr[:-1], done.stderr[-1]
+    assert end == "\n" and "\n" not in line and "Traceback" not in line
+    position = 0
+    for word in words:
+        assert word in line[position:], f"'{word}' is missing in: {line}"
+        position = line.index(word, position) + len(word)
 
 
 def generate(scene: Path, output: Path) -> dict[str, str]:
