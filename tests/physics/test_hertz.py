@@ -10,6 +10,7 @@ import pytest
 
 from contact_fmus.published import IMPACTS, outcome, setup_of
 from support.checks import METHODS, check_close, check_relative, run, start
+from support.reference.hertz import restitution_of
 from support.scenes.head_on import (
     DASHPOTS,
     FMU,
@@ -65,17 +66,6 @@ def test_an_undamped_impact_is_that_of_the_power_law(opened, shape, location, ma
         check_relative("force", fmu["contact.peak_force"], stiffness * depth**1.5, allowed)
         check_relative("duration", fmu["contact.last_duration"], DURATION * depth / speed, allowed)
         check_relative("speed", speed_after(fmu, location), speed, allowed)
-
-
-def restitution_of(number, dashpot):
-    """e of Hunt and Crossley's law with y = chi v. Of full damping it is in u exp(-u) = (1 + y) exp(-1 - y),
-    u = 1 - e y.
-    """
-    y = mpmath.mpf(number)
-    if dashpot == "approach_only":
-        return float(mpmath.sqrt(2 * (y - mpmath.log(1 + y))) / y)
-    with mpmath.workdps(40):
-        return float((1 + mpmath.re(mpmath.lambertw(-(1 + y) * mpmath.exp(-1 - y)))) / y)
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 from contact_fmus.bench.problems import law_benchmarks
 from support.checks import check_close, check_relative, run
+from support.reference.hertz import restitution_of
 from support.scenes.law_scenes import by_hertz
 
 METHOD = "event_driven"
@@ -45,16 +46,6 @@ def on_the_way(modulus, speed):
     return deepest_of(modulus, speed) < OTHER
 
 
-def restitution_of(damped):
-    """e of chi v: chi v (1 + e) = ln[(1 + chi v)/(1 - e chi v)], by bisection."""
-    low, high = 0.0, min(1.0, 1.0 / damped)
-    for _ in range(200):
-        middle = (low + high) / 2
-        left = log1p(damped) - log1p(-middle * damped) - damped * (1 + middle)
-        low, high = (middle, high) if left < 0 else (low, middle)
-    return low
-
-
 @pytest.mark.parametrize("dashpot", ["unclamped", "non_adhesive", "approach_only"])
 @pytest.mark.parametrize("damped", [0.1, 1.0, 10.0])
 def test_a_damped_impact_is_that_of_hunt_and_crossley(opened, damped, dashpot):
@@ -64,9 +55,7 @@ def test_a_damped_impact_is_that_of_hunt_and_crossley(opened, damped, dashpot):
                 continue
             chi, stiffness = damped / speed, stiffness_of(modulus)
             deepest = (2.5 * MASS / stiffness * (damped - log1p(damped)) / chi**2) ** 0.4
-            e = restitution_of(damped)
-            if dashpot == "approach_only":
-                e = sqrt(0.8 * stiffness / MASS * deepest**2.5) / speed
+            e = restitution_of(damped, dashpot)
             values = ball(modulus, speed, chi, dashpot)
             fmu = run(
                 opened("SphereSphere"), values, 20 * deepest_of(modulus, speed) / speed, 1, 1e-8, METHOD

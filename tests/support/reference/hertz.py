@@ -8,6 +8,7 @@ the force is not smooth, and an event is the root of its function in the length 
 
 from typing import NamedTuple
 
+import mpmath
 import numpy as np
 
 LONG = np.longdouble
@@ -263,3 +264,14 @@ def settle(pair, state, branch):
         state = state.copy()
         state[0:3] += pair.side * gap * n
     return state
+
+
+def restitution_of(number, dashpot):
+    """e of Hunt and Crossley's law with y = chi v. Of full damping it is in u exp(-u) = (1 + y) exp(-1 - y),
+    u = 1 - e y.
+    """
+    y = mpmath.mpf(number)
+    if dashpot == "approach_only":
+        return float(mpmath.sqrt(2 * (y - mpmath.log(1 + y))) / y)
+    with mpmath.workdps(40):
+        return float((1 + mpmath.re(mpmath.lambertw(-(1 + y) * mpmath.exp(-1 - y)))) / y)
