@@ -259,6 +259,64 @@ double friction_stored_energy(const struct friction_law *law, enum friction_regi
     return 0.5 * law->stiffness * vec3_dot(spring, spring);
 }
 
+/* Friction rolls below this part of its limit, at 3 v_0 of slip. Above it the slip is a steep function of the
+ * force, and the force a flat one of the slip. */
+static const double MOST_OF_ROLLING = 0.95;
+
+/* A rolling force is shortened to this part of the limit, where psi is 7 v_0. */
+static const double LARGEST_PART = 0.999;
+
+bool friction_rolls(const struct friction_law *law, enum friction_regime regime, double normal_force,
+                    struct vec3 force, double admittance)
+{
+    const double limit = friction_limit(law, regime, normal_force);
+    return law->kind == FRICTION_REGULARIZED && vec3_norm(force) < MOST_OF_ROLLING * limit &&
+           admittance * limit > law->slip_velocity;
+}
+
+static struct friction_response rolling_response(const struct friction_law *law, enum friction_regime regime,
+                                                 double limit, struct vec3 slip, struct vec3 *force)
+{
+    struct friction_response response = {.by_slip = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}};
+    struct direction f = direction_of(*force);
+    if (f.length > LARGEST_PART * limit) {
+        *force = vec3_scale(LARGEST_PART * limit, f.unit);
+        f.length = LARGEST_PART * limit;
+    }
+    const double part = f.length / limit;
+    const double v_0 = law->slip_velocity;
+    const double across = part > 0.0 ? -log1p(-part) / part : 1.0;
+    response.steepness = v_0 / (limit * (1.0 - part));
+    set_axial(response.by_force, f.unit, response.steepness, v_0 / limit * across);
+    response.missed = vec3_axpy(slip, v_0 / limit * across, *force);
+    response.by_normal_force =
+        vec3_scale(-limit_slope(law, regime) * v_0 / limit * part / (1.0 - part), f.unit);
+    return response;
+}
+
+struct friction_response friction_response_of(const struct friction_law *law, enum friction_regime regime,
+                                              double normal_force, struct vec3 slip, struct vec3 *force,
+                                              bool rolls, double admittance)
+{
+    const double limit = friction_limit(law, regime, normal_force);
+    if (rolls && limit > 0.0) {
+        return rolling_response(law, regime, limit, slip, force);
+    }
+    const struct friction_state at = {.normal_force = normal_force, .slip = slip};
+    const struct friction_slopes slopes = friction_force_slopes(law, regime, at);
+    struct friction_response response = {.by_slip = {{0.0}}};
+    response.missed = vec3_scale(admittance, vec3_sub(*force, friction_force(law, regime, at)));
+    response.by_normal_force = vec3_scale(-admittance, slopes.by_normal_force);
+    for (int i = 0; i < 3; ++i) {
+        response.by_force[i][i] = admittance;
+        for (int j = 0; j < 3; ++j) {
+            response.by_force[i][j] = i == j ? admittance : 0.0;
+            response.by_slip[i][j] = -admittance * slopes.by_slip[i][j];
+        }
+    }
+    return response;
+}
+
 bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime)
 {
     return regime == FRICTION_STICKING || has_dashpot(law);

@@ -96,6 +96,33 @@ double friction_stored_energy(const struct friction_law *law, enum friction_regi
 double friction_stick_event(const struct friction_law *law, enum friction_regime regime,
                             struct friction_state at, double normal_force_rate);
 
+/*
+ * How far a friction force F_t, taken as an unknown, is from its law at the slip v_t, as a velocity [m/s]:
+ *
+ *   rolling    v_t + psi(F_t),   psi(F_t) = -v_0 ln(1 - |F_t| / L) F_t / |F_t|
+ *   else       a (F_t - law(v_t))
+ *
+ * Both are zero where the law of regularized friction holds. The first is nearly linear in F_t while |F_t| is
+ * well below L, the second is nearly linear in v_t where |F_t| is almost L. The admittance a [m/(N s)], a
+ * change of velocity by a force, scales the second. The derivatives are those by F_t, by v_t and by F_n.
+ */
+struct friction_response {
+    struct vec3 missed;
+    double by_force[3][3], by_slip[3][3];
+    struct vec3 by_normal_force;
+    double steepness; /* the derivative by |F_t| in the first form [m/(N s)]; 0 in the second */
+};
+
+/* Whether friction rolls, so that its response has the first form. It does not where its limit could change
+ * the slip by less than v_0, as where F_n passes through zero: the law is nearly linear in the slip there. */
+bool friction_rolls(const struct friction_law *law, enum friction_regime regime, double normal_force,
+                    struct vec3 force, double admittance);
+
+/* Returns the response in the form that `rolls` names; a force F_t of nearly L or more is shortened first. */
+struct friction_response friction_response_of(const struct friction_law *law, enum friction_regime regime,
+                                              double normal_force, struct vec3 slip, struct vec3 *force,
+                                              bool rolls, double admittance);
+
 /* Whether the stick event of elastic friction compares |F*| with a limit. */
 bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime);
 double friction_cap_event(const struct friction_law *law, enum friction_regime regime, double normal_force);

@@ -7,6 +7,7 @@
 #include "flight/flight.h"
 #include "integrator/general.h"
 #include "integrator/general_step.h"
+#include "integrator/node_forces.h"
 #include "math/compiler.h"
 #include "scene/evaluate.h"
 #include "scene/ode.h"
@@ -318,7 +319,9 @@ static bool solve_again(struct general *g, double length)
 {
     struct radau_step *p = &g->step;
     if (!radau_step_guess_again(p, p->stages, length) ||
-        !(g->fully ? radau_step_solve_fully : radau_step_solve)(p, general_newton_share(g))) {
+        !(g->by_forces ? node_forces_solve(g, general_newton_share(g))
+          : g->fully   ? radau_step_solve_fully(p, general_newton_share(g))
+                       : radau_step_solve(p, general_newton_share(g)))) {
         return false;
     }
     const double error = general_finish_step(g);
@@ -571,10 +574,7 @@ static struct radau_problem problem_of(struct general *g, const struct scene_val
                                     .speed = g->speed,
                                     .rates = ode_rates,
                                     .jacobian = ode_coupled_jacobian,
-                                    .whole_jacobian = ode_jacobian,
-                                    .forces = ode_forces(v),
-                                    .tipping = ode_tipping(v),
-                                    .split_jacobian = ode_split_jacobian};
+                                    .whole_jacobian = ode_jacobian};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         for (int k = 0; k < 3 && body_is_free(v, i); ++k) {
             g->place[problem.paired] = ode_body(v, i) + k;
@@ -588,8 +588,7 @@ static struct radau_problem problem_of(struct general *g, const struct scene_val
 static bool same_layout(const struct radau_problem *a, const struct radau_problem *b)
 {
     return a->size == b->size && a->coupled == b->coupled && a->integrals == b->integrals &&
-           a->paired == b->paired && a->turns == b->turns && a->forces == b->forces &&
-           a->tipping == b->tipping;
+           a->paired == b->paired && a->turns == b->turns;
 }
 
 bool general_open(struct general **slot, const struct scene_values *v, const struct integrator_memory *memory,

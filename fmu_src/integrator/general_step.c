@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "integrator/general_step.h"
+#include "integrator/node_forces.h"
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"
 
@@ -438,13 +439,25 @@ static bool try_fully(struct general *g, const struct radau_stages *stages, doub
     return general_solve_fully(g, thoroughly);
 }
 
-/* Tries simplified iterations first, unless the step is so stiff or long that they would fail. */
-static bool try_to_solve(struct general *g, const struct radau_stages *stages, double length)
+/* After so many failures of node_forces_solve in a step its stages are solved without forces as unknowns, so
+ * that a step in which those iterations cannot converge ends nevertheless. */
+enum { MOST_FAILURES = 10 };
+
+/* Solves with the forces as unknowns where regularized friction acts. Else simplified iterations come first,
+ * unless the step is so stiff or long that they would fail. */
+static bool try_to_solve(struct general *g, const struct radau_stages *stages, double length, int failures)
 {
     struct radau_step *p = &g->step;
     const bool rubs = SCENE_ANY_FRICTION && p->problem.turns;
     const double stiffness = rubs ? length * g->fastest_decay : 0.0;
-    g->fully = false;
+    g->fully = g->by_forces = false;
+    if (rubs && failures < MOST_FAILURES && node_forces_apply(g)) {
+        radau_step_guess_on(p, stages, length);
+        general_set_weights(g);
+        g->fully = true;
+        g->by_forces = node_forces_solve(g, general_newton_share(g));
+        return g->by_forces;
+    }
     if (stiffness > STIFF || (stiffness > LEAST_STIFF && length > g->simple)) {
         return try_fully(g, stages, length, stiffness > STIFF);
     }
@@ -501,8 +514,17 @@ static double factor_of(const struct general *g, double error, const struct rada
     return fmin(fmax(factor, SHRINKAGE), longest);
 }
 
+/* Returns the factor by which the next step may be longer than the last after so many iterations for the
+ * forces. A step that takes five is about the cheapest for its length (measured). */
+static double growth_by_iterations(int iterations)
+{
+    static const double GROWTH_AFTER[] = {4.0, 4.0, 4.0, 4.0, 2.0, 1.5, 1.1, 1.1};
+    return iterations < 8 ? GROWTH_AFTER[iterations] : 0.8;
+}
+
 bool general_step_make(struct general *g, double limit, double left, long *budget)
 {
+    int failures = 0;
     for (;;) {
         if (*budget <= 0) {
             return false;
@@ -510,13 +532,16 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
         const double length = fmin(limit, g->longest);
         const struct radau_stages *stages = stages_for(length, g->longest);
         g->within_share = length > left ? g->read_share : WITHIN_SHARE;
-        const bool solved = try_to_solve(g, stages, length);
+        const bool solved = try_to_solve(g, stages, length, failures);
         const double error = solved ? general_finish_step(g) : (double)INFINITY; /* by the weights */
         const double reach = length / reach_of(stages);
         if (error <= 1.0) {
             const double next = reach * factor_of(g, error, stages);
             g->longest = fmin(next, GROWTH * fmax(g->longest, length));
             g->longest = fmin(g->longest, fmax(g->solvable, length));
+            if (g->by_forces) {
+                g->longest = fmin(g->longest, growth_by_iterations(g->step.iterations) * length);
+            }
             g->solvable *= g->step.iterations <= EASY_ITERATIONS ? EASY_GROWTH : SOLVABLE_GROWTH;
             g->simple *= SIMPLE_GROWTH;
             if (SCENE_ANY_FRICTION && g->step.problem.turns && g->longest * g->fastest_decay < LEAST_STIFF) {
@@ -528,6 +553,7 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
         if (g->fully && !(error < (double)INFINITY)) {
             g->solvable = SOLVABLE_PART * length;
         }
+        failures += solved ? 0 : 1;
         g->rejected += 1;
         g->longest = fmin(reach * factor_of(g, error, stages), 0.9 * g->longest);
         if (!(g->step.start + g->longest > g->step.start) || g->longest < 1e-18 * limit) {

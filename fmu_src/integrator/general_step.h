@@ -35,6 +35,7 @@ struct general {
     int size;
     int place[3 * SCENE_BODIES], speed[3 * SCENE_BODIES]; /* pairs of states for math/radau_step.h */
     double relative, absolute;                            /* error allowed in a step [1], [m, m/s, ...] */
+    bool by_forces;                                       /* whether node_forces_solve has solved the step */
     bool fully;            /* whether the step is stiff and radau_step_solve_fully solves it */
     double solvable;       /* estimate of the longest step that radau_step_solve_fully solves [s] */
     double simple;         /* estimate of the longest step that simplified iterations solve [s] */

@@ -86,69 +86,142 @@ static inline bool invert_pivot(struct column column, int k, bool is_complex)
     return square > 0.0 && isfinite(square);
 }
 
-static inline bool factor_matrix(const struct lu_matrix *m, bool is_complex)
+/* to -= re_1 first - re_2 second, of the elements [first, end) of real columns. */
+static inline void subtract_two(double *to, const double *one, double by_one, const double *two,
+                                double by_two, int first, int end)
+{
+    for (int i = first; i < end; i += LANES) {
+        double2_put(to, i, double2_at(to, i) - double2_at(one, i) * by_one - double2_at(two, i) * by_two);
+    }
+}
+
+/* Finds the pivot of column k, whose elements from k on are complete, and divides by it. */
+static inline bool take_pivot(const struct lu_matrix *m, int k, bool is_complex)
 {
     const int n = m->rows;
-    for (int k = 0; k < n; ++k) {
-        const struct column column = column_of(m, k, is_complex);
-        const int pivot = largest_of_column(column, k, n, is_complex);
-        m->pivot[k] = pivot;
-        for (int j = 0; j < n && pivot != k; ++j) {
-            swap_rows(column_of(m, j, is_complex), k, pivot, is_complex);
-        }
-        if (!invert_pivot(column, k, is_complex)) {
+    const struct column column = column_of(m, k, is_complex);
+    const int pivot = largest_of_column(column, k, n, is_complex);
+    m->pivot[k] = pivot;
+    for (int j = 0; j < n && pivot != k; ++j) {
+        swap_rows(column_of(m, j, is_complex), k, pivot, is_complex);
+    }
+    if (!invert_pivot(column, k, is_complex)) {
+        return false;
+    }
+    for (int i = k + 1; i < n; ++i) {
+        scale_element(column, i, k, is_complex);
+    }
+    return true;
+}
+
+/* Subtracts column k from a later one. */
+static inline void eliminate(const struct lu_matrix *m, int k, int j, bool is_complex)
+{
+    const struct column other = column_of(m, j, is_complex);
+    if (other.re[k] != 0.0 || (is_complex && other.im[k] != 0.0)) {
+        subtract_column(other, column_of(m, k, is_complex), other.re[k], is_complex ? other.im[k] : 0.0,
+                        k + 1, m->rows, is_complex);
+    }
+}
+
+static inline bool factor_complex(const struct lu_matrix *m)
+{
+    for (int k = 0; k < m->rows; ++k) {
+        if (!take_pivot(m, k, true)) {
             return false;
         }
-        for (int i = k + 1; i < n; ++i) {
-            scale_element(column, i, k, is_complex);
-        }
-        for (int j = k + 1; j < n; ++j) {
-            const struct column other = column_of(m, j, is_complex);
-            if (other.re[k] != 0.0 || (is_complex && other.im[k] != 0.0)) {
-                subtract_column(other, column, other.re[k], is_complex ? other.im[k] : 0.0, k + 1, n,
-                                is_complex);
-            }
+        for (int j = k + 1; j < m->rows; ++j) {
+            eliminate(m, k, j, true);
         }
     }
     return true;
 }
 
-static inline void solve_matrix(const struct lu_matrix *m, struct column side, bool is_complex)
+/* Two pivots at a time, which halves the loads and stores of the columns behind them. */
+static inline bool factor_real(const struct lu_matrix *m)
 {
     const int n = m->rows;
-    for (int k = 0; k < n; ++k) {
+    for (int k = 0; k < n; k += 2) {
+        if (!take_pivot(m, k, false)) {
+            return false;
+        }
+        if (k + 1 == n) {
+            break;
+        }
+        eliminate(m, k, k + 1, false);
+        if (!take_pivot(m, k + 1, false)) {
+            return false;
+        }
+        const double *one = m->re + k * m->stride;
+        const double *two = one + m->stride;
+        for (int j = k + 2; j < n; ++j) {
+            double *to = m->re + j * m->stride;
+            to[k + 1] -= one[k + 1] * to[k];
+            subtract_two(to, one, to[k], two, to[k + 1], k + 2, n);
+        }
+    }
+    return true;
+}
+
+static inline void swap_side(const struct lu_matrix *m, struct column side, bool is_complex)
+{
+    for (int k = 0; k < m->rows; ++k) {
         swap_rows(side, k, m->pivot[k], is_complex);
     }
+}
+
+static inline void solve_complex(const struct lu_matrix *m, struct column side)
+{
+    const int n = m->rows;
+    swap_side(m, side, true);
     for (int k = 0; k < n; ++k) {
-        subtract_column(side, column_of(m, k, is_complex), side.re[k], is_complex ? side.im[k] : 0.0, k + 1,
-                        n, is_complex);
+        subtract_column(side, column_of(m, k, true), side.re[k], side.im[k], k + 1, n, true);
     }
     for (int k = n - 1; k >= 0; --k) {
-        const struct column column = column_of(m, k, is_complex);
-        double re = side.re[k] * column.re[k];
-        double im = 0.0;
-        if (is_complex) {
-            re -= side.im[k] * column.im[k];
-            im = side.re[k] * column.im[k] + side.im[k] * column.re[k];
-        }
-        subtract_column(side, column, re, im, 0, k, is_complex);
+        const struct column column = column_of(m, k, true);
+        const double re = side.re[k] * column.re[k] - side.im[k] * column.im[k];
+        const double im = side.re[k] * column.im[k] + side.im[k] * column.re[k];
+        subtract_column(side, column, re, im, 0, k, true);
         side.re[k] = re; /* the last lane of subtract_column may have changed element k */
-        if (is_complex) {
-            side.im[k] = im;
-        }
+        side.im[k] = im;
+    }
+}
+
+/* Two columns at a time, as factor_real. */
+static inline void solve_real(const struct lu_matrix *m, double *side)
+{
+    const int n = m->rows;
+    swap_side(m, (struct column){side, NULL}, false);
+    for (int k = 0; k + 1 < n; k += 2) {
+        const double *one = m->re + k * m->stride;
+        side[k + 1] -= one[k + 1] * side[k];
+        subtract_two(side, one, side[k], one + m->stride, side[k + 1], k + 2, n);
+    }
+    int k = n - 1;
+    for (; k > 0; k -= 2) {
+        const double *one = m->re + k * m->stride;
+        const double *two = one - m->stride;
+        const double last = side[k] * one[k];
+        const double before = (side[k - 1] - one[k - 1] * last) * two[k - 1];
+        subtract_two(side, one, last, two, before, 0, k - 1);
+        side[k] = last; /* the last lane of subtract_two may have changed element k - 1 */
+        side[k - 1] = before;
+    }
+    if (k == 0) {
+        side[0] *= m->re[0];
     }
 }
 
 CONTACT_FLATTEN bool lu_factor(struct lu_matrix m)
 {
-    return m.im != NULL ? factor_matrix(&m, true) : factor_matrix(&m, false);
+    return m.im != NULL ? factor_complex(&m) : factor_real(&m);
 }
 
 CONTACT_FLATTEN void lu_solve(struct lu_matrix m, double *re, double *im)
 {
     if (m.im != NULL) {
-        solve_matrix(&m, (struct column){re, im}, true);
+        solve_complex(&m, (struct column){re, im});
     } else {
-        solve_matrix(&m, (struct column){re, NULL}, false);
+        solve_real(&m, re);
     }
 }

@@ -19,7 +19,22 @@ static inline int radau_padded(int count)
 static inline void radau_combine(double *restrict to, const double *row, int count, const double *from,
                                  int stride, int width)
 {
-    for (int i = 0; i < width; i += 2 * LANES) {
+    int i = 0;
+    for (; i + 4 * LANES <= width; i += 4 * LANES) { /* four sums at a time hide the latency of additions */
+        const double2 none = {0.0};
+        double2 sum[4] = {none, none, none, none};
+        for (int j = 0; j < count; ++j) {
+            const double *at = from + j * stride + i;
+            sum[0] += double2_at(at, 0) * row[j];
+            sum[1] += double2_at(at, LANES) * row[j];
+            sum[2] += double2_at(at, 2 * LANES) * row[j];
+            sum[3] += double2_at(at, 3 * LANES) * row[j];
+        }
+        for (int k = 0; k < 4; ++k) {
+            double2_put(to, i + k * LANES, sum[k]);
+        }
+    }
+    for (; i < width; i += 2 * LANES) {
         double2 low = {0.0};
         double2 high = {0.0};
         for (int j = 0; j < count; ++j) {
@@ -42,22 +57,6 @@ static inline void radau_polynomials_at(int count, double part, double *of)
     }
 }
 
-/* Length of a row of all forces, for loops that take four numbers at a time. */
-static inline int radau_padded_forces(const struct radau_problem *problem)
-{
-    return (problem->forces + 2 * LANES - 1) / (2 * LANES) * (2 * LANES);
-}
-
-/* Returns the scalar product of two rows. */
-static inline double radau_product(const double *a, const double *b, int count)
-{
-    double sum = 0.0;
-    for (int i = 0; i < count; ++i) {
-        sum += a[i] * b[i];
-    }
-    return sum;
-}
-
 /* Most sweeps for a quaternion: they turn it by ten radians. */
 enum { MOST_SWEEPS = 60 };
 
@@ -67,23 +66,12 @@ static int rows_of_all(const struct radau_problem *problem)
     return problem->turns ? RADAU_MOST_STAGES * (problem->coupled - problem->paired) : 0;
 }
 
-/* Number of doubles that struct radau_forces needs. */
-static size_t radau_forces_memory(const struct radau_problem *problem)
-{
-    const size_t s = RADAU_MOST_STAGES;
-    const size_t f = (size_t)radau_padded_forces(problem);
-    const size_t n = (size_t)radau_padded(problem->coupled);
-    const size_t t = (size_t)problem->tipping;
-    return f > 0 ? 2 * n * f + s * (2 * n * f + t * n + t * f + 3 * n + f + 1) + s * s * (t * f + 1) : 0;
-}
-
 size_t radau_step_memory(const struct radau_problem *problem)
 {
     const size_t n = (size_t)radau_padded(problem->size);
     const size_t s = RADAU_MOST_STAGES;
     const size_t all = (size_t)radau_padded(rows_of_all(problem));
-    const size_t doubles = 6 * s * n + (s + 1) * n + 6 * n * n + s * n * n + 5 * n + (all + 1) * all +
-                           radau_forces_memory(problem);
+    const size_t doubles = 6 * s * n + (s + 1) * n + 6 * n * n + s * n * n + 5 * n + (all + 1) * all + s * s;
     const size_t ints = 2 * n + s / 2 * n + all;
     return doubles * sizeof(double) + ints * sizeof(int);
 }
@@ -93,31 +81,6 @@ static double *take(double **from, int count)
     double *taken = *from;
     *from += count;
     return taken;
-}
-
-static void radau_forces_place(struct radau_step *p, double *memory)
-{
-    const struct radau_problem *problem = &p->problem;
-    struct radau_forces *to = &p->forces;
-    const int s = RADAU_MOST_STAGES;
-    const int f = radau_padded_forces(problem);
-    const int n = radau_padded(problem->coupled);
-    const int t = problem->tipping;
-    if (f == 0) {
-        return;
-    }
-    to->by_forces = take(&memory, n * f);
-    to->of_forces = take(&memory, n * f);
-    to->by = take(&memory, s * n * f);
-    to->of = take(&memory, s * n * f);
-    to->own = take(&memory, s * t * n);
-    to->row = take(&memory, s * t * f);
-    to->change = take(&memory, s * n);
-    to->places = take(&memory, s * n);
-    to->moved = take(&memory, s * n);
-    to->side = take(&memory, s * f + s);
-    to->tips = take(&memory, s * s * t * f);
-    to->twice = take(&memory, s * s);
 }
 
 /* Lists the coupled states that remain once places are eliminated. */
@@ -171,7 +134,7 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     p->side = take(&next, all);
     p->whole = take(&next, n * n);
     p->all = (struct lu_matrix){.stride = all, .re = take(&next, all * all)};
-    radau_forces_place(p, take(&next, (int)radau_forces_memory(problem)));
+    p->twice = take(&next, s * s);
     int *whole = (int *)(void *)next;
     p->other = whole;
     p->speed_among = whole + n;
@@ -397,6 +360,7 @@ static void guess_on(struct radau_step *p)
             of[k] -= here[k];
         }
         radau_combine(p->point, of, count, p->chebyshev, p->stride, p->stride);
+        memcpy(p->change + i * p->stride, p->point, (size_t)p->stride * sizeof *p->point);
         for (int j = 0; j < p->width; ++j) {
             p->others_change[i * p->width + j] = j < p->others ? p->point[p->other[j]] : 0.0;
         }
@@ -420,6 +384,59 @@ static void radau_move_places(struct radau_step *p)
     }
     for (int i = 0; i < s; ++i) {
         radau_combine(p->places_change + i * width, stages->integral + i * s, s, speeds, width, width);
+    }
+}
+
+void radau_step_pending(struct radau_step *p, double *pending)
+{
+    const int s = p->stages->stages;
+    const int width = p->width;
+    for (int i = 0; i < s; ++i) {
+        const double *rates = p->rates + i * p->stride;
+        double *to = p->residual + i * width;
+        for (int j = 0; j < p->others; ++j) {
+            to[j] = p->length * rates[p->other[j]];
+        }
+    }
+    for (int i = 0; i < s; ++i) {
+        const double *change = p->others_change + i * width;
+        double *restrict to = pending + i * width;
+        radau_combine(to, p->stages->integral + i * s, s, p->residual, width, width);
+        for (int j = 0; j < width; ++j) {
+            to[j] -= change[j];
+        }
+    }
+}
+
+double radau_step_integrate(struct radau_step *p)
+{
+    const int width = p->width;
+    double largest = 0.0;
+    radau_step_pending(p, p->scratch);
+    for (int i = 0; i < p->stages->stages; ++i) {
+        const double *pending = p->scratch + i * width;
+        double *change = p->others_change + i * width;
+        for (int j = 0; j < p->others; ++j) {
+            const double size = fabs(pending[j]) * p->weight[p->other[j]];
+            largest = size <= largest ? largest : size; /* NaN counts as the largest */
+            change[j] += pending[j];
+        }
+    }
+    radau_move_places(p);
+    return largest;
+}
+
+void radau_step_guess_rates(const struct radau_step *p, int first, int count, double *rates)
+{
+    const int s = p->stages->stages;
+    for (int i = 0; i < s; ++i) {
+        for (int k = 0; k < count; ++k) {
+            double sum = 0.0;
+            for (int j = 0; j < s; ++j) {
+                sum += p->stages->inverse[i * s + j] * p->change[j * p->stride + first + k];
+            }
+            rates[i * count + k] = sum / p->length;
+        }
     }
 }
 
@@ -635,6 +652,7 @@ bool radau_step_guess_again(struct radau_step *p, const struct radau_stages *sta
         double of[RADAU_MOST_STAGES + 1];
         radau_polynomials_at(s + 1, stages->node[i] * length / p->known_length, of);
         radau_combine(p->point, of, s + 1, p->chebyshev, p->stride, p->stride);
+        memcpy(p->change + i * p->stride, p->point, (size_t)p->stride * sizeof *p->point);
         for (int j = 0; j < p->width; ++j) {
             p->others_change[i * p->width + j] = j < p->others ? p->point[p->other[j]] : 0.0;
         }
@@ -688,65 +706,19 @@ bool radau_step_solve(struct radau_step *p, double tolerance)
         if (p->iterations > 2 && p->contraction > SLOWEST_CONTRACTION) {
             return size <= ROUNDING_SHARE;
         }
-        if (p->problem.forces > 0 && p->iterations > 2 && size > ROUNDING_SHARE &&
-            pow(factor, MOST_ITERATIONS - p->iterations) * size > tolerance) {
-            return false; /* will not converge within MOST_ITERATIONS */
-        }
         last = size;
     }
     return false;
 }
 
-/* Newton's method with the Jacobian at every stage for states that a few forces couple. The unknowns of the
- * system are the changes of the forces at all stages, which are fewer than the states. The direct effect of
- * the states on each other, as of a place on the direction of a force, is left out: it is not stiff, and the
- * iterations make up for it. */
-
-/* The parts of the Jacobian at a stage: the states left by the forces, one row for each force; the forces by
- * the states left and the places, one row for each state; and tipping states by the states left, one row for
- * each tipping state. */
-static void take_split_stage(struct radau_step *p, int stage)
-{
-    const struct radau_problem *problem = &p->problem;
-    const struct radau_forces *to = &p->forces;
-    const int n = problem->coupled;
-    const int m = p->others;
-    const int f = problem->forces;
-    const int wide = radau_padded_forces(problem);
-    memcpy(p->point, p->y, (size_t)problem->size * sizeof *p->point);
-    radau_step_stage(p, stage, p->point);
-    problem->split_jacobian(problem->context, p->start + p->length * p->stages->node[stage], p->point,
-                            p->jacobian, to->by_forces, to->of_forces);
-    p->evaluations += 1;
-    double *of = to->of + stage * n * wide;
-    memset(of, 0, (size_t)(n * wide) * sizeof *of);
-    for (int g = 0; g < f; ++g) {
-        double *by = to->by + (stage * f + g) * n;
-        for (int i = 0; i < m; ++i) {
-            by[i] = to->by_forces[g * n + p->other[i]];
-            of[i * wide + g] = to->of_forces[p->other[i] * f + g];
-        }
-        for (int k = 0; k < problem->paired; ++k) {
-            of[(m + k) * wide + g] = to->of_forces[problem->place[k] * f + g];
-        }
-    }
-    for (int r = 0; r < problem->tipping; ++r) {
-        double *own = to->own + (stage * problem->tipping + r) * n;
-        const int row = p->other[m - problem->tipping + r];
-        for (int i = 0; i < m; ++i) {
-            own[i] = p->jacobian[p->other[i] * n + row];
-        }
-    }
-}
-
 /* A^2 of the method, computed once for each number of stages. */
-static void put_twice(struct radau_step *p)
+const double *radau_step_twice(struct radau_step *p)
 {
     const int s = p->stages->stages;
-    if (p->forces.twice_of == p->stages) {
-        return;
+    if (p->twice_of == p->stages) {
+        return p->twice;
     }
-    p->forces.twice_of = p->stages;
+    p->twice_of = p->stages;
     const double *once = p->stages->integral;
     for (int i = 0; i < s; ++i) {
         for (int j = 0; j < s; ++j) {
@@ -754,208 +726,10 @@ static void put_twice(struct radau_step *p)
             for (int k = 0; k < s; ++k) {
                 sum += once[i * s + k] * once[k * s + j];
             }
-            p->forces.twice[i * s + j] = sum;
+            p->twice[i * s + j] = sum;
         }
     }
-}
-
-/* Tipping states at all stages by the forces at one stage: h^2 sum A_ik A_kj own_k by_j. */
-static void put_tips(struct radau_step *p, int stage)
-{
-    const struct radau_forces *to = &p->forces;
-    const int s = p->stages->stages;
-    const int n = p->problem.coupled;
-    const int f = p->problem.forces;
-    const int t = p->problem.tipping;
-    const double *once = p->stages->integral;
-    for (int k = 0; k < s; ++k) {
-        const double scale = p->length * p->length * once[k * s + stage];
-        for (int r = 0; r < t; ++r) {
-            for (int g = 0; g < f; ++g) {
-                to->row[(k * t + r) * f + g] =
-                    scale * radau_product(to->own + (k * t + r) * n, to->by + (stage * f + g) * n, p->others);
-            }
-        }
-    }
-    for (int i = 0; i < s; ++i) {
-        double *restrict tips = to->tips + (i * s + stage) * t * f;
-        memset(tips, 0, (size_t)(t * f) * sizeof *tips);
-        for (int k = 0; k < s; ++k) {
-            const double weight = once[i * s + k];
-            for (int e = 0; e < t * f; ++e) {
-                tips[e] += weight * to->row[k * t * f + e];
-            }
-        }
-    }
-}
-
-/* Numbers e to e + 3 of the sum of the rows `of` [count][wide], row k times by[apart k], or times
- * by[among[k]]. */
-struct four_sums {
-    double2 low, high;
-};
-
-static inline struct four_sums sum_rows(const double *of, int wide, int e, int count, const double *by,
-                                        int apart, const int *among)
-{
-    const double2 none = {0.0};
-    struct four_sums sum = {none, none};
-    for (int k = 0; k < count; ++k) {
-        const double factor = by[among ? among[k] : k * apart];
-        sum.low += double2_at(of + k * wide, e) * factor;
-        sum.high += double2_at(of + k * wide, e + LANES) * factor;
-    }
-    return sum;
-}
-
-/* 1 - of h A by, for one pair of stages, with places and tipping states. Rows behind the forces of a stage
- * belong to the next stage, which is written later, or lie behind the matrix. */
-static void put_block(struct radau_step *p, int i, int j)
-{
-    const struct radau_forces *to = &p->forces;
-    const int s = p->stages->stages;
-    const int n = p->problem.coupled;
-    const int f = p->problem.forces;
-    const int t = p->problem.tipping;
-    const int m = p->others;
-    const double once = -p->length * p->stages->integral[i * s + j];
-    const double twice = -p->length * p->length * to->twice[i * s + j];
-    const int wide = radau_padded_forces(&p->problem);
-    const double *of = to->of + i * n * wide;
-    const double *places = of + m * wide;
-    const double *tips = to->tips + (i * s + j) * t * f;
-    for (int g = 0; g < f; ++g) {
-        const double *by = to->by + (j * f + g) * n;
-        double *column = p->all.re + (j * f + g) * p->all.stride + i * f;
-        for (int e = 0; e < wide; e += 2 * LANES) {
-            const struct four_sums a = sum_rows(of, wide, e, m, by, 1, NULL);
-            const struct four_sums b = sum_rows(places, wide, e, p->problem.paired, by, 0, p->speed_among);
-            const struct four_sums c = sum_rows(places - t * wide, wide, e, t, tips + g, f, NULL);
-            double2_put(column, e, once * a.low + twice * b.low - c.low);
-            double2_put(column, e + LANES, once * a.high + twice * b.high - c.high);
-        }
-        column[g] += i == j ? 1.0 : 0.0;
-    }
-}
-
-static bool radau_forces_factor(struct radau_step *p)
-{
-    const int s = p->stages->stages;
-    p->all.rows = s * p->problem.forces;
-    for (int i = 0; i < s; ++i) {
-        take_split_stage(p, i);
-    }
-    put_twice(p);
-    for (int j = 0; j < s; ++j) {
-        if (p->problem.tipping > 0) {
-            put_tips(p, j);
-        }
-        for (int i = 0; i < s; ++i) {
-            put_block(p, i, j);
-        }
-    }
-    for (int k = 0; k < p->all.rows; ++k) { /* the zero behind each column */
-        p->all.re[k * p->all.stride + p->all.rows] = 0.0;
-    }
-    return lu_factor(p->all);
-}
-
-/* Changes by the residual without forces: A times the residual of the states left, also of tipping states by
- * the others, and h A times the speeds of the places. */
-static void change_without_forces(struct radau_step *p)
-{
-    const struct radau_forces *to = &p->forces;
-    const int s = p->stages->stages;
-    const int n = p->problem.coupled;
-    const int m = p->others;
-    const int t = p->problem.tipping;
-    const int width = p->width;
-    const int places = radau_padded(p->problem.paired);
-    const double *once = p->stages->integral;
-    for (int i = 0; i < s; ++i) {
-        radau_combine(to->change + i * width, once + i * s, s, p->residual, width, width);
-    }
-    for (int i = 0; i < s; ++i) {
-        for (int r = 0; r < t; ++r) {
-            to->row[i * t + r] =
-                p->length * radau_product(to->own + (i * t + r) * n, to->change + i * width, m);
-        }
-        memset(to->moved + i * places, 0, (size_t)places * sizeof *to->moved);
-        for (int k = 0; k < p->problem.paired; ++k) {
-            to->moved[i * places + k] = p->length * to->change[i * width + p->speed_among[k]];
-        }
-    }
-    for (int i = 0; i < s; ++i) {
-        for (int r = 0; r < t; ++r) {
-            for (int j = 0; j < s; ++j) {
-                to->change[i * width + m - t + r] += once[i * s + j] * to->row[j * t + r];
-            }
-        }
-        radau_combine(to->places + i * places, once + i * s, s, to->moved, places, places);
-    }
-}
-
-/* Writes the changes of the forces at a stage due to the changes of the states and places. */
-static void put_changes_of_forces(struct radau_step *p, int stage, double *side)
-{
-    const struct radau_forces *to = &p->forces;
-    const int n = p->problem.coupled;
-    const int f = p->problem.forces;
-    const int m = p->others;
-    const int wide = radau_padded_forces(&p->problem);
-    const double *of = to->of + stage * n * wide;
-    const double *change = to->change + stage * p->width;
-    const double *places = to->places + stage * radau_padded(p->problem.paired);
-    for (int g = 0; g < f; ++g) {
-        double sum = 0.0;
-        for (int k = 0; k < m; ++k) {
-            sum += of[k * wide + g] * change[k];
-        }
-        for (int k = 0; k < p->problem.paired; ++k) {
-            sum += of[(m + k) * wide + g] * places[k];
-        }
-        side[g] = sum;
-    }
-}
-
-static void radau_forces_correct(struct radau_step *p)
-{
-    const struct radau_forces *to = &p->forces;
-    const int s = p->stages->stages;
-    const int n = p->problem.coupled;
-    const int f = p->problem.forces;
-    const int m = p->others;
-    const int t = p->problem.tipping;
-    const int width = p->width;
-    change_without_forces(p);
-    for (int i = 0; i < s; ++i) {
-        put_changes_of_forces(p, i, to->side + i * f);
-    }
-    to->side[s * f] = 0.0;
-    lu_solve(p->all, to->side, NULL);
-    for (int i = 0; i < s; ++i) {
-        double *moved = to->moved + i * width;
-        memset(moved, 0, (size_t)width * sizeof *moved);
-        for (int g = 0; g < f; ++g) {
-            const double *by = to->by + (i * f + g) * n;
-            const double change = p->length * to->side[i * f + g];
-            for (int k = 0; k < m; ++k) {
-                moved[k] += by[k] * change;
-            }
-        }
-    }
-    for (int i = 0; i < s; ++i) {
-        radau_combine(p->re, p->stages->integral + i * s, s, to->moved, width, width);
-        for (int k = 0; k < m; ++k) {
-            p->side[i * m + k] = to->change[i * width + k] + p->re[k];
-        }
-        for (int j = 0; j < s && t > 0; ++j) {
-            const double *tips = to->tips + (i * s + j) * t * f;
-            for (int r = 0; r < t; ++r) {
-                p->side[i * m + m - t + r] += radau_product(tips + r * f, to->side + j * f, f);
-            }
-        }
-    }
+    return p->twice;
 }
 
 /* Newton's method for a step with the Jacobian at every stage: for problems whose stiff directions turn
@@ -1008,9 +782,6 @@ static void put_stage(struct radau_step *p, int stage)
 static bool factor_fully(struct radau_step *p)
 {
     const int s = p->stages->stages;
-    if (p->problem.forces > 0) {
-        return radau_forces_factor(p);
-    }
     p->all.rows = s * p->others;
     for (int i = 0; i < s; ++i) {
         radau_take_stage_jacobian(p, i);
@@ -1028,15 +799,11 @@ static double correct_fully(struct radau_step *p)
     const int s = p->stages->stages;
     const int m = p->others;
     double *side = p->side;
-    if (p->problem.forces > 0) {
-        radau_forces_correct(p);
-    } else {
-        for (int i = 0; i < s; ++i) {
-            memcpy(side + i * m, p->residual + i * p->width, (size_t)m * sizeof *side);
-        }
-        side[s * m] = 0.0;
-        lu_solve(p->all, side, NULL);
+    for (int i = 0; i < s; ++i) {
+        memcpy(side + i * m, p->residual + i * p->width, (size_t)m * sizeof *side);
     }
+    side[s * m] = 0.0;
+    lu_solve(p->all, side, NULL);
     double largest = 0.0;
     for (int i = 0; i < s; ++i) {
         for (int j = 0; j < m; ++j) {

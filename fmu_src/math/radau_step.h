@@ -31,22 +31,6 @@ struct radau_problem {
     void (*jacobian)(const void *context, double clock, const double *y, double *columns);
     /* d(rate i)/d(y j) of all states, at [j * size + i] */
     void (*whole_jacobian)(const void *context, double clock, const double *y, double *columns);
-    /* Number of forces that couple the states, if they are fewer than the others; else 0. Only the last
-     * `tipping` coupled states also depend on others directly. split_jacobian writes the Jacobian without the
-     * forces to `columns`, d(rate i)/d(force j) at [j * coupled + i] and d(force i)/d(y j) at [j * forces +
-     * i]. */
-    int forces, tipping;
-    void (*split_jacobian)(const void *context, double clock, const double *y, double *columns,
-                           double *by_forces, double *of_forces);
-};
-
-/* Memory of radau_step.c for the system of the forces: the parts of the Jacobian at one stage, then at all
- * stages by the others and the places, and working memory. */
-struct radau_forces {
-    double *by_forces, *of_forces;
-    double *by, *of, *own, *tips, *twice;
-    double *row, *change, *places, *moved, *side;
-    const struct radau_stages *twice_of; /* method whose A^2 is `twice`; NULL: none */
 };
 
 struct radau_step {
@@ -72,12 +56,13 @@ struct radau_step {
     double *stage_others, *stage_places, *side; /* for radau_step_solve_fully */
     double *whole;                              /* [size][size], for radau_step_solve_fully */
     struct lu_matrix all;
-    struct radau_forces forces; /* for radau_step_solve_fully with forces as unknowns */
-    double *point, *re;         /* [size] each */
-    int stride, width;          /* padded lengths of rows of all states, and of the others */
-    int others;                 /* number of coupled states that are no places */
-    int *other;                 /* [others]: their indices */
-    int *speed_among;           /* [paired]: index of a speed among the others */
+    double *twice;                       /* A^2 of the method `twice_of`, for radau_step_twice */
+    const struct radau_stages *twice_of; /* NULL: none */
+    double *point, *re;                  /* [size] each */
+    int stride, width;                   /* padded lengths of rows of all states, and of the others */
+    int others;                          /* number of coupled states that are no places */
+    int *other;                          /* [others]: their indices */
+    int *speed_among;                    /* [paired]: index of a speed among the others */
 };
 
 /* The first returns the bytes of memory for a problem; the second sets up a step in such memory. */
@@ -95,6 +80,16 @@ bool radau_step_guess_again(struct radau_step *p, const struct radau_stages *sta
 /* Starts the iterations of radau_step_solve_fully from the last polynomial if it begins or ends at the start,
  * else from the rates there. Stiff directions that turn would mislead the solution of the linear problem. */
 void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages, double length);
+
+/* For iterations of the caller's own. radau_step_pending writes the integrals of p->rates less the changes of
+ * the others, [stage][p->width]. radau_step_integrate sets the changes of the coupled states to the integrals
+ * of p->rates, and returns the largest weighted difference from the changes before. After
+ * radau_step_guess_on or radau_step_guess_again from a polynomial, radau_step_guess_rates gives the rates of
+ * `count` states from `first` on, along the guess, at [stage * count + state]. */
+const double *radau_step_twice(struct radau_step *p);
+void radau_step_pending(struct radau_step *p, double *pending);
+double radau_step_integrate(struct radau_step *p);
+void radau_step_guess_rates(const struct radau_step *p, int first, int count, double *rates);
 
 /* Whether the last polynomial begins or ends where the step begins. */
 bool radau_step_goes_on(const struct radau_step *p);

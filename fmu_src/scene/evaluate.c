@@ -234,10 +234,8 @@ static void turning_of_bodies(const struct scene_values *v, const struct scene_s
     }
 }
 
-/* Sets slip, friction and torques of a contact whose geometry and normal force are known. Adds friction to
- * the force on the source. */
-static void turning_of_contact(const struct scene_values *v, const struct scene_state *q,
-                               const struct turning_state *state, int contact, struct scene_instant *at)
+void turning_slip_of_contact(const struct scene_values *v, const struct scene_state *q, int contact,
+                             struct scene_instant *at)
 {
     struct turning_instant *turning = &at->turning;
     const int source = contact_source(contact);
@@ -255,6 +253,23 @@ static void turning_of_contact(const struct scene_values *v, const struct scene_
      * friction with a small v_0 would make a force of it. */
     const struct vec3 across = vec3_axpy(slip, -vec3_dot(slip, g->normal), g->normal);
     turning->slip[contact] = vec3_axpy(across, -vec3_dot(across, g->normal), g->normal);
+}
+
+static void put_torques(struct scene_instant *at, int contact)
+{
+    struct turning_instant *turning = &at->turning;
+    const struct vec3 force = at->source_force[contact];
+    turning->source_torque[contact] = vec3_cross(turning->source_arm[contact], force);
+    turning->destination_torque[contact] = vec3_cross(force, turning->destination_arm[contact]);
+}
+
+/* Sets slip, friction and torques of a contact whose geometry and normal force are known. Adds friction to
+ * the force on the source. */
+static void turning_of_contact(const struct scene_values *v, const struct scene_state *q,
+                               const struct turning_state *state, int contact, struct scene_instant *at)
+{
+    struct turning_instant *turning = &at->turning;
+    turning_slip_of_contact(v, q, contact, at);
     turning->friction_force[contact] = vec3_make(0.0, 0.0, 0.0);
     if (contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART) {
         const struct friction_law law = scene_friction_law(v, q, contact);
@@ -263,9 +278,7 @@ static void turning_of_contact(const struct scene_values *v, const struct scene_
             friction_force(&law, (enum friction_regime)q->contact[contact].friction_regime, rubbing);
         at->source_force[contact] = vec3_add(at->source_force[contact], turning->friction_force[contact]);
     }
-    const struct vec3 force = at->source_force[contact];
-    turning->source_torque[contact] = vec3_cross(arm, force);
-    turning->destination_torque[contact] = vec3_cross(force, turning->destination_arm[contact]);
+    put_torques(at, contact);
 }
 
 void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
@@ -348,11 +361,9 @@ static void put_kinematics(const struct scene_values *v, const struct scene_stat
 }
 
 /* Does the work of scene_kinematics with the rotations in `turning`. */
-CONTACT_NOINLINE static void scene_kinematics_turning(const struct scene_values *v,
-                                                      const struct scene_state *q, double clock,
-                                                      const struct body_state *bodies,
-                                                      const struct turning_state *turning,
-                                                      struct scene_instant *at)
+CONTACT_NOINLINE void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q,
+                                               double clock, const struct body_state *bodies,
+                                               const struct turning_state *turning, struct scene_instant *at)
 {
     put_kinematics(v, q, clock, bodies, at);
     turning_of_bodies(v, q, clock, turning, at);
@@ -443,6 +454,24 @@ void scene_evaluate(const struct scene_values *v, const struct scene_state *q, d
 {
     scene_kinematics(v, q, clock, bodies, at);
     scene_forces(v, q, clock, at);
+}
+
+void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q,
+                              const struct vec3 *force, struct scene_instant *at)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const int source = contact_source(j);
+        const int destination = contact_destination(j);
+        const struct vec3 more = vec3_sub(force[j], at->source_force[j]);
+        const struct vec3 e = vec3_scale(scene_contact_side(v, q, j), at->geometry[j].normal);
+        at->acceleration[source] = vec3_axpy(at->acceleration[source], body_inverse_mass(v, source), more);
+        at->acceleration[destination] =
+            vec3_axpy(at->acceleration[destination], -body_inverse_mass(v, destination), more);
+        at->source_force[j] = force[j];
+        at->normal_force[j] = -vec3_dot(force[j], e);
+        at->turning.friction_force[j] = vec3_axpy(force[j], at->normal_force[j], e);
+        put_torques(at, j);
+    }
 }
 
 double body_inverse_mass(const struct scene_values *v, int body)

@@ -77,7 +77,10 @@ struct body_instant scene_body_now(const struct scene_values *v, const struct sc
 void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
                       const struct body_state *bodies, struct scene_instant *at);
 
-/* Does the work of scene_evaluate with the rotations and springs in `turning`. */
+/* Do the work of scene_kinematics and scene_evaluate with the rotations and springs in `turning`. */
+void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q, double clock,
+                              const struct body_state *bodies, const struct turning_state *turning,
+                              struct scene_instant *at);
 void scene_evaluate_turning(const struct scene_values *v, const struct scene_state *q, double clock,
                             const struct body_state *bodies, const struct turning_state *turning,
                             struct scene_instant *at);
@@ -155,6 +158,15 @@ double turning_prescribed_steps(const struct scene_values *v, const struct scene
 
 /* Returns the orientation and angular velocity of a body of prescribed rotation at a clock. */
 struct body_turn turning_prescribed_at(const struct scene_state *q, double clock, int body);
+
+/* Sets the arms and the slip of a contact whose geometry is known. */
+void turning_slip_of_contact(const struct scene_values *v, const struct scene_state *q, int contact,
+                             struct scene_instant *at);
+
+/* Replaces the contact forces on the sources by given ones [N], one for each contact, in an instant that has
+ * forces. Accelerations, torques, F_n and F_t follow. */
+void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q,
+                              const struct vec3 *force, struct scene_instant *at);
 
 /* Adds rotations, friction and torques to an instant that has geometry and normal forces. */
 void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);

@@ -71,28 +71,6 @@ int ode_size(const struct scene_values *v)
     return ode_dissipated(v) + (scene_turns(v) ? 3 : 2);
 }
 
-int ode_forces(const struct scene_values *v)
-{
-    const int forces = 3 * SCENE_CONTACTS;
-    int left = scene_turns(v) ? ode_coupled(v) - ode_body(v, SCENE_BODIES) / 2 : 0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        left = contact_rubs_elastically(v, j) ? 0 : left; /* springs act on rates too, not by forces alone */
-    }
-    return forces < left ? forces : 0;
-}
-
-int ode_tipping(const struct scene_values *v)
-{
-    int count = 0;
-    if (SCENE_ANY_TURNING) {
-        const struct turning_layout layout = turning_layout_of(v);
-        for (int i = 0; i < SCENE_BODIES && scene_turns(v); ++i) {
-            count += layout.orientation[i] >= 0 && layout.orientation[i] < layout.coupled ? 4 : 0;
-        }
-    }
-    return count;
-}
-
 /* Returns I_1/I_3 - 1 [1] of a body that turns freely; I_3 is about its axis. */
 static double turning_flatness(const struct scene_values *v, int body)
 {
@@ -475,26 +453,75 @@ void ode_instant(const struct scene_ode *ode, double clock, const double *y, str
     scene_evaluate(ode->values, ode->state, clock, bodies, at);
 }
 
-void ode_rates(const void *scene_ode, double clock, const double *y, double *rates)
+void ode_contact_motion(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at)
 {
-    const struct scene_ode *ode = scene_ode;
+    struct body_state bodies[SCENE_BODIES];
+    struct turning_state turning = ode->state->turning;
+    unpack_bodies(ode->values, y, bodies);
+    turning_unpack(ode->values, y, &turning);
+    scene_kinematics_turning(ode->values, ode->state, clock, bodies, &turning, at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        turning_slip_of_contact(ode->values, ode->state, j, at);
+    }
+}
+
+void ode_rates_without_contact(const struct scene_ode *ode, double clock, const double *y,
+                               const struct scene_instant *at, double *rates)
+{
     const struct scene_values *v = ode->values;
-    struct scene_instant at;
-    ode_instant(ode, clock, y, &at);
+    const struct turning_layout layout = turning_layout_of(v);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            vec3_to(at.velocity[i], rates + ode_body(v, i));
-            vec3_to(at.acceleration[i], rates + ode_body(v, i) + 3);
+            const struct vec3 force = path_at(ode->state->path[i].force, 3, clock);
+            vec3_to(vec3_axpy(gravity(v), 1.0 / body_mass(v, i), force), rates + ode_body(v, i) + 3);
+        }
+        if (layout.spin[i] >= 0) {
+            const struct vec3 torque = path_at(ode->state->path[i].torque, 3, clock);
+            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), rates + layout.spin[i]);
+        }
+        if (layout.orientation[i] >= 0 && layout.orientation[i] < layout.coupled) {
+            four_to(
+                quaternion_rate(four_from(y + layout.orientation[i]), at->turning.body[i].angular_velocity),
+                rates + layout.orientation[i]);
+        }
+    }
+}
+
+/* Writes the rates of all states at an instant. */
+static void put_scene_rates(const struct scene_ode *ode, double clock, const double *y,
+                            const struct scene_instant *at, double *rates)
+{
+    const struct scene_values *v = ode->values;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            vec3_to(at->velocity[i], rates + ode_body(v, i));
+            vec3_to(at->acceleration[i], rates + ode_body(v, i) + 3);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        vec3_to(at.source_force[j], rates + ode_impulse(v, j));
+        vec3_to(at->source_force[j], rates + ode_impulse(v, j));
     }
-    rates[ode_dissipated(v)] = energy_dissipated_power(v, ode->state, &at);
-    rates[ode_dissipated(v) + 1] = scene_external_power(v, ode->state, clock, &at);
+    rates[ode_dissipated(v)] = energy_dissipated_power(v, ode->state, at);
+    rates[ode_dissipated(v) + 1] = scene_external_power(v, ode->state, clock, at);
     if (scene_turns(v)) {
-        turning_rates(ode, clock, y, &at, rates);
+        turning_rates(ode, clock, y, at, rates);
     }
+}
+
+void ode_rates(const void *scene_ode, double clock, const double *y, double *rates)
+{
+    struct scene_instant at;
+    ode_instant(scene_ode, clock, y, &at);
+    put_scene_rates(scene_ode, clock, y, &at, rates);
+}
+
+void ode_rates_under(const struct scene_ode *ode, double clock, const double *y, const struct vec3 *force,
+                     double *rates)
+{
+    struct scene_instant at;
+    ode_instant(ode, clock, y, &at);
+    scene_put_contact_forces(ode->values, ode->state, force, &at);
+    put_scene_rates(ode, clock, y, &at, rates);
 }
 
 void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
@@ -556,7 +583,6 @@ struct turning_linearization {
     struct turning_state turning;
     struct turning_layout layout;
     struct jacobian matrix;
-    double *of_forces; /* takes [coupled][3 contacts], d force / d state; NULL: not wanted */
 };
 
 static struct vec3 along_axis(int component)
@@ -618,13 +644,6 @@ static void add_change(const struct turning_linearization *l, const struct turni
 {
     const struct scene_values *v = l->ode->values;
     const struct turning_change change = turning_slopes_along(slopes, motion);
-    if (l->of_forces) {
-        double *to = l->of_forces + 3 * (column * SCENE_CONTACTS + contact);
-        for (int k = 0; k < 3; ++k) {
-            to[k] += vec3_get(change.force, k);
-        }
-        return;
-    }
     add_to_body(l, column, contact_source(contact), 1.0, change.force, change.source_torque);
     add_to_body(l, column, contact_destination(contact), -1.0, change.force, change.destination_torque);
     if (l->layout.spring[contact] >= 0) {
@@ -734,29 +753,6 @@ static void linearize(struct turning_linearization *l, double clock)
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         add_contact(l, j);
-    }
-}
-
-void ode_split_jacobian(const void *scene_ode, double clock, const double *y, double *columns,
-                        double *by_forces, double *of_forces)
-{
-    const struct scene_ode *ode = scene_ode;
-    const int coupled = ode_coupled(ode->values);
-    const size_t count = 3 * SCENE_CONTACTS * (size_t)coupled;
-    struct turning_linearization l = {
-        .ode = ode, .y = y, .matrix = {columns, coupled}, .of_forces = of_forces};
-    memset(of_forces, 0, count * sizeof *of_forces);
-    memset(by_forces, 0, count * sizeof *by_forces);
-    linearize(&l, clock);
-    struct jacobian by = {by_forces, coupled};
-    for (int j = 0; j < 3 * SCENE_CONTACTS; ++j) {
-        const int contact = j / 3;
-        const struct vec3 force = along_axis(j % 3);
-        const struct vec3 on_source = vec3_cross(l.at.turning.source_arm[contact], force);
-        const struct vec3 on_destination = vec3_cross(force, l.at.turning.destination_arm[contact]);
-        l.matrix = by;
-        add_to_body(&l, j, contact_source(contact), 1.0, force, on_source);
-        add_to_body(&l, j, contact_destination(contact), -1.0, force, on_destination);
     }
 }
 

@@ -87,26 +87,21 @@ void ode_unpack(const struct scene_values *v, struct scene_state *q, const doubl
 /* Computes dy/dt. Integrators that know no scene call it and the Jacobians (math/radau_step.h). */
 void ode_rates(const void *scene_ode, double clock, const double *y, double *rates);
 
+/* For an integrator whose unknowns are the contact forces, where scene_turns. ode_contact_motion sets the
+ * kinematics of an instant, with arms and slips. ode_rates_without_contact writes the rates of the coupled
+ * states that are no places, without the contact forces. ode_rates_under writes the rates of all states
+ * under given forces on the sources [N], one for each contact. */
+void ode_contact_motion(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at);
+void ode_rates_without_contact(const struct scene_ode *ode, double clock, const double *y,
+                               const struct scene_instant *at, double *rates);
+void ode_rates_under(const struct scene_ode *ode, double clock, const double *y, const struct vec3 *force,
+                     double *rates);
+
 /* Sets columns[j * ode_size + i] to the derivative of (dy/dt)_i with respect to y_j. */
 void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns);
 
 /* Sets the leading ode_coupled rows and columns of this Jacobian, by columns. */
 void ode_coupled_jacobian(const void *scene_ode, double clock, const double *y, double *columns);
-
-/*
- * The Jacobian of the coupled states, split where these states act on each other by a few contact forces
- * only. ode_forces returns the number of force components; 0: the Jacobian cannot be split. ode_tipping
- * returns the number of the last coupled states, orientations, whose rates depend on other states directly
- * too.
- *
- * ode_split_jacobian sets `columns` to the part without the forces, by_forces[force * ode_coupled + rate] to
- * d rate / d force, and of_forces[state * ode_forces + force] to d force / d state. The change of a torque
- * with the point where its force acts is left out.
- */
-int ode_forces(const struct scene_values *v);
-int ode_tipping(const struct scene_values *v);
-void ode_split_jacobian(const void *scene_ode, double clock, const double *y, double *columns,
-                        double *by_forces, double *of_forces);
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
 

@@ -131,98 +131,114 @@ TEST(a_quaternion_that_turns_too_far_has_no_small_error)
     free(memory);
 }
 
-/* x' = v, a' = (1 + x) v, v' = f, f = -x - damping v - 5 a: one force couples them; a takes part in it, but
- * follows v of its own. */
-enum { TIPPING = 2, COUPLED_BY_FORCE = 3 };
-
-static double force_at(double damping, const double *y)
-{
-    return -y[PLACE] - damping * y[SPEED] - 5.0 * y[TIPPING];
-}
+/* x' = v, a' = (1 + x) v, v' = -x - damping v - 5 a. */
+enum { TIPPING = 2, TIPPING_STATES = 3 };
 
 static void tipping_rates(const void *damping, double clock, const double *y, double *rates)
 {
     (void)clock;
     rates[PLACE] = y[SPEED];
-    rates[SPEED] = force_at(*(const double *)damping, y);
+    rates[SPEED] = -y[PLACE] - *(const double *)damping * y[SPEED] - 5.0 * y[TIPPING];
     rates[TIPPING] = (1.0 + y[PLACE]) * y[SPEED];
-}
-
-static void split_tipping_jacobian(const void *damping, double clock, const double *y, double *columns,
-                                   double *by_forces, double *of_forces)
-{
-    (void)clock;
-    const double of[COUPLED_BY_FORCE] = {-1.0, -*(const double *)damping, -5.0};
-    for (int j = 0; j < COUPLED_BY_FORCE; ++j) {
-        by_forces[j] = j == SPEED ? 1.0 : 0.0;
-        of_forces[j] = of[j];
-        columns[j * COUPLED_BY_FORCE + PLACE] = j == SPEED ? 1.0 : 0.0;
-        columns[j * COUPLED_BY_FORCE + SPEED] = 0.0;
-        columns[j * COUPLED_BY_FORCE + TIPPING] = j == SPEED ? 1.0 + y[PLACE] : j == PLACE ? y[SPEED] : 0.0;
-    }
 }
 
 static void tipping_jacobian(const void *damping, double clock, const double *y, double *columns)
 {
-    double by_forces[COUPLED_BY_FORCE], of_forces[COUPLED_BY_FORCE];
-    split_tipping_jacobian(damping, clock, y, columns, by_forces, of_forces);
-    for (int j = 0; j < COUPLED_BY_FORCE; ++j) {
-        columns[j * COUPLED_BY_FORCE + SPEED] = of_forces[j];
+    (void)clock;
+    const double of_speed[TIPPING_STATES] = {-1.0, -*(const double *)damping, -5.0};
+    for (int j = 0; j < TIPPING_STATES; ++j) {
+        columns[j * TIPPING_STATES + PLACE] = j == SPEED ? 1.0 : 0.0;
+        columns[j * TIPPING_STATES + SPEED] = of_speed[j];
+        columns[j * TIPPING_STATES + TIPPING] = j == SPEED ? 1.0 + y[PLACE] : j == PLACE ? y[SPEED] : 0.0;
     }
 }
 
-/* The end of a step from x = 0, v = 1, a = 0, with so many forces as unknowns, or none. */
-static void solve_tipping(int forces, double damping, double length, double y[COUPLED_BY_FORCE])
+/* A step from x = 0, v = 1, a = 0 and its memory. */
+static void *begin_tipping(struct radau_step *p, const double *damping)
 {
     static const int place = PLACE, speed = SPEED;
-    const double start[COUPLED_BY_FORCE] = {[SPEED] = 1.0};
-    const struct radau_problem problem = {.context = &damping,
-                                          .size = COUPLED_BY_FORCE,
-                                          .coupled = COUPLED_BY_FORCE,
-                                          .integrals = COUPLED_BY_FORCE,
+    const double start[TIPPING_STATES] = {[SPEED] = 1.0};
+    const struct radau_problem problem = {.context = damping,
+                                          .size = TIPPING_STATES,
+                                          .coupled = TIPPING_STATES,
+                                          .integrals = TIPPING_STATES,
                                           .turns = true,
                                           .paired = 1,
                                           .place = &place,
                                           .speed = &speed,
                                           .rates = tipping_rates,
                                           .jacobian = tipping_jacobian,
-                                          .whole_jacobian = tipping_jacobian,
-                                          .forces = forces,
-                                          .tipping = 1,
-                                          .split_jacobian = split_tipping_jacobian};
-    struct radau_step p;
+                                          .whole_jacobian = tipping_jacobian};
     void *memory = calloc(1, radau_step_memory(&problem));
-    radau_step_place(&p, &problem, memory);
-    for (int i = 0; i < COUPLED_BY_FORCE; ++i) {
-        p.weight[i] = 1.0;
+    radau_step_place(p, &problem, memory);
+    for (int i = 0; i < TIPPING_STATES; ++i) {
+        p->weight[i] = 1.0;
     }
-    radau_step_begin(&p, 0.0, start);
-    radau_step_guess_on(&p, &radau_stages_12, length);
-    CHECK(radau_step_solve_fully(&p, 1e-14));
-    radau_step_finish(&p);
-    radau_step_at(&p, 1.0, y);
-    free(memory);
+    radau_step_begin(p, 0.0, start);
+    return memory;
 }
 
-/* With a force as the unknown as with all states; a = x + x^2 / 2 always. Where it is stiff x moves by
- * v / damping and creeps back, x' = -6 x / damping. */
-TEST(forces_as_unknowns_give_the_same_step)
+/* a = x + x^2 / 2 always. Where it is stiff x moves by v / damping and creeps back, x' = -6 x / damping. */
+TEST(a_step_with_the_jacobian_at_every_stage_is_exact)
 {
     static const double dampings[3] = {0.0, 10.0, 1e8};
     for (int k = 0; k < 3; ++k) {
-        double by_states[COUPLED_BY_FORCE], by_forces[COUPLED_BY_FORCE];
-        solve_tipping(1, dampings[k], k < 2 ? 1.0 : 100.0, by_forces);
-        const double x = by_forces[PLACE];
-        CHECK_CLOSE("a follows x", by_forces[TIPPING], x + 0.5 * x * x, 1e-12);
+        struct radau_step p;
+        double y[TIPPING_STATES];
+        void *memory = begin_tipping(&p, &dampings[k]);
+        if (k < 2) {
+            radau_step_guess_on(&p, &radau_stages_12, 1.0);
+        } else {
+            CHECK(radau_step_guess(&p, &radau_stages_12, 100.0));
+        }
+        CHECK(radau_step_solve_fully(&p, 1e-14));
+        radau_step_finish(&p);
+        radau_step_at(&p, 1.0, y);
+        CHECK_CLOSE("a follows x", y[TIPPING], y[PLACE] + 0.5 * y[PLACE] * y[PLACE], 1e-12);
         if (k == 2) {
-            CHECK_CLOSE("x where it is stiff", x, 1e-8 * (1.0 - 6e-6), 1e-14);
-            break;
+            CHECK_CLOSE("x where it is stiff", y[PLACE], 1e-8 * (1.0 - 6e-6), 1e-14);
         }
-        solve_tipping(0, dampings[k], 1.0, by_states);
-        for (int i = 0; i < COUPLED_BY_FORCE; ++i) {
-            CHECK_CLOSE("with forces as with states", by_forces[i], by_states[i], 1e-13);
-        }
+        free(memory);
     }
+}
+
+/* v' = 6 t and a' = 2 t given at the stages: v = 1 + 3 t^2, x = t + t^3, a = t^2. */
+TEST(given_rates_are_integrated_exactly_and_a_guess_tells_its_rates)
+{
+    const double length = 0.7;
+    struct radau_step p;
+    double y[TIPPING_STATES];
+    double rates[RADAU_MOST_STAGES];
+    void *memory = begin_tipping(&p, &length);
+    radau_step_guess_on(&p, &radau_stages_12, length);
+    for (int round = 0; round < 2; ++round) {
+        for (int i = 0; i < 12; ++i) {
+            p.rates[i * p.stride + SPEED] = 6.0 * length * p.stages->node[i];
+            p.rates[i * p.stride + TIPPING] = 2.0 * length * p.stages->node[i];
+        }
+        const double size = radau_step_integrate(&p);
+        CHECK(round == 0 ? size > 0.1 : size < 1e-15);
+    }
+    for (int i = 0; i < 12; ++i) {
+        const double t = length * p.stages->node[i];
+        radau_step_stage(&p, i, y);
+        CHECK_CLOSE("v", y[SPEED], 1.0 + 3.0 * t * t, 1e-14);
+        CHECK_CLOSE("x", y[PLACE], t + t * t * t, 1e-14);
+        CHECK_CLOSE("a", y[TIPPING], t * t, 1e-14);
+        double twice = 0.0; /* A^2 times 6 t is t^3 / h^2 */
+        for (int j = 0; j < 12; ++j) {
+            twice += radau_step_twice(&p)[i * 12 + j] * 6.0 * length * p.stages->node[j];
+        }
+        CHECK_CLOSE("A^2", length * length * twice, t * t * t, 1e-14);
+        p.rates[i * p.stride + PLACE] = y[SPEED];
+    }
+    radau_step_finish(&p);
+    radau_step_guess_again(&p, &radau_stages_8, 0.5 * length);
+    radau_step_guess_rates(&p, SPEED, 1, rates);
+    for (int i = 0; i < 8; ++i) {
+        CHECK_CLOSE("v'", rates[i], 6.0 * 0.5 * length * p.stages->node[i], 1e-12);
+    }
+    free(memory);
 }
 
 /* A cubic by its Bernstein coefficients. */
