@@ -439,12 +439,12 @@ static bool try_fully(struct general *g, const struct radau_stages *stages, doub
     return general_solve_fully(g, thoroughly);
 }
 
-/* After so many failures of node_forces_solve in a step its stages are solved without forces as unknowns, so
- * that a step in which those iterations cannot converge ends nevertheless. */
+/* If node_forces_solve has failed so often in a step, each time for a shorter length, the step is solved
+ * without forces as unknowns. Its iterations may not converge however short the step is. */
 enum { MOST_FAILURES = 10 };
 
-/* Solves with the forces as unknowns where regularized friction acts. Else simplified iterations come first,
- * unless the step is so stiff or long that they would fail. */
+/* Solves the stages with the forces as unknowns where the scene allows that (node_forces_apply). In other
+ * scenes simplified iterations come first, unless the step is so stiff or long that they would fail. */
 static bool try_to_solve(struct general *g, const struct radau_stages *stages, double length, int failures)
 {
     struct radau_step *p = &g->step;
@@ -514,8 +514,9 @@ static double factor_of(const struct general *g, double error, const struct rada
     return fmin(fmax(factor, SHRINKAGE), longest);
 }
 
-/* Returns the factor by which the next step may be longer than the last after so many iterations for the
- * forces. A step that takes five is about the cheapest for its length (measured). */
+/* Returns the largest ratio of the next step's length to that of a step which took so many iterations for the
+ * forces. A step that took many is near the length at which they fail. The ratios are chosen, not derived: F1
+ * to F4 of the report take 2 % fewer instructions in sum with them than without. */
 static double growth_by_iterations(int iterations)
 {
     static const double GROWTH_AFTER[] = {4.0, 4.0, 4.0, 4.0, 2.0, 1.5, 1.1, 1.1};

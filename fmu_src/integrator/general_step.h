@@ -36,8 +36,8 @@ struct general {
     int place[3 * SCENE_BODIES], speed[3 * SCENE_BODIES]; /* pairs of states for math/radau_step.h */
     double relative, absolute;                            /* error allowed in a step [1], [m, m/s, ...] */
     bool by_forces;                                       /* whether node_forces_solve has solved the step */
-    bool fully;            /* whether the step is stiff and radau_step_solve_fully solves it */
-    double solvable;       /* estimate of the longest step that radau_step_solve_fully solves [s] */
+    bool fully;            /* whether node_forces_solve or radau_step_solve_fully solves the step */
+    double solvable;       /* estimate of the longest step that these two solve [s] */
     double simple;         /* estimate of the longest step that simplified iterations solve [s] */
     double fastest_decay;  /* fastest decay of a state at the start of the step [1/s] */
     double place_rounding; /* rounding of the gaps at the start of the step [m] */

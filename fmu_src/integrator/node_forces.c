@@ -53,8 +53,8 @@ struct iteration {
     int factorizations;
 };
 
-/* With slopes of friction that have changed by this factor since they were taken, small corrections would not
- * mean that the law holds. */
+/* The slopes of friction are taken anew where they have changed by this factor: by slopes that are much too
+ * steep the corrections of the forces are small although the forces are far from the law. */
 static const double STALE = 3.0;
 
 static void prepare(struct iteration *it)
@@ -66,9 +66,8 @@ static void prepare(struct iteration *it)
         struct mobility *to = &it->mobility[i];
         to->by_mass = body_inverse_mass(v, i);
         if (body_turns_freely(v, i)) {
-            const struct body_inertia inertia = body_inertia_of(v, i);
-            to->by_inertia = 1.0 / inertia.transverse;
-            to->flatness = (inertia.transverse - inertia.axial) / inertia.axial;
+            to->by_inertia = 1.0 / body_inertia_of(v, i).transverse;
+            to->flatness = body_flatness(v, i);
         }
         to->moves = to->by_mass > 0.0 || to->by_inertia > 0.0;
     }
@@ -371,11 +370,12 @@ static void finish_nodes(const struct iteration *it)
     p->evaluations += p->stages->stages;
 }
 
-/* Most iterations, and most of them with new slopes: more would cost more than two steps of half the length,
- * which take four or five each. */
+/* Largest number of iterations, and of iterations with new slopes. More iterations would cost more than two
+ * steps of half the length. */
 enum { MOST_NODE_ITERATIONS = 16, MOST_FACTORIZATIONS = 5 };
 
-/* Slopes are kept while corrections shrink by this: new ones cost about two iterations. */
+/* Slopes are kept while each correction is less than this part of the one before. New slopes and their
+ * factors cost about three iterations. */
 static const double KEEPING_SLOPES = 0.4;
 
 /* Corrections that grow by more than this do not converge with new slopes either. */

@@ -337,7 +337,8 @@ static struct regime_change first_touch_at(double after)
     return (struct regime_change){after, isfinite(after) ? REGIME_COMPRESSION : REGIME_APART, 0.0, false};
 }
 
-/* Finds the change in head-on flight as the root of a quadratic equation; false where that fails. */
+/* Finds the change in head-on flight as the root of a quadratic equation. Returns false where that
+ * fails. */
 static bool head_on_change(const struct contact_shape *shape, const struct contact_law *law,
                            const struct separation_path *separation, const struct contact_geometry *now,
                            enum contact_regime present, double gap_rounding, double by_positions,

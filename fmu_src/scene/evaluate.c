@@ -36,6 +36,12 @@ struct body_inertia body_inertia_of(const struct scene_values *v, int body)
     return (struct body_inertia){0.5 * m * r * r, m * (3.0 * r * r + length * length) / 12.0};
 }
 
+double body_flatness(const struct scene_values *v, int body)
+{
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    return (inertia.transverse - inertia.axial) / inertia.axial;
+}
+
 struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     return (struct friction_law){.kind = (enum friction)contact_friction(v, contact),

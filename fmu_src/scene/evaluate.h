@@ -145,6 +145,10 @@ struct body_inertia {
 /* Returns the moments of inertia of a body that turns freely. */
 struct body_inertia body_inertia_of(const struct scene_values *v, int body);
 
+/* Returns I_1 / I_3 - 1 [1] of a body that turns freely. I_3 is its moment of inertia about its axis, I_1 the
+ * one across. */
+double body_flatness(const struct scene_values *v, int body);
+
 /* Returns the law of friction of a contact. */
 struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q,
                                        int contact);

@@ -71,13 +71,6 @@ int ode_size(const struct scene_values *v)
     return ode_dissipated(v) + (scene_turns(v) ? 3 : 2);
 }
 
-/* Returns I_1/I_3 - 1 [1] of a body that turns freely; I_3 is about its axis. */
-static double turning_flatness(const struct scene_values *v, int body)
-{
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    return (inertia.transverse - inertia.axial) / inertia.axial;
-}
-
 static struct quaternion four_from(const double *data)
 {
     return (struct quaternion){data[0], data[1], data[2], data[3]};
@@ -104,7 +97,7 @@ static struct vec3 angular_velocity_of(const struct scene_values *v, struct quat
                                        struct vec3 spin, int body)
 {
     const struct vec3 e = quaternion_third_axis(orientation);
-    return vec3_axpy(spin, turning_flatness(v, body) * vec3_dot(spin, e), e);
+    return vec3_axpy(spin, body_flatness(v, body) * vec3_dot(spin, e), e);
 }
 
 /* Writes the states that turning and rubbing add into y. */
@@ -596,7 +589,7 @@ static struct vec3 along_axis(int component)
 static struct vec3 rotation_by_spin(const struct turning_linearization *l, int body, int k)
 {
     const struct vec3 e = quaternion_third_axis(l->at.turning.body[body].orientation);
-    return vec3_axpy(along_axis(k), turning_flatness(l->ode->values, body) * vec3_get(e, k), e);
+    return vec3_axpy(along_axis(k), body_flatness(l->ode->values, body) * vec3_get(e, k), e);
 }
 
 /* Returns the change of the axis e by component k of the orientation in y. This quaternion may have any
@@ -617,7 +610,7 @@ static struct vec3 rotation_by_axis(const struct turning_linearization *l, int b
     const struct vec3 spin = vec3_from(l->y + l->layout.spin[body]);
     const struct vec3 e = quaternion_third_axis(l->at.turning.body[body].orientation);
     const struct vec3 both = vec3_axpy(vec3_scale(vec3_dot(spin, change), e), vec3_dot(spin, e), change);
-    return vec3_scale(turning_flatness(l->ode->values, body), both);
+    return vec3_scale(body_flatness(l->ode->values, body), both);
 }
 
 /* Adds a change of the force, times `sign`, and a change of the torque on a body. */
