@@ -368,32 +368,35 @@ static bool contact_is_deferrable(const struct contact_state *state)
            vec3_is_zero(vec3_sub(state->physics.impulse, state->record.impulse_mark));
 }
 
-/* Whether a body has no external force, and speed, displacement and kinetic energy far from overflow. */
+/* Whether a body has no external force and torque, and speed, displacement and kinetic energy far from overflow. */
 static bool body_is_deferrable(const struct scene_values *v, const struct scene_state *q, int body,
                                double clock)
 {
     const double speed = vec3_max_abs(q->origin[body].velocity) + vec3_max_abs(gravity(v)) * clock;
-    return path_rests(q->path[body].force) && speed < 1e70 && speed * clock < 1e70;
+    const bool turns_by_itself = !body_turns_freely(v, body) || path_rests(q->path[body].torque);
+    return path_rests(q->path[body].force) && turns_by_itself && speed < 1e70 && speed * clock < 1e70;
+}
+
+bool flight_stays_finite(const struct scene_values *v, const struct scene_state *q, double clock)
+{
+    bool all = true;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        const bool moves = body_is_free(v, i) || body_turns_freely(v, i);
+        all = all && (!moves || body_is_deferrable(v, q, i, clock));
+    }
+    return all;
 }
 
 double flight_deferrable_until(const struct scene_values *v, const struct scene_state *q)
 {
     double clock = q->horizon_clock;
-    if (scene_turns(v)) {
-        return 0.0;
-    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         clock = fmin(clock, q->contact[j].schedule.change_clock);
         if (!contact_is_deferrable(&q->contact[j])) {
             return 0.0;
         }
     }
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i) && !body_is_deferrable(v, q, i, clock)) {
-            return 0.0;
-        }
-    }
-    return clock;
+    return flight_stays_finite(v, q, clock) ? clock : 0.0;
 }
 
 bool flight_defer(struct scene_state *q, double end_time)
@@ -403,6 +406,7 @@ bool flight_defer(struct scene_state *q, double end_time)
     if (!(remaining > 0.0 && clock < q->deferrable_clock)) {
         return false;
     }
+    q->deferred_from = q->clock;
     q->clock = clock;
     q->deferred = 1;
     return true;
@@ -417,6 +421,9 @@ void flight_catch_up(const struct scene_values *v, struct scene_state *q)
         if (body_is_free(v, i)) {
             q->body[i] = flight_unforced_at(v, q, i, q->clock);
         }
+    }
+    if (scene_turns(v)) {
+        flight_turn_all(v, q, q->clock);
     }
     q->deferred = 0;
 }

@@ -103,6 +103,10 @@ double flight_deferrable_until(const struct scene_values *v, const struct scene_
 bool flight_defer(struct scene_state *q, double end_time);
 void flight_catch_up(const struct scene_values *v, struct scene_state *q);
 
+/* Whether no force acts on a free body but weight and contact, and speeds, places and energies stay far from
+ * overflow up to a clock. */
+bool flight_stays_finite(const struct scene_values *v, const struct scene_state *q, double clock);
+
 /* Replaces an integrator's result by the closed form where there is one: for bodies without contact forces,
  * and for the axial motion of bodies loaded only by cylinders, whose forces are perpendicular to the axis.
  * Touches and passages of end planes then occur exactly at the clocks of next_regime_change. */

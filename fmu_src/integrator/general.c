@@ -555,6 +555,16 @@ void general_follow(struct general *g, struct scene_state *q, double clock)
     q->integrator_fresh = 0;
 }
 
+void general_follow_kept(struct general *g, const struct scene_values *v, struct scene_state *q, double noted,
+                         double clock)
+{
+    q->clock = q->unfinished.present;
+    if (general_take_up(g, v, q)) {
+        q->clock = noted;
+        general_follow(g, q, clock);
+    }
+}
+
 /* The error allowed in a step is this part of the tolerances, because impacts multiply errors. The relative
  * error allowed is at least LEAST_TOLERANCE, the rounding in a step and its events. */
 static const double TOLERANCE_SHARE = 1e-3;

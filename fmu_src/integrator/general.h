@@ -25,4 +25,9 @@ void general_close(struct general **slot);
 enum advance_result general_advance(struct general *g, const struct scene_values *v, struct scene_state *q,
                                     struct advance *step);
 
+/* Moves the scene along the step that `q` keeps (struct unfinished_step) to a clock within it, and notes the
+ * peaks since the clock `noted`. */
+void general_follow_kept(struct general *g, const struct scene_values *v, struct scene_state *q, double noted,
+                         double clock);
+
 #endif

@@ -1,7 +1,9 @@
 #include "integrator/phases.h"
 
 #include <float.h>
+#include <stddef.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "flight/flight.h"
 #include "integrator/cvode.h"
@@ -11,10 +13,33 @@
 #include "scene/evaluate.h"
 #include "touch/segment.h"
 
+/*
+ * In a phase of contact pairs all pairs that are in contact advance together, each by one segment. The phase
+ * ends at the first terminal event, the first end of a segment, or the first passage of a centre. It may
+ * reach beyond the communication point. Its motion follows from struct phase_start alone: communication
+ * points within the phase only read it, and a restored state makes the segments again, bit by bit.
+ */
+struct pair_phase {
+    struct segment segment[SCENE_CONTACTS];
+    double longest, time; /* limit and length of the phase [s] */
+    int terminal;         /* the contact with a terminal event at the phase's end; -1: none */
+    enum contact_regime next;
+    bool changes;                 /* whether the regime or the zone of that contact changes at the end */
+    struct phase_start made_from; /* the start that the segments were made from; its `end` 0: none */
+};
+
 bool integrator_open(struct integrator *s, const struct scene_values *v,
                      const struct integrator_memory *memory)
 {
     s->message[0] = '\0';
+    if (s->pairs == NULL) {
+        s->pairs = memory->allocate(1, sizeof *s->pairs);
+        s->release = memory->release;
+        if (s->pairs == NULL) {
+            snprintf(s->message, sizeof s->message, "the integrator's memory could not be had");
+            return false;
+        }
+    }
     if (!scene_uses_ode(v) || (scene_is_force_element(v) && !scene_turns(v))) {
         return true;
     }
@@ -40,7 +65,17 @@ void integrator_close(struct integrator *s)
 #ifdef CONTACT_WITH_CVODE
     cvode_close(&s->cvode);
 #endif
-    (void)s;
+    if (s->pairs != NULL) {
+        s->release(s->pairs);
+        s->pairs = NULL;
+    }
+}
+
+void integrator_forget(struct integrator *s)
+{
+    if (s->pairs != NULL) {
+        s->pairs->made_from.end = 0.0;
+    }
 }
 
 /* Returns the present instant without accelerations and forces. It is computed once and then reused. */
@@ -163,16 +198,6 @@ static bool pairs_are_alone(const struct scene_values *v, const struct scene_sta
     return true;
 }
 
-/* In a synchronized step all contact pairs advance by the same time. The step ends at the first terminal
- * event, the first end of a segment, or the first passage of a centre. */
-struct synchronized_step {
-    struct segment segment[SCENE_CONTACTS];
-    double longest, time; /* limit and length of the step [s] */
-    int terminal;         /* the contact with a terminal event at the step's end; -1: none */
-    enum contact_regime next;
-    bool changes; /* whether the regime or the zone of that contact changes at the end */
-};
-
 static bool has_segment(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     return contact_transmits(q, contact) && !contact_is_prescribed(v, contact);
@@ -182,7 +207,7 @@ static bool has_segment(const struct scene_values *v, const struct scene_state *
  * does not shorten the segments of the other pairs. */
 static const double ALL_OF_IT = 1.0 - 4.0 * DBL_EPSILON;
 
-static bool add_pair(struct synchronized_step *all, const struct scene_values *v, const struct scene_state *q,
+static bool add_pair(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at, int contact)
 {
     struct segment *p = &all->segment[contact];
@@ -207,11 +232,10 @@ static bool add_pair(struct synchronized_step *all, const struct scene_values *v
     return true;
 }
 
-/* Makes the segments of all pairs. Where one pair shortens the step, the segments made before are made again,
- * because a segment is most accurate at its own end. */
-static bool synchronized_step_make(struct synchronized_step *all, const struct scene_values *v,
-                                   const struct scene_state *q, const struct scene_instant *at,
-                                   double longest)
+/* Makes the segments of all pairs. Where one pair shortens the phase, the segments made before are made
+ * again, because a segment is most accurate at its own end. */
+static bool make_pairs(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
+                       const struct scene_instant *at, double longest)
 {
     all->longest = all->time = longest;
     all->terminal = -1;
@@ -247,18 +271,18 @@ static double integrate_prescribed(const struct scene_values *v, struct scene_st
     return reached;
 }
 
-/* Integrates the prescribed contacts over the synchronized step; false where the budget ends it early. */
-static bool synchronized_step_integrate(struct synchronized_step *all, const struct scene_values *v,
-                                        struct scene_state *q, struct advance *step)
+/* Integrates the prescribed contacts over the phase; false where the budget ends it early. */
+static bool integrate_beside_pairs(struct pair_phase *all, const struct scene_values *v,
+                                   struct scene_state *q, struct advance *step)
 {
     if (!SCENE_ANY_PRESCRIBED_CONTACT || SCENE_CONTACTS == 1) {
         return true;
     }
-    const double to = q->clock + all->time;
-    const double reached = integrate_prescribed(v, q, to, step);
-    if (reached < to) {
+    const double reached = integrate_prescribed(v, q, q->phase.end, step);
+    if (reached < q->phase.end) {
         all->time = reached - q->clock;
         all->terminal = -1;
+        q->phase.end = reached;
         return false;
     }
     return true;
@@ -276,46 +300,91 @@ static void book_flights(const struct scene_values *v, struct scene_state *q, do
     }
 }
 
-/* Moves the scene to the end of the step. A step of zero length moves nothing, because a segment starts at
- * the present state to its tolerance only, not exactly. */
-static void synchronized_step_apply(struct synchronized_step *all, const struct scene_values *v,
-                                    struct scene_state *q)
-{
-    if (!(all->time > 0.0)) {
-        return;
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (has_segment(v, q, j)) {
-            struct segment *p = &all->segment[j];
-            const bool is_shortened = j == all->terminal || all->time < segment_time(p, p->end);
-            const double s = is_shortened ? segment_place(p, all->time) : p->end;
-            segment_advance(p, s, v, q, j);
-            counter_add(&q->counters.steps, 1);
-            counter_add(&q->counters.force_evaluations, 1);
-        }
-    }
-    book_flights(v, q, all->time);
-    q->clock += all->time;
-    flight_restore(v, q);
-}
-
 /* Returns the energy stored by separating contacts [J]. Their force is zero, so that this energy is
  * dissipated as the gap opens. */
-static double stored_in_separating(const struct scene_values *v, const struct scene_state *q,
-                                   struct advance *step)
+static double stored_in_separating(const struct scene_values *v, const struct scene_state *q)
 {
+    struct scene_instant at;
     double sum = 0.0;
-    for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
+    for (int j = 0, known = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
         if (q->contact[j].regime == REGIME_SEPARATING && !contact_is_prescribed(v, j)) {
+            if (!known) {
+                scene_kinematics_now(v, q, &at);
+                known = 1;
+            }
             const struct contact_law law = scene_contact_law(v, q, j);
-            const double gap = advance_now(step, v, q)->geometry[j].gap;
-            sum += contact_stored_energy(&law, REGIME_SEPARATING, gap);
+            sum += contact_stored_energy(&law, REGIME_SEPARATING, at.geometry[j].gap);
         }
     }
     return sum;
 }
 
-static long work_of_pairs(const struct synchronized_step *all)
+static void note_start(struct scene_state *q, double longest)
+{
+    struct phase_start *start = &q->phase;
+    start->longest = longest;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_state *contact = &q->contact[j];
+        start->contact[j].normal = contact->normal;
+        start->contact[j].physics = contact->physics;
+        start->contact[j].destination_impulse = contact->torques.destination_impulse;
+        start->contact[j].force_error = contact->record.force_error;
+    }
+    memcpy(start->body, q->body, sizeof q->body);
+    start->dissipated = q->dissipated;
+    start->external_work = q->external_work;
+    start->counters = q->counters;
+}
+
+/* Moves the scene back to the start of the phase. */
+static void return_to_start(struct scene_state *q)
+{
+    const struct phase_start *start = &q->phase;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        struct contact_state *contact = &q->contact[j];
+        contact->normal = start->contact[j].normal;
+        contact->physics = start->contact[j].physics;
+        contact->torques.destination_impulse = start->contact[j].destination_impulse;
+        contact->record.force_error = start->contact[j].force_error;
+    }
+    memcpy(q->body, start->body, sizeof q->body);
+    q->dissipated = start->dissipated;
+    q->external_work = start->external_work;
+    q->counters = start->counters;
+    q->clock = start->clock;
+}
+
+/* Moves the scene to a clock within the phase, and notes the peaks since the clock `noted`. A phase of zero
+ * length moves nothing, because a segment starts at the present state to its tolerance only. */
+static void follow_pairs(struct pair_phase *all, const struct scene_values *v, struct scene_state *q,
+                         double noted, double clock)
+{
+    const double time = clock == q->phase.end ? all->time : clock - q->phase.clock;
+    const double from = noted - q->phase.clock;
+    if (q->phase.followed > q->phase.clock) {
+        return_to_start(q);
+    }
+    const double stored = stored_in_separating(v, q);
+    for (int j = 0; time > 0.0 && j < SCENE_CONTACTS; ++j) {
+        if (has_segment(v, q, j)) {
+            struct segment *p = &all->segment[j];
+            const bool is_shortened = j == all->terminal || time < segment_time(p, p->end);
+            const double s = is_shortened ? segment_place(p, time) : p->end;
+            segment_advance(p, fmin(segment_place(p, from), s), s, v, q, j);
+            counter_add(&q->counters.steps, 1);
+            counter_add(&q->counters.force_evaluations, 1);
+        }
+    }
+    if (time > 0.0) {
+        book_flights(v, q, time);
+        q->clock = clock;
+        flight_restore(v, q);
+    }
+    q->dissipated += stored - stored_in_separating(v, q);
+    q->phase.followed = clock;
+}
+
+static long work_of_pairs(const struct pair_phase *all)
 {
     long sum = 0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -324,37 +393,97 @@ static long work_of_pairs(const struct synchronized_step *all)
     return sum;
 }
 
-/* Advances the contact pairs segment by segment (touch/segment.h), together with the prescribed contacts. */
+/* Makes the segments of a phase anew where those in memory belong to another phase. */
+static bool restore_pairs(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q)
+{
+    if (memcmp(&all->made_from, &q->phase, offsetof(struct phase_start, followed)) == 0) {
+        return true;
+    }
+    struct scene_state start;
+    struct scene_instant at;
+    scene_state_copy(v, q, &start);
+    return_to_start(&start);
+    scene_kinematics_now(v, &start, &at);
+    all->made_from = q->phase;
+    return make_pairs(all, v, &start, &at, q->phase.longest);
+}
+
+/* Begins a phase up to the clock `until`, or earlier. */
+static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, struct scene_state *q,
+                        double until, struct advance *step)
+{
+    const double longest = until - q->clock;
+    if (until > step->clock_end) {
+        step->is_now = false; /* the instant is computed as restore_pairs computes it */
+    }
+    all->made_from.end = 0.0;
+    if (!make_pairs(all, v, q, advance_now(step, v, q), longest)) {
+        return false;
+    }
+    q->phase.clock = q->phase.followed = q->clock;
+    q->phase.end = all->time < longest ? q->clock + all->time : until;
+    if (q->phase.end > step->clock_end) { /* else nothing returns to the start */
+        note_start(q, longest);
+        all->made_from = q->phase;
+    }
+    advance_spend(step, 1, work_of_pairs(all));
+    return true;
+}
+
+/* Returns the clock up to which a phase that begins now may reach [s]. It reaches beyond the end of the
+ * communication step, up to what is foreseen, but only in proportion to the time from the clock's origin to
+ * the start of the step. An input that changes at every communication point moves the origin there: what
+ * reaches beyond the next point would be wasted, and so would what reaches beyond the only step of a run. */
+static double unforeseen_until(const struct scene_values *v, const struct scene_state *q,
+                               const struct advance *step)
+{
+    const double passed = q->clock + scene_remaining(q, step->start); /* between origin and start */
+    double until = q->clock + HORIZON_GROWTH * fmax(passed, 0.0);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        /* a segment shows every change of its contact but the passage of a cylinder's end */
+        const bool foreseen =
+            contact_is_foreseen(v, q, j) && (!has_segment(v, q, j) || scene_ends_suddenly(v, j));
+        until = fmin(until, q->contact[j].schedule.change_clock);
+        until = foreseen ? fmin(until, q->horizon_clock) : until;
+        if (SCENE_ANY_PRESCRIBED_CONTACT && contact_is_prescribed(v, j)) {
+            until = q->clock; /* its quadrature cannot be returned to its start */
+        }
+    }
+    return until;
+}
+
+/* Advances the contact pairs phase by phase, together with the prescribed contacts. */
 static enum advance_result advance_pairs(struct integrator *s, const struct scene_values *v,
                                          struct scene_state *q, struct advance *step)
 {
-    (void)s;
+    struct pair_phase *all = s->pairs;
     while (q->clock < step->clock_end) {
-        struct synchronized_step all;
-        const double left = step->clock_end - q->clock;
         if (advance_is_spent(step)) {
             return ADVANCE_STEP_LIMIT;
         }
-        if (!synchronized_step_make(&all, v, q, advance_now(step, v, q), left)) {
+        const bool made =
+            q->phase.end > q->clock
+                ? restore_pairs(all, v, q)
+                : begin_pairs(all, v, q, fmax(step->clock_end, unforeseen_until(v, q, step)), step);
+        if (!made) {
             /* with the budget it came with: CVODE takes a budget of 0 as its default */
             return ADVANCE_FAILED;
         }
-        advance_spend(step, 1, work_of_pairs(&all));
-        const bool whole = synchronized_step_integrate(&all, v, q, step);
-        const double stored = stored_in_separating(v, q, step);
+        const bool whole = integrate_beside_pairs(all, v, q, step);
+        const bool ends = !(step->clock_end < q->phase.end);
         step->is_now = false;
-        synchronized_step_apply(&all, v, q);
-        q->dissipated += stored - stored_in_separating(v, q, step);
+        follow_pairs(all, v, q, q->clock, ends ? q->phase.end : step->clock_end);
+        if (!ends) {
+            return ADVANCE_REACHED;
+        }
+        q->phase.end = 0.0;
         if (!whole) {
             return ADVANCE_STEP_LIMIT;
         }
-        if (all.terminal >= 0 && all.changes) {
-            step->contact = all.terminal;
-            step->regime = all.next;
+        if (all->terminal >= 0 && all->changes) {
+            step->contact = all->terminal;
+            step->regime = all->next;
             return ADVANCE_EVENT;
-        }
-        if (all.time >= left) {
-            q->clock = step->clock_end;
         }
     }
     return ADVANCE_REACHED;
@@ -392,21 +521,6 @@ static enum advance_result advance_flight(struct integrator *s, const struct sce
 }
 
 #if SCENE_HAS_GENERAL
-/* Returns the clock up to which an internal step of the general segment may reach [s]. No step crosses a
- * regime change that the closed forms foresee, nor the horizon up to which they have looked for one. A step
- * may reach beyond the end of the communication step, but only in proportion to the time since the phase
- * began. An input that changes at every communication point begins a new phase there, and the part of a step
- * beyond that point would be wasted. */
-static double unforeseen_until(const struct scene_values *v, const struct scene_state *q)
-{
-    double until = q->clock + HORIZON_GROWTH * q->clock;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        until = fmin(until, q->contact[j].schedule.change_clock);
-        until = contact_is_foreseen(v, q, j) ? fmin(until, q->horizon_clock) : until;
-    }
-    return until;
-}
-
 static bool is_general(const struct scene_values *v, const struct scene_state *q)
 {
     (void)q;
@@ -417,7 +531,7 @@ static enum advance_result advance_general(struct integrator *s, const struct sc
                                            struct scene_state *q, struct advance *step)
 {
     counter_add(&q->counters.fallbacks, 1);
-    step->clock_limit = fmax(step->clock_end, unforeseen_until(v, q));
+    step->clock_limit = fmax(step->clock_end, unforeseen_until(v, q, step));
     return general_advance(s->general, v, q, step);
 }
 #endif
@@ -518,7 +632,7 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
                                          struct scene_state *q, struct advance *step,
                                          const struct step_request *request)
 {
-    const double start = scene_time(q);
+    const double start = step->start;
     double end_time = request->end_time;
     double latest = -(double)INFINITY; /* time of the last event [s] */
     int at_once = 0;
@@ -576,11 +690,57 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
  * The limit of work is at least this, the start value of the limit of steps, which takes about a second. */
 static const long LEAST_WORK = 2000000;
 
+/* Whether the general segment keeps a step that goes on beyond the present. */
+static bool keeps_step(const struct scene_values *v, const struct scene_state *q)
+{
+    return SCENE_HAS_GENERAL && solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && scene_turns(v) &&
+           !q->integrator_fresh;
+}
+
+/* Moves the scene along the present phase to a clock, and notes the peaks since the clock `noted`. */
+static void follow_phase(struct integrator *s, const struct scene_values *v, struct scene_state *q,
+                         double noted, double clock)
+{
+    if (q->phase.end > 0.0) {
+        if (restore_pairs(s->pairs, v, q)) { /* always, except where the state is forged */
+            follow_pairs(s->pairs, v, q, noted, clock);
+        }
+        return;
+    }
+#if SCENE_HAS_GENERAL
+    general_follow_kept(s->general, v, q, noted, clock);
+#endif
+}
+
+/* Computes the motion of deferred steps, but not what they sum up: means and peaks. */
+static void catch_up_motion(struct integrator *s, const struct scene_values *v, struct scene_state *q)
+{
+    if (!q->deferred || !(q->phase.end > 0.0 || keeps_step(v, q))) {
+        flight_catch_up(v, q);
+        return;
+    }
+    q->deferred = 0;
+    if ((q->phase.end > 0.0 ? q->phase.followed : q->unfinished.present) < q->clock) {
+        follow_phase(s, v, q, q->clock, q->clock);
+    }
+}
+
+/* Returns the clock until which communication steps need only advance the clock. */
+static double deferrable_until(const struct scene_values *v, const struct scene_state *q)
+{
+    if (q->phase.end > 0.0) {
+        return flight_stays_finite(v, q, q->phase.end) ? q->phase.end : 0.0;
+    }
+    return keeps_step(v, q) ? q->unfinished.end : flight_deferrable_until(v, q);
+}
+
 enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
                                       struct scene_state *q, const struct step_request *request)
 {
     const double start = scene_time(q);
     struct advance step;
+    step.start = start;
+    catch_up_motion(s, v, q);
     step.budget = solver_max_internal_steps(v);
     step.work = step.budget > LEAST_WORK ? step.budget : LEAST_WORK;
     transition_begin_step(v, q, &step.now);
@@ -592,15 +752,34 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
     q->step_length = scene_time(q) - start;
     transition_end_step(v, q);
     q->deferrable_clock =
-        status == INTEGRATOR_DONE && !scene_is_force_element(v) ? flight_deferrable_until(v, q) : 0.0;
+        status == INTEGRATOR_DONE && !scene_is_force_element(v) ? deferrable_until(v, q) : 0.0;
     return status;
+}
+
+void integrator_catch_up(struct integrator *s, const struct scene_values *v, struct scene_state *q)
+{
+    struct scene_instant at;
+    const double clock = q->clock;
+    if (!(q->phase.end > 0.0 || keeps_step(v, q))) {
+        flight_catch_up(v, q);
+        return;
+    }
+    if (q->deferred) {
+        q->clock = q->deferred_from;
+        catch_up_motion(s, v, q);
+        const double start = scene_time(q);
+        transition_begin_step(v, q, &at);
+        follow_phase(s, v, q, q->clock, clock);
+        q->step_length = scene_time(q) - start;
+        transition_end_step(v, q);
+    }
 }
 
 bool integrator_defer_further(const struct scene_values *v, struct scene_state *q, double end_time)
 {
     const double deferrable = q->deferrable_clock;
     q->deferrable_clock = 0.0; /* no further search until a step has been integrated */
-    if (!(deferrable > 0.0 && deferrable == q->horizon_clock)) {
+    if (!(deferrable > 0.0 && deferrable == q->horizon_clock) || q->phase.end > 0.0 || scene_turns(v)) {
         return false;
     }
     flight_catch_up(v, q);
@@ -616,6 +795,7 @@ bool integrator_defer_further(const struct scene_values *v, struct scene_state *
         if (flight_deferrable_until(v, q) == horizon) {
             q->deferrable_clock = horizon;
             q->clock += remaining;
+            q->deferred_from = before;
             q->deferred = 1;
             return true;
         }

@@ -23,6 +23,7 @@
 enum advance_result { ADVANCE_REACHED, ADVANCE_EVENT, ADVANCE_STEP_LIMIT, ADVANCE_FAILED };
 
 struct advance {
+    double start;               /* in: the time at which the communication step began [s] */
     double clock_end;           /* in: the advance ends at this clock at the latest [s] */
     double clock_limit;         /* in: no end of the phase is foreseen before this clock [s] */
     long budget;                /* in: most internal steps allowed; out: the number left */
@@ -71,6 +72,8 @@ struct integrator_memory {
 
 /* The memory of the methods. It need not be saved: values and motion suffice to rebuild it. */
 struct integrator {
+    struct pair_phase *pairs;
+    void (*release)(void *memory); /* of `pairs` */
     struct cvode *cvode;
     struct general *general;
     char message[INTEGRATOR_MESSAGE_SIZE];
@@ -83,8 +86,11 @@ bool integrator_open(struct integrator *s, const struct scene_values *v,
 
 void integrator_close(struct integrator *s);
 
+/* Says that the motion is about to be that of a saved state, to which the memory does not belong. */
+void integrator_forget(struct integrator *s);
+
 /* Integrates to the end of the step, through as many phases as there are. The tolerances are taken from `v`.
- * A deferred flight must have been caught up before (flight.h). */
+ * Deferred steps may have gone before. */
 enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
                                       struct scene_state *q, const struct step_request *request);
 
@@ -93,5 +99,10 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
  * set it, so that results have the same bits. Where a search is needed, the function returns false and leaves
  * the motion as it was. */
 bool integrator_defer_further(const struct scene_values *v, struct scene_state *q, double end_time);
+
+/* Computes the motion of deferred steps, in which only the clock has advanced. Steps can be deferred in flight
+ * (flight.h), within a phase of contact pairs, whose motion is a function of its start and of the clock, and
+ * within a step of the general segment, which has a polynomial. */
+void integrator_catch_up(struct integrator *s, const struct scene_values *v, struct scene_state *q);
 
 #endif

@@ -649,8 +649,9 @@ static struct prediction advancement_prediction(const struct scene_values *v, co
     const bool apart = present == REGIME_APART;
     const struct advancement_result change =
         advancement_first(&path, apart ? ADVANCEMENT_TOUCH : ADVANCEMENT_PARTING, horizon, budget);
-    struct prediction found = {
-        {change.after, present, change.gap, true}, change.searched, change.evaluations};
+    /* While the bodies are apart, n acts on nothing. */
+    const struct regime_change next = {change.after, present, change.gap, .passes_centre = !apart};
+    struct prediction found = {next, change.searched, change.evaluations};
     if (change.after < (double)INFINITY) {
         found.searched = horizon;
         found.next.regime = !apart              ? REGIME_APART

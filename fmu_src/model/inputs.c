@@ -230,7 +230,7 @@ static struct tunable_values tunable_values_of(const struct scene_values *v)
 static void model_begin_tuning(struct model *m)
 {
     if (!m->state.tuned) {
-        motion_catch_up(&m->state.values, &m->state.motion);
+        motion_catch_up(m);
         m->state.in_force = tunable_values_of(&m->state.values);
     }
     m->state.tuned = 1;
@@ -266,6 +266,7 @@ static bool take_over(const struct scene_values *v, struct scene_state *q,
     if (solver_relative_tolerance(v) != before->relative_tolerance ||
         solver_absolute_tolerance(v) != before->absolute_tolerance) {
         q->integrator_fresh = 1;
+        q->phase.end = 0.0;
     }
     return !differs(v, q, before, &tuning) || motion_tune(v, q, &tuning);
 }
@@ -287,12 +288,12 @@ static bool model_tune(struct model *m)
 }
 
 /* Whether model_tune would accept one value. */
-static bool model_can_tune(const struct model *m, const struct variable *variable, const void *value)
+static bool model_can_tune(struct model *m, const struct variable *variable, const void *value)
 {
+    motion_catch_up(m);
     struct scene_values v = m->state.values;
     struct scene_state q = m->state.motion;
     const struct tunable_values before = m->state.tuned ? m->state.in_force : tunable_values_of(&v);
-    motion_catch_up(&m->state.values, &q);
     memcpy((char *)&v + variable->offset, value, variable_size(variable));
     return take_over(&v, &q, &before);
 }
@@ -417,7 +418,7 @@ bool model_apply_inputs(struct model *m)
     if (!m->state.signals_changed || !m->state.initialized) {
         return true;
     }
-    motion_catch_up(&m->state.values, q);
+    motion_catch_up(m);
     if (!model_tune(m)) {
         return false;
     }

@@ -108,6 +108,7 @@ static bool motion_is_finite(const struct model *m)
 static void undo_step(struct model *m, const struct scene_state *before)
 {
     scene_state_copy(&m->state.values, before, &m->state.motion);
+    motion_catch_up(m);
     scene_rebase(&m->state.values, &m->state.motion);
 }
 
@@ -115,7 +116,6 @@ static void undo_step(struct model *m, const struct scene_state *before)
  * numbers, or where a step that is to be taken as a whole ends early. */
 static enum model_status take_step(struct model *m, const struct step_request *request)
 {
-    motion_catch_up(&m->state.values, &m->state.motion);
     struct scene_state before;
     scene_state_copy(&m->state.values, &m->state.motion, &before);
     const enum model_status status = motion_advance(m, request);
@@ -211,7 +211,7 @@ size_t model_state_size(void)
 void model_save(struct model *m, void *bytes)
 {
     if (m->state.initialized && !m->host.exchange && motion_has_history(&m->state.values)) {
-        motion_catch_up(&m->state.values, &m->state.motion);
+        motion_catch_up(m);
         scene_rebase(&m->state.values, &m->state.motion);
         m->outputs = OUTPUTS_NONE;
     }
@@ -311,10 +311,25 @@ static bool unfinished_is_sound(const struct scene_values *v, const struct scene
     const struct unfinished_step *step = &q->unfinished;
     const bool is_step = (step->stages == 4 || step->stages == 8 || step->stages == 12) &&
                          step->event >= -1 && step->event < ODE_EVENTS && step->solvable > 0.0 &&
-                         step->simple > 0.0 && step->length > 0.0 && step->start <= q->clock &&
-                         step->end >= q->clock;
+                         step->simple > 0.0 && step->length > 0.0 && step->start <= step->present &&
+                         step->present <= q->clock && step->end >= q->clock;
     return !SCENE_ANY_FREE || !initialized || q->integrator_fresh == 1 || !scene_turns(v) ||
            (is_step && all_finite(step, &step->solvable) && all_finite(step->at_start, &step->stages));
+}
+
+/* Whether the phase that event_driven goes on with is sound. Its segments are made again: those of a forged
+ * start may end earlier, or not be made at all. */
+static bool phase_is_sound(const struct model_state *state)
+{
+    const struct scene_state *q = &state->motion;
+    const struct phase_start *start = &q->phase;
+    bool sound = state->initialized && state->exchange == EXCHANGE_NONE && start->clock >= 0.0 &&
+                 start->clock <= start->followed && start->followed <= q->clock && q->clock <= start->end &&
+                 start->longest > 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        sound = sound && is_direction(start->contact[j].normal);
+    }
+    return start->end == 0.0 || (sound && all_finite(start->contact, &start->counters));
 }
 
 /* Whether the motion is as model_save leaves it. It does not rely on a history of CVODE, because saved states
@@ -326,8 +341,10 @@ static bool motion_is_sound(const struct scene_values *v, const struct scene_sta
                          n->rejected_steps >= 0 && n->fallbacks >= 0;
     const bool fresh =
         q->integrator_fresh == 1 || (q->integrator_fresh == 0 && !(initialized && motion_has_history(v)));
-    const bool clocks_are_sound = q->clock >= 0.0 && !isnan(q->horizon_clock) &&
-                                  !isnan(q->deferrable_clock) && (q->deferred == 0 || q->deferred == 1);
+    const bool clocks_are_sound =
+        q->clock >= 0.0 && !isnan(q->horizon_clock) && !isnan(q->deferrable_clock) &&
+        (q->deferred == 0 || q->deferred == 1) &&
+        (q->deferred == 0 || (q->deferred_from >= 0.0 && q->deferred_from <= q->clock));
     /* Larger coefficients would overflow when the path's origin is moved; inputs and derivatives stay below
      * 1e150. */
     const bool paths_are_sound = all_within(q->path, q->path + SCENE_BODIES, 1e300);
@@ -351,7 +368,7 @@ static bool state_is_sound(const struct model_state *state)
         }
     }
     return motion_is_sound(&state->values, &state->motion, state->initialized != 0) &&
-           turning_is_sound(&state->motion, state->initialized != 0) &&
+           phase_is_sound(state) && turning_is_sound(&state->motion, state->initialized != 0) &&
            all_finite(state->signals, &state->motion) &&
            all_finite(&state->importer_tolerance, state->in_force.dashpot) && state->tuned <= 1;
 }
@@ -420,6 +437,7 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
     if (status == MODEL_OK) {
         m->state = state;
         m->outputs = OUTPUTS_NONE;
+        motion_forget_memory(m);
     }
     return status;
 }

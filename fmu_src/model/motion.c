@@ -63,6 +63,13 @@ void motion_close(struct model *m)
     }
 }
 
+void motion_forget_memory(struct model *m)
+{
+    if (SCENE_ANY_FREE) {
+        integrator_forget(&m->integrator);
+    }
+}
+
 bool motion_has_history(const struct scene_values *v)
 {
     return SCENE_ANY_FREE && solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN;
@@ -246,10 +253,10 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
     return MODEL_OK;
 }
 
-void motion_catch_up(const struct scene_values *v, struct scene_state *q)
+void motion_catch_up(struct model *m)
 {
-    if (SCENE_ANY_FREE && q->deferred) {
-        flight_catch_up(v, q);
+    if (SCENE_ANY_FREE && m->state.motion.deferred) {
+        integrator_catch_up(&m->integrator, &m->state.values, &m->state.motion);
     }
 }
 
@@ -304,7 +311,11 @@ bool motion_defer(struct model *m, double end_time)
         return false;
     }
     if (m->outputs > OUTPUTS_FIXED) {
-        foresee_reading(m, m->state.motion.clock);
+        if (q->phase.end > 0.0 || scene_turns(&m->state.values)) {
+            m->outputs = OUTPUTS_FIXED;
+        } else {
+            foresee_reading(m, m->state.motion.clock);
+        }
     }
     return true;
 }

@@ -436,7 +436,7 @@ static void warn_of_missing_direction(struct model *m, const struct scene_state 
 static void update_bodies(struct model *m)
 {
     struct scene_values *v = &m->state.values;
-    motion_catch_up(v, &m->state.motion);
+    motion_catch_up(m);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         const bool moves = body_is_free(v, i) || body_is_prescribed(v, i);
         if (m->outputs == OUTPUTS_NONE || moves) {

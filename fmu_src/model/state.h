@@ -136,9 +136,11 @@ bool model_update_outputs(struct model *m, enum outputs wanted);
 enum model_status model_refuse_inputs(const struct model *m);
 
 /* motion_open allocates the integrator's memory for the method that v chooses; motion_close frees it.
+ * motion_forget_memory is called when the motion becomes that of a saved state.
  * MODEL_ERROR: the integrator could not be opened; the message begins with `otherwise`. */
 enum model_status motion_open(struct model *m, const struct scene_values *v, const char *otherwise);
 void motion_close(struct model *m);
+void motion_forget_memory(struct model *m);
 
 /* Whether the solver's method uses a history that is not part of the saved state, as CVODE does. */
 bool motion_has_history(const struct scene_values *v);
@@ -168,10 +170,10 @@ bool motion_tune(const struct scene_values *v, struct scene_state *q, const stru
 /* Moves the motion to the end of the requested step. */
 enum model_status motion_advance(struct model *m, const struct step_request *request);
 
-/* Deferred flight (flight/flight.h): motion_defer advances only the clock, and returns false where it may
- * not. motion_catch_up computes the states of the bodies after deferred steps. */
+/* Deferred steps (integrator_catch_up): motion_defer advances only the clock, and returns false where it may
+ * not. motion_catch_up computes the motion of deferred steps. */
 bool motion_defer(struct model *m, double end_time);
-void motion_catch_up(const struct scene_values *v, struct scene_state *q);
+void motion_catch_up(struct model *m);
 
 /* Return sums that are finite only if the motion of the free bodies and the energies are. */
 double motion_size(const struct scene_values *v, const struct scene_state *q);

@@ -244,18 +244,22 @@ static double larger_between(const struct probe *probe, struct root_bracket_end 
     return largest;
 }
 
-double dense_output_largest(const struct dense_output *w, const struct event_function *what, double end,
-                            const struct pair_sample *then, double known)
+double dense_output_largest(const struct dense_output *w, const struct event_function *what,
+                            const struct dense_range *range, double known)
 {
     const struct probe probe = {w, what};
-    double largest = fmax(known, fmax(value_of(what, &w->at[0]), value_of(what, then)));
-    for (int i = 0; i + 1 < w->count && w->s[i] < end; ++i) {
-        const bool whole = w->s[i + 1] <= end;
-        const struct pair_sample *next = whole ? &w->at[i + 1] : then;
-        const struct root_bracket_end low = slope_end(what, w->s[i], &w->at[i]);
-        const struct root_bracket_end high = slope_end(what, whole ? w->s[i + 1] : end, next);
-        largest = fmax(largest, value_of(what, next));
-        largest = larger_between(&probe, low, high, &w->at[i], next, largest);
+    double largest = fmax(known, fmax(value_of(what, range->first), value_of(what, range->last)));
+    for (int i = 0; i + 1 < w->count && w->s[i] < range->to; ++i) {
+        const bool begins = w->s[i] < range->from;
+        const bool ends = w->s[i + 1] > range->to;
+        const struct pair_sample *at = begins ? range->first : &w->at[i];
+        const struct pair_sample *next = ends ? range->last : &w->at[i + 1];
+        const struct root_bracket_end low = slope_end(what, begins ? range->from : w->s[i], at);
+        const struct root_bracket_end high = slope_end(what, ends ? range->to : w->s[i + 1], next);
+        if (low.s < high.s) {
+            largest = fmax(largest, value_of(what, next));
+            largest = larger_between(&probe, low, high, at, next, largest);
+        }
     }
     return largest;
 }
@@ -339,8 +343,9 @@ void scene_output_note_peaks(struct scene_output *o, double from, double to, int
             note_at_centre(o, w->s[i], w->s[i + 1], peaks);
         }
     }
-    peaks->penetration = dense_output_largest(w, &penetration, w->s[last], &w->at[last], peaks->penetration);
-    peaks->force = dense_output_largest(w, &force, w->s[last], &w->at[last], peaks->force);
+    const struct dense_range whole = {w->s[0], w->s[last], &w->at[0], &w->at[last]};
+    peaks->penetration = dense_output_largest(w, &penetration, &whole, peaks->penetration);
+    peaks->force = dense_output_largest(w, &force, &whole, peaks->force);
     w->s[0] = w->s[last];
     w->at[0] = w->at[last];
     w->count = 1;

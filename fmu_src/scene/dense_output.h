@@ -68,10 +68,15 @@ bool dense_output_climb(const struct dense_output *w, const struct event_functio
 /* Whether a value exceeds the largest known by so much that a search for a top is worth while. */
 bool dense_output_is_larger(const struct dense_output *w, double value, double largest);
 
-/* Returns the largest value of factor times quantity up to `end`, or `known` if this is larger. `end` may lie
- * before the last sample; `then` is the sample at `end`. */
-double dense_output_largest(const struct dense_output *w, const struct event_function *what, double end,
-                            const struct pair_sample *then, double known);
+/* A part of a segment, and the samples at its ends. */
+struct dense_range {
+    double from, to;
+    const struct pair_sample *first, *last;
+};
+
+/* Returns the largest value of factor times quantity in a range, or `known` if this is larger. */
+double dense_output_largest(const struct dense_output *w, const struct event_function *what,
+                            const struct dense_range *range, double known);
 
 /*
  * The dense output of a contact without a segment: its motion is prescribed, or an integrator computes it

@@ -1084,6 +1084,7 @@ static void shift_paths(const struct scene_values *v, struct scene_state *q, int
 static void shift_origins(struct scene_state *q)
 {
     q->deferrable_clock = 0.0;
+    q->phase.end = 0.0;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         q->origin[i].displacement = vec3_add(q->origin[i].displacement, q->body[i].moved);
         q->origin[i].velocity = q->body[i].velocity;

@@ -183,12 +183,33 @@ struct solver_counters {
 /* Adds to a counter; the counter stops at the largest FMI Integer. */
 void counter_add(int32_t *counter, long more);
 
+/*
+ * The start of a phase of contact pairs (integrator/phases.c) that reaches beyond the communication point.
+ * The motion within the phase is a function of its start and of the clock alone, so that communication points
+ * within the phase change nothing.
+ */
+struct phase_start {
+    double clock, longest; /* the clock at the start, and the longest time asked for [s] */
+    double end;            /* the clock at the end of the phase; 0: there is no phase [s] */
+    struct {               /* what a contact's segment changes; the names are those of struct contact_state */
+        struct vec3 normal;
+        struct contact_physics physics;
+        struct vec3 destination_impulse;
+        double force_error;
+    } contact[SCENE_CONTACTS];
+    struct body_state body[SCENE_BODIES];
+    double dissipated, external_work;
+    struct solver_counters counters;
+    int32_t unused;  /* in place of padding */
+    double followed; /* the clock up to which the motion has followed the phase [s]; last, see phases.c */
+};
+
 struct scene_state {
     double base, base_tail, clock; /* [s] */
     struct contact_state contact[SCENE_CONTACTS];
     /* clock up to which regime changes have been predicted; at or before `clock`: predict again */
     double horizon_clock;
-    double deferrable_clock; /* flight may be deferred up to this clock, see flight_defer; 0: not known */
+    double deferrable_clock; /* steps may be deferred up to this clock, see flight_defer; 0: not known */
     struct body_origin origin[SCENE_BODIES]; /* used where the body is free */
     struct body_state body[SCENE_BODIES];
     double phase_energy;              /* projection_balance at the start of the phase [J] */
@@ -200,9 +221,11 @@ struct scene_state {
     struct solver_counters counters;
     /* 1: integrators start from this state: neither CVODE's history nor `unfinished` matters */
     int32_t integrator_fresh;
-    /* 1: the flight is deferred: body states are those of an earlier clock, see flight_catch_up */
+    /* 1: the motion is deferred: it is that of an earlier clock, see integrator_catch_up */
     int32_t deferred;
-    int32_t unused; /* in place of padding */
+    int32_t unused;           /* in place of padding */
+    double deferred_from;     /* the clock at which the last deferred step began [s] */
+    struct phase_start phase; /* used by event_driven */
     /* the fields from here on have no meaning where nothing turns or rubs, see scene_state_copy */
     struct turning_state turning;
     struct body_turn turn_origin[SCENE_BODIES]; /* at clock 0, of bodies that turn */

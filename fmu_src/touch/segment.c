@@ -231,21 +231,23 @@ static void add_extrema_of_decay(struct segment *p)
     dense_output_add(w, p->end);
 }
 
-/* Adds samples at the first two extrema of the gap. They are half a period apart, so no quantity has two
- * extrema between them. */
-static void add_extrema_of_oscillation(struct segment *p)
+/* Adds samples at the first two extrema of the gap after the one sample there is. They are half a period
+ * apart, so no quantity has two extrema between them. */
+static void add_extrema_of_oscillation(struct dense_output *w, const struct pair_oscillation *made,
+                                       double end)
 {
-    const struct pair_oscillation *made = &p->as.oscillation;
-    struct dense_output *w = &p->output;
-    bool deepest = pair_oscillation_closes(made);
-    double extremum = pair_oscillation_first_extremum(made);
-    for (; w->count < 3 && extremum < p->end; extremum += PI / made->omega_d) {
+    const double half = PI / made->omega_d;
+    const double first = pair_oscillation_first_extremum(made);
+    const double before = fmax(ceil((w->s[0] - first) / half), 0.0); /* extrema before the sample */
+    double extremum = first + before * half;
+    bool deepest = pair_oscillation_closes(made) == (fmod(before, 2.0) == 0.0);
+    for (; w->count < 3 && extremum < end; extremum += half) {
         pair_oscillation_sample_extremum(made, extremum, deepest, &w->at[w->count]);
         w->s[w->count++] = extremum;
         deepest = !deepest;
     }
     if (w->count < 3) {
-        dense_output_add(w, p->end);
+        dense_output_add(w, end);
     }
 }
 
@@ -287,7 +289,7 @@ static bool closed_form_make(struct segment *p)
         /* the samples are extrema of the gap, where the gap rate is zero */
         p->largest_gap = fabs(made->equilibrium) + made->amplitude;
         p->largest_rate = made->rate * made->amplitude;
-        add_extrema_of_oscillation(p);
+        add_extrema_of_oscillation(&p->output, made, p->end);
     } else {
         add_extrema_of_decay(p);
     }
@@ -749,9 +751,9 @@ static struct start_forces start_forces_of(const struct segment *p)
     return start;
 }
 
-/* Notes how far rounding changes the peaks. It is called once the peaks of a segment of `time` seconds are in
- * the state. */
-static void peak_error_note(const struct segment *p, double time, struct contact_state *state)
+/* Notes how far rounding changes the peaks. It is called once the peaks of a segment between two times [s]
+ * are in the state. */
+static void peak_error_note(const struct segment *p, double from, double to, struct contact_state *state)
 {
     struct contact_record *record = &state->record;
     if (record->force_error == 0.0 && p->gap_is_known && p->pair.rate_is_known) {
@@ -760,17 +762,19 @@ static void peak_error_note(const struct segment *p, double time, struct contact
     const struct start_forces start = start_forces_of(p);
     const struct contact_coefficients *by = &p->pair.coefficients;
     const struct oscillator oscillator = {by->k / p->pair.reduced_mass, by->c / p->pair.reduced_mass};
-    const double decay = fmin(oscillator_rates_of(&oscillator).slower, 0.5 * oscillator.damping_rate) * time;
-    const double error = fmin(record->force_error + start.error, DBL_MAX);
+    const double decay_rate = fmin(oscillator_rates_of(&oscillator).slower, 0.5 * oscillator.damping_rate);
+    const double decay = decay_rate * (to - from);
+    const double left = exp(-decay_rate * from); /* part of what oscillated at the segment's start */
+    const double error = fmin(record->force_error + start.error, DBL_MAX) * left;
     const double peak = state->peaks.force;
     record->force_error = error * exp(-decay);
-    if (!(error > NEGLIGIBLE * fmax(start.size, peak))) {
+    if (!(error > NEGLIGIBLE * fmax(start.size * left, peak))) {
         return;
     }
     /* A load that sets in at once makes at most 1 + 1/(1 + c/sqrt(k m)) times its force; it changes little
      * while the oscillation dies away. */
     const double damped = 1.0 + by->c / sqrt(by->k * p->pair.reduced_mass);
-    const double first = start.load + start.by_gap / damped + start.by_rate * damped + error;
+    const double first = start.load + (start.by_gap / damped + start.by_rate * damped) * left + error;
     const bool is_outweighed = decay > FORGOTTEN && first * (1.0 + FORGOTTEN / decay) < peak;
     const double bound = is_outweighed ? peak : fmax(first, peak + error);
     record->force_bound = fmin(fmax(record->force_bound, bound), DBL_MAX);
@@ -801,8 +805,8 @@ struct search {
     struct pair_lower_bound bound; /* lower bound of minus the quantity */
     struct oscillator_envelope envelope;
     double omega, phase, steepness;
-    double end;     /* the search covers s up to this place */
-    double largest; /* value found so far */
+    double from, end; /* the search covers s between these places */
+    double largest;   /* value found so far */
 };
 
 /* Returns the sign with which the deviation x enters the penetration and the force. */
@@ -816,11 +820,11 @@ static double slow_of(const struct search *f, const struct pair_sample *slow, in
     return f->what->factor * slow->of[f->what->quantity][derivative];
 }
 
-static struct search search_of(struct segment *p, const struct event_function *what, double omega, double end,
-                               double known)
+static struct search search_of(struct segment *p, const struct event_function *what, double omega,
+                               const struct dense_range *range, double known)
 {
     const struct pair_collocation *made = &p->as.collocation;
-    struct search f = {.p = p, .what = what, .omega = omega, .end = end};
+    struct search f = {.p = p, .what = what, .omega = omega, .from = range->from, .end = range->to};
     double u;
     double rate;
     pair_free_oscillation(made, what->quantity, &u, &rate);
@@ -830,15 +834,16 @@ static struct search search_of(struct segment *p, const struct event_function *w
     f.envelope = pair_envelope_of(made, what->quantity);
     f.phase = atan2((rate + f.envelope.decay_rate * u) / omega, u) - atan2(f.envelope.decay_rate, omega);
     f.steepness = sqrt(omega * omega + f.envelope.decay_rate * f.envelope.decay_rate);
-    const double last = slow_of(&f, dense_output_at(&p->output, end), 0);
-    f.largest = fmax(known, fmax(slow_of(&f, &p->output.at[0], 0) + u, last));
+    const double first =
+        range->from > 0.0 ? slow_of(&f, range->first, 0) : slow_of(&f, &p->output.at[0], 0) + u;
+    f.largest = fmax(known, fmax(first, slow_of(&f, range->last, 0)));
     return f;
 }
 
 static void climb(struct search *f, double top, double turn)
 {
-    if (top > -JUST_OUTSIDE * turn && top < f->end + JUST_OUTSIDE * turn) {
-        (void)dense_output_climb(&f->p->output, f->what, fmin(fmax(top, 0.0), f->end), 0.0, f->end,
+    if (top > f->from - JUST_OUTSIDE * turn && top < f->end + JUST_OUTSIDE * turn) {
+        (void)dense_output_climb(&f->p->output, f->what, fmin(fmax(top, f->from), f->end), f->from, f->end,
                                  &f->largest);
     }
 }
@@ -857,7 +862,7 @@ static void climb_about(struct search *f, double place, const struct pair_sample
         const double beyond = remainder(f->omega * place - f->phase - asin(slope), 2.0 * PI) / f->omega;
         climb(f, place - beyond, turn);
         climb(f, place - beyond + (beyond > 0.0 ? turn : -turn), turn);
-    } else if (place > 0.0 && place < f->end) {
+    } else if (place > f->from && place < f->end) {
         climb(f, place, turn);
     }
 }
@@ -878,126 +883,175 @@ static double summit_between(const struct search *f, double low, double high)
     return middle;
 }
 
+/* The slow part of an averaged segment at the ends of a range and at the nodes between them. */
+struct slow_nodes {
+    int count;
+    double s[DENSE_OUTPUT_POINTS + 2];
+    const struct pair_sample *at[DENSE_OUTPUT_POINTS + 2]; /* the nodes' samples hold the slow part */
+    struct pair_sample first, last;
+};
+
+static void take_slow_nodes(struct slow_nodes *to, const struct segment *p, double from, double end)
+{
+    const struct dense_output *w = &p->output;
+    int next = 0;
+    while (next < w->count && w->s[next] < from) {
+        next += 1;
+    }
+    to->count = 0;
+    if (!(next < w->count && w->s[next] == from)) {
+        pair_collocation_sample_averaged(&p->as.collocation, from, &to->first);
+        to->s[to->count] = from;
+        to->at[to->count++] = &to->first;
+    }
+    for (; next < w->count && !(w->s[next] > end); ++next) {
+        to->s[to->count] = w->s[next];
+        to->at[to->count++] = &w->at[next];
+    }
+    if (to->s[to->count - 1] < end) {
+        pair_collocation_sample_averaged(&p->as.collocation, end, &to->last);
+        to->s[to->count] = end;
+        to->at[to->count++] = &to->last;
+    }
+}
+
 /* Searches about the summit, then about every other node whose bound exceeds the largest value found, since a
  * decaying oscillation may not reach its envelope at the summit. */
-static void search_swinging(struct search *f)
+static void search_swinging(struct search *f, const struct slow_nodes *nodes)
 {
-    const struct dense_output *w = &f->p->output;
-    double left[DENSE_OUTPUT_POINTS] = {0.0};
-    double slope[DENSE_OUTPUT_POINTS] = {0.0};
+    double left[DENSE_OUTPUT_POINTS + 2] = {0.0};
+    double slope[DENSE_OUTPUT_POINTS + 2] = {0.0};
     int best = 0;
-    for (int i = 0; i < w->count; ++i) {
-        pair_lower_bound_from(&f->bound, &f->envelope, w->s[i], &w->at[i], &left[i], &slope[i]);
+    for (int i = 0; i < nodes->count; ++i) {
+        pair_lower_bound_from(&f->bound, &f->envelope, nodes->s[i], nodes->at[i], &left[i], &slope[i]);
         best = left[i] < left[best] ? i : best;
     }
     const int next = slope[best] < 0.0 ? best + 1 : best - 1;
-    if (slope[best] != 0.0 && next >= 0 && next < w->count) {
-        const double place = summit_between(f, fmin(w->s[best], w->s[next]), fmax(w->s[best], w->s[next]));
+    if (slope[best] != 0.0 && next >= 0 && next < nodes->count) {
+        const double place =
+            summit_between(f, fmin(nodes->s[best], nodes->s[next]), fmax(nodes->s[best], nodes->s[next]));
         struct pair_sample slow;
         pair_collocation_sample_averaged(&f->p->as.collocation, place, &slow);
         climb_about(f, place, &slow);
     }
-    for (int i = 0; i < w->count; ++i) {
+    for (int i = 0; i < nodes->count; ++i) {
         const int node = i == 0 ? best : i <= best ? i - 1 : i;
-        if (dense_output_is_larger(w, -left[node], f->largest) && !(w->s[node] > f->end)) {
-            climb_about(f, w->s[node], &w->at[node]);
+        if (dense_output_is_larger(&f->p->output, -left[node], f->largest)) {
+            climb_about(f, nodes->s[node], nodes->at[node]);
         }
-    }
-    if (f->end < f->p->end) { /* the end is no node */
-        struct pair_sample slow;
-        pair_collocation_sample_averaged(&f->p->as.collocation, f->end, &slow);
-        climb_about(f, f->end, &slow);
     }
 }
 
 /* Returns the largest value of the slow part, without the oscillation. */
-static double largest_of_slow(struct segment *p, const struct event_function *what, double end)
+static double largest_of_slow(struct segment *p, const struct event_function *what,
+                              const struct slow_nodes *nodes)
 {
     struct dense_output *w = &p->output;
     dense_output_sampler *whole = w->sampler;
-    struct pair_sample then = w->at[w->count - 1];
+    const int last = nodes->count - 1;
+    const struct dense_range range = {nodes->s[0], nodes->s[last], nodes->at[0], nodes->at[last]};
     w->sampler = pair_collocation_sample_averaged;
-    if (end < p->end) {
-        w->sampler(w->segment, end, &then);
-    }
-    const double largest = dense_output_largest(w, what, end, &then, -(double)INFINITY);
+    const double largest = dense_output_largest(w, what, &range, -(double)INFINITY);
     w->sampler = whole;
     return largest;
 }
 
 static double largest_of_swinging(struct segment *p, const struct event_function *what, double omega,
-                                  double end, double known)
+                                  const struct dense_range *range, double known)
 {
-    struct search f = search_of(p, what, omega, end, known);
-    const double slow = largest_of_slow(p, what, end);
-    if (!dense_output_is_larger(&p->output, fabs(slow) + f.envelope.amplitude, fabs(slow))) {
+    struct search f = search_of(p, what, omega, range, known);
+    struct slow_nodes nodes;
+    take_slow_nodes(&nodes, p, range->from, range->to);
+    const double slow = largest_of_slow(p, what, &nodes);
+    const double swing = f.envelope.amplitude * exp(-f.envelope.decay_rate * range->from);
+    if (!dense_output_is_larger(&p->output, fabs(slow) + swing, fabs(slow))) {
         return fmax(f.largest, slow);
     }
-    if (dense_output_is_larger(&p->output, slow + f.envelope.amplitude, f.largest)) {
-        search_swinging(&f);
+    if (dense_output_is_larger(&p->output, slow + swing, f.largest)) {
+        search_swinging(&f, &nodes);
     }
     return f.largest;
 }
 
-/* Returns the largest of samples at 0, at doubling places from half the fast decay's time on, and at the
- * nodes. The doubling places show the extrema of the decay, the nodes those of the motion under the load. The
- * samples are taken in portions that a dense output holds. */
+/* Returns the largest of samples at the start, at doubling places from half the fast decay's time on, and at
+ * the nodes. The doubling places show the extrema of the decay, the nodes those of the motion under the load.
+ * The samples are taken in portions that a dense output holds. */
 static double largest_of_decaying(const struct segment *p, const struct event_function *what, double faster,
-                                  double end, double largest)
+                                  const struct dense_range *range, double largest)
 {
     struct dense_output w = {p->output.sampler, p->output.segment, p->output.worth_a_search, .count = 0};
-    double place = 0.0;
+    double place = range->from;
     int next = 0;
     for (;;) {
         dense_output_add(&w, place);
-        if (w.count == DENSE_OUTPUT_POINTS || !(place < end)) {
-            largest = dense_output_largest(&w, what, place, &w.at[w.count - 1], largest);
+        if (w.count == DENSE_OUTPUT_POINTS || !(place < range->to)) {
+            const struct dense_range portion = {w.s[0], place, &w.at[0], &w.at[w.count - 1]};
+            largest = dense_output_largest(&w, what, &portion, largest);
             w.s[0] = w.s[w.count - 1];
             w.at[0] = w.at[w.count - 1];
             w.count = 1;
         }
-        if (!(place < end)) {
+        if (!(place < range->to)) {
             return largest;
         }
         while (next < p->output.count && !(p->output.s[next] > place)) {
             next += 1;
         }
-        place = fmin(fmin(fmax(0.5 / faster, 2.0 * place), end),
-                     next < p->output.count ? p->output.s[next] : end);
+        place = fmin(fmin(fmax(0.5 / faster, 2.0 * place), range->to),
+                     next < p->output.count ? p->output.s[next] : range->to);
     }
 }
 
-/* Returns the largest value up to `end`. An averaged step's oscillation is searched apart: the nodes do not
+/* Returns the largest value of an oscillation in closed form in a range after its start. The oscillation does
+ * not grow, so that the first two extrema suffice. */
+static double largest_of_oscillation(const struct segment *p, const struct event_function *what,
+                                     const struct dense_range *range, double known)
+{
+    struct dense_output w = {p->output.sampler, p->output.segment, p->output.worth_a_search, .count = 1};
+    w.s[0] = range->from;
+    w.at[0] = *range->first;
+    add_extrema_of_oscillation(&w, &p->as.oscillation, range->to);
+    return dense_output_largest(&w, what, range, known);
+}
+
+/* Returns the largest value in a range. An averaged step's oscillation is searched apart: the nodes do not
  * resolve it. */
-static double largest_of(struct segment *p, const struct event_function *what, double end, double known)
+static double largest_of(struct segment *p, const struct event_function *what,
+                         const struct dense_range *range, double known)
 {
     const struct oscillator *o = &p->as.collocation.step.result.oscillator;
+    if (p->kind == SEGMENT_CLOSED_FORM && p->as.oscillation.omega_d > 0.0 && range->from > 0.0) {
+        return largest_of_oscillation(p, what, range, known);
+    }
     if (p->kind != SEGMENT_AVERAGED) {
-        return dense_output_largest(&p->output, what, end, dense_output_at(&p->output, end), known);
+        return dense_output_largest(&p->output, what, range, known);
     }
     const double decay_square = 0.25 * o->damping_rate * o->damping_rate;
     const double omega_d2 = o->omega2 - decay_square;
     return omega_d2 > HARDLY_TURNS * decay_square
-               ? largest_of_swinging(p, what, sqrt(omega_d2), end, known)
-               : largest_of_decaying(p, what, oscillator_rates_of(o).faster, end, known);
+               ? largest_of_swinging(p, what, sqrt(omega_d2), range, known)
+               : largest_of_decaying(p, what, oscillator_rates_of(o).faster, range, known);
 }
 
-/* Notes the peaks of the segment up to `end` in the communication step. */
-static void peaks_note(struct segment *p, struct contact_state *state, double end)
+/* Raises the peaks to those of the segment between two places. */
+static void peaks_note(struct segment *p, struct contact_peaks *peaks, double from, double to)
 {
-    struct contact_peaks *peaks = &state->peaks;
+    struct pair_sample first;
+    struct dense_range range = {from, to, &p->output.at[0], NULL};
+    if (from > 0.0) {
+        first = *dense_output_at(&p->output, from);
+        range.first = &first;
+    }
+    range.last = dense_output_at(&p->output, to);
     if (p->pair.coefficients.c > 0.0 || p->pair.chi > 0.0) {
-        peaks->penetration = largest_of(p, &peak_penetration, end, peaks->penetration);
-        peaks->force = largest_of(p, &peak_force, end, peaks->force);
+        peaks->penetration = largest_of(p, &peak_penetration, &range, peaks->penetration);
+        peaks->force = largest_of(p, &peak_force, &range, peaks->force);
     } else { /* a spring's force is largest at the largest penetration */
-        const double deepest = largest_of(p, &peak_penetration, end, -(double)INFINITY);
+        const double deepest = largest_of(p, &peak_penetration, &range, -(double)INFINITY);
         const double force = contact_is_hertz(&p->pair.law)
                                  ? contact_normal_force_of(&p->pair.law, p->regime, -deepest, 0.0)
                                  : p->pair.coefficients.k * deepest;
         contact_peaks_note(peaks, force, deepest);
-    }
-    if (p->pair.coefficients.k >= PAIR_STIFF) {
-        peak_error_note(p, segment_time(p, end), state);
     }
 }
 
@@ -1111,8 +1165,9 @@ static struct vec3 as_works(struct segment *p, const struct lever *lever, const 
                             double s)
 {
     struct vec3 sum = {0.0, 0.0, 0.0};
+    struct pair_work *work = p->pair.work;
+    const struct pair_work kept[PAIR_BODIES] = {work[0], work[1]};
     for (int k = 0; k < 3; k += PAIR_BODIES) {
-        struct pair_work *work = p->pair.work;
         for (int i = 0; i < PAIR_BODIES; ++i) {
             struct vec3 unit = {0.0, 0.0, 0.0};
             vec3_set(&unit, (k + i) % 3, 1.0);
@@ -1126,6 +1181,7 @@ static struct vec3 as_works(struct segment *p, const struct lever *lever, const 
             vec3_set(&sum, k + i, then.work[i] - vec3_dot(path, change->r));
         }
     }
+    memcpy(work, kept, sizeof kept);
     return sum;
 }
 
@@ -1574,15 +1630,20 @@ static void agree_with_gap(const struct segment *p, struct pair_change *change)
     }
 }
 
-void segment_advance(struct segment *p, double s, const struct scene_values *v, struct scene_state *q,
-                     int contact)
+void segment_advance(struct segment *p, double from, double s, const struct scene_values *v,
+                     struct scene_state *q, int contact)
 {
     struct contact_state *state = &q->contact[contact];
     struct pair_change change = kind_advance(p, s);
     /* a contact deeper than the bodies are wide: positions do not give the gap */
     change.head_on = change.head_on && p->largest_gap <= contact_reach(&p->pair.shape);
     agree_with_gap(p, &change);
-    peaks_note(p, state, s);
+    if (from < s) {
+        peaks_note(p, &state->peaks, from, s);
+    }
+    if (p->pair.coefficients.k >= PAIR_STIFF) {
+        peak_error_note(p, segment_time(p, from), segment_time(p, s), state);
+    }
     pair_apply(&p->pair, &change, v, q, contact);
     state->physics.rate_rounding = pair_rate_rounding_after(&p->pair, &change, v, q, contact);
     if (state->physics.rate_rounding > 0.0) {

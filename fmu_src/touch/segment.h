@@ -130,9 +130,10 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
 double segment_time(const struct segment *p, double s);
 double segment_place(const struct segment *p, double time);
 
-/* Moves the bodies to s, books impulse, energies, work and peaks of the contact, but not the clock. */
-void segment_advance(struct segment *p, double s, const struct scene_values *v, struct scene_state *q,
-                     int contact);
+/* Moves the bodies from the start of the segment to s, books impulse, energies and work of the contact, but
+ * not the clock. Notes the peaks from the place `from` on. */
+void segment_advance(struct segment *p, double from, double s, const struct scene_values *v,
+                     struct scene_state *q, int contact);
 
 /*
  * The kinds of series.c and hertz.c. `applies` says whether the problem is of the form that the kind solves.

@@ -126,15 +126,17 @@ TEST(the_first_fall_of_a_wave_is_found)
     CHECK(fallen > 2000 && begun > 2000 && none > 2000);
 }
 
-static double expected_largest(const struct watched_wave *wave, const struct dense_output *w, double end)
+static double expected_largest(const struct watched_wave *wave, const struct dense_output *w,
+                               const struct dense_range *range)
 {
-    const double last = wave->at + wave->rate * (end - w->s[0]);
-    const double crest = expected_crest(wave->at);
-    const double highest = crest <= last ? 1.0 : fmax(sin(wave->at), sin(last));
+    const double first = wave->at + wave->rate * (range->from - w->s[0]);
+    const double last = wave->at + wave->rate * (range->to - w->s[0]);
+    const double crest = expected_crest(first);
+    const double highest = crest <= last ? 1.0 : fmax(sin(first), sin(last));
     return wave->size * (highest + wave->level);
 }
 
-TEST(the_largest_value_of_a_wave_is_found_up_to_any_end)
+TEST(the_largest_value_of_a_wave_is_found_in_any_range)
 {
     struct random r = {2};
     for (int k = 0; k < 20000; ++k) {
@@ -142,11 +144,16 @@ TEST(the_largest_value_of_a_wave_is_found_up_to_any_end)
         const struct dense_output w = random_waves(&r, &waves);
         const struct watched_wave wave = random_event_function(&r, &waves, &w, 3.0);
         const double last = w.s[w.count - 1];
-        const double end = k % 4 == 0 ? last : random_between(&r, w.s[0], last);
-        struct pair_sample then;
-        sample_waves(&waves, end, &then);
-        CHECK_CLOSE("largest", dense_output_largest(&w, &wave.what, end, &then, -(double)INFINITY),
-                    expected_largest(&wave, &w, end),
+        struct dense_range range;
+        range.to = k % 4 == 0 ? last : random_between(&r, w.s[0], last);
+        range.from = k % 3 == 0 ? w.s[0] : random_between(&r, w.s[0], range.to);
+        struct pair_sample first, last_sample;
+        sample_waves(&waves, range.from, &first);
+        sample_waves(&waves, range.to, &last_sample);
+        range.first = &first;
+        range.last = &last_sample;
+        CHECK_CLOSE("largest", dense_output_largest(&w, &wave.what, &range, -(double)INFINITY),
+                    expected_largest(&wave, &w, &range),
                     64.0L * DBL_EPSILON * wave.size * (1.0 + wave.rate * last));
     }
 }
