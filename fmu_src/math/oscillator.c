@@ -32,50 +32,6 @@ struct oscillator_basis oscillator_basis_at(const struct oscillator *o, double z
                           : overdamped(decay_rate, sqrt(-omega_d2), o->omega2, z);
 }
 
-/* The sine and cosine of 1 - z and 1 + z from those of 1 and z, and so with the decay. */
-static void underdamped_about_one(double decay_rate, double omega_d, const double *offset, int count,
-                                  double *y_of_y, double *y_of_rate)
-{
-    const double sine_of_one = sin(omega_d);
-    const double cosine_of_one = cos(omega_d);
-    const double shrink_to_one = exp(-decay_rate);
-    for (int i = 0; i < count / 2; ++i) {
-        const int mirrored = count - 1 - i;
-        const double z = offset[mirrored];
-        const double sine = sin(omega_d * z);
-        const double cosine = cos(omega_d * z);
-        const double shrink = decay_rate > 0.0 ? exp(-decay_rate * z) : 1.0;
-        const double after = shrink_to_one * shrink;
-        const double before = shrink_to_one / shrink;
-        const double same = sine_of_one * cosine;
-        const double other = cosine_of_one * sine;
-        const double cosines = cosine_of_one * cosine;
-        const double sines = sine_of_one * sine;
-        y_of_rate[i] = before * (same - other) / omega_d;
-        y_of_y[i] = before * (cosines + sines) + decay_rate * y_of_rate[i];
-        y_of_rate[mirrored] = after * (same + other) / omega_d;
-        y_of_y[mirrored] = after * (cosines - sines) + decay_rate * y_of_rate[mirrored];
-    }
-    y_of_y[0] = 1.0;
-    y_of_rate[0] = 0.0;
-}
-
-void oscillator_basis_about_one(const struct oscillator *o, const double *offset, int count, double *y_of_y,
-                                double *y_of_rate)
-{
-    const double decay_rate = 0.5 * o->damping_rate;
-    const double omega_d2 = o->omega2 - decay_rate * decay_rate;
-    if (omega_d2 > 0.0) {
-        underdamped_about_one(decay_rate, sqrt(omega_d2), offset, count, y_of_y, y_of_rate);
-        return;
-    }
-    for (int i = 0; i < count; ++i) {
-        const struct oscillator_basis basis = oscillator_basis_at(o, 1.0 + offset[i]);
-        y_of_y[i] = basis.y_of_y;
-        y_of_rate[i] = basis.y_of_rate;
-    }
-}
-
 struct oscillator_rates oscillator_rates_of(const struct oscillator *o)
 {
     const double decay_rate = 0.5 * o->damping_rate;

@@ -22,11 +22,6 @@ struct oscillator_basis {
 
 struct oscillator_basis oscillator_basis_at(const struct oscillator *o, double z);
 
-/* y alone, at 1 + offset for an even number of ascending offsets in [-1, 1], at half the cost because they
- * are symmetric about zero. */
-void oscillator_basis_about_one(const struct oscillator *o, const double *offset, int count, double *y_of_y,
-                                double *y_of_rate);
-
 /* The two decay rates of y. Up to critical damping both are sqrt(omega2), the rate of oscillation. */
 struct oscillator_rates {
     double slower, faster;

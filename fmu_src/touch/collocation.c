@@ -9,7 +9,7 @@
 struct collocation_place {
     void (*begin)(struct collocation *p);                 /* sets the frame and the problem in it */
     double (*load_at_start)(const struct collocation *p); /* f [m/s^2] */
-    void (*guess)(struct collocation *p, double half);    /* first guess of n and H, with half the step */
+    void (*guess)(struct collocation *p);                 /* first guess of n and H */
     void (*load)(const struct collocation *p, double *values, double *softening);
     double (*turn)(struct collocation *p); /* one sweep of n and H; returns the largest change [m] */
     void (*mismatch)(const struct collocation *p, double *values); /* half n.E at the nodes [m] */
@@ -146,13 +146,11 @@ static double integrate_normal(struct collocation *p)
 /* Integrates H with the present n, then n with the new H; returns the largest change [m]. */
 static double centre_turn(struct collocation *p)
 {
-    if (p->kind != COLLOCATION_RESOLVED) {
-        const struct collocation_correction correction =
-            collocation_correction_of(p, p->result.y, p->result.y_rate, vec3_make(1.0, 0.0, 0.0),
-                                      p->local.momentum, p->local.acceleration[0], p->local.distance);
-        p->result.normal_correction = correction.normal;
-        p->result.momentum_correction = correction.momentum;
-    }
+    const struct collocation_correction correction =
+        collocation_correction_of(p, p->result.y, p->result.y_rate, vec3_make(1.0, 0.0, 0.0),
+                                  p->local.momentum, p->local.acceleration[0], p->local.distance);
+    p->result.normal_correction = correction.normal;
+    p->result.momentum_correction = correction.momentum;
     const double by_momentum = integrate_momentum(p);
     return larger(by_momentum, integrate_normal(p));
 }
@@ -185,11 +183,6 @@ static void oscillator_response(struct collocation *p, double softening)
     p->result.oscillator.omega2 += softening;
     p->result.y = p->from.deviation - p->result.x[0];
     p->result.y_rate = p->half * p->local.rate.x - nodal_slope(p->result.slow, points, 0.0);
-    for (int i = 0; i < points && p->kind == COLLOCATION_RESOLVED; i += LANES) {
-        const double2 y = p->result.y * double2_at(p->result.y_of_y, i) +
-                          p->result.y_rate * double2_at(p->result.y_of_rate, i);
-        double2_put(p->result.x, i, double2_at(p->result.x, i) + y);
-    }
 }
 
 /* (D + slower)(D + faster) x = load with D = d/ds. u = (D + slower) x is the particular solution of (D +
@@ -239,7 +232,7 @@ static double apply_load(struct collocation *p, const double *values, double sof
     if (p->kind == COLLOCATION_OVERDAMPED) {
         overdamped_response(p);
     } else {
-        oscillator_response(p, p->kind == COLLOCATION_AVERAGED ? softening : 0.0);
+        oscillator_response(p, softening);
     }
     for (int i = 0; i < p->nodes->points; ++i) {
         change = larger(fabs(p->result.slow[i] - before[i]), change);
@@ -266,10 +259,9 @@ static double update_load(struct collocation *p)
 }
 
 /* Makes one Gauss-Seidel sweep, which updates the load f, x, H and n in this order. */
-double collocation_sweep(struct collocation *p)
+static double sweep(struct collocation *p)
 {
     const double by_load = update_load(p);
-    p->work.sweeps += 1;
     if (p->local.head_on) {
         /* a head-on load does not depend on x, but an overdamped X is iterated */
         return p->kind == COLLOCATION_OVERDAMPED ? by_load : 0.0;
@@ -344,11 +336,13 @@ static void sum_up(struct collocation *p)
     }
 }
 
-bool collocation_finish(struct collocation *p, double before, double tolerance)
+/* Iterates to convergence; returns whether the result is within `tolerance` and sound. */
+static bool iterate(struct collocation *p, double tolerance)
 {
+    double before = 0.0;
     double gain = 1.0;
-    for (int i = p->work.sweeps; i < MAX_SWEEPS; ++i) {
-        const double change = collocation_sweep(p);
+    for (int i = 0; i < MAX_SWEEPS; ++i) {
+        const double change = sweep(p);
         /* The error left is about change * gain, where gain is the factor by which the last sweep converged.
          * H and n converge in turn, so the larger of the last two factors counts. X of an overdamped step
          * converges after H and n, so no factor is used there. */
@@ -361,14 +355,6 @@ bool collocation_finish(struct collocation *p, double before, double tolerance)
         before = change;
     }
     return false;
-}
-
-bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
-                      enum collocation_kind kind, const struct lobatto *nodes, double tolerance)
-{
-    collocation_begin(p, from, step, kind, nodes);
-    collocation_size(p, step);
-    return collocation_finish(p, 0.0, tolerance);
 }
 
 /*
@@ -447,12 +433,12 @@ static double collocation_rim_load_at_start(const struct collocation *p)
     return rim_slopes_at(&at, p->local.acceleration[0]).load - mismatch;
 }
 
-static void collocation_rim_guess(struct collocation *p, double half)
+static void collocation_rim_guess(struct collocation *p)
 {
     const struct rim_state at = rim_state_at_start(p);
     const struct rim_slopes first = rim_slopes_at(&at, p->local.acceleration[0]);
     for (int i = 0; i < p->nodes->points; ++i) {
-        const double t = half * (1.0 + p->nodes->node[i]);
+        const double t = p->half * (1.0 + p->nodes->node[i]);
         struct rim_slopes slopes = first;
         slopes.azimuth += 0.5 * t * first.azimuth_momentum / (at.rho * at.rho);
         slopes.tilt += 0.5 * t * first.tilt_momentum / (at.d * at.d);
@@ -482,13 +468,11 @@ static double rim_integrate(const struct collocation *p, const struct nodal_vec3
 static double collocation_rim_turn(struct collocation *p)
 {
     const double distance = p->local.distance;
-    if (p->kind != COLLOCATION_RESOLVED) {
-        const struct rim_state start = rim_state_at_start(p);
-        const struct collocation_correction correction =
-            collocation_rim_correction(p, &start, p->local.acceleration[0], p->result.y, p->result.y_rate);
-        p->result.normal_correction = correction.normal;
-        p->result.momentum_correction = correction.momentum;
-    }
+    const struct rim_state start = rim_state_at_start(p);
+    const struct collocation_correction correction =
+        collocation_rim_correction(p, &start, p->local.acceleration[0], p->result.y, p->result.y_rate);
+    p->result.normal_correction = correction.normal;
+    p->result.momentum_correction = correction.momentum;
     nodal_values per_rho_squared;
     nodal_values per_d_squared;
     for (int i = 0; i < p->nodes->points; ++i) {
@@ -538,9 +522,6 @@ static struct rim_state rim_state_then(const struct collocation *p, double s, co
                      nodal_integral_to(nodes, p->result.n.y, p->result.n_rate.y, s), 0.0};
     struct vec3 h = {nodal_integral_to(nodes, p->result.h.x, p->result.h_rate.x, s),
                      nodal_integral_to(nodes, p->result.h.y, p->result.h_rate.y, s), 0.0};
-    if (p->kind == COLLOCATION_RESOLVED) {
-        return collocation_rim_state(p, n, h, x[0]);
-    }
     double slow[4];
     collocation_averaged_deviation(p, s, slow);
     n = vec3_sub(n, p->result.normal_correction);
@@ -573,37 +554,20 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
         tilt[0] += nodal_integral(p->result.tilt_rate, points, s) - p->result.normal_correction.y;
         tilt[1] = nodal_polynomial_at(p->result.tilt_rate, points, s);
         tilt[2] = nodal_slope(p->result.tilt_rate, points, s);
-        if (p->kind != COLLOCATION_RESOLVED) { /* y adds to the tilt as in collocation_rim_correction */
-            double slow[4];
-            collocation_averaged_deviation(p, s, slow);
-            const double by = -2.0 * tilt[1] / (p->from.reach + x[0]);
-            const double y = x[0] - slow[0];
-            const double y_rate = x[1] - slow[1];
-            tilt[0] += by * collocation_oscillation_integral(p, y, y_rate) / p->half;
-            tilt[1] += by * y;
-            tilt[2] += by * y_rate;
-        }
+        /* y adds to the tilt as in collocation_rim_correction */
+        double slow[4];
+        collocation_averaged_deviation(p, s, slow);
+        const double by = -2.0 * tilt[1] / (p->from.reach + x[0]);
+        const double y = x[0] - slow[0];
+        const double y_rate = x[1] - slow[1];
+        tilt[0] += by * collocation_oscillation_integral(p, y, y_rate) / p->half;
+        tilt[1] += by * y;
+        tilt[2] += by * y_rate;
     }
     rim_edges(tilt, p->from.reach, radial, axial);
 }
 
 /* Dense output of a collocated step. */
-
-/* The parts of the interior error that are left at the end of a step of four radians with eight nodes.
- * LEFT_AT_END is the part by the quadrature, LEFT_OF_PRODUCTS the part by products of an oscillation as large
- * as d. Both were measured on random steps and have a margin of three or more. */
-static const double LEFT_AT_END = 1e-4;
-static const double LEFT_OF_PRODUCTS = 2e-2;
-
-double collocation_error_near_end(const struct collocation *p, double s)
-{
-    const int points = p->nodes->points;
-    const double swing = (fabs(p->result.y) + fabs(p->result.y_rate)) / p->local.distance;
-    /* a polynomial that is zero at the nodes has a slope at the last node below points^2, relative to its
-     * size */
-    const double off_node = points * points * fabs(2.0 - s);
-    return p->result.interior_error * fmin(1.0, LEFT_AT_END + LEFT_OF_PRODUCTS * swing + off_node);
-}
 
 void collocation_averaged_deviation(const struct collocation *p, double s, double x[4])
 {
@@ -626,22 +590,6 @@ void collocation_deviation(const struct collocation *p, double s, double x[4])
     nodal_derivatives(p->result.slow, p->result.terms, s, x);
     add_oscillation(p, p->result.y * by.y_of_y + p->result.y_rate * by.y_of_rate,
                     p->result.y * by.rate_of_y + p->result.y_rate * by.rate_of_rate, x);
-}
-
-void collocation_deviation_at_node(const struct collocation *p, int node, double x[4])
-{
-    const double s = 1.0 + p->nodes->node[node];
-    if (p->kind != COLLOCATION_RESOLVED) {
-        collocation_deviation(p, s, x);
-        return;
-    }
-    const double of_y = p->result.y_of_y[node];
-    const double of_rate = p->result.y_of_rate[node];
-    nodal_derivatives(p->result.slow, p->result.terms, s, x);
-    add_oscillation(p, p->result.y * of_y + p->result.y_rate * of_rate,
-                    -p->result.oscillator.omega2 * p->result.y * of_rate +
-                        p->result.y_rate * (of_y - p->result.oscillator.damping_rate * of_rate),
-                    x);
 }
 
 void collocation_mismatch(const struct collocation *p, double s, double normal_mismatch[4])
@@ -793,9 +741,7 @@ double collocation_moment(const struct collocation *p, const struct vec3 weight[
         along[i] = vec3_dot(weight_then, normal);
     }
     nodal_coefficients(p->nodes, values, a);
-    const double slow = nodal_integral(a, p->nodes->points, s);
-    const double rest = p->kind == COLLOCATION_RESOLVED ? 0.0 : moment_of_oscillation(p, along, s);
-    return p->half * (slow + rest);
+    return p->half * (nodal_integral(a, p->nodes->points, s) + moment_of_oscillation(p, along, s));
 }
 
 /* Sets the changes of n and H since the start, with the part by y. */
@@ -811,18 +757,16 @@ static void frame_change_at(const struct collocation *p, double s, const double 
         momentum_change->x = nodal_integral_to(nodes, p->result.h.x, p->result.h_rate.x, s);
         momentum_change->y = nodal_integral_to(nodes, p->result.h.y, p->result.h_rate.y, s);
     }
-    if (p->kind != COLLOCATION_RESOLVED) {
-        double slow[4];
-        collocation_averaged_deviation(p, s, slow);
-        *normal_change = vec3_sub(*normal_change, p->result.normal_correction);
-        *momentum_change = vec3_sub(*momentum_change, p->result.momentum_correction);
-        const struct collocation_correction correction = collocation_correction_of(
-            p, x[0] - slow[0], x[1] - slow[1], vec3_add(vec3_make(1.0, 0.0, 0.0), *normal_change),
-            vec3_add(p->local.momentum, *momentum_change), acceleration_then(p, p->half * s),
-            p->from.reach + x[0]);
-        *normal_change = vec3_add(*normal_change, correction.normal);
-        *momentum_change = vec3_add(*momentum_change, correction.momentum);
-    }
+    double slow[4];
+    collocation_averaged_deviation(p, s, slow);
+    *normal_change = vec3_sub(*normal_change, p->result.normal_correction);
+    *momentum_change = vec3_sub(*momentum_change, p->result.momentum_correction);
+    const struct collocation_correction correction = collocation_correction_of(
+        p, x[0] - slow[0], x[1] - slow[1], vec3_add(vec3_make(1.0, 0.0, 0.0), *normal_change),
+        vec3_add(p->local.momentum, *momentum_change), acceleration_then(p, p->half * s),
+        p->from.reach + x[0]);
+    *normal_change = vec3_add(*normal_change, correction.normal);
+    *momentum_change = vec3_add(*momentum_change, correction.momentum);
 }
 
 static struct collocation_change centre_change_at(const struct collocation *p, double s)
@@ -935,7 +879,7 @@ static double centre_load_at_start(const struct collocation *p)
 }
 
 /* Guesses n by its Taylor polynomial of order two in time and H by the one of order one. */
-static void centre_guess(struct collocation *p, double half)
+static void centre_guess(struct collocation *p)
 {
     const struct vec3 n = {1.0, 0.0, 0.0};
     const double per_distance_squared = 1.0 / (p->local.distance * p->local.distance);
@@ -945,7 +889,7 @@ static void centre_guess(struct collocation *p, double half)
         vec3_scale(0.5 * per_distance_squared,
                    vec3_add(vec3_cross(momentum_rate, n), vec3_cross(p->local.momentum, normal_rate)));
     for (int i = 0; i < p->nodes->points; ++i) {
-        const double t = half * (1.0 + p->nodes->node[i]);
+        const double t = p->half * (1.0 + p->nodes->node[i]);
         nodal_put_vec3(&p->result.h, i, vec3_scale(t, momentum_rate));
         nodal_put_vec3(&p->result.n, i, vec3_scale(t, vec3_axpy(normal_rate, t, bend)));
     }
@@ -966,8 +910,9 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
     return p->place->change_at(p, s);
 }
 
-void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
-                       enum collocation_kind kind, const struct lobatto *nodes)
+/* Sets x at the nodes to the equilibrium under the load at the start, and first guesses of n and H. */
+static void begin(struct collocation *p, const struct collocation_problem *from, double step,
+                  enum collocation_kind kind, const struct lobatto *nodes)
 {
     p->from = *from;
     p->nodes = nodes;
@@ -976,18 +921,18 @@ void collocation_begin(struct collocation *p, const struct collocation_problem *
     p->local.distance = from->reach + from->deviation;
     p->local.head_on = is_head_on(from);
     p->result.normal_correction = p->result.momentum_correction = vec3_make(0.0, 0.0, 0.0);
-    p->work.sweeps = 0;
     p->place = CONTACT_ANY_CAPS && from->at_rim && !p->local.head_on ? &about_rim : &about_centre;
     p->place->begin(p);
-    p->result.oscillator =
-        (struct oscillator){from->omega2 * p->half * p->half, from->damping_rate * p->half};
     memset(p->result.slow, 0, sizeof p->result.slow);
     memset(p->result.normal_mismatch, 0, sizeof p->result.normal_mismatch);
-    p->result.terms = 1;
     p->result.slow[0] =
         kind == COLLOCATION_OVERDAMPED ? from->deviation : p->place->load_at_start(p) / from->omega2;
     p->result.y = from->deviation - p->result.slow[0];
     p->result.y_rate = p->half * p->local.rate.x;
+    p->place->guess(p);
+    for (int i = 0; i < nodes->points; ++i) {
+        p->result.x[i] = p->result.slow[0];
+    }
 }
 
 static struct vec3 polynomial_of_time(const struct vec3 *a, int terms, double t)
@@ -997,33 +942,6 @@ static struct vec3 polynomial_of_time(const struct vec3 *a, int terms, double t)
         sum = vec3_axpy(a[i], t, sum);
     }
     return sum;
-}
-
-/* Adds y at the nodes to x (sign 1) or subtracts it (sign -1). */
-static void add_oscillation_at_nodes(struct collocation *p, double sign)
-{
-    for (int i = 0; i < p->nodes->points; ++i) {
-        p->result.x[i] +=
-            sign * (p->result.y * p->result.y_of_y[i] + p->result.y_rate * p->result.y_of_rate[i]);
-    }
-}
-
-/* Extrapolates n and H to the nodes of a step that is longer by the fraction `part`, and subtracts
- * y from x. */
-static void extrapolate(struct collocation *p, double part)
-{
-    add_oscillation_at_nodes(p, -1.0);
-    for (int i = 0; i < p->nodes->points && !p->local.head_on; ++i) {
-        const double later = part * (1.0 + p->nodes->node[i]);
-        p->result.h.z[i] += later * p->result.h_rate.z[i];
-        p->result.n.x[i] += later * p->result.n_rate.x[i];
-        p->result.n.y[i] += later * p->result.n_rate.y[i];
-        if (!p->local.planar) {
-            p->result.h.x[i] += later * p->result.h_rate.x[i];
-            p->result.h.y[i] += later * p->result.h_rate.y[i];
-            p->result.n.z[i] += later * p->result.n_rate.z[i];
-        }
-    }
 }
 
 static void fill_nodes(struct collocation *p)
@@ -1049,27 +967,10 @@ static void fill_nodes(struct collocation *p)
     }
 }
 
-void collocation_size(struct collocation *p, double step)
+bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
+                      enum collocation_kind kind, const struct lobatto *nodes, double tolerance)
 {
-    const bool resolved = p->kind == COLLOCATION_RESOLVED;
-    const double longer = 0.5 * step / p->half;
-    if (p->work.sweeps == 0) {
-        p->place->guess(p, 0.5 * step);
-        for (int i = 0; i < p->nodes->points; ++i) {
-            p->result.x[i] = p->result.slow[0]; /* the equilibrium under the load at the start */
-        }
-    } else if (resolved) {
-        extrapolate(p, longer - 1.0);
-    }
-    p->result.y_rate *= longer;
-    p->half = 0.5 * step;
-    p->result.terms = p->nodes->points;
-    p->result.oscillator =
-        (struct oscillator){p->from.omega2 * p->half * p->half, p->from.damping_rate * p->half};
+    begin(p, from, step, kind, nodes);
     fill_nodes(p);
-    if (resolved) {
-        oscillator_basis_about_one(&p->result.oscillator, p->nodes->node, p->nodes->points, p->result.y_of_y,
-                                   p->result.y_of_rate);
-        add_oscillation_at_nodes(p, 1.0);
-    }
+    return iterate(p, tolerance);
 }

@@ -13,9 +13,8 @@
  * polynomials collocated at the Lobatto nodes (exponential collocation: Hochbruck and Ostermann, Acta
  * Numerica 19 (2010) 209; Lobatto IIIA: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5).
  *
- * x = s + y: s is the particular solution for f, y the free oscillation from the start values. Three kinds of
+ * x = s + y: s is the particular solution for f, y the free oscillation from the start values. Two kinds of
  * step:
- *   resolved     short enough that the nodes resolve y; f, n and H depend on all of x
  *   averaged     many small oscillations; f, n and H depend on y to first order, and this dependence is
  *                integrated in closed form
  *   overdamped   far beyond critical damping, or without a spring: x = X + y, where y is the fast decay alone
@@ -34,7 +33,7 @@
 #include "math/vec3.h"
 #include "touch/rim.h"
 
-enum collocation_kind { COLLOCATION_RESOLVED, COLLOCATION_AVERAGED, COLLOCATION_OVERDAMPED };
+enum collocation_kind { COLLOCATION_AVERAGED, COLLOCATION_OVERDAMPED };
 
 enum { COLLOCATION_ACCELERATION_TERMS = 3, COLLOCATION_MISMATCH_TERMS = 4 };
 
@@ -70,21 +69,19 @@ struct collocation_local {
 struct collocation_work {
     struct nodal_vec3 acceleration_at, drive_at; /* A and A - damping_rate E at the nodes */
     struct nodal_vec3 mismatch_at;               /* half E at the nodes, if E is not zero */
-    int sweeps;                                  /* number of sweeps so far */
 };
 
 /* Result of the iteration; vectors are in the frame of the start. */
 struct collocation_result {
-    /* part of n and H at the start that is due to the oscillation y; zero in a resolved step */
+    /* part of n and H at the start that is due to the oscillation y */
     struct vec3 normal_correction, momentum_correction;
     struct nodal_vec3 n, h;           /* nodal change of n and H since the start, without y */
     struct nodal_vec3 n_rate, h_rate; /* d/ds of n and h */
-    nodal_values x;                   /* x at the nodes; includes y only if resolved [m] */
+    nodal_values x;                   /* x at the nodes, without y [m] */
     nodal_values load;                /* half^2 f, coefficients in s - 1 [m] */
     nodal_values slow;                /* x without y, coefficients of s - 1 [m] */
     nodal_values normal_mismatch;     /* half n.E, coefficients of s - 1 [m] */
     nodal_values tilt_rate;           /* n_rate.y at a rim, coefficients of s - 1 [rad] */
-    nodal_values y_of_y, y_of_rate;   /* basis of the free oscillation at the nodes, if resolved */
     int terms;                        /* number of coefficients of `slow` above rounding */
     /* the oscillator of y, with rates per unit of s; an averaged step adds the mean of -half^2 df/dx to its
      * omega2 */
@@ -108,30 +105,13 @@ struct collocation {
 
 /* Makes a step and returns whether the iteration converged to `tolerance` [m]. The product of the step [s]
  * and the oscillator's rates (oscillator_rates_of) [1/s] must be
- *   resolved   3 or more (oscillator_particular), not much more than 4 (the nodes), below critical damping
- *   averaged   the slower 3 or more
+ *   averaged   the slower 3 or more (oscillator_particular)
  *   overdamped   the faster 3 or more and four times the slower or more, the slower not much more than 3 */
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
                       enum collocation_kind kind, const struct lobatto *nodes, double tolerance);
 
-/* These four functions are the parts of collocation_make, for a step that is to end at an event.
- *   begin    sets x under a constant load, for collocation_deviation and collocation_mismatch
- *   size     sets the length of the step; after a sweep it may change the length only a little
- *   sweep    makes one iteration and returns the largest change [m]
- *   finish   iterates to convergence; `before` is the change by an earlier sweep, 0 without one */
-void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
-                       enum collocation_kind kind, const struct lobatto *nodes);
-void collocation_size(struct collocation *p, double step);
-double collocation_sweep(struct collocation *p);
-bool collocation_finish(struct collocation *p, double before, double tolerance);
-
-/* Returns the error of a resolved step at an s close to its end [m]. There the error falls towards the higher
- * order that the nodes' quadrature has at s = 2. */
-double collocation_error_near_end(const struct collocation *p, double s);
-
 /* These functions give x [m] and half n.E [m], each with its first three derivatives with respect to s. */
 void collocation_deviation(const struct collocation *p, double s, double x[4]);
-void collocation_deviation_at_node(const struct collocation *p, int node, double x[4]);
 void collocation_mismatch(const struct collocation *p, double s, double normal_mismatch[4]);
 
 /* Gives the contact force of an overdamped step, divided by m_red and times half^2 [m], half^2 (x'' - n.A -

@@ -421,10 +421,10 @@ struct frame_flight frame_flight_of(const struct contact_pair *from)
 struct frame_flight frame_flight_at_rim(const struct contact_pair *from)
 {
     const struct rim_start rim = pair_rim_start(from);
-    struct frame_flight flight = {.dimensions = FRAME};
+    struct frame_flight flight = {.degree = 1};
     memcpy(flight.frame, rim.frame, sizeof flight.frame);
     (void)put_in_frame(&flight, from->flight.c[0], flight.c[0]);
-    (void)put_flight_in_frame(&flight, from, true);
+    flight.dimensions = put_flight_in_frame(&flight, from, true) ? 3 : 2;
     return flight;
 }
 
@@ -737,13 +737,6 @@ void pair_collocation_sample(const void *pair_collocation, double s, struct pair
     double x[4];
     collocation_deviation(&p->step, s, x);
     fill_sample(p, x, s, sample);
-}
-
-void pair_collocation_sample_node(const struct pair_collocation *p, int node, struct pair_sample *sample)
-{
-    double x[4];
-    collocation_deviation_at_node(&p->step, node, x);
-    fill_sample(p, x, 1.0 + p->step.nodes->node[node], sample);
 }
 
 void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,

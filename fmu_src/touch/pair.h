@@ -127,8 +127,8 @@ struct frame_flight {
 
 struct frame_flight frame_flight_of(const struct contact_pair *from);
 
-/* Returns the flight at a rim, in the frame of a, b = e x a and e, with all three directions and no
- * projection. */
+/* Returns the flight at a rim in the frame of rim.h, with no projection; two directions suffice in a plane
+ * through the axis. */
 struct frame_flight frame_flight_at_rim(const struct contact_pair *from);
 
 /*
@@ -217,9 +217,6 @@ struct pair_collocation {
 };
 
 void pair_collocation_sample(const void *pair_collocation, double s, struct pair_sample *sample);
-
-/* Makes the sample at a Lobatto node, at less cost than at any other s. */
-void pair_collocation_sample_node(const struct pair_collocation *p, int node, struct pair_sample *sample);
 
 /* Makes the sample of the averaged motion, without the oscillation. */
 void pair_collocation_sample_averaged(const void *pair_collocation, double s, struct pair_sample *sample);

@@ -7,14 +7,14 @@ struct rim_start rim_start_of(struct vec3 axis, double radius, double half_heigh
     const struct vec3 across = vec3_axpy(c, -along, axis);
     const double rho = vec3_norm(across);
     const struct vec3 outward = vec3_scale(1.0 / rho, across);
-    struct rim_start start = {.frame = {outward, vec3_cross(axis, outward), axis},
+    struct rim_start start = {.frame = {outward, axis, vec3_cross(axis, outward)},
                               .radius = radius,
                               .distance = distance,
                               .tilt = atan2(-along - half_height, rho - radius)};
     const double cosine = cos(start.tilt);
     const double sine = sin(start.tilt);
     start.rho = radius + distance * cosine;
-    start.azimuth_momentum = start.rho * vec3_dot(start.frame[1], rate);
+    start.azimuth_momentum = start.rho * vec3_dot(start.frame[2], rate);
     start.tilt_momentum = -distance * (sine * vec3_dot(outward, rate) + cosine * vec3_dot(axis, rate));
     return start;
 }
@@ -68,7 +68,7 @@ static struct rim_parts rim_parts_of(const struct rim_state *at, struct vec3 a)
 {
     const double c = at->turned_cosine;
     const double s = at->turned_sine;
-    return (struct rim_parts){c * a.x + s * a.y, c * a.y - s * a.x, a.z};
+    return (struct rim_parts){c * a.x + s * a.z, c * a.z - s * a.x, a.y};
 }
 
 struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 acceleration)
@@ -103,7 +103,7 @@ void rim_slopes_by_distance(const struct rim_start *start, const struct rim_stat
 struct vec3 rim_normal(const struct rim_state *at)
 {
     const double c = at->cosine;
-    return vec3_make(c * at->turned_cosine, c * at->turned_sine, -at->sine);
+    return vec3_make(c * at->turned_cosine, -at->sine, c * at->turned_sine);
 }
 
 /* Returns c - c(0) by differences of sines and cosines that lose no digits. */
@@ -116,7 +116,7 @@ struct vec3 rim_moved(const struct rim_start *start, const struct rim_state *at)
     const double outward = at->grown * at->cosine + start->distance * cosine_change;
     const double half_turn = sin(0.5 * at->azimuth);
     return vec3_make(outward * at->turned_cosine - 2.0 * start->rho * half_turn * half_turn,
-                     at->rho * at->turned_sine, -(at->grown * at->sine + start->distance * sine_change));
+                     -(at->grown * at->sine + start->distance * sine_change), at->rho * at->turned_sine);
 }
 
 struct vec3 rim_velocity(const struct rim_state *at, double radial)
@@ -126,8 +126,8 @@ struct vec3 rim_velocity(const struct rim_state *at, double radial)
     const double circumferential = at->azimuth_momentum / at->rho;
     const double c = at->turned_cosine;
     const double s = at->turned_sine;
-    return vec3_make(c * outward - s * circumferential, s * outward + c * circumferential,
-                     -(radial * at->sine + along * at->cosine));
+    return vec3_make(c * outward - s * circumferential, -(radial * at->sine + along * at->cosine),
+                     s * outward + c * circumferential);
 }
 
 void rim_edges(const double tilt[3], double reach, double radial[3], double axial[3])

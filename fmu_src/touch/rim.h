@@ -8,7 +8,8 @@
  *   tilt' = L / d^2,        L' = -d (sin(tilt) push + cos(tilt) e.A),   push = h^2 / rho^3 + a.A
  *   d'' = f + F_n / m_red,  f = L^2 / d^3 + cos(tilt) push - sin(tilt) e.A
  *
- * with A the relative acceleration without the contact force. Vectors are in the frame of the start: a, b, e.
+ * with A the relative acceleration without the contact force. Vectors are in the frame of the start: a, e, b.
+ * A motion in a plane through the axis has only the first two components.
  */
 #ifndef CONTACT_TOUCH_RIM_LOCAL_H
 #define CONTACT_TOUCH_RIM_LOCAL_H
@@ -17,7 +18,7 @@
 
 /* The start of a motion. */
 struct rim_start {
-    struct vec3 frame[3];                   /* a, b, e */
+    struct vec3 frame[3];                   /* a, e, b */
     double radius;                          /* r_d [m] */
     double distance;                        /* d [m] */
     double rho;                             /* distance of the centre from the axis [m] */

@@ -306,11 +306,6 @@ static const double COLLOCATED_SHORTEST = 3.0;
  * many times the tangential rate. */
 static const double SEPARATION_OF_RATES = 20.0;
 
-/* Length of a resolved segment [radians of the oscillator]: an impact takes a little more than half a period.
- * The oscillation's relative size in the load is (tangential_rate / oscillator's rate)^2. Over this length
- * the oscillation is accurate to 3e-7 at the nodes. */
-static const double RESOLVED_LENGTH = 4.0;
-
 /* Whether the step may be long enough and the oscillator or its decay is faster than the tangential
  * motion. */
 static bool collocated_applies(const struct segment *p)
@@ -318,15 +313,6 @@ static bool collocated_applies(const struct segment *p)
     const struct pair_timescales *scales = &p->scales;
     return scales->rates.faster * p->longest >= COLLOCATED_SHORTEST && scales->problem.reach > 0.0 &&
            scales->rates.faster >= SEPARATION_OF_RATES * scales->tangential_rate;
-}
-
-/* Sets up a segment without samples from the step in p->as.collocation. */
-static void collocated_begin(struct segment *p)
-{
-    p->unit = p->as.collocation.step.half;
-    p->end = 2.0;
-    p->output.latest_s = -1.0;
-    p->output.count = 0;
 }
 
 /* Adds samples at 0.5, 1, 2, 4, ... decay times of the fast decay, before the nodes, so that no quantity has
@@ -342,11 +328,15 @@ static void add_decay_samples(struct segment *p)
     }
 }
 
+/* Sets up the segment and its samples from the step in p->as.collocation. */
 static void collocated_sample(struct segment *p)
 {
     const enum collocation_kind kind = p->as.collocation.step.kind;
     const struct lobatto *nodes = p->as.collocation.step.nodes;
-    collocated_begin(p);
+    p->unit = p->as.collocation.step.half;
+    p->end = 2.0;
+    p->output.latest_s = -1.0;
+    p->output.count = 0;
     if (kind == COLLOCATION_OVERDAMPED) {
         add_decay_samples(p);
     }
@@ -357,23 +347,11 @@ static void collocated_sample(struct segment *p)
             if (kind == COLLOCATION_AVERAGED) {
                 pair_collocation_sample_averaged(&p->as.collocation, s, at);
             } else {
-                pair_collocation_sample_node(&p->as.collocation, i, at);
+                pair_collocation_sample(&p->as.collocation, s, at);
             }
             p->output.s[p->output.count++] = s;
         }
     }
-}
-
-/* Makes a segment that is within tolerance everywhere, not only at its end, because an event may end it. */
-static bool collocated_make(struct segment *p, double step, enum collocation_kind kind)
-{
-    if (!collocation_make(&p->as.collocation.step, &p->scales.problem, step, kind, &lobatto[LOBATTO_TWELVE],
-                          0.1 * p->tolerance) ||
-        !(p->as.collocation.step.result.interior_error <= p->tolerance)) {
-        return false;
-    }
-    collocated_sample(p);
-    return true;
 }
 
 /* Smallest distance d of a node from the centre, as a fraction of the reach. The sum d = reach + x loses one
@@ -404,6 +382,10 @@ static const double FOUR_NODES = 0.05;
 static const double EIGHT_NODES = 0.5;
 
 enum { AVERAGED_ATTEMPTS = 12 };
+
+/* Length by which an averaged step ends before an event [radians of the oscillator]: COLLOCATED_SHORTEST, so
+ * that no other averaged step is tried before the event. Series go on from there and locate the event. */
+static const double BEFORE_EVENT = 3.0;
 
 /* Returns the error [m] of treating an oscillation or fast decay of amplitude `a` [m] to first order. The
  * second order of its closed-form part is 4 a ratio^2, where `ratio` is the tangential rate divided by the
@@ -538,106 +520,9 @@ static bool averaged_make(struct segment *p)
         if (p->event_free) {
             return true;
         }
-        /* end two resolved segments before the event: they locate it */
-        step = until * made->step.half - 2.0 * RESOLVED_LENGTH / scales->rates.slower;
+        step = until * made->step.half - BEFORE_EVENT / scales->rates.slower;
     }
     return false;
-}
-
-/* Number of samples of the first guess over RESOLVED_LENGTH. They are a radian apart, since no quantity has
- * two extrema in a radian. */
-enum { GUESS_PLACES = 5 };
-
-/* A step ends beyond the contact's end by a part of its length: BEYOND_GUESS covers the error of the first
- * guess with its constant load; after one sweep BEYOND is the least, and BEYOND_SHIFT the part of the shift
- * by that sweep. */
-static const double BEYOND_GUESS = 1e-3;
-static const double BEYOND = 1e-6;
-static const double BEYOND_SHIFT = 0.02;
-
-/* Smallest length of a step with eight nodes [radians]: oscillator_particular loses as few digits there as
- * with twelve nodes at COLLOCATED_SHORTEST. */
-static const double SHORTEST_OF_EIGHT = 1.0;
-
-/* Returns a first guess of the terminal event: the event under a constant load. */
-static struct terminal_event guess_terminal_event(struct segment *p, double longest)
-{
-    struct pair_collocation *made = &p->as.collocation;
-    collocation_begin(&made->step, &p->scales.problem, longest, COLLOCATION_RESOLVED,
-                      &lobatto[LOBATTO_EIGHT]);
-    collocated_begin(p);
-    for (int i = 0; i < GUESS_PLACES; ++i) {
-        dense_output_add(&p->output, p->end * i / (GUESS_PLACES - 1));
-    }
-    return terminal_event_first(p);
-}
-
-/* Returns how far a sweep shifts the event in s, estimated by one Newton step. */
-static double shift_of(const struct segment *p, const struct event_function *function, double s)
-{
-    struct pair_sample at;
-    pair_collocation_sample(&p->as.collocation, s, &at);
-    return -(function->factor * at.of[function->quantity][0] + function->offset) /
-           (function->factor * at.of[function->quantity][1]);
-}
-
-/* Sizes a step to end with the contact, expected at `time`. Fewer nodes suffice because collocation is most
- * accurate at its end. */
-static bool fit_to_terminal_event(struct segment *p, const struct event_function *function, double time)
-{
-    struct collocation *step = &p->as.collocation.step;
-    collocation_size(step, time * (1.0 + BEYOND_GUESS));
-    const double change = collocation_sweep(step);
-    const double s = 2.0 / (1.0 + BEYOND_GUESS);
-    const double shift = shift_of(p, function, s);
-    if (!(fabs(shift) < BEYOND_GUESS)) {
-        return false;
-    }
-    collocation_size(step, (s + shift) * step->half * (1.0 + fmax(BEYOND, BEYOND_SHIFT * fabs(shift))));
-    if (!collocation_finish(step, change, 0.1 * p->tolerance)) {
-        return false;
-    }
-    collocated_sample(p);
-    p->terminal = terminal_event_first(p);
-    return collocation_error_near_end(step, p->terminal.s) <= p->tolerance;
-}
-
-static bool make_to_terminal_event(struct segment *p, double longest)
-{
-    struct collocation *step = &p->as.collocation.step;
-    const double rate = p->scales.rates.slower;
-    const struct terminal_event guess = guess_terminal_event(p, longest);
-    const double time = guess.s * step->half;
-    if (time * (1.0 + BEYOND_GUESS) > longest || !(time * rate >= SHORTEST_OF_EIGHT)) {
-        return false;
-    }
-    if (fit_to_terminal_event(p, &guess.function, time)) {
-        return true;
-    }
-    if (!(time * rate >= COLLOCATED_SHORTEST)) {
-        return false;
-    }
-    collocation_begin(step, &p->scales.problem, time, COLLOCATION_RESOLVED, &lobatto[LOBATTO_TWELVE]);
-    return fit_to_terminal_event(p, &guess.function, time);
-}
-
-static bool resolved_applies(const struct segment *p)
-{
-    return collocated_applies(p) && p->scales.underdamped;
-}
-
-/* Makes the segment. Where the terminal event is near, the segment ends there and p->terminal is set. */
-static bool resolved_make(struct segment *p)
-{
-    const double rate = p->scales.rates.slower;
-    const double step = fmin(p->longest, RESOLVED_LENGTH / rate);
-    if (make_to_terminal_event(p, step)) {
-        return true;
-    }
-    p->terminal.s = (double)NAN;
-    return rate * step >= COLLOCATED_SHORTEST &&
-           (collocated_make(p, step, COLLOCATION_RESOLVED) ||
-            collocated_make(p, COLLOCATED_SHORTEST / rate, COLLOCATION_RESOLVED));
 }
 
 /* Length of an overdamped segment [radians of the tangential motion]. The segment must be accurate between
@@ -668,6 +553,15 @@ static bool overdamped_is_accurate(const struct segment *p, double step, double 
            averaged_error(decay, ratio, p->scales.problem.reach, ratio) <= p->tolerance;
 }
 
+/* Makes a step that is within tolerance everywhere, not only at its end, because an event may end it. */
+static bool overdamped_try(struct segment *p, double step)
+{
+    struct collocation *made = &p->as.collocation.step;
+    return collocation_make(made, &p->scales.problem, step, COLLOCATION_OVERDAMPED, &lobatto[LOBATTO_TWELVE],
+                            0.1 * p->tolerance) &&
+           made->result.interior_error <= p->tolerance;
+}
+
 static bool overdamped_make(struct segment *p)
 {
     const struct pair_timescales *scales = &p->scales;
@@ -678,9 +572,10 @@ static bool overdamped_make(struct segment *p)
     }
     double decay = 0.0;
     for (int i = 0; i < ATTEMPTS && step * scales->rates.faster >= COLLOCATED_SHORTEST; ++i) {
-        if (overdamped_is_accurate(p, step, decay) && collocated_make(p, step, COLLOCATION_OVERDAMPED)) {
+        if (overdamped_is_accurate(p, step, decay) && overdamped_try(p, step)) {
             decay = fabs(p->as.collocation.step.result.y);
             if (overdamped_is_accurate(p, step, decay)) {
+                collocated_sample(p);
                 return true;
             }
         }
@@ -1447,10 +1342,6 @@ static const struct {
      * allows. */
     [SEGMENT_AVERAGED] = {averaged_applies, averaged_make, pair_collocation_sample, pair_collocation_advance,
                           40, NULL, NULL},
-    /* Other oscillations below critical damping: a segment covers half a period or more, which is most of an
-     * impact. */
-    [SEGMENT_RESOLVED] = {resolved_applies, resolved_make, pair_collocation_sample, pair_collocation_advance,
-                          10, NULL, NULL},
     /* Contacts far beyond critical damping or without a spring: a segment covers a radian of the tangential
      * motion. */
     [SEGMENT_OVERDAMPED] = {overdamped_applies, overdamped_make, pair_collocation_sample,

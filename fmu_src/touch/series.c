@@ -169,18 +169,23 @@ static inline void put_nearest(struct pair_series *p, struct series_work *z, int
 {
     if (SCENE_ANY_CAPS && kind.at_rim) {
         const struct contact_solid *solid = &p->from->shape.solid;
+        f[1] += kind.first ? solid->half_height : 0.0;
+        p->axial[i] = -f[1];
+        if (kind.dimensions == 2) { /* in a plane through the axis the point stays where it is */
+            f[0] -= kind.first ? solid->radius : 0.0;
+            p->radial[i] = f[0];
+            return;
+        }
         z->across[0][i] = f[0];
-        z->across[1][i] = f[1];
+        z->across[1][i] = f[2];
         z->rho_squared[i] =
             taylor_multiply(z->across[0], z->across[0], i) + taylor_multiply(z->across[1], z->across[1], i);
         z->rho[i] = taylor_root(z->rho_squared, z->rho, i);
-        f[2] += kind.first ? solid->half_height : 0.0;
         for (int j = 0; j < 2; ++j) {
             z->a[j][i] = taylor_divide(z->across[j], z->rho, z->a[j], i);
-            f[j] -= solid->radius * z->a[j][i];
+            f[2 * j] -= solid->radius * z->a[j][i];
         }
         p->radial[i] = z->rho[i] - (kind.first ? solid->radius : 0.0);
-        p->axial[i] = -f[2];
     }
 }
 
@@ -361,13 +366,16 @@ CONTACT_FLATTEN static void make_coefficients(struct pair_series *p, struct seri
     const struct contact_pair *from = p->from;
     const struct series_orders orders = {begin, end};
     const bool at_rim = contact_is_rim(&from->shape);
-    if (p->flight.degree > 2 || from->has_mismatch || at_rim) {
+    const bool is_plain_rim = at_rim && p->flight.dimensions == 2 && !(SCENE_ANY_HERTZ && p->by_root);
+    if (p->flight.degree > 2 || from->has_mismatch || (at_rim && !is_plain_rim)) {
         const struct series_kind any = {.dimensions = p->flight.dimensions,
                                         .degree = p->flight.degree,
                                         .by_root = SCENE_ANY_HERTZ && p->by_root,
                                         .at_rim = at_rim,
                                         .has_mismatch = from->has_mismatch};
         make_orders(p, z, orders, any);
+    } else if (at_rim) { /* an impact along the normal of a rim */
+        make_orders(p, z, orders, (struct series_kind){.dimensions = 2, .degree = 2, .at_rim = true});
     } else if (SCENE_ANY_HERTZ && p->by_root) {
         make_steady_orders(p, z, orders, true);
     } else {
@@ -406,8 +414,8 @@ static double unit_of(const struct pair_series *p)
 }
 
 /* Number of last coefficients that give the error: in a free impact from the touch only every fifth
- * coefficient is not zero. */
-enum { LAST_TERMS = 5 };
+ * coefficient of a series by u is not zero. By time every other one may be zero. */
+enum { LAST_BY_ROOT = 5, LAST_BY_TIME = 2 };
 
 /* Longest step [units]. Without a force the series are finite sums, and if the unit is the time of passage
  * the last terms may underflow. */
@@ -431,7 +439,8 @@ static double reliable_step(const struct pair_series *p, const struct series_wor
         speed = i <= SEPARATION_DEGREE ? larger(fabs(p->rate[i]), speed)
                                        : speed; /* without a force r' is zero and the rate is the flight's */
     }
-    for (int i = TAYLOR_TERMS - LAST_TERMS; i < TAYLOR_TERMS; ++i) {
+    const int last = SCENE_ANY_HERTZ && p->by_root ? LAST_BY_ROOT : LAST_BY_TIME;
+    for (int i = TAYLOR_TERMS - last; i < TAYLOR_TERMS; ++i) {
         double part = larger(fabs(p->opened[i]) / opened, 0.0);
         part = larger(fabs(p->rate[i]) / speed, part);
         for (int j = 0; j < p->flight.dimensions; ++j) {

@@ -72,8 +72,9 @@ def test_far_beyond_critical_damping(opened, damping, part):
 
 @pytest.mark.parametrize("stiffness", [1e8, 1e10, 1e12, 1e14])
 def test_stiffness_costs_nothing(opened, stiffness):
+    """Of the softest the first few radians are followed: series of two radians each, then three steps"""
     motion, begin = scene(stiffness, 0.1)
-    check(opened("SphereCylinder"), motion, begin, 8)
+    check(opened("SphereCylinder"), motion, begin, 10)
 
 
 def test_an_undamped_oscillation_keeps_its_phase(opened):
