@@ -1,35 +1,46 @@
 """What an instance and a communication step cost, in instructions: a busy machine has the same"""
 
 import re
-from pathlib import Path
 
-import fmpy
 import pytest
 
 from contact_fmus.bench.instructions import TUNABLES
-from support.portable_host import HEADERS, unpacked
+from support.portable_host import HEADERS, PLATFORM_TESTS, SOURCES, host_arguments, unpacked
 from support.programs import PATIENCE, checked
 from support.sources import BUILD
 
 PAIRS = ("SphereSphere", "SphereCylinder", "SpherePlane", "BallOnSphere")
-LIVES = 20
-STEPS = 500
+STEP, STEPS = 1e-3, 500  # s
+AWAY = {"source.center": [1e6, 0.0, 0.0]}  # m: nothing to do in a step
 # 50 us of a processor that makes one instruction in a nanosecond, as those that FMUs run on do at least
 MOST_INSTRUCTIONS = 50_000
+LIFE = {
+    2: (
+        "Instantiate",
+        "SetupExperiment",
+        "EnterInitializationMode",
+        "ExitInitializationMode",
+        "FreeInstance",
+    ),
+    3: ("InstantiateCoSimulation", "EnterInitializationMode", "ExitInitializationMode", "FreeInstance"),
+}
 
 
 @pytest.fixture(scope="module")
 def cost(tmp_path_factory):
     """Of an FMU and a version: instructions of a life, and of STEPS steps"""
     folder = tmp_path_factory.mktemp("cost")
-    host = folder / "cost_host"
-    options = ["-std=c11", "-D_POSIX_C_SOURCE=200809L", "-Wall", "-Wextra", "-Werror", "-O1", f"-I{HEADERS}"]
-    checked(["gcc", *options, Path(__file__).with_name("cost_host.c"), "-ldl", "-o", host])
+    for version, source in SOURCES.items():
+        options = ["-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O1", f"-I{HEADERS}", f"-I{PLATFORM_TESTS}"]
+        checked(["gcc", *options, source, "-ldl", "-o", folder / f"host{version}"])
 
-    def counted(function, command):
+    def counted(functions, command):
         out = folder / "counts"
-        options = ["--quiet", "--tool=callgrind", f"--toggle-collect={function}"]
-        environment = {"GLIBC_TUNABLES": TUNABLES}
+        options = ["--quiet", "--tool=callgrind", *(f"--toggle-collect={function}" for function in functions)]
+        environment = {
+            "GLIBC_TUNABLES": TUNABLES,
+            "LD_BIND_NOW": "1",
+        }  # finding functions is no part of the cost
         checked(
             ["valgrind", *options, f"--callgrind-out-file={out}", *command],
             timeout=PATIENCE,
@@ -38,18 +49,17 @@ def cost(tmp_path_factory):
         return int(re.search(r"^(?:summary|totals): (\d+)", out.read_text(), re.MULTILINE)[1])
 
     def of(name, version):
-        place = folder / f"{name}{version}"
-        if not place.exists():
-            unpacked(BUILD / ("fmus" if version == 2 else "fmus-fmi3") / f"{name}.fmu", place)
-        about = fmpy.read_model_description(str(place))
+        place = unpacked(
+            BUILD / ("fmus" if version == 2 else "fmus-fmi3") / f"{name}.fmu", folder / f"{name}{version}"
+        )
         (library,) = place.glob("binaries/*/*.so")
-        centre = "source.center[1]" if version == 2 else "source.center"
-        (away,) = [v.valueReference for v in about.modelVariables if v.name == centre]
-        resources = (place / "resources").as_uri() if version == 2 else f"{place / 'resources'}/"
-        token = about.guid if version == 2 else about.instantiationToken
-        command = [str(host), str(library), token, resources, str(version)]
-        lives = counted("life", [*command, "lives", str(LIVES)])
-        return lives / LIVES, counted("step", [*command, "steps", str(STEPS), str(away)])
+
+        def command(values, steps):
+            guid, _, _, *words = host_arguments(place, values, 0.0)
+            return [str(folder / f"host{version}"), str(library), guid, str(STEP * steps), str(steps), *words]
+
+        life = [f"fmi{version}{function}" for function in LIFE[version]]
+        return counted(life, command({}, 1)), counted([f"fmi{version}DoStep"], command(AWAY, STEPS))
 
     return of
 
