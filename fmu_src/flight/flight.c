@@ -38,20 +38,14 @@ static struct body_turn flight_turn_at(const struct scene_values *v, const struc
     return (struct body_turn){then.orientation, then.angular_velocity};
 }
 
-/* Turns all freely turning bodies to a clock and books the work of the torques, but does not move the
- * clock. */
-static void flight_turn_all(const struct scene_values *v, struct scene_state *q, double clock)
+void flight_turn(const struct scene_values *v, struct scene_state *q, int body, double clock)
 {
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_turns_freely(v, i)) {
-            const struct body_turn then = flight_turn_at(v, q, i, clock);
-            if (!path_rests(q->path[i].torque)) {
-                q->external_work +=
-                    body_rotational_energy(v, i, &then) - body_rotational_energy(v, i, &q->turning.body[i]);
-            }
-            q->turning.body[i] = then;
-        }
+    const struct body_turn then = flight_turn_at(v, q, body, clock);
+    if (!path_rests(q->path[body].torque)) {
+        q->external_work +=
+            body_rotational_energy(v, body, &then) - body_rotational_energy(v, body, &q->turning.body[body]);
     }
+    q->turning.body[body] = then;
 }
 
 static struct axis_motion prescribed_axis(const struct scene_state *q, struct vec3 axis, int body)
@@ -353,8 +347,10 @@ void flight_advance(const struct scene_values *v, struct scene_state *q, double 
             q->body[i] = flight_body_at(v, q, i, clock);
         }
     }
-    if (scene_turns(v)) {
-        flight_turn_all(v, q, clock);
+    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) {
+        if (body_turns_freely(v, i)) {
+            flight_turn(v, q, i, clock);
+        }
     }
     q->clock = clock;
     q->dissipated += apart ? 0.0 : stored - stored_now(v, q);
@@ -421,9 +417,9 @@ void flight_catch_up(const struct scene_values *v, struct scene_state *q)
         if (body_is_free(v, i)) {
             q->body[i] = flight_unforced_at(v, q, i, q->clock);
         }
-    }
-    if (scene_turns(v)) {
-        flight_turn_all(v, q, q->clock);
+        if (SCENE_ANY_ROTATION && body_turns_freely(v, i)) {
+            flight_turn(v, q, i, q->clock);
+        }
     }
     q->deferred = 0;
 }

@@ -14,6 +14,10 @@
 struct axis_motion flight_axis_motion(const struct scene_values *v, const struct scene_state *q,
                                       const struct body_turn *at, int body);
 
+/* Turns a freely turning body to a clock and books the work of its external torque, but does not move the
+ * clock. */
+void flight_turn(const struct scene_values *v, struct scene_state *q, int body, double clock);
+
 /*
  * Head-on flight: bodies without contact forces move along their normal alone, with a constant relative
  * acceleration. The gap is a parabola of time, and the time of its zero is the root of a quadratic equation.

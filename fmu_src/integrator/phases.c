@@ -11,7 +11,7 @@
 #include "integrator/prediction.h"
 #include "prescribed/prescribed.h"
 #include "scene/evaluate.h"
-#include "touch/segment.h"
+#include "touch/rubbing.h"
 
 /*
  * In a phase of contact pairs all pairs that are in contact advance together, each by one segment. The phase
@@ -25,6 +25,7 @@ struct pair_phase {
     int terminal;         /* the contact with a terminal event at the phase's end; -1: none */
     enum contact_regime next;
     bool changes;                 /* whether the regime or the zone of that contact changes at the end */
+    bool lifts;                   /* whether the sign of that contact's force changes, and with it friction */
     struct phase_start made_from; /* the start that the segments were made from; its `end` 0: none */
 };
 
@@ -183,12 +184,17 @@ static double tolerance_of(const struct scene_values *v, const struct scene_stat
     return fmax(1e-3 * asked * (distance / size), 8.0 * DBL_EPSILON * size);
 }
 
-/* Whether segments can be made for the contact pairs: nothing turns or rubs, and no free body takes part in
- * two contacts that transmit forces. */
+/* Whether segments can be made for the contact pairs: neither turning nor rubbing prevents them, and no free
+ * body takes part in two contacts that transmit forces. */
 static bool pairs_are_alone(const struct scene_values *v, const struct scene_state *q)
 {
-    if (solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || scene_turns(v)) {
+    if (solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN) {
         return false;
+    }
+    for (int j = 0; SCENE_ANY_TURNING && scene_turns(v) && j < SCENE_CONTACTS; ++j) {
+        if (contact_transmits(q, j) && !rubbing_is_solvable(v, q, j)) {
+            return false;
+        }
     }
     for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
         if (contact_is_coupled(v, q, j)) {
@@ -216,6 +222,9 @@ static bool add_pair(struct pair_phase *all, const struct scene_values *v, const
     if (!segment_make(p, v, q, at, contact, longest, tolerance_of(v, q, at, contact))) {
         return false;
     }
+    if (SCENE_ANY_FRICTION && contact_rubs(v, contact) && !rubbing_allows(p, v, q, contact)) {
+        return false;
+    }
     const double end = segment_time(p, p->end);
     const double terminal = p->terminal.s <= p->end ? segment_time(p, p->terminal.s) : (double)INFINITY;
     const double latest = all->terminal < 0 ? all->time / ALL_OF_IT : all->time;
@@ -223,8 +232,9 @@ static bool add_pair(struct pair_phase *all, const struct scene_values *v, const
         all->time = terminal;
         all->terminal = contact;
         all->next = p->terminal.regime;
-        all->changes =
-            all->next != (enum contact_regime)q->contact[contact].regime || zone_end_is_terminal(p);
+        all->lifts = SCENE_ANY_FRICTION && p->terminal.lifts;
+        all->changes = all->next != (enum contact_regime)q->contact[contact].regime ||
+                       zone_end_is_terminal(p) || all->lifts;
     } else if (end < all->time && end < longest * ALL_OF_IT) {
         all->time = end;
         all->terminal = -1;
@@ -300,6 +310,20 @@ static void book_flights(const struct scene_values *v, struct scene_state *q, do
     }
 }
 
+/* Turns the bodies on which no friction acts to a clock. */
+static void turn_bodies(const struct scene_values *v, struct scene_state *q, double clock)
+{
+    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) {
+        bool rubs = false;
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            rubs = rubs || (contact_source(j) == i && contact_transmits(q, j) && contact_rubs(v, j));
+        }
+        if (body_turns_freely(v, i) && !rubs) {
+            flight_turn(v, q, i, clock);
+        }
+    }
+}
+
 /* Returns the energy stored by separating contacts [J]. Their force is zero, so that this energy is
  * dissipated as the gap opens. */
 static double stored_in_separating(const struct scene_values *v, const struct scene_state *q)
@@ -327,12 +351,15 @@ static void note_start(struct scene_state *q, double longest)
         const struct contact_state *contact = &q->contact[j];
         start->contact[j].normal = contact->normal;
         start->contact[j].physics = contact->physics;
+        start->contact[j].source_impulse = contact->torques.source_impulse;
         start->contact[j].destination_impulse = contact->torques.destination_impulse;
         start->contact[j].force_error = contact->record.force_error;
     }
     memcpy(start->body, q->body, sizeof q->body);
+    memcpy(start->turn, q->turning.body, sizeof start->turn);
     start->dissipated = q->dissipated;
     start->external_work = q->external_work;
+    start->friction_energy = q->friction_energy;
     start->counters = q->counters;
 }
 
@@ -344,12 +371,15 @@ static void return_to_start(struct scene_state *q)
         struct contact_state *contact = &q->contact[j];
         contact->normal = start->contact[j].normal;
         contact->physics = start->contact[j].physics;
+        contact->torques.source_impulse = start->contact[j].source_impulse;
         contact->torques.destination_impulse = start->contact[j].destination_impulse;
         contact->record.force_error = start->contact[j].force_error;
     }
     memcpy(q->body, start->body, sizeof q->body);
+    memcpy(q->turning.body, start->turn, sizeof start->turn);
     q->dissipated = start->dissipated;
     q->external_work = start->external_work;
+    q->friction_energy = start->friction_energy;
     q->counters = start->counters;
     q->clock = start->clock;
 }
@@ -370,12 +400,18 @@ static void follow_pairs(struct pair_phase *all, const struct scene_values *v, s
             struct segment *p = &all->segment[j];
             const bool is_shortened = j == all->terminal || time < segment_time(p, p->end);
             const double s = is_shortened ? segment_place(p, time) : p->end;
-            segment_advance(p, fmin(segment_place(p, from), s), s, v, q, j);
+            const double since = fmin(segment_place(p, from), s);
+            if (SCENE_ANY_FRICTION && contact_rubs(v, j)) {
+                rubbing_advance(p, since, s, v, q, j);
+            } else {
+                segment_advance(p, since, s, v, q, j);
+            }
             counter_add(&q->counters.steps, 1);
             counter_add(&q->counters.force_evaluations, 1);
         }
     }
     if (time > 0.0) {
+        turn_bodies(v, q, clock);
         book_flights(v, q, time);
         q->clock = clock;
         flight_restore(v, q);
@@ -457,6 +493,7 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
                                          struct scene_state *q, struct advance *step)
 {
     struct pair_phase *all = s->pairs;
+    q->integrator_fresh = 1;
     while (q->clock < step->clock_end) {
         if (advance_is_spent(step)) {
             return ADVANCE_STEP_LIMIT;
@@ -483,6 +520,7 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
         if (all->terminal >= 0 && all->changes) {
             step->contact = all->terminal;
             step->regime = all->next;
+            step->event = all->lifts ? ODE_EVENT_LIFT : ODE_EVENT_GAP;
             return ADVANCE_EVENT;
         }
     }

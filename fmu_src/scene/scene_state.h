@@ -194,11 +194,12 @@ struct phase_start {
     struct {               /* what a contact's segment changes; the names are those of struct contact_state */
         struct vec3 normal;
         struct contact_physics physics;
-        struct vec3 destination_impulse;
+        struct vec3 source_impulse, destination_impulse;
         double force_error;
     } contact[SCENE_CONTACTS];
     struct body_state body[SCENE_BODIES];
-    double dissipated, external_work;
+    struct body_turn turn[SCENE_BODIES]; /* of bodies whose rotation is free */
+    double dissipated, external_work, friction_energy;
     struct solver_counters counters;
     int32_t unused;  /* in place of padding */
     double followed; /* the clock up to which the motion has followed the phase [s]; last, see phases.c */

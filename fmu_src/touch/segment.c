@@ -9,9 +9,6 @@
 #include "scene/evaluate.h"
 #include "touch/segment.h"
 
-/* Returns the motion since the segment's start, computed by the segment's kind. */
-static struct pair_change kind_advance(const struct segment *p, double s);
-
 /* This part of the file finds the terminal event: which event function ends the regime, and with which
  * hysteresis. */
 
@@ -101,11 +98,36 @@ static double separating_speed(const struct segment *p, struct contact_coefficie
     return fmax(open, fmin(full.k * p->tolerance, IDLE_DASHPOT * pair_load(&p->pair))) / full.c;
 }
 
+/* The push of a dashpot that may pull (contact_push): friction lasts while it is positive, or stays lifted
+ * while it is negative. */
+static struct event_function push_margin(const struct segment *p)
+{
+    const double sign = p->is_lifted ? -1.0 : 1.0;
+    const struct contact_law *law = &p->pair.law;
+    if (contact_is_hertz(law)) {
+        const double still = 1.0 / contact_factors_of(law).c;
+        return (struct event_function){PAIR_GAP_RATE, -sign, sign * still + p->pair.rate_rounding};
+    }
+    const struct contact_coefficients full = full_coefficients(p);
+    const double open =
+        HYSTERESIS * pair_load(&p->pair) + full.k * 8.0 * DBL_EPSILON * largest_size(p, PAIR_GAP);
+    return (struct event_function){PAIR_FORCE, sign, open + full.c * p->pair.rate_rounding};
+}
+
+/* Whether the law ends a regime, or the force's sign ends one of friction. */
+static bool has_margin(const struct segment *p)
+{
+    return contact_has_events(&p->pair.law) || p->may_pull;
+}
+
 /* The law's event function (contact_event): the regime lasts while factor quantity + offset > 0. */
 static struct event_function terminal_event_margin(const struct segment *p)
 {
     const struct contact_law *law = &p->pair.law;
     const double rate = p->pair.rate_rounding;
+    if (p->may_pull) {
+        return push_margin(p);
+    }
     if (contact_is_hertz(law) && law->dashpot == DASHPOT_NON_ADHESIVE) {
         /* The margin 1 - chi g' is 1 at rest, so only rounding needs a hysteresis. Bodies pushed out of a
          * deep overlap move at 1/chi for long. A hysteresis in parts of the load would hold them back by that
@@ -142,13 +164,13 @@ static struct terminal_event known_parting(const struct segment *p)
     const bool ends = p->parting > 0.0 && p->parting <= p->end;
     const bool lasts = ends && hertz_hardly_parts(&p->pair, speed);
     return (struct terminal_event){
-        lasts ? (double)INFINITY : p->parting, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
+        lasts ? (double)INFINITY : p->parting, {PAIR_GAP, -1.0, 0.0}, REGIME_APART, false};
 }
 
 /* Returns the release, found from the gap. */
 static struct terminal_event parting(struct segment *p)
 {
-    struct terminal_event terminal = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
+    struct terminal_event terminal = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART, false};
     if (SCENE_ANY_HERTZ && !isnan(p->parting)) {
         return known_parting(p);
     }
@@ -168,16 +190,18 @@ static struct terminal_event parting(struct segment *p)
 
 static struct terminal_event terminal_event_first(struct segment *p)
 {
-    struct terminal_event first = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
+    struct terminal_event first = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART, false};
     if (p->event_free) {
         return first;
     }
     first = parting(p);
-    if (contact_has_events(&p->pair.law)) {
+    if (has_margin(p)) {
         const struct event_function margin = terminal_event_margin(p);
         const double s = dense_output_first_event(&p->output, &margin);
         if (s < first.s) {
-            first = (struct terminal_event){s, margin, contact_regime_after(&p->pair.law, p->regime)};
+            const enum contact_regime next =
+                p->may_pull ? p->regime : contact_regime_after(&p->pair.law, p->regime);
+            first = (struct terminal_event){s, margin, next, p->may_pull};
         }
     }
     return first;
@@ -259,7 +283,7 @@ static bool is_event_free(const struct segment *p)
         return false;
     }
     const struct event_function margin = terminal_event_margin(p);
-    return !contact_has_events(&p->pair.law) ||
+    return !has_margin(p) ||
            pair_oscillation_stays_above(made, margin.quantity, margin.factor, margin.offset);
 }
 
@@ -443,7 +467,7 @@ static double event_free_until(const struct segment *p)
     const struct pair_collocation *made = &p->as.collocation;
     const struct pair_lower_bound overlap = {made, PAIR_GAP, -1.0, terminal_event_gap_tolerance(p)};
     const double parts = positive_until(&p->output, &overlap);
-    if (!contact_has_events(&p->pair.law)) {
+    if (!has_margin(p)) {
         return parts;
     }
     const struct event_function margin = terminal_event_margin(p);
@@ -1045,7 +1069,7 @@ static struct vec3 by_quadrature(struct segment *p, const struct lever *lever, d
         const struct gauss_place place = gauss_place(i % GAUSS_NODES, true);
         const int panel = i / GAUSS_NODES;
         const double t = half * (2.0 * panel + place.at);
-        const struct pair_change then = kind_advance(p, segment_place(p, t));
+        const struct pair_change then = segment_change(p, segment_place(p, t));
         const struct vec3 bend = path_at(lever->bend, SEPARATION_DEGREE - 1, t);
         const double weight = half * GAUSS_WEIGHT[i % GAUSS_NODES] * place.factor;
         sum = vec3_axpy(sum, weight, vec3_cross(bend, then.r));
@@ -1070,7 +1094,7 @@ static struct vec3 as_works(struct segment *p, const struct lever *lever, const 
             work[i].path[1] = vec3_scale(-1.0, vec3_cross(unit, lever->bend[0]));
             work[i].path[2] = vec3_scale(-0.5, vec3_cross(unit, lever->bend[1]));
         }
-        const struct pair_change then = kind_advance(p, s);
+        const struct pair_change then = segment_change(p, s);
         for (int i = 0; i < PAIR_BODIES && k + i < 3; ++i) {
             const struct vec3 path = path_at(work[i].path, 3, change->time);
             vec3_set(&sum, k + i, then.work[i] - vec3_dot(path, change->r));
@@ -1373,7 +1397,7 @@ double segment_place(const struct segment *p, double time)
     return kinds[p->kind].place != NULL ? kinds[p->kind].place(p, time) : time / p->unit;
 }
 
-static struct pair_change kind_advance(const struct segment *p, double s)
+struct pair_change segment_change(const struct segment *p, double s)
 {
     return kinds[p->kind].advance(&p->as, s);
 }
@@ -1482,6 +1506,8 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
     p->gap_rounding = rounding_of_gap(v, at, contact);
     p->gap_is_known = p->pair.gap == 0.0 || scene_gap_is_accumulated(q, at, contact);
     p->tolerance = tolerance;
+    p->may_pull = contact_rubs(v, contact) && contact_may_pull(&p->pair.law);
+    p->is_lifted = p->may_pull && q->contact[contact].friction_regime == (int32_t)FRICTION_LIFTED;
     make_up_to(p, longest);
     if (SCENE_ANY_CAPS) {
         const double inside = zone_longest_inside(p);
@@ -1525,7 +1551,7 @@ void segment_advance(struct segment *p, double from, double s, const struct scen
                      struct scene_state *q, int contact)
 {
     struct contact_state *state = &q->contact[contact];
-    struct pair_change change = kind_advance(p, s);
+    struct pair_change change = segment_change(p, s);
     /* a contact deeper than the bodies are wide: positions do not give the gap */
     change.head_on = change.head_on && p->largest_gap <= contact_reach(&p->pair.shape);
     agree_with_gap(p, &change);

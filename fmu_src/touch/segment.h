@@ -86,6 +86,7 @@ struct terminal_event {
     double s;                       /* INFINITY: not within the segment */
     struct event_function function; /* the function that falls through zero at s */
     enum contact_regime regime;     /* the regime after the event */
+    bool lifts;                     /* F_n changes its sign, and with it friction; the regime goes on */
 };
 
 struct segment {
@@ -102,6 +103,8 @@ struct segment {
     double parting; /* s of the release, if `make` finds it; INFINITY: none; NaN: the samples tell */
     struct terminal_event terminal;
     bool leaves_zone; /* the terminal event leaves the zone of a capped cylinder; the regime goes on */
+    bool may_pull;    /* the contact rubs and its dashpot may pull: the force's sign is an event */
+    bool is_lifted;   /* in such a contact: F_n < 0 at the start */
     bool may_be_quasi_static; /* quasi_static_applies: the first coefficients of the series decide */
     /* Only the kinds and the search for peaks read the members below. */
     enum segment_kind kind;
@@ -128,6 +131,9 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
  * at such a time. */
 double segment_time(const struct segment *p, double s);
 double segment_place(const struct segment *p, double time);
+
+/* Returns the motion from the segment's start to s. */
+struct pair_change segment_change(const struct segment *p, double s);
 
 /* Moves the bodies from the start of the segment to s, books impulse, energies and work of the contact, but
  * not the clock. Notes the peaks from the place `from` on. */

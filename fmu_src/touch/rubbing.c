@@ -1,0 +1,533 @@
+/*
+ * The slip u of a sphere on a plane obeys u' = -mu kappa F_n (1 - exp(-u/v_0)), where kappa = 1/m + r^2/I is
+ * the inverse mass seen along the plane. Its direction never changes. With the impulse p of F_n
+ *
+ *   u = v_0 ln(1 + (exp(u_0/v_0) - 1) exp(-mu kappa p / v_0))        for any F_n(t)
+ *
+ * and friction has the impulse -(u_0 - u) / kappa along the slip. So speeds, energies and impulses follow
+ * from p. Places and rotation follow from integrals of the speed lost, u_0 - u = mu kappa p while u is far
+ * above v_0, which the normal motion gives in closed form. The other parts are integrated by quadrature
+ * (travel below).
+ */
+#include "touch/rubbing.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "math/rotor.h"
+#include "scene/evaluate.h"
+
+/* Slip of this many v_0 or more has the full friction force: exp(-37) is below half a rounding of 1. */
+static const double FULL_FRICTION = 37.0;
+
+/* Roundings of a velocity in the slip of a sphere that rolls. */
+static const double ROLLING_ROUNDINGS = 8.0;
+
+/* A load along the plane is zero if it is below this part of all loads: a slanted normal is rounded. */
+static const double LOAD_ROUNDING = 8.0 * DBL_EPSILON;
+
+static bool is_normal_load(struct vec3 normal, struct vec3 load, double size)
+{
+    return vec3_max_abs(contact_across_plane(normal, load)) <= LOAD_ROUNDING * size;
+}
+
+/* Whether no load acts along the plane on the relative motion, now and later. */
+static bool loads_are_normal(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    const int ends[PAIR_BODIES] = {contact_source(contact), contact_destination(contact)};
+    const struct vec3 normal = q->contact[contact].parameters.axis;
+    for (int i = 0; i < 3; ++i) {
+        struct vec3 load = {0.0, 0.0, 0.0}; /* the coefficient of time^i in C'' */
+        double size = 0.0;
+        for (int end = 0; end < PAIR_BODIES; ++end) {
+            const struct body_path *path = &q->path[ends[end]];
+            struct vec3 by = {0.0, 0.0, 0.0};
+            if (body_is_free(v, ends[end])) {
+                by = vec3_scale(1.0 / body_mass(v, ends[end]), path->force[i]);
+                by = i == 0 ? vec3_add(by, gravity(v)) : by;
+            } else if (body_is_prescribed(v, ends[end]) && i < 2) {
+                by = vec3_scale(i + 1, path->velocity[i + 1]);
+            }
+            load = vec3_axpy(load, end == 0 ? -1.0 : 1.0, by);
+            size += vec3_max_abs(by);
+        }
+        if (!is_normal_load(normal, load, size)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool rubbing_is_solvable(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const bool tips = body_turns(v, destination) && body_shape(destination) != SHAPE_SPHERE;
+    if (tips || !(scene_inverse_mass(v, contact) > 0.0) || scene_ends_suddenly(v, contact)) {
+        return false;
+    }
+    if (!contact_rubs(v, contact)) {
+        return true;
+    }
+    return body_shape(destination) == SHAPE_PLANE && !contact_rubs_elastically(v, contact) &&
+           q->contact[contact].friction_regime != (int32_t)FRICTION_CAPPED && body_is_free(v, source) &&
+           !body_turn_is_prescribed(v, source) && path_rests(q->path[source].torque) &&
+           loads_are_normal(v, q, contact);
+}
+
+/* The slip at the start of a segment, and what friction makes of it. */
+struct slide {
+    const struct segment *segment;
+    struct vec3 arm;      /* from the source's centre to its surface, along the normal [m] */
+    struct vec3 along;    /* direction of the slip, unit */
+    double slip;          /* u_0 [m/s] */
+    double unit;          /* v_0 [m/s] */
+    double admittance;    /* kappa [1/kg] */
+    double per_impulse;   /* mu kappa / v_0 [1/(N s)]; 0 where no friction acts */
+    struct vec3 rotation; /* angular velocity of the source [rad/s] */
+    struct vec3 spun;     /* its change per speed lost [rad/m]; zero where the source does not turn freely */
+};
+
+static struct slide slide_of(const struct segment *p, const struct scene_values *v,
+                             const struct scene_state *q, int contact)
+{
+    const struct contact_pair *pair = &p->pair;
+    const int source = contact_source(contact);
+    const bool turns = body_turns_freely(v, source);
+    const struct friction_law law = scene_friction_law(v, q, contact);
+    struct slide f = {.segment = p, .unit = law.slip_velocity};
+    f.arm = vec3_scale(pair->shape.side * pair->shape.source_radius, pair->normal);
+    f.rotation = turns ? q->turning.body[source].angular_velocity : f.rotation;
+    const struct vec3 rolled = vec3_cross(f.rotation, f.arm);
+    /* twice, because rounding of the speeds leaves a part along n the first time */
+    const struct vec3 across = contact_across_plane(pair->normal, vec3_sub(rolled, pair->flight.w[0]));
+    const struct vec3 slip = contact_across_plane(pair->normal, across);
+    const double rounding =
+        ROLLING_ROUNDINGS * DBL_EPSILON *
+        (vec3_norm(rolled) + vec3_norm(q->body[source].velocity) + vec3_norm(pair->flight.w[0]));
+    f.slip = vec3_norm(slip);
+    f.admittance = scene_inverse_mass(v, contact);
+    const double per_inertia = turns ? 1.0 / body_inertia_of(v, source).transverse : 0.0;
+    f.admittance += per_inertia * vec3_dot(f.arm, f.arm);
+    if (!(f.slip > rounding)) { /* it rolls */
+        f.slip = 0.0;
+        return f;
+    }
+    f.along = vec3_scale(1.0 / f.slip, slip);
+    f.spun = vec3_scale(-per_inertia / f.admittance, vec3_cross(f.arm, f.along));
+    if (q->contact[contact].friction_regime != (int32_t)FRICTION_LIFTED) {
+        f.per_impulse = law.coefficient * f.admittance / f.unit;
+    }
+    return f;
+}
+
+/*
+ * Returns the speed lost, u_0 - u [m/s], and writes u, after an impulse p of the normal force [N s]. With x_0
+ * = u_0/v_0, z = mu kappa p / v_0 and x = x_0 - z
+ *
+ *   u / v_0         = max(x, 0) + log1p((1 - exp(-z)) exp(-x))    x > 0, or
+ *                     log1p((1 - exp(-x_0)) exp(x))                otherwise
+ *   (u_0 - u) / v_0 = -log1p(-(1 - exp(-x_0)) (1 - exp(-z)))       while this product is below 1/2
+ *
+ * Nothing overflows, and sums have terms of one sign.
+ */
+static double speed_lost(const struct slide *f, double impulse, double *slip)
+{
+    const double start = f->slip / f->unit;
+    const double z = f->per_impulse * impulse;
+    const double x = start - z;
+    const double more = x > 0.0 ? log1p(-expm1(-z) * exp(-x)) : log1p(-expm1(-start) * exp(x));
+    const double product = expm1(-start) * expm1(-z);
+    *slip = f->unit * (fmax(x, 0.0) + more);
+    if (product < 0.5) {
+        return -f->unit * log1p(-product);
+    }
+    return f->unit * (x > 0.0 ? z - more : start - more);
+}
+
+/* Returns the impulse of the normal force up to s [N s], and writes the motion of the pair at s. */
+static double impulse_at(const struct slide *f, double s, struct pair_change *change)
+{
+    const struct contact_pair *pair = &f->segment->pair;
+    *change = segment_change(f->segment, s);
+    return pair->shape.side * pair->reduced_mass * vec3_dot(pair->normal, change->r_rate);
+}
+
+/* Whether the friction force is full up to an impulse. */
+static bool slides_fully(const struct slide *f, double impulse)
+{
+    return f->slip - f->unit * f->per_impulse * impulse >= FULL_FRICTION * f->unit;
+}
+
+/* Returns a place up to which friction is full and after which the slip falls to FULL_FRICTION v_0 soon. */
+static double end_of_full_friction(const struct slide *f, double end)
+{
+    struct pair_change change;
+    double low = 0.0;
+    double high = end;
+    if (slides_fully(f, impulse_at(f, end, &change))) {
+        return end;
+    }
+    while (slides_fully(f, 0.0)) {
+        const double middle = 0.5 * (low + high);
+        if (!(middle > low && middle < high)) {
+            break;
+        }
+        const double impulse = impulse_at(f, middle, &change);
+        if (!slides_fully(f, impulse)) {
+            high = middle;
+            continue;
+        }
+        low = middle;
+        if (f->slip - f->unit * f->per_impulse * impulse < 1.2 * FULL_FRICTION * f->unit) {
+            break; /* near enough: the quadrature starts here */
+        }
+    }
+    return low;
+}
+
+enum { MOMENTS = 4 };
+
+/* The way of a slide: moments of the speed lost, integrals of t^k (u_0 - u) [m s^k], and the rotation. */
+struct travel {
+    double time; /* the way is known up to this time [s] */
+    double lost[MOMENTS];
+    struct rotor_state turn;
+};
+
+/* Rotates without friction, by the angular velocity of way->turn. */
+static void turn_on(struct travel *way, double time)
+{
+    const struct rotor rotor = rotor_from(way->turn, 1.0, 1.0);
+    way->turn = rotor_at(&rotor, time);
+}
+
+enum { LAST_NODE = LOBATTO_MAX - 1 }; /* of the twelve Lobatto nodes of a panel */
+
+/* Values at the nodes of one panel of s. */
+struct way_panel {
+    nodal_values time, pace; /* t [s]; its derivative on [-1, 1] */
+    nodal_values lost, slip; /* u_0 - u, u [m/s] */
+};
+
+/* Sets a panel and returns an estimate of the error that its polynomials make in places [m]. */
+static double way_panel_make(struct way_panel *panel, const struct slide *f, double from, double length)
+{
+    const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
+    nodal_values terms;
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
+        struct pair_change change;
+        const double impulse = impulse_at(f, from + 0.5 * length * (1.0 + nodes->node[i]), &change);
+        panel->time[i] = change.time;
+        panel->lost[i] = speed_lost(f, impulse, &panel->slip[i]);
+    }
+    nodal_coefficients(nodes, panel->time, terms);
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
+        panel->pace[i] = nodal_slope(terms, LOBATTO_MAX, 1.0 + nodes->node[i]);
+    }
+    const double fastest = f->slip + vec3_norm(f->rotation) * vec3_norm(f->arm);
+    return nodal_tail(nodes, panel->slip) * (panel->time[LAST_NODE] - panel->time[0]) +
+           nodal_tail(nodes, panel->time) * fastest;
+}
+
+/* Adds a panel to the moments. */
+static void add_moments(const struct way_panel *panel, struct travel *way)
+{
+    const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
+        double part = nodes->integral[i * LOBATTO_MAX + LAST_NODE] * panel->pace[i] * panel->lost[i];
+        for (int k = 0; k < MOMENTS; ++k) {
+            way->lost[k] += part;
+            part *= panel->time[i];
+        }
+    }
+}
+
+/* Sweeps of Picard's iteration: a panel turns by a radian at most, and each sweep k divides the error by some
+ * 2 k. The iteration ends where it changes less than a rounding. */
+enum { MOST_PICARD_SWEEPS = 24 };
+static const double MOST_TURN = 1.0;
+
+/* Rotates over a panel by q' = (0, omega) q / 2 with omega = rotation + spun (u_0 - u), collocated at the
+ * nodes. */
+static void turn_over(const struct way_panel *panel, const struct slide *f, struct travel *way)
+{
+    const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
+    const struct quaternion start = way->turn.orientation;
+    nodal_values rate[4];
+    nodal_values grown[4] = {{0.0}};
+    for (int sweep = 0; sweep < MOST_PICARD_SWEEPS; ++sweep) {
+        double change = 0.0;
+        for (int i = 0; i < LOBATTO_MAX; ++i) {
+            const struct vec3 omega = vec3_axpy(f->rotation, panel->lost[i], f->spun);
+            const struct quaternion now = {start.w + grown[0][i], start.x + grown[1][i],
+                                           start.y + grown[2][i], start.z + grown[3][i]};
+            const struct quaternion turning = quaternion_rate(now, omega);
+            rate[0][i] = panel->pace[i] * turning.w;
+            rate[1][i] = panel->pace[i] * turning.x;
+            rate[2][i] = panel->pace[i] * turning.y;
+            rate[3][i] = panel->pace[i] * turning.z;
+        }
+        for (int k = 0; k < 4; ++k) {
+            change = fmax(change, nodal_integrate(nodes, rate[k], grown[k]));
+        }
+        if (change < DBL_EPSILON) {
+            break;
+        }
+    }
+    way->turn.orientation =
+        quaternion_unit((struct quaternion){start.w + grown[0][LAST_NODE], start.x + grown[1][LAST_NODE],
+                                            start.y + grown[2][LAST_NODE], start.z + grown[3][LAST_NODE]});
+    way->turn.angular_velocity = vec3_axpy(f->rotation, panel->lost[LAST_NODE], f->spun);
+}
+
+/* An oscillation counts as forgotten after this many decay times: exp(-40) of it is below rounding. */
+static const double DIED = 40.0;
+
+/* Returns how many radians the contact oscillates in a time [s] before it has died away; 0 beyond critical
+ * damping, and at a touch under Hertz's law. */
+static double radians_in(const struct segment *p, double time)
+{
+    const double rate = sqrt(fmax(p->pair.coefficients.k, 0.0) / p->pair.reduced_mass);
+    const double decay = 0.5 * p->pair.coefficients.c / p->pair.reduced_mass;
+    return decay < rate ? fmin(time, DIED / decay) * rate : 0.0;
+}
+
+/* Longest first panel [radians of the contact's oscillation], so that no panel misses an oscillation. */
+static const double LONGEST_PANEL = 4.0;
+
+/* A panel whose error is this part of the one allowed is followed by one twice as long: twelve nodes then
+ * make 2^12 times the error. */
+static const double TWICE_AS_LONG = 1.0 / 4096.0;
+
+/* Roundings of the slip that the error of a panel contains. */
+static const double PANEL_ROUNDINGS = 64.0;
+
+/*
+ * Integrates the way from one s to another by panels, or until the slip no longer matters for places. Panels
+ * are halved until their error is below the segment's tolerance. `turning`: the axis of rotation changes, and
+ * the rotation is integrated with them.
+ */
+static void travel_on(const struct slide *f, double from, double to, double length, bool turning,
+                      struct travel *way)
+{
+    const double radius = f->segment->pair.shape.source_radius;
+    const double whole = segment_time(f->segment, to);
+    const double allowed = fmax(f->segment->tolerance, PANEL_ROUNDINGS * DBL_EPSILON * f->slip * whole);
+    const double spin = vec3_norm(f->rotation) + f->slip * vec3_norm(f->spun);
+    while (from < to) {
+        struct way_panel panel;
+        length = fmin(length, to - from);
+        const double error = way_panel_make(&panel, f, from, length);
+        const double time = panel.time[LAST_NODE] - panel.time[0];
+        if ((!(error <= allowed) || (turning && spin * time > MOST_TURN)) && from + 0.5 * length > from) {
+            length *= 0.5;
+            continue;
+        }
+        add_moments(&panel, way);
+        if (turning) {
+            turn_over(&panel, f, way);
+        }
+        way->time = panel.time[LAST_NODE];
+        from = from + length < to ? from + length : to;
+        length *= error <= TWICE_AS_LONG * allowed ? 2.0 : 1.0;
+        if (panel.slip[LAST_NODE] * (whole - way->time) <= 0.01 * DBL_EPSILON * radius) {
+            return;
+        }
+    }
+}
+
+/* Whether friction turns the axis of rotation: the rotation is then no closed form. The part of it that two
+ * rotations do not commute by is at most |omega x omega'| t^2 / 12. */
+static bool axis_turns(const struct slide *f, double lost, double time)
+{
+    const struct vec3 across = vec3_cross(f->rotation, f->spun);
+    return lost * vec3_norm(across) * time * time > DBL_EPSILON;
+}
+
+/* Sets the first two moments at the end of a full slide, in closed form: u_0 - u = mu kappa p, and the
+ * integral of p is m_red rho, where rho is the gap less the gap of the flight. Returns whether the second is
+ * known too: the linear law gives the integral of g by the impulse p and the change of g. */
+static bool put_full_slide(const struct slide *f, const struct pair_change *change, double impulse,
+                           struct travel *way)
+{
+    const struct contact_pair *pair = &f->segment->pair;
+    const double t = change->time;
+    const double k = pair->coefficients.k;
+    const double by = f->unit * f->per_impulse * pair->reduced_mass;
+    const double rho = pair->shape.side * vec3_dot(pair->normal, change->r);
+    double flown = 0.0;
+    for (int i = SEPARATION_DEGREE; i > 0; --i) {
+        flown = t * (flown + pair->shape.side * vec3_dot(pair->normal, pair->flight.c[i]) / (i + 1));
+    }
+    const double of_gap = -(impulse + pair->coefficients.c * (change->gap - pair->gap)) / k;
+    way->time = t;
+    way->lost[0] = by * rho;
+    if (contact_is_hertz(&pair->law) || !(k > 0.0) || pair->has_mismatch) {
+        return false;
+    }
+    way->lost[1] = by * (t * rho - (of_gap - t * (pair->gap + flown)));
+    return true;
+}
+
+/* Whether the normal load changes with time: moments of higher order then count for the torque. */
+static bool load_varies(const struct contact_pair *pair)
+{
+    return !vec3_is_zero(pair->flight.c[3]) || !vec3_is_zero(pair->flight.c[4]);
+}
+
+/* Returns the way up to s. */
+static struct travel travel_to(const struct slide *f, double s, const struct pair_change *end, double lost,
+                               struct rotor_state turn)
+{
+    struct travel way = {.turn = turn};
+    struct pair_change change;
+    const bool turning = axis_turns(f, lost, end->time);
+    const double full = end_of_full_friction(f, s);
+    const double radians = radians_in(f->segment, end->time);
+    const double length = radians > LONGEST_PANEL ? s * (LONGEST_PANEL / radians) : s;
+    if (f->per_impulse > 0.0 && full > 0.0) {
+        struct travel closed = way;
+        const double impulse = impulse_at(f, full, &change);
+        const bool known = put_full_slide(f, &change, impulse, &closed);
+        if (turning || !known || load_varies(&f->segment->pair)) {
+            travel_on(f, 0.0, full, length, turning, &way);
+        } else {
+            way.lost[1] = closed.lost[1];
+        }
+        way.lost[0] = closed.lost[0];
+        way.time = closed.time;
+    }
+    if (f->per_impulse > 0.0 && full < s) {
+        travel_on(f, full, s, length, turning, &way);
+    }
+    /* what is left is rolling, or slip without friction */
+    double power = 1.0;
+    double before = 1.0;
+    for (int k = 0; k < MOMENTS; ++k) {
+        power *= end->time;
+        before *= way.time;
+        way.lost[k] += lost * (power - before) / (k + 1);
+    }
+    if (turning) {
+        turn_on(&way, end->time - way.time);
+    } else if (end->time > 0.0) {
+        way.turn.angular_velocity = vec3_axpy(f->rotation, way.lost[0] / end->time, f->spun);
+        turn_on(&way, end->time);
+    }
+    way.turn.angular_velocity = vec3_axpy(f->rotation, lost, f->spun);
+    return way;
+}
+
+/* Returns what friction adds to the integral of c x F, the torque impulse on the destination about its centre
+ * and the source's arm: with q, by which friction moves c, and the flight C
+ *   m_red (integral of q x C'' - c x q' - q x c')        c and c' as they are without friction */
+static struct vec3 lever_of_friction(const struct slide *f, const struct travel *way,
+                                     const struct pair_change *end, double lost)
+{
+    const struct contact_pair *pair = &f->segment->pair;
+    const double t = end->time;
+    const struct vec3 c = vec3_add(path_at(pair->flight.c, SEPARATION_DEGREE + 1, t), end->r);
+    struct vec3 rate = end->r_rate;
+    double power = 1.0;
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        rate = vec3_axpy(rate, i * power, pair->flight.c[i]);
+        power *= t;
+    }
+    struct vec3 sum = vec3_scale(-lost, vec3_cross(c, f->along));
+    sum = vec3_axpy(sum, -way->lost[0], vec3_cross(f->along, rate));
+    power = 1.0;
+    for (int j = 0; j < MOMENTS - 1; ++j) {
+        /* the integral of t^j q is t^(j+1) q less the integral of t^(j+1) q', divided by j + 1 */
+        power *= t;
+        const double moment = (power * way->lost[0] - way->lost[j + 1]) / (j + 1);
+        const struct vec3 bend = vec3_scale((j + 2) * (j + 1), pair->flight.c[j + 2]);
+        sum = vec3_axpy(sum, moment, vec3_cross(f->along, bend));
+    }
+    return vec3_scale(1.0 / f->admittance, sum);
+}
+
+/* Adds what friction does to the bodies and to the books. */
+static void apply(const struct slide *f, const struct travel *way, const struct pair_change *end, double lost,
+                  double slip, const struct scene_values *v, struct scene_state *q, int contact)
+{
+    const int ends[PAIR_BODIES] = {contact_source(contact), contact_destination(contact)};
+    struct contact_torques *torques = &q->contact[contact].torques;
+    struct contact_physics *physics = &q->contact[contact].physics;
+    const struct vec3 impulse = vec3_scale(-lost / f->admittance, f->along); /* on the source */
+    const struct vec3 path = vec3_scale(-way->lost[0] / f->admittance, f->along);
+    for (int end_of = 0; end_of < PAIR_BODIES; ++end_of) {
+        const double share = (end_of == 0 ? 1.0 : -1.0) * body_inverse_mass(v, ends[end_of]);
+        struct body_state *body = &q->body[ends[end_of]];
+        if (body_is_free(v, ends[end_of])) {
+            body->velocity = vec3_axpy(body->velocity, share, impulse);
+            body->moved = vec3_axpy(body->moved, share, path);
+        }
+    }
+    if (body_is_prescribed(v, ends[1])) { /* its speed along the plane is constant */
+        q->external_work += vec3_dot(impulse, path_at(q->path[ends[1]].velocity, 3, q->clock));
+    }
+    const struct vec3 torque = vec3_cross(f->arm, impulse);
+    q->friction_energy += 0.5 * lost * (f->slip + slip) / f->admittance;
+    physics->impulse = vec3_add(physics->impulse, impulse);
+    torques->source_impulse = vec3_add(torques->source_impulse, torque);
+    torques->destination_impulse =
+        vec3_add(torques->destination_impulse, vec3_sub(lever_of_friction(f, way, end, lost), torque));
+}
+
+void rubbing_advance(struct segment *p, double from, double s, const struct scene_values *v,
+                     struct scene_state *q, int contact)
+{
+    const int source = contact_source(contact);
+    const struct slide f = slide_of(p, v, q, contact);
+    struct body_turn *turn = &q->turning.body[source];
+    struct pair_change end;
+    double slip;
+    const double lost = speed_lost(&f, impulse_at(&f, s, &end), &slip);
+    const struct rotor_state start = {turn->orientation, f.rotation};
+    segment_advance(p, from, s, v, q, contact);
+    const struct travel way = travel_to(&f, s, &end, lost, start);
+    if (f.slip > 0.0) {
+        apply(&f, &way, &end, lost, slip, v, q, contact);
+    }
+    if (body_turns_freely(v, source)) {
+        *turn = (struct body_turn){way.turn.orientation, way.turn.angular_velocity};
+    }
+}
+
+/* Between two samples a force may have one extremum that exceeds both, but by a factor below this. */
+static const double ABOVE_SAMPLES = 4.0;
+
+static bool cap_may_act(const struct segment *p, const struct friction_law *law)
+{
+    double largest = 0.0;
+    for (int i = 0; i < p->output.count; ++i) {
+        largest = fmax(largest, ABOVE_SAMPLES * fabs(p->output.at[i].of[PAIR_FORCE][0]));
+    }
+    return !(law->coefficient * largest < law->largest);
+}
+
+/* Most radians of the contact's oscillation that quadratures follow in one segment: some hundred panels. */
+static const double MOST_RADIANS = 400.0;
+
+bool rubbing_allows(struct segment *p, const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    const struct friction_law law = scene_friction_law(v, q, contact);
+    if (cap_may_act(p, &law)) {
+        return false;
+    }
+    const double end = fmin(p->end, p->terminal.s);
+    const double time = segment_time(p, end);
+    const double radians = radians_in(p, time);
+    const struct slide f = slide_of(p, v, q, contact);
+    if (!(f.per_impulse > 0.0)) {
+        return true;
+    }
+    const double full = axis_turns(&f, f.slip, time) ? 0.0 : end_of_full_friction(&f, end);
+    if (full < end && radians > MOST_RADIANS) {
+        const double most = segment_time(p, full) + time * (MOST_RADIANS / radians);
+        p->end = fmin(segment_place(p, most), end);
+    }
+    p->work += full < end ? 1 + (int)fmin(radians, MOST_RADIANS) : 0;
+    return true;
+}

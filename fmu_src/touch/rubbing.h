@@ -1,0 +1,24 @@
+/*
+ * A sphere on a plane under regularized friction, where no load acts along the plane (rubbing.c). The normal
+ * motion does not feel this friction, so that it is a segment of a contact pair (segment.h).
+ */
+#ifndef CONTACT_TOUCH_RUBBING_H
+#define CONTACT_TOUCH_RUBBING_H
+
+#include "touch/segment.h"
+
+/* Whether segments solve a contact that transmits a force, although bodies turn or rub in the scene: either
+ * the contact has no friction and its destination no turning axis, or it is the case of this file. */
+bool rubbing_is_solvable(const struct scene_values *v, const struct scene_state *q, int contact);
+
+/* Returns false where the cap of friction may act during a segment just made. Shortens a segment in which
+ * quadratures would have to follow very many oscillations. */
+bool rubbing_allows(struct segment *p, const struct scene_values *v, const struct scene_state *q,
+                    int contact);
+
+/* segment_advance, with friction: the motion along the plane, the rotation of the source, and the impulses
+ * and works of the friction force. */
+void rubbing_advance(struct segment *p, double from, double s, const struct scene_values *v,
+                     struct scene_state *q, int contact);
+
+#endif
