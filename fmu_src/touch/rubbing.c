@@ -41,15 +41,16 @@ static bool loads_are_normal(const struct scene_values *v, const struct scene_st
         double size = 0.0;
         for (int end = 0; end < PAIR_BODIES; ++end) {
             const struct body_path *path = &q->path[ends[end]];
-            struct vec3 by = {0.0, 0.0, 0.0};
+            const double sign = end == 0 ? -1.0 : 1.0;
             if (body_is_free(v, ends[end])) {
-                by = vec3_scale(1.0 / body_mass(v, ends[end]), path->force[i]);
-                by = i == 0 ? vec3_add(by, gravity(v)) : by;
+                const struct vec3 by = vec3_scale(1.0 / body_mass(v, ends[end]), path->force[i]);
+                const struct vec3 field = i == 0 ? gravity(v) : vec3_make(0.0, 0.0, 0.0);
+                load = vec3_axpy(vec3_axpy(load, sign, by), sign, field);
+                size += vec3_max_abs(by) + vec3_max_abs(field);
             } else if (body_is_prescribed(v, ends[end]) && i < 2) {
-                by = vec3_scale(i + 1, path->velocity[i + 1]);
+                load = vec3_axpy(load, sign * (i + 1), path->velocity[i + 1]);
+                size += (i + 1) * vec3_max_abs(path->velocity[i + 1]);
             }
-            load = vec3_axpy(load, end == 0 ? -1.0 : 1.0, by);
-            size += vec3_max_abs(by);
         }
         if (!is_normal_load(normal, load, size)) {
             return false;
