@@ -220,7 +220,7 @@ HOPS = {"source.rotation": "free", "contact.friction": "regularized", **DROP, "s
 
 def test_evaluations_of_the_general_segment_end_a_step_as_internal_steps_do(opened):
     """A ball that turns and bounces without damping: a hundred evaluations an internal step"""
-    fmu = limited(opened("SpherePlane"), HOPS, limit=1_000_000)
+    fmu = limited(opened("SphereSphere"), HOPS, limit=1_000_000)
     said = " ".join(message.text for message in discarded(fmu, 1e9))
     assert "solver.max_internal_steps = 1000000 are used up, by number or by work" in said
     assert fmu["solver.steps"] + fmu["solver.events"] < 1_000_000
@@ -233,7 +233,7 @@ def test_evaluations_of_the_general_segment_end_a_step_as_internal_steps_do(open
 
 def test_a_larger_limit_allows_more_evaluations(opened):
     limit = 2 * LEAST_WORK
-    fmu = limited(opened("SpherePlane"), HOPS, limit)
+    fmu = limited(opened("SphereSphere"), HOPS, limit)
     discarded(fmu, 1e9)
     assert fmu["solver.force_evaluations"] > LEAST_WORK // EVALUATION_WORK + 100_000
     assert fmu["solver.force_evaluations"] <= limit // EVALUATION_WORK + 10_000
@@ -275,6 +275,6 @@ def test_an_endless_step_is_ended_by_its_work(opened, case):
 
 
 def test_a_small_limit_counts_internal_steps_alone(opened):
-    fmu = limited(opened("SpherePlane"), HOPS)
-    fmu.step(700.0)
+    fmu = limited(opened("SphereSphere"), HOPS)
+    fmu.step(500.0)
     assert fmu["solver.steps"] + fmu["solver.events"] < LIMIT < fmu["solver.force_evaluations"]
