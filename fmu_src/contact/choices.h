@@ -20,6 +20,11 @@
 #else
 #define CONTACT_ANY_PLANE 1
 #endif
+#ifdef CONTACT_NO_CURVED /* every destination is a plane */
+#define CONTACT_ANY_CURVED 0
+#else
+#define CONTACT_ANY_CURVED 1
+#endif
 #ifdef CONTACT_NO_HERTZ
 #define CONTACT_ANY_HERTZ 0
 #else

@@ -7,7 +7,7 @@ bool contact_is_cylinder(const struct contact_shape *shape)
 
 bool contact_is_plane(const struct contact_shape *shape)
 {
-    return CONTACT_ANY_PLANE && shape->destination == SHAPE_PLANE;
+    return CONTACT_ANY_PLANE && (!CONTACT_ANY_CURVED || shape->destination == SHAPE_PLANE);
 }
 
 bool contact_is_rim(const struct contact_shape *shape)

@@ -88,7 +88,7 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
 {
     struct relative_path path = {
         .horizon = horizon, .axial = {.degree = SEPARATION_DEGREE}, .side = shape->side};
-    path.flat = SCENE_ANY_PLANE && shape->destination == SHAPE_PLANE;
+    path.flat = contact_is_plane(shape);
     struct vec3 slope[SEPARATION_DEGREE];
     struct vec3 w[SEPARATION_DEGREE];
     path.scale = coefficient_scale(separation->c, horizon, contact_reach(shape));
@@ -102,14 +102,14 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
                 path.c[0] = vec3_scale(factor, separation->offset);
             }
         }
-        if (path.flat) {
+        if (relative_path_is_flat(&path)) {
             path.c[i] = vec3_make(-vec3_dot(path.c[i], shape->axis), 0.0, 0.0);
         }
         factor *= horizon;
         factor = factor < DBL_MAX ? factor : DBL_MAX; /* keeps a product with a zero coefficient finite */
         if (i < SEPARATION_DEGREE) {
             w[i] = vec3_scale(factor, separation->w[i]);
-            if (path.flat) {
+            if (relative_path_is_flat(&path)) {
                 w[i] = vec3_make(-vec3_dot(w[i], shape->axis), 0.0, 0.0);
             }
         }
@@ -128,8 +128,8 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
     path.start = vec3_norm(path.c[0]);
     path.gap = gap / path.scale;
     const struct vec3 unit = {1.0, 0.0, 0.0};
-    const struct vec3 *by = path.flat ? &unit : path.c;
-    const int by_degree = path.flat ? 0 : path.degree;
+    const struct vec3 *by = relative_path_is_flat(&path) ? &unit : path.c;
+    const int by_degree = relative_path_is_flat(&path) ? 0 : path.degree;
     path.closing = dot_product(by, by_degree, slope, path.degree > 0 ? path.degree - 1 : 0);
     path.half_rate = dot_product(by, by_degree, w, degree_of(w, SEPARATION_DEGREE - 1));
     return path;
@@ -150,7 +150,7 @@ struct polynomial relative_path_squared_deviation(const struct relative_path *pa
 
 double relative_path_divisor(const struct relative_path *path, double gap)
 {
-    return SCENE_ANY_PLANE && path->flat ? 1.0 : path->side * gap + path->reach;
+    return relative_path_is_flat(path) ? 1.0 : path->side * gap + path->reach;
 }
 
 void relative_path_gap(const void *data, double s, double *gap, double *slope)
@@ -158,7 +158,7 @@ void relative_path_gap(const void *data, double s, double *gap, double *slope)
     const struct relative_path *path = data;
     const struct vec3 moved =
         path->degree > 0 ? vec3_scale(s, path_at(path->c + 1, path->degree, s)) : vec3_make(0.0, 0.0, 0.0);
-    if (SCENE_ANY_PLANE && path->flat) {
+    if (relative_path_is_flat(path)) {
         *gap = path->gap + moved.x;
         *slope = polynomial_at(&path->closing, s);
         return;
@@ -187,7 +187,7 @@ static struct polynomial hertz_condition(const struct relative_path *path, const
     const double unit = contact_factors_of(law).c * path->scale / path->horizon;
     const struct polynomial one = {{1.0}, 0};
     const struct polynomial distance2 =
-        SCENE_ANY_PLANE && path->flat ? one : relative_path_distance_squared(path);
+        relative_path_is_flat(path) ? one : relative_path_distance_squared(path);
     const struct polynomial squared_rate = polynomial_multiply(&path->half_rate, &path->half_rate);
     struct polynomial sum = {{0.0}, 0};
     sum = polynomial_add(&sum, fmin(unit * unit, 1.0), &squared_rate);
@@ -309,7 +309,7 @@ int candidates_of_all(const struct relative_path *path, const struct extremes *e
             count = polynomial_add_sign_changes(&condition, candidates, count);
         } else if (contact_regime_after(law, REGIME_COMPRESSION) == REGIME_SEPARATING &&
                    contact_coefficients_of(law, REGIME_COMPRESSION).k > 0.0) {
-            if (SCENE_ANY_PLANE && path->flat) {
+            if (relative_path_is_flat(path)) {
                 const struct polynomial of_plane = law_condition_of_plane(path, law);
                 return polynomial_add_sign_changes(&of_plane, candidates, count);
             }

@@ -29,8 +29,7 @@ struct relative_path {
     struct polynomial closing; /* c.c', whose roots are the extremes of the distance */
     /* c.w with the rate w that the force law uses; equals `closing` where w = c' */
     struct polynomial half_rate;
-    /* the destination is a plane: c is (d, 0, 0), `closing` is d' and `half_rate` is n.w */
-    bool flat;
+    bool flat;               /* see relative_path_is_flat */
     struct polynomial axial; /* c.e_d where the destination is a cylinder [scale] */
     double scale, horizon;   /* unit of length [m], time span [s] */
     double reach;            /* distance d at which the bodies touch [scale] */
@@ -40,6 +39,12 @@ struct relative_path {
     double ends_dead_band;
     int side;
 };
+
+/* Whether the destination is a plane: c is then (d, 0, 0), `closing` is d' and `half_rate` is n.w. */
+static inline bool relative_path_is_flat(const struct relative_path *path)
+{
+    return SCENE_ANY_PLANE && (!SCENE_ANY_CURVED || path->flat);
+}
 
 /* Returns the separation path from the present instant `at`, whose clock is `clock`. */
 struct separation_path separation_path_of(const struct scene_values *v, const struct scene_state *q,

@@ -147,7 +147,7 @@ static bool is_at_centre(const struct relative_path *path, double s)
 static bool path_passes_centre(const struct relative_path *path, const struct extremes *extremes,
                                double until)
 {
-    if (path->degree == 0 || (SCENE_ANY_PLANE && path->flat)) {
+    if (path->degree == 0 || relative_path_is_flat(path)) {
         return false;
     }
     bool passes = is_at_centre(path, 0.0) || is_at_centre(path, fmin(until, 1.0));
@@ -160,7 +160,7 @@ static bool path_passes_centre(const struct relative_path *path, const struct ex
 /* Whether the path is too short for the bodies to touch or for their centres to meet. */
 static bool path_keeps_away(const struct relative_path *path)
 {
-    const double start = SCENE_ANY_PLANE && path->flat ? path->c[0].x : vec3_norm(path->c[0]);
+    const double start = relative_path_is_flat(path) ? path->c[0].x : vec3_norm(path->c[0]);
     double length = 0.0;
     for (int i = 1; i <= path->degree; ++i) {
         length += vec3_norm(path->c[i]);

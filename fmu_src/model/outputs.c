@@ -420,7 +420,7 @@ static void warn_of_missing_direction(struct model *m, const struct scene_state 
                                       const struct scene_instant *at)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (at->geometry[j].degenerate && q->contact[j].regime != REGIME_APART &&
+        if (SCENE_ANY_CURVED && at->geometry[j].degenerate && q->contact[j].regime != REGIME_APART &&
             !m->state.warned_of_direction[j]) {
             m->state.warned_of_direction[j] = 1;
             const struct vec3 n = at->geometry[j].normal;

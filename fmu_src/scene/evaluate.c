@@ -557,7 +557,7 @@ double rounding_of_gap(const struct scene_values *v, const struct scene_instant 
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    if (SCENE_ANY_PLANE && body_shape(destination) == SHAPE_PLANE) {
+    if (!SCENE_ANY_CURVED || body_shape(destination) == SHAPE_PLANE) {
         /* components in the plane do not count */
         return 8.0 * DBL_EPSILON * (terms_along(v, at, contact, g->normal) + g->gap_terms);
     }
@@ -598,7 +598,8 @@ double rounding_of_force(const struct scene_values *v, const struct scene_state 
 static bool rounding_turns(const struct contact_geometry *g, int contact)
 {
     const bool at_cap = SCENE_ANY_CAPS && abs(g->zone) == ZONE_CAP;
-    return !at_cap && !g->degenerate && body_shape(contact_destination(contact)) != SHAPE_PLANE;
+    return SCENE_ANY_CURVED && !at_cap && !g->degenerate &&
+           body_shape(contact_destination(contact)) != SHAPE_PLANE;
 }
 
 /* Returns the size of g' [m/s] below which its sign means nothing. It is the sum of the rounding of w, the
@@ -845,6 +846,9 @@ static const double CENTRE = 1e-9;
 bool singularity_is_reached(const struct scene_values *v, const struct scene_instant *at, int contact,
                             const struct contact_shape *shape)
 {
+    if (!SCENE_ANY_CURVED) {
+        return false;
+    }
     const struct contact_geometry *g = &at->geometry[contact];
     const double reach = contact_reach(shape);
     if (g->degenerate || !contact_may_reach_centre(shape)) {

@@ -334,6 +334,9 @@ static struct vec3 acceleration_by_others(const struct scene_values *v, const st
  * other direction persists, because the contact's own force acts along c. */
 void ode_leave_centres(const struct scene_values *v, struct scene_state *q)
 {
+    if (!SCENE_ANY_CURVED) {
+        return;
+    }
     struct scene_instant at;
     scene_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {

@@ -221,7 +221,7 @@ static double deepest_of(const struct segment *p)
 /* Returns the s at which d = 0 and n reverses; INFINITY where that is not within the segment. */
 static double terminal_event_centre(const struct segment *p)
 {
-    if (p->clear_of_centre || deepest_of(p) < contact_reach(&p->pair.shape)) {
+    if (!SCENE_ANY_CURVED || p->clear_of_centre || deepest_of(p) < contact_reach(&p->pair.shape)) {
         return (double)INFINITY;
     }
     const struct event_function distance = {PAIR_GAP, p->pair.shape.side, contact_reach(&p->pair.shape)};

@@ -209,6 +209,9 @@ def _facts(resolved: Resolved) -> dict:
         "any_turning": rotation or friction,
         "any_caps": resolved.may("body.ends", "capped"),
         "any_plane": any(body.shape == "plane" for body in resolved.scene.bodies),
+        "any_curved": any(
+            resolved.scene.bodies[contact.destination].shape != "plane" for contact in resolved.scene.contacts
+        ),
         "has_cvode": resolved.may_need_cvode,
         "has_general": resolved.may_need_general,
     }

@@ -59,6 +59,7 @@
 #define SCENE_ANY_RESTITUTION {{ any_restitution | int }} /* may damping be given by a coefficient of restitution? */
 #define SCENE_ANY_CAPS {{ any_caps | int }} /* may the ends of any cylinder be capped? */
 #define SCENE_ANY_PLANE {{ (any_plane or any_caps) | int }} /* caps are planes to who touches them */
+#define SCENE_ANY_CURVED {{ any_curved | int }} /* may any contact be with a sphere or a cylinder, not a plane? */
 #define SCENE_ANY_ROTATION {{ any_rotation | int }}   /* may any body turn? */
 #define SCENE_ANY_FREE_ROTATION {{ any_free_rotation | int }} /* by Euler's equations? */
 #define SCENE_ANY_FRICTION {{ any_friction | int }}   /* may there be friction? */

@@ -175,6 +175,7 @@ CVODE = r"^CV|SUN|N_V[A-Z]"
 MOTION = r"^solver\.|^energy\.|^gravity|\.initial_|\.mass$|external_force"
 HERTZ = r"hertz|hunt_crossley|youngs_modulus|poissons_ratio|contact\.law|restitution$"
 FACTORS = r"penalty_factor|penalty_multiplier|reference_modulus|characteristic_time|diagonal"
+ON_PLANES = ["SpherePlane", "BouncingBall", "Bowling", "SpinningBall", "Turntable"]
 AXIS = r"axis|finite_length|\.length|within_extents|beyond_ends"
 # Scenes that lack something, the scene that has it (None: the universal one of each), where, and what it is.
 GONE = [
@@ -189,6 +190,8 @@ GONE = [
     (["HertzImpact"], None, "variables", FACTORS),
     (SPHERES, "SphereCylinder", "variables", AXIS),
     (SPHERES, "SphereCylinder", "strings", AXIS),
+    (ON_PLANES, "SphereSphere", "strings", "no defined normal"),
+    (ON_PLANES, "SphereSphere", "code of .", "singularity_|leave_centre|beyond the centre"),
     (THROWN, None, "variables", "prescribed"),
     (THROWN, None, "strings", "prescribed"),
     (
