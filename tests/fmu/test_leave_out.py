@@ -191,7 +191,7 @@ GONE = [
     (SPHERES, "SphereCylinder", "variables", AXIS),
     (SPHERES, "SphereCylinder", "strings", AXIS),
     (ON_PLANES, "SphereSphere", "strings", "no defined normal"),
-    (ON_PLANES, "SphereSphere", "code of .", "singularity_|leave_centre|beyond the centre"),
+    (ON_PLANES, "SphereSphere", "code of .", r"singularity_|\bleave_centre"),
     (THROWN, None, "variables", "prescribed"),
     (THROWN, None, "strings", "prescribed"),
     (
