@@ -622,8 +622,8 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
         g->y = (double *)(void *)((char *)g + own);
         g->size_of = g->y + size;
         g->end_size = g->size_of + size;
-        g->rate_rounding = g->end_size + size;
-        g->largest_error = g->rate_rounding + size;
+        g->per_impulse = g->end_size + size;
+        g->largest_error = g->per_impulse + size;
         g->end.y = g->largest_error + size;
     }
     const struct radau_problem problem = problem_of(*slot, v);

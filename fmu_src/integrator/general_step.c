@@ -160,7 +160,8 @@ static double rounding_of_rates(const struct general *g, int left)
 }
 
 /* Adds rounding to the errors allowed. A force made by rounding acts for at most one radian of the
- * oscillation or one decay time. The error allowed in a speed is at least the change by such a force. */
+ * oscillation or one decay time. The errors allowed in a speed and in an impulse are at least the changes by
+ * such a force. */
 static void allow_rounding(struct general *g)
 {
     struct radau_step *p = &g->step;
@@ -179,8 +180,10 @@ static void allow_rounding(struct general *g)
         const double allowed = fmin(1.0 / *weight, g->largest_error[p->other[i]]);
         *weight = 1.0 / (allowed + rounding[i]);
     }
+    const double impulse =
+        p->length * g->friction_rounding + g->largest_mass * (spring / fastest) * g->place_rounding;
     for (int i = p->problem.integrals; i < g->size; ++i) {
-        p->weight[i] = 1.0 / (1.0 / p->weight[i] + p->length * g->rate_rounding[i]);
+        p->weight[i] = 1.0 / (1.0 / p->weight[i] + impulse * g->per_impulse[i]);
     }
 }
 
@@ -355,55 +358,69 @@ static void limit_errors_of_slip(struct general *g, double slip_velocity, int bo
     }
 }
 
-/* Limits the errors allowed in states by regularized friction, and notes its rounding in integrals. */
-static void note_friction(struct general *g, const struct scene_instant *at, int contact)
+/* Limits the errors allowed in states by regularized friction, and notes its rounding. `speeds` is the sum of
+ * all speeds that make up the slip [m/s]. */
+static void note_friction(struct general *g, const struct scene_instant *at, int contact, const int body[2],
+                          const double arm[2], double speeds)
 {
-    const struct scene_values *v = g->ode.values;
-    const struct friction_law law = scene_friction_law(v, g->state, contact);
+    const struct friction_law law = scene_friction_law(g->ode.values, g->state, contact);
     const enum friction_regime regime = (enum friction_regime)g->state->contact[contact].friction_regime;
-    if (!contact_transmits(g->state, contact) || law.kind != FRICTION_REGULARIZED) {
+    if (law.kind != FRICTION_REGULARIZED) {
         return;
     }
-    const int body[2] = {contact_source(contact), contact_destination(contact)};
-    const double arm[2] = {vec3_norm(at->turning.source_arm[contact]),
-                           vec3_norm(at->turning.destination_arm[contact])};
-    double speeds = 0.0;
     for (int i = 0; i < 2; ++i) {
-        speeds +=
-            vec3_norm(at->velocity[body[i]]) + vec3_norm(at->turning.body[body[i]].angular_velocity) * arm[i];
         if (!(vec3_norm(at->turning.slip[contact]) > SATURATED_SLIP * law.slip_velocity)) {
             limit_errors_of_slip(g, law.slip_velocity, body[i], arm[i]);
         }
     }
     const double limit = friction_limit(&law, regime, at->normal_force[contact]);
-    const double force = rounding_of_friction(&law, limit, speeds);
-    double *impulses = g->rate_rounding + ode_impulse(v, contact);
+    g->friction_rounding = fmax(g->friction_rounding, rounding_of_friction(&law, limit, speeds));
+}
+
+/* Notes what an impulse of a contact changes in the integrals: the impulse itself, the torques', energies. */
+static void note_contact(struct general *g, const struct scene_instant *at, int contact)
+{
+    const struct scene_values *v = g->ode.values;
+    const int body[2] = {contact_source(contact), contact_destination(contact)};
+    const double arm[2] = {vec3_norm(at->turning.source_arm[contact]),
+                           vec3_norm(at->turning.destination_arm[contact])};
+    const double by_mass = scene_inverse_mass(v, contact);
+    double *impulses = g->per_impulse + ode_impulse(v, contact);
+    double speeds = 0.0;
+    for (int i = 0; i < 2; ++i) {
+        speeds +=
+            vec3_norm(at->velocity[body[i]]) + vec3_norm(at->turning.body[body[i]].angular_velocity) * arm[i];
+    }
     for (int k = 0; k < 3; ++k) {
-        impulses[k] = force;
-        impulses[3 + k] = force * arm[0];
-        impulses[6 + k] = force * arm[1];
+        impulses[k] = 1.0;
+        impulses[3 + k] = arm[0];
+        impulses[6 + k] = arm[1];
     }
     for (int i = ode_dissipated(v); i < g->size; ++i) {
-        g->rate_rounding[i] += force * speeds;
+        g->per_impulse[i] += speeds;
+    }
+    g->largest_mass = by_mass > 0.0 ? fmax(g->largest_mass, 1.0 / by_mass) : g->largest_mass;
+    if (SCENE_ANY_FRICTION) {
+        note_friction(g, at, contact, body, arm, speeds);
     }
 }
 
-/* Notes, at the start of a step, the rounding of gaps [m], the rounding of the rates of integrals, and the
- * largest error allowed in each state. */
+/* Notes, at the start of a step, the rounding of gaps [m] and of friction, and the largest error allowed in
+ * each state. */
 static void note_errors(struct general *g)
 {
     struct scene_instant at;
     ode_instant(&g->ode, g->step.start, g->step.y, &at);
-    g->place_rounding = 0.0;
+    g->place_rounding = g->friction_rounding = g->largest_mass = 0.0;
     for (int i = 0; i < g->size; ++i) {
-        g->rate_rounding[i] = 0.0;
+        g->per_impulse[i] = 0.0;
         g->largest_error[i] = (double)INFINITY;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double of_gap = ROUNDING_OF_GAP * rounding_of_gap(g->ode.values, &at, j);
         g->place_rounding = fmax(g->place_rounding, of_gap);
-        if (SCENE_ANY_FRICTION) {
-            note_friction(g, &at, j);
+        if (contact_transmits(g->state, j)) {
+            note_contact(g, &at, j);
         }
     }
 }

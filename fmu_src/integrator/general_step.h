@@ -36,20 +36,23 @@ struct general {
     int place[3 * SCENE_BODIES], speed[3 * SCENE_BODIES]; /* pairs of states for math/radau_step.h */
     double relative, absolute;                            /* error allowed in a step [1], [m, m/s, ...] */
     bool by_forces;                                       /* whether node_forces_solve has solved the step */
-    bool fully;            /* whether node_forces_solve or radau_step_solve_fully solves the step */
-    double solvable;       /* estimate of the longest step that these two solve [s] */
-    double simple;         /* estimate of the longest step that simplified iterations solve [s] */
-    double fastest_decay;  /* fastest decay of a state at the start of the step [1/s] */
-    double place_rounding; /* rounding of the gaps at the start of the step [m] */
-    double error_within;   /* largest error within the last step, divided by the error allowed */
-    double error_at_end;   /* error at the end of the last step, divided by the error allowed */
-    double error_of_start; /* error by decay before the first stage, divided by the error allowed */
-    double longest;        /* estimate of the longest accurate step of twelve stages [s] */
-    double within_share;   /* factor of error_within when it is compared with error_at_end */
-    double read_share;     /* within_share where outputs are read within the step; above 1: none is read */
+    bool fully;               /* whether node_forces_solve or radau_step_solve_fully solves the step */
+    double solvable;          /* estimate of the longest step that these two solve [s] */
+    double simple;            /* estimate of the longest step that simplified iterations solve [s] */
+    double fastest_decay;     /* fastest decay of a state at the start of the step [1/s] */
+    double place_rounding;    /* rounding of the gaps at the start of the step [m] */
+    double friction_rounding; /* rounding of regularized friction at the start of the step [N] */
+    double largest_mass;      /* largest reduced mass of the contacts that transmit forces [kg] */
+    double error_within;      /* largest error within the last step, divided by the error allowed */
+    double error_at_end;      /* error at the end of the last step, divided by the error allowed */
+    double error_of_start;    /* error by decay before the first stage, divided by the error allowed */
+    double longest;           /* estimate of the longest accurate step of twelve stages [s] */
+    double within_share;      /* factor of error_within when it is compared with error_at_end */
+    double read_share;        /* within_share where outputs are read within the step; above 1: none is read */
     double *y, *size_of, *end_size; /* [size]: a state; sizes of the states at both ends of the step */
-    /* [size], noted at the start of the step: rounding of the rates of integrals; largest errors allowed */
-    double *rate_rounding, *largest_error;
+    /* [size], noted at the start of the step: change of integrals by an impulse of a contact, divided by that
+     * impulse; largest errors allowed */
+    double *per_impulse, *largest_error;
     struct general_end end;
     double at_start[ODE_EVENTS];                      /* event functions at the start */
     double events[RADAU_MOST_STAGES + 1][ODE_EVENTS]; /* event functions at start and stages, smoothed */
