@@ -222,7 +222,7 @@ static bool add_pair(struct pair_phase *all, const struct scene_values *v, const
     if (!segment_make(p, v, q, at, contact, longest, tolerance_of(v, q, at, contact))) {
         return false;
     }
-    if (SCENE_ANY_FRICTION && contact_rubs(v, contact) && !rubbing_allows(p, v, q, contact)) {
+    if (SCENE_ANY_FRICTION && p->rubs && !rubbing_allows(p, v, q, contact)) {
         return false;
     }
     const double end = segment_time(p, p->end);
@@ -314,11 +314,11 @@ static void book_flights(const struct scene_values *v, struct scene_state *q, do
 static void turn_bodies(const struct scene_values *v, struct scene_state *q, double clock)
 {
     for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) {
-        bool rubs = false;
-        for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            rubs = rubs || (contact_source(j) == i && contact_transmits(q, j) && contact_rubs(v, j));
+        bool turns = body_turns_freely(v, i);
+        for (int j = 0; turns && j < SCENE_CONTACTS; ++j) {
+            turns = !(contact_source(j) == i && contact_transmits(q, j) && contact_rubs(v, j));
         }
-        if (body_turns_freely(v, i) && !rubs) {
+        if (turns) {
             flight_turn(v, q, i, clock);
         }
     }
@@ -401,7 +401,7 @@ static void follow_pairs(struct pair_phase *all, const struct scene_values *v, s
             const bool is_shortened = j == all->terminal || time < segment_time(p, p->end);
             const double s = is_shortened ? segment_place(p, time) : p->end;
             const double since = fmin(segment_place(p, from), s);
-            if (SCENE_ANY_FRICTION && contact_rubs(v, j)) {
+            if (SCENE_ANY_FRICTION && p->rubs) {
                 rubbing_advance(p, since, s, v, q, j);
             } else {
                 segment_advance(p, since, s, v, q, j);

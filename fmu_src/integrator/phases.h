@@ -4,7 +4,8 @@
  * these phases.
  *
  *   flight/          no contact transmits a force: closed form, for every method
- *   touch/           event_driven, contact pairs that share no free body: closed form, series, collocation
+ *   touch/           event_driven, contact pairs that share no free body: closed form, series, collocation;
+ *                    without rotation and friction, and with them where touch/rubbing.h allows it
  *   general.c        event_driven, everything else in contact: Radau IIA
  *   cvode.c          SUNDIALS CVODE, BDF with an analytic Jacobian or Adams
  *   prescribed/      neither body of a contact is free: quadratures along the prescribed motion

@@ -1506,7 +1506,8 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
     p->gap_rounding = rounding_of_gap(v, at, contact);
     p->gap_is_known = p->pair.gap == 0.0 || scene_gap_is_accumulated(q, at, contact);
     p->tolerance = tolerance;
-    p->may_pull = contact_rubs(v, contact) && contact_may_pull(&p->pair.law);
+    p->rubs = contact_rubs(v, contact);
+    p->may_pull = p->rubs && contact_may_pull(&p->pair.law);
     p->is_lifted = p->may_pull && q->contact[contact].friction_regime == (int32_t)FRICTION_LIFTED;
     make_up_to(p, longest);
     if (SCENE_ANY_CAPS) {

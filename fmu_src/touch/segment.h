@@ -103,7 +103,8 @@ struct segment {
     double parting; /* s of the release, if `make` finds it; INFINITY: none; NaN: the samples tell */
     struct terminal_event terminal;
     bool leaves_zone; /* the terminal event leaves the zone of a capped cylinder; the regime goes on */
-    bool may_pull;    /* the contact rubs and its dashpot may pull: the force's sign is an event */
+    bool rubs;        /* the contact has friction (rubbing.h) */
+    bool may_pull;    /* it rubs and its dashpot may pull: the sign of F_n is an event */
     bool is_lifted;   /* in such a contact: F_n < 0 at the start */
     bool may_be_quasi_static; /* quasi_static_applies: the first coefficients of the series decide */
     /* Only the kinds and the search for peaks read the members below. */

@@ -23,7 +23,15 @@ from contact_fmus.fmu.host import Case, case_arguments, host_file
 from contact_fmus.options import parse
 from contact_fmus.pages import Table, show
 
-from .problems import EVENT_DRIVEN, STIFF_TOLERANCE, Setting, benchmarks, law_benchmarks, stiff_families
+from .problems import (
+    EVENT_DRIVEN,
+    STIFF_TOLERANCE,
+    Setting,
+    benchmarks,
+    law_benchmarks,
+    stiff_families,
+    turning_problems,
+)
 
 BOUNDS = Path(__file__).with_name("instruction_bounds.toml")
 STEPS = (1, 997)  # communication steps of the benchmark problems
@@ -61,10 +69,11 @@ def flight_case(fmu: str) -> Case:
 
 
 def cases() -> list[Case]:
-    """Flight, the benchmark problems, some by Hertz's law, on a plane or over a rim, and both ends of the
+    """Flight, the benchmark problems, some with friction, by Hertz's law, on a plane or a rim, and both ends of the
     stiffness sweep, all by event_driven"""
     stiff = [one for name, family in stiff_families().items() if "undamped" not in name for one in family]
-    named = [(f"{one.name}, {n} step{'s' * (n > 1)}", one, n) for one in benchmarks().values() for n in STEPS]
+    many = [*benchmarks().values(), turning_problems()["F1"]]
+    named = [(f"{one.name}, {n} step{'s' * (n > 1)}", one, n) for one in many for n in STEPS]
     named += [(f"{one.name}, 1 step", one, 1) for one in law_benchmarks().values()]
     named += [
         (f"{one.name}, p_n = {one.penalty_factor:.0e} N/m", one, 1)

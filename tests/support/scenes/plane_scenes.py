@@ -10,10 +10,11 @@ from support.scenes.turning_scenes import TurningScene
 
 
 def random_plane_scene(seed):
-    """A ball a little above a slanted plane on its way down, or in an overlap; at times it has no friction."""
+    """A ball a little above a slanted plane on its way down, or in an overlap; at times without friction."""
     random = np.random.default_rng([25, seed])
     axis, mass = unit_vector(random), random.uniform(0.5, 2.0)
-    values = ball(random, axis, mass) | plane(random, axis) | law(random, mass)
+    values = ball(random, axis, mass) | plane(random, axis)
+    values |= law(random, 1.0 / (1.0 / mass + 1.0 / values.get("destination.mass", math.inf)))
     if values["destination.motion"] == "fixed" and random.random() < 0.3:
         values["source.external_force"] = (random.uniform(-0.9, 2.0) * 9.81 * mass * axis).tolist()
     values["contact.friction"] = chosen(random, ["regularized"] * 6 + ["none"])
@@ -73,7 +74,7 @@ def plane(random, axis):
 
 
 def law(random, mass):
-    """Linear, or Hertz's with damping of Hunt and Crossley."""
+    """Linear and below critical damping, or Hertz's with damping of Hunt and Crossley."""
     found = {"contact.dashpot": chosen(random, DASHPOTS), "contact.method": "penalty_dynamic"}
     if random.random() < 0.4:
         return found | {
