@@ -74,3 +74,24 @@ def test_inputs_end_the_step_that_goes_on(opened, changes):
                 fmu.step((k + (i + 1) / steps) * case.end / len(forces) - fmu.time)
         ended.append(np.concatenate([fmu["source.position"], fmu["source.angular_velocity"]]))
     check_close("position and spin", ended[1], ended[0], 1e-9)
+
+
+@pytest.mark.parametrize("read", [["source.position"], ["source.orientation", "energy.total"], []])
+def test_the_flight_of_a_spinning_ball_is_the_same_however_it_is_read(opened, read):
+    """40 steps of 0.01 s, in which nothing is computed but what is read: the rotation is the closed form about
+    the constant axis.
+    """
+    spin, end = np.array([3.0, -7.0, 11.0]), 0.4
+    values = {
+        "source.center": [0.0, 0.0, 100.0],
+        "source.rotation": "free",
+        "source.initial_angular_velocity": spin.tolist(),
+        "contact.friction": "regularized",
+    }
+    fmu = opened("SpherePlane")
+    run(fmu, values, end, 40, each=lambda fmu: [fmu[name] for name in read])
+    half = 0.5 * np.linalg.norm(spin) * end
+    turned = np.array([np.cos(half), *(np.sin(half) * spin / np.linalg.norm(spin))])
+    check_close("orientation", fmu["source.orientation"], turned, 1e-14)
+    check_close("spin", fmu["source.angular_velocity"], spin, 0.0)
+    check_close("height", fmu["source.position"][2], 100.0 - 0.5 * 9.81 * end**2, 1e-13)
