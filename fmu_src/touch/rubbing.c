@@ -12,13 +12,15 @@
 #include "touch/rubbing.h"
 
 #include <float.h>
-#include <string.h>
 
 #include "math/rotor.h"
 #include "scene/evaluate.h"
 
 /* Slip of this many v_0 or more has the full friction force: exp(-37) is below half a rounding of 1. */
 static const double FULL_FRICTION = 37.0;
+
+/* The end of full friction is located to so many v_0 of the slip. */
+static const double NEARLY = 8.0;
 
 /* Roundings of a velocity in the slip of a sphere that rolls. */
 static const double ROLLING_ROUNDINGS = 8.0;
@@ -160,31 +162,31 @@ static bool slides_fully(const struct slide *f, double impulse)
     return f->slip - f->unit * f->per_impulse * impulse >= FULL_FRICTION * f->unit;
 }
 
-/* Returns a place up to which friction is full and after which the slip falls to FULL_FRICTION v_0 soon. */
+/* Returns a place up to which friction is full, within NEARLY v_0 of the slip or the last digit of where it
+ * ceases to be: the quadrature that starts there is as good a little earlier. */
 static double end_of_full_friction(const struct slide *f, double end)
 {
+    const double nearly = NEARLY / f->per_impulse; /* as an impulse */
     struct pair_change change;
     double low = 0.0;
     double high = end;
+    if (!slides_fully(f, 0.0)) {
+        return 0.0;
+    }
     if (slides_fully(f, impulse_at(f, end, &change))) {
         return end;
     }
-    while (slides_fully(f, 0.0)) {
+    for (;;) {
         const double middle = 0.5 * (low + high);
         if (!(middle > low && middle < high)) {
-            break;
+            return low;
         }
         const double impulse = impulse_at(f, middle, &change);
-        if (!slides_fully(f, impulse)) {
-            high = middle;
-            continue;
-        }
-        low = middle;
-        if (f->slip - f->unit * f->per_impulse * impulse < 1.2 * FULL_FRICTION * f->unit) {
-            break; /* near enough: the quadrature starts here */
+        *(slides_fully(f, impulse) ? &low : &high) = middle;
+        if (low == middle && !slides_fully(f, impulse + nearly)) {
+            return low;
         }
     }
-    return low;
 }
 
 enum { MOMENTS = 4 };
@@ -304,6 +306,9 @@ static const double TWICE_AS_LONG = 1.0 / 4096.0;
 /* Roundings of the slip that the error of a panel contains. */
 static const double PANEL_ROUNDINGS = 64.0;
 
+/* A way shorter than this part of a rounding of the radius does not move a sphere. */
+static const double BELOW_ROUNDING = 0.01;
+
 /*
  * Integrates the way from one s to another by panels, or until the slip no longer matters for places. Panels
  * are halved until their error is below the segment's tolerance. `turning`: the axis of rotation changes, and
@@ -332,7 +337,8 @@ static void travel_on(const struct slide *f, double from, double to, double leng
         way->time = panel.time[LAST_NODE];
         from = from + length < to ? from + length : to;
         length *= error <= TWICE_AS_LONG * allowed ? 2.0 : 1.0;
-        if (panel.slip[LAST_NODE] * (whole - way->time) <= 0.01 * DBL_EPSILON * radius) {
+        const double slip = panel.slip[LAST_NODE];
+        if (slip < f->unit && slip * (whole - way->time) <= BELOW_ROUNDING * DBL_EPSILON * radius) {
             return;
         }
     }
@@ -346,35 +352,46 @@ static bool axis_turns(const struct slide *f, double lost, double time)
     return lost * vec3_norm(across) * time * time > DBL_EPSILON;
 }
 
-/* Sets the first two moments at the end of a full slide, in closed form: u_0 - u = mu kappa p, and the
- * integral of p is m_red rho, where rho is the gap less the gap of the flight. Returns whether the second is
- * known too: the linear law gives the integral of g by the impulse p and the change of g. */
-static bool put_full_slide(const struct slide *f, const struct pair_change *change, double impulse,
-                           struct travel *way)
+/* Returns the integral of rho from the start [m s], where rho is the gap less the gap of the flight. The
+ * linear law gives the integral of the gap by the impulse p and the change of the gap. */
+static double integral_of_rho(const struct contact_pair *pair, const struct pair_change *change,
+                              double impulse)
 {
-    const struct contact_pair *pair = &f->segment->pair;
-    const double t = change->time;
-    const double k = pair->coefficients.k;
-    const double by = f->unit * f->per_impulse * pair->reduced_mass;
-    const double rho = pair->shape.side * vec3_dot(pair->normal, change->r);
-    double flown = 0.0;
-    for (int i = SEPARATION_DEGREE; i > 0; --i) {
-        flown = t * (flown + pair->shape.side * vec3_dot(pair->normal, pair->flight.c[i]) / (i + 1));
+    double flown = pair->gap; /* the mean of the flight's gap */
+    double power = 1.0;
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        power *= change->time;
+        flown += power * pair->shape.side * vec3_dot(pair->normal, pair->flight.c[i]) / (i + 1);
     }
-    const double of_gap = -(impulse + pair->coefficients.c * (change->gap - pair->gap)) / k;
-    way->time = t;
-    way->lost[0] = by * rho;
-    if (contact_is_hertz(&pair->law) || !(k > 0.0) || pair->has_mismatch) {
-        return false;
-    }
-    way->lost[1] = by * (t * rho - (of_gap - t * (pair->gap + flown)));
-    return true;
+    const double damped = pair->coefficients.c * (change->gap - pair->gap);
+    return -(impulse + damped) / pair->coefficients.k - change->time * flown;
 }
 
-/* Whether the normal load changes with time: moments of higher order then count for the torque. */
-static bool load_varies(const struct contact_pair *pair)
+/* Whether the first two moments of a full slide are closed forms, and no others count: those of higher order
+ * count for the torque on the destination under a load that varies. */
+static bool has_closed_moments(const struct contact_pair *pair)
 {
-    return !vec3_is_zero(pair->flight.c[3]) || !vec3_is_zero(pair->flight.c[4]);
+    return !contact_is_hertz(&pair->law) && pair->coefficients.k > 0.0 && !pair->has_mismatch &&
+           vec3_is_zero(pair->flight.c[3]) && vec3_is_zero(pair->flight.c[4]);
+}
+
+/* Goes the way of a full slide, on which u_0 - u = mu kappa p and the integral of p is m_red rho. */
+static void slide_fully(const struct slide *f, double to, double length, bool turning, struct travel *way)
+{
+    const struct contact_pair *pair = &f->segment->pair;
+    const double by = f->unit * f->per_impulse * pair->reduced_mass;
+    const bool is_closed = has_closed_moments(pair);
+    struct pair_change change;
+    const double impulse = impulse_at(f, to, &change);
+    const double rho = pair->shape.side * vec3_dot(pair->normal, change.r);
+    if (turning || !is_closed) {
+        travel_on(f, 0.0, to, length, turning, way);
+    }
+    if (is_closed) {
+        way->lost[1] = by * (change.time * rho - integral_of_rho(pair, &change, impulse));
+    }
+    way->lost[0] = by * rho;
+    way->time = change.time;
 }
 
 /* Returns the way up to s. */
@@ -382,24 +399,14 @@ static struct travel travel_to(const struct slide *f, double s, const struct pai
                                struct rotor_state turn)
 {
     struct travel way = {.turn = turn};
-    struct pair_change change;
     const bool turning = axis_turns(f, lost, end->time);
-    const double full = end_of_full_friction(f, s);
-    const double radians = radians_in(f->segment, end->time);
-    const double length = radians > LONGEST_PANEL ? s * (LONGEST_PANEL / radians) : s;
-    if (f->per_impulse > 0.0 && full > 0.0) {
-        struct travel closed = way;
-        const double impulse = impulse_at(f, full, &change);
-        const bool known = put_full_slide(f, &change, impulse, &closed);
-        if (turning || !known || load_varies(&f->segment->pair)) {
-            travel_on(f, 0.0, full, length, turning, &way);
-        } else {
-            way.lost[1] = closed.lost[1];
+    if (f->per_impulse > 0.0) {
+        const double full = end_of_full_friction(f, s);
+        const double radians = radians_in(f->segment, end->time);
+        const double length = radians > LONGEST_PANEL ? s * (LONGEST_PANEL / radians) : s;
+        if (full > 0.0) {
+            slide_fully(f, full, length, turning, &way);
         }
-        way.lost[0] = closed.lost[0];
-        way.time = closed.time;
-    }
-    if (f->per_impulse > 0.0 && full < s) {
         travel_on(f, full, s, length, turning, &way);
     }
     /* what is left is rolling, or slip without friction */
@@ -438,8 +445,8 @@ static struct vec3 lever_of_friction(const struct slide *f, const struct travel 
     struct vec3 sum = vec3_scale(-lost, vec3_cross(c, f->along));
     sum = vec3_axpy(sum, -way->lost[0], vec3_cross(f->along, rate));
     power = 1.0;
+    /* the integral of t^j q is that of (t_end^(j+1) - t^(j+1)) q' / (j + 1) */
     for (int j = 0; j < MOMENTS - 1; ++j) {
-        /* the integral of t^j q is t^(j+1) q less the integral of t^(j+1) q', divided by j + 1 */
         power *= t;
         const double moment = (power * way->lost[0] - way->lost[j + 1]) / (j + 1);
         const struct vec3 bend = vec3_scale((j + 2) * (j + 1), pair->flight.c[j + 2]);
