@@ -253,6 +253,7 @@ static bool make_pairs(struct pair_phase *all, const struct scene_values *v, con
         all->segment[j].kind = SEGMENT_CLOSED_FORM; /* pairs without a segment need values, too */
         all->segment[j].unit = all->segment[j].end = 0.0;
         all->segment[j].work = 0;
+        all->segment[j].rubs = false;
     }
     for (double before = (double)INFINITY; all->time < before;) {
         before = SCENE_CONTACTS > 1 ? all->time : 0.0;

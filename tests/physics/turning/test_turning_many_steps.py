@@ -78,8 +78,8 @@ def test_inputs_end_the_step_that_goes_on(opened, changes):
 
 @pytest.mark.parametrize("read", [["source.position"], ["source.orientation", "energy.total"], []])
 def test_the_flight_of_a_spinning_ball_is_the_same_however_it_is_read(opened, read):
-    """40 steps of 0.01 s, in which nothing is computed but what is read: the rotation is the closed form about
-    the constant axis.
+    """40 steps of 0.01 s, in which nothing is computed but what is read: the rotation is the closed form
+    about the constant axis.
     """
     spin, end = np.array([3.0, -7.0, 11.0]), 0.4
     values = {
