@@ -24,6 +24,7 @@ RESULT = re.compile(
 FLAG = re.compile(r"^static const (?:bool|int) \w+ = ([^;]*);$")
 LOCAL = re.compile(r"^ +const (?:bool|int) (\w+) = ([^;]*);$", re.MULTILINE)
 ASSIGNED = re.compile(r" [-+*/|&]?= ")
+TO_ITSELF = re.compile(r"(\w+) = \1;")
 COMPARE = {"==": operator.eq, "!=": operator.ne, "<": operator.lt, ">": operator.gt, "<=": operator.le}
 COMPARE[">="] = operator.ge
 BRACKETS = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}
@@ -341,6 +342,8 @@ def _simple_statement(lines, known):
     begin = 2 if text.startswith("} ") else 0  # of `} else if (...) {`
     body = text[begin : len(text) - end]
     made = text[:begin] + _simple(body, known) + text[len(text) - end :]
+    if TO_ITSELF.fullmatch(made):
+        return []
     return lines if made == text else [lines[0][: -len(first)] + made]
 
 

@@ -200,6 +200,7 @@ DECIDED = [
     ("x = a(y, !SCENE_A || y);", "x = a(y, y);"),
     ("x = SCENE_CONTACTS > 1 || contact_law(v, y) == LAW_HERTZ || y;", "x = y;"),
     ("x = y || SCENE_A;", "x = true;"),
+    ("x = x || SCENE_B;\n    a(y);", "a(y);"),
     ("x = a(y) * SCENE_CONTACTS;", "x = a(y) * SCENE_CONTACTS;"),
     ("if (contact_law(v, y) != LAW_LINEAR) {\n        a(y);\n    }\n    b(y);", "b(y);"),
     ("if (SCENE_A) {\n        return a(y);\n    }\n    return b(y);", "return a(y);"),
