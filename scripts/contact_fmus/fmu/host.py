@@ -8,7 +8,7 @@
     result.outputs["source.position"]    # numpy array
 
 Several cases take turns in one process (A B A B ...), so that ratios of their times mean something on a busy
-machine. Any FMI 2.0 co-simulation FMU of this platform will do.
+machine. Any FMI 2.0 co-simulation FMU of this platform will do; with `integrator` one of Model Exchange.
 """
 
 import json
@@ -51,6 +51,9 @@ class Case:
     outputs: Sequence[str] = ()  # read at the end
     get: Sequence[Sequence[str]] = ()  # each: one fmi2GetReal of these names after every communication step
     start_time: float = 0.0
+    integrator: str = ""  # of Model Exchange: radau5, kencarp4 or kencarp58
+    states: Sequence[str] = ()  # that it moves: displacements, velocities in the same order, others
+    absolute_tolerance: float = 0.0  # of the integrator
 
 
 @dataclass
@@ -127,6 +130,13 @@ def case_arguments(case: Case) -> list[str]:
         for reference, number in zip(variable.references, numbers_of(variable, value), strict=True):
             number = int(number) if variable.type == "Boolean" else number
             arguments += [f"--set-{TYPES[variable.type]}", f"{reference}={number!r}"]
+    if case.integrator:
+        states = [one.variable.derivative.name.partition("[")[0] for one in description.derivatives]
+        moved = [place for name in case.states for place, state in enumerate(states) if state == name]
+        displacements = sum("displacement" in states[place] for place in moved)
+        numbers = [len(states), description.numberOfEventIndicators, displacements, *moved]
+        arguments += ["--integrator", case.integrator, "--absolute", repr(case.absolute_tolerance)]
+        arguments += ["--states", ",".join(map(str, numbers))]
     for names in case.get:
         references = [_variable(case, variables, name).references for name in names]
         arguments += ["--get", ",".join(str(one) for group in references for one in group)]

@@ -1,12 +1,14 @@
-/* fmu_host: runs experiments on FMI 2.0 co-simulation FMUs and measures their wall time.
+/* fmu_host: runs experiments on FMI 2.0 FMUs and measures their wall time: of co-simulation, or of Model Exchange
+   with an integrator of others.
 
    What is timed of a run: its initialization (fmi2SetupExperiment to fmi2ExitInitializationMode) and its
-   stepping (every fmi2DoStep, and every fmi2GetReal asked for by --get), apart from each other. Loading,
+   stepping (every fmi2DoStep, and every fmi2GetReal asked for by --get; or the integration), apart from each other. Loading,
    instantiating, resetting and reading the results are not timed. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
+#include "exchange.h"
 #include "options.h"
 #include "result.h"
 #include "slave.h"
@@ -121,7 +123,7 @@ static bool run_once(struct slave *slave, const struct experiment *one, struct r
         return false;
     }
     double initialized = now();
-    if (!run_steps(slave, one, result->scratch)) {
+    if (!(one->integrator ? exchange_run(slave, one) : run_steps(slave, one, result->scratch))) {
         return false;
     }
     double end = now();
@@ -142,6 +144,12 @@ static bool load_all(const struct options *options, struct slave *slaves, struct
             return false;
         }
         results[i].failed = !slave_load(&slaves[i], &options->cases[i]);
+        const char *const integrator = options->cases[i].integrator;
+        const char *const lacks = integrator ? exchange_lacks(integrator) : NULL; /* loads it, too */
+        if (!results[i].failed && lacks) {
+            snprintf(slaves[i].failure, sizeof slaves[i].failure, "not installed: %s", lacks);
+            results[i].failed = true;
+        }
     }
     return true;
 }

@@ -23,6 +23,11 @@ const char options_usage[] =
     "  --set-real R=V, --set-integer R=V, --set-boolean R=0|1, --set-string R=V\n"
     "                              start value V of value reference R\n"
     "  --get R,R,...               after every communication step one fmi2GetReal of these; may be repeated\n"
+    "  --integrator NAME           Model Exchange: radau5, kencarp4 or kencarp58 moves the states\n"
+    "  --absolute X                its absolute tolerance; --tolerance is the relative one\n"
+    "  --states N,M,K,I,I,...      of the FMU's N states it moves those of the indices I, the first K of "
+    "which\n"
+    "                              have rates that are as many states further on; the FMU has M indicators\n"
     "  --read-real R,R,..., --read-integer R,R,..., --read-boolean R,R,...\n"
     "                              values to print, read at the end\n";
 
@@ -149,7 +154,10 @@ static bool parse_case_text(struct experiment *one, const char *option, const ch
     const struct {
         const char *option;
         const char **text;
-    } texts[] = {{"--library", &one->library}, {"--guid", &one->guid}, {"--resources", &one->resources}};
+    } texts[] = {{"--library", &one->library},
+                 {"--guid", &one->guid},
+                 {"--resources", &one->resources},
+                 {"--integrator", &one->integrator}};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         if (strcmp(option, texts[i].option) == 0) {
             *texts[i].text = text;
@@ -190,6 +198,13 @@ static bool parse_case_option(struct experiment *one, const char *option, const 
     if (strcmp(option, "--tolerance") == 0) {
         one->tolerance_defined = true;
         return parse_finite(option, text, &one->tolerance);
+    }
+    if (strcmp(option, "--absolute") == 0) {
+        return parse_finite(option, text, &one->absolute_tolerance);
+    }
+    if (strcmp(option, "--states") == 0) {
+        return parse_references(option, text, &one->states) &&
+               (one->states.count > STATES_FIRST || refuse(option, text, "N,M,K and a state"));
     }
     if (strcmp(option, "--get") == 0) {
         return parse_get(one, option, text);
@@ -232,10 +247,11 @@ static bool parse_pair(struct options *options, const char *option, const char *
 
 static bool check_case(const struct experiment *one)
 {
-    const char *missing = !one->library           ? "--library"
-                          : !one->guid            ? "--guid"
-                          : isnan(one->stop_time) ? "--stop-time"
-                                                  : NULL;
+    const char *missing = !one->library                               ? "--library"
+                          : !one->guid                                ? "--guid"
+                          : isnan(one->stop_time)                     ? "--stop-time"
+                          : one->integrator && one->states.count == 0 ? "--states"
+                                                                      : NULL;
     if (missing) {
         fprintf(stderr, "fmu_host: case %s lacks %s\n", one->name, missing);
         return false;
@@ -292,6 +308,7 @@ void options_free(struct options *options)
         for (int type = 0; type < TYPE_STRING; type++) {
             free(one->read[type].items);
         }
+        free(one->states.items);
         free(one->get);
         free(one->start);
     }

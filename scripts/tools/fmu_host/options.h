@@ -17,6 +17,9 @@ struct start_value {
     fmi2String string;   /* part of the command line */
 };
 
+/* Places in the list of --states */
+enum { STATES_ALL, STATES_INDICATORS, STATES_PLACES, STATES_FIRST };
+
 /* What one call of fmi2GetReal asks for, or what is read of one type at the end. */
 struct references {
     size_t count;
@@ -27,12 +30,15 @@ struct references {
 struct experiment {
     const char *name, *library, *guid, *resources;
     double start_time, stop_time, tolerance;
+    double absolute_tolerance; /* of an integrator */
     bool tolerance_defined;
     long steps;
     size_t start_count, get_count;
     struct start_value *start;
     struct references *get;              /* read after each communication step */
     struct references read[TYPE_STRING]; /* read at the end: Real, Integer, Boolean */
+    const char *integrator;              /* of Model Exchange; NULL: co-simulation */
+    struct references states;            /* see --states in options_usage */
 };
 
 struct options {

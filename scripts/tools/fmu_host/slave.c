@@ -93,9 +93,9 @@ bool slave_instantiate(struct slave *slave, const struct experiment *experiment)
     slave->message[0] = '\0';
     slave->callbacks = (fmi2CallbackFunctions){
         .logger = log_message, .allocateMemory = calloc, .freeMemory = free, .componentEnvironment = slave};
-    slave->instance = slave->instantiate(experiment->name, fmi2CoSimulation, experiment->guid,
-                                         experiment->resources ? experiment->resources : "",
-                                         &slave->callbacks, fmi2False, fmi2False);
+    slave->instance = slave->instantiate(
+        experiment->name, experiment->integrator ? fmi2ModelExchange : fmi2CoSimulation, experiment->guid,
+        experiment->resources ? experiment->resources : "", &slave->callbacks, fmi2False, fmi2False);
     if (!slave->instance) {
         fprintf(stderr, "fmu_host: case %s: fmi2Instantiate gave no instance: %s\n", slave->name,
                 slave->message);
