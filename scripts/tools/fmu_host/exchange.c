@@ -130,16 +130,23 @@ static bool event_within(struct exchange *x, double time, const double *y, dense
 /* Integrates from the begin of the step to a time within it; returns whether it could. */
 typedef bool again_function(struct exchange *x, void *code, double end, double *y);
 
+/* Steps that are shorter than this part of the time go straight along the rates: no code takes them. */
+static const double LEAST_STEP = 1e-13;
+
 /* Moves time and state to the event. The dense output is less exact than the step, so that the step is made anew
  * up to the event, whose time Newton's method mends, until the sign is the new one. */
 static bool go_to_event(struct exchange *x, double *time, double *y, again_function *again, void *code)
 {
     double rates[MOST_STATES], ahead[MOST_STATES], to = x->event;
-    const double short_time = 1e-6 * (to - x->time) + 8.0 * DBL_EPSILON * to;
-    for (int i = 0; i < 8; i++) {
+    const double end = *time, short_time = 1e-6 * (end - x->time);
+    for (int i = 0; i < 50; i++) {
         memcpy(y, x->before, (size_t)x->count * sizeof *y);
-        if (to > x->time && !again(x, code, to, y)) {
+        const bool far = to - x->time > LEAST_STEP * to;
+        if (far ? !again(x, code, to, y) : !rates_at(x, to, y, rates)) {
             return false;
+        }
+        for (int k = 0; k < x->count && !far; k++) {
+            y[k] += (to - x->time) * rates[k];
         }
         *time = to;
         const double least = least_margin(x, to, y);
@@ -151,10 +158,13 @@ static bool go_to_event(struct exchange *x, double *time, double *y, again_funct
         }
         const double slope = (least_margin(x, to + short_time, ahead) - least) / short_time;
         const double by = slope < 0.0 ? -least / slope : 0.0;
-        if (least <= 0.0 && fabs(by) <= 64.0 * DBL_EPSILON * to) {
+        if (least <= 0.0 && (i > 1 || fabs(by) <= 64.0 * DBL_EPSILON * to)) {
             break;
         }
-        to = fmax(to + by + 4.0 * DBL_EPSILON * to, x->time); /* rather behind the event than before it */
+        /* Rather behind the event than before it, and ever further where the bodies hardly move */
+        const double rounding = 4.0 * DBL_EPSILON * to;
+        to += least > 0.0 ? fmax(by, ldexp(rounding, i)) : by + rounding;
+        to = fmin(fmax(to, x->time), end);
     }
     return true;
 }
@@ -173,6 +183,13 @@ typedef void radau5_function(int *,
                              int *, solout_function *, const int *, double *, int *, int *, int *, void *,
                              int *, int *);
 typedef void contr5_function(const int *, const double *, double *, int *, double *);
+
+/* RADAU5 tells by this why it fails. R's own function of this name needs an R that runs; the program's comes first. */
+void Rprintf(const char *format, ...);
+void Rprintf(const char *format, ...)
+{
+    (void)format;
+}
 
 static radau5_function *radau5;
 static contr5_function *contr5;
