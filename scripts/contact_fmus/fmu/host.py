@@ -51,7 +51,7 @@ class Case:
     outputs: Sequence[str] = ()  # read at the end
     get: Sequence[Sequence[str]] = ()  # each: one fmi2GetReal of these names after every communication step
     start_time: float = 0.0
-    integrator: str = ""  # of Model Exchange: radau5, kencarp4 or kencarp58
+    integrator: str = ""  # of Model Exchange: radau5 or kencarp4
     states: Sequence[str] = ()  # that it moves: displacements, velocities in the same order, others
     absolute_tolerance: float = 0.0  # of the integrator
 

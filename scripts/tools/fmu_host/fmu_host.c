@@ -1,9 +1,9 @@
-/* fmu_host: runs experiments on FMI 2.0 FMUs and measures their wall time: of co-simulation, or of Model Exchange
+/* fmu_host: runs experiments on FMI 2.0 FMUs and measures their wall time, of co-simulation or of Model Exchange
    with an integrator of others.
 
    What is timed of a run: its initialization (fmi2SetupExperiment to fmi2ExitInitializationMode) and its
-   stepping (every fmi2DoStep, and every fmi2GetReal asked for by --get; or the integration), apart from each other. Loading,
-   instantiating, resetting and reading the results are not timed. */
+   stepping (every fmi2DoStep, and every fmi2GetReal asked for by --get; or the integration), apart from each
+   other. Loading, instantiating, resetting and reading the results are not timed. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>

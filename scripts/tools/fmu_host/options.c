@@ -23,7 +23,7 @@ const char options_usage[] =
     "  --set-real R=V, --set-integer R=V, --set-boolean R=0|1, --set-string R=V\n"
     "                              start value V of value reference R\n"
     "  --get R,R,...               after every communication step one fmi2GetReal of these; may be repeated\n"
-    "  --integrator NAME           Model Exchange: radau5, kencarp4 or kencarp58 moves the states\n"
+    "  --integrator NAME           Model Exchange: radau5 or kencarp4 moves the states\n"
     "  --absolute X                its absolute tolerance; --tolerance is the relative one\n"
     "  --states N,M,K,I,I,...      of the FMU's N states it moves those of the indices I, the first K of "
     "which\n"
