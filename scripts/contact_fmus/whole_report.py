@@ -2,7 +2,7 @@
 
 from .coupling import study
 from .options import parse
-from .peers import command
+from .peers import command, energy
 from .report import measure, page
 
 
@@ -14,6 +14,7 @@ def main(arguments: list[str] | None = None) -> int:
         ("The FMU's solvers", measure.main, [*quick, *folder]),
         ("The FMU as a force element", study.main, [*quick, *folder]),
         *([("Other simulators", command.main, [*quick, *folder])] if options.peers else []),
+        ("Energy", energy.main, [*quick, *folder, *["--peers"] * options.peers]),
         ("Page", page.main, folder),
     ]
     for title, part, given in parts:

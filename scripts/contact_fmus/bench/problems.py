@@ -152,11 +152,12 @@ def _stiff_problem(name: str, reference: dict[str, Any]) -> Problem:
 
 EVENT_DRIVEN, CVODE = "event_driven", ("cvode_bdf", "cvode_adams")
 METHODS = (EVENT_DRIVEN, *CVODE)
-CODES = ("radau5", "kencarp4")  # of others, on the FMU's Model Exchange
+CODES = {"radau5": "RADAU5", "kencarp4": "KenCarp4"}  # of others, on the FMU's Model Exchange
 ABSOLUTE = 1e-4  # absolute tolerance / relative tolerance, as in the start values
 UNLIMITED = 1_000_000_000  # internal steps: CVODE takes seconds where bodies are stiff
-# The solvers that are compared, and the error in m that each has to reach
-SIDES = {"cvode": (CVODE, 1e-7), "event_driven": ((EVENT_DRIVEN,), 1e-9)}
+# The solvers that are compared. event_driven has to reach REACHED, CVODE each of CVODE_REACHES, m.
+SIDES = {"cvode": CVODE, "event_driven": (EVENT_DRIVEN,)}
+REACHED, CVODE_REACHES = 1e-9, (1e-7, 1e-9)
 STIFF_TOLERANCE = 1e-9  # of the runs that the stiffness tables show
 
 

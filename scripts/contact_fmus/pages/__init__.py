@@ -114,19 +114,19 @@ def versions() -> dict[str, str]:
     cache = {match[1]: match[2] for line in lines if (match := re.match(r"([\w-]+):\w+=(.*)", line))}
     compiler = cache.get("CMAKE_C_COMPILER", "cc")
     said = subprocess.run([compiler, "--version"], capture_output=True, text=True, check=False).stdout.splitlines()
-    processor = _matched(r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo"), "unknown processor")
+    processor = matched(r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo"), "unknown processor")
     found = {
         "processor": f"{processor}, {os.cpu_count()} cores, {platform.machine()}",
         "system": platform.freedesktop_os_release().get("PRETTY_NAME", platform.system()),
         "compiler": f"{said[0].strip() if said else Path(compiler).name}, {cache.get('CMAKE_BUILD_TYPE', '')}",
         "SUNDIALS": _sundials(cache),
-        "FMUs": _matched(r"project\(\w+ VERSION ([\d.]+)", repository() / "CMakeLists.txt", "unknown"),
+        "FMUs": matched(r"project\(\w+ VERSION ([\d.]+)", repository() / "CMakeLists.txt", "unknown"),
         "Python": platform.python_version(),
     }
     return found | {name: metadata.version(name) for name in PACKAGES}
 
 
-def _matched(pattern: str, file: Path, otherwise: str) -> str:
+def matched(pattern: str, file: Path, otherwise: str) -> str:
     """What the group of the pattern matches first in the file"""
     match = re.search(pattern, file.read_text(encoding="utf-8"), re.MULTILINE)
     return match[1].strip() if match else otherwise
@@ -136,9 +136,9 @@ def _sundials(cache: dict[str, str]) -> str:
     """The installed one says its version in its CMake package; else the build has fetched one."""
     file = Path(cache.get("SUNDIALS_DIR", "")) / "SUNDIALSConfigVersion.cmake"
     own = cache.get("CONTACT_SUNDIALS_FIT") == "TRUE" or file.is_file()
-    if own and (installed := _matched(r'PACKAGE_VERSION "([\d.]+)"', file, "")):
+    if own and (installed := matched(r'PACKAGE_VERSION "([\d.]+)"', file, "")):
         return installed
-    fetched = _matched(r"# v([\d.]+)", repository() / "cmake" / "ContactSundials.cmake", "")
+    fetched = matched(r"# v([\d.]+)", repository() / "cmake" / "ContactSundials.cmake", "")
     return f"{fetched}, built with the FMUs" if fetched else "unknown"
 
 

@@ -16,8 +16,10 @@ from typing import Any, NamedTuple
 
 from contact_fmus.bench.problems import benchmarks
 from contact_fmus.options import parse
-from contact_fmus.pages import read_words, stopwatch, write_json
-from contact_fmus.report.measure import PEER, SAME, Row, write_rows
+from contact_fmus.pages import matched, read_words, stopwatch, write_json
+from contact_fmus.report.measure import FULL as OWN_FULL
+from contact_fmus.report.measure import PEER, SAME, Row, of_codes, write_rows
+from contact_fmus.report.measure import QUICK as OWN_QUICK
 
 from .problems import BallAndWall, Case, problem_of
 
@@ -37,12 +39,13 @@ class Plan(NamedTuple):
 FULL = Plan(7, 0.6, 30.0)
 QUICK = Plan(3, 0.1, 10.0)
 START = 90.0  # s more for a process's first case, which loads the peer
+DESOLVE = Path("/usr/lib/R/site-library/deSolve/DESCRIPTION")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 class Measured(NamedTuple):
     times: Sequence[float] = ()
-    position: Sequence[float] = ()
+    state: Sequence[float] = ()  # position and velocity
     onsets: int | None = None
     error: str = ""  # why there is nothing
 
@@ -55,11 +58,11 @@ def measure(module: Any, problem: BallAndWall, case: Case, plan: Plan) -> Measur
             begin = time.perf_counter()
             run.advance()
             times.append(time.perf_counter() - begin)
-            position, onsets = [float(x) for x in run.position()], run.onsets()
+            state, onsets = [float(x) for x in run.state()], run.onsets()
     except Exception as error:  # whatever a peer raises is a line of the report
         text = " ".join(str(error).split())
         return Measured(error=f"{type(error).__name__}: {text}"[:200])
-    return Measured(times, position, onsets)
+    return Measured(times, state, onsets)
 
 
 def serve(connection: Any, module_name: str) -> None:
@@ -141,6 +144,8 @@ def versions() -> dict[str, str]:
     for package in (package for peer in PEERS.values() for package in peer["packages"]):
         with contextlib.suppress(importlib.metadata.PackageNotFoundError):
             found[package] = importlib.metadata.version(package)
+    if DESOLVE.is_file():
+        found["R package deSolve (RADAU5)"] = matched(r"^Version: (\S+)", DESOLVE, "unknown")
     return found
 
 
@@ -181,7 +186,7 @@ def run_problem(peer: dict[str, Any], worker: Worker, problem: BallAndWall, quic
 def measured_row(known: tuple, case: Case, measured: Measured) -> Row:
     if measured.error:
         return Row(*known, note=measured.error)
-    error, times = benchmarks()[known[0]].error(measured.position), measured.times
+    error, times = benchmarks()[known[0]].error(measured.state[:3]), measured.times
     if not math.isfinite(error):
         return Row(*known, note="the position at the end is not finite")
     return Row(*known, None, statistics.median(times), min(times), error, measured.onsets, case.note)
@@ -191,12 +196,14 @@ def main(arguments: list[str] | None = None) -> int:
     options = parse("peers", arguments)
     file = options.output if options.output.suffix == ".csv" else options.output / "peers.csv"
     file.parent.mkdir(parents=True, exist_ok=True)
-    rows, say = [], stopwatch()
-    for row in run(quick=options.quick, names=options.only or PEERS):
+    say = stopwatch()
+    names = options.only or [*PEERS, "codes"]
+    rows = of_codes(OWN_QUICK if options.quick else OWN_FULL, say) if "codes" in names else []
+    for row in run(quick=options.quick, names=[name for name in names if name in PEERS]):
         rows.append(row)
         say(line(row))
     write_rows(file, rows)
-    part = {"versions": versions(), "sections": [section(rows, options.only or PEERS)]}
+    part = {"versions": versions(), "sections": [section(rows, names)]}
     write_json(file.with_suffix(".json"), part)
     return 0
 
@@ -210,7 +217,9 @@ def line(row: Row) -> str:
 
 def section(rows: Iterable[Row], names: Iterable[str]) -> dict:
     """The section of the page: each peer's law, and the runs that could not be measured"""
-    peers = [[PEERS[name]["name"], PEERS[name]["law"]] for name in names]
+    words = read_words(__file__)
+    peers = [[PEERS[name]["name"], PEERS[name]["law"]] for name in names if name in PEERS]
+    peers += [[name, law] for name, law in words["codes"].items() if "codes" in names]
     gaps = dict.fromkeys(
         (row.solver, row.problem, row.setting, f"{row.parameter or ''}", row.note) for row in rows if not row.measured
     )
@@ -218,4 +227,4 @@ def section(rows: Iterable[Row], names: Iterable[str]) -> dict:
     if gaps:
         header = ["solver", "problem", "setting", "", "why"]
         tables.append({"caption": "Not measured", "header": header, "rows": [list(gap) for gap in gaps]})
-    return read_words(__file__) | {"tables": tables}
+    return words["peers"] | {"tables": tables}

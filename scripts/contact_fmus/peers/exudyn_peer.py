@@ -112,8 +112,9 @@ def prepare(problem, case):
     def advance():
         system.SolveDynamic(options, solverType=solver)
 
-    def position(_alive=(container, kept)):  # neither may go before the run ends
-        where = exudyn.OutputVariableType.Position
-        return system.GetObjectOutputBody(ball, where, [0, 0, 0], exudyn.ConfigurationType.Current).tolist()
+    def state(_alive=(container, kept)):  # neither may go before the run ends
+        wanted = (exudyn.OutputVariableType.Position, exudyn.OutputVariableType.Velocity)
+        now = exudyn.ConfigurationType.Current
+        return [x for what in wanted for x in system.GetObjectOutputBody(ball, what, [0, 0, 0], now).tolist()]
 
-    return Run(advance, position)
+    return Run(advance, state)

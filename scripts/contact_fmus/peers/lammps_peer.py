@@ -56,10 +56,10 @@ def prepare(problem, case):
     def advance():
         simulation.command(f"run {count} pre no post no")
 
-    def position():
-        kinds = simulation.numpy.extract_atom("type").tolist()
-        result = simulation.numpy.extract_atom("x")[kinds.index(1)].tolist()
+    def state():
+        ball = simulation.numpy.extract_atom("type").tolist().index(1)
+        result = [x for name in "xv" for x in simulation.numpy.extract_atom(name)[ball].tolist()]
         simulation.close()
         return result
 
-    return Run(advance, position)
+    return Run(advance, state)

@@ -30,9 +30,10 @@ def prepare(problem, case):
     def advance():
         mujoco.mj_step(model, data, nstep=count)
 
-    def position():
+    def state():
         if any(warning.number for warning in data.warning):
             raise ArithmeticError("MuJoCo warned of a bad state and began anew")
-        return [start + moved for start, moved in zip(problem.position, data.qpos.tolist(), strict=True)]
+        place = [start + moved for start, moved in zip(problem.position, data.qpos.tolist(), strict=True)]
+        return place + data.qvel.tolist()
 
-    return Run(advance, position)
+    return Run(advance, state)

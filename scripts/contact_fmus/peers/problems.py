@@ -56,7 +56,7 @@ class Case(NamedTuple):
 
 class Run(NamedTuple):
     advance: Callable[[], object]  # from start to end; this alone is timed
-    position: Callable[[], list[float]]  # at the end
+    state: Callable[[], list[float]]  # position and velocity at the end
     onsets: Callable[[], int | None] = lambda: None  # contacts begun, where the peer can tell
 
 

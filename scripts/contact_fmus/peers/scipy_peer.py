@@ -110,4 +110,4 @@ def prepare(problem, case):
     import scipy.integrate  # noqa: F401  (before the clock starts)
 
     motion = Motion(problem, case)
-    return Run(motion.advance, lambda: motion.state[:3].tolist(), lambda: motion.onsets)
+    return Run(motion.advance, lambda: motion.state.tolist(), lambda: motion.onsets)

@@ -2,6 +2,7 @@
 
 import csv
 import datetime
+import itertools
 import json
 import math
 import statistics
@@ -10,7 +11,19 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from contact_fmus.bench.problems import METHODS, SETS, SIDES, STIFF_TOLERANCE, Problem, Setting, stiff_families
+from contact_fmus.bench.problems import (
+    CODES,
+    CVODE_REACHES,
+    METHODS,
+    REACHED,
+    SETS,
+    SIDES,
+    STIFF_TOLERANCE,
+    Problem,
+    Setting,
+    benchmarks,
+    stiff_families,
+)
 from contact_fmus.fmu.host import HostError, HostTimeout, Result, run_host
 from contact_fmus.options import parse
 from contact_fmus.pages import read_words, stopwatch, versions, write_json
@@ -136,6 +149,8 @@ def row_of(setting: Setting, result: Result, stiff: bool = False) -> Row:
     if stiff:
         what, parameter = stiff_setting(setting.tolerance), setting.problem.penalty_factor
     known = (setting.problem.name, THIS_FMU, setting.method, SAME, what, parameter, setting.steps)
+    if setting.method in CODES:
+        known = (setting.problem.name, PEER, CODES[setting.method], SAME, what, parameter, None)
     if result.error:
         return Row(*known, note=result.error)
     error = setting.problem.error(result.outputs["source.position"])
@@ -170,13 +185,15 @@ def compare_best(problems: Iterable[Problem], rows: Sequence[Row], plan: Plan, s
         for steps in plan.communication_steps:
             say(f"{problem.name}, {steps} communication steps: the best of each")
             own = [row for row in rows if (row.problem, row.communication_steps) == (problem.name, steps)]
-            best = []
-            for solvers, error in SIDES.values():
-                fit = [row for row in own if row.solver in solvers and row.measured and row.error_m <= error]
-                best.append(min(fit, key=lambda row: row.time_s, default=None))
-            found.append({"problem": problem.name, "communication_steps": steps, "ratio": None})
-            if None not in best:
-                found[-1] |= _race([Setting(problem, row.solver, row.parameter, steps) for row in best], plan)
+            for reaches in CVODE_REACHES:
+                best = []
+                for solvers, error in zip(SIDES.values(), (reaches, REACHED), strict=True):
+                    fit = [row for row in own if row.solver in solvers and row.measured and row.error_m <= error]
+                    best.append(min(fit, key=lambda row: row.time_s, default=None))
+                known = {"problem": problem.name, "communication_steps": steps, "cvode_reaches_m": reaches}
+                found.append(known | {"ratio": None})
+                if None not in best:
+                    found[-1] |= _race([Setting(problem, row.solver, row.parameter, steps) for row in best], plan)
     return found
 
 
@@ -198,14 +215,32 @@ def _race(settings: Sequence[Setting], plan: Plan) -> dict[str, Any]:
 
 
 def stiffness(plan: Plan, say: Say) -> list[Row]:
-    """Time and error against p_n, with one tolerance and one communication step"""
+    """Time and error against p_n, with one tolerance"""
     rows: list[Row] = []
-    for name, family in stiff_families().items():
-        say(name)
-        problems = [problem for problem in family if problem.penalty_factor in plan.penalty_factors]
-        ladders = [[Setting(problem, method, STIFF_TOLERANCE, 1) for problem in problems] for method in METHODS]
-        rows += [row_of(*pair, stiff=True) for pair in run_ladders(ladders, plan).items()]
+    for name, steps in itertools.product(stiff_families(), plan.communication_steps):
+        say(f"{name}, {steps} communication steps")
+        rows += stiff_rows(name, METHODS, steps, plan)
     return rows
+
+
+def stiff_rows(name: str, methods: Iterable[str], steps: int, plan: Plan) -> list[Row]:
+    problems = [problem for problem in stiff_families()[name] if problem.penalty_factor in plan.penalty_factors]
+    ladders = [[Setting(problem, method, STIFF_TOLERANCE, steps) for problem in problems] for method in methods]
+    return [row_of(*pair, stiff=True) for pair in run_ladders(ladders, plan).items()]
+
+
+def of_codes(plan: Plan, say: Say) -> list[Row]:
+    """Those of CODES that fmu_host can use, over tolerances and in the stiffness sweep"""
+    rows, able, first = [], [], benchmarks()["P1"]
+    for code in CODES:
+        row = row_of(trial := Setting(first, code, 1e-6, 1), _run_alone(trial, plan))
+        able += [code] * row.measured
+        rows += [] if row.measured else [Row("all", PEER, CODES[code], note=row.note)]
+    for problem in (problem for _, some in SETS.values() for problem in some().values() if able):
+        say(f"{problem.name}: {', '.join(CODES[code] for code in able)}")
+        ladders = [[Setting(problem, code, tolerance, 1) for tolerance in plan.tolerances] for code in able]
+        rows += [row_of(*pair) for pair in run_ladders(ladders, plan).items()]
+    return rows + [row for name in stiff_families() for row in stiff_rows(name, able, 1, plan)]
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -31,7 +31,7 @@ def draw_page(folder: Path) -> list[Path]:
     own = read_rows(folder / "results.csv")
     measured = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     others = read_rows(folder / "peers.csv") if (folder / "peers.csv").is_file() else []
-    parts = [read_part(folder / name) for name in ("peers.json", "force_element.json")]
+    parts = [read_part(folder / name) for name in ("energy.json", "peers.json", "force_element.json")]
     versions = dict(measured["versions"])
     for part in parts:
         versions |= part.get("versions", {})
@@ -43,11 +43,10 @@ def draw_page(folder: Path) -> list[Path]:
             [tables.comparison(measured["ratios"], others), tables.problems()],
         )
     ]
-    told = "sections" in parts[0]  # the peers tell by themselves what could not be measured
+    told = "sections" in parts[1]  # the peers tell by themselves what could not be measured
     for name, (ratios, problems) in SETS.items():
-        peers = others if problems is benchmarks else []
-        sections += _work_precision(name, problems(), own, peers, told, measured.get(ratios, ()), folder)
-    sections += [_stiffness(own, folder), *given]
+        sections += _work_precision(name, problems(), own, others, told, measured.get(ratios, ()), folder)
+    sections += [_stiffness([*own, *others], folder), *given]
     contents = [(f"section-{k}", section.title) for k, section in enumerate(sections, 1)]
     contents.append(("versions", "Versions and machine"))
     context = {key: measured[key] for key in ("made", "plan")}
@@ -71,10 +70,11 @@ def _work_precision(
     words = WORDS[name]
     figures.work_precision(rows, problems.values(), folder, name)
     shown = [{"name": name, "caption": words["caption"]}]
-    if any(row.measured for row in others):
+    others = [row for row in others if row.problem in problems]
+    if problems is benchmarks() and any(row.measured for row in others):
         figures.peers(rows, others, folder)
         shown.append({"name": "peers", "caption": words["peers"].format(worst=figures.WORST)})
-    listed = [*(tables.least_times(problem, [*rows, *others]) for problem in problems), tables.ratios_table(ratios)]
+    listed = [*(tables.least_times(problem, [*rows, *others]) for problem in problems), tables.ratios_table(ratios, others)]
     unable = [f"{row.solver}, {row.problem}: {row.note}" for row in others if not row.measured and not told]
     missing = ["Not measured: " + "; ".join(dict.fromkeys(unable)) + "."] if unable else []
     return [Section(words["title"], [words["text"], *missing], listed, shown)]

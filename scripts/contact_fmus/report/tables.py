@@ -1,5 +1,6 @@
 """The report's tables: header and cells of text, the same for HTML and Markdown"""
 
+import itertools
 from collections.abc import Sequence
 
 from contact_fmus.bench.problems import METHODS, STIFF_TOLERANCE, Problem, benchmarks
@@ -47,15 +48,16 @@ def _solver_key(row: Row) -> tuple[str, str, str]:
     return row.solver, row.law, steps
 
 
-def ratios_table(comparison: Sequence[dict]) -> Table:
+def ratios_table(comparison: Sequence[dict], others: Sequence[Row]) -> Table:
     cells = []
     for one in comparison:
         texts = [MISSING] * 6
         if one["ratio"] is not None:
             texts = [*_side(one["cvode"]), *_side(one["event_driven"])]
             texts += [ratio_text(one["ratio"]), ratio_text(one["ratio_of_least"])]
-        cells.append([one["problem"], str(one["communication_steps"]), *texts])
-    return Table(WORDS["ratios"]["caption"], WORDS["ratios"]["header"], cells, 6)
+        known = [one["problem"], str(one["communication_steps"]), f"{one['cvode_reaches_m']:.0e}"]
+        cells.append([*known, *texts, quickest(one["problem"], others)])
+    return Table(WORDS["ratios"]["caption"], WORDS["ratios"]["header"], cells, 7)
 
 
 def ratio_text(value: float | None) -> str:
@@ -69,21 +71,21 @@ def _side(side: dict) -> tuple[str, str]:
 
 
 def stiffness(name: str, family: Sequence[Problem], rows: Sequence[Row]) -> Table:
-    """Time and error against p_n of one family, at one tolerance and one communication step"""
-    by_key = {
-        (row.solver, row.parameter): row
-        for row in rows
-        if (row.problem, row.setting) == (name, stiff_setting(STIFF_TOLERANCE)) and row.communication_steps == 1
-    }
+    """Time and error against p_n of one family, at one tolerance; peers have no communication steps"""
+    chosen = [row for row in rows if (row.problem, row.setting) == (name, stiff_setting(STIFF_TOLERANCE))]
+    by_key = {(row.solver, row.parameter, row.communication_steps): row for row in chosen}
+    solvers = dict.fromkeys([*METHODS, *(row.solver for row in chosen)])
+    counts = sorted({row.communication_steps for row in chosen if row.communication_steps})
     cells = []
-    for problem in family:
-        found = [by_key.get((method, problem.penalty_factor)) for method in METHODS]
-        if not any(found):
-            continue
-        pairs = [text for row in found for text in _time_and_error(row)]
-        cells.append([f"{problem.penalty_factor:.0e}", *pairs, f"{problem.method}, {problem.uncertainty:.0e} m"])
-    header = ["p_n, N/m", *(f"{method}: {what}" for method in METHODS for what in ("time", "error, m"))]
-    caption = f"{name}: relative tolerance {STIFF_TOLERANCE:g}, one communication step"
+    for problem, steps in itertools.product(family, counts):
+        stiff = problem.penalty_factor
+        found = [by_key.get((solver, stiff, steps)) or by_key.get((solver, stiff, None)) for solver in solvers]
+        if any(found):
+            pairs = [text for row in found for text in _time_and_error(row)]
+            cells.append([f"{stiff:.0e}", str(steps), *pairs, f"{problem.method}, {problem.uncertainty:.0e} m"])
+    header = ["p_n, N/m", "communication steps"]
+    header += [f"{solver}: {what}" for solver in solvers for what in ("time", "error, m")]
+    caption = f"{name}: relative tolerance {STIFF_TOLERANCE:g}"
     return Table(caption, [*header, "reference and how far it is good"], cells, 0)
 
 
@@ -126,19 +128,27 @@ PEER_ERROR = 1e-9  # m, what event_driven is asked for too
 
 def paragraphs(ratios: Sequence[dict], others: Sequence[Row]) -> list[str]:
     """The paragraphs of the summary, with the factors that were measured"""
-    counts = sorted({one["communication_steps"] for one in ratios})
-    sides = [_range_of(count, ratios) for count in counts]
+    sides = [_range_of(*key, ratios) for key in _keys(ratios)]
     texts = [WORDS["summary"]["text"].format(factors="; ".join(side for side in sides if side))]
     if any(row.measured for row in others):
         texts.append(WORDS["summary"]["peers"])
     return texts
 
 
-def _range_of(count: int, ratios: Sequence[dict]) -> str:
-    found = [one["ratio"] for one in ratios if one["communication_steps"] == count and one["ratio"]]
+def _key(one: dict) -> tuple[int, float]:
+    return one["communication_steps"], one["cvode_reaches_m"]
+
+
+def _keys(ratios: Sequence[dict]) -> list[tuple[int, float]]:
+    """Numbers of communication steps, each with the errors that CVODE reaches, the looser one first"""
+    return sorted({_key(one) for one in ratios}, key=lambda key: (key[0], -key[1]))
+
+
+def _range_of(count: int, reaches: float, ratios: Sequence[dict]) -> str:
+    found = [one["ratio"] for one in ratios if _key(one) == (count, reaches) and one["ratio"]]
     if not found:
         return ""
-    steps = "one communication step for the whole time" if count == 1 else f"{count} communication steps"
+    steps = f"{count} communication step{'s' * (count > 1)}, CVODE to {reaches:.0e} m"
     least, most = ratio_text(min(found)), ratio_text(max(found))
     return f"by factors of {least} to {most} with {steps}" if least != most else f"by {least} with {steps}"
 
@@ -153,27 +163,24 @@ def problems() -> Table:
 
 
 def comparison(ratios: Sequence[dict], others: Sequence[Row]) -> Table:
-    """A line for each problem: both solvers with one communication step, the ratio for each number of them"""
-    counts = sorted({one["communication_steps"] for one in ratios})
-    by_key = {(one["problem"], one["communication_steps"]): one for one in ratios}
+    """A line for each problem and number of communication steps: event_driven, then CVODE to each error, with ratios"""
+    by_key = {(one["problem"], *_key(one)): one for one in ratios}
+    counts, errors = ({key[place]: None for key in _keys(ratios)} for place in (0, 1))
     cells = []
-    for name, problem in benchmarks().items():
-        first = by_key.get((name, counts[0])) if counts else None
-        pair = [MISSING, MISSING]
-        if first and first["ratio"] is not None:
-            pair = [seconds(first[side]["time_s"]) for side in ("cvode", "event_driven")]
-        found = [by_key.get((name, count), {}).get("ratio") for count in counts]
-        cells.append([f"{name}, {problem.title}", *pair, *map(ratio_text, found), _quickest(problem, others)])
-    header = ["problem", "best CVODE to 10⁻⁷ m", "event_driven to 10⁻⁹ m"]
-    header += [f"ratio, {count} communication step{'s' * (count > 1)}" for count in counts]
+    for (name, problem), count in itertools.product(benchmarks().items(), counts):
+        found = [by_key.get((name, count, error), {}) for error in errors]
+        own = [seconds(one["event_driven"]["time_s"]) for one in found if one.get("ratio")] or [MISSING]
+        pairs = [[seconds(one.get("cvode", {}).get("time_s")), ratio_text(one.get("ratio"))] for one in found]
+        texts = [own[0], *itertools.chain(*pairs), quickest(name, others)]
+        cells.append([f"{name}, {problem.title}", str(count), *texts])
+    header = ["problem", "communication steps", "event_driven to 1e-09 m"]
+    header += [text for error in errors for text in (f"best CVODE to {error:.0e} m", "ratio")]
     caption = "Least time, and how many times less event_driven takes"
-    if counts:
-        caption += f"; times with {counts[0]} communication step{'s' * (counts[0] > 1)}"
-    return Table(caption, [*header, "fastest other simulator to 10⁻⁹ m"], cells)
+    return Table(caption, [*header, "fastest other to 1e-09 m"], cells, 2)
 
 
-def _quickest(problem: Problem, others: Sequence[Row]) -> str:
-    good = [row for row in others if row.problem == problem.name and row.measured and row.error_m <= PEER_ERROR]
+def quickest(problem: str, others: Sequence[Row]) -> str:
+    good = [row for row in others if row.problem == problem and row.measured and row.error_m <= PEER_ERROR]
     if not good:
         return MISSING
     best = min(good, key=lambda row: row.time_s)

@@ -148,6 +148,7 @@ static bool load_all(const struct options *options, struct slave *slaves, struct
         const char *const lacks = integrator ? exchange_lacks(integrator) : NULL; /* loads it, too */
         if (!results[i].failed && lacks) {
             snprintf(slaves[i].failure, sizeof slaves[i].failure, "not installed: %s", lacks);
+            fprintf(stderr, "%s\n", slaves[i].failure);
             results[i].failed = true;
         }
     }
