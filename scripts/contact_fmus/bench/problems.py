@@ -155,9 +155,6 @@ METHODS = (EVENT_DRIVEN, *CVODE)
 CODES = {"radau5": "RADAU5", "kencarp4": "KenCarp4"}  # of others, on the FMU's Model Exchange
 ABSOLUTE = 1e-4  # absolute tolerance / relative tolerance, as in the start values
 UNLIMITED = 1_000_000_000  # internal steps: CVODE takes seconds where bodies are stiff
-# The solvers that are compared. event_driven has to reach REACHED, CVODE each of CVODE_REACHES, m.
-SIDES = {"cvode": CVODE, "event_driven": (EVENT_DRIVEN,)}
-REACHED, CVODE_REACHES = 1e-9, (1e-7, 1e-9)
 STIFF_TOLERANCE = 1e-9  # of the runs that the stiffness tables show
 
 
@@ -194,8 +191,8 @@ class Setting(NamedTuple):
 
 
 def moved_states(start: dict[str, Any]) -> list[str]:
-    """Those that act on a motion without elastic friction; nobody sees how a sphere is turned."""
-    free = [body for body, usual in (("source", "free"), ("destination", "fixed")) if start.get(f"{body}.motion", usual) == "free"]
+    """Those that act on the problems here, in which the source is a free sphere and friction is not elastic"""
+    free = ["source", *["destination"] * (start.get("destination.motion") == "free")]
     turning = [body for body in free if start.get(f"{body}.rotation") == "free"]
     names = [f"{body}.{name}_state" for name in ("displacement", "velocity") for body in free]
     names += [f"{body}.angular_velocity_state" for body in turning]

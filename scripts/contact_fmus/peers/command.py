@@ -17,9 +17,7 @@ from typing import Any, NamedTuple
 from contact_fmus.bench.problems import benchmarks
 from contact_fmus.options import parse
 from contact_fmus.pages import matched, read_words, stopwatch, write_json
-from contact_fmus.report.measure import FULL as OWN_FULL
 from contact_fmus.report.measure import PEER, SAME, Row, of_codes, write_rows
-from contact_fmus.report.measure import QUICK as OWN_QUICK
 
 from .problems import BallAndWall, Case, problem_of
 
@@ -198,7 +196,7 @@ def main(arguments: list[str] | None = None) -> int:
     file.parent.mkdir(parents=True, exist_ok=True)
     say = stopwatch()
     names = options.only or [*PEERS, "codes"]
-    rows = of_codes(OWN_QUICK if options.quick else OWN_FULL, say) if "codes" in names else []
+    rows = of_codes(options.quick, say) if "codes" in names else []
     for row in run(quick=options.quick, names=[name for name in names if name in PEERS]):
         rows.append(row)
         say(line(row))

@@ -1,4 +1,4 @@
-"""The command energy: energy.json and its figure, an undamped ball that bounces for 10 s, as CENIC's authors show it.
+"""The command energy: an undamped ball that bounces for 10 s, as CENIC's authors show it; energy.json and its figure
 
 It is P1, head-on, so that the sphere acts as a plane does. Each instant is the end of a run of its own, so that looking
 at the energy disturbs no integrator."""
@@ -9,7 +9,6 @@ import itertools
 import math
 import statistics
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 import matplotlib as mpl
 
@@ -20,11 +19,11 @@ from contact_fmus.pages import read_words, stopwatch, write_json
 from contact_fmus.report import measure, tables
 from contact_fmus.report.figures import FLOOR, STYLE, legend, panels, save
 
-from . import command
+from .command import PEERS, QUICK, Measured, Worker
 from .problems import BallAndWall, Case, problem_of
 
 TIMES, TOLERANCES = [0.5 * k for k in range(1, 21)], (1e-6, 1e-9)
-Found = tuple[str, str, str, int | None, list[command.Measured]]  # solver, law, setting, communication steps, each instant
+Found = tuple[list[str], list[Measured]]  # solver, law, setting and communication steps; each instant
 
 
 def change(ball: BallAndWall, state: Sequence[float]) -> float:
@@ -44,47 +43,45 @@ def own(plan: measure.Plan) -> Iterator[Found]:
         cases = [dataclasses.replace(case, stop=t, steps=n, outputs=wanted) for t, n in zip(TIMES, counts, strict=True)]
         try:
             results = run_host(cases, plan.repeat, timeout=20 * plan.limit)
-            found = [command.Measured(one.times, [*one.outputs[wanted[0]], *one.outputs[wanted[1]]]) for one in results]
+            found = [Measured(one.times, [x for name in wanted for x in one.outputs[name]]) for one in results]
         except HostError as error:
-            found = [command.Measured(error=str(error))]
-        yield CODES.get(method, method), measure.SAME, f"{measure.RELATIVE_TOLERANCE} {tolerance:g}", steps, found
+            found = [Measured(error=str(error))]
+        setting = f"{measure.RELATIVE_TOLERANCE} {tolerance:g}"
+        yield [CODES.get(method, method), measure.SAME, setting, str(steps or tables.MISSING)], found
 
 
 def of_peers() -> Iterator[Found]:
-    for name, peer in command.PEERS.items():
-        with contextlib.closing(command.Worker(f"contact_fmus.peers.{name}_peer")) as worker:
-            for run, parameter in ((run, one) for run in peer["runs"] for one in run.get("energy", ())):
-                case, found = Case(run["integrator"], run["settings"][-1], parameter, run.get("law", measure.SAME)), []
-                for time in TIMES:
-                    found.append(worker.ask(problem_of("P1")._replace(end=time), case, command.QUICK)[0])
-                    if found[-1].error:
-                        break
-                yield f"{peer['name']} {case.integrator}", case.law, f"{case.setting} {parameter:g}", None, found
+    ball = problem_of("P1")
+    for name, peer in PEERS.items():
+        with contextlib.closing(Worker(f"contact_fmus.peers.{name}_peer")) as worker:
+            for row, parameter in ((run, one) for run in peer["runs"] for one in run.get("energy", ())):
+                case = Case(row["integrator"], row["settings"][-1], parameter, row.get("law", measure.SAME))
+                found = [worker.ask(ball._replace(end=time), case, QUICK)[0] for time in TIMES]
+                setting = f"{case.setting} {parameter:g}"
+                yield [f"{peer['name']} {case.integrator}", case.law, setting, tables.MISSING], found
 
 
 def main(arguments: list[str] | None = None) -> int:
     options, say, cells = parse("energy", arguments), stopwatch(), []
     options.output.mkdir(parents=True, exist_ok=True)
+    runs = own(measure.QUICK if options.quick else measure.FULL)
     with mpl.rc_context(fname=STYLE):
         figure, (panel,) = panels(1, 1, 6.0)
-        runs = own(measure.QUICK if options.quick else measure.FULL)
-        for solver, law, setting, steps, found in itertools.chain(runs, of_peers() if options.peers else ()):
-            say(f"{solver}, {setting}: {found[-1].error or 'done'}")
-            known = [solver, law, setting, tables.MISSING if steps is None else str(steps)]
-            if found[-1].error:
-                cells.append([*known, found[-1].error, *[tables.MISSING] * 4])
+        for known, found in itertools.chain(runs, of_peers() if options.peers else ()):
+            say(", ".join(known))
+            if error := found[-1].error:
+                cells.append([*known, error, *[tables.MISSING] * 4])
                 continue
             sizes = [abs(change(problem_of("P1"), one.state)) for one in found]
             shown = [*(sizes[TIMES.index(time)] for time in (1.0, 5.0, 10.0)), max(sizes)]
             cells.append([*known, tables.seconds(statistics.median(found[-1].times)), *(f"{x:.1e}" for x in shown)])
-            if steps in (None, 1):
-                panel.plot(TIMES, [max(size, FLOOR) for size in sizes], marker=".", lw=1, label=f"{solver}, {setting}")
+            if known[-1] in (tables.MISSING, "1"):
+                panel.plot(TIMES, [max(size, FLOOR) for size in sizes], ".-", lw=1, label=f"{known[0]}, {known[2]}")
         panel.set(xscale="linear", xlabel="time, s", ylabel="change of the energy over m g h")
         legend(figure, 3)
         save(figure, options.output, "energy")
     words = read_words(__file__)["energy"]
-    table = {"caption": words["table"], "header": words["header"], "rows": cells}
-    shown = {"name": "energy", "caption": words["caption"]}
-    section = {"title": words["title"], "paragraphs": words["paragraphs"], "tables": [table], "figures": [shown]}
+    section = {"title": words["title"], "paragraphs": words["paragraphs"]}
+    section |= {"tables": [words["table"] | {"rows": cells}], "figures": [words["figure"] | {"name": "energy"}]}
     write_json(options.output / "energy.json", {"sections": [section]})
     return 0

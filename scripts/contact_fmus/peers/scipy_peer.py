@@ -1,11 +1,10 @@
 """scipy's solve_ivp: one phase at a time, flight or contact, each ended by an event at gap zero.
 
-Written the way that serves scipy best: plain numbers in the right-hand side, an analytic Jacobian for the
-implicit methods, a restart at every corner of the force, an event that fires 1e-13 m behind the corner, so
-that the next phase begins on its own side and does not see the same one again. An event is looked for only
-in the sign of the gap at the ends of a step, so a step that passes in and out again sees nothing;
-`max_step` is the usual remedy. It is set to a quarter of a short contact at the start of every contact (one
-that lasts longer is left to the error control) and to 0.1 s in flight.
+Written the way that serves scipy best: plain numbers in the right-hand side, a restart at every corner of the force, an
+event that fires 1e-13 m behind the corner, so that the next phase begins on its own side and does not see the same one
+again. An event is looked for only in the sign of the gap at the ends of a step, so a step that passes in and out again
+sees nothing; `max_step` is the usual remedy. It is set to a quarter of a short contact at the start of every contact
+(one that lasts longer is left to the error control) and to 0.1 s in flight.
 """
 
 from math import inf, sqrt
@@ -18,7 +17,7 @@ PHASES = 10_000  # more than any problem has: a run that restarts for ever is en
 
 
 def equations(problem):
-    """Right-hand sides in flight and in contact, the Jacobian in contact, the gap."""
+    """Right-hand sides in flight and in contact, the gap"""
     across = 0.0 if problem.inside else 1.0  # does y count in the distance?
     side = -1.0 if problem.inside else 1.0
     touch, gravity = problem.touching_distance, problem.gravity
@@ -34,26 +33,11 @@ def equations(problem):
         push = -stiffness * (distance - touch) - damping * (nx * vx + ny * vy + nz * vz)
         return (vx, vy, vz, push * nx, push * ny, push * nz - gravity)
 
-    def jacobian(_time, state):
-        import numpy as np
-
-        r = state[:3] * (1.0, across, 1.0)
-        distance = sqrt(r @ r)
-        n = r / distance
-        turn = (np.diag((1.0, across, 1.0)) - np.outer(n, n)) / distance  # dn/dx
-        rate = n @ state[3:]
-        push = -stiffness * (distance - touch) - damping * rate
-        result = np.zeros((6, 6))
-        result[:3, 3:] = np.eye(3)
-        result[3:, :3] = push * turn - np.outer(n, stiffness * n + damping * (turn @ state[3:]))
-        result[3:, 3:] = -damping * np.outer(n, n)
-        return result
-
     def gap(state):
         x, y, z = state.tolist()[:3]
         return side * (sqrt(x * x + across * y * y + z * z) - touch)
 
-    return flight, contact, jacobian, gap
+    return flight, contact, gap
 
 
 class Motion:
@@ -70,10 +54,8 @@ class Motion:
         """Integrates to the end or to the next event. It returns the time reached and whether there was an event."""
         from scipy.integrate import solve_ivp
 
-        flight, contact, jacobian, gap = self.equations
+        flight, contact, gap = self.equations
         options = {"rtol": self.tolerance, "atol": 1e-3 * self.tolerance, "max_step": inf}
-        if self.method == "Radau":
-            options["jac"] = jacobian if touching else None
         if self.limited and not resume:
             options["max_step"] = self.problem.contact_time / 4 if touching else FLIGHT_STEP
 

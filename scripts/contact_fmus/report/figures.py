@@ -62,7 +62,7 @@ def work_precision(rows: Sequence[Row], problems: Iterable[Problem], folder: Pat
             found = tables.curves(rows, problem.name)
             least = min((steps for _, steps in found), default=1)
             for (solver, steps), points in found.items():
-                label = f"{solver}, {steps} communication step{'s' * (steps > 1)}"
+                label = f"{solver}, {tables.steps_of(steps)}"
                 _draw(panel, solver, _errors(points), [row.time_s for row in points], steps == least, label)
             panel.set_title(f"{problem.name}: {problem.title}")
             panel.set(xlabel="error of the position at the end, m", ylabel="time, s")
@@ -96,14 +96,10 @@ def peers(own: Sequence[Row], others: Sequence[Row], folder: Path) -> None:
 
 
 def _peer_styles(solvers: Sequence[str]) -> dict[str, tuple[str, str]]:
-    """A color for each simulator, the first word of a solver's name, and a marker for each of its solvers"""
+    """A color for each simulator, the first word of a solver's name, and a marker for each solver"""
     simulators = list(dict.fromkeys(solver.split()[0] for solver in solvers))
-    styles: dict[str, tuple[str, str]] = {}
-    for solver in solvers:
-        which = simulators.index(solver.split()[0])
-        earlier = sum(other.split()[0] == solver.split()[0] for other in styles)
-        styles[solver] = (PEER_COLORS[which % len(PEER_COLORS)], "sD^vP*X"[earlier % 7])
-    return styles
+    colors = {simulator: PEER_COLORS[k % len(PEER_COLORS)] for k, simulator in enumerate(simulators)}
+    return {solver: (colors[solver.split()[0]], "sD^vP*X"[k % 7]) for k, solver in enumerate(solvers)}
 
 
 def stiffness(rows: Sequence[Row], folder: Path) -> None:

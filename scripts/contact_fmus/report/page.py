@@ -43,9 +43,8 @@ def draw_page(folder: Path) -> list[Path]:
             [tables.comparison(measured["ratios"], others), tables.problems()],
         )
     ]
-    told = "sections" in parts[1]  # the peers tell by themselves what could not be measured
     for name, (ratios, problems) in SETS.items():
-        sections += _work_precision(name, problems(), own, others, told, measured.get(ratios, ()), folder)
+        sections += _work_precision(name, problems(), own, others, measured.get(ratios, ()), folder)
     sections += [_stiffness([*own, *others], folder), *given]
     contents = [(f"section-{k}", section.title) for k, section in enumerate(sections, 1)]
     contents.append(("versions", "Versions and machine"))
@@ -55,13 +54,7 @@ def draw_page(folder: Path) -> list[Path]:
 
 
 def _work_precision(
-    name: str,
-    problems: dict[str, Problem],
-    own: list[Row],
-    others: list[Row],
-    told: bool,
-    ratios: Sequence[dict],
-    folder: Path,
+    name: str, problems: dict[str, Problem], own: list[Row], others: list[Row], ratios: Sequence[dict], folder: Path
 ) -> list[Section]:
     """Nothing where these problems have not been measured"""
     rows = [row for row in tables.own_work_precision(own) if row.problem in problems]
@@ -74,10 +67,8 @@ def _work_precision(
     if problems is benchmarks() and any(row.measured for row in others):
         figures.peers(rows, others, folder)
         shown.append({"name": "peers", "caption": words["peers"].format(worst=figures.WORST)})
-    listed = [*(tables.least_times(problem, [*rows, *others]) for problem in problems), tables.ratios_table(ratios, others)]
-    unable = [f"{row.solver}, {row.problem}: {row.note}" for row in others if not row.measured and not told]
-    missing = ["Not measured: " + "; ".join(dict.fromkeys(unable)) + "."] if unable else []
-    return [Section(words["title"], [words["text"], *missing], listed, shown)]
+    listed = [tables.least_times(problem, [*rows, *others]) for problem in problems]
+    return [Section(words["title"], [words["text"]], [*listed, tables.ratios_table(ratios, others)], shown)]
 
 
 def _stiffness(own: list[Row], folder: Path) -> Section:

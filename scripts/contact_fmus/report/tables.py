@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contact_fmus.bench.problems import METHODS, STIFF_TOLERANCE, Problem, benchmarks
 from contact_fmus.pages import Table, read_words
 
-from .measure import PEER, RELATIVE_TOLERANCE, THIS_FMU, TOO_LONG, Row, stiff_setting
+from .measure import PEER, REACHED, RELATIVE_TOLERANCE, THIS_FMU, TOO_LONG, Row, stiff_setting
 
 ERRORS = (1e-5, 1e-7, 1e-9, 1e-11)  # m
 MISSING = "–"
@@ -123,34 +123,22 @@ def own_work_precision(rows: Sequence[Row]) -> list[Row]:
 
 # What the page opens with: the problems, and how much less time event_driven takes
 
-PEER_ERROR = 1e-9  # m, what event_driven is asked for too
-
 
 def paragraphs(ratios: Sequence[dict], others: Sequence[Row]) -> list[str]:
     """The paragraphs of the summary, with the factors that were measured"""
-    sides = [_range_of(*key, ratios) for key in _keys(ratios)]
-    texts = [WORDS["summary"]["text"].format(factors="; ".join(side for side in sides if side))]
+    factors: dict[str, list[float]] = {}
+    for one in (one for one in ratios if one["ratio"]):
+        count, reaches = one["communication_steps"], one["cvode_reaches_m"]
+        factors.setdefault(f"{steps_of(count)}, CVODE to {reaches:.0e} m", []).append(one["ratio"])
+    sides = [f"by {ratio_text(min(some))} to {ratio_text(max(some))} with {key}" for key, some in factors.items()]
+    texts = [WORDS["summary"]["text"].format(factors="; ".join(sides))]
     if any(row.measured for row in others):
         texts.append(WORDS["summary"]["peers"])
     return texts
 
 
-def _key(one: dict) -> tuple[int, float]:
-    return one["communication_steps"], one["cvode_reaches_m"]
-
-
-def _keys(ratios: Sequence[dict]) -> list[tuple[int, float]]:
-    """Numbers of communication steps, each with the errors that CVODE reaches, the looser one first"""
-    return sorted({_key(one) for one in ratios}, key=lambda key: (key[0], -key[1]))
-
-
-def _range_of(count: int, reaches: float, ratios: Sequence[dict]) -> str:
-    found = [one["ratio"] for one in ratios if _key(one) == (count, reaches) and one["ratio"]]
-    if not found:
-        return ""
-    steps = f"{count} communication step{'s' * (count > 1)}, CVODE to {reaches:.0e} m"
-    least, most = ratio_text(min(found)), ratio_text(max(found))
-    return f"by factors of {least} to {most} with {steps}" if least != most else f"by {least} with {steps}"
+def steps_of(count: int) -> str:
+    return f"{count} communication step{'s' * (count > 1)}"
 
 
 def problems() -> Table:
@@ -164,15 +152,15 @@ def problems() -> Table:
 
 def comparison(ratios: Sequence[dict], others: Sequence[Row]) -> Table:
     """A line for each problem and number of communication steps: event_driven, then CVODE to each error, with ratios"""
-    by_key = {(one["problem"], *_key(one)): one for one in ratios}
-    counts, errors = ({key[place]: None for key in _keys(ratios)} for place in (0, 1))
+    errors = dict.fromkeys(one["cvode_reaches_m"] for one in ratios)
     cells = []
-    for (name, problem), count in itertools.product(benchmarks().items(), counts):
-        found = [by_key.get((name, count, error), {}) for error in errors]
-        own = [seconds(one["event_driven"]["time_s"]) for one in found if one.get("ratio")] or [MISSING]
-        pairs = [[seconds(one.get("cvode", {}).get("time_s")), ratio_text(one.get("ratio"))] for one in found]
-        texts = [own[0], *itertools.chain(*pairs), quickest(name, others)]
-        cells.append([f"{name}, {problem.title}", str(count), *texts])
+    for (name, count), some in itertools.groupby(ratios, lambda one: (one["problem"], one["communication_steps"])):
+        texts, own = [], MISSING
+        for one in some:
+            texts += [seconds(one["cvode"]["time_s"]), ratio_text(one["ratio"])] if one["ratio"] else [MISSING] * 2
+            own = seconds(one["event_driven"]["time_s"]) if one["ratio"] else own
+        title = f"{name}, {benchmarks()[name].title}"
+        cells.append([title, str(count), own, *texts, quickest(name, others)])
     header = ["problem", "communication steps", "event_driven to 1e-09 m"]
     header += [text for error in errors for text in (f"best CVODE to {error:.0e} m", "ratio")]
     caption = "Least time, and how many times less event_driven takes"
@@ -180,7 +168,7 @@ def comparison(ratios: Sequence[dict], others: Sequence[Row]) -> Table:
 
 
 def quickest(problem: str, others: Sequence[Row]) -> str:
-    good = [row for row in others if row.problem == problem and row.measured and row.error_m <= PEER_ERROR]
+    good = [row for row in others if row.problem == problem and row.measured and row.error_m <= REACHED]
     if not good:
         return MISSING
     best = min(good, key=lambda row: row.time_s)
