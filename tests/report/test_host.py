@@ -126,6 +126,7 @@ BAD = {
     "no equals": (["--case", "a", "--set-integer", "1"], "expected REFERENCE=VALUE"),
     "Boolean": (["--case", "a", "--set-boolean", "1=2"], "expected an integer from 0 to 1"),
     "list": (["--case", "a", "--get", "1;2"], "with commas between them"),
+    "states": (["--case", "a", "--states", "6,1,3"], "--states 6,1,3: expected N,M,K and a state"),
     "library": (["--case", "a", "--guid", "g", "--stop-time", "1"], "case a lacks --library"),
     "stop": (["--case", "a", "--guid", "g", "--library", "l", "--stop-time", "0"], "is not after the start"),
 }

@@ -6,6 +6,7 @@ are not.
 
 import importlib.util
 import itertools
+import json
 import os
 import time
 from contextlib import closing
@@ -13,8 +14,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from contact_fmus.bench.problems import benchmarks
-from contact_fmus.peers import command, problems
+from contact_fmus.bench.problems import CODES, METHODS, Setting, benchmarks, turning_problems
+from contact_fmus.fmu.host import run_host
+from contact_fmus.peers import command, energy, problems
 from contact_fmus.peers.command import main
 from contact_fmus.peers.problems import Case, Run
 from contact_fmus.report.measure import PEER, SAME, SIMILAR, read_rows
@@ -99,7 +101,23 @@ def test_a_peer_comes_near_the_reference_or_says_that_it_is_not_installed(
     with closing(command.Worker(f"contact_fmus.peers.{peer}_peer")) as process:
         measured, late = process.ask(problem, found[-1], command.QUICK)
     assert (measured.error, late) == ("", False)
-    assert benchmarks()[name].error(measured.position) < bound
+    assert benchmarks()[name].error(measured.state[:3]) < bound
+
+
+# problem, tolerance, the error that each of the codes then has at most: some ten times what they have
+ON_MODEL_EXCHANGE = [("P1", 1e-10, 3e-8), ("P2", 1e-10, 5e-9), ("F1", 1e-10, 1e-8), ("F4", 1e-8, 1e-7)]
+
+
+@pytest.mark.parametrize("code", CODES)
+@pytest.mark.parametrize("name, tolerance, bound", ON_MODEL_EXCHANGE)
+def test_a_code_comes_near_the_reference_or_says_that_it_is_not_installed(code, name, tolerance, bound):
+    problem = (benchmarks() | turning_problems())[name]
+    (result,) = run_host([Setting(problem, code, tolerance, 1).case()], keep_going=True)
+    if result.error:
+        assert result.error.startswith("not installed: ")
+        return
+    assert problem.error(result.outputs["source.position"]) < bound
+    assert result.outputs["contact.onsets"] == {"P1": 8, "P2": 2, "F1": 4, "F4": 1}[name]
 
 
 @pytest.mark.parametrize("peer", ["mujoco", "drake"])
@@ -120,7 +138,7 @@ def test_a_law_is_the_same_or_similar_in_every_case():
 
 
 def peer_that(advance, position=(0.0, 0.0, 0.0)):
-    run = Run(advance, lambda: list(position))
+    run = Run(advance, lambda: [*position, 0.0, 0.0, 0.0])
     return SimpleNamespace(prepare=lambda _problem, _case: run)
 
 
@@ -148,7 +166,7 @@ def test_repeats_end_when_it_is_enough(monkeypatch):
 
 # This file as a peer's module, in a process of its own: it sleeps or dies.
 def prepare(problem, _case):
-    return Run(lambda: time.sleep(60) if problem.name == "P1" else os._exit(7), lambda: [0.0, 0.0, 0.0])
+    return Run(lambda: time.sleep(60) if problem.name == "P1" else os._exit(7), lambda: [0.0] * 6)
 
 
 RUNS = {"integrator": "made up", "settings": ["step size in s"], "quick": [1.0, 0.5]}
@@ -169,3 +187,29 @@ def test_a_run_that_takes_too_long_is_ended_and_finer_ones_are_left_out(monkeypa
 
 def test_a_process_that_dies_is_a_note_and_the_next_case_has_another(monkeypatch):
     assert trouble("P2", PATIENCE, monkeypatch) == ["its process ended with status 7"] * 2
+
+
+def test_the_energy_of_a_fall_and_of_its_penetration_stays():
+    """m g h becomes m v^2/2 at the touch, and p_n d^2/2 - m g d at the deepest point."""
+    ball = problems.problem_of("P1")
+    fall = ball.position[2] - ball.touching_distance
+    touch = [0.0, 0.0, ball.touching_distance, 0.0, 0.0, -((2 * ball.gravity * fall) ** 0.5)]
+    weight = ball.mass * ball.gravity
+    deep = (weight + (weight**2 + 2 * ball.stiffness * weight * fall) ** 0.5) / ball.stiffness
+    deepest = [0.0, 0.0, ball.touching_distance - deep, 0.0, 0.0, 0.0]
+    higher = [*ball.position[:2], ball.position[2] + 0.01 * fall, *ball.velocity]
+    found = [energy.change(ball, state) for state in (touch, deepest, higher)]
+    assert found == pytest.approx([0.0, 0.0, 0.01], abs=1e-13)
+
+
+def test_the_energy_is_told_of_every_solver_and_drawn(tmp_path, monkeypatch):
+    monkeypatch.setattr(energy, "TIMES", [1.0, 5.0, 10.0])
+    assert energy.main(["--quick", "--output", str(tmp_path)]) == 0
+    (section,) = json.loads((tmp_path / "energy.json").read_text(encoding="utf-8"))["sections"]
+    rows = section["tables"][0]["rows"]
+    assert {row[0] for row in rows} == {*METHODS, *CODES.values()}
+    for row in rows:
+        assert len(row) == len(section["tables"][0]["header"])
+        at_most = 1e-12 if row[0] == "event_driven" else 1e-4
+        assert row[4].startswith("not installed: ") or all(float(cell) <= at_most for cell in row[5:])
+    assert (tmp_path / "energy.png").read_bytes().startswith(b"\x89PNG")

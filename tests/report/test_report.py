@@ -2,6 +2,7 @@
 
 import dataclasses
 import getpass
+import itertools
 import json
 import platform
 import re
@@ -78,8 +79,9 @@ def test_there_is_a_row_for_everything_asked_for(rows):
     for name, family in stiff_families().items():
         for problem in [one for one in family if one.penalty_factor in QUICK.penalty_factors]:
             wanted += [
-                (name, method, stiff_setting(STIFF_TOLERANCE), problem.penalty_factor, 1)
+                (name, method, stiff_setting(STIFF_TOLERANCE), problem.penalty_factor, steps)
                 for method in METHODS
+                for steps in QUICK.communication_steps
             ]
     assert sorted(keys) == sorted(wanted)
 
@@ -178,11 +180,12 @@ def test_the_readme_shows_the_figures_and_the_same_tables(report):
 
 def test_the_ratio_is_that_of_runs_that_are_good_enough(report):
     entries = json.loads((report / "summary.json").read_text(encoding="utf-8"))["ratios"]
-    assert len(entries) == 4 * len(QUICK.communication_steps)
+    keys = [(one["problem"], one["communication_steps"], one["cvode_reaches_m"]) for one in entries]
+    assert keys == list(itertools.product(benchmarks(), QUICK.communication_steps, (1e-7, 1e-9)))
     for entry in entries:
         ours, theirs = entry["event_driven"], entry["cvode"]
         assert ours["solver"] == "event_driven" and ours["error_m"] <= 1e-9
-        assert theirs["solver"] in CVODE and theirs["error_m"] <= 1e-7
+        assert theirs["solver"] in CVODE and theirs["error_m"] <= entry["cvode_reaches_m"]
         assert entry["ratio"] == pytest.approx(theirs["time_s"] / ours["time_s"])
 
 
@@ -222,7 +225,6 @@ def test_optional_parts_are_shown_when_they_are_there(with_parts):
     assert "| x\\|y | 1.235 |" in text
     for page in (html, text):
         assert "Of its own" in page and "4.5.6" in page
-        assert "other, method, P3: no hollow one" in page
     assert "| other, method | similar | – | – | – | – | – | 1.0e-06 |" not in text
     assert "| other, method | similar | – | 2.50 s | – | – | – | 1.0e-06 |" in text
 
