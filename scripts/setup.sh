@@ -3,12 +3,13 @@
 # packages, a Python environment in .venv, and three.js by npm. Repeatable: a second run changes nothing.
 # PYTHON=/path/to/python3 names another Python.
 #   --demo         only what building and running need, without what the tests look at the code and the pages with
+#   --peers        also the Debian package that the report's peers need
 #   -h, --help     prints this
 source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
 help_asked "$@"
 known_options "$@"
 purpose=tests
-(($# == 0)) || purpose=demo
+[[ " $* " != *" --demo "* ]] || purpose=demo
 
 packages=(
     gcc libc6-dev cmake ninja-build
@@ -23,6 +24,8 @@ packages=(
     default-jdk-headless maven                 # VDMCheck, a validator of model descriptions, in the tests
     chromium                                   # shows the animations in the tests
 )
+
+[[ " $* " != *" --peers "* ]] || packages+=(r-cran-desolve)    # RADAU5
 
 tell() { printf 'setup: %s\n' "$*"; }
 fail() { printf 'setup: %s\n' "$*" >&2; exit 1; }

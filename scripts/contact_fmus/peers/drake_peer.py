@@ -8,7 +8,8 @@ of first order: similar. Stiffnesses of two bodies act in series, relaxation tim
 
 from .problems import Run
 
-LARGEST_STEP = 0.1
+LARGEST_STEP = 0.1  # s
+SLIDE_MASS = 1e-9  # kg: CENIC refuses massless bodies. On P1, where the law is the same, none of the slides moves.
 
 
 def material(pydrake, problem):
@@ -23,7 +24,7 @@ def material(pydrake, problem):
     return properties
 
 
-def scene(pydrake, problem, time_step, slide_mass):
+def scene(pydrake, problem, time_step):
     """The diagram and its plant; the ball moves on three slides, so that rotation costs nothing."""
     builder = pydrake.DiagramBuilder()
     config = pydrake.MultibodyPlantConfig(time_step=time_step, contact_model="point")
@@ -36,9 +37,9 @@ def scene(pydrake, problem, time_step, slide_mass):
     inertia = pydrake.SpatialInertia.SolidSphereWithMass(problem.mass, problem.radius)
     ball = plant.AddRigidBody("ball", inertia)
     plant.RegisterCollisionGeometry(ball, here, ball_shape, "ball", material(pydrake, problem))
-    frame, nothing = plant.world_frame(), pydrake.SpatialInertia.SolidSphereWithMass(slide_mass, problem.radius)
+    frame, slide = plant.world_frame(), pydrake.SpatialInertia.SolidSphereWithMass(SLIDE_MASS, problem.radius)
     for name, axis in (("x", [1, 0, 0]), ("y", [0, 1, 0]), ("z", [0, 0, 1])):
-        body = ball if name == "z" else plant.AddRigidBody(f"slide {name}", nothing)
+        body = ball if name == "z" else plant.AddRigidBody(f"slide {name}", slide)
         plant.AddJoint(pydrake.PrismaticJoint(name, frame, body.body_frame(), axis))
         frame = body.body_frame()
     plant.mutable_gravity_field().set_gravity_vector([0, 0, -problem.gravity])
@@ -50,8 +51,7 @@ def prepare(problem, case):
     import pydrake.all as pydrake
 
     discrete = case.integrator == "SAP"
-    slide_mass = 1e-9 * (case.integrator == "cenic")  # kg: CENIC refuses massless bodies. None of them moves on P1.
-    diagram, plant = scene(pydrake, problem, case.parameter if discrete else 0.0, slide_mass)
+    diagram, plant = scene(pydrake, problem, case.parameter if discrete else 0.0)
     simulator = pydrake.Simulator(diagram)
     context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
     plant.SetPositions(context, problem.position)

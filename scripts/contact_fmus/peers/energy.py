@@ -76,7 +76,9 @@ def main(arguments: list[str] | None = None) -> int:
             shown = [*(sizes[TIMES.index(time)] for time in (1.0, 5.0, 10.0)), max(sizes)]
             cells.append([*known, tables.seconds(statistics.median(found[-1].times)), *(f"{x:.1e}" for x in shown)])
             if known[-1] in (tables.MISSING, "1"):
-                panel.plot(TIMES, [max(size, FLOOR) for size in sizes], ".-", lw=1, label=f"{known[0]}, {known[2]}")
+                look = {"marker": ".sv"[len(panel.lines) // 10], "ms": 4, "lw": 1}  # there are ten colors
+                label = f"{known[0]}, {known[2].split()[-1]}"
+                panel.plot(TIMES, [max(size, FLOOR) for size in sizes], label=label, **look)
         panel.set(xscale="linear", xlabel="time, s", ylabel="change of the energy over m g h")
         legend(figure, 3)
         save(figure, options.output, "energy")

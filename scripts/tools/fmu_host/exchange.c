@@ -9,7 +9,7 @@
 
 #include "fmi2FunctionTypes.h"
 
-#if FMU_HOST_ARKODE
+#ifdef FMU_HOST_ARKODE
 #include <arkode/arkode_arkstep.h>
 #include <nvector/nvector_serial.h>
 #include <sunlinsol/sunlinsol_dense.h>
@@ -281,7 +281,7 @@ static bool radau5_phase(struct exchange *x, double *time, double end)
 
 /* ---- KenCarp4 of ARKODE: diagonally implicit, of order four; Newton with a dense matrix of differences */
 
-#if FMU_HOST_ARKODE
+#ifdef FMU_HOST_ARKODE
 struct arkode {
     void *memory;
     N_Vector y;
@@ -367,7 +367,7 @@ static phase_function *phase_of(const char *integrator)
         phase_function *phase;
     } known[] = {
         {"radau5", radau5_phase},
-#if FMU_HOST_ARKODE
+#ifdef FMU_HOST_ARKODE
         {"kencarp4", kencarp4_phase},
 #endif
     };
