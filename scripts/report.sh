@@ -2,7 +2,7 @@
 # scripts/report.sh: installs what is missing, builds the FMUs, measures error against run time and writes the report
 # of it: CSV, figures, index.html and README.md in docs/report.
 #   --peers        installs the optional simulators of requirements-peers.txt into .venv, and RADAU5, and measures them
-#                  too; Drake's CENIC needs PYTHON=/path/to/python3.12 or later
+#                  too; the newest Drake wants PYTHON=/path/to/python3.12 or later
 #   --quick        few runs, to see that it works
 #   --output DIR   instead of docs/report
 #   -h, --help     prints this

@@ -69,8 +69,8 @@ def main(arguments: list[str] | None = None) -> int:
         figure, (panel,) = panels(1, 1, 6.0)
         for known, found in itertools.chain(runs, of_peers() if options.peers else ()):
             say(", ".join(known))
-            if error := found[-1].error:
-                cells.append([*known, error, *[tables.MISSING] * 4])
+            if found[-1].error:
+                cells.append([*known, found[-1].error, *[tables.MISSING] * 4])
                 continue
             sizes = [abs(change(problem_of("P1"), one.state)) for one in found]
             shown = [*(sizes[TIMES.index(time)] for time in (1.0, 5.0, 10.0)), max(sizes)]
@@ -83,7 +83,6 @@ def main(arguments: list[str] | None = None) -> int:
         legend(figure, 3)
         save(figure, options.output, "energy")
     words = read_words(__file__)["energy"]
-    section = {"title": words["title"], "paragraphs": words["paragraphs"]}
-    section |= {"tables": [words["table"] | {"rows": cells}], "figures": [words["figure"] | {"name": "energy"}]}
-    write_json(options.output / "energy.json", {"sections": [section]})
+    words |= {"tables": [words.pop("table") | {"rows": cells}], "figures": [words.pop("figure")]}
+    write_json(options.output / "energy.json", {"sections": [words]})
     return 0

@@ -1,5 +1,6 @@
 """The report's figures, each as SVG for the HTML page and as PNG for README.md"""
 
+import itertools
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -77,7 +78,10 @@ def peers(own: Sequence[Row], others: Sequence[Row], folder: Path) -> None:
     others = [row for row in others if row.measured and row.error_m <= WORST]
     fewest = min(row.communication_steps for row in own)
     best = [row for row in own if (row.solver, row.communication_steps) == (METHODS[0], fewest)]
-    styles = {METHODS[0]: LOOKS[METHODS[0]]} | _peer_styles(list(dict.fromkeys(row.solver for row in others)))
+    solvers = list(dict.fromkeys(row.solver for row in others))
+    colors = dict(zip(dict.fromkeys(solver.split()[0] for solver in solvers), itertools.cycle(PEER_COLORS)))
+    styles = {METHODS[0]: LOOKS[METHODS[0]]}
+    styles |= {solver: (colors[solver.split()[0]], "sD^vP*X"[k % 7]) for k, solver in enumerate(solvers)}
     with mpl.rc_context(fname=STYLE):
         figure, axes = panels(2, 2, 7.8)
         for panel, problem in zip(axes, benchmarks().values(), strict=True):
@@ -93,13 +97,6 @@ def peers(own: Sequence[Row], others: Sequence[Row], folder: Path) -> None:
             panel.set(xlabel="error of the position at the end, m", ylabel="time, s")
         legend(figure, 4)
         save(figure, folder, "peers")
-
-
-def _peer_styles(solvers: Sequence[str]) -> dict[str, tuple[str, str]]:
-    """A color for each simulator, the first word of a solver's name, and a marker for each solver"""
-    simulators = list(dict.fromkeys(solver.split()[0] for solver in solvers))
-    colors = {simulator: PEER_COLORS[k % len(PEER_COLORS)] for k, simulator in enumerate(simulators)}
-    return {solver: (colors[solver.split()[0]], "sD^vP*X"[k % 7]) for k, solver in enumerate(solvers)}
 
 
 def stiffness(rows: Sequence[Row], folder: Path) -> None:

@@ -383,7 +383,7 @@ const char *exchange_lacks(const char *integrator)
 {
     return phase_of(integrator)                ? NULL
            : strcmp(integrator, "radau5") == 0 ? "Debian's package r-cran-desolve"
-                                               : "ARKODE of SUNDIALS, when fmu_host was built";
+                                               : "SUNDIALS 6 with ARKODE, when fmu_host was built";
 }
 
 static bool find(struct slave *slave, void *function, const char *name)
