@@ -792,6 +792,7 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
     transition_end_step(v, q);
     q->deferrable_clock =
         status == INTEGRATOR_DONE && !scene_is_force_element(v) ? deferrable_until(v, q) : 0.0;
+    q->only_flies = !(q->phase.end > 0.0 || scene_turns(v));
     return status;
 }
 
@@ -818,7 +819,7 @@ bool integrator_defer_further(const struct scene_values *v, struct scene_state *
 {
     const double deferrable = q->deferrable_clock;
     q->deferrable_clock = 0.0; /* no further search until a step has been integrated */
-    if (!(deferrable > 0.0 && deferrable == q->horizon_clock) || q->phase.end > 0.0 || scene_turns(v)) {
+    if (!(deferrable > 0.0 && deferrable == q->horizon_clock) || !q->only_flies) {
         return false;
     }
     flight_catch_up(v, q);

@@ -311,10 +311,10 @@ bool motion_defer(struct model *m, double end_time)
         return false;
     }
     if (m->outputs > OUTPUTS_FIXED) {
-        if (q->phase.end > 0.0 || scene_turns(&m->state.values)) {
-            m->outputs = OUTPUTS_FIXED;
-        } else {
+        if (q->only_flies) {
             foresee_reading(m, m->state.motion.clock);
+        } else {
+            m->outputs = OUTPUTS_FIXED;
         }
     }
     return true;

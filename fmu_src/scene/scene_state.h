@@ -224,7 +224,7 @@ struct scene_state {
     int32_t integrator_fresh;
     /* 1: the motion is deferred: it is that of an earlier clock, see integrator_catch_up */
     int32_t deferred;
-    int32_t unused;           /* in place of padding */
+    int32_t only_flies;       /* 1: such steps are flights in which nothing turns; see foresee_reading */
     double deferred_from;     /* the clock at which the last deferred step began [s] */
     struct phase_start phase; /* used by event_driven */
     /* the fields from here on have no meaning where nothing turns or rubs, see scene_state_copy */

@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import tempfile
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -85,14 +86,26 @@ def cases() -> list[Case]:
     ]
 
 
-def instructions(case: Case) -> int:
-    """The number of instructions in all calls of fmi2DoStep of one run, with those of the C library"""
+def scene_cases() -> list[Case]:
+    """Every shipped scene as it starts, in steps of 1 ms, with places, velocities and forces read after each"""
+    found = []
+    for fmu in sorted(fmu_file("SphereSphere").parent.glob("*.fmu")):
+        description = unpack(fmu)[1]
+        names = {one.name.partition("[")[0] for one in description.modelVariables if one.causality == "output"}
+        get = [[name] for name in sorted(names) if name.endswith((".position", ".velocity", ".normal_force"))]
+        found.append(Case(f"{fmu.stem}, steps of 1 ms, read", fmu, FLIGHT_STEP * FLIGHT_STEPS, FLIGHT_STEPS, get=get))
+    return found
+
+
+def instructions(case: Case, functions: Sequence[str] = ("fmi2DoStep",)) -> int:
+    """The number of instructions in all calls of some functions in one run, with those of the C library"""
     valgrind = shutil.which("valgrind")
     if valgrind is None:
         raise CountError("valgrind is missing: scripts/setup.sh installs it")
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder, "counts")
-        options = ["--tool=callgrind", "--toggle-collect=fmi2DoStep", f"--callgrind-out-file={out}"]
+        toggles = [f"--toggle-collect={name}" for name in functions]
+        options = ["--tool=callgrind", *toggles, f"--callgrind-out-file={out}"]
         run = subprocess.run(
             [valgrind, "--quiet", *options, str(host_file()), *case_arguments(case)],
             capture_output=True,
@@ -133,26 +146,30 @@ def bound_of(case: Case, bounds: dict[str, Any]) -> int | None:
     return int(promised * (1.0 + (bounds["margin"] if known else bounds["other_compiler_margin"])))
 
 
-def measure(against: Path | None = None) -> list[Count]:
-    """Every case, beside the FMU of the same name in the folder `against`"""
+def measure(against: Path | None = None, scenes: bool = False) -> list[Count]:
+    """Every case, beside the FMU of the same name in the folder `against`; with `scenes` the shipped scenes, where
+    readings count too"""
     bounds, found = read_bounds(), []
-    for case in cases():
-        other = instructions(replace(case, fmu=against / case.fmu.name)) if against is not None else None
-        found.append(Count(case.name, instructions(case), bound_of(case, bounds), other))
+    functions = ("fmi2DoStep", "fmi2GetReal") if scenes else ("fmi2DoStep",)
+    for case in scene_cases() if scenes else cases():
+        there = replace(case, fmu=against / case.fmu.name) if against is not None else None
+        other = instructions(there, functions) if there is not None else None
+        found.append(Count(case.name, instructions(case, functions), bound_of(case, bounds), other))
     return found
 
 
 def main(arguments: list[str] | None = None) -> int:
     """0: done; 1: with --check, a count is above its bound; 2: something is not built; 3: a run failed"""
     options = parse("bench", arguments)
-    counts = measure(options.against)
+    counts = measure(options.against, options.scenes)
     words = {True: "[green]holds[/]", False: "[red]does not hold[/]", None: "[red]no bound[/]"}
     cells = []
     for one in counts:
         other = [f"{one.other:,}", f"{one.instructions / one.other:.4f}"] if one.other else []
         bound = f"{one.bound:,}" if one.bound is not None else "–"
         cells.append([one.what, f"{one.instructions:,}", *other, bound, words[one.good]])
-    title = "Instructions in fmi2DoStep" + (f", beside the FMUs of {options.against}" if options.against else "")
+    title = "Instructions in fmi2DoStep" + (" and fmi2GetReal" if options.scenes else "")
+    title += f", beside the FMUs of {options.against}" if options.against else ""
     beside = ["there", "here / there"] if options.against else []
     show(Table(title, ["", "instructions", *beside, "bound", "verdict"], cells))
     return 1 if options.check and any(count.good is not True for count in counts) else 0
