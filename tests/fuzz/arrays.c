@@ -1,8 +1,7 @@
-#include "arrays.h"
-
+/* Arguments of the FMI 2.0 functions that take arrays: any references and values, arrays that are missing. */
 #include <stdlib.h>
 
-#include "host.h"
+#include "players.h"
 #include "scene.h"
 
 enum { LONGEST_ARRAY = 6 };
@@ -148,4 +147,16 @@ fmi2Status arrays_call(fmi2Component c, struct bytes *b)
     }
     free_arrays(&a);
     return status;
+}
+
+fmi_status arrays_set_one(fmi2Component c, struct bytes *b)
+{
+    const struct variable *variable = &scene_variables[bytes_one(b) % (unsigned)scene_variable_count];
+    if (variable->type == VARIABLE_REAL) {
+        const fmi2Real value = bytes_real(b);
+        return fmi2SetReal(c, &variable->reference, 1, &value);
+    }
+    const fmi2Integer value = (fmi2Integer)bytes_choice(b, 5);
+    return variable->type == VARIABLE_BOOLEAN ? fmi2SetBoolean(c, &variable->reference, 1, &value)
+                                              : fmi2SetInteger(c, &variable->reference, 1, &value);
 }

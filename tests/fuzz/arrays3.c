@@ -2,9 +2,8 @@
  * lengths or missing ones. */
 #include <stdlib.h>
 
-#include "host3.h"
 #include "model/variable.h"
-#include "players3.h"
+#include "players.h"
 #include "scene.h"
 
 enum { LONGEST_ARRAY = 6 };
@@ -210,7 +209,7 @@ static fmi3Status binaries(fmi3Instance c, struct bytes *b)
                               : fmi3SetBinary(c, references, count, sizes, values, count);
 }
 
-fmi3Status arrays3_call(fmi3Instance c, struct bytes *b)
+fmi3Status arrays_call(fmi3Instance c, struct bytes *b)
 {
     const unsigned which = bytes_choice(b, 12);
     if (which < 3) {
@@ -233,7 +232,7 @@ fmi3Status arrays3_call(fmi3Instance c, struct bytes *b)
     return status;
 }
 
-fmi3Status arrays3_set_one(fmi3Instance c, struct bytes *b)
+fmi3Status arrays_set_one(fmi3Instance c, struct bytes *b)
 {
     const struct variable *variable = &scene_variables[bytes_one(b) % (unsigned)scene_variable_count];
     variable -= variable->component;

@@ -4,8 +4,6 @@
  * Whatever is asked must be answered: no crash, a known status, a message for every refusal, finite values,
  * all memory back.
  */
-#include "arrays.h"
-#include "host.h"
 #include "players.h"
 
 static fmi2Status step(struct player *player, struct bytes *b)
@@ -14,11 +12,11 @@ static fmi2Status step(struct player *player, struct bytes *b)
     double time = 0.0;
     if (odd & 1) {
         time = bytes_real(b);
-    } else if (fmi2GetRealStatus(player->component, fmi2LastSuccessfulTime, &time) != fmi2OK) {
+    } else if (fmi2GetRealStatus(player->instance, fmi2LastSuccessfulTime, &time) != fmi2OK) {
         time = 0.0;
     }
     const double size = odd & 2 ? bytes_real(b) : bytes_power(b, -4.0, 0.5);
-    return fmi2DoStep(player->component, time, size, (odd & 4) != 0);
+    return fmi2DoStep(player->instance, time, size, (odd & 4) != 0);
 }
 
 static fmi2Status ask_status(struct player *player, struct bytes *b)
@@ -31,15 +29,15 @@ static fmi2Status ask_status(struct player *player, struct bytes *b)
     const bool null = bytes_one(b) == 255;
     switch (bytes_choice(b, 5)) {
     case 0:
-        return fmi2GetStatus(player->component, kind, null ? NULL : &status);
+        return fmi2GetStatus(player->instance, kind, null ? NULL : &status);
     case 1:
-        return fmi2GetRealStatus(player->component, kind, null ? NULL : &real);
+        return fmi2GetRealStatus(player->instance, kind, null ? NULL : &real);
     case 2:
-        return fmi2GetIntegerStatus(player->component, kind, null ? NULL : &integer);
+        return fmi2GetIntegerStatus(player->instance, kind, null ? NULL : &integer);
     case 3:
-        return fmi2GetBooleanStatus(player->component, kind, null ? NULL : &integer);
+        return fmi2GetBooleanStatus(player->instance, kind, null ? NULL : &integer);
     default:
-        return fmi2GetStringStatus(player->component, kind, null ? NULL : &string);
+        return fmi2GetStringStatus(player->instance, kind, null ? NULL : &string);
     }
 }
 
@@ -48,7 +46,7 @@ static fmi2Status call(struct player *player, struct bytes *b)
 {
     switch (bytes_choice(b, 16)) {
     case 0:
-        player_instantiate(player, b, fmi2CoSimulation);
+        player_instantiate(player, b, false);
         return fmi2OK;
     case 1:
         player_leave(player);
@@ -56,9 +54,9 @@ static fmi2Status call(struct player *player, struct bytes *b)
     case 2:
         return player_set_up(player, b);
     case 3:
-        return fmi2EnterInitializationMode(player->component);
+        return fmi2EnterInitializationMode(player->instance);
     case 4:
-        return fmi2ExitInitializationMode(player->component);
+        return fmi2ExitInitializationMode(player->instance);
     case 5:
         return player_initialize(player, b);
     case 6:
@@ -67,20 +65,20 @@ static fmi2Status call(struct player *player, struct bytes *b)
     case 8:
         return ask_status(player, b);
     case 9:
-        return arrays_call(player->component, b);
+        return arrays_call(player->instance, b);
     case 10:
-        return player_set_one(player, b);
+        return arrays_set_one(player->instance, b);
     case 11:
         return player_handle_state(player, b);
     case 12:
         return player_debug_logging(player, b);
     case 13:
-        return bytes_choice(b, 2) ? fmi2Terminate(player->component) : fmi2CancelStep(player->component);
+        return bytes_choice(b, 2) ? fmi2Terminate(player->instance) : fmi2CancelStep(player->instance);
     case 14:
         return bytes_choice(b, 2) ? player_reset(player) : player_fail_soon(b);
     default:
-        if (player->component != NULL) {
-            host_read_all(player->component);
+        if (player->instance != NULL) {
+            host_read_all(player->instance);
         }
         return fmi2OK;
     }

@@ -4,11 +4,10 @@
  * states that go from one instance to another or that somebody changed. Whatever is asked must be answered:
  * no crash, a known status, a message for every refusal, finite values.
  */
-#include "host3.h"
-#include "players3.h"
+#include "players.h"
 #include "scene.h"
 
-static fmi3Status step(struct player3 *player, struct bytes *b)
+static fmi3Status step(struct player *player, struct bytes *b)
 {
     const unsigned odd = bytes_one(b);
     const fmi3ValueReference clock = 0;
@@ -18,14 +17,14 @@ static fmi3Status step(struct player3 *player, struct bytes *b)
         time = bytes_real(b);
     }
     const double size = (odd & 6) == 6 ? bytes_real(b) : bytes_power(b, -4.0, 0.5);
-    host3.stepped = player->instance;
-    host3.told = NULL; /* a step that reports a change lets the logger be, the update calls back */
-    host3.early = (odd & 8) != 0;
-    host3.early_after = odd & 16 ? bytes_real(b) : 0.0;
+    host.stepped = player->instance;
+    host.told = NULL; /* a step that reports a change lets the logger be, the update calls back */
+    host.early = (odd & 8) != 0;
+    host.early_after = odd & 16 ? bytes_real(b) : 0.0;
     const fmi3Status status =
         fmi3DoStep(player->instance, time, size, fmi3True, &event, odd == 255 ? NULL : &terminate, &early,
                    odd == 254 ? NULL : &reached);
-    host3.stepped = NULL;
+    host.stepped = NULL;
     if (status <= fmi3Warning) {
         CLAIM(!terminate && isfinite(reached) && reached > time - 1e-6 * size);
         CLAIM(early || fabs(reached - (time + size)) <= 1e-6 * size);
@@ -34,7 +33,7 @@ static fmi3Status step(struct player3 *player, struct bytes *b)
 }
 
 /* In Co-Simulation nothing is left to be done in event mode. */
-static fmi3Status handle_event(const struct player3 *player, struct bytes *b)
+static fmi3Status handle_event(const struct player *player, struct bytes *b)
 {
     fmi3Instance c = player->instance;
     fmi3Boolean flags[5] = {true, true, true, true, true};
@@ -47,7 +46,7 @@ static fmi3Status handle_event(const struct player3 *player, struct bytes *b)
 }
 
 /* Between the modes, and what these FMUs do not have. */
-static fmi3Status change_mode(const struct player3 *player, struct bytes *b)
+static fmi3Status change_mode(const struct player *player, struct bytes *b)
 {
     fmi3Instance c = player->instance;
     size_t number = 0;
@@ -73,24 +72,24 @@ static fmi3Status change_mode(const struct player3 *player, struct bytes *b)
     }
 }
 
-static fmi3Status call(struct player3 *player, struct bytes *b)
+static fmi3Status call(struct player *player, struct bytes *b)
 {
     fmi3Instance c = player->instance;
     switch (bytes_choice(b, 16)) {
     case 0:
-        player3_instantiate(player, b, false);
+        player_instantiate(player, b, false);
         return fmi3OK;
     case 1:
         if (bytes_one(b) > 200) {
-            player3_leave(player);
+            player_leave(player);
         }
         return fmi3OK;
     case 2:
-        return player3_enter(player, b);
+        return player_set_up(player, b);
     case 3:
         return fmi3ExitInitializationMode(c);
     case 4:
-        return player3_initialize(player, b);
+        return player_initialize(player, b);
     case 5:
     case 6:
     case 7:
@@ -99,17 +98,17 @@ static fmi3Status call(struct player3 *player, struct bytes *b)
         return change_mode(player, b);
     case 9:
     case 10:
-        return arrays3_call(c, b);
+        return arrays_call(c, b);
     case 11:
     case 12:
-        return arrays3_set_one(c, b);
+        return arrays_set_one(c, b);
     case 13:
-        return player3_handle_state(player, b);
+        return player_handle_state(player, b);
     case 14:
-        return bytes_choice(b, 2) ? player3_debug_logging(player, b) : player3_reset(player);
+        return bytes_choice(b, 2) ? player_debug_logging(player, b) : player_reset(player);
     default:
         if (c != NULL) {
-            host3_read_all(c);
+            host_read_all(c);
         }
         return fmi3OK;
     }
@@ -117,5 +116,5 @@ static fmi3Status call(struct player3 *player, struct bytes *b)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    return players3_play(data, size, call);
+    return players_play(data, size, call);
 }

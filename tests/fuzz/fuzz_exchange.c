@@ -4,20 +4,10 @@
  * another or that somebody changed. Whatever is asked must be answered: no crash, a known status, a message
  * for every refusal, finite values, event iterations that end.
  */
-#include <stdlib.h>
-
-#include "arrays.h"
 #include "forge.h"
-#include "host.h"
+#include "outside.h"
 #include "players.h"
 #include "scene.h"
-
-/* What outside.h needs. */
-#define FMI(name) fmi2##name
-#define FMI_INSTANCE fmi2Component
-#define FMI_RATES fmi2GetDerivatives
-static fmi2Status handle_event(fmi2Component c);
-#include "outside.h"
 
 /* Event mode until nothing changes any more, and out of it. */
 static fmi2Status handle_event(fmi2Component c)
@@ -89,10 +79,10 @@ static fmi2Status bring_forged(fmi2Component c, struct bytes *b)
 
 static fmi2Status call(struct player *player, struct bytes *b)
 {
-    fmi2Component c = player->component;
+    fmi2Component c = player->instance;
     switch (bytes_choice(b, 20)) {
     case 0:
-        player_instantiate(player, b, fmi2ModelExchange);
+        player_instantiate(player, b, true);
         return fmi2OK;
     case 1:
         if (bytes_one(b) > 200) {
@@ -120,7 +110,7 @@ static fmi2Status call(struct player *player, struct bytes *b)
         return arrays_call(c, b);
     case 14:
     case 15:
-        return player_set_one(player, b);
+        return arrays_set_one(player->instance, b);
     case 16:
         return player_handle_state(player, b);
     case 17:

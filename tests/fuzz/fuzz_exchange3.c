@@ -2,16 +2,9 @@
  * As fuzz_exchange.c, with instances of FMI 3.0: an integrator that steps and handles events, states set one
  * by one or as a vector, both kinds of derivatives, arrays of wrong lengths.
  */
-#include "host3.h"
-#include "players3.h"
-#include "scene.h"
-
-/* What outside.h needs. */
-#define FMI(name) fmi3##name
-#define FMI_INSTANCE fmi3Instance
-#define FMI_RATES fmi3GetContinuousStateDerivatives
-static fmi3Status handle_event(fmi3Instance c);
 #include "outside.h"
+#include "players.h"
+#include "scene.h"
 
 /* Event mode until nothing changes any more, and out of it. */
 static fmi3Status handle_event(fmi3Instance c)
@@ -70,23 +63,23 @@ static fmi3Status change_mode(fmi3Instance c, struct bytes *b)
     }
 }
 
-static fmi3Status call(struct player3 *player, struct bytes *b)
+static fmi3Status call(struct player *player, struct bytes *b)
 {
     fmi3Instance c = player->instance;
     switch (bytes_choice(b, 20)) {
     case 0:
-        player3_instantiate(player, b, true);
+        player_instantiate(player, b, true);
         return fmi3OK;
     case 1:
         if (bytes_one(b) > 200) {
-            player3_leave(player);
+            player_leave(player);
         }
         return fmi3OK;
     case 2:
-        return bytes_choice(b, 2) ? player3_enter(player, b) : fmi3ExitInitializationMode(c);
+        return bytes_choice(b, 2) ? player_set_up(player, b) : fmi3ExitInitializationMode(c);
     case 3:
     case 4:
-        return player3_initialize(player, b);
+        return player_initialize(player, b);
     case 5:
     case 6:
     case 7:
@@ -99,18 +92,18 @@ static fmi3Status call(struct player3 *player, struct bytes *b)
         return any_vector(c, b);
     case 12:
     case 13:
-        return arrays3_call(c, b);
+        return arrays_call(c, b);
     case 14:
     case 15:
-        return arrays3_set_one(c, b);
+        return arrays_set_one(c, b);
     case 16:
     case 17:
-        return player3_handle_state(player, b);
+        return player_handle_state(player, b);
     case 18:
-        return bytes_choice(b, 2) ? player3_debug_logging(player, b) : player3_reset(player);
+        return bytes_choice(b, 2) ? player_debug_logging(player, b) : player_reset(player);
     default:
         if (c != NULL) {
-            host3_read_all(c);
+            host_read_all(c);
         }
         return fmi3OK;
     }
@@ -118,5 +111,5 @@ static fmi3Status call(struct player3 *player, struct bytes *b)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    return players3_play(data, size, call);
+    return players_play(data, size, call);
 }

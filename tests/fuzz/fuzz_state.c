@@ -15,7 +15,7 @@ enum { MOST_INTERNAL_STEPS = 100 };
 static void choose_values(fmi2Component c, struct bytes *b)
 {
     host_set_integer(c, ROW_solver_method, 0, 1 + (int)bytes_choice(b, 3));
-    host_set_integer(c, ROW_solver_max_internal_steps, 0, MOST_INTERNAL_STEPS);
+    host_bound_work(c, MOST_INTERNAL_STEPS);
     host_set_integer(c, ROW_body_motion, 0, 3 - (int)bytes_choice(b, 3));
     host_set_integer(c, ROW_body_motion, 1, 1 + (int)bytes_choice(b, 3));
     host_set_integer(c, ROW_contact_location, 0, 1 + (int)bytes_choice(b, 3));

@@ -145,6 +145,11 @@ fmi2Status host_set_integer(fmi2Component c, int row, int element, int value)
                                               : fmi2SetInteger(c, &variable->reference, 1, &value);
 }
 
+void host_bound_work(fmi2Component c, int most)
+{
+    (void)host_set_integer(c, ROW_solver_max_internal_steps, 0, most);
+}
+
 double host_real(fmi2Component c, int row, int element, int component)
 {
     const struct variable *variable = host_variable(row, element, component);

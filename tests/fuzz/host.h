@@ -43,6 +43,9 @@ const struct variable *host_variable(int row, int element, int component);
 fmi2Status host_set_real(fmi2Component c, int row, int element, int component, double value);
 fmi2Status host_set_integer(fmi2Component c, int row, int element, int value);
 
+/* A step has to end soon. */
+void host_bound_work(fmi2Component c, int most);
+
 double host_real(fmi2Component c, int row, int element, int component);
 double host_length(fmi2Component c, int row, int element); /* of a vector */
 int host_integer(fmi2Component c, int row, int element);

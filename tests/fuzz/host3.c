@@ -4,20 +4,20 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "model/variable.h"
+#include "scene.h"
 
-struct host3 host3;
+struct host host;
 
-void host3_begin(void)
+void host_begin(void)
 {
-    memset(&host3, 0, sizeof host3);
+    memset(&host, 0, sizeof host);
     memset(&claim_context, 0, sizeof claim_context);
 }
 
 /* What only reads may be answered; what would change something is refused. */
 static void call_back(fmi3Instance c)
 {
-    const struct variable *variable = &scene_variables[host3.messages % scene_variable_count];
+    const struct variable *variable = &scene_variables[host.messages % scene_variable_count];
     const fmi3ValueReference reference = variable->reference;
     fmi3Float64 values[LONGEST_VECTOR] = {0.0};
     fmi3FMUState state = NULL;
@@ -32,39 +32,49 @@ static void call_back(fmi3Instance c)
     fmi3FreeInstance(c);
 }
 
-void host3_hear(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,
-                fmi3String message)
+void host_hear(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,
+               fmi3String message)
 {
-    CLAIM(environment == &host3);
+    CLAIM(environment == &host);
     CLAIM(category != NULL && message != NULL && message[0] != '\0');
     CLAIM(status >= fmi3OK && status <= fmi3Fatal);
     CLAIM(strncmp(category, "log", 3) == 0);
     CLAIM(strlen(message) < sizeof claim_context.last_message);
     (void)snprintf(claim_context.last_message, sizeof claim_context.last_message, "%s", message);
-    ++host3.messages;
-    if (host3.told != NULL) {
-        const long messages = host3.messages;
-        call_back(host3.told);
-        CLAIM(host3.messages == messages);
+    ++host.messages;
+    if (host.told != NULL) {
+        const long messages = host.messages;
+        call_back(host.told);
+        CLAIM(host.messages == messages);
     }
 }
 
-void host3_update(fmi3InstanceEnvironment environment, fmi3Float64 time, fmi3Boolean set_requested,
-                  fmi3Boolean get_allowed, fmi3Boolean finished, fmi3Boolean can_return,
-                  fmi3Boolean *return_requested, fmi3Float64 *return_time)
+void host_update(fmi3InstanceEnvironment environment, fmi3Float64 time, fmi3Boolean set_requested,
+                 fmi3Boolean get_allowed, fmi3Boolean finished, fmi3Boolean can_return,
+                 fmi3Boolean *return_requested, fmi3Float64 *return_time)
 {
     const fmi3ValueReference clock = 0;
     fmi3Float64 now = 0.0;
-    CLAIM(environment == &host3 && isfinite(time));
+    CLAIM(environment == &host && isfinite(time));
     CLAIM(!set_requested && get_allowed && finished);
-    if (host3.stepped != NULL) {
-        const fmi3Status status = fmi3GetFloat64(host3.stepped, &clock, 1, &now, 1);
+    if (host.stepped != NULL) {
+        const fmi3Status status = fmi3GetFloat64(host.stepped, &clock, 1, &now, 1);
         CLAIM(status == fmi3OK && now == time);
-        call_back(host3.stepped);
-        host3_read_all(host3.stepped);
+        call_back(host.stepped);
+        host_read_all(host.stepped);
     }
-    *return_requested = host3.early && can_return;
-    *return_time = time + host3.early_after;
+    *return_requested = host.early && can_return;
+    *return_time = time + host.early_after;
+}
+
+void host_bound_work(fmi3Instance c, int most)
+{
+    const fmi3Int32 value = most;
+    for (int i = 0; i < scene_variable_count; ++i) {
+        if (scene_variables[i].row == ROW_solver_max_internal_steps) {
+            (void)fmi3SetInt32(c, &scene_variables[i].reference, 1, &value, 1);
+        }
+    }
 }
 
 static void read_one(fmi3Instance c, const struct variable *variable, size_t length)
@@ -95,7 +105,7 @@ static void read_one(fmi3Instance c, const struct variable *variable, size_t len
     }
 }
 
-void host3_read_all(fmi3Instance c)
+void host_read_all(fmi3Instance c)
 {
     for (int i = 0; i < scene_variable_count; ++i) {
         if (scene_variables[i].component == 0) {

@@ -12,7 +12,7 @@
 
 enum { LONGEST_VECTOR = 4 }; /* a quaternion */
 
-struct host3 {
+struct host {
     long messages;
     fmi3Instance told;       /* where set, the logger calls back into this instance, which tells something */
     fmi3Instance stepped;    /* the same for the intermediate update */
@@ -21,17 +21,20 @@ struct host3 {
 };
 
 /* One for all, which is the instance environment too. Each input starts with a fresh one. */
-extern struct host3 host3;
+extern struct host host;
 
-void host3_begin(void);
+void host_begin(void);
 
-void host3_hear(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,
-                fmi3String message);
-void host3_update(fmi3InstanceEnvironment environment, fmi3Float64 time, fmi3Boolean set_requested,
-                  fmi3Boolean get_allowed, fmi3Boolean finished, fmi3Boolean can_return,
-                  fmi3Boolean *return_requested, fmi3Float64 *return_time);
+void host_hear(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,
+               fmi3String message);
+void host_update(fmi3InstanceEnvironment environment, fmi3Float64 time, fmi3Boolean set_requested,
+                 fmi3Boolean get_allowed, fmi3Boolean finished, fmi3Boolean can_return,
+                 fmi3Boolean *return_requested, fmi3Float64 *return_time);
+
+/* A step has to end soon. */
+void host_bound_work(fmi3Instance c, int most);
 
 /* Reads every variable; claims that reals are finite and choices are known ones. */
-void host3_read_all(fmi3Instance c);
+void host_read_all(fmi3Instance c);
 
 #endif

@@ -1,7 +1,6 @@
 /*
- * An integrator outside of an instance of Model Exchange, by the functions of one version of the standard:
- * the file that includes this says before which, FMI(name), FMI_INSTANCE, FMI_RATES, and declares
- * handle_event, which goes through event mode.
+ * An integrator outside of an instance of Model Exchange. The file that includes this defines handle_event,
+ * which goes through event mode.
  */
 #ifndef FUZZ_OUTSIDE_H
 #define FUZZ_OUTSIDE_H
@@ -10,13 +9,16 @@
 
 #include "bytes.h"
 #include "claim.h"
+#include "fmi.h"
 #include "scene.h"
+
+static fmi_status handle_event(fmi_instance c);
 
 /* Each contact can change its regime a few times at one instant. */
 enum { ITERATIONS_AT_MOST = 10 * SCENE_CONTACTS, VALUES = SCENE_STATES + SCENE_INDICATORS + 3 };
 
 /* One of the functions that take a vector, of any length or missing. */
-static FMI(Status) any_vector(FMI_INSTANCE c, struct bytes *b)
+static fmi_status any_vector(fmi_instance c, struct bytes *b)
 {
     const unsigned function = bytes_choice(b, 5);
     const size_t right = function == 2 ? SCENE_INDICATORS : SCENE_STATES;
@@ -26,10 +28,9 @@ static FMI(Status) any_vector(FMI_INSTANCE c, struct bytes *b)
     for (size_t i = 0; function == 4 && values != NULL && i < count; ++i) {
         values[i] = bytes_real(b);
     }
-    FMI(Status)
-    (*const get[])(FMI_INSTANCE, double[], size_t) = {
+    fmi_status (*const get[])(fmi_instance, double[], size_t) = {
         FMI(GetContinuousStates), FMI_RATES, FMI(GetEventIndicators), FMI(GetNominalsOfContinuousStates)};
-    const FMI(Status) status =
+    const fmi_status status =
         function < 4 ? get[function](c, values, count) : FMI(SetContinuousStates)(c, values, count);
     for (size_t i = 0; status <= FMI(Warning) && i < count; ++i) {
         CLAIM(isfinite(values[i]));
@@ -40,7 +41,7 @@ static FMI(Status) any_vector(FMI_INSTANCE c, struct bytes *b)
 }
 
 /* A few steps by Euler's method; where an indicator changes its sign, an event. */
-static FMI(Status) march(FMI_INSTANCE c, struct bytes *b)
+static fmi_status march(fmi_instance c, struct bytes *b)
 {
     double time = bytes_power(b, -3.0, 1.0); /* on from there, or refused as over */
     const double size = bytes_power(b, -6.0, 0.0);
@@ -48,7 +49,7 @@ static FMI(Status) march(FMI_INSTANCE c, struct bytes *b)
     double before[SCENE_INDICATORS + 1], after[SCENE_INDICATORS + 1];
     FMI(Boolean) enter = false, terminate = false;
     for (unsigned k = bytes_choice(b, 8); k > 0; --k) {
-        FMI(Status) status = FMI(SetTime)(c, time += size);
+        fmi_status status = FMI(SetTime)(c, time += size);
         if (status > FMI(Warning) ||
             (status = FMI(GetContinuousStates)(c, states, SCENE_STATES)) > FMI(Warning) ||
             (status = FMI_RATES(c, rates, SCENE_STATES)) > FMI(Warning) ||
