@@ -187,7 +187,7 @@ typedef void radau5_function(int *,
                              int *, int *);
 typedef void contr5_function(const int *, const double *, double *, int *, double *);
 
-/* RADAU5 tells by this why it fails. R's own function would need an R that runs; the program's comes first. */
+/* RADAU5 tells by this why it fails. R's own function needs an R that runs; the program's comes first. */
 void Rprintf(const char *format, ...);
 void Rprintf(const char *format, ...)
 {
@@ -337,8 +337,8 @@ static bool kencarp4_phase(struct exchange *x, double *time, double end)
     SUNLinearSolver linear = SUNLinSol_Dense(a.y, matrix, context);
     memcpy(NV_DATA_S(a.y), x->y, (size_t)x->count * sizeof *x->y);
     a.memory = ARKStepCreate(NULL, arkode_rates, *time, a.y, context);
-    /* Each step makes its Newton matrix: with that of a step of another size, stages have passed that were wrong
-     * by 1e-4 of the energy, unseen by the error test. */
+    /* Each step makes its Newton matrix. With the matrix of a step of another size, stages have passed that
+     * were wrong by 1e-4 of the energy, and the error test did not see it. */
     const bool done = ARKStepSetUserData(a.memory, x) == 0 &&
                       ARKStepSetTableNum(a.memory, ARKODE_ARK436L2SA_DIRK_6_3_4, ARKODE_ERK_NONE) == 0 &&
                       ARKStepSStolerances(a.memory, x->one->tolerance, x->one->absolute_tolerance) == 0 &&

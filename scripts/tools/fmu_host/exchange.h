@@ -1,5 +1,5 @@
-/* A Model Exchange FMU whose states an integrator of others moves: RADAU5 of Hairer and Wanner, or KenCarp4, the
-   ESDIRK method ARK4(3)6L[2]SA of Kennedy and Carpenter, as ARKODE of SUNDIALS has it. */
+/* A Model Exchange FMU whose states an integrator of others moves: RADAU5 of Hairer and Wanner, or KenCarp4,
+   the ESDIRK method ARK4(3)6L[2]SA of Kennedy and Carpenter, as ARKODE of SUNDIALS has it. */
 #ifndef FMU_HOST_EXCHANGE_H
 #define FMU_HOST_EXCHANGE_H
 

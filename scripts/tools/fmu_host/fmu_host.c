@@ -1,5 +1,5 @@
-/* fmu_host: runs experiments on FMI 2.0 FMUs and measures their wall time, of co-simulation or of Model Exchange
-   with an integrator of others.
+/* fmu_host: runs experiments on FMI 2.0 FMUs and measures their wall time, of co-simulation or of Model
+   Exchange with an integrator of others.
 
    What is timed of a run: its initialization (fmi2SetupExperiment to fmi2ExitInitializationMode) and its
    stepping (every fmi2DoStep, and every fmi2GetReal asked for by --get; or the integration), apart from each
