@@ -1,7 +1,7 @@
 /*
- * Instances of either version of the standard that are called at random: what the fuzzers of Co-Simulation and
- * of Model Exchange share. Every function makes one call, or a few, with arguments that are missing, wrong or
- * extreme.
+ * Instances of either version of the standard that are called at random: what the fuzzers of Co-Simulation
+ * and of Model Exchange share. Every function makes one call, or a few, with arguments that are missing,
+ * wrong or extreme.
  */
 #ifndef FUZZ_PLAYERS_H
 #define FUZZ_PLAYERS_H
@@ -50,7 +50,7 @@ typedef fmi_status player_call(struct player *player, struct bytes *b);
  * in the end all memory is back. */
 int players_play(const uint8_t *data, size_t size, player_call *call);
 
-/* arrays.c, arrays3.c: one of the functions that take arrays, of any references, types, lengths and values. */
+/* arrays.c, arrays3.c: a function that takes arrays, with any references, types, lengths and values. */
 fmi_status arrays_call(fmi_instance c, struct bytes *b);
 
 /* One variable that exists, a value within its range as far as chance goes. */
