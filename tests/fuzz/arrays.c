@@ -103,8 +103,9 @@ static fmi2Status any_directional_derivative(fmi2Component c, const struct array
     return status;
 }
 
-fmi2Status arrays_call(fmi2Component c, struct bytes *b)
+fmi_status arrays_call(struct player *player, struct bytes *b)
 {
+    fmi2Component c = player->instance;
     const unsigned function = bytes_choice(b, 11);
     struct arrays a = any_arrays(b);
     fmi2String strings[LONGEST_ARRAY] = {"logAll", "logEvents", NULL, "log", "logStatusError", ""};
@@ -149,8 +150,9 @@ fmi2Status arrays_call(fmi2Component c, struct bytes *b)
     return status;
 }
 
-fmi_status arrays_set_one(fmi2Component c, struct bytes *b)
+fmi_status arrays_set_one(struct player *player, struct bytes *b)
 {
+    fmi2Component c = player->instance;
     const struct variable *variable = &scene_variables[bytes_one(b) % (unsigned)scene_variable_count];
     if (variable->type == VARIABLE_REAL) {
         const fmi2Real value = bytes_real(b);

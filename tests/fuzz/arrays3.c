@@ -209,8 +209,9 @@ static fmi3Status binaries(fmi3Instance c, struct bytes *b)
                               : fmi3SetBinary(c, references, count, sizes, values, count);
 }
 
-fmi3Status arrays_call(fmi3Instance c, struct bytes *b)
+fmi_status arrays_call(struct player *player, struct bytes *b)
 {
+    fmi3Instance c = player->instance;
     const unsigned which = bytes_choice(b, 12);
     if (which < 3) {
         return product(c, b);
@@ -232,7 +233,7 @@ fmi3Status arrays_call(fmi3Instance c, struct bytes *b)
     return status;
 }
 
-fmi3Status arrays_set_one(fmi3Instance c, struct bytes *b)
+fmi_status arrays_set_one(struct player *player, struct bytes *b)
 {
     const struct variable *variable = &scene_variables[bytes_one(b) % (unsigned)scene_variable_count];
     variable -= variable->component;
@@ -245,5 +246,5 @@ fmi3Status arrays_set_one(fmi3Instance c, struct bytes *b)
         .values = room_for_values,
     };
     fill(b, type_of(variable), room_for_values, a.values_count);
-    return set(c, type_of(variable), &a);
+    return set(player->instance, type_of(variable), &a);
 }

@@ -24,8 +24,9 @@ static fmi2Status handle_event(fmi2Component c)
 }
 
 /* Any of the calls between the modes; places for answers may be missing. */
-static fmi2Status change_mode(fmi2Component c, struct bytes *b)
+static fmi2Status change_mode(struct player *player, struct bytes *b)
 {
+    fmi2Component c = player->instance;
     fmi2EventInfo news = {.newDiscreteStatesNeeded = fmi2False};
     fmi2Boolean flag = fmi2False;
     switch (bytes_choice(b, 8)) {
@@ -77,55 +78,47 @@ static fmi2Status bring_forged(fmi2Component c, struct bytes *b)
     return status;
 }
 
-static fmi2Status call(struct player *player, struct bytes *b)
+static fmi2Status enter_or_leave(struct player *player, struct bytes *b)
 {
-    fmi2Component c = player->instance;
-    switch (bytes_choice(b, 20)) {
-    case 0:
-        player_instantiate(player, b, true);
-        return fmi2OK;
-    case 1:
-        if (bytes_one(b) > 200) {
-            player_leave(player);
-        }
-        return fmi2OK;
-    case 2:
-        return player_set_up(player, b);
-    case 3:
-        return bytes_choice(b, 2) ? fmi2EnterInitializationMode(c) : fmi2ExitInitializationMode(c);
-    case 4:
-    case 5:
-        return player_initialize(player, b);
-    case 6:
-    case 7:
-    case 8:
-        return c != NULL ? march(c, b) : fmi2OK;
-    case 9:
-    case 10:
-        return change_mode(c, b);
-    case 11:
-    case 12:
-        return any_vector(c, b);
-    case 13:
-        return arrays_call(c, b);
-    case 14:
-    case 15:
-        return arrays_set_one(player->instance, b);
-    case 16:
-        return player_handle_state(player, b);
-    case 17:
-        return bytes_choice(b, 2) ? player_debug_logging(player, b) : player_fail_soon(b);
-    case 18:
-        return bytes_one(b) < 128 && c != NULL ? bring_forged(c, b) : player_reset(player);
-    default:
-        if (c != NULL) {
-            host_read_all(c);
-        }
-        return fmi2OK;
-    }
+    return bytes_choice(b, 2) ? fmi2EnterInitializationMode(player->instance)
+                              : fmi2ExitInitializationMode(player->instance);
 }
+
+static fmi2Status log_or_fail(struct player *player, struct bytes *b)
+{
+    return bytes_choice(b, 2) ? player_debug_logging(player, b) : player_fail_soon(player, b);
+}
+
+static fmi2Status forge_or_reset(struct player *player, struct bytes *b)
+{
+    return bytes_one(b) < 128 && player->instance != NULL ? bring_forged(player->instance, b)
+                                                          : player_reset(player, b);
+}
+
+static const struct play play = {.exchange = true,
+                                 .count = 20,
+                                 .calls = {player_instantiate,
+                                           player_may_leave,
+                                           player_set_up,
+                                           enter_or_leave,
+                                           player_initialize,
+                                           player_initialize,
+                                           march,
+                                           march,
+                                           march,
+                                           change_mode,
+                                           change_mode,
+                                           any_vector,
+                                           any_vector,
+                                           arrays_call,
+                                           arrays_set_one,
+                                           arrays_set_one,
+                                           player_handle_state,
+                                           log_or_fail,
+                                           forge_or_reset,
+                                           player_read_all}};
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    return players_play(data, size, call);
+    return players_play(data, size, &play);
 }

@@ -35,8 +35,9 @@ static fmi3Status numbers(fmi3Instance c, struct bytes *b)
 }
 
 /* Any of the calls between the modes; places for answers may be missing. */
-static fmi3Status change_mode(fmi3Instance c, struct bytes *b)
+static fmi3Status change_mode(struct player *player, struct bytes *b)
 {
+    fmi3Instance c = player->instance;
     fmi3Boolean flags[5] = {false};
     fmi3Float64 next = 0.0;
     switch (bytes_choice(b, 9)) {
@@ -63,53 +64,35 @@ static fmi3Status change_mode(fmi3Instance c, struct bytes *b)
     }
 }
 
-static fmi3Status call(struct player *player, struct bytes *b)
+static fmi3Status enter_or_leave(struct player *player, struct bytes *b)
 {
-    fmi3Instance c = player->instance;
-    switch (bytes_choice(b, 20)) {
-    case 0:
-        player_instantiate(player, b, true);
-        return fmi3OK;
-    case 1:
-        if (bytes_one(b) > 200) {
-            player_leave(player);
-        }
-        return fmi3OK;
-    case 2:
-        return bytes_choice(b, 2) ? player_set_up(player, b) : fmi3ExitInitializationMode(c);
-    case 3:
-    case 4:
-        return player_initialize(player, b);
-    case 5:
-    case 6:
-    case 7:
-        return c != NULL ? march(c, b) : fmi3OK;
-    case 8:
-    case 9:
-        return change_mode(c, b);
-    case 10:
-    case 11:
-        return any_vector(c, b);
-    case 12:
-    case 13:
-        return arrays_call(c, b);
-    case 14:
-    case 15:
-        return arrays_set_one(c, b);
-    case 16:
-    case 17:
-        return player_handle_state(player, b);
-    case 18:
-        return bytes_choice(b, 2) ? player_debug_logging(player, b) : player_reset(player);
-    default:
-        if (c != NULL) {
-            host_read_all(c);
-        }
-        return fmi3OK;
-    }
+    return bytes_choice(b, 2) ? player_set_up(player, b) : fmi3ExitInitializationMode(player->instance);
 }
+
+static const struct play play = {.exchange = true,
+                                 .count = 20,
+                                 .calls = {player_instantiate,
+                                           player_may_leave,
+                                           enter_or_leave,
+                                           player_initialize,
+                                           player_initialize,
+                                           march,
+                                           march,
+                                           march,
+                                           change_mode,
+                                           change_mode,
+                                           any_vector,
+                                           any_vector,
+                                           arrays_call,
+                                           arrays_call,
+                                           arrays_set_one,
+                                           arrays_set_one,
+                                           player_handle_state,
+                                           player_handle_state,
+                                           player_log_or_reset,
+                                           player_read_all}};
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    return players_play(data, size, call);
+    return players_play(data, size, &play);
 }

@@ -7,9 +7,7 @@
 
 #include <stdlib.h>
 
-#include "bytes.h"
-#include "claim.h"
-#include "fmi.h"
+#include "players.h"
 #include "scene.h"
 
 static fmi_status handle_event(fmi_instance c);
@@ -18,8 +16,9 @@ static fmi_status handle_event(fmi_instance c);
 enum { ITERATIONS_AT_MOST = 10 * SCENE_CONTACTS, VALUES = SCENE_STATES + SCENE_INDICATORS + 3 };
 
 /* One of the functions that take a vector, of any length or missing. */
-static fmi_status any_vector(fmi_instance c, struct bytes *b)
+static fmi_status any_vector(struct player *player, struct bytes *b)
 {
+    fmi_instance c = player->instance;
     const unsigned function = bytes_choice(b, 5);
     const size_t right = function == 2 ? SCENE_INDICATORS : SCENE_STATES;
     const unsigned odd = bytes_one(b);
@@ -41,8 +40,12 @@ static fmi_status any_vector(fmi_instance c, struct bytes *b)
 }
 
 /* A few steps by Euler's method; where an indicator changes its sign, an event. */
-static fmi_status march(fmi_instance c, struct bytes *b)
+static fmi_status march(struct player *player, struct bytes *b)
 {
+    fmi_instance c = player->instance;
+    if (c == NULL) {
+        return FMI(OK);
+    }
     double time = bytes_power(b, -3.0, 1.0); /* on from there, or refused as over */
     const double size = bytes_power(b, -6.0, 0.0);
     double states[SCENE_STATES + 1], rates[SCENE_STATES + 1];

@@ -8,6 +8,7 @@
 enum { CALLS_AT_MOST = 120 };
 
 static struct player players[PLAYERS];
+static bool plays_exchange; /* of Model Exchange, usually */
 
 /* A saved state as bytes, for whoever deserializes next. */
 static uint8_t blob[LARGEST_BLOCK];
@@ -96,28 +97,30 @@ fmi_status player_initialize(struct player *player, struct bytes *b)
     return status <= fmi2Warning ? fmi2ExitInitializationMode(player->instance) : status;
 }
 
-fmi_status player_fail_soon(struct bytes *b)
+fmi_status player_fail_soon(struct player *player, struct bytes *b)
 {
+    (void)player;
     host.countdown = bytes_choice(b, 8);
     return fmi2OK;
 }
 
 #endif
 
-void player_instantiate(struct player *player, struct bytes *b, bool exchange)
+fmi_status player_instantiate(struct player *player, struct bytes *b)
 {
-    if (player->instance != NULL) {
-        return;
+    if (player->instance == NULL) {
+        player->exchange = plays_exchange;
+        instantiate(player, b);
+        if (player->instance != NULL) {
+            host_bound_work(player->instance, MOST_INTERNAL_STEPS);
+        }
     }
-    player->exchange = exchange;
-    instantiate(player, b);
-    if (player->instance != NULL) {
-        host_bound_work(player->instance, MOST_INTERNAL_STEPS);
-    }
+    return FMI(OK);
 }
 
-fmi_status player_reset(struct player *player)
+fmi_status player_reset(struct player *player, struct bytes *b)
 {
+    (void)b;
     const fmi_status status = FMI(Reset)(player->instance);
     if (status == FMI(OK)) {
         host_bound_work(player->instance, MOST_INTERNAL_STEPS);
@@ -125,10 +128,26 @@ fmi_status player_reset(struct player *player)
     return status;
 }
 
-void player_leave(struct player *player)
+fmi_status player_leave(struct player *player, struct bytes *b)
 {
+    (void)b;
     FMI(FreeInstance)(player->instance);
     memset(player, 0, sizeof *player);
+    return FMI(OK);
+}
+
+fmi_status player_may_leave(struct player *player, struct bytes *b)
+{
+    return bytes_one(b) > 200 ? player_leave(player, b) : FMI(OK);
+}
+
+fmi_status player_read_all(struct player *player, struct bytes *b)
+{
+    (void)b;
+    if (player->instance != NULL) {
+        host_read_all(player->instance);
+    }
+    return FMI(OK);
 }
 
 static fmi_status serialize(struct player *player, fmi_state state, struct bytes *b)
@@ -199,25 +218,31 @@ fmi_status player_debug_logging(struct player *player, struct bytes *b)
                                 bytes_one(b) == 255 ? NULL : chosen);
 }
 
-int players_play(const uint8_t *data, size_t size, player_call *call)
+fmi_status player_log_or_reset(struct player *player, struct bytes *b)
+{
+    return bytes_choice(b, 2) ? player_debug_logging(player, b) : player_reset(player, b);
+}
+
+int players_play(const uint8_t *data, size_t size, const struct play *play)
 {
     struct bytes b = {data, size};
     host_begin();
     memset(players, 0, sizeof players);
+    plays_exchange = play->exchange;
     blob_size = 0;
     for (int i = 0; i < CALLS_AT_MOST && b.left > 0; ++i) {
         struct player *player = &players[bytes_choice(&b, PLAYERS)];
         const bool heard = player->instance != NULL && player->hears_all;
         const long messages = host.messages;
         host.told = player->instance;
-        const fmi_status status = call(player, &b);
+        const fmi_status status = play->calls[bytes_choice(&b, play->count)](player, &b);
         host.told = NULL;
         CLAIM(status >= FMI(OK) && status <= FMI(Error));
         CLAIM(status <= FMI(OK) || !heard || !player->hears_all || host.messages > messages);
         CLAIM(player->instance != NULL || status == FMI(Error) || status == FMI(OK));
     }
     for (int i = 0; i < PLAYERS; ++i) {
-        player_leave(&players[i]);
+        (void)player_leave(&players[i], &b);
     }
 #if FUZZ_FMI == 2
     host_end();

@@ -25,35 +25,47 @@ struct player {
     bool hears_all; /* every refusal has to come with a message */
 };
 
-/* A new instance, seldom of the other kind; nothing where there is one already. */
-void player_instantiate(struct player *player, struct bytes *b, bool exchange);
-void player_leave(struct player *player);
+/* One random call; fmi2OK where there was none. All below are such calls. */
+typedef fmi_status player_call(struct player *player, struct bytes *b);
+
+/* A new instance, seldom of another kind than usual; nothing where there is one already. */
+player_call player_instantiate;
+player_call player_leave;
+player_call player_may_leave;
 
 /* FMI 2.0: fmi2SetupExperiment; FMI 3.0: into initialization mode. */
-fmi_status player_set_up(struct player *player, struct bytes *b);
+player_call player_set_up;
 
 /* From instantiated to the end of initialization. */
-fmi_status player_initialize(struct player *player, struct bytes *b);
-fmi_status player_reset(struct player *player);
+player_call player_initialize;
+player_call player_reset;
 
 /* Saves, restores and frees states, of FMI 3.0 changes their bytes, and gives them to other instances. */
-fmi_status player_handle_state(struct player *player, struct bytes *b);
-fmi_status player_debug_logging(struct player *player, struct bytes *b);
+player_call player_handle_state;
+player_call player_debug_logging;
+player_call player_log_or_reset;
+
+/* Reads every variable. */
+player_call player_read_all;
 
 /* Memory runs out soon; of FMI 2.0. */
-fmi_status player_fail_soon(struct bytes *b);
+player_call player_fail_soon;
 
-/* One random call; fmi2OK where there was none. */
-typedef fmi_status player_call(struct player *player, struct bytes *b);
+/* arrays.c, arrays3.c: a function that takes arrays, with any references, types, lengths and values. */
+player_call arrays_call;
+
+/* One variable that exists, a value within its range as far as chance goes. */
+player_call arrays_set_one;
+
+/* What is called, each as often as it is listed, and whether instances are of Model Exchange. */
+struct play {
+    bool exchange;
+    unsigned count;
+    player_call *calls[20];
+};
 
 /* A whole input: whatever is asked is answered with a known status, a message comes with every refusal, and
  * in the end all memory is back. */
-int players_play(const uint8_t *data, size_t size, player_call *call);
-
-/* arrays.c, arrays3.c: a function that takes arrays, with any references, types, lengths and values. */
-fmi_status arrays_call(fmi_instance c, struct bytes *b);
-
-/* One variable that exists, a value within its range as far as chance goes. */
-fmi_status arrays_set_one(fmi_instance c, struct bytes *b);
+int players_play(const uint8_t *data, size_t size, const struct play *play);
 
 #endif
