@@ -364,7 +364,8 @@ static bool contact_is_deferrable(const struct contact_state *state)
            vec3_is_zero(vec3_sub(state->physics.impulse, state->record.impulse_mark));
 }
 
-/* Whether a body has no external force and torque, and speed, displacement and kinetic energy far from overflow. */
+/* Whether a body has no external force and torque, and speed, displacement and kinetic energy far from
+ * overflow. */
 static bool body_is_deferrable(const struct scene_values *v, const struct scene_state *q, int body,
                                double clock)
 {

@@ -101,9 +101,9 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
  * the motion as it was. */
 bool integrator_defer_further(const struct scene_values *v, struct scene_state *q, double end_time);
 
-/* Computes the motion of deferred steps, in which only the clock has advanced. Steps can be deferred in flight
- * (flight.h), within a phase of contact pairs, whose motion is a function of its start and of the clock, and
- * within a step of the general segment, which has a polynomial. */
+/* Computes the motion of deferred steps, in which only the clock has advanced. Steps can be deferred in
+ * flight (flight.h), within a phase of contact pairs, whose motion is a function of its start and of the
+ * clock, and within a step of the general segment, which has a polynomial. */
 void integrator_catch_up(struct integrator *s, const struct scene_values *v, struct scene_state *q);
 
 #endif

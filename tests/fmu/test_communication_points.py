@@ -7,8 +7,8 @@ and a saved state goes on with the same bits.
 import random
 
 import pytest
-from contact_fmus.bench.problems import benchmarks, law_benchmarks, turning_problems
 
+from contact_fmus.bench.problems import benchmarks, law_benchmarks, turning_problems
 from support.fmi2 import raw
 
 PROBLEMS = {**benchmarks(), **law_benchmarks(), **turning_problems()}
@@ -63,23 +63,24 @@ def test_a_state_saved_within_a_phase_goes_on_with_the_same_bits(name):
 
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_steps_add_up(name):
-    """The impulse of the contact is the sum of the mean forces of all steps, read or not, and the largest of the
-    peaks of all steps is that of one step over all of them."""
+    """The impulse of the contact is the sum of the mean forces of all steps, and the largest of the peaks of all
+    steps is the peak of one step over all of them."""
     (one, whole), (many, size) = start(name, 1), start(name, STEPS)
     with one, many:
         step(one, whole, 0)
         impulse, peaks = [0.0, 0.0, 0.0], []
         for index in range(STEPS):
             step(many, size, index)
-            impulse = [sum_ + size * part for sum_, part in zip(impulse, many.get("contact.mean_force"), strict=True)]
+            mean = many.get("contact.mean_force")
+            impulse = [before + size * part for before, part in zip(impulse, mean, strict=True)]
             peaks.append((many.get("contact.peak_force"), many.get("contact.peak_penetration")))
-        force = max(force for force, _ in peaks)
+        force, depth = (max(values) for values in zip(*peaks, strict=True))
         expected = one.get("contact.peak_force")
         assert [part / whole for part in impulse] == pytest.approx(
             one.get("contact.mean_force"), rel=1e-7, abs=1e-7 * expected
         )
         assert force == pytest.approx(expected, rel=1e-7)
-        assert max(depth for _, depth in peaks) == pytest.approx(one.get("contact.peak_penetration"), rel=1e-7)
+        assert depth == pytest.approx(one.get("contact.peak_penetration"), rel=1e-7)
 
 
 @pytest.mark.parametrize("name", [name for name in PROBLEMS if name.startswith(("P3", "F"))])
