@@ -189,6 +189,9 @@ static double end_of_full_friction(const struct slide *f, double end)
     }
 }
 
+/* Up to this angle [rad] a rotation is exact to rounding without a rotor. */
+static const double SMALL_ANGLE = 4.0;
+
 enum { MOMENTS = 4 };
 
 /* The way of a slide: moments of the speed lost, integrals of t^k (u_0 - u) [m s^k], and the rotation. */
@@ -198,9 +201,16 @@ struct travel {
     struct rotor_state turn;
 };
 
-/* Rotates without friction, by the angular velocity of way->turn. */
+/* Rotates without friction, by the angular velocity of way->turn. A rotor reduces a large angle with twice the
+ * digits; a small angle needs none. */
 static void turn_on(struct travel *way, double time)
 {
+    const struct vec3 angle = vec3_scale(time, way->turn.angular_velocity);
+    if (vec3_max_abs(angle) < SMALL_ANGLE) {
+        const struct quaternion turned = quaternion_of_rotation(angle);
+        way->turn.orientation = quaternion_unit(quaternion_product(turned, way->turn.orientation));
+        return;
+    }
     const struct rotor rotor = rotor_from(way->turn, 1.0, 1.0);
     way->turn = rotor_at(&rotor, time);
 }
@@ -527,15 +537,14 @@ bool rubbing_allows(struct segment *p, const struct scene_values *v, const struc
     const double end = fmin(p->end, p->terminal.s);
     const double time = segment_time(p, end);
     const double radians = radians_in(p, time);
-    const struct slide f = slide_of(p, v, q, contact);
-    if (!(f.per_impulse > 0.0)) {
-        return true;
+    if (radians > MOST_RADIANS) {
+        const struct slide f = slide_of(p, v, q, contact);
+        const bool slips = f.per_impulse > 0.0;
+        const double full = !slips ? end : axis_turns(&f, f.slip, time) ? 0.0 : end_of_full_friction(&f, end);
+        if (full < end) {
+            p->end = fmin(segment_place(p, segment_time(p, full) + time * (MOST_RADIANS / radians)), end);
+        }
     }
-    const double full = axis_turns(&f, f.slip, time) ? 0.0 : end_of_full_friction(&f, end);
-    if (full < end && radians > MOST_RADIANS) {
-        const double most = segment_time(p, full) + time * (MOST_RADIANS / radians);
-        p->end = fmin(segment_place(p, most), end);
-    }
-    p->work += full < end ? 1 + (int)fmin(radians, MOST_RADIANS) : 0;
+    p->work += 1 + (int)fmin(radians, MOST_RADIANS);
     return true;
 }
