@@ -201,8 +201,8 @@ struct travel {
     struct rotor_state turn;
 };
 
-/* Rotates without friction, by the angular velocity of way->turn. A rotor reduces a large angle with twice the
- * digits; a small angle needs none. */
+/* Rotates without friction, by the angular velocity of way->turn. A rotor reduces a large angle with twice
+ * the digits; a small angle needs none. */
 static void turn_on(struct travel *way, double time)
 {
     const struct vec3 angle = vec3_scale(time, way->turn.angular_velocity);
