@@ -174,7 +174,8 @@ def compare_best(problems: Iterable[Problem], rows: Sequence[Row], plan: Plan, s
             say(f"{problem.name}, {steps} communication steps: the best of each")
             own = [row for row in rows if (row.problem, row.communication_steps) == (problem.name, steps)]
             for reaches in CVODE_REACHES:
-                best = [_quickest(own, METHODS[1:], reaches), _quickest(own, METHODS[:1], REACHED)]
+                sides = ([row for row in own if (row.solver == METHODS[0]) == ours] for ours in (False, True))
+                best = [quickest(*pair) for pair in zip(sides, (reaches, REACHED), strict=True)]
                 known = {"problem": problem.name, "communication_steps": steps, "cvode_reaches_m": reaches}
                 found.append(known | {"ratio": None})
                 if None not in best:
@@ -182,8 +183,8 @@ def compare_best(problems: Iterable[Problem], rows: Sequence[Row], plan: Plan, s
     return found
 
 
-def _quickest(rows: Sequence[Row], solvers: Sequence[str], error: float) -> Row | None:
-    fit = [row for row in rows if row.solver in solvers and row.measured and row.error_m <= error]
+def quickest(rows: Iterable[Row], error: float) -> Row | None:
+    fit = [row for row in rows if row.measured and row.error_m <= error]
     return min(fit, key=lambda row: row.time_s, default=None)
 
 

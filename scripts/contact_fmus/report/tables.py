@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contact_fmus.bench.problems import METHODS, STIFF_TOLERANCE, Problem, benchmarks
 from contact_fmus.pages import Table, read_words
 
-from .measure import PEER, REACHED, RELATIVE_TOLERANCE, THIS_FMU, TOO_LONG, Row, stiff_setting
+from .measure import PEER, REACHED, RELATIVE_TOLERANCE, THIS_FMU, TOO_LONG, Row, quickest, stiff_setting
 
 ERRORS = (1e-5, 1e-7, 1e-9, 1e-11)  # m
 MISSING = "–"
@@ -56,7 +56,7 @@ def ratios_table(comparison: Sequence[dict], others: Sequence[Row]) -> Table:
             texts = [*_side(one["cvode"]), *_side(one["event_driven"])]
             texts += [ratio_text(one["ratio"]), ratio_text(one["ratio_of_least"])]
         known = [one["problem"], str(one["communication_steps"]), f"{one['cvode_reaches_m']:.0e}"]
-        cells.append([*known, *texts, quickest(one["problem"], others)])
+        cells.append([*known, *texts, quickest_peer(one["problem"], others)])
     return Table(WORDS["ratios"]["caption"], WORDS["ratios"]["header"], cells, 7)
 
 
@@ -160,16 +160,13 @@ def comparison(ratios: Sequence[dict], others: Sequence[Row]) -> Table:
             texts += [seconds(one["cvode"]["time_s"]), ratio_text(one["ratio"])] if one["ratio"] else [MISSING] * 2
             own = seconds(one["event_driven"]["time_s"]) if one["ratio"] else own
         title = f"{name}, {benchmarks()[name].title}"
-        cells.append([title, str(count), own, *texts, quickest(name, others)])
+        cells.append([title, str(count), own, *texts, quickest_peer(name, others)])
     header = ["problem", "communication steps", "event_driven to 1e-09 m"]
     header += [text for error in errors for text in (f"best CVODE to {error:.0e} m", "ratio")]
     caption = "Least time, and how many times less event_driven takes"
     return Table(caption, [*header, "fastest other to 1e-09 m"], cells, 2)
 
 
-def quickest(problem: str, others: Sequence[Row]) -> str:
-    good = [row for row in others if row.problem == problem and row.measured and row.error_m <= REACHED]
-    if not good:
-        return MISSING
-    best = min(good, key=lambda row: row.time_s)
-    return f"{seconds(best.time_s)} ({best.solver})"
+def quickest_peer(problem: str, others: Sequence[Row]) -> str:
+    best = quickest((row for row in others if row.problem == problem), REACHED)
+    return f"{seconds(best.time_s)} ({best.solver})" if best else MISSING
