@@ -1553,8 +1553,9 @@ void segment_advance(struct segment *p, double from, double s, const struct scen
 {
     struct contact_state *state = &q->contact[contact];
     struct pair_change change = segment_change(p, s);
-    /* a contact deeper than the bodies are wide: positions do not give the gap */
-    change.head_on = change.head_on && p->largest_gap <= contact_reach(&p->pair.shape);
+    /* a solid contact deeper than the bodies are wide: positions do not give the gap */
+    change.head_on = change.head_on && (!contact_may_reach_centre(&p->pair.shape) ||
+                                        p->largest_gap <= contact_reach(&p->pair.shape));
     agree_with_gap(p, &change);
     if (from < s) {
         peaks_note(p, &state->peaks, from, s);

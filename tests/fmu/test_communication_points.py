@@ -63,8 +63,7 @@ def test_a_state_saved_within_a_phase_goes_on_with_the_same_bits(name):
 
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_steps_add_up(name):
-    """The impulse of the contact is the sum of the mean forces of all steps, and the largest of the peaks of all
-    steps is the peak of one step over all of them."""
+    """The impulses of all steps add up to that of one step over all of them, and its peak is the largest."""
     (one, whole), (many, size) = start(name, 1), start(name, STEPS)
     with one, many:
         step(one, whole, 0)
