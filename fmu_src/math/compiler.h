@@ -70,6 +70,24 @@ typedef double double2;
 enum { LANES = 1 };
 #endif
 
+/* A long sum is made of two, of every other term each, in one double2 or in two of them: the sum then has the
+ * same bits everywhere. Term k goes to part(k). */
+enum { PARTS = 2 / LANES };
+
+static inline int part(int k)
+{
+    return k / LANES % PARTS;
+}
+
+static inline double parts_together(const double2 sum[PARTS])
+{
+#if CONTACT_GNU_C
+    return sum[0][0] + sum[0][1];
+#else
+    return sum[0] + sum[1];
+#endif
+}
+
 /* The ratio of a circle's circumference to its diameter, rounded to double; C11 itself names none. */
 
 static const double PI = 3.141592653589793;

@@ -87,15 +87,6 @@ struct series_sums {
     double n[FRAME], push[FRAME], r[FRAME];
 };
 
-static inline double lanes_together(double2 a)
-{
-#if CONTACT_GNU_C
-    return a[0] + a[1];
-#else
-    return a;
-#endif
-}
-
 /* Returns where in a reversed series the factors begin that coefficients 1, 2, ... of another series have in
  * coefficient i of the product of both. */
 static inline const double *back_from(const double *back, int i)
@@ -112,32 +103,39 @@ static inline void sum_lower_scalars(const struct pair_series *p, const struct s
     const double *roots = back_from(z->opened_back, i);
     const double *squares = back_from(z->square_back, i);
     const double *rates = back_from(z->rate_back, i);
-    double2 time2 = {0.0};
-    double2 square = {0.0};
-    double2 fourth = {0.0};
-    double2 drag = {0.0};
+    double2 time2[PARTS];
+    double2 square[PARTS];
+    double2 fourth[PARTS];
+    double2 drag[PARTS];
+    memset(time2, 0, sizeof time2);
+    memset(square, 0, sizeof square);
+    memset(fourth, 0, sizeof fourth);
+    memset(drag, 0, sizeof drag);
     for (int k = 1; k < i; k += LANES) {
-        time2 += double2_at(p->time, k) * double2_at(times, k);
-        square += double2_at(p->opened, k) * double2_at(roots, k);
-        fourth += double2_at(z->square, k) * double2_at(squares, k);
-        drag += double2_at(z->fourth, k) * double2_at(rates, k);
+        time2[part(k - 1)] += double2_at(p->time, k) * double2_at(times, k);
+        square[part(k - 1)] += double2_at(p->opened, k) * double2_at(roots, k);
+        fourth[part(k - 1)] += double2_at(z->square, k) * double2_at(squares, k);
+        drag[part(k - 1)] += double2_at(z->fourth, k) * double2_at(rates, k);
     }
-    sum->time2 = lanes_together(time2);
-    sum->square = lanes_together(square);
-    sum->fourth = lanes_together(fourth);
-    sum->drag = lanes_together(drag);
+    sum->time2 = parts_together(time2);
+    sum->square = parts_together(square);
+    sum->fourth = parts_together(fourth);
+    sum->drag = parts_together(drag);
 }
 
 /* Sums the products of vectors. All components are in one loop because they share factors. */
 static inline void sum_lower_vectors(const struct pair_series *p, const struct series_work *z, int i,
                                      struct series_kind kind, struct series_sums *sum)
 {
-    double2 r[FRAME];
-    double2 n[FRAME];
-    double2 push[FRAME];
-    double2 speed = {0.0};
+    double2 r[FRAME][PARTS];
+    double2 n[FRAME][PARTS];
+    double2 push[FRAME][PARTS];
+    double2 speed[PARTS];
+    memset(speed, 0, sizeof speed);
     for (int j = 0; j < kind.dimensions; ++j) {
-        r[j] = n[j] = push[j] = speed;
+        memset(r[j], 0, sizeof r[j]);
+        memset(n[j], 0, sizeof n[j]);
+        memset(push[j], 0, sizeof push[j]);
     }
     for (int k = 1; k < i && (kind.by_root || kind.dimensions > 1); k += LANES) {
         const double2 root = double2_at(p->opened, k);
@@ -145,22 +143,22 @@ static inline void sum_lower_vectors(const struct pair_series *p, const struct s
         const double2 impulse = double2_at(z->impulse, k);
         for (int j = 0; j < kind.dimensions; ++j) {
             if (kind.by_root) {
-                r[j] += root * double2_at(back_from(z->r_rate_back[j], i), k);
+                r[j][part(k - 1)] += root * double2_at(back_from(z->r_rate_back[j], i), k);
             }
             if (kind.dimensions > 1) {
                 const double2 normal = double2_at(back_from(z->n_back[j], i), k);
-                n[j] += d * normal;
-                push[j] += impulse * normal;
-                speed += double2_at(z->w[j], k) * normal;
+                n[j][part(k - 1)] += d * normal;
+                push[j][part(k - 1)] += impulse * normal;
+                speed[part(k - 1)] += double2_at(z->w[j], k) * normal;
             }
         }
     }
     for (int j = 0; j < kind.dimensions; ++j) {
-        sum->r[j] = lanes_together(r[j]);
-        sum->n[j] = lanes_together(n[j]);
-        sum->push[j] = lanes_together(push[j]);
+        sum->r[j] = parts_together(r[j]);
+        sum->n[j] = parts_together(n[j]);
+        sum->push[j] = parts_together(push[j]);
     }
-    sum->speed = lanes_together(speed);
+    sum->speed = parts_together(speed);
 }
 
 /* Changes f from coefficient i of c to coefficient i of f. At a rim the nearest point of the circle moves. */
@@ -642,11 +640,12 @@ static struct series_powers powers_of(double s)
 static double row_at(const double row[TAYLOR_TERMS], const struct series_powers *at)
 {
     _Static_assert(TAYLOR_ORDER % LANES == 0, "the terms but the first are in pairs");
-    double2 sum = {0.0};
+    double2 sum[PARTS];
+    memset(sum, 0, sizeof sum);
     for (int i = TAYLOR_TERMS - LANES; i > 0; i -= LANES) {
-        sum += double2_at(row, i) * double2_at(at->of, i);
+        sum[part(i - 1)] += double2_at(row, i) * double2_at(at->of, i);
     }
-    return row[0] + lanes_together(sum);
+    return row[0] + parts_together(sum);
 }
 
 /* Returns a series of vectors at one s, in the world. */
@@ -711,11 +710,13 @@ static double series_dissipated(const struct pair_series *p, double s)
     }
     for (int i = SCENE_ANY_HERTZ && p->by_root ? TAYLOR_ORDER : PRODUCT_ORDER; i >= 0; --i) {
         const int first = i > TAYLOR_ORDER ? i - TAYLOR_ORDER : 0;
-        double2 term = {0.0};
+        double2 term[PARTS];
+        memset(term, 0, sizeof term);
         for (int k = first; k <= i && k < TAYLOR_TERMS; k += LANES) {
-            term += double2_at(drag, k) * double2_at(rates, TAYLOR_ORDER - i + k); /* rate[i - k] */
+            term[part(k - first)] +=
+                double2_at(drag, k) * double2_at(rates, TAYLOR_ORDER - i + k); /* rate[i - k] */
         }
-        sum = sum * s + lanes_together(term) / (i + 1);
+        sum = sum * s + parts_together(term) / (i + 1);
     }
     return p->unit * s * sum;
 }
