@@ -445,16 +445,33 @@ static bool restore_pairs(struct pair_phase *all, const struct scene_values *v, 
     return make_pairs(all, v, &start, &at, q->phase.longest);
 }
 
+/* Whether each reading of a longer phase would cost more. */
+static bool reading_is_costly(const struct pair_phase *all, const struct scene_values *v,
+                              const struct scene_state *q)
+{
+    bool any = false;
+    for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS; ++j) {
+        any = any || (all->segment[j].rubs && rubbing_is_long(&all->segment[j], v, q, j));
+    }
+    return any;
+}
+
 /* Begins a phase up to the clock `until`, or earlier. */
 static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, struct scene_state *q,
                         double until, struct advance *step)
 {
-    const double longest = until - q->clock;
+    double longest = until - q->clock;
     if (until > step->clock_end) {
         step->is_now = false; /* the instant is computed as restore_pairs computes it */
     }
     all->made_from.end = 0.0;
-    if (!make_pairs(all, v, q, advance_now(step, v, q), longest)) {
+    bool made = make_pairs(all, v, q, advance_now(step, v, q), longest);
+    if (made && until > step->clock_end && reading_is_costly(all, v, q)) {
+        until = step->clock_end;
+        longest = until - q->clock;
+        made = make_pairs(all, v, q, advance_now(step, v, q), longest);
+    }
+    if (!made) {
         return false;
     }
     q->phase.clock = q->phase.followed = q->clock;

@@ -548,3 +548,11 @@ bool rubbing_allows(struct segment *p, const struct scene_values *v, const struc
     p->work += 1 + (int)fmin(radians, MOST_RADIANS);
     return true;
 }
+
+bool rubbing_is_long(const struct segment *p, const struct scene_values *v, const struct scene_state *q,
+                     int contact)
+{
+    const struct slide f = slide_of(p, v, q, contact);
+    const double time = segment_time(p, fmin(p->end, p->terminal.s));
+    return f.per_impulse > 0.0 && (radians_in(p, time) > LONGEST_PANEL || axis_turns(&f, f.slip, time));
+}
