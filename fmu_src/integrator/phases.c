@@ -445,13 +445,16 @@ static bool restore_pairs(struct pair_phase *all, const struct scene_values *v, 
     return make_pairs(all, v, &start, &at, q->phase.longest);
 }
 
-/* Whether each reading of a longer phase would cost more. */
-static bool reading_is_costly(const struct pair_phase *all, const struct scene_values *v,
-                              const struct scene_state *q)
+/* Whether a longer phase does harm: each reading of it would cost more, or the places of a deep contact, as the
+ * sum of a long flight and of what nearly cancels it, would be rounded more. */
+static bool longer_does_harm(const struct pair_phase *all, const struct scene_values *v,
+                             const struct scene_state *q)
 {
     bool any = false;
-    for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS; ++j) {
-        any = any || (all->segment[j].rubs && rubbing_is_long(&all->segment[j], v, q, j));
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct segment *p = &all->segment[j];
+        any = any || (has_segment(v, q, j) && segment_is_deep(p)) ||
+              (SCENE_ANY_FRICTION && p->rubs && rubbing_is_long(p, v, q, j));
     }
     return any;
 }
@@ -466,7 +469,7 @@ static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, st
     }
     all->made_from.end = 0.0;
     bool made = make_pairs(all, v, q, advance_now(step, v, q), longest);
-    if (made && until > step->clock_end && reading_is_costly(all, v, q)) {
+    if (made && until > step->clock_end && longer_does_harm(all, v, q)) {
         until = step->clock_end;
         longest = until - q->clock;
         made = make_pairs(all, v, q, advance_now(step, v, q), longest);

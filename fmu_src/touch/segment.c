@@ -1548,14 +1548,17 @@ static void agree_with_gap(const struct segment *p, struct pair_change *change)
     }
 }
 
+bool segment_is_deep(const struct segment *p)
+{
+    return p->largest_gap > contact_reach(&p->pair.shape);
+}
+
 void segment_advance(struct segment *p, double from, double s, const struct scene_values *v,
                      struct scene_state *q, int contact)
 {
     struct contact_state *state = &q->contact[contact];
     struct pair_change change = segment_change(p, s);
-    /* a solid contact deeper than the bodies are wide: positions do not give the gap */
-    change.head_on = change.head_on && (!contact_may_reach_centre(&p->pair.shape) ||
-                                        p->largest_gap <= contact_reach(&p->pair.shape));
+    change.head_on = change.head_on && !segment_is_deep(p);
     agree_with_gap(p, &change);
     if (from < s) {
         peaks_note(p, &state->peaks, from, s);

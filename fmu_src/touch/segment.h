@@ -136,6 +136,9 @@ double segment_place(const struct segment *p, double time);
 /* Returns the motion from the segment's start to s. */
 struct pair_change segment_change(const struct segment *p, double s);
 
+/* Whether the contact may become deeper than the bodies are wide. Positions then do not give the gap. */
+bool segment_is_deep(const struct segment *p);
+
 /* Moves the bodies from the start of the segment to s, books impulse, energies and work of the contact, but
  * not the clock. Notes the peaks from the place `from` on. */
 void segment_advance(struct segment *p, double from, double s, const struct scene_values *v,
