@@ -445,8 +445,8 @@ static bool restore_pairs(struct pair_phase *all, const struct scene_values *v, 
     return make_pairs(all, v, &start, &at, q->phase.longest);
 }
 
-/* Whether a longer phase does harm: each reading of it would cost more, or the places of a deep contact, as the
- * sum of a long flight and of what nearly cancels it, would be rounded more. */
+/* Whether a longer phase does harm: each reading of it would cost more, or the places of a deep contact, as
+ * the sum of a long flight and of what nearly cancels it, would be rounded more. */
 static bool longer_does_harm(const struct pair_phase *all, const struct scene_values *v,
                              const struct scene_state *q)
 {
