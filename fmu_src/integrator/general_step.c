@@ -377,7 +377,8 @@ static void note_friction(struct general *g, const struct scene_instant *at, int
     g->friction_rounding = fmax(g->friction_rounding, rounding_of_friction(&law, limit, speeds));
 }
 
-/* Notes what an impulse of a contact changes in the integrals: the impulse itself, the torques', energies. */
+/* Notes by how much a unit impulse of a contact changes each integral: the impulses of the force by one,
+ * those of the torques by their arms [m], the energies by the speeds [m/s]. */
 static void note_contact(struct general *g, const struct scene_instant *at, int contact)
 {
     const struct scene_values *v = g->ode.values;

@@ -554,7 +554,7 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
         tilt[0] += nodal_integral(p->result.tilt_rate, points, s) - p->result.normal_correction.y;
         tilt[1] = nodal_polynomial_at(p->result.tilt_rate, points, s);
         tilt[2] = nodal_slope(p->result.tilt_rate, points, s);
-        /* y adds to the tilt as in collocation_rim_correction */
+        /* the oscillation y changes the tilt, too: see collocation_rim_correction */
         double slow[4];
         collocation_averaged_deviation(p, s, slow);
         const double by = -2.0 * tilt[1] / (p->from.reach + x[0]);

@@ -1,7 +1,7 @@
 /*
- * Instances of either version of the standard that are called at random: what the fuzzers of Co-Simulation
- * and of Model Exchange share. Every function makes one call, or a few, with arguments that are missing,
- * wrong or extreme.
+ * The fuzzers of Co-Simulation and of Model Exchange share these players: instances of either version of FMI
+ * whose functions are called at random. Every function makes one call, or a few, with arguments that are
+ * missing, wrong or extreme.
  */
 #ifndef FUZZ_PLAYERS_H
 #define FUZZ_PLAYERS_H

@@ -177,8 +177,8 @@ def test_each_of_two_pairs_moves_as_if_it_were_alone(built, fmu_path, case, step
         onsets = {name: fmu[f"{names['contact']}.onsets"] for name, names in PAIRS.items()}
     for name, pair in zip(PAIRS, SIDE_BY_SIDE[case], strict=True):
         expected, onsets_alone = motion_alone(fmu_path(name), pair, times)
-        # Events of the other pair cut an oscillation, communication points do not: each cut rounds the place,
-        # of 0.4 m, by which the oscillation goes on.
+        # The events of the other pair interrupt the oscillation of this one; communication points do not.
+        # Each interruption rounds the place of the ball, which is 0.4 m from the origin.
         swings = (pair["contact.penalty_factor"] / pair["source.mass"]) ** 0.5 if "floor" in case else 0.0
         allowed = 1e-13 + (8 * np.finfo(float).eps * 0.4 * swings if name == "SphereSphere" else 0.0)
         check_close(name, both[name], expected, allowed)

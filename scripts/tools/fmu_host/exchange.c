@@ -235,7 +235,8 @@ static void radau5_dense(void *code, double time, double *y)
     contr5(output->count, &time, output->values, output->size, y);
 }
 
-/* Called at the begin and after each step; a negative `stop` ends the integration. */
+/* RADAU5 calls this function at the start and after each of its steps. A negative `stop` ends the
+ * integration. */
 static void radau5_step(const int *number, const double *old, const double *time, const double *y,
                         double *output, int *output_size, const int *count, double *user, int *unused,
                         int *stop)
