@@ -658,8 +658,11 @@ void general_attach(struct general *g, const struct scene_values *v, struct scen
     g->read_share = g->relative / (READ_PART * solver_relative_tolerance(v));
     g->longest = q->general_length; /* kept in the state, so that a restored state continues bit for bit */
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        g->output[j] =
-            (struct scene_output){.contact = j, .move = move_along_step, .mover = g, .output.latest_s = -1.0};
+        g->output[j] = (struct scene_output){
+            .contact = j,
+            .move = move_along_step,
+            .mover = g,
+            .output = {.latest_s = -1.0, .worth_a_search = fmax(g->relative, DENSE_OUTPUT_WORTH_A_SEARCH)}};
     }
 }
 
