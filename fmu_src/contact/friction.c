@@ -274,43 +274,50 @@ bool friction_rolls(const struct friction_law *law, enum friction_regime regime,
            admittance * limit > law->slip_velocity;
 }
 
-static struct friction_response rolling_response(const struct friction_law *law, enum friction_regime regime,
-                                                 double limit, struct vec3 slip, struct vec3 *force)
+struct friction_missed friction_missed(const struct friction_law *law, enum friction_regime regime,
+                                       double normal_force, struct vec3 slip, struct vec3 *force, bool rolls,
+                                       double admittance)
 {
-    struct friction_response response = {.by_slip = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}};
-    struct direction f = direction_of(*force);
-    if (f.length > LARGEST_PART * limit) {
-        *force = vec3_scale(LARGEST_PART * limit, f.unit);
-        f.length = LARGEST_PART * limit;
+    const double limit = friction_limit(law, regime, normal_force);
+    if (!(rolls && limit > 0.0)) {
+        const struct friction_state at = {.normal_force = normal_force, .slip = slip};
+        const struct vec3 more = vec3_sub(*force, friction_force(law, regime, at));
+        return (struct friction_missed){vec3_scale(admittance, more), 0.0};
     }
-    const double part = f.length / limit;
-    const double v_0 = law->slip_velocity;
+    double part = vec3_norm(*force) / limit;
+    if (part > LARGEST_PART) {
+        *force = vec3_scale(LARGEST_PART / part, *force);
+        part = LARGEST_PART;
+    }
     const double across = part > 0.0 ? -log1p(-part) / part : 1.0;
-    response.steepness = v_0 / (limit * (1.0 - part));
-    set_axial(response.by_force, f.unit, response.steepness, v_0 / limit * across);
-    response.missed = vec3_axpy(slip, v_0 / limit * across, *force);
-    response.by_normal_force =
-        vec3_scale(-limit_slope(law, regime) * v_0 / limit * part / (1.0 - part), f.unit);
-    return response;
+    const double v_0 = law->slip_velocity;
+    return (struct friction_missed){vec3_axpy(slip, v_0 / limit * across, *force),
+                                    v_0 / (limit * (1.0 - part))};
 }
 
 struct friction_response friction_response_of(const struct friction_law *law, enum friction_regime regime,
-                                              double normal_force, struct vec3 slip, struct vec3 *force,
+                                              double normal_force, struct vec3 slip, struct vec3 force,
                                               bool rolls, double admittance)
 {
+    struct friction_response response = {.by_slip = {{0.0}}};
     const double limit = friction_limit(law, regime, normal_force);
     if (rolls && limit > 0.0) {
-        return rolling_response(law, regime, limit, slip, force);
+        const struct direction f = direction_of(force);
+        const double part = f.length / limit;
+        const double by_force = law->slip_velocity / limit;
+        const double across = part > 0.0 ? -log1p(-part) / part : 1.0;
+        set_axial(response.by_force, f.unit, by_force / (1.0 - part), by_force * across);
+        set_axial(response.by_slip, f.unit, 1.0, 1.0);
+        response.by_normal_force =
+            vec3_scale(-limit_slope(law, regime) * by_force * part / (1.0 - part), f.unit);
+        return response;
     }
     const struct friction_state at = {.normal_force = normal_force, .slip = slip};
     const struct friction_slopes slopes = friction_force_slopes(law, regime, at);
-    struct friction_response response = {.by_slip = {{0.0}}};
-    response.missed = vec3_scale(admittance, vec3_sub(*force, friction_force(law, regime, at)));
     response.by_normal_force = vec3_scale(-admittance, slopes.by_normal_force);
     for (int i = 0; i < 3; ++i) {
         response.by_force[i][i] = admittance;
         for (int j = 0; j < 3; ++j) {
-            response.by_force[i][j] = i == j ? admittance : 0.0;
             response.by_slip[i][j] = -admittance * slopes.by_slip[i][j];
         }
     }

@@ -104,13 +104,17 @@ double friction_stick_event(const struct friction_law *law, enum friction_regime
  *
  * Both are zero where the law of regularized friction holds. The first is nearly linear in F_t while |F_t| is
  * well below L, the second is nearly linear in v_t where |F_t| is almost L. The admittance a [m/(N s)], a
- * change of velocity by a force, scales the second. The derivatives are those by F_t, by v_t and by F_n.
+ * change of velocity by a force, scales the second.
  */
+struct friction_missed {
+    struct vec3 velocity;
+    double steepness; /* the derivative by |F_t| in the first form [m/(N s)]; 0 in the second */
+};
+
+/* The derivatives by F_t, by v_t and by F_n. */
 struct friction_response {
-    struct vec3 missed;
     double by_force[3][3], by_slip[3][3];
     struct vec3 by_normal_force;
-    double steepness; /* the derivative by |F_t| in the first form [m/(N s)]; 0 in the second */
 };
 
 /* Whether friction rolls, so that its response has the first form. It does not where its limit could change
@@ -118,9 +122,13 @@ struct friction_response {
 bool friction_rolls(const struct friction_law *law, enum friction_regime regime, double normal_force,
                     struct vec3 force, double admittance);
 
-/* Returns the response in the form that `rolls` names; a force F_t of nearly L or more is shortened first. */
+/* Return how far a force is from its law, in the form that `rolls` names, and the derivatives.
+ * friction_missed first shortens a force F_t of nearly L or more. */
+struct friction_missed friction_missed(const struct friction_law *law, enum friction_regime regime,
+                                       double normal_force, struct vec3 slip, struct vec3 *force, bool rolls,
+                                       double admittance);
 struct friction_response friction_response_of(const struct friction_law *law, enum friction_regime regime,
-                                              double normal_force, struct vec3 slip, struct vec3 *force,
+                                              double normal_force, struct vec3 slip, struct vec3 force,
                                               bool rolls, double admittance);
 
 /* Whether the stick event of elastic friction compares |F*| with a limit. */

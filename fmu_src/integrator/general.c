@@ -47,14 +47,14 @@ static double smooth_gap(const struct general *g, int contact, double gap)
     return isfinite(smooth) ? smooth : gap;
 }
 
-static void sample_events_at(struct general *g, double clock, int place)
+/* Samples the event functions at the instant `at` of the state g->y. */
+static void sample_events_at(struct general *g, double clock, const struct scene_instant *at, int place)
 {
     double *events = g->events[place];
-    struct scene_instant at;
-    ode_events_at(&g->ode, clock, g->y, &at, events);
+    ode_events_at(&g->ode, clock, g->y, at, events);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        g->loads[place][j][GENERAL_FORCE] = at.normal_force[j];
-        g->loads[place][j][GENERAL_DEPTH] = -at.geometry[j].gap;
+        g->loads[place][j][GENERAL_FORCE] = at->normal_force[j];
+        g->loads[place][j][GENERAL_DEPTH] = -at->geometry[j].gap;
     }
     for (int e = 0; e < ODE_EVENTS; ++e) {
         g->event_size[e] = fmax(g->event_size[e], fabs(events[e]));
@@ -118,12 +118,18 @@ static void smooth_friction(struct general *g, int contact)
 static void sample_events(struct general *g)
 {
     const struct radau_step *p = &g->step;
+    struct scene_instant at;
     memset(g->event_size, 0, sizeof g->event_size);
     memcpy(g->y, p->y, (size_t)g->size * sizeof *g->y);
-    sample_events_at(g, p->start, 0);
+    ode_instant(&g->ode, p->start, g->y, &at);
+    sample_events_at(g, p->start, &at, 0);
     for (int i = 0; i < p->stages->stages; ++i) {
+        const double clock = p->start + p->stages->node[i] * p->length;
         radau_step_stage(p, i, g->y);
-        sample_events_at(g, p->start + p->stages->node[i] * p->length, i + 1);
+        if (!g->by_forces) {
+            ode_instant(&g->ode, clock, g->y, &at);
+        }
+        sample_events_at(g, clock, g->by_forces ? &g->at_stage[i] : &at, i + 1);
     }
     for (int j = 0; SCENE_ANY_ELASTIC_FRICTION && j < SCENE_CONTACTS; ++j) {
         smooth_friction(g, j);

@@ -30,8 +30,8 @@ static inline bool is_flat(const struct mobility *m)
     return SCENE_ANY_CYLINDER && m->flatness != 0.0;
 }
 
-/* The bodies at both ends of a contact, source first, and the indices in y of their velocities and spins; -1:
- * the body has none. */
+/* The bodies at both ends of a contact, source first, and the places of their velocities and spins among the
+ * states that are no places; -1: the body has none. */
 struct node_ends {
     int body[2], speed[2], spin[2];
 };
@@ -41,6 +41,7 @@ static const double SIGN_OF_END[2] = {1.0, -1.0};
 
 struct iteration {
     struct general *g;
+    struct turning_layout layout;
     struct node node[RADAU_MOST_STAGES][SCENE_CONTACTS];
     struct vec3 axis[RADAU_MOST_STAGES][SCENE_BODIES]; /* third axes of the bodies */
     struct mobility mobility[SCENE_BODIES];
@@ -49,7 +50,8 @@ struct iteration {
     double side[SCENE_CONTACTS];       /* +1: the source is outside the destination, -1: inside */
     double admittance[SCENE_CONTACTS]; /* scale of the responses that are forces [m/(N s)] */
     int among[ODE_MOST_STATES];        /* indices of states among those that are no places */
-    bool stale; /* whether the slopes of a contact that rolls have changed by more than STALE */
+    double *rates, *bare; /* [stages][width] rates of these states with and without the contact forces */
+    bool stale;           /* whether the slopes of a contact that rolls have changed by more than STALE */
     int factorizations;
 };
 
@@ -57,11 +59,9 @@ struct iteration {
  * steep the corrections of the forces are small although the forces are far from the law. */
 static const double STALE = 3.0;
 
-static void prepare(struct iteration *it)
+static void prepare_bodies(struct iteration *it)
 {
     const struct scene_values *v = it->g->ode.values;
-    const struct radau_step *p = &it->g->step;
-    const struct turning_layout layout = turning_layout_of(v);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         struct mobility *to = &it->mobility[i];
         to->by_mass = body_inverse_mass(v, i);
@@ -71,20 +71,49 @@ static void prepare(struct iteration *it)
         }
         to->moves = to->by_mass > 0.0 || to->by_inertia > 0.0;
     }
+}
+
+static void prepare_contacts(struct iteration *it)
+{
+    const struct scene_values *v = it->g->ode.values;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double by_mass = scene_inverse_mass(v, j);
         const int body[2] = {contact_source(j), contact_destination(j)};
         it->laws[j] = turning_laws_of(v, it->g->state, j);
         it->side[j] = scene_contact_side(v, it->g->state, j);
-        it->admittance[j] = p->length * (by_mass > 0.0 ? by_mass : 1.0);
+        it->admittance[j] = it->g->step.length * (by_mass > 0.0 ? by_mass : 1.0);
         for (int end = 0; end < 2; ++end) {
+            const int spin = it->layout.spin[body[end]];
             it->ends[j].body[end] = body[end];
-            it->ends[j].spin[end] = layout.spin[body[end]];
-            it->ends[j].speed[end] = body_is_free(v, body[end]) ? ode_body(v, body[end]) + 3 : -1;
+            it->ends[j].spin[end] = spin >= 0 ? it->among[spin] : -1;
+            it->ends[j].speed[end] = body_is_free(v, body[end]) ? it->among[ode_body(v, body[end]) + 3] : -1;
         }
     }
+}
+
+/* Sets what is the same in all iterations: the motion of bodies that are not free, and the rates without
+ * contact forces. */
+static void prepare(struct iteration *it)
+{
+    struct general *g = it->g;
+    struct radau_step *p = &g->step;
+    it->layout = turning_layout_of(g->ode.values);
+    it->rates = p->rates;
+    it->bare = p->residual;
     for (int j = 0; j < p->others; ++j) {
         it->among[p->other[j]] = j;
+    }
+    prepare_bodies(it);
+    prepare_contacts(it);
+    memset(p->point, 0, (size_t)g->size * sizeof *p->point);
+    memset(it->bare, 0, (size_t)(p->stages->stages * p->width) * sizeof *it->bare);
+    for (int i = 0; i < p->stages->stages; ++i) {
+        const double clock = p->start + p->length * p->stages->node[i];
+        ode_prescribed_motion(&g->ode, clock, &g->at_stage[i]);
+        ode_rates_without_contact(&g->ode, &it->layout, clock, p->point);
+        for (int j = 0; j < p->others; ++j) {
+            it->bare[i * p->width + j] = p->point[p->other[j]];
+        }
     }
 }
 
@@ -104,33 +133,33 @@ static void respond(struct iteration *it, struct node *node, int contact, const 
 {
     const struct turning_laws *laws = &it->laws[contact];
     const struct contact_geometry *g = &at->geometry[contact];
+    const struct vec3 slip = at->turning.slip[contact];
+    const bool touches = laws->regime != REGIME_APART;
+    const enum friction_regime regime = touches ? laws->friction_regime : FRICTION_LIFTED;
+    const double by_law = touches ? contact_force(&laws->normal, laws->regime, g->gap, g->gap_rate) : 0.0;
     const double a = it->admittance[contact];
     const struct vec3 e = vec3_scale(it->side[contact], g->normal);
     const double normal_force = -vec3_dot(node->force, e);
     struct vec3 tangential = vec3_axpy(node->force, normal_force, e);
-    double by_law = 0.0;
-    struct contact_slopes slopes = {0.0, 0.0};
-    enum friction_regime regime = FRICTION_LIFTED;
-    if (laws->regime != REGIME_APART) {
-        regime = laws->friction_regime;
-        by_law = contact_force(&laws->normal, laws->regime, g->gap, g->gap_rate);
-    }
     if (anew) {
         node->rolls = friction_rolls(&laws->friction, regime, normal_force, tangential, a);
     }
-    const struct friction_response friction = friction_response_of(
-        &laws->friction, regime, normal_force, at->turning.slip[contact], &tangential, node->rolls, a);
+    const struct friction_missed missed =
+        friction_missed(&laws->friction, regime, normal_force, slip, &tangential, node->rolls, a);
     node->force = vec3_axpy(tangential, -normal_force, e);
-    node->response = vec3_axpy(friction.missed, a * (by_law - normal_force), e);
+    node->response = vec3_axpy(missed.velocity, a * (by_law - normal_force), e);
     if (!anew) {
-        const double ratio = friction.steepness / node->steepness;
+        const double ratio = missed.steepness / node->steepness;
         it->stale = it->stale || (node->rolls && !(ratio < STALE && ratio * STALE > 1.0));
         return;
     }
-    node->steepness = friction.steepness;
-    if (laws->regime != REGIME_APART) {
+    node->steepness = missed.steepness;
+    struct contact_slopes slopes = {0.0, 0.0};
+    if (touches) {
         slopes = contact_force_slopes(&laws->normal, laws->regime, g->gap, g->gap_rate);
     }
+    const struct friction_response friction =
+        friction_response_of(&laws->friction, regime, normal_force, slip, tangential, node->rolls, a);
     put_rows(node->by_force, friction.by_force, a, e);
     put_rows(node->by_velocity, friction.by_slip, -a * slopes.by_rate, e); /* g' = -e.U */
     for (int i = 0; i < 3; ++i) {
@@ -139,32 +168,50 @@ static void respond(struct iteration *it, struct node *node, int contact, const 
     }
 }
 
+/* Sets the motion of all contacts at a stage. */
+static struct scene_instant *move_to_stage(struct iteration *it, int stage)
+{
+    struct general *g = it->g;
+    radau_step_stage(&g->step, stage, g->step.point);
+    ode_contact_motion(&g->ode, &it->layout, g->step.point, &g->at_stage[stage]);
+    return &g->at_stage[stage];
+}
+
+/* Adds the rates of the orientations on which contacts depend. */
+static void put_orientation_rates(struct iteration *it, int stage, const struct scene_instant *at)
+{
+    for (int i = 0; SCENE_ANY_CYLINDER && i < SCENE_BODIES; ++i) {
+        const int k = it->layout.orientation[i];
+        if (k >= 0 && k < it->layout.coupled) {
+            const double *y = it->g->step.point + k;
+            const struct quaternion rate = quaternion_rate((struct quaternion){y[0], y[1], y[2], y[3]},
+                                                           at->turning.body[i].angular_velocity);
+            double *to = it->rates + stage * it->g->step.width + it->among[k];
+            to[0] = rate.w;
+            vec3_to(quaternion_vector(rate), to + 1);
+            it->axis[stage][i] = quaternion_third_axis(at->turning.body[i].orientation);
+        }
+    }
+}
+
 /* Evaluates the motion of all contacts at the stages, their responses, and the rates without contact. */
 static void evaluate_nodes(struct iteration *it, bool anew)
 {
-    struct general *g = it->g;
-    struct radau_step *p = &g->step;
-    struct scene_instant at;
-    memcpy(p->point, p->y, (size_t)g->size * sizeof *p->point);
+    struct radau_step *p = &it->g->step;
+    const int s = p->stages->stages;
+    memcpy(it->rates, it->bare, (size_t)(s * p->width) * sizeof *it->rates);
     it->stale = false;
-    for (int i = 0; i < p->stages->stages; ++i) {
-        const double clock = p->start + p->length * p->stages->node[i];
-        radau_step_stage(p, i, p->point);
-        ode_contact_motion(&g->ode, clock, p->point, &at);
-        ode_rates_without_contact(&g->ode, clock, p->point, &at, p->rates + i * p->stride);
+    for (int i = 0; i < s; ++i) {
+        const struct scene_instant *at = move_to_stage(it, i);
+        put_orientation_rates(it, i, at);
         for (int j = 0; j < SCENE_CONTACTS; ++j) {
             struct node *node = &it->node[i][j];
-            node->arm[0] = at.turning.source_arm[j];
-            node->arm[1] = at.turning.destination_arm[j];
-            respond(it, node, j, &at, anew);
-        }
-        for (int j = 0; j < SCENE_BODIES; ++j) {
-            if (is_flat(&it->mobility[j])) {
-                it->axis[i][j] = quaternion_third_axis(at.turning.body[j].orientation);
-            }
+            node->arm[0] = at->turning.source_arm[j];
+            node->arm[1] = at->turning.destination_arm[j];
+            respond(it, node, j, at, anew);
         }
     }
-    p->evaluations += p->stages->stages;
+    p->evaluations += s;
 }
 
 static void add_vector(double *to, double factor, struct vec3 a)
@@ -178,7 +225,7 @@ static void add_vector(double *to, double factor, struct vec3 a)
 static void add_force(struct iteration *it, int stage, int contact, struct vec3 force)
 {
     const struct node_ends *ends = &it->ends[contact];
-    double *rates = it->g->step.rates + stage * it->g->step.stride;
+    double *rates = it->rates + stage * it->g->step.width;
     for (int end = 0; end < 2; ++end) {
         const struct mobility *m = &it->mobility[ends->body[end]];
         if (ends->speed[end] >= 0) {
@@ -198,11 +245,11 @@ static struct vec3 velocity_of(const struct iteration *it, int stage, int contac
     struct vec3 sum = {0.0, 0.0, 0.0};
     for (int end = 0; end < 2; ++end) {
         if (ends->speed[end] >= 0) {
-            sum = vec3_axpy(sum, SIGN_OF_END[end], vec3_from(change + it->among[ends->speed[end]]));
+            sum = vec3_axpy(sum, SIGN_OF_END[end], vec3_from(change + ends->speed[end]));
         }
         if (ends->spin[end] >= 0) {
             const struct mobility *m = &it->mobility[ends->body[end]];
-            struct vec3 turned = vec3_from(change + it->among[ends->spin[end]]);
+            struct vec3 turned = vec3_from(change + ends->spin[end]);
             if (is_flat(m)) {
                 const struct vec3 e = it->axis[stage][ends->body[end]];
                 turned = vec3_axpy(turned, m->flatness * vec3_dot(turned, e), e);
@@ -212,6 +259,11 @@ static struct vec3 velocity_of(const struct iteration *it, int stage, int contac
         }
     }
     return sum;
+}
+
+static struct vec3 rows_times(const struct vec3 row[3], struct vec3 a)
+{
+    return vec3_make(vec3_dot(row[0], a), vec3_dot(row[1], a), vec3_dot(row[2], a));
 }
 
 /* Adds the contact forces to the rates, and to the responses the effect that the integrals of these rates
@@ -225,82 +277,102 @@ static void add_pending(struct iteration *it)
             add_force(it, i, c, it->node[i][c].force);
         }
     }
-    radau_step_pending(p, p->scratch);
+    radau_step_pending(p, it->rates, p->scratch);
     for (int i = 0; i < s; ++i) {
         for (int c = 0; c < SCENE_CONTACTS; ++c) {
             struct node *node = &it->node[i][c];
             const struct vec3 more = velocity_of(it, i, c, p->scratch + i * p->width);
-            node->response = vec3_add(node->response, vec3_make(vec3_dot(node->by_velocity[0], more),
-                                                                vec3_dot(node->by_velocity[1], more),
-                                                                vec3_dot(node->by_velocity[2], more)));
+            node->response = vec3_add(node->response, rows_times(node->by_velocity, more));
         }
     }
 }
 
-/* Adds to a block the product of its rows and M, the effect of a force at the arm `of` of a body on its
- * velocity at the arm `arm` at a stage: M = I / m - [arm] J^-1 [of]. */
-static inline void add_mobility(const struct iteration *it, int stage, int body, struct vec3 arm,
-                                struct vec3 of, double sign, const struct vec3 row[3], struct vec3 block[3])
+/* A body that two contacts share, and the ends of both contacts at which it is. */
+struct shared_body {
+    int body, end, other_end;
+    double by_mass, by_inertia, flatness; /* mobilities; negative where the ends differ */
+};
+
+static int shared_bodies(const struct iteration *it, int c, int d, struct shared_body list[4])
 {
-    const struct mobility *m = &it->mobility[body];
-    const double by_inertia = sign * m->by_inertia;
-    const double alike = sign * m->by_mass + by_inertia * vec3_dot(arm, of);
-    for (int k = 0; k < 3; ++k) {
-        block[k] = vec3_axpy(block[k], alike, row[k]);
-        block[k] = vec3_axpy(block[k], -by_inertia * vec3_dot(row[k], of), arm);
+    int count = 0;
+    for (int k = 0; k < 4; ++k) {
+        const int body = it->ends[c].body[k / 2];
+        const struct mobility *m = &it->mobility[body];
+        const double sign = k / 2 == k % 2 ? 1.0 : -1.0;
+        if (body == it->ends[d].body[k % 2] && m->moves) {
+            list[count++] = (struct shared_body){body,
+                                                 k / 2,
+                                                 k % 2,
+                                                 sign * m->by_mass,
+                                                 sign * m->by_inertia,
+                                                 SCENE_ANY_CYLINDER ? m->flatness : 0.0};
+        }
     }
-    if (is_flat(m)) {
-        const struct vec3 axis = it->axis[stage][body];
+    return count;
+}
+
+/* Adds to a block the product of its rows and M, the effect of a force at the arm `of` of a body on its
+ * velocity at the arm `arm`: M = I / m - [arm] J^-1 [of]. */
+static inline void add_mobility(const struct shared_body *m, struct vec3 arm, struct vec3 of,
+                                struct vec3 axis, const struct vec3 row[3], struct vec3 block[3])
+{
+    const double alike = m->by_mass + m->by_inertia * vec3_dot(arm, of);
+    for (int k = 0; k < 3; ++k) {
+        const double turned = m->by_inertia * vec3_dot(row[k], of);
+        block[k] = vec3_make(block[k].x + alike * row[k].x - turned * arm.x,
+                             block[k].y + alike * row[k].y - turned * arm.y,
+                             block[k].z + alike * row[k].z - turned * arm.z);
+    }
+    if (m->flatness != 0.0) {
         const struct vec3 lever = vec3_cross(arm, axis);
-        const struct vec3 turned = vec3_scale(by_inertia * m->flatness, vec3_cross(of, axis));
+        const struct vec3 turned = vec3_scale(m->by_inertia * m->flatness, vec3_cross(of, axis));
         for (int k = 0; k < 3; ++k) {
             block[k] = vec3_axpy(block[k], vec3_dot(row[k], lever), turned);
         }
     }
 }
 
-/* Writes the rows of contact c at stage i and the columns of contact d at stage j. */
-static inline void put_node_block(const struct iteration *it, double once, double square, int i, int c, int j,
-                                  int d)
+/* Writes the rows of contact c and the columns of contact d at all stages. */
+static void put_blocks(const struct iteration *it, int c, int d)
 {
-    const struct radau_step *p = &it->g->step;
-    const struct node *node = &it->node[i][c];
-    const struct node *by = &it->node[j][d];
-    double *to = p->all.re + 3 * (j * SCENE_CONTACTS + d) * p->all.stride + 3 * (i * SCENE_CONTACTS + c);
-    struct vec3 row[3];
-    struct vec3 block[3];
-    for (int k = 0; k < 3; ++k) {
-        row[k] = vec3_axpy(vec3_scale(once, node->by_velocity[k]), square, node->by_place[k]);
-        block[k] = node == by ? node->by_force[k] : vec3_make(0.0, 0.0, 0.0);
-    }
-    for (int end = 0; end < 4; ++end) {
-        const int a = end / 2;
-        const int b = end % 2;
-        const int body = it->ends[c].body[a];
-        if (body == it->ends[d].body[b] && it->mobility[body].moves) {
-            add_mobility(it, i, body, node->arm[a], by->arm[b], a == b ? 1.0 : -1.0, row, block);
+    struct radau_step *p = &it->g->step;
+    const int s = p->stages->stages;
+    const double *twice = radau_step_twice(p);
+    struct shared_body shared[4];
+    const int count = shared_bodies(it, c, d, shared);
+    for (int k = 0; k < s * s; ++k) {
+        const double once = p->length * p->stages->integral[k];
+        const double square = p->length * p->length * twice[k];
+        const struct node *node = &it->node[k / s][c];
+        const struct node *by = &it->node[k % s][d];
+        double *to =
+            p->all.re + 3 * (k % s * SCENE_CONTACTS + d) * p->all.stride + 3 * (k / s * SCENE_CONTACTS + c);
+        struct vec3 row[3];
+        struct vec3 block[3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+        for (int r = 0; r < 3; ++r) {
+            row[r] = vec3_axpy(vec3_scale(once, node->by_velocity[r]), square, node->by_place[r]);
         }
-    }
-    for (int k = 0; k < 3; ++k) {
-        to[k] = block[k].x;
-        to[p->all.stride + k] = block[k].y;
-        to[2 * p->all.stride + k] = block[k].z;
+        for (int l = 0; l < count; ++l) {
+            add_mobility(&shared[l], node->arm[shared[l].end], by->arm[shared[l].other_end],
+                         it->axis[k / s][shared[l].body], row, block);
+        }
+        for (int r = 0; r < 3; ++r) {
+            const struct vec3 own = node == by ? vec3_add(block[r], node->by_force[r]) : block[r];
+            to[r] = own.x;
+            to[p->all.stride + r] = own.y;
+            to[2 * p->all.stride + r] = own.z;
+        }
     }
 }
 
 static bool factor_nodes(struct iteration *it)
 {
     struct radau_step *p = &it->g->step;
-    const int s = p->stages->stages;
-    const double *twice = radau_step_twice(p);
-    p->all.rows = 3 * SCENE_CONTACTS * s;
-    for (int k = 0; k < s * s; ++k) {
-        const double once = p->length * p->stages->integral[k];
-        const double square = p->length * p->length * twice[k];
-        for (int c = 0; c < SCENE_CONTACTS; ++c) {
-            for (int d = 0; d < SCENE_CONTACTS; ++d) {
-                put_node_block(it, once, square, k / s, c, k % s, d);
-            }
+    p->all.rows = 3 * SCENE_CONTACTS * p->stages->stages;
+    for (int c = 0; c < SCENE_CONTACTS; ++c) {
+        for (int d = 0; d < SCENE_CONTACTS; ++d) {
+            put_blocks(it, c, d);
         }
     }
     for (int k = 0; k < p->all.rows; ++k) { /* the zero behind each column */
@@ -308,6 +380,14 @@ static bool factor_nodes(struct iteration *it)
     }
     it->factorizations += 1;
     return lu_factor(p->all);
+}
+
+/* Corrects the force of a contact at a stage and the rates there. */
+static void correct_force(struct iteration *it, int stage, int contact, struct vec3 more)
+{
+    struct vec3 *force = &it->node[stage][contact].force;
+    *force = vec3_add(*force, more);
+    add_force(it, stage, contact, more);
 }
 
 /* Corrects the forces by the responses, and adds the corrections to the rates. */
@@ -322,12 +402,7 @@ static void correct_forces(struct iteration *it)
     side[p->all.rows] = 0.0;
     lu_solve(p->all, side, NULL);
     for (int k = 0; k < count; ++k) {
-        const int stage = k / SCENE_CONTACTS;
-        const int contact = k % SCENE_CONTACTS;
-        struct vec3 *force = &it->node[stage][contact].force;
-        const struct vec3 more = vec3_from(side + 3 * k);
-        *force = vec3_add(*force, more);
-        add_force(it, stage, contact, more);
+        correct_force(it, k / SCENE_CONTACTS, k % SCENE_CONTACTS, vec3_from(side + 3 * k));
     }
 }
 
@@ -353,19 +428,17 @@ static void guess_forces(struct iteration *it)
 }
 
 /* Writes the rates of all states at the stages under the forces found. */
-static void finish_nodes(const struct iteration *it)
+static void finish_nodes(struct iteration *it)
 {
     struct general *g = it->g;
     struct radau_step *p = &g->step;
     struct vec3 force[SCENE_CONTACTS];
-    memcpy(p->point, p->y, (size_t)g->size * sizeof *p->point);
     for (int i = 0; i < p->stages->stages; ++i) {
         for (int j = 0; j < SCENE_CONTACTS; ++j) {
             force[j] = it->node[i][j].force;
         }
-        radau_step_stage(p, i, p->point);
         ode_rates_under(&g->ode, p->start + p->length * p->stages->node[i], p->point, force,
-                        p->rates + i * p->stride);
+                        move_to_stage(it, i), p->rates + i * p->stride);
     }
     p->evaluations += p->stages->stages;
 }
@@ -415,6 +488,7 @@ bool node_forces_solve(struct general *g, double tolerance)
     bool anew = true;
     prepare(&it);
     guess_forces(&it);
+    memcpy(p->point, p->y, (size_t)g->size * sizeof *p->point);
     for (p->iterations = 1; p->iterations <= MOST_NODE_ITERATIONS; ++p->iterations) {
         evaluate_nodes(&it, anew);
         if (anew && !factor_nodes(&it)) {
@@ -422,7 +496,7 @@ bool node_forces_solve(struct general *g, double tolerance)
         }
         add_pending(&it);
         correct_forces(&it);
-        const double size = radau_step_integrate(p);
+        const double size = radau_step_integrate(p, it.rates);
         if (!isfinite(size)) {
             return false;
         }

@@ -46,6 +46,56 @@ static inline void radau_combine(double *restrict to, const double *row, int cou
     }
 }
 
+/* Sets row i of `to` to what radau_combine makes of row i of the table; two rows at a time halve the loads.
+ * */
+static inline void radau_combine_rows(double *restrict to, int to_stride, const double *table, int rows,
+                                      int count, const double *from, int stride, int width)
+{
+    for (int i = 0; i < rows; i += 2) {
+        const int next = i + 1 < rows ? i + 1 : i; /* an odd last row is made twice */
+        int k = 0;
+        for (; k + 4 * LANES <= width; k += 4 * LANES) {
+            const double2 none = {0.0};
+            double2 one[4] = {none, none, none, none};
+            double2 two[4] = {none, none, none, none};
+            for (int j = 0; j < count; ++j) {
+                const double x = table[i * count + j];
+                const double y = table[next * count + j];
+                const double *at = from + j * stride + k;
+                one[0] += double2_at(at, 0) * x;
+                two[0] += double2_at(at, 0) * y;
+                one[1] += double2_at(at, LANES) * x;
+                two[1] += double2_at(at, LANES) * y;
+                one[2] += double2_at(at, 2 * LANES) * x;
+                two[2] += double2_at(at, 2 * LANES) * y;
+                one[3] += double2_at(at, 3 * LANES) * x;
+                two[3] += double2_at(at, 3 * LANES) * y;
+            }
+            for (int l = 0; l < 4; ++l) {
+                double2_put(to + i * to_stride, k + l * LANES, one[l]);
+                double2_put(to + next * to_stride, k + l * LANES, two[l]);
+            }
+        }
+        for (; k < width; k += 2 * LANES) {
+            double2 low[2] = {{0.0}, {0.0}};
+            double2 high[2] = {{0.0}, {0.0}};
+            for (int j = 0; j < count; ++j) {
+                const double x = table[i * count + j];
+                const double y = table[next * count + j];
+                const double *at = from + j * stride;
+                low[0] += double2_at(at, k) * x;
+                low[1] += double2_at(at, k) * y;
+                high[0] += double2_at(at, k + LANES) * x;
+                high[1] += double2_at(at, k + LANES) * y;
+            }
+            for (int l = 0; l < 2; ++l) {
+                double2_put(to + (l == 0 ? i : next) * to_stride, k, low[l]);
+                double2_put(to + (l == 0 ? i : next) * to_stride, k + LANES, high[l]);
+            }
+        }
+    }
+}
+
 /* Sets of[k] to the Chebyshev polynomial T_k at a part of the step, by the recurrence. */
 static inline void radau_polynomials_at(int count, double part, double *of)
 {
@@ -192,37 +242,71 @@ static void divide_quaternions(const double *a, const double *b, double *quotien
     multiply_quaternions(a, inverse, quotient);
 }
 
-/* Change of a quaternion whose rates are given for its value at the start: by sweeps, which converge as the
- * series of the exponential function does. */
+/* The rotation by which a constant rate turns a quaternion in a time, as a quaternion. */
+static void rotation_by(const double rate[4], double time, double rotation[4])
+{
+    const double size = sqrt(rate[1] * rate[1] + rate[2] * rate[2] + rate[3] * rate[3]);
+    const double by = size > 0.0 ? sin(size * time) / size : 0.0;
+    rotation[0] = cos(size * time);
+    for (int k = 1; k < 4; ++k) {
+        rotation[k] = by * rate[k];
+    }
+}
+
+/* Sets the change of a quaternion whose rates are given for its value at the start. The quaternion is taken
+ * in a frame that turns at the mean rate; what is left is found by sweeps, which converge as the series of
+ * the exponential function does. */
 static void turn_quaternion(struct radau_step *p, int first)
 {
     const int s = p->stages->stages;
-    double turning[RADAU_MOST_STAGES][4];
-    double rates[RADAU_MOST_STAGES * 4];
-    double change[4];
     const double *start = p->y + first;
+    double turning[RADAU_MOST_STAGES * 4] = {0.0};
+    double rotation[RADAU_MOST_STAGES][4];
+    double rates[RADAU_MOST_STAGES * 4] = {0.0};
+    double within[RADAU_MOST_STAGES * 4] = {0.0}; /* the quaternion in the turning frame, less its start */
+    double change[RADAU_MOST_STAGES * 4];
+    double mean[4];
     for (int i = 0; i < s; ++i) {
-        divide_quaternions(p->rates + i * p->stride + first, start, turning[i]);
-        memcpy(rates + 4 * i, p->rates + i * p->stride + first, sizeof change);
-        memset(p->change + i * p->stride + first, 0, sizeof change);
+        divide_quaternions(p->rates + i * p->stride + first, start, turning + 4 * i);
+    }
+    radau_combine(mean, p->stages->integral + (s - 1) * s, s, turning, 4, 4);
+    for (int i = 0; i < s; ++i) {
+        double left[4];
+        double turned[4];
+        rotation_by(mean, p->length * p->stages->node[i], rotation[i]);
+        for (int k = 0; k < 4; ++k) {
+            left[k] = turning[4 * i + k] - mean[k];
+        }
+        multiply_quaternions(left, rotation[i], turned);
+        rotation_by(mean, -p->length * p->stages->node[i], left);
+        multiply_quaternions(left, turned, turning + 4 * i);
     }
     double largest = 1.0;
     for (int sweep = 0; sweep < MOST_SWEEPS && largest > DBL_EPSILON; ++sweep) {
         largest = 0.0;
         for (int i = 0; i < s; ++i) {
-            double *known = p->change + i * p->stride + first;
-            radau_combine(change, p->stages->integral + i * s, s, rates, 4, 4);
-            for (int k = 0; k < 4; ++k) {
-                largest = fmax(largest, fabs(p->length * change[k] - known[k]));
-                known[k] = p->length * change[k];
-            }
-        }
-        for (int i = 0; i < s; ++i) {
             double now[4];
             for (int k = 0; k < 4; ++k) {
-                now[k] = start[k] + p->change[i * p->stride + first + k];
+                now[k] = start[k] + within[4 * i + k];
             }
-            multiply_quaternions(turning[i], now, rates + 4 * i);
+            multiply_quaternions(turning + 4 * i, now, rates + 4 * i);
+        }
+        radau_combine_rows(change, 4, p->stages->integral, s, s, rates, 4, 4);
+        for (int k = 0; k < 4 * s; ++k) {
+            const double moved = fabs(p->length * change[k] - within[k]);
+            largest = moved > largest ? moved : largest;
+            within[k] = p->length * change[k];
+        }
+    }
+    for (int i = 0; i < s; ++i) {
+        double now[4];
+        double turned[4];
+        for (int k = 0; k < 4; ++k) {
+            now[k] = start[k] + within[4 * i + k];
+        }
+        multiply_quaternions(rotation[i], now, turned);
+        for (int k = 0; k < 4; ++k) {
+            p->change[i * p->stride + first + k] = turned[k] - start[k];
         }
     }
 }
@@ -232,9 +316,9 @@ void radau_step_finish(struct radau_step *p)
     const struct radau_problem *problem = &p->problem;
     const struct radau_stages *stages = p->stages;
     const int s = stages->stages;
+    radau_combine_rows(p->change, p->stride, stages->integral, s, s, p->rates, p->stride, p->stride);
     for (int i = 0; i < s; ++i) {
         double *to = p->change + i * p->stride;
-        radau_combine(to, stages->integral + i * s, s, p->rates, p->stride, p->stride);
         for (int j = problem->integrals; j < problem->size; ++j) {
             to[j] *= p->length;
         }
@@ -251,10 +335,7 @@ void radau_step_finish(struct radau_step *p)
     p->known_start = p->start;
     p->known_length = p->length;
     p->known_stages = s;
-    for (int k = 0; k <= s; ++k) {
-        radau_combine(p->chebyshev + k * p->stride, stages->chebyshev + k * s, s, p->change, p->stride,
-                      p->stride);
-    }
+    radau_combine_rows(p->chebyshev, p->stride, stages->chebyshev, s + 1, s, p->change, p->stride, p->stride);
 }
 
 void radau_step_take_over(struct radau_step *p, double start, double length, const double *y, int count,
@@ -382,37 +463,24 @@ static void radau_move_places(struct radau_step *p)
                 p->length * (p->y[problem->speed[j]] + p->others_change[i * p->width + p->speed_among[j]]);
         }
     }
-    for (int i = 0; i < s; ++i) {
-        radau_combine(p->places_change + i * width, stages->integral + i * s, s, speeds, width, width);
-    }
+    radau_combine_rows(p->places_change, width, stages->integral, s, s, speeds, width, width);
 }
 
-void radau_step_pending(struct radau_step *p, double *pending)
+void radau_step_pending(const struct radau_step *p, const double *rates, double *pending)
 {
     const int s = p->stages->stages;
     const int width = p->width;
-    for (int i = 0; i < s; ++i) {
-        const double *rates = p->rates + i * p->stride;
-        double *to = p->residual + i * width;
-        for (int j = 0; j < p->others; ++j) {
-            to[j] = p->length * rates[p->other[j]];
-        }
-    }
-    for (int i = 0; i < s; ++i) {
-        const double *change = p->others_change + i * width;
-        double *restrict to = pending + i * width;
-        radau_combine(to, p->stages->integral + i * s, s, p->residual, width, width);
-        for (int j = 0; j < width; ++j) {
-            to[j] -= change[j];
-        }
+    radau_combine_rows(pending, width, p->stages->integral, s, s, rates, width, width);
+    for (int k = 0; k < s * width; k += LANES) {
+        double2_put(pending, k, double2_at(pending, k) * p->length - double2_at(p->others_change, k));
     }
 }
 
-double radau_step_integrate(struct radau_step *p)
+double radau_step_integrate(struct radau_step *p, const double *rates)
 {
     const int width = p->width;
     double largest = 0.0;
-    radau_step_pending(p, p->scratch);
+    radau_step_pending(p, rates, p->scratch);
     for (int i = 0; i < p->stages->stages; ++i) {
         const double *pending = p->scratch + i * width;
         double *change = p->others_change + i * width;

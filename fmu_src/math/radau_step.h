@@ -81,14 +81,14 @@ bool radau_step_guess_again(struct radau_step *p, const struct radau_stages *sta
  * else from the rates there. Stiff directions that turn would mislead the solution of the linear problem. */
 void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages, double length);
 
-/* For iterations of the caller's own. radau_step_pending writes the integrals of p->rates less the changes of
- * the others, [stage][p->width]. radau_step_integrate sets the changes of the coupled states to the integrals
- * of p->rates, and returns the largest weighted difference from the changes before. After
- * radau_step_guess_on or radau_step_guess_again from a polynomial, radau_step_guess_rates gives the rates of
- * `count` states from `first` on, along the guess, at [stage * count + state]. */
+/* For iterations of the caller's own. radau_step_pending writes the integrals of rates of the others less
+ * their changes; all three are [stage][p->width]. radau_step_integrate sets the changes of the coupled
+ * states to the integrals, and returns the largest weighted difference from the changes before. After
+ * radau_step_guess_on or radau_step_guess_again from a polynomial, radau_step_guess_rates gives the rates
+ * of `count` states from `first` on, along the guess, at [stage * count + state]. */
 const double *radau_step_twice(struct radau_step *p);
-void radau_step_pending(struct radau_step *p, double *pending);
-double radau_step_integrate(struct radau_step *p);
+void radau_step_pending(const struct radau_step *p, const double *rates, double *pending);
+double radau_step_integrate(struct radau_step *p, const double *rates);
 void radau_step_guess_rates(const struct radau_step *p, int first, int count, double *rates);
 
 /* Whether the last polynomial begins or ends where the step begins. */

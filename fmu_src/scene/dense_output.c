@@ -223,8 +223,9 @@ static bool may_be_larger(const struct probe *probe, const struct root_bracket_e
            dense_output_is_larger(probe->output, value_of(what, at) + low->value * meet, largest);
 }
 
-/* Whether the quantity cannot rise above the largest value known by as much as is worth a search. Between two
- * samples it rises by no more than slopes and second derivatives as large as at the samples would raise it. */
+/* Whether the quantity cannot rise above the largest value known by as much as is worth a search. Between
+ * two samples it rises by no more than slopes and second derivatives as large as at the samples would raise
+ * it. */
 static bool is_nearly_steady(const struct probe *probe, const struct root_bracket_end *low,
                              const struct root_bracket_end *high, double value, double largest)
 {

@@ -222,21 +222,25 @@ void turning_place(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-/* Sets orientation and angular velocity of every body and the axis of every destination. */
-static void turning_of_bodies(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct turning_state *turning, struct scene_instant *at)
+/* Sets orientation and angular velocity of every body. */
+static void put_turns(const struct scene_values *v, const struct scene_state *q, double clock,
+                      const struct turning_state *turning, struct scene_instant *at)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         at->turning.body[i] = turn_at(v, q, clock, turning, i);
     }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const int destination = contact_destination(j);
-        at->turning.axis[j] = vec3_make(0.0, 0.0, 0.0);
-        if (SCENE_ANY_CYLINDER || SCENE_ANY_PLANE) {
-            at->turning.axis[j] = body_turns(v, destination)
-                                      ? quaternion_third_axis(at->turning.body[destination].orientation)
-                                      : q->contact[j].parameters.axis;
-        }
+}
+
+/* Sets the axis of a destination. */
+static void put_axis(const struct scene_values *v, const struct scene_state *q, int contact,
+                     struct scene_instant *at)
+{
+    const int destination = contact_destination(contact);
+    at->turning.axis[contact] = vec3_make(0.0, 0.0, 0.0);
+    if (SCENE_ANY_CYLINDER || SCENE_ANY_PLANE) {
+        at->turning.axis[contact] = body_turns(v, destination)
+                                        ? quaternion_third_axis(at->turning.body[destination].orientation)
+                                        : q->contact[contact].parameters.axis;
     }
 }
 
@@ -289,8 +293,9 @@ static void turning_of_contact(const struct scene_values *v, const struct scene_
 
 void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
 {
-    turning_of_bodies(v, q, q->clock, &q->turning, at);
+    put_turns(v, q, q->clock, &q->turning, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        put_axis(v, q, j, at);
         turning_of_contact(v, q, &q->turning, j, at);
     }
 }
@@ -342,42 +347,61 @@ static struct vec3 rate_in_destination(const struct scene_values *v, const struc
     return at->rate[contact];
 }
 
-static void put_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
-                           const struct body_state *bodies, struct scene_instant *at)
+static void put_motions(const struct scene_values *v, const struct scene_state *q, double clock,
+                        const struct body_state *bodies, struct scene_instant *at)
 {
-    struct vec3 origin[SCENE_BODIES];
     for (int i = 0; i < SCENE_BODIES; ++i) {
         const struct body_instant body = body_at(v, q, clock, bodies, i);
-        origin[i] = body.origin;
         at->moved[i] = body.moved;
         at->displacement[i] = body.displacement;
         at->velocity[i] = body.velocity;
     }
+}
+
+static struct vec3 displacement_at_origin(const struct scene_values *v, const struct scene_state *q, int body)
+{
+    return body_is_free(v, body)         ? q->origin[body].displacement
+           : body_is_prescribed(v, body) ? q->path[body].displacement[0]
+                                         : vec3_make(0.0, 0.0, 0.0);
+}
+
+/* Sets the separations and their rates from the motion of the bodies. The undeformed locations are subtracted
+ * first, then the displacements at clock 0, then the displacements since: large common parts cancel before
+ * small ones are added. */
+static void put_separations(const struct scene_values *v, const struct scene_state *q,
+                            struct scene_instant *at)
+{
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const int source = contact_source(j);
         const int destination = contact_destination(j);
-        /* The undeformed locations are subtracted first, then the displacements at clock 0, then the
-         * displacements since: large common parts cancel before small ones are added. */
         const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
-        const struct vec3 start = vec3_add(apart, vec3_sub(origin[destination], origin[source]));
-        const struct vec3 c = vec3_add(start, vec3_sub(at->moved[destination], at->moved[source]));
+        const struct vec3 since =
+            vec3_sub(displacement_at_origin(v, q, destination), displacement_at_origin(v, q, source));
+        const struct vec3 moved = vec3_sub(at->moved[destination], at->moved[source]);
+        at->separation[j] = vec3_add(vec3_add(apart, since), moved);
         at->rate[j] = vec3_sub(at->velocity[destination], at->velocity[source]);
-        at->separation[j] = c;
     }
 }
 
-/* Does the work of scene_kinematics with the rotations in `turning`. */
-CONTACT_NOINLINE void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q,
-                                               double clock, const struct body_state *bodies,
-                                               const struct turning_state *turning, struct scene_instant *at)
+CONTACT_NOINLINE void scene_meet_turning(const struct scene_values *v, const struct scene_state *q,
+                                         struct scene_instant *at)
 {
-    put_kinematics(v, q, clock, bodies, at);
-    turning_of_bodies(v, q, clock, turning, at);
+    put_separations(v, q, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        put_axis(v, q, j, at);
         const struct contact_shape shape = scene_contact_shape_at(v, q, at, j);
         at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate_in_destination(v, at, j),
                                               q->contact[j].normal);
     }
+}
+
+void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q, double clock,
+                              const struct body_state *bodies, const struct turning_state *turning,
+                              struct scene_instant *at)
+{
+    put_motions(v, q, clock, bodies, at);
+    put_turns(v, q, clock, turning, at);
+    scene_meet_turning(v, q, at);
 }
 
 CONTACT_FLATTEN void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
@@ -387,16 +411,17 @@ CONTACT_FLATTEN void scene_kinematics(const struct scene_values *v, const struct
         scene_kinematics_turning(v, q, clock, bodies, &q->turning, at);
         return;
     }
-    put_kinematics(v, q, clock, bodies, at);
+    put_motions(v, q, clock, bodies, at);
+    put_separations(v, q, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_shape shape = scene_contact_shape(v, q, j);
         at->geometry[j] = contact_geometry_at(&shape, at->separation[j], at->rate[j], q->contact[j].normal);
     }
 }
 
-/* Completes an instant by accelerations and forces. `turning` is NULL where nothing turns or rubs. */
-static inline void put_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct turning_state *turning, struct scene_instant *at)
+/* Sets the accelerations without contact forces. */
+static inline void put_accelerations(const struct scene_values *v, const struct scene_state *q, double clock,
+                                     struct scene_instant *at)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         at->acceleration[i] = body_is_free(v, i)         ? vec3_axpy(gravity(v), 1.0 / body_mass(v, i),
@@ -404,6 +429,28 @@ static inline void put_forces(const struct scene_values *v, const struct scene_s
                               : body_is_prescribed(v, i) ? path_slope(q->path[i].velocity, clock)
                                                          : vec3_make(0.0, 0.0, 0.0);
     }
+}
+
+/* Adds the force of a contact to the accelerations of its bodies. */
+static inline void accelerate(const struct scene_values *v, int contact, struct scene_instant *at)
+{
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const struct vec3 force = at->source_force[contact];
+    if (body_is_free(v, source)) {
+        at->acceleration[source] = vec3_axpy(at->acceleration[source], 1.0 / body_mass(v, source), force);
+    }
+    if (body_is_free(v, destination)) {
+        at->acceleration[destination] =
+            vec3_axpy(at->acceleration[destination], -1.0 / body_mass(v, destination), force);
+    }
+}
+
+/* Completes an instant by accelerations and forces. `turning` is NULL where nothing turns or rubs. */
+static inline void put_forces(const struct scene_values *v, const struct scene_state *q, double clock,
+                              const struct turning_state *turning, struct scene_instant *at)
+{
+    put_accelerations(v, q, clock, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_geometry *g = &at->geometry[j];
         const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
@@ -416,16 +463,7 @@ static inline void put_forces(const struct scene_values *v, const struct scene_s
         if (SCENE_ANY_TURNING && turning) {
             turning_of_contact(v, q, turning, j, at);
         }
-        const int source = contact_source(j);
-        const int destination = contact_destination(j);
-        if (body_is_free(v, source)) {
-            at->acceleration[source] =
-                vec3_axpy(at->acceleration[source], 1.0 / body_mass(v, source), at->source_force[j]);
-        }
-        if (body_is_free(v, destination)) {
-            at->acceleration[destination] = vec3_axpy(at->acceleration[destination],
-                                                      -1.0 / body_mass(v, destination), at->source_force[j]);
-        }
+        accelerate(v, j, at);
     }
 }
 
@@ -462,20 +500,16 @@ void scene_evaluate(const struct scene_values *v, const struct scene_state *q, d
     scene_forces(v, q, clock, at);
 }
 
-void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q,
+void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct vec3 *force, struct scene_instant *at)
 {
+    put_accelerations(v, q, clock, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const int source = contact_source(j);
-        const int destination = contact_destination(j);
-        const struct vec3 more = vec3_sub(force[j], at->source_force[j]);
         const struct vec3 e = vec3_scale(scene_contact_side(v, q, j), at->geometry[j].normal);
-        at->acceleration[source] = vec3_axpy(at->acceleration[source], body_inverse_mass(v, source), more);
-        at->acceleration[destination] =
-            vec3_axpy(at->acceleration[destination], -body_inverse_mass(v, destination), more);
         at->source_force[j] = force[j];
         at->normal_force[j] = -vec3_dot(force[j], e);
         at->turning.friction_force[j] = vec3_axpy(force[j], at->normal_force[j], e);
+        accelerate(v, j, at);
         put_torques(at, j);
     }
 }

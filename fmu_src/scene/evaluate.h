@@ -85,6 +85,10 @@ void scene_evaluate_turning(const struct scene_values *v, const struct scene_sta
                             const struct body_state *bodies, const struct turning_state *turning,
                             struct scene_instant *at);
 
+/* Computes the geometry of every contact of an instant that has the motion of the bodies, where
+ * scene_turns. */
+void scene_meet_turning(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
+
 /* Returns the shape of a contact with the destination's axis at the instant. */
 struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,
                                             const struct scene_instant *at, int contact);
@@ -167,9 +171,9 @@ struct body_turn turning_prescribed_at(const struct scene_state *q, double clock
 void turning_slip_of_contact(const struct scene_values *v, const struct scene_state *q, int contact,
                              struct scene_instant *at);
 
-/* Replaces the contact forces on the sources by given ones [N], one for each contact, in an instant that has
- * forces. Accelerations, torques, F_n and F_t follow. */
-void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q,
+/* Completes an instant that has kinematics, arms and slips by given contact forces on the sources [N], one
+ * for each contact: accelerations, torques, F_n and F_t. */
+void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct vec3 *force, struct scene_instant *at);
 
 /* Adds rotations, friction and torques to an instant that has geometry and normal forces. */

@@ -147,8 +147,11 @@ static void turning_rates(const struct scene_ode *ode, double clock, const doubl
 {
     const struct scene_values *v = ode->values;
     const struct turning_layout layout = turning_layout_of(v);
-    struct turning_state turning = ode->state->turning;
-    turning_unpack(v, y, &turning);
+    struct turning_state turning;
+    if (SCENE_ANY_ELASTIC_FRICTION) {
+        turning = ode->state->turning;
+        turning_unpack(v, y, &turning);
+    }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout.spin[i] >= 0) {
             const struct vec3 torque = turning_torque_on(v, ode->state, clock, at, i);
@@ -159,7 +162,7 @@ static void turning_rates(const struct scene_ode *ode, double clock, const doubl
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (layout.spring[j] >= 0) {
+        if (SCENE_ANY_ELASTIC_FRICTION && layout.spring[j] >= 0) {
             vec3_to(turning_spring_rate(v, ode->state, &turning, at, j), rates + layout.spring[j]);
         }
         vec3_to(at->turning.source_torque[j], rates + ode_impulse(v, j) + 3);
@@ -449,36 +452,48 @@ void ode_instant(const struct scene_ode *ode, double clock, const double *y, str
     scene_evaluate(ode->values, ode->state, clock, bodies, at);
 }
 
-void ode_contact_motion(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at)
+void ode_prescribed_motion(const struct scene_ode *ode, double clock, struct scene_instant *at)
 {
-    struct body_state bodies[SCENE_BODIES];
-    struct turning_state turning = ode->state->turning;
-    unpack_bodies(ode->values, y, bodies);
-    turning_unpack(ode->values, y, &turning);
-    scene_kinematics_turning(ode->values, ode->state, clock, bodies, &turning, at);
+    scene_kinematics_turning(ode->values, ode->state, clock, ode->state->body, &ode->state->turning, at);
+}
+
+void ode_contact_motion(const struct scene_ode *ode, const struct turning_layout *layout, const double *y,
+                        struct scene_instant *at)
+{
+    const struct scene_values *v = ode->values;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        struct body_turn *turn = &at->turning.body[i];
+        if (body_is_free(v, i)) {
+            at->moved[i] = vec3_from(y + ode_body(v, i));
+            at->displacement[i] = vec3_add(ode->state->origin[i].displacement, at->moved[i]);
+            at->velocity[i] = vec3_from(y + ode_body(v, i) + 3);
+        }
+        if (layout->spin[i] >= 0) {
+            turn->angular_velocity = vec3_from(y + layout->spin[i]);
+            if (layout->orientation[i] < layout->coupled) { /* no contact sees how a sphere is turned */
+                turn->orientation = quaternion_unit(four_from(y + layout->orientation[i]));
+                turn->angular_velocity = angular_velocity_of(v, turn->orientation, turn->angular_velocity, i);
+            }
+        }
+    }
+    scene_meet_turning(v, ode->state, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        turning_slip_of_contact(ode->values, ode->state, j, at);
+        turning_slip_of_contact(v, ode->state, j, at);
     }
 }
 
-void ode_rates_without_contact(const struct scene_ode *ode, double clock, const double *y,
-                               const struct scene_instant *at, double *rates)
+void ode_rates_without_contact(const struct scene_ode *ode, const struct turning_layout *layout, double clock,
+                               double *rates)
 {
     const struct scene_values *v = ode->values;
-    const struct turning_layout layout = turning_layout_of(v);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
             const struct vec3 force = path_at(ode->state->path[i].force, 3, clock);
             vec3_to(vec3_axpy(gravity(v), 1.0 / body_mass(v, i), force), rates + ode_body(v, i) + 3);
         }
-        if (layout.spin[i] >= 0) {
+        if (layout->spin[i] >= 0) {
             const struct vec3 torque = path_at(ode->state->path[i].torque, 3, clock);
-            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), rates + layout.spin[i]);
-        }
-        if (layout.orientation[i] >= 0 && layout.orientation[i] < layout.coupled) {
-            four_to(
-                quaternion_rate(four_from(y + layout.orientation[i]), at->turning.body[i].angular_velocity),
-                rates + layout.orientation[i]);
+            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), rates + layout->spin[i]);
         }
     }
 }
@@ -512,12 +527,10 @@ void ode_rates(const void *scene_ode, double clock, const double *y, double *rat
 }
 
 void ode_rates_under(const struct scene_ode *ode, double clock, const double *y, const struct vec3 *force,
-                     double *rates)
+                     struct scene_instant *at, double *rates)
 {
-    struct scene_instant at;
-    ode_instant(ode, clock, y, &at);
-    scene_put_contact_forces(ode->values, ode->state, force, &at);
-    put_scene_rates(ode, clock, y, &at, rates);
+    scene_put_contact_forces(ode->values, ode->state, clock, force, at);
+    put_scene_rates(ode, clock, y, at, rates);
 }
 
 void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
@@ -782,11 +795,10 @@ static void put_zone(const struct scene_ode *ode, const struct scene_instant *at
     }
 }
 
-void ode_events_at(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at,
+void ode_events_at(const struct scene_ode *ode, double clock, const double *y, const struct scene_instant *at,
                    double events[ODE_EVENTS])
 {
     const struct scene_values *v = ode->values;
-    ode_instant(ode, clock, y, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         double *out = events + ODE_EVENTS_EACH * j;
         const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
@@ -819,6 +831,7 @@ void ode_events_at(const struct scene_ode *ode, double clock, const double *y, s
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS])
 {
     struct scene_instant at;
+    ode_instant(ode, clock, y, &at);
     ode_events_at(ode, clock, y, &at, events);
 }
 

@@ -87,16 +87,6 @@ void ode_unpack(const struct scene_values *v, struct scene_state *q, const doubl
 /* Computes dy/dt. Integrators that know no scene call it and the Jacobians (math/radau_step.h). */
 void ode_rates(const void *scene_ode, double clock, const double *y, double *rates);
 
-/* For an integrator whose unknowns are the contact forces, where scene_turns. ode_contact_motion sets the
- * kinematics of an instant, with arms and slips. ode_rates_without_contact writes the rates of the coupled
- * states that are no places, without the contact forces. ode_rates_under writes the rates of all states
- * under given forces on the sources [N], one for each contact. */
-void ode_contact_motion(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at);
-void ode_rates_without_contact(const struct scene_ode *ode, double clock, const double *y,
-                               const struct scene_instant *at, double *rates);
-void ode_rates_under(const struct scene_ode *ode, double clock, const double *y, const struct vec3 *force,
-                     double *rates);
-
 /* Sets columns[j * ode_size + i] to the derivative of (dy/dt)_i with respect to y_j. */
 void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns);
 
@@ -105,8 +95,8 @@ void ode_coupled_jacobian(const void *scene_ode, double clock, const double *y, 
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
 
-/* Computes the event functions and the instant at which they are evaluated. */
-void ode_events_at(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at,
+/* Computes the event functions at the instant `at` of y. */
+void ode_events_at(const struct scene_ode *ode, double clock, const double *y, const struct scene_instant *at,
                    double events[ODE_EVENTS]);
 
 /* Returns the regime after an event of a contact at the present clock of q. */
@@ -132,6 +122,20 @@ struct turning_layout {
 enum { TURNING_IMPULSES = 9 }; /* of a contact: of the force, and of the torques on source and destination */
 
 struct turning_layout turning_layout_of(const struct scene_values *v);
+
+/* For an integrator whose unknowns are the contact forces, where scene_turns. ode_prescribed_motion sets
+ * the motion of the bodies that are not free at a clock. ode_contact_motion adds that of the free ones at
+ * y, and the geometry, arms and slips of all contacts; it leaves the orientations of spheres alone.
+ * ode_rates_without_contact writes the rates of velocities and spins without the contact forces.
+ * ode_rates_under completes an instant of ode_contact_motion by given forces on the sources [N], one for
+ * each contact, and writes the rates of all states. */
+void ode_prescribed_motion(const struct scene_ode *ode, double clock, struct scene_instant *at);
+void ode_contact_motion(const struct scene_ode *ode, const struct turning_layout *layout, const double *y,
+                        struct scene_instant *at);
+void ode_rates_without_contact(const struct scene_ode *ode, const struct turning_layout *layout, double clock,
+                               double *rates);
+void ode_rates_under(const struct scene_ode *ode, double clock, const double *y, const struct vec3 *force,
+                     struct scene_instant *at, double *rates);
 
 /* Computes the event functions of friction at `at`, the present instant of ode->state. Each is raised by
  * twice its error by rounding and by an error of the speeds of `tolerated` [m/s]. */

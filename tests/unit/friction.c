@@ -37,9 +37,9 @@ TEST(the_responses_vanish_where_the_law_holds)
         rolling += rolls;
         for (int form = 0; form <= (int)rolls; ++form) {
             const double scale = form ? vec3_norm(slip) : ADMITTANCE * vec3_norm(force);
-            const struct friction_response response = friction_response_of(
-                &law, FRICTION_SLIDING, normal_force, slip, &force, form != 0, ADMITTANCE);
-            CHECK(vec3_norm(response.missed) <= 1e-13 * scale);
+            const struct friction_missed missed =
+                friction_missed(&law, FRICTION_SLIDING, normal_force, slip, &force, form != 0, ADMITTANCE);
+            CHECK(vec3_norm(missed.velocity) <= 1e-13 * scale);
         }
     }
     CHECK(rolling > SAMPLES / 4 && rolling < SAMPLES);
@@ -49,7 +49,7 @@ TEST(the_responses_vanish_where_the_law_holds)
 static struct vec3 missed_at(const struct friction_law *law, double normal_force, struct vec3 slip,
                              struct vec3 force, bool rolls)
 {
-    return friction_response_of(law, FRICTION_SLIDING, normal_force, slip, &force, rolls, ADMITTANCE).missed;
+    return friction_missed(law, FRICTION_SLIDING, normal_force, slip, &force, rolls, ADMITTANCE).velocity;
 }
 
 static void check_column(const double matrix[3][3], int column, struct vec3 more, struct vec3 less,
@@ -71,9 +71,11 @@ TEST(the_slopes_are_the_derivatives_of_the_responses)
         const bool rolls = i % 2 == 0;
         const struct vec3 slip = vector_of(&random, law.slip_velocity);
         struct vec3 force = vector_of(&random, 0.5 * limit);
+        const double steepness =
+            friction_missed(&law, FRICTION_SLIDING, normal_force, slip, &force, rolls, ADMITTANCE).steepness;
         const struct friction_response r =
-            friction_response_of(&law, FRICTION_SLIDING, normal_force, slip, &force, rolls, ADMITTANCE);
-        const double of_force = rolls ? r.steepness : ADMITTANCE;
+            friction_response_of(&law, FRICTION_SLIDING, normal_force, slip, force, rolls, ADMITTANCE);
+        const double of_force = rolls ? steepness : ADMITTANCE;
         const double of_slip = rolls ? 1.0 : ADMITTANCE * limit / law.slip_velocity;
         for (int k = 0; k < 3; ++k) {
             struct vec3 step = {0.0, 0.0, 0.0};
@@ -98,8 +100,8 @@ TEST(a_force_beyond_the_limit_is_shortened_and_steep)
     const struct friction_law law = {
         .kind = FRICTION_REGULARIZED, .coefficient = 0.5, .slip_velocity = 1e-3, .largest = 1e9};
     struct vec3 force = {30.0, 0.0, 0.0};
-    const struct friction_response r = friction_response_of(
-        &law, FRICTION_SLIDING, 10.0, vec3_make(0.0, 0.0, 0.0), &force, true, ADMITTANCE);
+    const struct friction_missed r =
+        friction_missed(&law, FRICTION_SLIDING, 10.0, vec3_make(0.0, 0.0, 0.0), &force, true, ADMITTANCE);
     CHECK(force.x > 0.99 * 5.0 && force.x < 5.0);
     CHECK(r.steepness > 500.0 * law.slip_velocity / 5.0);
     const struct vec3 none = {0.0, 0.0, 0.0};
