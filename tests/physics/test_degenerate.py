@@ -97,6 +97,17 @@ def test_overlapping_solids_at_the_same_place_push_along_a_fixed_direction(opene
     assert len(warnings(fmu)) == 1, fmu.messages
 
 
+def test_the_direction_at_the_axis_is_that_of_the_step_before(opened):
+    """In flight, where steps are deferred: the source comes to the axis of a hollow cylinder at 7/16 s along
+    x = (7/16 - t) / 2, y = (7/16 - t)^2. There e_c, from the axis to the wall, is that of 6/16 s.
+    """
+    values = {"destination.axis": [0.0, 0.0, 1.0], "contact.location": "inside", "gravity": [0.0, 2.0, 0.0]}
+    values |= {"source.center": [7 / 32, 49 / 256, 0.0], "source.initial_velocity": [-0.5, -0.875, 0.0]}
+    fmu = run(opened("SphereCylinder"), values, 7 / 16, 7)
+    assert fmu["contact.distance"] == 0.0
+    check_close("direction", fmu["contact.direction"], np.array([8.0, 1.0, 0.0]) / math.sqrt(65.0), 1e-15)
+
+
 @pytest.mark.parametrize("shape", FMU)
 def test_overlapping_solids_keep_the_last_direction(opened, shape):
     fmu = opened(FMU[shape])

@@ -1,4 +1,5 @@
-/* The torque-free top by what it must conserve and where it stays. */
+/* The torque-free top by what it must conserve and where it stays; turning under a torque by series, against
+ * the torque-free closed form and against what is closed form under a torque. */
 #include "math/rotor.h"
 
 #include <float.h>
@@ -108,5 +109,83 @@ TEST(extreme_sizes_stay_numbers)
             CHECK_CLOSE("unit", quaternion_dot(end.orientation, end.orientation), 1.0L, 4.0L * DBL_EPSILON);
             CHECK_CLOSE("speed", vec3_norm(end.angular_velocity), size, 16.0L * DBL_EPSILON * size);
         }
+    }
+}
+
+static const struct vec3 NO_TORQUE[ROTOR_TORQUES] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+
+static void check_states(const struct rotor_state *got, const struct rotor_state *expected,
+                         long double allowed, double speed)
+{
+    CHECK_CLOSE("same orientation", quaternion_dot(got->orientation, expected->orientation), 1.0L, allowed);
+    CHECK_VECTOR("e_3", quaternion_third_axis(got->orientation), quaternion_third_axis(expected->orientation),
+                 allowed);
+    CHECK_VECTOR("e_1", quaternion_rotate(got->orientation, vec3_make(1.0, 0.0, 0.0)),
+                 quaternion_rotate(expected->orientation, vec3_make(1.0, 0.0, 0.0)), allowed);
+    CHECK_VECTOR("omega", got->angular_velocity, expected->angular_velocity, allowed * speed);
+}
+
+static struct rotor_state slow_start(struct random *r)
+{
+    return (struct rotor_state){quaternion_of_rotation(random_vector(r, 3.0)), random_vector(r, 2.0)};
+}
+
+/* A hundred radians, each with a rounding or two. */
+TEST(without_a_torque_it_is_the_closed_form)
+{
+    struct random r = {1};
+    for (int i = 0; i < 200; ++i) {
+        const struct rotor_state start = slow_start(&r);
+        const double axial = random_between(&r, 0.01, 2.0);
+        const double time = random_power(&r, -6.0, 1.5);
+        const struct rotor rotor = rotor_from(start, 1.0, axial);
+        const struct rotor_state expected = rotor_at(&rotor, time);
+        const struct rotor_state got = rotor_under_torque(&start, 1.0, axial, NO_TORQUE, time);
+        check_states(&got, &expected, 2e-13L, 4.0);
+        struct vec3 lambda[ROTOR_RATES];
+        rotor_rates_under_torque(&start, 1.0, axial, NO_TORQUE, lambda);
+        CHECK_VECTOR("axis alone", rotor_axis_after(lambda, rotor.axis, time),
+                     rotor_axis_at(&rotor, time).axis, 2e-13L);
+    }
+}
+
+/* About the axis itself: omega_3 is the integral of the torque over I_3, the angle that of omega_3. */
+TEST(a_torque_about_the_axis_spins_it_up)
+{
+    const struct rotor_state start = {quaternion_of_rotation(vec3_make(0.3, -0.2, 0.7)), {0.0, 0.0, 0.0}};
+    const struct vec3 axis = quaternion_third_axis(start.orientation);
+    const struct vec3 torque[ROTOR_TORQUES] = {vec3_scale(0.4, axis), vec3_scale(-0.3, axis),
+                                               vec3_scale(0.9, axis)};
+    const double time = 3.0;
+    const double inertia = 0.2;
+    const struct rotor_state got = rotor_under_torque(&start, 1.0, inertia, torque, time);
+    const double speed = (0.4 * time - 0.15 * time * time + 0.3 * time * time * time) / inertia;
+    const double angle = (0.2 - 0.05 * time + 0.075 * time * time) * time * time / inertia;
+    struct rotor_state expected = {start.orientation, vec3_scale(speed, axis)};
+    expected.orientation =
+        quaternion_product(quaternion_of_rotation(vec3_scale(angle, axis)), start.orientation);
+    if (quaternion_dot(expected.orientation, got.orientation) < 0.0) {
+        expected.orientation = quaternion_scale(-1.0, expected.orientation);
+    }
+    check_states(&got, &expected, 1e-13L, speed);
+}
+
+/* In one go or in parts. */
+TEST(the_result_does_not_depend_on_how_it_is_cut)
+{
+    struct random r = {4};
+    for (int i = 0; i < 50; ++i) {
+        const struct rotor_state start = slow_start(&r);
+        const struct vec3 torque[ROTOR_TORQUES] = {random_vector(&r, 1.0), random_vector(&r, 2.0),
+                                                   random_vector(&r, random_power(&r, 0.0, 1.5))};
+        const struct rotor_state whole = rotor_under_torque(&start, 1.0, 0.3, torque, 2.0);
+        struct rotor_state now = start;
+        struct vec3 rest[ROTOR_TORQUES] = {torque[0], torque[1], torque[2]};
+        for (int j = 0; j < 128; ++j) {
+            now = rotor_under_torque(&now, 1.0, 0.3, rest, 1.0 / 64.0);
+            rotor_rates_shift(rest, ROTOR_TORQUES, 1.0 / 64.0);
+        }
+        const double speed = 1.0 + vec3_norm(whole.angular_velocity);
+        check_states(&now, &whole, (200.0L + 10.0L * speed) * DBL_EPSILON, speed); /* of so many radians */
     }
 }

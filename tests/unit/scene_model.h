@@ -60,12 +60,4 @@ static inline void scene_start_free(struct model *m, int body, struct vec3 centr
     scene_put_vector(values->initial_velocity, velocity);
 }
 
-/* The present value of a Real variable. */
-static inline double scene_read(struct model *m, const struct variable *variable)
-{
-    double value = (double)NAN;
-    (void)model_read(m, variable, &value);
-    return value;
-}
-
 #endif

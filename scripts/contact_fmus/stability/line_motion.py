@@ -149,6 +149,7 @@ class Line:
     within: bool = True
     time: mpf = ZERO
     onset_times: list = field(default_factory=list)
+    end_times: list = field(default_factory=list)  # where the gap opens
     onset_speeds: list = field(default_factory=list)  # into the contact
     fastest: mpf = ZERO
     deepest: mpf = ZERO
@@ -177,7 +178,7 @@ class Line:
         return along * self.side() * (1 if self.inside else -1)
 
     def run(self, until: float) -> Self:
-        with mp.workdps(DIGITS):
+        with mp.workdps(max(DIGITS, mp.dps)):
             until = mpf(until)
             for _ in range(MOST_PIECES):
                 if self.time >= until:
@@ -239,11 +240,12 @@ class Line:
         swing = Swing(mpf(0), mpf(0), self.push, self.place, self.speed)
         stop = self._next_end(until)
         begin, event = self.time, ""
-        left = self._on_root == "left" and (1 if self.flat else mp.sign(self.place))
+        left = self._on_root == "left"
         for wall in (self.reach,) if self.flat else (self.reach, -self.reach):
             if not self.within:
                 break
-            t = swing.first_change((mpf(1), mpf(0), -wall), stop - begin, left == mp.sign(wall))
+            on_wall = left and (self.flat or mp.sign(self.place) == mp.sign(wall))
+            t = swing.first_change((mpf(1), mpf(0), -wall), stop - begin, on_wall)
             if t is not None and begin + t < stop:
                 stop, event = begin + t, "gap"
                 landing = wall
@@ -296,6 +298,7 @@ class Line:
         if event == "gap":
             self.place = side * self.reach
             self._on_root, self.touching = "left", False
+            self.end_times.append(self.time)
         elif event == "middle":
             self.place, self.through_middle = mpf(0), True
             self._on_root = "middle"
