@@ -26,21 +26,6 @@ def test_a_ball_at_rest_makes_no_events_and_does_not_drift(opened, method, dashp
     check_close("gap", fmu["contact.gap"], -9.81e-6, 1e-14)
 
 
-def test_a_prescribed_body_reaches_a_fixed_one_within_the_step(opened):
-    """Without a free body the motion is still the prescribed velocity's, and the force is integrated."""
-    fmu = opened("SphereSphere")
-    fmu.reset()
-    fmu.start({"source.motion": "prescribed", "destination.motion": "fixed", "contact.method": "penalty"})
-    fmu["source.prescribed_displacement"] = [0, 0, 0]
-    fmu["source.prescribed_velocity"] = [0, 0, -1.0]
-    fmu.step(0.6)  # touches after 0.5 s
-    assert fmu["contact.onsets"] == 1
-    check_close("last_onset_time", fmu["contact.last_onset_time"], 0.5, 1e-15)
-    check_close("gap", fmu["contact.gap"], -0.1, 1e-15)
-    check_close("mean_force", fmu["contact.mean_force"][2], 1e6 * 0.1**2 / 2 / 0.6, 1e-9)
-    check_close("external_work", fmu["energy.external_work"], 1e6 * 0.1**2 / 2, 1e-9)
-
-
 @pytest.mark.parametrize("method", METHODS)
 def test_a_step_beyond_the_range_of_numbers_is_refused_and_nothing_is_lost(opened, method):
     fmu = opened("SphereSphere")

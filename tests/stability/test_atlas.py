@@ -41,7 +41,7 @@ def scenes():
 @pytest.fixture(scope="module")
 def rows(scenes):
     """A third of what `scripts/stability.sh --quick` runs"""
-    return [row for _, found in run_all(thinned(scenes, 3 * QUICK), 2) for row in found]
+    return [row for _, found in run_all(thinned(scenes, QUICK), 2) for row in found]
 
 
 @pytest.mark.parametrize("family", [family.name for family in FAMILIES])
