@@ -1,5 +1,5 @@
 """Forces, torques, slip and friction of bodies that turn, and their directional derivatives, against the
-formulas written once more (support/reference/turning_instant.py): at random motions, all shapes, outside and
+reference's formulas (support/reference/turning.py): at random motions, all shapes, outside and
 inside, every dashpot. Derivatives are complex steps of those formulas, exact to rounding.
 """
 
@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from support.checks import start
-from support.reference import turning_instant as turning
+from support.reference.turning import TurningPair
+from support.reference.turning_instant import outputs
 
 COUNT = 40
 VALUES, DERIVATIVES = 1e-12, 1e-9
@@ -95,7 +96,7 @@ def test_outputs_are_those_of_the_formulas(opened, scene, shape, side):
     rubbing = 0
     for _ in range(COUNT):
         v, m = random_case(rng, shape, side)
-        expected = turning.outputs(v, m)
+        expected = outputs(TurningPair(settings(v), shape), m)
         fmu = begun(opened(scene), v, m)
         for name, full in names_of(expected).items():
             got, wanted = np.atleast_1d(fmu[full]), expected[name]
@@ -114,14 +115,15 @@ def test_directional_derivatives_are_complex_steps_of_the_formulas(opened, scene
     step = 1e-30
     for _ in range(COUNT // 2):
         v, m = random_case(rng, shape, side)
-        names = names_of(turning.outputs(v, m))
+        pair = TurningPair(settings(v), shape)
+        names = names_of(outputs(pair, m))
         fmu = begun(opened(scene), v, m)
         for given in inputs(v, m):
             given_columns = {name: np.atleast_2d(fmu.jacobian(full, given)) for name, full in names.items()}
             for k in range(3):
                 moved = {name: value.astype(complex) for name, value in m.items()}
                 moved[MOTION[given]][k] += 1j * step
-                wanted = turning.outputs(v, moved)
+                wanted = outputs(pair, moved)
                 for name, columns in given_columns.items():
                     got = columns[:, k]
                     exact = wanted[name].imag / step

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from support.checks import start
-from support.reference import turning_instant
+from support.reference.turning import TurningPair
+from support.reference.turning_instant import outputs
 from support.reference.turning_run import TurningRun
 from support.scenes.scene_checks import FMU
 from support.scenes.scene_parts import moved_by
@@ -54,15 +55,11 @@ def test_a_given_motion_has_the_forces_that_the_reference_says(opened, seed):
     assert not lines, f"{lines}\n{values}"
 
 
-def incremental(values, shape, inside, end):
+def incremental(values, shape, end):
     """Impulse on the source by Cundall and Strack's increments: the spring force grows by k_t times the slip,
     stays tangent, and is cut back to mu F_n.
     """
-    v = {
-        "shape": shape, "side": -1 if inside else 1, "r_s": values["source.radius"],
-        "r_d": values.get("destination.radius", 0.0), "p_n": values["contact.penalty_factor"], "p_nv": 0.0,
-        "unclamped": False, "mu": 0.0, "v_0": 1.0, "largest": 1e300,
-    }  # fmt: skip
+    pair = TurningPair(values | {"contact.friction": "none"}, shape)
     speed, bend = map(np.array, values["source.prescribed_displacement.derivatives"])
     omega = np.array(values["source.prescribed_angular_velocity"])
     m = {
@@ -75,7 +72,7 @@ def incremental(values, shape, inside, end):
     for k in range(INCREMENTS):
         t = (k + 0.5) * step
         m["source.displacement"], m["source.velocity"] = speed * t + bend * t**2 / 2, speed + bend * t
-        now = turning_instant.outputs(v, m)
+        now = outputs(pair, m)
         normal = now["direction"]
         force = force - values["contact.tangential_stiffness"] * step * now["slip_velocity"]
         force = force - (force @ normal) * normal
@@ -102,5 +99,5 @@ def test_a_spring_without_a_dashpot_slides_as_increments_say(opened, number):
     values["contact.tangential_stiffness"] = (0.02, 0.5)[number % 2] * stiffness
     fmu = start(opened(FMU[shape]), values)
     fmu.step(end)
-    right = incremental(values, shape, PLACES[number][1], end)
+    right = incremental(values, shape, end)
     assert np.linalg.norm(end * fmu["contact.mean_force"] - right) < 3e-3 * np.linalg.norm(right)

@@ -196,7 +196,8 @@ class TurningPair:
         return 0.4 * self.stiffness * depth**2.5 if self.hertz else 0.5 * self.stiffness * depth**2
 
     def limit(self, force, static=False):
-        return min(max((self.mu_static if static else self.mu) * force, 0.0), self.largest)
+        limit = (self.mu_static if static else self.mu) * force
+        return 0.0 if limit.real < 0.0 else self.largest if limit.real > self.largest else limit
 
     def slip(self, place):
         """Of the source's surface on that of the destination, across n; and the lever arms of both."""

@@ -4,8 +4,9 @@
 integrates, not recomputed from a rounded gap.
 """
 
-import math
 from types import SimpleNamespace
+
+import numpy as np
 
 from support.reference.turning import DISSIPATED, EACH, FRICTION, SIZE, SPRING, SUMS, TINY, WORK, ZERO
 from support.reference.turning_vectors import add, cross, dot, minus, norm, quaternion_rate, times
@@ -34,7 +35,7 @@ def friction_of(pair, place, force, slip, spring, sticking):
         speed = norm(slip)
         if speed == 0.0:
             return list(ZERO), list(ZERO)
-        return times(pair.limit(force) * math.expm1(-speed / pair.v_0) / speed, slip), list(ZERO)
+        return times(pair.limit(force) * np.expm1(-speed / pair.v_0) / speed, slip), list(ZERO)
     if sticking:
         return times(-1.0, pair.trial(slip, spring)), slip
     limit = pair.limit(force)

@@ -41,9 +41,9 @@ def unit(a):
 def first_orientation(axis):
     """The smallest rotation that takes e_z to the axis; about x where it is -e_z."""
     w = 1 + axis[2]
-    if w < 1e-15:
+    if w.real < 1e-15:
         return [0.0, 1.0, 0.0, 0.0]
-    size = math.sqrt(w * w + axis[0] ** 2 + axis[1] ** 2)
+    size = root(w * w + axis[0] ** 2 + axis[1] ** 2)
     return [w / size, -axis[1] / size, axis[0] / size, 0.0]
 
 
