@@ -296,28 +296,6 @@ CAP_TO_CAP = CAPPED | {
 }
 
 
-def referred(values, end):
-    """The scene by the independent reference; the destination's axis is z."""
-    free = values.get("destination.motion") == "free"
-    hertz = values.get("contact.law") == "hertz"
-    damped = "contact.hunt_crossley_factor" if hertz else "contact.viscous_penalty_factor"
-    pair = capped.CappedPair(
-        radius=values["source.radius"],
-        other_radius=values["destination.radius"],
-        length=values["destination.length"],
-        axis=(0.0, 0.0, 1.0),
-        masses=(values.get("source.mass", 1.0), values["destination.mass"] if free else np.inf),
-        gravity=tuple(values["gravity"]),
-        hertz=hertz,
-        stiffness=values["contact.hertz_stiffness" if hertz else "contact.penalty_factor"],
-        damping=0.0 if values.get("contact.method") == "penalty" else values[damped],
-        dashpot=values.get("contact.dashpot", "non_adhesive"),
-    )
-    still = [0.0, 0.0, 0.0]
-    start = [*values["source.center"], *still, *values["source.initial_velocity"], *still]
-    return capped.run(pair, start, end)
-
-
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-12])
 @pytest.mark.parametrize("steps", [1, 7, 10])
 @pytest.mark.parametrize(
@@ -325,7 +303,7 @@ def referred(values, end):
 )
 def test_a_centre_inside_passes_from_face_to_face(opened, values, end, steps, tolerance):
     fmu = run(opened("SphereCylinder"), values, end, steps, tolerance)
-    right = referred(values, end)
+    right = capped.follow(values, end)
     check_close("position", fmu["source.position"], right.state[0:3], 1e-11)
     check_close("dissipated", fmu["energy.dissipated"], right.lost, 1e-10)
     issue = {0.5: 0.885885, 0.2: 0.554541}[end]
@@ -411,7 +389,7 @@ def test_a_centre_deep_inside_as_the_reference_has_it(opened, seed):
     """Off the axis, for on it any direction is right."""
     scene = deep_inside(np.random.default_rng(seed), aside=(0.013, 0.029))
     fmu = run(opened("SphereCylinder"), scene.values, scene.end, 1, 1e-11)
-    right = referred(scene.values, scene.end)
+    right = capped.follow(scene.values, scene.end)
     check_close("source", fmu["source.position"], right.state[0:3], 1e-8)
     check_close("destination", fmu["destination.position"], right.state[3:6], 1e-8)
     check_close("dissipated", fmu["energy.dissipated"], right.lost, 1e-8 * (1.0 + right.lost))

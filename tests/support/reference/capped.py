@@ -107,6 +107,32 @@ class CappedPair(NamedTuple):
         return PARTS_OF_A_RADIAN / np.sqrt(slope * per_mass)
 
 
+def pair_of(values):
+    """The pair of a scene's values"""
+    hertz = values.get("contact.law") == "hertz"
+    damped = "contact.hunt_crossley_factor" if hertz else "contact.viscous_penalty_factor"
+    free = values.get("destination.motion") == "free"
+    return CappedPair(
+        radius=values["source.radius"],
+        other_radius=values["destination.radius"],
+        length=values["destination.length"],
+        axis=tuple(values["destination.axis"]),
+        masses=(values.get("source.mass", 1.0), values["destination.mass"] if free else np.inf),
+        gravity=tuple(values["gravity"]),
+        hertz=hertz,
+        stiffness=values["contact.hertz_stiffness" if hertz else "contact.penalty_factor"],
+        damping=0.0 if values.get("contact.method") == "penalty" else values[damped],
+        dashpot=values.get("contact.dashpot", "non_adhesive"),
+    )
+
+
+def follow(values, end):
+    """The scene from its start to `end`, its destination without a velocity at first"""
+    still = [0.0, 0.0, 0.0]
+    start = [*values["source.center"], *still, *values.get("source.initial_velocity", still), *still]
+    return run(pair_of(values), start, end)
+
+
 def _away(pair, y, zone):
     """From the axis, or from half-way between the caps: the side on which the force is the present one."""
     _, _, outward, up, _ = pair.place(y)
@@ -161,8 +187,7 @@ def run(pair, y, end):
     while time < end:
         away = _away(pair, y, zone)
         functions = _events(pair, branch, zone, away)
-        longest = pair.longest(y) if branch != APART else 0.02 * (end - 0.0)
-        skip = [function(time, y) for function in functions]
+        longest = pair.longest(y) if branch != APART else 0.02 * end
         part = solve_ivp(
             lambda _t, state, now=branch: pair.rates(now, state),
             (time, end), y, events=functions, max_step=longest, first_step=min(longest, end - time) * 1e-3,
@@ -172,7 +197,7 @@ def run(pair, y, end):
             return Contact(part.y[:, -1], zones, changes, before - energy(pair, part.y[:, -1], branch))
         which = next(i for i, found in enumerate(part.t_events) if found.size)
         time, y = part.t_events[which][0], part.y_events[which][0].copy()
-        time, y = _land(pair, functions[which], part, time, y, branch, skip[which])
+        time, y = _land(pair, functions[which], part, time, y, branch)
         if which == 0:
             zone = _zone_beyond(pair, y, zone)
             zones.append((time, zone))
@@ -192,7 +217,7 @@ def run(pair, y, end):
     return Contact(y, zones, changes, before - energy(pair, y, branch))
 
 
-def _land(pair, function, part, time, y, branch, _at_start):
+def _land(pair, function, part, time, y, branch):
     """One more step from the last accepted point to the root, which the dense output only estimates."""
     start = part.t[-2] if len(part.t) > 1 else part.t[0]
     from_y = part.sol(start)
