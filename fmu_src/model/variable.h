@@ -30,14 +30,14 @@ struct variable {
     uint32_t reference; /* FMI value reference */
     /* position of the value in struct scene_values [bytes], 0 for local variables; the value is a double for
      * VARIABLE_REAL, else an int32_t */
-    uint16_t offset;
-    uint16_t row;      /* enum variable_row of scene.h */
-    uint8_t type;      /* enum variable_type */
-    uint8_t causality; /* enum variable_causality */
-    uint8_t element;   /* index of the body or contact, 0 for the rest */
-    uint8_t component; /* 0..2 in a vector, else 0 */
-    uint8_t reinit;    /* for a state: whether events may make it jump */
-    uint8_t tunable;   /* 1: a parameter that may be set between steps, or a value that depends on one */
+    uint32_t offset;
+    uint16_t row;        /* enum variable_row of scene.h */
+    uint8_t type;        /* enum variable_type */
+    uint8_t causality;   /* enum variable_causality */
+    uint16_t element;    /* index of the body or contact, 0 for the rest */
+    uint8_t component;   /* 0..2 in a vector, else 0 */
+    uint8_t reinit : 1;  /* for a state: whether events may make it jump */
+    uint8_t tunable : 1; /* 1: a parameter that may be set between steps, or a value that depends on one */
 };
 
 static inline bool variable_is_local(const struct variable *variable)
@@ -66,12 +66,12 @@ static inline double variable_number(const struct variable *variable, const void
 /* Bits that tell what must be up to date before a Real variable can be read. They lie above the bits of an
  * offset. */
 enum variable_source {
-    VARIABLE_OFFSET = 0xffff,
-    VARIABLE_GIVEN = 0x10000,    /* nothing, because the importer gave the value */
-    VARIABLE_FIXED = 0x20000,    /* not used by variables; tells two values of enum outputs apart */
-    VARIABLE_BODY = 0x40000,     /* the motion of the bodies */
-    VARIABLE_COMPUTED = 0x80000, /* everything */
-    VARIABLE_VECTOR = 0x100000   /* beside another bit: the first of a vector's three components */
+    VARIABLE_OFFSET = 0xffffff,
+    VARIABLE_GIVEN = 0x1000000,    /* nothing, because the importer gave the value */
+    VARIABLE_FIXED = 0x2000000,    /* not used by variables; tells two values of enum outputs apart */
+    VARIABLE_BODY = 0x4000000,     /* the motion of the bodies */
+    VARIABLE_COMPUTED = 0x8000000, /* everything */
+    VARIABLE_VECTOR = 0x10000000   /* beside another bit: the first of a vector's three components */
 };
 
 /* For each of the SCENE_REFERENCES value references: the offset of its Real variable and the bits of enum
@@ -92,8 +92,8 @@ struct scene_use {
     uint16_t row, choice; /* enum variable_row; ROW_COUNT ends the table */
     uint8_t items;        /* one bit for the number of each item */
     uint8_t whose;        /* enum use_whose */
+    uint16_t owners;      /* the number of bodies or contacts that have the choice */
     uint8_t alternative;  /* number of the alternative, ascending from 0 within a row */
-    uint8_t owners;       /* the number of bodies or contacts that have the choice */
     char wanted[25];      /* the names of the items */
 };
 

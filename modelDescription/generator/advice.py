@@ -79,7 +79,7 @@ def other_shape(scene, catalogue: Catalogue, name: str) -> str:
 def unknown(where: str, name: str, known: dict, reason: str = "") -> str:
     if reason:
         return f"{where}: unknown variable '{name}': {reason} {near(name, known)}"
-    vector, bracket, _ = name.partition("[")
+    vector, bracket, _ = name.rpartition("[")
     if bracket and vector in known and known[vector].row.dim > 1:
         return f"{where}: '{name}' is part of a vector (allowed: all of it, \"{vector}\" = [x, y, z])"
     return f"{where}: unknown variable '{name}'{likely(name, known)} {near(name, known)}"

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from .resolve import Cell, Resolved
+from .cell import Cell, Variable
+from .resolve import Resolved
 
 # Types of FMI 3.0 by the base of ours; Int32 is what the model counts with.
 ELEMENTS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "Enumeration": "Enumeration"}
@@ -32,17 +33,17 @@ class Array:
 
 def arrays(resolved: Resolved) -> list[Array]:
     """In the order of the scalars of modelDescription.xml."""
-    cells = [variable.cell for variable in resolved.variables if variable.component == 0]
-    return [_array(resolved, cell) for cell in cells]
+    order = {cell.name: n for n, cell in enumerate(resolved.cells)}
+    return [_array(resolved, variable, order) for variable in resolved.variables if variable.component == 0]
 
 
-def _array(resolved: Resolved, cell: Cell) -> Array:
-    row = cell.row
+def _array(resolved: Resolved, first: Variable, order: dict[str, int]) -> Array:
+    cell, row = first.cell, first.cell.row
     values = cell.value if isinstance(cell.value, tuple) else (cell.value,)
     initial = {"parameter": "exact", "input": None}.get(row.causality, "calculated")
     return Array(
         cell, ELEMENTS[row.type.base], row.variability, initial, values if row.has_start else (),
-        tuple(_dependencies(resolved, cell)), _state_of(resolved, cell),
+        tuple(_dependencies(resolved, first, order)), _state_of(resolved, cell),
     )  # fmt: skip
 
 
@@ -60,8 +61,11 @@ def _state_of(resolved: Resolved, cell: Cell) -> int | None:
     return next((state.reference for state in states), None)
 
 
-def _dependencies(resolved: Resolved, cell: Cell) -> list[tuple[int, str]]:
-    """As Resolved.dependencies, between arrays."""
-    first = next(v for v in resolved.variables if v.cell is cell)
-    inputs = {resolved.variables[index - 1].cell.name: kind for index, kind in resolved.dependencies(first)}
-    return [(other.reference, inputs[other.name]) for other in resolved.cells if other.name in inputs]
+def _dependencies(resolved: Resolved, first: Variable, order: dict[str, int]) -> list[tuple[int, str]]:
+    """As Resolved.dependencies, between arrays, in the order of the cells."""
+    felt = {
+        cell.name: (cell.reference, kind)
+        for index, kind in resolved.dependencies(first)
+        for cell in (resolved.variables[index - 1].cell,)
+    }
+    return [felt[name] for name in sorted(felt, key=order.__getitem__)]

@@ -96,8 +96,8 @@ def _choice(catalogue: Catalogue, row: Row) -> dict:
 
 
 def _pair(catalogue: Catalogue, pinned: dict) -> Resolved:
-    bodies = (Body("source", "sphere"), Body("destination", "cylinder"))
-    contacts = (Contact("contact", 0, 1),)
+    bodies = (Body("source", "sphere", 0), Body("destination", "cylinder", 1))
+    contacts = (Contact("contact", 0, 1, 0),)
     return resolve(Scene("scenes.md", "Pair", "Pair", "Pair", bodies, contacts, {}, pinned), catalogue)
 
 

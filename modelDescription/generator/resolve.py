@@ -2,14 +2,17 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from . import advice
 from .catalogue import Catalogue, Row
 from .cell import COMPONENTS, Cell, Variable
-from .conditions import may_need_cvode, may_need_general, number_of, possible, why_not
+from .conditions import Conditions, number_of
 from .errors import allowed
 from .quantity import in_unit
 from .scene import Scene
+
+MOST_VARIABLES = 65535  # positions in the C table are 16 bits
 
 
 @dataclass(frozen=True)
@@ -21,8 +24,15 @@ class Resolved:
     may_need_cvode: bool
     may_need_general: bool
 
+    @cached_property
+    def _by_key(self) -> dict[str, list[Cell]]:
+        found: dict[str, list[Cell]] = {}
+        for cell in self.cells:
+            found.setdefault(cell.row.key, []).append(cell)
+        return found
+
     def of(self, key: str) -> list[Cell]:
-        return [cell for cell in self.cells if cell.row.key == key]
+        return self._by_key.get(key, [])
 
     def may(self, key: str, value: str, element: int | None = None) -> bool:
         """May the choice `key` of any (or of one) element have the item `value`?"""
@@ -53,21 +63,33 @@ class Resolved:
         elif cell.row.owner == "contact":
             contact = self.scene.contacts[cell.element]
             bodies = {contact.source, contact.destination}
-        return [
-            (index, cell.row.depends[other.cell.row.key])
-            for index, other in enumerate(self.variables, 1)
-            if other.cell.row.key in cell.row.depends
-            and (
-                other.cell.element in bodies
-                if other.cell.row.owner != "contact"
-                else cell.row.owner != "contact" or other.cell.element == cell.element
-            )
-            and (
-                cell.row.owner != "body"
-                or cell.row.depends[other.cell.row.key] == "dependent"
-                or other.component == variable.component
-            )
-        ]
+        found = []
+        for key, kind in cell.row.depends.items():
+            for element, others in self._felt.get(key, {}).items():
+                owner = self.catalogue.rows[key].owner
+                if (
+                    element in bodies
+                    if owner != "contact"
+                    else cell.row.owner != "contact" or element == cell.element
+                ):
+                    found += [
+                        (index, kind)
+                        for index, component in others
+                        if cell.row.owner != "body" or kind == "dependent" or component == variable.component
+                    ]
+        return sorted(found)
+
+    @cached_property
+    def _felt(self) -> dict[str, dict[int, list[tuple[int, int]]]]:
+        """Of inputs and states by key and element: positions in modelDescription.xml and components."""
+        found: dict[str, dict[int, list]] = {}
+        for index, variable in enumerate(self.variables, 1):
+            cell = variable.cell
+            if cell.row.causality == "input" or cell.row.role == "state":
+                found.setdefault(cell.row.key, {}).setdefault(cell.element, []).append(
+                    (index, variable.component)
+                )
+        return found
 
 
 def resolve(scene: Scene, catalogue: Catalogue) -> Resolved:
@@ -77,17 +99,23 @@ def resolve(scene: Scene, catalogue: Catalogue) -> Resolved:
     cells = [_narrow(cell, narrowed.get(cell.name), scene) for cell in cells]
     known = {cell.name: cell for cell in cells}
     constants = {name: checked(scene, catalogue, "[pinned]", known[name], v) for name, v in constants.items()}
-    cells = [_place(cell, cells, constants, scene) for cell in cells]
+    conditions = Conditions(cells, constants, scene)
+    cells = [_place(cell, conditions) for cell in cells]
     known = {cell.name: cell for cell in cells}
-    _check_use(scene, catalogue, known, cells, constants)
-    left_out = _left_out(scene, known, cells, constants)
+    _check_use(scene, catalogue, known, conditions)
+    left_out = _left_out(scene, known, conditions)
     starts = {
         name: checked(scene, catalogue, "[start]", known[name], value) for name, value in scene.start.items()
     }
     cells = [_with_start(cell, starts, left_out) for cell in cells]
-    cvode = may_need_cvode(cells, constants, scene)
-    general = may_need_general(cells, constants, scene)
-    return Resolved(scene, catalogue, tuple(cells), tuple(_variables(cells, scene)), cvode, general)
+    variables = tuple(_variables(cells))
+    if len(variables) > MOST_VARIABLES:
+        text = (
+            f"{len(variables)} variables (allowed: at most {MOST_VARIABLES}; pin choices, leave out outputs)"
+        )
+        raise scene.error(text)
+    cvode, general = conditions.may_need_cvode, conditions.may_need_general
+    return Resolved(scene, catalogue, tuple(cells), variables, cvode, general)
 
 
 def _cells_of(row: Row, scene: Scene):
@@ -95,9 +123,8 @@ def _cells_of(row: Row, scene: Scene):
     if row.owner == "body":
         for i, body in enumerate(scene.bodies):
             if not row.shape or body.shape in row.shape:
-                yield _cell(
-                    row.of_shape(body.shape), scene, i, f"{body.name}.{row.field}", 1 + 2 * i, body=body.name
-                )
+                name, block = f"{body.name}.{row.field}", 1 + 2 * body.number
+                yield _cell(row.of_shape(body.shape), scene, i, name, block, body=body.name)
     elif row.owner == "contact":
         for j, contact in enumerate(scene.contacts):
             names = {
@@ -107,7 +134,8 @@ def _cells_of(row: Row, scene: Scene):
             shape = scene.bodies[contact.destination].shape
             if row.shape and shape not in row.shape:
                 continue
-            yield _cell(row.of_shape(shape), scene, j, f"{contact.name}.{row.field}", 2 + 2 * j, **names)
+            name = f"{contact.name}.{row.field}"
+            yield _cell(row.of_shape(shape), scene, j, name, 2 + 2 * contact.number, **names)
     else:
         yield _cell(row, scene, 0, row.key, 0)
 
@@ -210,19 +238,18 @@ def checked(scene: Scene, catalogue: Catalogue, where: str, cell: Cell, value):
     return tuple(map(float, values)) if row.dim > 1 else (float(values[0]) if base == "Real" else value)
 
 
-def _place(cell: Cell, cells: list[Cell], constants: dict, scene: Scene) -> Cell:
+def _place(cell: Cell, conditions: Conditions) -> Cell:
     """Settles whether the scene needs the cell, and its constant if it is pinned."""
+    constants = conditions.constants
     needed = not cell.row.when or any(
-        all(possible(choice, items, cell, cells, constants, scene) for choice, items in alternative.items())
+        all(conditions.possible(choice, items, cell) for choice, items in alternative.items())
         for alternative in cell.row.when
     )
     pinned = cell.name in constants
     return replace(cell, present=needed, pinned=pinned, value=constants.get(cell.name, cell.value))
 
 
-def _check_use(
-    scene: Scene, catalogue: Catalogue, known: dict[str, Cell], cells: list[Cell], constants: dict
-) -> None:
+def _check_use(scene: Scene, catalogue: Catalogue, known: dict[str, Cell], conditions: Conditions) -> None:
     """What [start] and [pinned] name must exist and be needed by this scene."""
     usable = {name: cell for name, cell in known.items() if cell.present and cell.row.has_start}
     for where, names in (("[pinned]", scene.pinned), ("[start]", scene.start)):
@@ -235,12 +262,12 @@ def _check_use(
                 continue
             if not known[name].row.has_start:
                 raise scene.error(f"{where}: '{name}' is computed by the FMU {advice.near(name, usable)}")
-            reason, remedy = why_not(known[name], cells, constants, scene)
+            reason, remedy = conditions.why_not(known[name])
             text = f"{where}: '{name}' is not needed with what is pinned: {reason}"
             raise scene.error(f"{text} (allowed: {remedy}, or no '{name}')")
 
 
-def _left_out(scene: Scene, known: dict[str, Cell], cells: list[Cell], constants: dict) -> set[str]:
+def _left_out(scene: Scene, known: dict[str, Cell], conditions: Conditions) -> set[str]:
     """Names of the cells that [leave_out] removes; an entry is a variable, a row (body.velocity) or group."""
     outputs = {
         name: cell
@@ -262,7 +289,7 @@ def _left_out(scene: Scene, known: dict[str, Cell], cells: list[Cell], constants
             kind = known[entry].row.causality
             raise scene.error(f"[leave_out]: '{entry}' is no output but {kind} {advice.near(entry, outputs)}")
         if not found and entry in known:
-            reason, _ = why_not(known[entry], cells, constants, scene)
+            reason, _ = conditions.why_not(known[entry])
             raise scene.error(
                 f"[leave_out]: '{entry}' is left out already: {reason} {advice.near(entry, outputs)}"
             )
@@ -280,7 +307,7 @@ def _with_start(cell: Cell, starts: dict, left_out: set[str]) -> Cell:
     )
 
 
-def _variables(cells: list[Cell], scene: Scene):
+def _variables(cells: list[Cell]):
     """Scalars in the order of modelDescription.xml: bodies, contacts, world; in each as catalogued."""
     rank = {"body": 0, "contact": 1, "world": 2}
     for cell in sorted((c for c in cells if c.open), key=lambda c: (rank[c.row.owner], c.element)):

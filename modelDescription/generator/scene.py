@@ -10,6 +10,7 @@ from .catalogue import Catalogue
 from .errors import InputError, allowed
 from .names import refused_name
 from .quantity import in_unit
+from .repeat import MOST, Entry, Repeats
 from .variables_file import read_toml
 
 SHAPES = ("sphere", "cylinder", "plane")
@@ -19,8 +20,10 @@ SCENE_KEYS = {
     "CMake target such as `test` or `all`. Required",
     "title": "one line for the FMU's description. Required",
     "description": "some sentences for its documentation. Required",
-    "body": "`[[body]]`, a table for each body, 1 to 255. Required",
-    "contact": "`[[contact]]`, a table for each pair of bodies that may touch, 1 to 255. Required",
+    "body": f"`[[body]]`, a table for each body or for several alike, 1 to {MOST:,} bodies. Required",
+    "contact": "`[[contact]]`, a table for each pair of bodies that may touch, or for several alike, "
+    f"1 to {MOST:,} pairs. Required",
+    "groups": "table of groups of bodies, by default none: a name and a list of names",
     "start": "table of start values, by default none: those listed below",
     "pinned": "table of constants, by default none: every choice stays open. A list of two or more items "
     "leaves a choice these alone",
@@ -30,13 +33,16 @@ SCENE_KEYS = {
     "choice is then an Integer whose description names the items",
 }
 BODY_KEYS = {
-    "name": "small letters, digits and `_`; variables begin with it: `marble.radius`. Required",
+    "name": "small letters, digits and `_`, and perhaps an index as in `ball[3]`; variables begin with it: "
+    "`marble.radius`. Required",
     "shape": "`sphere`, `cylinder` or `plane`. Required",
+    "count": f"how many such bodies there are, 1 to {MOST:,}; their `name` has a `{{i}}`, the number of each",
 }
 CONTACT_KEYS = {
     "name": "as of a body, and not that of a body: `touch.normal_force`. Required",
     "source": "name of the body that touches, a sphere. Required",
     "destination": "name of the body that is touched, of any shape. Required",
+    "count": f"how many such contacts there are, 1 to {MOST:,}; the names have a `{{i}}` or `{{i+1}}`",
 }
 EXPERIMENT_KEYS = {
     "start_time": "s",
@@ -46,19 +52,20 @@ EXPERIMENT_KEYS = {
 }
 EXPERIMENT = {"start_time": 0.0, "stop_time": 1.0, "step_size": 1e-3, "tolerance": 1e-8}
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-SNAKE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*(\[[1-9][0-9]*(,[1-9][0-9]*)?\])?")
 IN_WORDS = {
     IDENTIFIER: "letters, digits and _, a letter first, such as BouncingBall",
-    SNAKE: "small letters and digits, a letter first, words joined by _, such as left_ball",
+    NAME: "small letters and digits, a letter first, words joined by _, such as left_ball or ball[3]",
 }
 CHOICES = ("enumeration", "integer")
-LIMIT = 255  # bodies, contacts: their index is a byte in the C table
+VALUES = ("start", "pinned")
 
 
 @dataclass(frozen=True)
 class Body:
     name: str
     shape: str
+    number: int  # of its value references
 
 
 @dataclass(frozen=True)
@@ -66,6 +73,7 @@ class Contact:
     name: str
     source: int
     destination: int
+    number: int  # of its value references
 
 
 @dataclass(frozen=True)
@@ -138,8 +146,6 @@ class _Reader:
         value = data[key]
         if not isinstance(value, list) or not all(isinstance(entry, dict) for entry in value) or not value:
             self.fail("", f"'{key}' must be a list of one or more tables (allowed: [[{key}]])")
-        if len(value) > LIMIT:
-            self.fail("", f"'{key}' has {len(value)} entries (allowed: at most {LIMIT})")
         return value
 
     def new_name(self, where: str, name: str, taken: dict[str, str]) -> None:
@@ -160,41 +166,63 @@ def read_scene(path: Path, catalogue: Catalogue) -> Scene:
     # Bodies and contacts are not named like a group of the world's variables.
     groups = {row.key.partition(".")[0] for row in catalogue.rows.values() if row.owner == "world"}
     taken = dict.fromkeys(groups, "a group of variables")
-    bodies = _bodies(reader, data, taken)
+    repeats = _repeats(reader, data)
+    bodies = _bodies(reader, repeats.bodies, taken)
     return Scene(
         file,
         name,
         reader.text("", data, "title"),
         reader.text("", data, "description"),
         bodies,
-        _contacts(reader, data, bodies, taken),
-        reader.values(data, "start"),
-        reader.values(data, "pinned"),
-        _leave_out(reader, data),
+        _contacts(reader, repeats.contacts, bodies, taken),
+        *(repeats.values(f"[{key}]", reader.values(data, key), _by_copy(catalogue, key)) for key in VALUES),
+        _leave_out(reader, data, repeats),
         _experiment(reader, data),
         _choices(reader, data),
     )
 
 
-def _bodies(reader: _Reader, data: dict, taken: dict) -> tuple[Body, ...]:
+def _repeats(reader: _Reader, data: dict) -> Repeats:
+    return Repeats(
+        reader.fail, reader.tables(data, "body"), reader.tables(data, "contact"), reader.table(data, "groups")
+    )
+
+
+def _by_copy(catalogue: Catalogue, key: str):
+    """Whether a value is a list with one item for each body or contact that is repeated."""
+
+    def is_list(owner: str, field: str, value) -> bool:
+        row = catalogue.rows.get(f"{owner}.{field}")
+        if row is None or not isinstance(value, list):
+            return False
+        if key == "pinned" and row.type.items:
+            return False  # the items that a choice keeps
+        return row.dim == 1 or any(isinstance(one, list) for one in value)
+
+    return is_list
+
+
+def _bodies(reader: _Reader, entries: list[Entry], taken: dict) -> tuple[Body, ...]:
     bodies = []
-    for number, table in enumerate(reader.tables(data, "body"), 1):
-        where = f"[[body]] {number}"
+    for entry in entries:
+        where, table = entry.where, entry.table
         reader.keys(where, table, BODY_KEYS, ("name", "shape"), "body")
-        reader.new_name(where, reader.text(where, table, "name", SNAKE), taken)
+        reader.new_name(where, reader.text(where, table, "name", NAME), taken)
         if table["shape"] not in SHAPES:
             reader.fail(where, f"unknown shape {table['shape']!r} {allowed(SHAPES)}")
-        bodies.append(Body(table["name"], table["shape"]))
+        bodies.append(Body(table["name"], table["shape"], entry.number))
     return tuple(bodies)
 
 
-def _contacts(reader: _Reader, data: dict, bodies: tuple[Body, ...], taken: dict) -> tuple[Contact, ...]:
+def _contacts(
+    reader: _Reader, entries: list[Entry], bodies: tuple[Body, ...], taken: dict
+) -> tuple[Contact, ...]:
     index = {body.name: i for i, body in enumerate(bodies)}
     contacts, pairs = [], {}
-    for number, table in enumerate(reader.tables(data, "contact"), 1):
-        where = f"[[contact]] {number}"
+    for entry in entries:
+        where, table = entry.where, entry.table
         reader.keys(where, table, CONTACT_KEYS, ("name", "source", "destination"), "contact")
-        reader.new_name(where, reader.text(where, table, "name", SNAKE), taken)
+        reader.new_name(where, reader.text(where, table, "name", NAME), taken)
         for key in ("source", "destination"):
             if reader.text(where, table, key) not in index:
                 reader.fail(where, f"{key} '{table[key]}' is no body {allowed(list(index))}")
@@ -205,22 +233,22 @@ def _contacts(reader: _Reader, data: dict, bodies: tuple[Body, ...], taken: dict
         if bodies[source].shape != "sphere":
             spheres = [body.name for body in bodies if body.shape == "sphere"]
             reader.fail(where, f"source '{table['source']}' must be a sphere {allowed(spheres)}")
-        other = pairs.setdefault(frozenset((source, destination)), where)
-        if other != where:
-            reader.fail(
-                where, f"destination '{table['destination']}' and source are already those of {other}"
-            )
-        contacts.append(Contact(table["name"], source, destination))
+        pair = frozenset((source, destination))
+        if pair in pairs:
+            ends = f"destination '{table['destination']}' and source '{table['source']}'"
+            reader.fail(where, f"{ends} are already those of {pairs[pair]} (allowed: each pair once)")
+        pairs[pair] = where
+        contacts.append(Contact(table["name"], source, destination, entry.number))
     return tuple(contacts)
 
 
-def _leave_out(reader: _Reader, data: dict) -> tuple[str, ...]:
+def _leave_out(reader: _Reader, data: dict, repeats: Repeats) -> tuple[str, ...]:
     table = reader.table(data, "leave_out")
     reader.keys("[leave_out]", table, {"outputs": "names of outputs"})
     outputs = table.get("outputs", [])
     if not isinstance(outputs, list) or not all(isinstance(name, str) for name in outputs):
         reader.fail("[leave_out]", f"'outputs' must be a list of names, got {outputs!r}")
-    return tuple(outputs)
+    return tuple(repeats.values("[leave_out]", dict.fromkeys(outputs), lambda *_: False))
 
 
 def _choices(reader: _Reader, data: dict) -> str:

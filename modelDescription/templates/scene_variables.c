@@ -5,7 +5,7 @@
 #include "model/variable.h"
 #include "scene.h"
 
-_Static_assert(sizeof(struct scene_values) <= UINT16_MAX, "offsets of variables are 16 bits");
+_Static_assert(sizeof(struct scene_values) <= VARIABLE_OFFSET, "an offset does not fit beside its bits");
 
 const int scene_variable_count = SCENE_VARIABLES;
 
@@ -31,11 +31,11 @@ const uint32_t scene_reals[SCENE_REFERENCES] = {
 {% endfor %}
 };
 
-/* Row, choice, the items of it that would do (bits), whose choice, alternative, of how many it
- * may be, the items by name. */
+/* Row, choice, the items of it that would do (bits), whose choice, of how many it may be, alternative, the
+ * items by name. */
 const struct scene_use scene_uses[] = {
 {% for use in uses %}
-    {ROW_{{ use.row.c_name }}, ROW_{{ use.choice.c_name }}, {{ use.items }}, USE_OF_{{ use.whose }}, {{ use.alternative }}, {{ use.owners }}, "{{ use.wanted }}"},
+    {ROW_{{ use.row.c_name }}, ROW_{{ use.choice.c_name }}, {{ use.items }}, USE_OF_{{ use.whose }}, {{ use.owners }}, {{ use.alternative }}, "{{ use.wanted }}"},
 {% endfor %}
     {ROW_COUNT, ROW_COUNT, 0, USE_OF_OWN, 0, 0, ""},
 };

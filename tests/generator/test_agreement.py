@@ -84,7 +84,7 @@ def test_value_references_are_unique_and_found_in_the_index(scene):
 @pytest.mark.parametrize("scene", SCENES)
 def test_the_c_table_names_the_member_of_its_variable(scene):
     data = scene_file(scene)
-    bodies = [body["name"] for body in data["body"]]
+    bodies, contacts = ([one["name"] for one in data[kind]] for kind in ("body", "contact"))
     for name, entry in parse_c(files_of(scene)["scene_variables.c"]).items():
         if entry["causality"] == "local":
             assert entry["member"] is None, name  # computed when it is asked for
@@ -93,8 +93,8 @@ def test_the_c_table_names_the_member_of_its_variable(scene):
         member = f"world.{name.replace('.', '_')}"
         if owner in bodies:
             member = f"body[{bodies.index(owner)}].{field}"
-        elif owner == "contact":
-            member = f"contact[0].{field}"
+        elif owner in contacts:
+            member = f"contact[{contacts.index(owner)}].{field}"
         if name.endswith("]"):
             member = re.sub(r"\[(\d)\]$", lambda match: f"[{int(match[1]) - 1}]", member)
         assert entry["member"] == member

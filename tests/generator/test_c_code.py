@@ -58,10 +58,12 @@ class Variable(ctypes.Structure):
         ("min", ctypes.c_double),
         ("max", ctypes.c_double),
         ("reference", ctypes.c_uint32),
-        ("offset", ctypes.c_uint16),
+        ("offset", ctypes.c_uint32),
         ("row", ctypes.c_uint16),
-        *((field, ctypes.c_uint8) for field in ("type", "causality", "element", "component")),
-        *((field, ctypes.c_uint8) for field in ("reinit", "tunable")),
+        *((field, ctypes.c_uint8) for field in ("type", "causality")),
+        ("element", ctypes.c_uint16),
+        ("component", ctypes.c_uint8),
+        *((field, ctypes.c_uint8, 1) for field in ("reinit", "tunable")),
     ]
 
 
@@ -156,7 +158,7 @@ def test_reals_are_read_where_the_table_has_them(scene_folder, scene):
         name = table[reference].name.decode()
         source = 1 if given else 4 if motion.search(name) else 8
         vector = 16 if name.endswith("[1]") and not name.endswith(".orientation[1]") else 0
-        assert (real & 0xFFFF, real >> 16) == (table[reference].offset, source | vector), said
+        assert (real & 0xFFFFFF, real >> 24) == (table[reference].offset, source | vector), said
         if vector:
             following = [table[reference + k] for k in (1, 2)]
             assert [row.name.decode() for row in following] == [f"{name[:-3]}[{k}]" for k in (2, 3)]

@@ -11,6 +11,7 @@ from lxml import etree
 
 from support.generator.generated import (
     FOLDER,
+    PAIRS,
     ROOT,
     SCENES,
     describe,
@@ -21,10 +22,11 @@ from support.generator.generated import (
     scene_file,
     table,
     texts_in,
+    whole,
 )
 from support.generator.turning_page import assert_the_page_explains_turning
 
-PINNED = [scene for scene in SCENES if scene_file(scene).get("pinned")]
+PINNED = [scene for scene in PAIRS if scene_file(scene).get("pinned")]
 UNIVERSAL = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
 
 
@@ -32,7 +34,8 @@ UNIVERSAL = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "S
 def test_the_description_is_ascii(scene):
     """VDMCheck2 takes one byte for one character; symbols are written as character references."""
     assert (folder_of(scene) / "modelDescription.xml").read_bytes().isascii()
-    assert describe(scene)["contact.gap_rate"]["description"].endswith("(ġ)")
+    contact = scene_file(scene)["contact"][0]["name"]
+    assert describe(scene)[f"{contact}.gap_rate"]["description"].endswith("(ġ)")
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -112,13 +115,15 @@ def test_each_rate_names_its_state_and_stands_in_the_order_of_the_states(scene):
 def felt_at_once(output, scene):
     """Input or state -> dependenciesKind of an output, from the names and the rows of variables.toml alone"""
     _, row = row_of(output, scene_file(scene))
-    owner, component = output.partition(".")[0], output.partition("[")[2]
-    bodies = ["source", "destination"] if owner not in ("source", "destination") else [owner]
+    owner, component = output.partition(".")[0], output.removeprefix(whole(output))
+    pairs = {one["name"]: [one["source"], one["destination"]] for one in scene_file(scene)["contact"]}
+    names = [body["name"] for body in scene_file(scene)["body"]]
+    bodies = [owner] if owner in names else pairs.get(owner, names)
     found = {}
     for key, kind in row.get("depends", {}).items():
         for body in bodies:
             stem = key.replace("body", body) if key.startswith("body.") else key
-            names = [name for name in describe(scene) if name.partition("[")[0] == stem]
+            names = [name for name in describe(scene) if whole(name) == stem]
             if key.startswith("body.") and len(bodies) == 1 and kind == "fixed":
                 names = [name for name in names if name.endswith(component)]
             found |= dict.fromkeys(names, kind)
@@ -200,7 +205,7 @@ def test_the_methods_offered_are_those_of_the_solver():
     assert methods == {"event_driven": 1, "cvode_bdf": 2, "cvode_adams": 3}
 
 
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("scene", PAIRS)
 def test_the_page_explains_only_what_the_scene_has(scene):
     page = (folder_of(scene) / "documentation" / "index.html").read_text(encoding="utf-8")
     names = {name.partition("[")[0] for name in describe(scene)}

@@ -39,8 +39,9 @@ def test_every_body_has_a_terminal_whose_members_are_variables(scene, which, des
         members = {member.get("memberName"): member.get("variableName") for member in terminal}
         assert len(members) == len(terminal)
         assert set(members.values()) <= set(variables)
-        force = [name for name in members if name.partition("[")[0] == "force"]
-        assert len(force) == (3 if which == "terminals2" else 1)
+        force = [name for name in members if name.startswith("force")]
+        contacts = [one for one in scene_file(scene)["contact"] if terminal.get("name") in one.values()]
+        assert len(force) == (3 if which == "terminals2" else 1) * len(contacts)
 
 
 def test_inputs_and_motion_of_a_body_are_together():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from support.generator.generated import SCENES, SUMS_UP, describe
+from support.generator.generated import SCENES, SUMS_UP, describe, whole
 
 TUNABLE = {
     "penalty_multiplier", "penalty_factor", "characteristic_time", "viscous_penalty_factor", "dashpot",
@@ -16,9 +16,10 @@ TUNABLE = {
 def test_variability_and_initial_follow_from_causality(scene):
     """What sums up a step changes at communication points only: nobody is to ask for its derivatives."""
     for name, entry in describe(scene).items():
-        sums_up = name.partition("[")[0].rpartition(".")[2] in SUMS_UP
+        field = whole(name).rpartition(".")[2]
+        sums_up = field in SUMS_UP
         varies = "continuous" if entry["base"] == "Real" and not sums_up else "discrete"
-        fixed = "tunable" if name.partition("[")[0].rpartition(".")[2] in TUNABLE else "fixed"
+        fixed = "tunable" if field in TUNABLE else "fixed"
         assert (entry["variability"], entry["initial"]) == {
             "parameter": (fixed, "exact"),
             "calculatedParameter": (fixed, "calculated"),

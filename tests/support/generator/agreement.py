@@ -2,7 +2,7 @@
 
 import re
 
-from support.generator.generated import CATALOGUE, parse_c, parse_page, parse_xml, row_of
+from support.generator.generated import CATALOGUE, parse_c, parse_page, parse_xml, row_of, whole
 
 
 def expected(name: str, scene: dict) -> dict:
@@ -11,12 +11,11 @@ def expected(name: str, scene: dict) -> dict:
     kind = CATALOGUE["type"][row["type"]]
     component = int(name.rpartition("[")[2].rstrip("]")) - 1 if name.endswith("]") else 0
     owner = name.partition(".")[0]
-    blocks = {body["name"]: 1 + 2 * i for i, body in enumerate(scene["body"])}
-    blocks |= {contact["name"]: 2 + 2 * j for j, contact in enumerate(scene["contact"])}
+    blocks = {table["name"]: table["block"] for kind in ("body", "contact") for table in scene[kind]}
     targets = {contact["destination"] for contact in scene["contact"]}
     hit_only = owner in targets - {contact["source"] for contact in scene["contact"]}
     start = row.get("start_destination", row.get("start")) if hit_only else row.get("start")
-    start = scene.get("start", {}).get(name.partition("[")[0], start)
+    start = scene.get("start", {}).get(whole(name), start)
     items = {item: entry["value"] for item, entry in kind.get("items", {}).items()}
     kept = scene.get("pinned", {}).get(name)
     if items and isinstance(kept, list):
@@ -103,7 +102,7 @@ def _page_texts(name: str, said: dict, xml: dict, wanted: dict) -> list[str]:
             found.append(f"page {name}: start {shown}, wanted {start}")
     elif shown != (str(start).lower() if start is not None else None):
         found.append(f"page {name}: start {shown}, wanted {start}")
-    words = re.sub(r"\\\{\w+\\\}", r"\\w+", re.escape(wanted["description"]))
+    words = re.sub(r"\\\{\w+\\\}", r"[\\w\\[\\]]+", re.escape(wanted["description"]))
     if not re.fullmatch(words, said["meaning"]) or not xml["description"].startswith(said["meaning"]):
         found.append(f"page {name}: '{said['meaning']}', XML '{xml['description']}'")
     if bool(said["symbol"]) != bool(wanted["symbol"]):

@@ -18,6 +18,9 @@ import generate as program
 ROOT = Path(__file__).resolve().parents[3]
 FOLDER = ROOT / "modelDescription"
 SCENES = sorted(path.stem for path in (FOLDER / "scenes").glob("*.toml"))
+PAIRS = [
+    scene for scene in SCENES if (FOLDER / "scenes" / f"{scene}.toml").read_text().count("[[body]]") == 2
+]
 CATALOGUE = tomllib.loads((FOLDER / "variables.toml").read_text(encoding="utf-8"))
 LARGEST = sys.float_info.max
 # What sums up a step, and what is settled at each onset
@@ -26,6 +29,11 @@ SUMS_UP = {
     "last_onset_time", "last_duration",
     "effective_hunt_crossley_factor",
 }  # fmt: skip
+
+
+def whole(name: str) -> str:
+    """A variable without the number of its component."""
+    return re.sub(r"\[\d\]$", "", name)
 
 
 def run(*arguments) -> subprocess.CompletedProcess:
@@ -218,7 +226,7 @@ def parse_page(text: str) -> dict[str, dict]:
 
 def row_of(name: str, scene: dict) -> tuple[str, dict]:
     """Key and row of variables.toml of a scalar variable, from its name and the scene file alone."""
-    plain = name.partition("[")[0]
+    plain = whole(name)
     owner, _, field = plain.partition(".")
     shapes = {body["name"]: body["shape"] for body in scene["body"]}
     if owner in shapes:
@@ -232,4 +240,36 @@ def row_of(name: str, scene: dict) -> tuple[str, dict]:
 
 
 def scene_file(scene: str) -> dict:
-    return tomllib.loads((FOLDER / "scenes" / f"{scene}.toml").read_text(encoding="utf-8"))
+    return written_out(tomllib.loads((FOLDER / "scenes" / f"{scene}.toml").read_text(encoding="utf-8")))
+
+
+def written_out(scene: dict) -> dict:
+    """The scene with each body and contact that `count` or `ball[*]` stands for as a table of its own.
+    `block` of a table: the hundred in which its value references are."""
+    stride = max(len(scene["body"]), len(scene["contact"]))
+    count = {body["name"].partition("[")[0]: body.get("count", 1) for body in scene["body"]}
+    result = {**scene, "body": [], "contact": [], "start": {}, "pinned": {}}
+    copies = {}
+    for kind, parity in (("body", 1), ("contact", 2)):
+        for k, table in enumerate(scene[kind]):
+            of_group = [count[text[:-3]] for text in table.values() if str(text).endswith("[*]")]
+            number = table.get("count", of_group[0] if of_group else 1)
+            copies[table["name"].partition("[")[0]] = number
+            for i in range(1, number + 1):
+                plain = {
+                    key: text.replace("{i}", str(i)).replace("{i+1}", str(i + 1)).replace("*", str(i))
+                    for key, text in table.items()
+                    if key != "count"
+                }
+                result[kind].append(plain | {"block": parity + 2 * (k + stride * (i - 1))})
+    for table in ("start", "pinned"):
+        values = scene.get(table, {})
+        for name, value in values.items():
+            number = copies[name.partition("[")[0]] if "{i}" in name else 1
+            by_copy = (
+                "{i}" in name and isinstance(value, list) and (isinstance(value[0], list) or len(value) != 3)
+            )
+            for i in range(1, number + 1):
+                result[table][name.replace("{i}", str(i))] = value[i - 1] if by_copy else value
+        result[table] |= {name: value for name, value in values.items() if "{i}" not in name}
+    return result
