@@ -223,18 +223,6 @@ static bool may_be_larger(const struct probe *probe, const struct root_bracket_e
            dense_output_is_larger(probe->output, value_of(what, at) + low->value * meet, largest);
 }
 
-/* Whether the quantity cannot rise above the largest value known by as much as is worth a search. Between
- * two samples it rises by no more than slopes and second derivatives as large as at the samples would raise
- * it. */
-static bool is_nearly_steady(const struct probe *probe, const struct root_bracket_end *low,
-                             const struct root_bracket_end *high, double value, double largest)
-{
-    const double width = high->s - low->s;
-    const double slope =
-        fmax(fabs(low->value), fabs(high->value)) + width * fmax(fabs(low->slope), fabs(high->slope));
-    return !dense_output_is_larger(probe->output, value + slope * width, largest);
-}
-
 /* Returns the larger of `largest` and of the top between the samples `at` and `next`, whose slopes are `low`
  * and `high`. */
 static double larger_between(const struct probe *probe, struct root_bracket_end low,
@@ -243,9 +231,6 @@ static double larger_between(const struct probe *probe, struct root_bracket_end 
 {
     const struct event_function *what = probe->what;
     const bool turns = low.value > 0.0 && high.value < 0.0;
-    if (is_nearly_steady(probe, &low, &high, fmax(value_of(what, at), value_of(what, next)), largest)) {
-        return largest;
-    }
     if (turns &&
         (is_top(what, at) || is_top(what, next) || !may_be_larger(probe, &low, &high, at, next, largest))) {
         return largest;

@@ -347,47 +347,45 @@ static struct vec3 rate_in_destination(const struct scene_values *v, const struc
     return at->rate[contact];
 }
 
+/* Sets the motion of the bodies and their displacements at clock 0. */
 static void put_motions(const struct scene_values *v, const struct scene_state *q, double clock,
-                        const struct body_state *bodies, struct scene_instant *at)
+                        const struct body_state *bodies, struct vec3 origin[SCENE_BODIES],
+                        struct scene_instant *at)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         const struct body_instant body = body_at(v, q, clock, bodies, i);
+        origin[i] = body.origin;
         at->moved[i] = body.moved;
         at->displacement[i] = body.displacement;
         at->velocity[i] = body.velocity;
     }
 }
 
-static struct vec3 displacement_at_origin(const struct scene_values *v, const struct scene_state *q, int body)
+/* Sets the separation of a contact and its rate. The undeformed locations are subtracted first, then the
+ * displacements at clock 0, then the displacements since: large common parts cancel before small ones are
+ * added. */
+static void put_separation(const struct scene_values *v, const struct vec3 origin[SCENE_BODIES], int contact,
+                           struct scene_instant *at)
 {
-    return body_is_free(v, body)         ? q->origin[body].displacement
-           : body_is_prescribed(v, body) ? q->path[body].displacement[0]
-                                         : vec3_make(0.0, 0.0, 0.0);
-}
-
-/* Sets the separations and their rates from the motion of the bodies. The undeformed locations are subtracted
- * first, then the displacements at clock 0, then the displacements since: large common parts cancel before
- * small ones are added. */
-static void put_separations(const struct scene_values *v, const struct scene_state *q,
-                            struct scene_instant *at)
-{
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const int source = contact_source(j);
-        const int destination = contact_destination(j);
-        const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
-        const struct vec3 since =
-            vec3_sub(displacement_at_origin(v, q, destination), displacement_at_origin(v, q, source));
-        const struct vec3 moved = vec3_sub(at->moved[destination], at->moved[source]);
-        at->separation[j] = vec3_add(vec3_add(apart, since), moved);
-        at->rate[j] = vec3_sub(at->velocity[destination], at->velocity[source]);
-    }
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
+    const struct vec3 start = vec3_add(apart, vec3_sub(origin[destination], origin[source]));
+    at->separation[contact] = vec3_add(start, vec3_sub(at->moved[destination], at->moved[source]));
+    at->rate[contact] = vec3_sub(at->velocity[destination], at->velocity[source]);
 }
 
 CONTACT_NOINLINE void scene_meet_turning(const struct scene_values *v, const struct scene_state *q,
                                          struct scene_instant *at)
 {
-    put_separations(v, q, at);
+    struct vec3 origin[SCENE_BODIES];
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        origin[i] = body_is_free(v, i)         ? q->origin[i].displacement
+                    : body_is_prescribed(v, i) ? q->path[i].displacement[0]
+                                               : vec3_make(0.0, 0.0, 0.0);
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        put_separation(v, origin, j, at);
         put_axis(v, q, j, at);
         const struct contact_shape shape = scene_contact_shape_at(v, q, at, j);
         at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate_in_destination(v, at, j),
@@ -399,7 +397,8 @@ void scene_kinematics_turning(const struct scene_values *v, const struct scene_s
                               const struct body_state *bodies, const struct turning_state *turning,
                               struct scene_instant *at)
 {
-    put_motions(v, q, clock, bodies, at);
+    struct vec3 origin[SCENE_BODIES];
+    put_motions(v, q, clock, bodies, origin, at);
     put_turns(v, q, clock, turning, at);
     scene_meet_turning(v, q, at);
 }
@@ -411,9 +410,10 @@ CONTACT_FLATTEN void scene_kinematics(const struct scene_values *v, const struct
         scene_kinematics_turning(v, q, clock, bodies, &q->turning, at);
         return;
     }
-    put_motions(v, q, clock, bodies, at);
-    put_separations(v, q, at);
+    struct vec3 origin[SCENE_BODIES];
+    put_motions(v, q, clock, bodies, origin, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        put_separation(v, origin, j, at);
         const struct contact_shape shape = scene_contact_shape(v, q, j);
         at->geometry[j] = contact_geometry_at(&shape, at->separation[j], at->rate[j], q->contact[j].normal);
     }

@@ -73,7 +73,7 @@ def cases() -> list[Case]:
     """Flight, the benchmark problems, some with friction, by Hertz's law, on a plane or a rim, and both ends of the
     stiffness sweep, all by event_driven"""
     stiff = [one for name, family in stiff_families().items() if "undamped" not in name for one in family]
-    many = [*benchmarks().values(), turning_problems()["F1"]]
+    many = [*benchmarks().values(), *turning_problems().values()]
     named = [(f"{one.name}, {n} step{'s' * (n > 1)}", one, n) for one in many for n in STEPS]
     named += [(f"{one.name}, 1 step", one, 1) for one in law_benchmarks().values()]
     named += [
