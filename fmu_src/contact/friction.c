@@ -169,10 +169,16 @@ static struct turning_factor turning_factor_of(const struct friction_law *law, d
     return (struct turning_factor){k * length * limit / square, -k * length * excess, k * limit * excess};
 }
 
+/* Whether a regime has a spring: without a dashpot no force holds the spring of a contact that is lifted. */
+static bool has_spring(const struct friction_law *law, enum friction_regime regime)
+{
+    return law->kind == FRICTION_ELASTIC && (regime != FRICTION_LIFTED || has_dashpot(law));
+}
+
 struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
                                  struct friction_state at)
 {
-    if (law->kind != FRICTION_ELASTIC || regime == FRICTION_LIFTED) {
+    if (!has_spring(law, regime)) {
         return vec3_make(0.0, 0.0, 0.0);
     }
     if (regime == FRICTION_STICKING) {
@@ -229,7 +235,7 @@ struct friction_slopes friction_spring_rate_slopes(const struct friction_law *la
                                                    enum friction_regime regime, struct friction_state at)
 {
     struct friction_slopes slopes = {.by_slip = {{0.0}}, .by_spring = {{0.0}}};
-    if (law->kind != FRICTION_ELASTIC || regime == FRICTION_LIFTED) {
+    if (!has_spring(law, regime)) {
         return slopes;
     }
     if (regime == FRICTION_STICKING) {
@@ -242,7 +248,7 @@ struct friction_slopes friction_spring_rate_slopes(const struct friction_law *la
 struct vec3 friction_spring(const struct friction_law *law, enum friction_regime regime,
                             struct friction_state at)
 {
-    if (law->kind != FRICTION_ELASTIC || regime == FRICTION_LIFTED) {
+    if (!has_spring(law, regime)) {
         return vec3_make(0.0, 0.0, 0.0);
     }
     if (!slides(regime) || has_dashpot(law)) {

@@ -42,7 +42,7 @@ enum friction_regime {
     FRICTION_STICKING,
     FRICTION_SLIDING, /* L = mu F_n */
     FRICTION_CAPPED,  /* sliding with L = F_max */
-    FRICTION_LIFTED   /* penetration with F_n <= 0: no friction */
+    FRICTION_LIFTED   /* penetration with F_n <= 0: no friction; the spring relaxes through its dashpot */
 };
 
 /* The variables of a contact on which friction depends. */

@@ -517,10 +517,12 @@ static void take_friction_event(const struct prescribed_contact *c, double clock
     const struct friction_law law = scene_friction_law(c->v, c->q, j);
     const enum friction_regime before = (enum friction_regime)c->q->contact[j].friction_regime;
     instant_at(c, clock, spring, &at);
-    if (event == EVENT_LIFT && before == FRICTION_LIFTED) {
+    if (event == EVENT_LIFT && before == FRICTION_LIFTED && !(vec3_max_abs(spring) > 0.0)) {
         start_friction(c, clock);
+    } else if (event == EVENT_LIFT && before == FRICTION_LIFTED) {
+        rub_with(c, FRICTION_SLIDING, spring); /* it has not relaxed */
     } else if (event == EVENT_LIFT) {
-        rub_with(c, FRICTION_LIFTED, NO_SPRING);
+        rub_with(c, FRICTION_LIFTED, law.damping > 0.0 ? spring : NO_SPRING);
     } else if (event == EVENT_CAP) {
         rub_with(c, before == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED, spring);
     } else if (before == FRICTION_STICKING) {

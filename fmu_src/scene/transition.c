@@ -148,6 +148,17 @@ static void end_friction(struct scene_state *q, int contact)
     q->turning.spring[contact] = vec3_make(0.0, 0.0, 0.0);
 }
 
+/* Lifts friction while the dashpot pulls. A spring with a dashpot relaxes through it, as where a contact
+ * slides with L = 0; another one is at rest at once. */
+static void lift_friction(const struct scene_values *v, struct scene_state *q, int contact)
+{
+    const struct vec3 spring = q->turning.spring[contact];
+    end_friction(q, contact);
+    if (scene_friction_law(v, q, contact).damping > 0.0) {
+        q->turning.spring[contact] = spring;
+    }
+}
+
 /*
  * Returns the spring's normal force [N] where it has stored the energy of the approach, as at the deepest
  * point of an impact. The stored energy is proportional to the depth squared, under Hertz's law to the depth
@@ -235,7 +246,7 @@ static void break_away(const struct scene_values *v, struct scene_state *q, int 
     scene_now(v, q, &at);
     const enum friction_regime next = sliding_regime(&law, at.normal_force[contact]);
     if (is_lifted(v, q, &at, contact)) {
-        end_friction(q, contact);
+        lift_friction(v, q, contact);
         return;
     }
     set_friction_regime(q, contact, next);
@@ -276,6 +287,16 @@ static void keep_sliding(const struct scene_values *v, struct scene_state *q, in
     }
 }
 
+/* Begins friction, or goes on with a spring that has not relaxed. */
+static void end_lifting(const struct scene_values *v, struct scene_state *q, int contact)
+{
+    if (vec3_max_abs(q->turning.spring[contact]) > 0.0) {
+        keep_sliding(v, q, contact);
+    } else {
+        begin_friction(v, q, contact);
+    }
+}
+
 /* Puts friction into the regime that the present normal force asks for. */
 static void reconsider(const struct scene_values *v, struct scene_state *q, int contact)
 {
@@ -284,9 +305,9 @@ static void reconsider(const struct scene_values *v, struct scene_state *q, int 
     const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime;
     scene_now(v, q, &at);
     if (is_lifted(v, q, &at, contact)) {
-        end_friction(q, contact);
+        lift_friction(v, q, contact);
     } else if (regime == FRICTION_LIFTED) {
-        begin_friction(v, q, contact);
+        end_lifting(v, q, contact);
     } else if (regime == FRICTION_STICKING) {
         const struct friction_state rubbing = turning_rubbing(&q->turning, &at, contact);
         if (friction_stick_event(&law, regime, rubbing, 0.0) < 0.0) {
@@ -324,9 +345,9 @@ void turning_take_event(const struct scene_values *v, struct scene_state *q, int
     } else if (event == ODE_EVENT_CAP) {
         set_friction_regime(q, contact, regime == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED);
     } else if (regime == FRICTION_LIFTED) {
-        begin_friction(v, q, contact);
+        end_lifting(v, q, contact);
     } else {
-        end_friction(q, contact);
+        lift_friction(v, q, contact);
     }
 }
 
