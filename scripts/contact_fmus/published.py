@@ -57,6 +57,11 @@ class Outcome:
     depth: float  # m
     restitution: float  # speed after over speed before
 
+    def is_published(self, impact: Impact) -> bool:
+        expected = 1.0 if impact.restitution is None else impact.restitution
+        pairs = [(self.restitution, expected), (self.force, impact.force), (self.depth, impact.depth)]
+        return all(there is None or abs(here - there) <= DIGITS * there for here, there in pairs)
+
 
 def setup_of(impact: Impact) -> dict[str, Any]:
     return TABLE["setup"]["on_plane" if impact.on_plane else "both_come"]
@@ -106,7 +111,7 @@ def main(arguments: list[str] | None = None) -> int:
     for impact in IMPACTS:
         with ContactFmu(fmu_file(setup_of(impact)["fmu"])) as fmu:
             found.append((impact, {method: outcome(fmu, impact, method, TOLERANCE) for method in METHODS}))
-    good = all(_is_published(impact, one) for impact, outcomes in found for one in outcomes.values())
+    good = all(one.is_published(impact) for impact, outcomes in found for one in outcomes.values())
     template = jinja2.Template(Path(__file__).with_suffix(".md").read_text(encoding="utf-8"), trim_blocks=True)
     text = template.render(found=found, methods=METHODS, tolerance=f"{TOLERANCE:g}")
     if options.output:
@@ -114,9 +119,3 @@ def main(arguments: list[str] | None = None) -> int:
     else:
         print(text, end="")
     return DONE if good else CLAIM_FAILED
-
-
-def _is_published(impact: Impact, got: Outcome) -> bool:
-    expected = 1.0 if impact.restitution is None else impact.restitution
-    pairs = [(got.restitution, expected), (got.force, impact.force), (got.depth, impact.depth)]
-    return all(there is None or abs(here - there) <= DIGITS * there for here, there in pairs)

@@ -5,8 +5,6 @@ communication step has a closed form: F(t) = F0 + F1 t + F2 t^2/2 gives v = (F0 
 u = (F0 t^2/2 + F1 t^3/6 + F2 t^4/24)/m.
 """
 
-import math
-
 import pytest
 
 from support.fmi2 import raw
@@ -42,24 +40,6 @@ def test_a_polynomial_force_is_followed_inside_one_step(method, orders):
             instance.get("source.displacement"),
             [(a * t**2 / 2 + b * t**3 / 6 + c * t**4 / 24) / mass for a, b, c in zip(*force, strict=True)],
         )
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_one_step_with_a_derivative_equals_many_with_values(method):
-    """A ramp given once as a derivative, and again with its value at every communication point"""
-    ramp, count, t = [0.0, 3.0, -1.0], 64, 1.0
-    ends = []
-    for steps in (1, count):
-        with raw.Instance(raw.load("SphereSphere")) as instance:
-            instance.initialize({**FREE, "solver.method": method}, tolerance=TOLERANCE)
-            for index in range(steps):
-                time = index * t / steps
-                instance.set({"source.external_force": [rate * time for rate in ramp]})
-                instance.feed("source.external_force", 1, ramp)
-                instance.ok("DoStep", time, t / steps, 1)
-            ends.append(instance.get("source.displacement"))
-    close(*ends)
-    close(ends[0], [rate * t**3 / 6 / FREE["source.mass"] for rate in ramp])
 
 
 def test_value_and_derivative_may_come_in_either_order():
@@ -103,18 +83,3 @@ def test_a_prescribed_body_goes_on_by_its_derivatives_or_its_velocity(scene, ord
             instance.get("destination.displacement"),
             [u + v * t + a * t**2 / 2 for u, v, a in zip(start, rate, curvature, strict=True)],
         )
-
-
-@pytest.mark.parametrize("orders", [(), (1,), (2,), (1, 2)])
-def test_only_given_derivatives_move_a_force_element(orders):
-    """gap = |x_y| - r_s - r_d of a sphere beside a cylinder along z, to the last digits"""
-    given, t = {1: 0.3, 2: -0.8}, 0.5
-    with raw.Instance(raw.load("ForceElement")) as instance:
-        instance.initialize(
-            {"source.center": [0.0, 0.9, 0.0], "source.prescribed_velocity": [0.0, -5.0, 0.0]}
-        )
-        for order in orders:
-            instance.feed("source.prescribed_displacement", order, [0.0, given[order], 0.0])
-        instance.ok("DoStep", 0.0, t, 1)
-        moved = sum(given[order] * t**order / math.factorial(order) for order in orders)
-        assert instance.get("contact.gap") == pytest.approx(0.9 + moved - 0.1 - 0.5, rel=1e-14)

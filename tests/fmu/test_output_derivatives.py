@@ -1,4 +1,4 @@
-"""First and second derivatives of outputs with respect to time: closed forms, and differences of the outputs.
+"""First and second derivatives of outputs with respect to time: a closed form, and differences of outputs.
 
 What is compared with differences is the motion as it goes on from the communication point; where all bodies
 are prescribed their displacements are given the derivatives that their velocities promise.
@@ -83,51 +83,6 @@ def test_derivatives_are_those_of_the_motion_that_follows(name):
                 ]
                 assert wrong == []
     assert compared >= 2
-
-
-def test_flight_has_the_derivatives_of_its_polynomial():
-    mass, force = 2.0, np.array([[0.4, 0.0, -0.3], [1.5, -2.0, 0.7], [-3.0, 1.0, 2.5]])
-    fmu = raw.load("SphereSphere")
-    with raw.Instance(fmu) as instance:
-        given = instance.output_derivatives
-        instance.initialize(
-            {"source.mass": mass, "source.center": [0.0, 0.0, 50.0], "source.external_force": force[0]}
-        )
-        for order in (1, 2):
-            instance.feed("source.external_force", order, force[order])
-        t = 0.75
-        instance.ok("DoStep", 0.0, t, 1)
-        gravity = np.array([0.0, 0.0, -9.81])
-        acceleration = gravity + (force[0] + force[1] * t + force[2] * t**2 / 2) / mass
-        jerk = (force[1] + force[2] * t) / mass
-        velocity = np.array(instance.get("source.velocity"))
-        expected = {
-            "source.position": (velocity, acceleration),
-            "source.displacement": (velocity, acceleration),
-            "source.velocity": (acceleration, jerk),
-        }
-        for name, rows in expected.items():
-            variables = [fmu.variables[f"{name}[{k}]"] for k in (1, 2, 3)]
-            for order, row in enumerate(rows, start=1):
-                assert given(variables, order) == pytest.approx(row, rel=1e-14, abs=1e-14)
-        energies = [
-            fmu.variables[f"energy.{name}"] for name in ("kinetic", "potential", "external_work", "total")
-        ]
-        pull = mass * (acceleration - gravity)
-        first = [
-            mass * velocity @ acceleration,
-            -mass * gravity @ velocity,
-            pull @ velocity,
-            0.0,
-        ]
-        second = [
-            mass * (acceleration @ acceleration + velocity @ jerk),
-            -mass * gravity @ acceleration,
-            mass * jerk @ velocity + pull @ acceleration,
-            0.0,
-        ]
-        for order, row in ((1, first), (2, second)):
-            assert given(energies, order) == pytest.approx(row, rel=1e-13, abs=1e-12)
 
 
 @pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])

@@ -10,23 +10,26 @@
 
 struct host host;
 
+/* A real or an integer, whichever the variable is. */
+static fmi2Status read_value(fmi2Component c, const struct variable *variable, double *real, int *integer)
+{
+    if (variable->type == VARIABLE_REAL) {
+        return fmi2GetReal(c, &variable->reference, 1, real);
+    }
+    return (variable->type == VARIABLE_BOOLEAN ? fmi2GetBoolean : fmi2GetInteger)(c, &variable->reference, 1,
+                                                                                  integer);
+}
+
 /* Of the instance to be shown, if any. */
 static void show_values(void)
 {
-    fmi2Component c = host.shown;
-    if (c == NULL) {
-        return;
-    }
-    for (int i = 0; i < scene_variable_count; ++i) {
+    for (int i = 0; host.shown != NULL && i < scene_variable_count; ++i) {
         const struct variable *variable = &scene_variables[i];
         double real = 0.0;
         int integer = 0;
-        if (variable->type == VARIABLE_REAL &&
-            fmi2GetReal(c, &variable->reference, 1, &real) <= fmi2Warning) {
-            fprintf(stderr, "%s = %.17g\n", variable->name, real);
-        } else if ((variable->type == VARIABLE_BOOLEAN ? fmi2GetBoolean : fmi2GetInteger)(
-                       c, &variable->reference, 1, &integer) <= fmi2Warning) {
-            fprintf(stderr, "%s = %d\n", variable->name, integer);
+        if (read_value(host.shown, variable, &real, &integer) <= fmi2Warning) {
+            fprintf(stderr, "%s = %.17g\n", variable->name,
+                    variable->type == VARIABLE_REAL ? real : (double)integer);
         }
     }
 }
@@ -186,14 +189,7 @@ static void read_one(fmi2Component c, const struct variable *variable)
 {
     double real = 0.0;
     int integer = 0;
-    fmi2Status status;
-    if (variable->type == VARIABLE_REAL) {
-        status = fmi2GetReal(c, &variable->reference, 1, &real);
-    } else if (variable->type == VARIABLE_BOOLEAN) {
-        status = fmi2GetBoolean(c, &variable->reference, 1, &integer);
-    } else {
-        status = fmi2GetInteger(c, &variable->reference, 1, &integer);
-    }
+    const fmi2Status status = read_value(c, variable, &real, &integer);
     if (status <= fmi2Warning && !(isfinite(real) && integer >= 0)) {
         fprintf(stderr, "%s = %g, %d\n", variable->name, real, integer);
         CLAIM(isfinite(real) && integer >= 0);

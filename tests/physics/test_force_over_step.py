@@ -200,28 +200,3 @@ def test_nothing_is_left_of_the_step_before(opened):
     fmu.step(0.1)
     assert list(fmu["contact.mean_force"]) == [0.0, 0.0, 0.0]
     assert (fmu["contact.peak_force"], fmu["contact.peak_penetration"]) == (0.0, 0.0)
-
-
-def test_a_pass_through_the_axis_keeps_both_halves(opened):
-    """The force turns round at the axis: across it the means of both halves cancel, the peak stays."""
-    length = 1.0
-    moved = {name: [np.zeros(3)] * 3 for name in INPUTS}
-    moved["source.prescribed_displacement"][0:2] = [np.array([-0.1, 0, 0]), np.array([0.2, 0, 0])]
-    values = {"source.center": [0, 0, 0], **UNDAMPED_OUTSIDE}
-    mean, peak, depth = run_step(opened("ForceElement"), values, moved, length)
-    assert np.abs(mean).max() < 1e-9 * peak
-    assert abs(depth - REACH) < EXACT
-    assert abs(peak - STIFFNESS * REACH) < 1e-9 * peak
-
-
-@pytest.mark.parametrize("miss", [1e-3, 1e-9, 1e-14])
-def test_a_near_miss_of_the_axis_ends_and_has_its_mean(opened, miss):
-    """x from -1/2 to 1/2, y = miss: the integral of k (reach / d - 1) (x, y)."""
-    moved = {name: [np.zeros(3)] * 3 for name in INPUTS}
-    moved["source.prescribed_displacement"][0:2] = [np.array([-0.5, miss, 0]), np.array([1.0, 0, 0])]
-    values = {"source.center": [0, 0, 0], **UNDAMPED_OUTSIDE}
-    mean, peak, _ = run_step(opened("ForceElement"), values, moved, 1.0)
-    across = STIFFNESS * miss * (2 * REACH * np.arcsinh(0.5 / miss) - 1.0)
-    assert abs(mean[1] - across) < 1e-9 * STIFFNESS * REACH
-    assert abs(mean[0]) < 1e-9 * STIFFNESS * REACH
-    assert abs(peak - STIFFNESS * (REACH - miss)) < 1e-9 * peak

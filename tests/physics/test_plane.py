@@ -179,15 +179,6 @@ def test_a_growing_load_costs_no_more_on_a_stiffer_plane(opened, stiffness, shar
     check_close("energy", fmu["energy.total"], start(fmu, values)["energy.total"], 1e-13)
 
 
-def test_rest_for_an_hour_in_one_step_moves_nothing(opened):
-    values = bounce(gap=0.0, **{"contact.viscous_penalty_factor": 300.0})
-    values["source.initial_velocity"] = [0.0, 0.0, 0.0]
-    fmu = run(opened(FMU), values, 3600.0, 1)
-    check_close("gap", fmu["contact.gap"], -9.81e-6, 1e-20)
-    check_close("force", fmu["contact.normal_force"], 9.81, 1e-14)
-    check_close("position", fmu["source.displacement"], [0.0, 0.0, -9.81e-6], 1e-17)
-
-
 def test_a_contact_that_lasts_takes_few_steps_at_any_stiffness(opened):
     """From 1e3 to 1e15 N/m: a ball set down on a slope, damped, slides for ten seconds."""
     for stiffness in (1e3, 1e7, 1e11, 1e15):

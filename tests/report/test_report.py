@@ -23,8 +23,7 @@ from contact_fmus.bench.problems import (
     TURNING,
     Setting,
     benchmarks,
-    hertz_problems,
-    shape_problems,
+    law_benchmarks,
     stiff_families,
     turning_problems,
 )
@@ -46,7 +45,7 @@ from contact_fmus.report.measure import (
 from support.programs import PATIENCE
 
 ROOT = Path(__file__).resolve().parents[2]
-PROBLEMS = benchmarks() | shape_problems() | hertz_problems() | turning_problems()
+PROBLEMS = benchmarks() | law_benchmarks() | turning_problems()
 
 
 @pytest.fixture(scope="module")

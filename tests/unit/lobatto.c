@@ -135,21 +135,6 @@ TEST(rates_at_the_nodes_are_integrated)
     }
 }
 
-TEST(at_the_end_the_integral_is_the_sum_itself)
-{
-    const double rate[MOST] = {5.0};
-    double sum[MOST] = {0.0};
-    sum[table->points - 1] = 3.0;
-    CHECK(nodal_integral_to(table, sum, rate, 2.0) == 3.0);
-}
-
-TEST(a_vector_is_put_at_its_node)
-{
-    struct nodal_vec3 row = {{0.0}, {0.0}, {0.0}};
-    nodal_put_vec3(&row, 2, vec3_make(5.0, 6.0, 7.0));
-    CHECK(row.x[2] == 5.0 && row.y[2] == 6.0 && row.z[2] == 7.0 && row.x[1] == 0.0 && row.z[3] == 0.0);
-}
-
 /* T_k at the nodes: the tail is what of the last two there is, nothing of the lower ones. */
 TEST(the_tail_is_that_of_chebyshev_polynomials)
 {

@@ -98,16 +98,6 @@ TEST(without_a_spring_the_basis_is_that_of_the_dashpot_alone)
     }
 }
 
-TEST(the_basis_starts_as_it_says)
-{
-    for (int k = 0; k < 4; ++k) {
-        const struct oscillator o = {4.0, 2.0 * k};
-        const struct oscillator_basis basis = oscillator_basis_at(&o, 0.0);
-        CHECK(basis.y_of_y == 1.0 && basis.y_of_rate == 0.0);
-        CHECK(basis.rate_of_y == 0.0 && basis.rate_of_rate == 1.0);
-    }
-}
-
 /* Two decays multiply to the omega2 and add to the damping_rate; a turning one has one rate. */
 TEST(the_rates_are_the_roots)
 {

@@ -49,35 +49,6 @@ TEST(a_rotation_vector_turns_as_rodrigues_says)
     CHECK(none.w == 1.0 && none.x == 0.0 && none.y == 0.0 && none.z == 0.0);
 }
 
-TEST(a_product_turns_by_the_second_first)
-{
-    struct random r = {2};
-    for (int i = 0; i < CASES; ++i) {
-        const struct quaternion p = random_orientation(&r);
-        const struct quaternion q = random_orientation(&r);
-        const struct vec3 a = random_vector(&r, 1.0);
-        CHECK_VECTOR("product", quaternion_rotate(quaternion_product(p, q), a),
-                     long_of(quaternion_rotate(p, quaternion_rotate(q, a))), 16.0L * DBL_EPSILON);
-        CHECK_VECTOR("third axis", quaternion_third_axis(q),
-                     long_of(quaternion_rotate(q, vec3_make(0.0, 0.0, 1.0))), 8.0L * DBL_EPSILON);
-    }
-}
-
-TEST(the_rate_is_that_of_the_turned_vector)
-{
-    struct random r = {3};
-    for (int i = 0; i < CASES; ++i) {
-        const struct quaternion q = random_orientation(&r);
-        const struct vec3 omega = random_vector(&r, 1.0);
-        const double step = 1e-5;
-        const struct quaternion change = quaternion_scale(step, quaternion_rate(q, omega));
-        const struct quaternion then = quaternion_product(quaternion_of_rotation(vec3_scale(step, omega)), q);
-        const struct quaternion difference = quaternion_axpy(quaternion_axpy(then, -1.0, q), -1.0, change);
-        /* what the first order leaves out: |omega step|^2 / 8 <= 3e-10 / 8 */
-        CHECK(sqrt(quaternion_dot(difference, difference)) < 4e-11);
-    }
-}
-
 TEST(any_length_but_zero_is_made_unit)
 {
     struct random r = {4};

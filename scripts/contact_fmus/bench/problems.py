@@ -94,21 +94,16 @@ def law_benchmarks() -> dict[str, Problem]:
     }
 
 
-def hertz_problems() -> dict[str, Problem]:
-    """P1 to P3b by Hertz's law"""
-    return {name: one for name, one in law_benchmarks().items() if name.endswith("Hertz")}
-
-
-def shape_problems() -> dict[str, Problem]:
-    """P1 and P2 on a plane, P1 to P3b over a rim"""
-    return {name: one for name, one in law_benchmarks().items() if not name.endswith("Hertz")}
+def law_problems(hertz: bool) -> dict[str, Problem]:
+    """P1 to P3b by Hertz's law; or P1 and P2 on a plane, P1 to P3b over a rim"""
+    return {name: one for name, one in law_benchmarks().items() if name.endswith("Hertz") == hertz}
 
 
 # What the report measures error against time of: the name of the page's section, that of the ratios, and the problems
 SETS = {
     "work_precision": ("ratios", benchmarks),
-    "shapes": ("shape_ratios", shape_problems),
-    "hertz": ("hertz_ratios", hertz_problems),
+    "shapes": ("shape_ratios", lambda: law_problems(hertz=False)),
+    "hertz": ("hertz_ratios", lambda: law_problems(hertz=True)),
     "turning": ("turning_ratios", turning_problems),
 }
 

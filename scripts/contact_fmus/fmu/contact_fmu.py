@@ -40,25 +40,21 @@ class SavedState:
 
     def __init__(self, owner: Any, handle: Any, time: float, free: Callable[[Any], Any]):
         self.time = time  # s, of the instance that was saved
-        self._owner = weakref.ref(owner)
+        self.owner = weakref.ref(owner)
         self._handle = handle
         self._finalizer = weakref.finalize(self, free, handle)
         self._finalizer.atexit = False  # the process is over, and the library with it
 
-    def belongs_to(self, fmu: Any) -> bool:
-        """Whether the instance can take it as it is"""
-        return self._finalizer.alive and self._owner() is fmu
-
     @property
     def handle(self) -> Any:
-        """What fmi2SetFMUstate takes"""
+        """What fmi2SetFMUstate of its instance, `owner`, takes"""
         if not self._finalizer.alive:
             raise ValueError(f"the state of {self.time!r} s went with its instance: take bytes(state) before closing")
         return self._handle
 
     def __bytes__(self) -> bytes:
         handle = self.handle  # while there is one, its instance is open
-        return self._owner().call("serializeFMUstate", handle)
+        return self.owner().call("serializeFMUstate", handle)
 
     def __len__(self) -> int:
         """Bytes of the serialized state"""
@@ -270,7 +266,7 @@ class ContactFmu:
 
     def restore(self, state: SavedState | bytes) -> None:
         """Back to a saved state, `time` included, of this instance or of another one of the same FMU"""
-        if isinstance(state, SavedState) and state.belongs_to(self):
+        if isinstance(state, SavedState) and state.owner() is self:
             self.call("setFMUstate", state.handle)
             self.time = state.time
             return

@@ -57,7 +57,8 @@ def _work_precision(
     name: str, problems: dict[str, Problem], own: list[Row], others: list[Row], ratios: Sequence[dict], folder: Path
 ) -> list[Section]:
     """Nothing where these problems have not been measured"""
-    rows = [row for row in tables.own_work_precision(own) if row.problem in problems]
+    made = (row for row in own if row.group == tables.THIS_FMU and row.setting == tables.RELATIVE_TOLERANCE)
+    rows = [row for row in made if row.problem in problems]
     if not rows:
         return []
     words = WORDS[name]

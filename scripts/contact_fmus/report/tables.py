@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contact_fmus.bench.problems import METHODS, STIFF_TOLERANCE, Problem, benchmarks
 from contact_fmus.pages import Table, read_words
 
-from .measure import PEER, REACHED, RELATIVE_TOLERANCE, THIS_FMU, TOO_LONG, Row, quickest, stiff_setting
+from .measure import PEER, REACHED, TOO_LONG, Row, quickest, stiff_setting
 
 ERRORS = (1e-5, 1e-7, 1e-9, 1e-11)  # m
 MISSING = "–"
@@ -115,10 +115,6 @@ def front(rows: Sequence[Row]) -> list[Row]:
         if not best or row.error_m < best[-1].error_m:
             best.append(row)
     return best
-
-
-def own_work_precision(rows: Sequence[Row]) -> list[Row]:
-    return [row for row in rows if row.group == THIS_FMU and row.setting == RELATIVE_TOLERANCE]
 
 
 # What the page opens with: the problems, and how much less time event_driven takes

@@ -69,10 +69,6 @@ def overlap_duration(dashpot: str, mass: float, stiffness: float, damping: float
     raise ValueError(f"no dashpot '{dashpot}'")
 
 
-def static_penetration(mass: float, g: float, stiffness: float) -> float:
-    return mass * g / stiffness
-
-
 def velocities_after(
     mass_1: float, velocity_1: float, mass_2: float, velocity_2: float, e: float = 1.0
 ) -> tuple[float, float]:
@@ -165,11 +161,6 @@ def turntable(time: np.ndarray, start: np.ndarray, velocity: np.ndarray, rate: f
         return np.stack([cosine * v[0] - sine * v[1], sine * v[0] + cosine * v[1]], axis=-1)
 
     return middle + turned(start - middle), turned(velocity)
-
-
-def moment_across(mass: float, radius: float, length: float) -> float:
-    """The moment of inertia of a solid cylinder about a line across its axis through its middle"""
-    return mass * (3.0 * radius**2 + length**2) / 12.0
 
 
 def hit_beside(speed: float, ball: float, cylinder: float, inertia: float, lever: float) -> tuple[float, ...]:

@@ -186,12 +186,6 @@ class HeadOn(Straight):
         return 0.0 if self.law == "viscous_only" else self.penalty
 
     @property
-    def reduced_mass(self) -> float:
-        if self.destination_mass is None:
-            return self.source_mass
-        return self.source_mass / (1 + self.source_mass / self.destination_mass)
-
-    @property
     def dashpot_factor(self) -> float:
         if self.law == "undamped":
             return 0.0
@@ -199,7 +193,7 @@ class HeadOn(Straight):
             return self.damping
         if self.restitution is not None:
             return float(self._restitution_factor())
-        return 2 * self.ratio * math.sqrt(self.penalty * self.reduced_mass)
+        return 2 * self.ratio * math.sqrt(self.penalty * float(self.mass))
 
     @property
     def kind(self) -> str:
@@ -267,7 +261,7 @@ class HeadOn(Straight):
         return 2 * gap / (self.speed + math.sqrt(self.speed**2 + 2 * pull * gap))
 
     def contact_time(self) -> float:
-        return math.pi * math.sqrt(self.reduced_mass / self.penalty)
+        return math.pi * math.sqrt(float(self.mass) / self.penalty)
 
     @property
     def scale(self) -> float:

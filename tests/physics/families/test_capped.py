@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 
 from support.checks import check_close, run
 from support.reference import capped
-from support.scenes.agreement import Scene, check_agreement, seeds
+from support.scenes.agreement import Scene, check_agreement, pick, seeds
 
 R_S, R_D, LENGTH = 0.1, 0.5, 2.0
 STIFFNESS, DAMPING = 1e6, 100.0
@@ -320,10 +320,6 @@ def test_a_point_as_near_to_both_caps_as_to_the_side_is_passed_straight_on(opene
     check_close("position", fmu["source.position"], [0.15, 0.0, -0.2 - 2.0 * (0.25 - inside)], tolerance)
     check_close("velocity", fmu["source.velocity"], [0.0, 0.0, -2.0], tolerance)
     check_close("dissipated", fmu["energy.dissipated"], 0.0, 1e-14)
-
-
-def pick(random, *values):
-    return values[random.integers(len(values))]
 
 
 def soft_law(random, energy, mass, depth):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from support.checks import check_close, start
-from support.scenes.agreement import SUMS, Scene, answer, check_agreement, seeds
+from support.scenes.agreement import SUMS, Scene, answer, check_agreement, pick, seeds
 
 CORNER = {"bodies": ("ball",), "contacts": ("at_wall", "at_side", "at_floor")}
 ROW = {"bodies": ("left", "middle", "right"), "contacts": ("first", "second")}
@@ -17,23 +17,19 @@ HERTZ_SLACK = 1e3
 AT_REST = {"last_onset_time": 1e6, "last_duration": 1e6}
 
 
-def one_of(random, *values):
-    return values[int(random.integers(len(values)))]
-
-
 def law_of(random, contact):
     """A linear law without damping, half of the times; else any."""
-    values = {f"{contact}.penalty_factor": one_of(random, 1e3, 1e4, 1e4, 1e6)}
+    values = {f"{contact}.penalty_factor": pick(random, 1e3, 1e4, 1e4, 1e6)}
     if random.integers(2):
         return values | {f"{contact}.method": "penalty"}
-    law = one_of(random, "linear", "hertz")
+    law = pick(random, "linear", "hertz")
     return values | {
         f"{contact}.method": "penalty_dynamic",
         f"{contact}.law": law,
-        f"{contact}.hertz_stiffness": one_of(random, 1e5, 1e6),
-        f"{contact}.viscous_penalty_factor": one_of(random, 0.0, 1.0, 10.0, 100.0),
-        f"{contact}.hunt_crossley_factor": one_of(random, 0.0, 0.1),
-        f"{contact}.dashpot": one_of(random, "non_adhesive", "unclamped", "approach_only"),
+        f"{contact}.hertz_stiffness": pick(random, 1e5, 1e6),
+        f"{contact}.viscous_penalty_factor": pick(random, 0.0, 1.0, 10.0, 100.0),
+        f"{contact}.hunt_crossley_factor": pick(random, 0.0, 0.1),
+        f"{contact}.dashpot": pick(random, "non_adhesive", "unclamped", "approach_only"),
     }
 
 
@@ -45,67 +41,65 @@ def ball_into_corner(random):
     """Contacts with up to three planes, which begin while others last and end in any order. No touch that
     is head-on falls on the end of the run, where rounding would decide whether it is counted.
     """
-    gaps = [one_of(random, 0.0, 0.01, 0.02, 0.03, 0.05, 0.07, 0.9) for _ in range(3)]
+    gaps = [pick(random, 0.0, 0.01, 0.02, 0.03, 0.05, 0.07, 0.9) for _ in range(3)]
     values = {
         "ball.center": [0.1 + gap for gap in gaps],
-        "ball.initial_velocity": [-one_of(random, 0.5, 1.0, 2.0) for _ in range(3)],
-        "ball.mass": one_of(random, 1.0, 0.5),
+        "ball.initial_velocity": [-pick(random, 0.5, 1.0, 2.0) for _ in range(3)],
+        "ball.mass": pick(random, 1.0, 0.5),
     }
     for contact in CORNER["contacts"]:
         values |= law_of(random, contact)
     if random.integers(3) == 0:
         values["gravity"] = [0.0, 0.0, -10.0]
-    end = one_of(random, 0.055, 0.11, 0.22)
+    end = pick(random, 0.055, 0.11, 0.22)
     return Scene("BallInCorner", values, end, slack=slack_of(values), **CORNER)
 
 
 def balls_in_a_row(random):
     """Balls that touch, nearly touch or are apart, hit along their row or beside it."""
-    gaps = [one_of(random, 0.0, 1e-4, 0.001, 0.01, 0.05) for _ in range(2)]
-    aside = one_of(random, 0.0, 0.0, 0.01, 0.05)
+    gaps = [pick(random, 0.0, 1e-4, 0.001, 0.01, 0.05) for _ in range(2)]
+    aside = pick(random, 0.0, 0.0, 0.01, 0.05)
     values = {
         "left.center": [-0.2 - gaps[0], aside, 0.0],
         "middle.center": [0.0, 0.0, 0.0],
-        "right.center": [0.2 + gaps[1], one_of(random, 0.0, aside), 0.0],
-        "left.initial_velocity": [one_of(random, 0.5, 1.0, 2.0), 0.0, 0.0],
-        "right.initial_velocity": [one_of(random, 0.0, 0.0, -1.0), 0.0, 0.0],
+        "right.center": [0.2 + gaps[1], pick(random, 0.0, aside), 0.0],
+        "left.initial_velocity": [pick(random, 0.5, 1.0, 2.0), 0.0, 0.0],
+        "right.initial_velocity": [pick(random, 0.0, 0.0, -1.0), 0.0, 0.0],
     }
     for ball in ROW["bodies"]:
-        values[f"{ball}.mass"] = one_of(random, 1.0, 1.0, 0.7, 2.0)
+        values[f"{ball}.mass"] = pick(random, 1.0, 1.0, 0.7, 2.0)
     for contact in ROW["contacts"]:
         values |= law_of(random, contact)
     rests = gaps[1] == 0.0 and not any(values["right.initial_velocity"])
-    end = one_of(random, 0.055, 0.11, 0.22)
+    end = pick(random, 0.055, 0.11, 0.22)
     return Scene("ThreeBalls", values, end, AT_REST if rests else {}, slack_of(values), **ROW)
 
 
 def rubbed_in_a_corner(random):
     """Contacts that rub begin while others last; most dashpots act on approach alone, or not at all."""
     values = {
-        "ball.center": [0.1 + one_of(random, 0.0, 0.01, 0.02, 0.05) for _ in range(3)],
-        "ball.initial_velocity": [-one_of(random, 0.5, 1.0, 2.0) for _ in range(3)],
-        "ball.rotation": one_of(random, "none", "free"),
+        "ball.center": [0.1 + pick(random, 0.0, 0.01, 0.02, 0.05) for _ in range(3)],
+        "ball.initial_velocity": [-pick(random, 0.5, 1.0, 2.0) for _ in range(3)],
+        "ball.rotation": pick(random, "none", "free"),
     }
     if values["ball.rotation"] == "free":
-        values["ball.initial_angular_velocity"] = [one_of(random, 0.0, 0.0, 10.0) for _ in range(3)]
+        values["ball.initial_angular_velocity"] = [pick(random, 0.0, 0.0, 10.0) for _ in range(3)]
     for contact in CORNER["contacts"]:
-        stiffness = one_of(random, 1e3, 1e4)
+        stiffness = pick(random, 1e3, 1e4)
         values |= {
             f"{contact}.method": "penalty_dynamic",
             f"{contact}.penalty_factor": stiffness,
-            f"{contact}.viscous_penalty_factor": one_of(random, 0.0, 10.0),
-            f"{contact}.dashpot": one_of(
-                random, "approach_only", "approach_only", "non_adhesive", "unclamped"
-            ),
-            f"{contact}.friction": one_of(random, "regularized", "elastic", "none"),
-            f"{contact}.friction_coefficient": one_of(random, 0.1, 0.5),
+            f"{contact}.viscous_penalty_factor": pick(random, 0.0, 10.0),
+            f"{contact}.dashpot": pick(random, "approach_only", "approach_only", "non_adhesive", "unclamped"),
+            f"{contact}.friction": pick(random, "regularized", "elastic", "none"),
+            f"{contact}.friction_coefficient": pick(random, 0.1, 0.5),
             f"{contact}.static_friction_coefficient": 0.5,
-            f"{contact}.tangential_stiffness": stiffness * one_of(random, 0.5, 0.8),
-            f"{contact}.tangential_damping": one_of(random, 0.0, 1.0),
+            f"{contact}.tangential_stiffness": stiffness * pick(random, 0.5, 0.8),
+            f"{contact}.tangential_damping": pick(random, 0.0, 1.0),
         }
     if random.integers(3) == 0:
         values["gravity"] = [0.0, 0.0, -10.0]
-    return Scene("BallInCorner", values, one_of(random, 0.055, 0.11, 0.22), **CORNER)
+    return Scene("BallInCorner", values, pick(random, 0.055, 0.11, 0.22), **CORNER)
 
 
 @pytest.mark.parametrize("seed", seeds(12))
@@ -124,52 +118,52 @@ FEW_STEPS = 400
 
 
 def direction(random):
-    axis = np.array(one_of(random, [0, 0, 1], [1, 0, 0], [3, 4, 0], [1, 1, 0], [1, 2, 2], [1, 1, 1]), float)
+    axis = np.array(pick(random, [0, 0, 1], [1, 0, 0], [3, 4, 0], [1, 1, 0], [1, 2, 2], [1, 1, 1]), float)
     return axis / np.linalg.norm(axis)
 
 
 def dropped_without_slip(random):
     """A ball that falls head-on along an axis that has no digits: its slip is rounding alone."""
     normal = direction(random)
-    radius = one_of(random, 0.01, 0.1)
+    radius = pick(random, 0.01, 0.1)
     values = {
         "source.radius": radius,
-        "source.center": list((radius + one_of(random, 0.05, 0.1, 0.5)) * normal),
+        "source.center": list((radius + pick(random, 0.05, 0.1, 0.5)) * normal),
         "source.rotation": "free",
         "gravity": list(-9.81 * normal),
         "contact.friction": "regularized",
-        "contact.friction_coefficient": one_of(random, 0.3, 0.5, 1.0),
-        "contact.penalty_factor": one_of(random, 1e4, 1e6),
-        "contact.viscous_penalty_factor": one_of(random, 0.0, 10.0, 100.0),
+        "contact.friction_coefficient": pick(random, 0.3, 0.5, 1.0),
+        "contact.penalty_factor": pick(random, 1e4, 1e6),
+        "contact.viscous_penalty_factor": pick(random, 0.0, 10.0, 100.0),
         "solver.max_internal_steps": FEW_STEPS,
     }
     if random.integers(2):
         values["contact.slip_velocity_control"] = "user_defined"
-        values["contact.characteristic_slip_velocity"] = one_of(random, 1e-3, 1e-6, 1e-9)
-    fmu = one_of(random, "SpherePlane", "SpherePlane", "SphereSphere")
+        values["contact.characteristic_slip_velocity"] = pick(random, 1e-3, 1e-6, 1e-9)
+    fmu = pick(random, "SpherePlane", "SpherePlane", "SphereSphere")
     if fmu == "SpherePlane":
         values["destination.axis"] = list(normal)
     else:
         values["destination.center"] = list(-0.5 * normal)
-    return Scene(fmu, values, end=one_of(random, 0.2, 0.5, 1.0))
+    return Scene(fmu, values, end=pick(random, 0.2, 0.5, 1.0))
 
 
 def rolling_on_a_turntable(random):
     """Friction that rolls from the start on, down to a v_0 that is hardly more than rounding of speeds."""
     values = {
-        "contact.characteristic_slip_velocity": one_of(random, 1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12),
-        "contact.friction_coefficient": one_of(random, 0.3, 0.5, 1.0),
-        "destination.prescribed_angular_velocity": [0.0, 0.0, one_of(random, 1.0, 3.0, -2.0)],
+        "contact.characteristic_slip_velocity": pick(random, 1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12),
+        "contact.friction_coefficient": pick(random, 0.3, 0.5, 1.0),
+        "destination.prescribed_angular_velocity": [0.0, 0.0, pick(random, 1.0, 3.0, -2.0)],
         "solver.max_internal_steps": FEW_STEPS,
     }
     if random.integers(2):
-        values["source.initial_angular_velocity"] = [one_of(random, 0.0, 14.0), one_of(random, 0.0, 4.0), 0.0]
+        values["source.initial_angular_velocity"] = [pick(random, 0.0, 14.0), pick(random, 0.0, 4.0), 0.0]
     # The slip has a rounding of speeds whose sum is 4 m/s. Its square, as part of v_0, of 10 N over 2 s is
     # what impulses and work may be off by; agreement is to 1e-10 of the least scale.
     part = 4.0 * np.finfo(float).eps / values["contact.characteristic_slip_velocity"]
     rounded = max(1.0, 10.0 * 2.0 * part**2 / 1e-10)
     floor = dict.fromkeys((*SUMS, "external_work", "friction", "total"), rounded)
-    return Scene("Turntable", values, one_of(random, 0.06, 0.5, 2.0), floor)
+    return Scene("Turntable", values, pick(random, 0.06, 0.5, 2.0), floor)
 
 
 @pytest.mark.parametrize("seed", seeds())

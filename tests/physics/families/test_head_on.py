@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from support.checks import METHODS, check_close, check_relative, start
-from support.scenes.agreement import TOLERANCES, Scene, check_agreement, seeds
+from support.scenes.agreement import TOLERANCES, Scene, check_agreement, pick, seeds
 
 STEPS = (1, 2, 7, 22, 100, 300)
 
@@ -14,16 +14,12 @@ STEPS = (1, 2, 7, 22, 100, 300)
 # A body at rest on another one for long: the force is the load, whatever the length of the steps.
 
 
-def _pick(random, *choices):
-    return choices[int(random.integers(len(choices)))]
-
-
 def _supports(random):
     """FMU, values and the direction from the destination to the source."""
-    shape = _pick(random, "sphere", "shell", "plane", "cylinder", "tube", "cap")
-    up = np.array(_pick(random, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0)))
+    shape = pick(random, "sphere", "shell", "plane", "cylinder", "tube", "cap")
+    up = np.array(pick(random, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0)))
     if shape == "plane":
-        up = np.array(_pick(random, tuple(up), (0.6, 0.0, 0.8), (3 / 7, -2 / 7, 6 / 7)))
+        up = np.array(pick(random, tuple(up), (0.6, 0.0, 0.8), (3 / 7, -2 / 7, 6 / 7)))
         return "SpherePlane", {"destination.axis": list(up), "source.center": list(0.1 * up)}, up
     if shape == "cap":
         values = {
@@ -43,17 +39,17 @@ def _supports(random):
 def resting(random):
     """A ball laid down without speed, or let fall a little, that rests until the end."""
     fmu, values, up = _supports(random)
-    stiffness = float(_pick(random, 1e4, 1e6, 1e9, 1e12))
-    mass = float(_pick(random, 0.1, 1.0, 2.0))
+    stiffness = float(pick(random, 1e4, 1e6, 1e9, 1e12))
+    mass = float(pick(random, 0.1, 1.0, 2.0))
     critical = 2.0 * np.sqrt(stiffness * mass)
     values |= {
         "source.mass": mass,
         "contact.penalty_factor": stiffness,
-        "contact.viscous_penalty_factor": critical * float(_pick(random, 0.1, 0.5, 1.0, 3.0)),
-        "contact.dashpot": str(_pick(random, "non_adhesive", "unclamped", "approach_only")),
+        "contact.viscous_penalty_factor": critical * float(pick(random, 0.1, 0.5, 1.0, 3.0)),
+        "contact.dashpot": str(pick(random, "non_adhesive", "unclamped", "approach_only")),
     }
     load = 9.81 * mass
-    pushed = _pick(random, "gravity", "force", "both free")
+    pushed = pick(random, "gravity", "force", "both free")
     if pushed == "gravity":
         values["gravity"] = list(-9.81 * up)
     else:
@@ -61,11 +57,11 @@ def resting(random):
         values["source.external_force"] = list(-load * up)
     if pushed == "both free":
         values["destination.motion"] = "free"
-        values["destination.mass"] = float(_pick(random, 1.0, 5.0))
+        values["destination.mass"] = float(pick(random, 1.0, 5.0))
         values["destination.external_force"] = list(load * up)
         reduced = mass * values["destination.mass"] / (mass + values["destination.mass"])
         values["contact.viscous_penalty_factor"] *= np.sqrt(reduced / mass)
-    end = float(_pick(random, 10.0, 1e2, 1e3, 1e4, 1e5))
+    end = float(pick(random, 10.0, 1e2, 1e3, 1e4, 1e5))
     return Scene(fmu, values, end, floor={"velocity": 1.0}), load
 
 
@@ -73,9 +69,9 @@ def resting(random):
 def test_a_body_at_rest_presses_with_its_load_however_long_it_rests(opened, seed):
     random = np.random.default_rng(seed)
     scene, load = resting(random)
-    fmu = start(opened(scene.fmu), scene.values, float(_pick(random, *TOLERANCES)), "event_driven")
+    fmu = start(opened(scene.fmu), scene.values, float(pick(random, *TOLERANCES)), "event_driven")
     before = fmu["energy.total"]
-    steps = _pick(random, *STEPS)
+    steps = pick(random, *STEPS)
     for k in range(steps):
         fmu.step(scene.end * (k + 1) / steps - fmu.time)
     check_relative(f"force {scene}", fmu["contact.normal_force"], load, 1e-9)
@@ -112,25 +108,25 @@ def test_a_stiff_contact_keeps_the_digits_of_its_depth_over_ten_seconds(opened):
 
 def hertz_impact(random):
     """Two balls that meet in flight, head-on or not."""
-    along = np.array(_pick(random, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.6, 0.0, 0.8), (3 / 7, -2 / 7, 6 / 7)))
+    along = np.array(pick(random, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.6, 0.0, 0.8), (3 / 7, -2 / 7, 6 / 7)))
     across = np.cross(along, np.roll(along, 1) + np.array([0.0, 0.5, 0.0]))
     across /= np.linalg.norm(across)
-    offset = float(_pick(random, 0.0, 0.0, 0.1, 0.3))
-    speed = float(_pick(random, 0.1, 1.0, 5.0))
-    gap = float(_pick(random, 0.0, 0.001, 0.01))
+    offset = float(pick(random, 0.0, 0.0, 0.1, 0.3))
+    speed = float(pick(random, 0.1, 1.0, 5.0))
+    gap = float(pick(random, 0.0, 0.001, 0.01))
     values = {
         "gravity": [0.0, 0.0, 0.0],
         "contact.law": "hertz",
-        "contact.hertz_stiffness": float(_pick(random, 1e6, 1e9, 1e12)),
-        "contact.dashpot": str(_pick(random, "non_adhesive", "unclamped", "approach_only")),
+        "contact.hertz_stiffness": float(pick(random, 1e6, 1e9, 1e12)),
+        "contact.dashpot": str(pick(random, "non_adhesive", "unclamped", "approach_only")),
         "source.center": list(along * (np.sqrt(0.36 - offset**2) + gap) + offset * across),
         "source.initial_velocity": list(-speed * along),
-        "destination.motion": str(_pick(random, "free", "fixed")),
+        "destination.motion": str(pick(random, "free", "fixed")),
     }
     if random.integers(4):
         values["contact.viscous_control"] = "restitution"
-        values["contact.restitution"] = float(_pick(random, 0.0, 0.05, 0.5, 0.95, 1.0))
-    return Scene("SphereSphere", values, end=float(_pick(random, 1.5, 4.0)) * gap / speed + 0.05)
+        values["contact.restitution"] = float(pick(random, 0.0, 0.05, 0.5, 0.95, 1.0))
+    return Scene("SphereSphere", values, end=float(pick(random, 1.5, 4.0)) * gap / speed + 0.05)
 
 
 @pytest.mark.parametrize("seed", seeds())
@@ -138,8 +134,8 @@ def test_an_impact_under_hertz_s_law_is_one_contact(opened, seed):
     random = np.random.default_rng(seed)
     scene = hertz_impact(random)
     check_agreement(opened, scene, seed)
-    steps = _pick(random, *STEPS)
-    fmu = start(opened(scene.fmu), scene.values, float(_pick(random, *TOLERANCES)), "event_driven")
+    steps = pick(random, *STEPS)
+    fmu = start(opened(scene.fmu), scene.values, float(pick(random, *TOLERANCES)), "event_driven")
     for k in range(steps):
         fmu.step(scene.end * (k + 1) / steps - fmu.time)
     assert fmu["contact.onsets"] <= 1, scene
@@ -190,15 +186,15 @@ class Driven:
 def test_what_is_not_set_of_an_input_goes_on(opened, seed, method):
     random = np.random.default_rng(seed)
     values = {"source.center": [50.0, 0.0, 0.0], "gravity": [0.0, 0.0, 0.0], "source.mass": 1.0}
-    scene = str(_pick(random, "SphereSphere", "SphereCylinder"))
-    fmu = start(opened(scene), values, float(_pick(random, *TOLERANCES)), method)
+    scene = str(pick(random, "SphereSphere", "SphereCylinder"))
+    fmu = start(opened(scene), values, float(pick(random, *TOLERANCES)), method)
     right = Driven()
     for _ in range(int(random.integers(1, 8))):
         orders = [int(order) for order in random.permutation(3)[: random.integers(4)]]
-        right.set(fmu, orders, [float(_pick(random, -1.0, 0.0, 0.5, 1.0, 4.0)) for _ in orders])
+        right.set(fmu, orders, [float(pick(random, -1.0, 0.0, 0.5, 1.0, 4.0)) for _ in orders])
         if random.integers(2):
             _ = fmu["source.velocity"]
-        size = float(_pick(random, 0.1, 0.25, 1.0))
+        size = float(pick(random, 0.1, 0.25, 1.0))
         fmu.step(size)
         right.go_on(size)
         check_close(
@@ -211,20 +207,20 @@ def test_what_is_not_set_of_an_input_goes_on(opened, seed, method):
 
 def rebound(random):
     """A free head-on impact; the coefficient may be near zero."""
-    scene = str(_pick(random, "SphereSphere", "SpherePlane", "SphereCylinder"))
+    scene = str(pick(random, "SphereSphere", "SpherePlane", "SphereCylinder"))
     touching = 0.1 if scene == "SpherePlane" else 0.6
-    gap = float(_pick(random, 0.0, 0.1, 0.5))
-    coefficient = float(_pick(random, 1e-5, 1e-4, 1e-3, 0.01, 0.1, 0.5, 0.9, 1.0))
+    gap = float(pick(random, 0.0, 0.1, 0.5))
+    coefficient = float(pick(random, 1e-5, 1e-4, 1e-3, 0.01, 0.1, 0.5, 0.9, 1.0))
     axis = [1.0, 0.0, 0.0] if scene == "SphereCylinder" else [0.0, 0.0, 1.0]
     values = {
         "gravity": [0.0, 0.0, 0.0],
         "source.center": [0.0, 0.0, touching + gap],
         "source.initial_velocity": [0.0, 0.0, -1.0],
-        "source.mass": float(_pick(random, 0.1, 1.0, 5.0)),
+        "source.mass": float(pick(random, 0.1, 1.0, 5.0)),
         "contact.viscous_control": "restitution",
         "contact.restitution": coefficient,
-        "contact.penalty_factor": float(_pick(random, 1e4, 1e6, 1e9)),
-        "contact.dashpot": str(_pick(random, "non_adhesive", "unclamped", "approach_only")),
+        "contact.penalty_factor": float(pick(random, 1e4, 1e6, 1e9)),
+        "contact.dashpot": str(pick(random, "non_adhesive", "unclamped", "approach_only")),
     }
     if scene != "SphereSphere":
         values["destination.axis"] = axis
@@ -237,8 +233,8 @@ def rebound(random):
 def test_bodies_part_at_the_coefficient_of_restitution_however_small(opened, seed):
     random = np.random.default_rng(seed)
     scene, coefficient = rebound(random)
-    fmu = start(opened(scene.fmu), scene.values, float(_pick(random, *TOLERANCES)), "event_driven")
-    steps = _pick(random, *STEPS)
+    fmu = start(opened(scene.fmu), scene.values, float(pick(random, *TOLERANCES)), "event_driven")
+    steps = pick(random, *STEPS)
     for k in range(steps):
         fmu.step(scene.end * (k + 1) / steps - fmu.time)
     parting = fmu["source.velocity"][2] - fmu["destination.velocity"][2]

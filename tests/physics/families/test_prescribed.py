@@ -6,17 +6,13 @@ import numpy as np
 import pytest
 
 from support.checks import check_close, start
-from support.scenes.agreement import Scene, answer, check_agreement, seeds
+from support.scenes.agreement import Scene, answer, check_agreement, pick, seeds
 
 DASHPOTS = ("non_adhesive", "unclamped", "approach_only")
 UNITS = [np.array(e, float) for e in np.vstack([np.eye(3), -np.eye(3)])]
 # Impulses, torques and energies come from quadratures to the tolerance; of what they are a fraction the
 # scene's stiffness times a length says, once.
 PENALTY = (1e3, 1e4, 1e6)
-
-
-def pick(random, *values):
-    return values[random.integers(len(values))]
 
 
 def typed(vector):

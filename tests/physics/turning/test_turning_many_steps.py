@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from contact_fmus.bench.problems import turning_problems
 from support.checks import check_close, run, start
 from support.scenes import turning_cases as cases
 from support.scenes.scene_checks import FMU
@@ -25,18 +24,6 @@ def test_positions_within_a_step_are_those_of_the_closed_form(opened):
         cases.golfers_tube(5e-10, turns=k / MANY).expected["source.position"] for k in range(1, MANY + 1)
     ])  # fmt: skip
     check_close("position", read[1:], closed, 2e-9)
-
-
-@pytest.mark.parametrize("name", ["F1", "F2", "F3", "F4"])
-def test_communication_points_cost_no_internal_steps(opened, name):
-    """But for those of the first communication step, and of events that end one."""
-    problem = turning_problems()[name]
-    steps = []
-    for many in (1, MANY):
-        fmu = run(opened(problem.fmu), problem.start, problem.stop, many, tolerance=1e-8)
-        check_close("position", fmu["source.position"], problem.position, 1e-9)
-        steps.append(fmu["solver.steps"])
-    assert steps[1] <= 1.5 * steps[0] + 10, steps
 
 
 def test_peaks_are_those_of_each_communication_step(opened):
@@ -74,24 +61,3 @@ def test_inputs_end_the_step_that_goes_on(opened, changes):
                 fmu.step((k + (i + 1) / steps) * case.end / len(forces) - fmu.time)
         ended.append(np.concatenate([fmu["source.position"], fmu["source.angular_velocity"]]))
     check_close("position and spin", ended[1], ended[0], 1e-9)
-
-
-@pytest.mark.parametrize("read", [["source.position"], ["source.orientation", "energy.total"], []])
-def test_the_flight_of_a_spinning_ball_is_the_same_however_it_is_read(opened, read):
-    """40 steps of 0.01 s, in which nothing is computed but what is read: the rotation is the closed form
-    about the constant axis.
-    """
-    spin, end = np.array([3.0, -7.0, 11.0]), 0.4
-    values = {
-        "source.center": [0.0, 0.0, 100.0],
-        "source.rotation": "free",
-        "source.initial_angular_velocity": spin.tolist(),
-        "contact.friction": "regularized",
-    }
-    fmu = opened("SpherePlane")
-    run(fmu, values, end, 40, each=lambda fmu: [fmu[name] for name in read])
-    half = 0.5 * np.linalg.norm(spin) * end
-    turned = np.array([np.cos(half), *(np.sin(half) * spin / np.linalg.norm(spin))])
-    check_close("orientation", fmu["source.orientation"], turned, 1e-14)
-    check_close("spin", fmu["source.angular_velocity"], spin, 1e-14)
-    check_close("height", fmu["source.position"][2], 100.0 - 0.5 * 9.81 * end**2, 1e-13)

@@ -59,6 +59,10 @@ def seeds(default=40):
     return range(first, first + int(os.environ.get("CONTACT_SCENES", str(default))))
 
 
+def pick(random, *choices):
+    return choices[int(random.integers(len(choices)))]
+
+
 def answer(fmu, scene, tolerance, steps, readings, method="event_driven"):
     """What the run says at its end; sums and maxima too where there were readings or one step."""
     if "solver.method" not in fmu:  # a force element

@@ -9,7 +9,7 @@ import numpy as np
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
-from support.scenes.random_scenes import unit_vector
+from support.scenes.scene_parts import pair
 
 FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 RESULTS = ["contact.onsets", "contact.last_duration", "energy.dissipated", "contact.mean_force"]
@@ -43,45 +43,29 @@ class Scene(NamedTuple):
 
 
 def build(shape, location, law, dashpot, motion, seed):
-    """A ball of about 0.1 m thrown against a body of about 0.5 m without gravity or nearly; the rest
-    from the seed.
-    """
+    """A ball thrown against another body, 0.03 m off, without gravity or nearly; the rest from the seed."""
     random = np.random.default_rng(seed)
     inside = location == "inside"
-    radius, small = random.uniform(0.4, 0.6), random.uniform(0.08, 0.12)
-    axis = unit_vector(random)
-    outward = np.cross(axis, unit_vector(random)) if shape == "cylinder" else unit_vector(random)
-    outward = outward / np.linalg.norm(outward)
-    side = 1.0 if inside else -1.0
-    distance = radius - small - 0.03 if inside else radius + small + 0.03
-    center = random.normal(size=3)
-    values = {
-        "source.motion": "free",
+    values, outward = pair(random, shape, inside, 0.03)
+    towards = outward if inside else -outward
+    values |= {
         "destination.motion": motion,
-        "source.radius": small,
-        "destination.radius": radius,
-        "source.mass": random.uniform(0.5, 2),
         "destination.mass": random.uniform(0.5, 2),
-        "source.center": (center + distance * outward).tolist(),
-        "destination.center": center.tolist(),
-        "source.initial_velocity": (side * outward + 0.2 * random.normal(size=3)).tolist(),
+        "source.initial_velocity": (towards + 0.2 * random.normal(size=3)).tolist(),
         "source.external_force": random.normal(size=3).tolist(),
-        "contact.location": location,
         "contact.method": "penalty" if law == "penalty" else "penalty_dynamic",
         "contact.penalty_control": "viscous_only" if law == "viscous_only" else "user_defined",
         "contact.dashpot": dashpot,
         "contact.penalty_factor": 10 ** random.uniform(4, 5),
         "contact.viscous_penalty_factor": 10 ** random.uniform(0.5, 1.5),
-        "gravity": (side * outward + 0.2 * random.normal(size=3)).tolist(),
+        "gravity": (towards + 0.2 * random.normal(size=3)).tolist(),
     }
     if motion == "prescribed":
         values["destination.prescribed_velocity"] = (0.3 * random.normal(size=3)).tolist()
     if motion == "free":
         values["destination.initial_velocity"] = (0.3 * random.normal(size=3)).tolist()
     if shape == "cylinder":
-        values["destination.axis"] = axis.tolist()
-        values["destination.finite_length"] = bool(random.integers(2))
-        values["destination.length"] = 2.0
+        values |= {"destination.finite_length": bool(random.integers(2)), "destination.length": 2.0}
     return Scene(shape, values, 0.08)
 
 
