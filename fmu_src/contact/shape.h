@@ -29,7 +29,8 @@
 struct contact_solid {
     struct vec3 axis;           /* e_d, unit length */
     double radius, half_height; /* r_d, L / 2 [m]; half_height 0: not a capped cylinder */
-    int zone;                   /* enum zone, negative at the end to which -e_d points; 0: the nearest zone */
+    /* The enum zone that holds, negative at the end to which -e_d points. With 0 the nearest zone holds. */
+    int zone;
 };
 
 /* The data that are constant during a contact, or while the contact stays in one zone. */

@@ -44,7 +44,7 @@ struct advance {
  */
 enum { EVALUATION_WORK = 6, CVODE_STEP_WORK = 25, PANEL_WORK = 35 };
 
-/* Subtracts internal steps, and work in units, from what is left. */
+/* Subtracts internal steps and units of work from the budget. */
 static inline void advance_spend(struct advance *step, long steps, long work)
 {
     step->budget -= steps;
@@ -87,7 +87,7 @@ bool integrator_open(struct integrator *s, const struct scene_values *v,
 
 void integrator_close(struct integrator *s);
 
-/* Says that the motion is about to be that of a saved state, to which the memory does not belong. */
+/* Drops all memory of the present motion. It is called before a saved state becomes the motion. */
 void integrator_forget(struct integrator *s);
 
 /* Integrates to the end of the step, through as many phases as there are. The tolerances are taken from `v`.

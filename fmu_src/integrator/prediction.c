@@ -37,7 +37,8 @@ static double margin_slope(const struct contact_shape *shape, const struct conta
     return slopes.by_gap * opening + slopes.by_rate * bend;
 }
 
-/* Returns the rounding of the event function of a separating contact: that of the gap, of n and of n.w. */
+/* Returns the error that rounding of the gap, of n and of n.w makes in the event function of a separating
+ * contact. */
 static double dead_band_rounding(const struct contact_shape *shape, const struct contact_law *law,
                                  const struct contact_geometry *now, double gap_rounding, double by_positions,
                                  const struct separation_path *separation)
@@ -512,13 +513,14 @@ static struct regime_change capped_regime_change(const struct scene_values *v, c
         const struct contact_law law = scene_contact_law(v, q, contact);
         const struct rim_change change =
             rim_first_change(&shape, &law, &path, rounding_of_gap(v, at, contact), present, 0.0, until);
-        const double gap = change.regime == REGIME_APART ? 0.0 : DBL_MAX; /* DBL_MAX: by positions */
+        /* DBL_MAX says that the gap is the one that the positions give */
+        const double gap = change.regime == REGIME_APART ? 0.0 : DBL_MAX;
         next = (struct regime_change){change.time, change.regime, gap, false};
     } else if (until > 0.0) {
         next = smooth_regime_change(v, q, at, clock, contact, until);
     }
     if (!(next.after < end) && end < (double)INFINITY) {
-        /* DBL_MAX: the gap stays that of the positions */
+        /* the gap is again the one that the positions give */
         return (struct regime_change){end, present, DBL_MAX, next.passes_centre};
     }
     return next;

@@ -307,7 +307,7 @@ struct part {
     double of[BERNSTEIN_MOST];
 };
 
-/* By de Casteljau's scheme: `left` becomes the first half of it, what it returns is the second. */
+/* Halves a part by de Casteljau's scheme: `left` becomes its first half; the second half is returned. */
 static struct part split(struct part *left, int count)
 {
     struct part right = {left->low + 0.5 * left->width, 0.5 * left->width, {0.0}};

@@ -65,7 +65,8 @@ static void third_axis(struct quaternion q, struct double_double axis[3])
     }
 }
 
-/* A power of two near the size of a, so that products of what is divided by it keep their digits. */
+/* Returns a power of two near the size of a. Numbers divided by it are near 1, and their products neither
+ * overflow nor lose digits. */
 static double power_of_two_near(double a)
 {
     int exponent = 0;

@@ -26,7 +26,7 @@ struct rotor {
     struct rotor_state start;
     struct vec3 axis;                /* e_3 at the start, unit */
     struct vec3 direction;           /* L/|L|, unit; any where the body does not turn */
-    double unit;                     /* of time, a power of two: rates are those times this [1/s] */
+    double unit;                     /* a power of two [1/s], by which precession and spin are divided */
     struct double_double precession; /* |P| >= 0 [unit] */
     struct double_double spin;       /* (1 - I_3/I_1) omega_3 [unit] */
 };

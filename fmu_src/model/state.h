@@ -78,7 +78,7 @@ struct model {
     struct model_state state;
     struct model_host host;
     struct integrator integrator;
-    enum outputs outputs; /* those up to date in state.values */
+    enum outputs outputs; /* the outputs that are up to date in state.values */
 };
 
 /* Whether the host wants messages of this status; asked before a costly message is made. */

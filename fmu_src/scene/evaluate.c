@@ -200,7 +200,7 @@ static struct body_turn turn_at(const struct scene_values *v, const struct scene
         return (struct body_turn){quaternion_identity(), vec3_make(0.0, 0.0, 0.0)};
     }
     struct body_turn turn = turning->body[body];
-    if (!body_turns_freely(v, body)) { /* an importer's integrator may set another */
+    if (!body_turns_freely(v, body)) { /* an importer's integrator may set an angular velocity all the same */
         turn.angular_velocity = vec3_make(0.0, 0.0, 0.0);
     }
     turn.orientation = quaternion_unit(turn.orientation); /* an importer's integrator lets its length drift */

@@ -222,10 +222,10 @@ struct scene_state {
     struct solver_counters counters;
     /* 1: integrators start from this state: neither CVODE's history nor `unfinished` matters */
     int32_t integrator_fresh;
-    /* 1: the motion is deferred: it is that of an earlier clock, see integrator_catch_up */
+    /* 1: the motion is deferred and stands at an earlier clock; see integrator_catch_up */
     int32_t deferred;
-    int32_t only_flies;       /* 1: such steps are flights in which nothing turns; see foresee_reading */
-    double deferred_from;     /* the clock at which the last deferred step began [s] */
+    int32_t only_flies;   /* 1: the deferred steps are flights in which nothing turns; see foresee_reading */
+    double deferred_from; /* the clock at which the last deferred step began [s] */
     struct phase_start phase; /* used by event_driven */
     /* the fields from here on have no meaning where nothing turns or rubs, see scene_state_copy */
     struct turning_state turning;

@@ -84,7 +84,8 @@ static double tolerated_slip(const struct scene_values *v, const struct scene_in
     return solver_relative_tolerance(v) * vec3_norm(at->turning.slip[contact]) + solver_absolute_tolerance(v);
 }
 
-/* Returns an event function of friction, raised by its error by rounding and by the tolerance of speeds. */
+/* Returns an event function of friction. It is raised by its rounding error and by the error that the
+ * tolerance allows in speeds, so that it falls below zero only beyond doubt. */
 static double raised_friction_event(const struct scene_values *v, const struct scene_state *q,
                                     const struct scene_instant *at, int contact, enum ode_event event)
 {

@@ -64,7 +64,7 @@ void turning_take_event(const struct scene_values *v, struct scene_state *q, int
 void transition_change_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime, struct scene_instant *at);
 
-/* Does the same after an event of friction, which leaves the regime of the law as it is. */
+/* Takes an event of friction likewise: its regime changes, the regime of the law stays. */
 void transition_change_friction(const struct scene_values *v, struct scene_state *q, int contact,
                                 enum ode_event event, struct scene_instant *at);
 

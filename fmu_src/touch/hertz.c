@@ -488,7 +488,7 @@ static const struct quasi_static_turning about_a_centre = {slow_centre_sweep, sl
  * tilt, the rows of H the changes of their momenta; the third rows are zero.
  */
 
-/* The rows that hold the changes of azimuth and tilt, then those that hold the changes of their momenta. */
+/* The rows for azimuth and tilt, then the rows for their momenta. */
 enum { RIM_ROWS = 4 };
 static const int rim_rows[RIM_ROWS] = {0, 1, FRAME, FRAME + 1};
 

@@ -683,7 +683,8 @@ static void peak_error_note(const struct segment *p, double from, double to, str
     const struct oscillator oscillator = {by->k / p->pair.reduced_mass, by->c / p->pair.reduced_mass};
     const double decay_rate = fmin(oscillator_rates_of(&oscillator).slower, 0.5 * oscillator.damping_rate);
     const double decay = decay_rate * (to - from);
-    const double left = exp(-decay_rate * from); /* part of what oscillated at the segment's start */
+    const double left =
+        exp(-decay_rate * from); /* amplitude at `from` divided by the amplitude at the segment's start */
     const double error = fmin(record->force_error + start.error, DBL_MAX) * left;
     const double peak = state->peaks.force;
     record->force_error = error * exp(-decay);
