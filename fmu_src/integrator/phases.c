@@ -344,45 +344,31 @@ static double stored_in_separating(const struct scene_values *v, const struct sc
     return sum;
 }
 
-static void note_start(struct scene_state *q, double longest)
+/* Copies `size` bytes of the present to `kept`, or back. */
+static void keep(void *present, void *kept, size_t size, bool back)
 {
-    struct phase_start *start = &q->phase;
-    start->longest = longest;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_state *contact = &q->contact[j];
-        start->contact[j].normal = contact->normal;
-        start->contact[j].physics = contact->physics;
-        start->contact[j].source_impulse = contact->torques.source_impulse;
-        start->contact[j].destination_impulse = contact->torques.destination_impulse;
-        start->contact[j].force_error = contact->record.force_error;
-    }
-    memcpy(start->body, q->body, sizeof q->body);
-    memcpy(start->turn, q->turning.body, sizeof start->turn);
-    start->dissipated = q->dissipated;
-    start->external_work = q->external_work;
-    start->friction_energy = q->friction_energy;
-    start->counters = q->counters;
+    memcpy(back ? present : kept, back ? kept : present, size);
 }
 
-/* Moves the scene back to the start of the phase. */
-static void return_to_start(struct scene_state *q)
+/* Keeps what a phase changes from its start on, or moves the scene back to that start. */
+static inline void keep_start(struct scene_state *q, bool back)
 {
-    const struct phase_start *start = &q->phase;
+    struct phase_start *start = &q->phase;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct contact_state *contact = &q->contact[j];
-        contact->normal = start->contact[j].normal;
-        contact->physics = start->contact[j].physics;
-        contact->torques.source_impulse = start->contact[j].source_impulse;
-        contact->torques.destination_impulse = start->contact[j].destination_impulse;
-        contact->record.force_error = start->contact[j].force_error;
+        keep(&contact->normal, &start->contact[j].normal, sizeof contact->normal, back);
+        keep(&contact->physics, &start->contact[j].physics, sizeof contact->physics, back);
+        keep(&contact->torques.source_impulse, &start->contact[j].source_impulse, sizeof(struct vec3), back);
+        keep(&contact->torques.destination_impulse, &start->contact[j].destination_impulse,
+             sizeof(struct vec3), back);
+        keep(&contact->record.force_error, &start->contact[j].force_error, sizeof(double), back);
     }
-    memcpy(q->body, start->body, sizeof q->body);
-    memcpy(q->turning.body, start->turn, sizeof start->turn);
-    q->dissipated = start->dissipated;
-    q->external_work = start->external_work;
-    q->friction_energy = start->friction_energy;
-    q->counters = start->counters;
-    q->clock = start->clock;
+    keep(q->body, start->body, sizeof q->body, back);
+    keep(q->turning.body, start->turn, sizeof start->turn, back);
+    keep(&q->dissipated, &start->dissipated, sizeof q->dissipated, back);
+    keep(&q->external_work, &start->external_work, sizeof q->external_work, back);
+    keep(&q->friction_energy, &start->friction_energy, sizeof q->friction_energy, back);
+    keep(&q->counters, &start->counters, sizeof q->counters, back);
 }
 
 /* Moves the scene to a clock within the phase, and notes the peaks since the clock `noted`. A phase of zero
@@ -393,7 +379,8 @@ static void follow_pairs(struct pair_phase *all, const struct scene_values *v, s
     const double time = clock == q->phase.end ? all->time : clock - q->phase.clock;
     const double from = noted - q->phase.clock;
     if (q->phase.followed > q->phase.clock) {
-        return_to_start(q);
+        keep_start(q, true);
+        q->clock = q->phase.clock;
     }
     const double stored = stored_in_separating(v, q);
     for (int j = 0; time > 0.0 && j < SCENE_CONTACTS; ++j) {
@@ -439,7 +426,8 @@ static bool restore_pairs(struct pair_phase *all, const struct scene_values *v, 
     struct scene_state start;
     struct scene_instant at;
     scene_state_copy(v, q, &start);
-    return_to_start(&start);
+    keep_start(&start, true);
+    start.clock = start.phase.clock;
     scene_kinematics_now(v, &start, &at);
     all->made_from = q->phase;
     return make_pairs(all, v, &start, &at, q->phase.longest);
@@ -480,7 +468,8 @@ static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, st
     q->phase.clock = q->phase.followed = q->clock;
     q->phase.end = all->time < longest ? q->clock + all->time : until;
     if (q->phase.end > step->clock_end) { /* else nothing returns to the start */
-        note_start(q, longest);
+        q->phase.longest = longest;
+        keep_start(q, false);
         all->made_from = q->phase;
     }
     advance_spend(step, 1, work_of_pairs(all));

@@ -130,30 +130,28 @@ bool model_has_derivatives(const struct variable *variable)
 static double energy_term(const struct model *m, const struct scene_jet *along, int row, int order)
 {
     const struct scene_values *v = &m->state.values;
-    const double kinetic = jet_of_kinetic(v, along, order);
-    const double potential = jet_of_potential(v, along, order);
-    const double stored = jet_of_stored(v, &m->state.motion, along, order);
+    const struct jet_energies energy = jet_energies_of(v, &m->state.motion, along, order);
     switch (row) {
     case ROW_energy_kinetic:
-        return kinetic;
+        return energy.kinetic;
     case ROW_energy_potential:
-        return potential;
+        return energy.potential;
     case ROW_energy_contact:
-        return stored;
+        return energy.stored;
     case ROW_energy_rotational:
-        return turning_jet_of_rotational(v, along, order);
+        return energy.rotational;
     case ROW_energy_tangential:
-        return turning_jet_of_tangential(v, &m->state.motion, along, order);
+        return energy.tangential;
     case ROW_energy_friction:
-        return along->friction[order] - turning_jet_of_tangential(v, &m->state.motion, along, order);
+        return along->friction[order] - energy.tangential;
     case ROW_energy_dissipated:
         return along->dissipated[order];
     case ROW_energy_external_work:
         return along->external_work[order];
     case ROW_energy_total:
-        return kinetic + potential + stored + along->dissipated[order] - along->external_work[order] +
-               (SCENE_ANY_TURNING ? turning_jet_of_rotational(v, along, order) + along->friction[order]
-                                  : 0.0);
+        return energy.kinetic + energy.potential + energy.stored + along->dissipated[order] -
+               along->external_work[order] +
+               (SCENE_ANY_TURNING ? energy.rotational + along->friction[order] : 0.0);
     default:
         return 0.0;
     }

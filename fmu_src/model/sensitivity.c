@@ -206,7 +206,7 @@ static void finish_path(const struct model *m, struct linear_model *l)
     jet_of_contacts(v, l->q, &l->at, &l->along);
     if (SCENE_ANY_FREE && m->state.initialized && !m->host.exchange) {
         /* The jump of an input that moves a body does the work that changes the energy stored in contacts. */
-        l->along.external_work[1] = jet_of_stored(v, l->q, &l->along, 1);
+        l->along.external_work[1] = jet_energies_of(v, l->q, &l->along, 1).stored;
     }
 }
 

@@ -313,34 +313,6 @@ static void put_bodies(const struct scene_values *v, const struct scene_state *q
     }
 }
 
-/* Returns coefficient `order` of the power of external torques and of the drives of prescribed rotations
- * [W]. */
-static double turning_jet_external_power(const struct scene_values *v, const struct scene_state *q,
-                                         const struct scene_jet *along, int order)
-{
-    double power = 0.0;
-    if (SCENE_ANY_ROTATION) {
-        for (int i = 0; i < SCENE_BODIES; ++i) {
-            if (body_turns_freely(v, i)) {
-                const struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
-                power += jet_dot(torque, along->angular_velocity[i], order);
-            }
-        }
-        for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            const int source = contact_source(j);
-            const int destination = contact_destination(j);
-            if (body_turn_is_prescribed(v, source)) {
-                power -= jet_dot(along->turning[j].source_torque, along->angular_velocity[source], order);
-            }
-            if (body_turn_is_prescribed(v, destination)) {
-                power -= jet_dot(along->turning[j].destination_torque, along->angular_velocity[destination],
-                                 order);
-            }
-        }
-    }
-    return power;
-}
-
 struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body)
 {
     struct vec3 force = along->force[body];
@@ -355,26 +327,34 @@ struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct sce
 double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_jet *along, int order)
 {
+    const bool turns = SCENE_ANY_ROTATION && scene_turns(v);
     double power = 0.0;
+    double turning = 0.0;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
             const struct vec3 force[2] = {path_at(q->path[i].force, 3, q->clock), along->force[i]};
             power += jet_dot(force, along->velocity[i], order);
         }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct vec3 *force = along->contact[j].source_force;
-        if (body_is_prescribed(v, contact_source(j))) {
-            power -= jet_dot(force, along->velocity[contact_source(j)], order);
-        }
-        if (body_is_prescribed(v, contact_destination(j))) {
-            power += jet_dot(force, along->velocity[contact_destination(j)], order);
+        if (turns && body_turns_freely(v, i)) {
+            const struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
+            turning += jet_dot(torque, along->angular_velocity[i], order);
         }
     }
-    if (SCENE_ANY_TURNING) {
-        power += scene_turns(v) ? turning_jet_external_power(v, q, along, order) : 0.0;
+    for (int end = 0; end < 2 * SCENE_CONTACTS; ++end) {
+        const int j = end / 2;
+        const bool is_source = end % 2 == 0;
+        const int body = is_source ? contact_source(j) : contact_destination(j);
+        if (body_is_prescribed(v, body)) {
+            const double given = jet_dot(along->contact[j].source_force, along->velocity[body], order);
+            power += is_source ? -given : given;
+        }
+        if (turns && body_turn_is_prescribed(v, body)) {
+            const struct vec3 *torque =
+                is_source ? along->turning[j].source_torque : along->turning[j].destination_torque;
+            turning -= jet_dot(torque, along->angular_velocity[body], order);
+        }
     }
-    return power;
+    return power + turning;
 }
 
 double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
@@ -538,36 +518,6 @@ void turning_jet_move_axis(const struct scene_values *v, const struct scene_inst
     along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, turned);
 }
 
-double turning_jet_of_rotational(const struct scene_values *v, const struct scene_jet *along, int order)
-{
-    double sum = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_turns_freely(v, i)) {
-            const struct body_inertia inertia = body_inertia_of(v, i);
-            double spin[JET_TERMS];
-            for (int k = 0; k <= order; ++k) {
-                spin[k] = jet_dot(along->angular_velocity[i], along->axis[i], k);
-            }
-            const double axial = taylor_multiply(spin, spin, order);
-            const double square = jet_dot(along->angular_velocity[i], along->angular_velocity[i], order);
-            sum += 0.5 * (inertia.transverse * square + (inertia.axial - inertia.transverse) * axial);
-        }
-    }
-    return sum;
-}
-
-double turning_jet_of_tangential(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_jet *along, int order)
-{
-    double sum = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_rubs_elastically(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
-            sum += along->turning[j].stored[order];
-        }
-    }
-    return sum;
-}
-
 double turning_jet_friction_power(const struct scene_values *v, const struct scene_jet *along, int order)
 {
     double power = 0.0;
@@ -579,36 +529,42 @@ double turning_jet_friction_power(const struct scene_values *v, const struct sce
     return power;
 }
 
-double jet_of_kinetic(const struct scene_values *v, const struct scene_jet *along, int order)
+/* Returns coefficient `order` of the rotational energy of a body. */
+static double rotational_term(const struct scene_values *v, const struct scene_jet *along, int body,
+                              int order)
 {
-    double sum = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            sum += 0.5 * body_mass(v, i) * jet_dot(along->velocity[i], along->velocity[i], order);
-        }
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    const struct vec3 *omega = along->angular_velocity[body];
+    double spin[JET_TERMS];
+    for (int k = 0; k <= order; ++k) {
+        spin[k] = jet_dot(omega, along->axis[body], k);
     }
-    return sum;
+    const double axial = taylor_multiply(spin, spin, order);
+    return 0.5 *
+           (inertia.transverse * jet_dot(omega, omega, order) + (inertia.axial - inertia.transverse) * axial);
 }
 
-double jet_of_potential(const struct scene_values *v, const struct scene_jet *along, int order)
+struct jet_energies jet_energies_of(const struct scene_values *v, const struct scene_state *q,
+                                    const struct scene_jet *along, int order)
 {
-    double sum = 0.0;
+    struct jet_energies sum = {0.0, 0.0, 0.0, 0.0, 0.0};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            sum -= body_mass(v, i) * vec3_dot(gravity(v), along->displacement[i][order]);
+            const double mass = body_mass(v, i);
+            sum.kinetic += 0.5 * mass * jet_dot(along->velocity[i], along->velocity[i], order);
+            sum.potential -= mass * vec3_dot(gravity(v), along->displacement[i][order]);
+        }
+        if (SCENE_ANY_TURNING && body_turns_freely(v, i)) {
+            sum.rotational += rotational_term(v, along, i, order);
         }
     }
-    return sum;
-}
-
-double jet_of_stored(const struct scene_values *v, const struct scene_state *q, const struct scene_jet *along,
-                     int order)
-{
-    double sum = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_law law = scene_contact_law(v, q, j);
-        sum += contact_stored_term(&law, &along->law_slope[j], (enum contact_regime)q->contact[j].regime,
-                                   along->contact[j].gap, order);
+        const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
+        sum.stored += contact_stored_term(&law, &along->law_slope[j], regime, along->contact[j].gap, order);
+        if (SCENE_ANY_TURNING && contact_rubs_elastically(v, j) && regime != REGIME_APART) {
+            sum.tangential += along->turning[j].stored[order];
+        }
     }
     return sum;
 }

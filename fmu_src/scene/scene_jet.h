@@ -63,12 +63,7 @@ CONTACT_COLD struct vec3 turning_jet_spin_change(const struct scene_values *v, c
 CONTACT_COLD void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at,
                                         int body, int component, double change, struct scene_jet *along);
 
-/* Return coefficient `order` of the rotational energy, of the springs' energy [J], and of the power that
- * friction and its springs take [W]. */
-CONTACT_COLD double turning_jet_of_rotational(const struct scene_values *v, const struct scene_jet *along,
-                                              int order);
-CONTACT_COLD double turning_jet_of_tangential(const struct scene_values *v, const struct scene_state *q,
-                                              const struct scene_jet *along, int order);
+/* Returns coefficient `order` of the power that friction and its springs take [W]. */
 CONTACT_COLD double turning_jet_friction_power(const struct scene_values *v, const struct scene_jet *along,
                                                int order);
 /* Returns half the rate of a free body's acceleration by external and contact forces [m/s^3 in time]. */
@@ -81,10 +76,12 @@ double free_bodies_dissipated_power(const struct scene_values *v, const struct s
 double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_jet *along, int order);
 
-/* Return coefficient `order` of the energies along the path [J/s^order in time]. */
-double jet_of_kinetic(const struct scene_values *v, const struct scene_jet *along, int order);
-double jet_of_potential(const struct scene_values *v, const struct scene_jet *along, int order);
-double jet_of_stored(const struct scene_values *v, const struct scene_state *q, const struct scene_jet *along,
-                     int order);
+/* The coefficients of one order of the energies along the path [J/s^order in time]. `stored` is the energy of
+ * the normal forces, `tangential` the energy of the springs of friction. */
+struct jet_energies {
+    double kinetic, potential, rotational, stored, tangential;
+};
+struct jet_energies jet_energies_of(const struct scene_values *v, const struct scene_state *q,
+                                    const struct scene_jet *along, int order);
 
 #endif
