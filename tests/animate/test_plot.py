@@ -114,6 +114,21 @@ def test_a_result_needs_its_fmu_for_an_animation(shell, tmp_path, capsys):
     assert len(data["touches"]) == shell.columns["contact.onsets"][-1]
 
 
+def test_a_picture_alone_shows_contacts_shorter_than_a_step_in_full(tmp_path, monkeypatch):
+    """Each reaches the largest force that the FMU tells of it and of those after it, which are weaker."""
+    drawn = []
+    monkeypatch.setattr("contact_fmus.plot.command.draw", lambda result, file: drawn.append(result))
+    for options in ([], ["--csv", str(tmp_path / "run.csv")]):
+        assert main(["run", "BouncingBall", "--plot", str(tmp_path / "run.png"), *options]) == 0
+    whole, table = drawn
+    assert len(table.time) < 500 < len(whole.time)
+    force = whole.columns["contact.normal_force"]
+    for touch in touches(whole):
+        inside = (whole.time >= touch.begin) & (whole.time <= touch.end)
+        told = whole.columns["contact.peak_force"][whole.time > touch.begin].max()
+        assert force[inside].max() > 0.98 * told
+
+
 @pytest.mark.parametrize("suffix", ["png", "html"])
 def test_a_run_draws_what_it_found(suffix, tmp_path):
     file = tmp_path / f"run.{suffix}"

@@ -2,6 +2,7 @@
 
 import argparse
 import dataclasses
+import functools
 import json
 import math
 import sys
@@ -33,7 +34,9 @@ def main(arguments: list[str] | None = None) -> int:
         raise UserError(f"{options.csv}: there is no folder {options.csv.parent}")
     if picture is not None:
         output_file(picture, "", (*PICTURES, ".html"))
-    runs = by_fmpy if options.model_exchange else simulate
+    # A table has a row a communication step; a picture alone shows contacts that are shorter.
+    within = picture is not None and options.csv is None
+    runs = by_fmpy if options.model_exchange else functools.partial(simulate, within=within)
     console = Console(stderr=True)
     try:
         with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:

@@ -87,16 +87,19 @@ def begin(fmu: ContactFmu, experiment: Experiment | Scenario, values: dict[str, 
 
 
 def simulate(
-    experiment: Experiment, interval: float | None = None, advance: Callable[[float], None] = lambda time: None
+    experiment: Experiment,
+    interval: float | None = None,
+    advance: Callable[[float], None] = lambda time: None,
+    within: bool = False,
 ) -> Result:
     """Rows at communication points and right before and after each onset and release. `interval`: time between the
-    former, s; without it every communication step has a row."""
+    former, s; without it every communication step has a row. `within`: some within and beside each contact too."""
     times = communication_points(experiment)
     every = 1 if interval is None else max(1, round(interval / experiment.step))
 
-    def wanted(index: int, _rows: int) -> tuple[bool, int]:
+    def wanted(index: int, rows: int) -> tuple[bool, int]:
         advance(times[index])
-        return index % every == 0 or index == len(times) - 1, 0
+        return index % every == 0 or index == len(times) - 1, _within(index, rows) if within else 0
 
     return _result(experiment, times, every, wanted, RECORDED)
 
@@ -106,9 +109,14 @@ def record_densely(experiment: Experiment, points: int = POINTS) -> Result:
     times = np.linspace(experiment.start_time, experiment.stop_time, points + 1)
 
     def wanted(index: int, rows: int) -> tuple[bool, int]:
-        return True, int(np.clip((DENSE + index - rows) // AHEAD, FEWEST, MOST))
+        return True, _within(index, rows)
 
     return _result(experiment, times, 1, wanted, (*RECORDED, "local"), ("Real", "Integer", "Boolean"))
+
+
+def _within(index: int, rows: int) -> int:
+    """How many points the next contact gets, `rows` after the start, of which `index` are no contacts'"""
+    return int(np.clip((DENSE + index - rows) // AHEAD, FEWEST, MOST))
 
 
 def _result(

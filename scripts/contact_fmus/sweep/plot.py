@@ -14,6 +14,7 @@ from scipy import stats
 
 from .store import Store
 
+FAINT = 300  # more dots than that are small and faint
 POINTS = 5_000  # dots of a scatter plot: more hide one another
 BINS = 40  # of a parameter that has more values than this
 QUANTILES = (0.05, 0.5, 0.95)
@@ -93,7 +94,8 @@ def _line(axes: Axes, x: Column, y: Column) -> None:
     finite = np.flatnonzero(np.isfinite(x.values) & np.isfinite(y.values))
     shown = finite[:: max(1, -(-len(finite) // POINTS))]
     few = f", {len(shown):,} of {len(finite):,} shown" if len(shown) < len(finite) else ""
-    axes.plot(x.values[shown], y.values[shown], ".", ms=3, alpha=0.35, color="tab:gray", label=f"runs{few}")
+    size, alpha = (6, 0.8) if len(shown) <= FAINT else (3, 0.35)
+    axes.plot(x.values[shown], y.values[shown], ".", ms=size, alpha=alpha, color="tab:gray", label=f"runs{few}")
     place, rows = x.bins()[finite], []
     for inside in (finite[place == index] for index in np.unique(place)):
         levels = np.quantile(y.values[inside], QUANTILES) if len(inside) >= FEWEST else [np.nan] * 3
