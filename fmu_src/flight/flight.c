@@ -13,10 +13,14 @@ static struct rotor rotor_of(const struct scene_values *v, const struct scene_st
 }
 
 /* Sets the external torque as a polynomial of the time since the present. */
-static void torque_from_now(const struct scene_state *q, int body, struct vec3 torque[ROTOR_TORQUES])
+static void torque_from_now(const struct scene_values *v, const struct scene_state *q, int body,
+                            struct vec3 torque[ROTOR_TORQUES])
 {
     memcpy(torque, q->path[body].torque, sizeof q->path[body].torque);
     path_shift(torque, ROTOR_TORQUES, q->clock);
+    for (int i = 0; i < ROTOR_TORQUES; ++i) {
+        torque[i] = body_part_that_turns(v, body, torque[i]);
+    }
 }
 
 /* Returns the rotation of a freely turning body at a clock no earlier than the present. */
@@ -29,7 +33,7 @@ static struct body_turn flight_turn_at(const struct scene_values *v, const struc
         const struct body_turn *turn = &q->turning.body[body];
         const struct rotor_state now = {turn->orientation, turn->angular_velocity};
         struct vec3 torque[ROTOR_TORQUES];
-        torque_from_now(q, body, torque);
+        torque_from_now(v, q, body, torque);
         then = rotor_under_torque(&now, inertia.transverse, inertia.axial, torque, clock - q->clock);
     } else {
         const struct rotor rotor = rotor_of(v, q, body);
@@ -75,7 +79,7 @@ struct axis_motion flight_axis_motion(const struct scene_values *v, const struct
     const struct rotor_state now = {at->orientation, at->angular_velocity};
     struct vec3 torque[ROTOR_TORQUES];
     struct vec3 lambda[ROTOR_RATES];
-    torque_from_now(q, body, torque);
+    torque_from_now(v, q, body, torque);
     rotor_rates_under_torque(&now, inertia.transverse, inertia.axial, torque, lambda);
     return axis_motion_prescribed(axis, lambda, ROTOR_RATES);
 }

@@ -564,8 +564,7 @@ static const double LAW_INSTANTS_PER_RADIAN = 16.0, LEAST_LAW_INSTANTS = 64.0, M
 
 bool contact_axis_turns(const struct scene_values *v, int contact)
 {
-    const int destination = contact_destination(contact);
-    return body_turns(v, destination) && body_shape(destination) != SHAPE_SPHERE;
+    return body_tips(v, contact_destination(contact));
 }
 
 /* Whether another contact transmits a force to a body of this contact that moves freely. */

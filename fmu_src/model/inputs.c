@@ -383,6 +383,28 @@ enum model_status model_set_input_derivative(struct model *m, const struct varia
     return MODEL_OK;
 }
 
+/* Directions count as parallel within this angle [rad]: their rounding, and that of a user's products. */
+static const double PARALLEL = 1e-12;
+
+bool model_tilts_axis(const struct scene_values *v, int body, struct vec3 a)
+{
+    const struct vec3 across = vec3_sub(a, body_part_that_turns(v, body, a));
+    return vec3_norm(across) > PARALLEL * vec3_norm(a);
+}
+
+/* Whether the prescribed rotation of a body would tilt an axis that keeps its direction. */
+static bool turn_tilts_axis(const struct model *m, int body)
+{
+    struct body_path path = m->state.motion.path[body];
+    if (!body_keeps_axis(body) || !body_turn_is_prescribed(&m->state.values, body)) {
+        return false;
+    }
+    input_path_renew(m, body, m->state.marks[body], &path);
+    return model_tilts_axis(&m->state.values, body, path.angular_velocity[0]) ||
+           model_tilts_axis(&m->state.values, body, path.angular_velocity[1]) ||
+           model_tilts_axis(&m->state.values, body, path.angular_velocity[2]);
+}
+
 /* Whether a body's prescribed axis is zero and so has no direction. */
 static bool has_no_axis(const struct scene_values *v, int body)
 {
@@ -402,6 +424,13 @@ enum model_status model_refuse_inputs(const struct model *m)
                     "0 has no direction "
                     "and is not in force (allowed: at least one component other than zero).",
                     name, name, name);
+            }
+            if (turn_tilts_axis(m, i)) {
+                return model_report(m, MODEL_DISCARD,
+                                    "%s.prescribed_angular_velocity would tilt the axis and is not in force: "
+                                    "a cylinder that touches a cylinder turns about its own axis (allowed: "
+                                    "multiples of %s.axis).",
+                                    name, name);
             }
         }
     }
@@ -429,7 +458,7 @@ bool model_apply_inputs(struct model *m)
         input_path_shift(m, i, &next[i]);
         const struct body_path before = next[i];
         input_path_renew(m, i, m->state.marks[i], &next[i]);
-        if (SCENE_ANY_ROTATION && has_no_axis(&m->state.values, i)) {
+        if (SCENE_ANY_ROTATION && (has_no_axis(&m->state.values, i) || turn_tilts_axis(m, i))) {
             return false;
         }
         same = same && input_path_is_same(&before, &next[i]);

@@ -13,9 +13,9 @@ static enum model_status check_inertia(struct model *m, int body)
 {
     const struct scene_values *v = &m->state.values;
     const char *name = scene_body_name(body);
-    const bool is_cylinder = body_shape(body) == SHAPE_CYLINDER;
+    const bool tilts = body_shape(body) == SHAPE_CYLINDER && !body_keeps_axis(body);
     if (body_inertia_control(v, body) == INERTIA_CONTROL_AUTOMATIC) {
-        return !is_cylinder || body_finite_length(v, body)
+        return !tilts || body_finite_length(v, body)
                    ? MODEL_OK
                    : model_report(m, MODEL_ERROR,
                                   "%s.inertia_control = automatic contradicts %s.finite_length = false: an "
@@ -25,7 +25,7 @@ static enum model_status check_inertia(struct model *m, int body)
     }
     const double axial = body_axial_inertia(v, body);
     const double transverse = body_transverse_inertia(v, body);
-    return !is_cylinder || transverse >= 0.5 * axial
+    return !tilts || transverse >= 0.5 * axial
                ? MODEL_OK
                : model_report(
                      m, MODEL_ERROR,
@@ -46,7 +46,19 @@ static enum model_status check_rotation(struct model *m, int body)
             "no direction (allowed: at least one component other than zero).",
             name, name, name);
     }
-    if (!SCENE_ANY_FREE_ROTATION || !body_turns_freely(v, body)) {
+    const bool turns = body_turns_freely(v, body);
+    const bool driven = body_turn_is_prescribed(v, body);
+    const struct vec3 omega = turns    ? body_initial_angular_velocity(v, body)
+                              : driven ? body_prescribed_angular_velocity(v, body)
+                                       : vec3_make(0.0, 0.0, 0.0);
+    if (model_tilts_axis(v, body, omega)) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.%s = (%g, %g, %g) rad/s contradicts %s.axis: a cylinder that touches a "
+                            "cylinder turns about its own axis (allowed: multiples of the axis).",
+                            name, turns ? "initial_angular_velocity" : "prescribed_angular_velocity", omega.x,
+                            omega.y, omega.z, name);
+    }
+    if (!SCENE_ANY_FREE_ROTATION || !turns) {
         return MODEL_OK;
     }
     return body_shape(body) == SHAPE_PLANE
@@ -70,6 +82,15 @@ static enum model_status check_law(struct model *m, int contact)
                             "%s.penalty_control = viscous_only contradicts %s.law = hertz "
                             "(allowed: automatic, user_defined; viscous_only with law linear).",
                             name, name);
+    }
+    if (scene_is_hertz(v, contact) && body_keeps_axis(contact_source(contact)) &&
+        contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC) {
+        return model_report(
+            m, MODEL_ERROR,
+            "%s.penalty_control = automatic contradicts %s.law = hertz: Hertz's theory has no "
+            "power 3/2 for the contact of two parallel cylinders along a line (allowed: "
+            "user_defined, or law linear).",
+            name, name);
     }
     if (!SCENE_ANY_RESTITUTION || contact_viscous_control(v, contact) != VISCOUS_CONTROL_RESTITUTION ||
         contact_method(v, contact) == METHOD_PENALTY) {
@@ -149,6 +170,31 @@ static enum model_status check_ends(struct model *m, int contact)
     return check_law(m, contact);
 }
 
+/* Checks that axes have directions, and that those of two cylinders are parallel. */
+static enum model_status check_axes(struct model *m, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const int bodies[] = {contact_destination(contact), contact_source(contact)};
+    const char *name = scene_body_name(bodies[0]);
+    const struct vec3 axis = body_axis(v, bodies[0]);
+    for (int i = 0; i < 2; ++i) {
+        const char *none = scene_body_name(bodies[i]);
+        if (body_shape(bodies[i]) != SHAPE_SPHERE && !(vec3_norm(body_axis(v, bodies[i])) > 0.0)) {
+            return model_report(m, MODEL_ERROR,
+                                "%s.axis[1], %s.axis[2], %s.axis[3] = 0, 0, 0 has no direction "
+                                "(allowed: at least one component other than zero).",
+                                none, none, none);
+        }
+    }
+    return !model_tilts_axis(v, bodies[1], axis)
+               ? MODEL_OK
+               : model_report(m, MODEL_ERROR,
+                              "%s.axis = (%g, %g, %g) contradicts %s.axis: contact of two cylinders takes "
+                              "parallel axes (allowed: multiples of %s.axis).",
+                              name, axis.x, axis.y, axis.z, scene_body_name(bodies[1]),
+                              scene_body_name(bodies[1]));
+}
+
 static enum model_status check_contact(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
@@ -170,14 +216,8 @@ static enum model_status check_contact(struct model *m, int contact)
                             "(allowed: viscous_only with penalty_dynamic).",
                             name, name);
     }
-    if (body_shape(contact_destination(contact)) != SHAPE_SPHERE &&
-        !(vec3_norm(body_axis(v, contact_destination(contact))) > 0.0)) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.axis[1], %s.axis[2], %s.axis[3] = 0, 0, 0 has no direction "
-                            "(allowed: at least one component other than zero).",
-                            destination, destination, destination);
-    }
-    const enum model_status status = check_ends(m, contact);
+    enum model_status status = check_axes(m, contact);
+    status = status == MODEL_OK ? check_ends(m, contact) : status;
     return status == MODEL_OK ? check_friction(m, contact) : status;
 }
 

@@ -118,8 +118,12 @@ CONTACT_COLD enum model_status model_check_consistency(struct model *m);
  * would. */
 CONTACT_COLD void model_warn_of_idle(struct model *m);
 
+/* Whether the vector a, other than zero, has a part across the axis of a body that keeps its axis. */
+bool model_tilts_axis(const struct scene_values *v, int body, struct vec3 a);
+
 /* Takes changed inputs over into the paths of the motion. False: an energy would be beyond the range of
- * numbers, or an axis has no direction. The motion is then unchanged, and other inputs may be set. */
+ * numbers, or an axis has no direction or would tilt that is kept. The motion is then unchanged, and other
+ * inputs may be set. */
 bool model_apply_inputs(struct model *m);
 
 /* Clears the marks of the inputs set at this communication point, once a step begins. */
@@ -132,7 +136,8 @@ void model_warn_of_rates(struct model *m);
 /* Computes at least the outputs `wanted` of the present instant. False: the inputs cannot be taken over. */
 bool model_update_outputs(struct model *m, enum outputs wanted);
 
-/* Reports that an axis has no direction, or that the inputs lead beyond the range of numbers. */
+/* Reports that an axis has no direction or would tilt that is kept, or that the inputs lead beyond the range
+ * of numbers. */
 enum model_status model_refuse_inputs(const struct model *m);
 
 /* motion_open allocates the integrator's memory for the method that v chooses; motion_close frees it.

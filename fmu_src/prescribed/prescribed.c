@@ -986,7 +986,7 @@ static struct axis_motion axis_from(const struct span *s, const struct scene_ins
 {
     const int destination = contact_destination(s->c.contact);
     const struct vec3 axis = at->turning.axis[s->c.contact];
-    if (!body_turn_is_prescribed(s->c.v, destination) || body_shape(destination) == SHAPE_SPHERE) {
+    if (!body_turn_is_prescribed(s->c.v, destination) || !body_tips(s->c.v, destination)) {
         return axis_motion_fixed(axis);
     }
     struct body_path path = s->c.q->path[destination];

@@ -19,21 +19,21 @@ bool scene_damps_by_onset(const struct scene_values *v, int contact)
 }
 
 /* Automatic moments of inertia are those of homogeneous solids: 2/5 m r^2 for a sphere; m r^2/2 about the
- * axis and m (3 r^2 + L^2)/12 across it for a cylinder. */
+ * axis and m (3 r^2 + L^2)/12 across it for a cylinder. One that keeps its axis needs only the first. */
 struct body_inertia body_inertia_of(const struct scene_values *v, int body)
 {
     const bool is_cylinder = SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER;
-    if (body_inertia_control(v, body) == INERTIA_CONTROL_USER_DEFINED) {
-        const double axial = body_axial_inertia(v, body);
-        return (struct body_inertia){axial, is_cylinder ? body_transverse_inertia(v, body) : axial};
-    }
+    const bool tilts = is_cylinder && !body_keeps_axis(body);
     const double m = body_mass(v, body);
     const double r = body_radius(v, body);
-    if (!is_cylinder) {
-        return (struct body_inertia){0.4 * m * r * r, 0.4 * m * r * r};
-    }
     const double length = body_length(v, body);
-    return (struct body_inertia){0.5 * m * r * r, m * (3.0 * r * r + length * length) / 12.0};
+    struct body_inertia of = {(is_cylinder ? 0.5 : 0.4) * m * r * r,
+                              m * (3.0 * r * r + length * length) / 12.0};
+    if (body_inertia_control(v, body) == INERTIA_CONTROL_USER_DEFINED) {
+        of = (struct body_inertia){body_axial_inertia(v, body), body_transverse_inertia(v, body)};
+    }
+    of.transverse = tilts ? of.transverse : of.axial;
+    return of;
 }
 
 double body_flatness(const struct scene_values *v, int body)
@@ -238,7 +238,7 @@ static void put_axis(const struct scene_values *v, const struct scene_state *q, 
     const int destination = contact_destination(contact);
     at->turning.axis[contact] = vec3_make(0.0, 0.0, 0.0);
     if (SCENE_ANY_CYLINDER || SCENE_ANY_PLANE) {
-        at->turning.axis[contact] = body_turns(v, destination)
+        at->turning.axis[contact] = body_tips(v, destination)
                                         ? quaternion_third_axis(at->turning.body[destination].orientation)
                                         : q->contact[contact].parameters.axis;
     }
@@ -715,6 +715,15 @@ bool scene_rate_is_known(const struct scene_state *q, const struct scene_instant
            at->geometry[contact].gap_rate == state->physics.carried_rate;
 }
 
+struct vec3 body_part_that_turns(const struct scene_values *v, int body, struct vec3 a)
+{
+    if (!body_keeps_axis(body)) {
+        return a;
+    }
+    const struct vec3 e = unit(body_axis(v, body));
+    return vec3_scale(vec3_dot(a, e), e);
+}
+
 struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct scene_instant *at, int body)
 {
@@ -730,7 +739,7 @@ struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_s
             torque = vec3_add(torque, at->turning.destination_torque[j]);
         }
     }
-    return torque;
+    return body_part_that_turns(v, body, torque);
 }
 
 struct vec3 turning_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,

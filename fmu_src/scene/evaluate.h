@@ -221,7 +221,12 @@ double rounding_margin_offset(const struct scene_values *v, const struct scene_s
  * A contact that is apart has zero torques and a zero rate of its spring.
  */
 
-/* Returns the sum of the contact torques and the external torque about the centre of a body [N m]. */
+/* Returns the part of an angular velocity or a torque that turns a body: all of it, or for a body that keeps
+ * its axis the part along the axis. A bearing takes the torques across that axis; the model leaves it out. */
+struct vec3 body_part_that_turns(const struct scene_values *v, int body, struct vec3 a);
+
+/* Returns the part that turns a body of the sum of contact torques and external torque about its centre
+ * [N m]. */
 struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct scene_instant *at, int body);
 

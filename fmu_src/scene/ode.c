@@ -27,7 +27,7 @@ struct turning_layout turning_layout_of(const struct scene_values *v)
         index += turns ? 3 : 0;
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const bool tips = body_turns_freely(v, i) && body_shape(i) != SHAPE_SPHERE;
+        const bool tips = body_turns_freely(v, i) && body_tips(v, i);
         layout.orientation[i] = tips ? index : -1;
         index += tips ? 4 : 0;
     }
@@ -38,7 +38,7 @@ struct turning_layout turning_layout_of(const struct scene_values *v)
     }
     layout.coupled = index;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const bool rolls = body_turns_freely(v, i) && body_shape(i) == SHAPE_SPHERE;
+        const bool rolls = body_turns_freely(v, i) && !body_tips(v, i);
         layout.orientation[i] = rolls ? index : layout.orientation[i];
         index += rolls ? 4 : 0;
     }
@@ -84,6 +84,13 @@ static void four_to(struct quaternion a, double *data)
     data[3] = a.z;
 }
 
+/* Returns omega from L / I_1 [rad/s]. */
+static struct vec3 rotation_of_spin(const struct scene_values *v, int body, struct vec3 e, struct vec3 spin)
+{
+    const struct vec3 part = body_part_that_turns(v, body, spin);
+    return vec3_axpy(part, body_flatness(v, body) * vec3_dot(spin, e), e);
+}
+
 /* Return L / I_1 = omega + (I_3/I_1 - 1) (omega.e) e from omega [rad/s], and omega from L / I_1. */
 static struct vec3 spin_of(const struct scene_values *v, const struct body_turn *turn, int body)
 {
@@ -96,8 +103,7 @@ static struct vec3 spin_of(const struct scene_values *v, const struct body_turn 
 static struct vec3 angular_velocity_of(const struct scene_values *v, struct quaternion orientation,
                                        struct vec3 spin, int body)
 {
-    const struct vec3 e = quaternion_third_axis(orientation);
-    return vec3_axpy(spin, body_flatness(v, body) * vec3_dot(spin, e), e);
+    return rotation_of_spin(v, body, quaternion_third_axis(orientation), spin);
 }
 
 /* Writes the states that turning and rubbing add into y. */
@@ -605,7 +611,7 @@ static struct vec3 along_axis(int component)
 static struct vec3 rotation_by_spin(const struct turning_linearization *l, int body, int k)
 {
     const struct vec3 e = quaternion_third_axis(l->at.turning.body[body].orientation);
-    return vec3_axpy(along_axis(k), body_flatness(l->ode->values, body) * vec3_get(e, k), e);
+    return rotation_of_spin(l->ode->values, body, e, along_axis(k));
 }
 
 /* Returns the change of the axis e by component k of the orientation in y. This quaternion may have any

@@ -34,7 +34,7 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
         path.w[i] = vec3_sub(along->velocity[to][i], along->velocity[from][i]);
         path.source[i] = along->angular_velocity[from][i];
         path.destination[i] = along->angular_velocity[to][i];
-        if (body_turns(v, to)) {
+        if (body_tips(v, to)) {
             path.axis[i] = along->axis[to][i];
         }
     }
@@ -414,6 +414,7 @@ static struct vec3 half_spin_jerk(const struct scene_values *v, const struct sce
             torque[1] = vec3_add(torque[1], turning->destination_torque[1]);
         }
     }
+    torque[1] = body_part_that_turns(v, body, torque[1]);
     const double tau[2] = {jet_dot(torque, e, 0), jet_dot(torque, e, 1)};
     const double spin[2] = {jet_dot(omega, e, 0), jet_dot(omega, e, 1)};
     const struct vec3 whirl[2] = {turning_jet_cross(omega, e, 0), turning_jet_cross(omega, e, 1)};

@@ -97,6 +97,11 @@ bool body_turns(const struct scene_values *v, int body)
     return SCENE_ANY_ROTATION && body_rotation(v, body) != ROTATION_NONE;
 }
 
+bool body_tips(const struct scene_values *v, int body)
+{
+    return body_turns(v, body) && body_shape(body) != SHAPE_SPHERE && !body_keeps_axis(body);
+}
+
 bool contact_rubs(const struct scene_values *v, int contact)
 {
     return SCENE_ANY_FRICTION && contact_friction(v, contact) != FRICTION_NONE;
@@ -232,11 +237,23 @@ int scene_contact_side(const struct scene_values *v, const struct scene_state *q
     return q->contact[contact].side;
 }
 
+/* Returns the distance of the centres along the axis at which contact with a cylinder ends [m], INFINITY
+ * where it never does: L/2, and half of both lengths where the source is a cylinder too. */
+static double half_length_of(const struct scene_values *v, int contact)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 2; ++i) {
+        const int body = i == 0 ? contact_destination(contact) : contact_source(contact);
+        if (SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER) {
+            sum += body_finite_length(v, body) ? body_length(v, body) : (double)INFINITY;
+        }
+    }
+    return sum > 0.0 ? 0.5 * sum : (double)INFINITY;
+}
+
 bool scene_ends_suddenly(const struct scene_values *v, int contact)
 {
-    const int body = contact_destination(contact);
-    return SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER && body_finite_length(v, body) &&
-           !has_caps(v, body);
+    return isfinite(half_length_of(v, contact)) && !has_caps(v, contact_destination(contact));
 }
 
 struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q, int contact)
@@ -244,14 +261,11 @@ struct contact_shape scene_whole_shape(const struct scene_values *v, const struc
     const int destination = contact_destination(contact);
     struct contact_shape shape = {.source_radius = body_radius(v, contact_source(contact)),
                                   .other_radius = body_radius(v, destination),
-                                  .half_length = (double)INFINITY,
+                                  .half_length = half_length_of(v, contact),
                                   .side = scene_contact_side(v, q, contact),
                                   .destination = body_shape(destination)};
     if (SCENE_ANY_CYLINDER && shape.destination == SHAPE_CYLINDER) {
         shape.axis = q->contact[contact].parameters.axis;
-        if (body_finite_length(v, destination)) {
-            shape.half_length = 0.5 * body_length(v, destination);
-        }
     }
     if (SCENE_ANY_PLANE && shape.destination == SHAPE_PLANE) {
         shape.axis = q->contact[contact].parameters.axis;
@@ -283,7 +297,7 @@ struct contact_shape scene_contact_shape_at(const struct scene_values *v, const 
                                             const struct scene_instant *at, int contact)
 {
     struct contact_shape shape = scene_contact_shape(v, q, contact);
-    if (body_turns(v, contact_destination(contact)) && shape.destination != SHAPE_SPHERE) {
+    if (body_tips(v, contact_destination(contact))) {
         shape.axis = at->turning.axis[contact];
         if (contact_is_capped(&shape)) {
             shape.solid.axis = at->turning.axis[contact];

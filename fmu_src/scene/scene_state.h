@@ -274,6 +274,10 @@ bool body_turns_freely(const struct scene_values *v, int body);
 bool body_turn_is_prescribed(const struct scene_values *v, int body);
 bool body_turns(const struct scene_values *v, int body);
 
+/* Whether a body turns and its axis may turn with it: the axis of a sphere has no meaning, and that of a
+ * cylinder which touches a cylinder keeps its direction. */
+bool body_tips(const struct scene_values *v, int body);
+
 /* Whether a contact may have a friction force; whether it stores energy in a tangential spring. */
 bool contact_rubs(const struct scene_values *v, int contact);
 bool contact_rubs_elastically(const struct scene_values *v, int contact);

@@ -65,8 +65,8 @@ bool rubbing_is_solvable(const struct scene_values *v, const struct scene_state 
 {
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    const bool tips = body_turns(v, destination) && body_shape(destination) != SHAPE_SPHERE;
-    if (tips || !(scene_inverse_mass(v, contact) > 0.0) || scene_ends_suddenly(v, contact)) {
+    if (body_tips(v, destination) || !(scene_inverse_mass(v, contact) > 0.0) ||
+        scene_ends_suddenly(v, contact)) {
         return false;
     }
     if (!contact_rubs(v, contact)) {

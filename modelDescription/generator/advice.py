@@ -66,14 +66,15 @@ def number_in(row: Row) -> str:
 def other_shape(scene, catalogue: Catalogue, name: str) -> str:
     """'a plane has no radius', '' where the shape is not what is wrong."""
     owner, _, name = name.partition(".")
-    shapes = {body.name: body.shape for body in scene.bodies}
-    kinds = dict.fromkeys(shapes, "body")
+    bodies = {body.name: body for body in scene.bodies}
+    kinds = dict.fromkeys(bodies, "body")
     for contact in scene.contacts:
-        kinds[contact.name], shapes[contact.name] = "contact", scene.bodies[contact.destination].shape
+        kinds[contact.name], bodies[contact.name] = "contact", scene.bodies[contact.destination]
     row = catalogue.rows.get(f"{kinds.get(owner)}.{name.partition('[')[0]}")
-    if row is None or not row.shape or shapes[owner] in row.shape:
+    if row is None or bodies[owner].has(row):
         return ""
-    return f"a {shapes[owner]} has no {row.field}"
+    kept = " that touches a cylinder" if bodies[owner].keeps_axis and row.tilts else ""
+    return f"a {bodies[owner].shape}{kept} has no {row.field}"
 
 
 def unknown(where: str, name: str, known: dict, reason: str = "") -> str:

@@ -47,6 +47,7 @@ class Row:
     dim: int = 1
     symbol: str | None = None
     shape: tuple[str, ...] = ()  # of the body or of the contact's destination; of all where empty
+    tilts: bool = False  # no cylinder has it that touches a cylinder, because it keeps its axis
     absent: object = None  # what the code takes where a body of another shape has no such row
     of_plane: dict = field(default_factory=dict)  # what differs where body or destination is a plane
     when: tuple[dict, ...] = ()

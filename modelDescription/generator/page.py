@@ -37,7 +37,8 @@ def _turning(resolved: Resolved) -> dict:
     scene = resolved.scene
 
     def shapes(key: str, value: str) -> set[str]:
-        return {scene.bodies[cell.element].shape for cell in resolved.of(key) if _offers(cell, value)}
+        bodies = [scene.bodies[cell.element] for cell in resolved.of(key) if _offers(cell, value)]
+        return {"roller" if body.keeps_axis else body.shape for body in bodies}
 
     hit = {contact.destination for contact in scene.contacts}
     turned = [
@@ -50,7 +51,11 @@ def _turning(resolved: Resolved) -> dict:
         "prescribed": shapes("body.rotation", "prescribed"),
         "automatic": shapes("body.inertia_control", "automatic"),
         "user_defined": shapes("body.inertia_control", "user_defined"),
-        "destinations": [cell for cell in turned if scene.bodies[cell.element].shape != "sphere"],
+        "destinations": [
+            cell
+            for cell in turned
+            if scene.bodies[cell.element].shape != "sphere" and not scene.bodies[cell.element].keeps_axis
+        ],
         "hollow_sphere": any(
             scene.bodies[scene.contacts[cell.element].destination].shape == "sphere"
             for cell in resolved.of("contact.location")

@@ -122,7 +122,7 @@ def _cells_of(row: Row, scene: Scene):
     """The row's cell for each element that has it; `present` and `pinned` are settled later."""
     if row.owner == "body":
         for i, body in enumerate(scene.bodies):
-            if not row.shape or body.shape in row.shape:
+            if body.has(row):
                 name, block = f"{body.name}.{row.field}", 1 + 2 * body.number
                 yield _cell(row.of_shape(body.shape), scene, i, name, block, body=body.name)
     elif row.owner == "contact":
@@ -131,11 +131,11 @@ def _cells_of(row: Row, scene: Scene):
                 "source": scene.bodies[contact.source].name,
                 "destination": scene.bodies[contact.destination].name,
             }
-            shape = scene.bodies[contact.destination].shape
-            if row.shape and shape not in row.shape:
+            hit = scene.bodies[contact.destination]
+            if not hit.has(row):
                 continue
             name = f"{contact.name}.{row.field}"
-            yield _cell(row.of_shape(shape), scene, j, name, 2 + 2 * contact.number, **names)
+            yield _cell(row.of_shape(hit.shape), scene, j, name, 2 + 2 * contact.number, **names)
     else:
         yield _cell(row, scene, 0, row.key, 0)
 

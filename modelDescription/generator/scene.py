@@ -2,11 +2,11 @@
 
 import math
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from . import advice
-from .catalogue import Catalogue
+from .catalogue import Catalogue, Row
 from .errors import InputError, allowed
 from .names import refused_name
 from .quantity import in_unit
@@ -40,7 +40,8 @@ BODY_KEYS = {
 }
 CONTACT_KEYS = {
     "name": "as of a body, and not that of a body: `touch.normal_force`. Required",
-    "source": "name of the body that touches, a sphere. Required",
+    "source": "name of the body that touches: a sphere, or a cylinder on a cylinder with a parallel axis. "
+    "Required",
     "destination": "name of the body that is touched, of any shape. Required",
     "count": f"how many such contacts there are, 1 to {MOST:,}; the names have a `{{i}}` or `{{i+1}}`",
 }
@@ -66,6 +67,11 @@ class Body:
     name: str
     shape: str
     number: int  # of its value references
+    keeps_axis: bool = False  # a cylinder that touches a cylinder: it turns about its own axis only
+
+    def has(self, row: Row) -> bool:
+        """Whether a body of this kind, or a contact with it, has the row."""
+        return (not row.shape or self.shape in row.shape) and not (row.tilts and self.keeps_axis)
 
 
 @dataclass(frozen=True)
@@ -168,13 +174,14 @@ def read_scene(path: Path, catalogue: Catalogue) -> Scene:
     taken = dict.fromkeys(groups, "a group of variables")
     repeats = _repeats(reader, data)
     bodies = _bodies(reader, repeats.bodies, taken)
+    contacts = _contacts(reader, repeats.contacts, bodies, taken)
     return Scene(
         file,
         name,
         reader.text("", data, "title"),
         reader.text("", data, "description"),
-        bodies,
-        _contacts(reader, repeats.contacts, bodies, taken),
+        _with_kept_axes(reader, bodies, contacts),
+        contacts,
         *(repeats.values(f"[{key}]", reader.values(data, key), _by_copy(catalogue, key)) for key in VALUES),
         _leave_out(reader, data, repeats),
         _experiment(reader, data),
@@ -230,9 +237,14 @@ def _contacts(
         if source == destination:
             others = [body.name for body in bodies if body.name != table["source"]]
             reader.fail(where, f"destination '{table['destination']}' is the source itself {allowed(others)}")
-        if bodies[source].shape != "sphere":
-            spheres = [body.name for body in bodies if body.shape == "sphere"]
-            reader.fail(where, f"source '{table['source']}' must be a sphere {allowed(spheres)}")
+        fits = ("sphere", "cylinder") if bodies[destination].shape == "cylinder" else ("sphere",)
+        if bodies[source].shape not in fits:
+            fitting = [
+                body.name for body in bodies if body.shape in fits and body.name != table["destination"]
+            ]
+            reader.fail(
+                where, f"source '{table['source']}' must be a {' or a '.join(fits)} {allowed(fitting)}"
+            )
         pair = frozenset((source, destination))
         if pair in pairs:
             ends = f"destination '{table['destination']}' and source '{table['source']}'"
@@ -240,6 +252,23 @@ def _contacts(
         pairs[pair] = where
         contacts.append(Contact(table["name"], source, destination, entry.number))
     return tuple(contacts)
+
+
+def _with_kept_axes(
+    reader: _Reader, bodies: tuple[Body, ...], contacts: tuple[Contact, ...]
+) -> tuple[Body, ...]:
+    """The bodies, of which cylinders that touch cylinders keep the direction of their axes."""
+    rollers = [one for one in contacts if bodies[one.source].shape == "cylinder"]
+    kept = {body for one in rollers for body in (one.source, one.destination)}
+    for one in contacts:
+        if one not in rollers and one.destination in kept:
+            name, ball = bodies[one.destination].name, bodies[one.source].name
+            reader.fail(
+                f"[[contact]] {one.name}",
+                f"destination '{name}' touches a cylinder and cannot be tilted by '{ball}' "
+                "(allowed: cylinders on a cylinder that touches cylinders)",
+            )
+    return tuple(replace(body, keeps_axis=i in kept) for i, body in enumerate(bodies))
 
 
 def _leave_out(reader: _Reader, data: dict, repeats: Repeats) -> tuple[str, ...]:

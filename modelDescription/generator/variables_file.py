@@ -12,7 +12,7 @@ from .errors import InputError, allowed
 ROW_KEYS = {
     "vr", "type", "causality", "start", "start_destination", "min", "max", "dim", "symbol", "description",
     "shape", "absent", "of_plane", "when", "tolerance", "depends", "discrete", "role", "rate_of", "reinit",
-    "tunable",
+    "tilts", "tunable",
 }  # fmt: skip
 TYPE_KEYS = {"base", "quantity", "unit", "display", "min", "max", "nominal", "description", "items"}
 CAUSALITIES = ("parameter", "calculatedParameter", "input", "output", "local")

@@ -34,6 +34,7 @@
 #ifndef SCENE_H
 #define SCENE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "contact/choices.h"
@@ -118,10 +119,11 @@ static inline const char *scene_contact_name(int contact)
 
 static inline enum shape body_shape(int body)
 {
-{% set others = scene.bodies | rejectattr("shape", "equalto", "sphere") | list %}
+{% set first = "sphere" if scene.bodies | selectattr("shape", "equalto", "sphere") | list else scene.bodies[0].shape %}
+{% set others = scene.bodies | rejectattr("shape", "equalto", first) | list %}
 {% if not others %}
     (void)body;
-    return SHAPE_SPHERE;
+    return SHAPE_{{ first | upper }};
 {% else %}
     switch (body) {
 {% for shape in others | map(attribute="shape") | unique %}
@@ -131,9 +133,18 @@ static inline enum shape body_shape(int body)
         return SHAPE_{{ shape | upper }};
 {% endfor %}
     default:
-        return SHAPE_SPHERE;
+        return SHAPE_{{ first | upper }};
     }
 {% endif %}
+}
+
+/* Whether a cylinder touches a cylinder with a parallel axis: it turns about its own axis only. */
+static inline bool body_keeps_axis(int body)
+{
+{% set kept = scene.bodies | selectattr("keeps_axis") | list %}
+{% set among = kept | length < scene.bodies | length %}
+    (void)body;
+    return {% if not kept %}false{% elif not among %}true{% else %}{% for b in kept %}{{ " || " if not loop.first }}body == {{ scene.bodies.index(b) }}{% endfor %}{% endif %};
 }
 {% for role in ("source", "destination") %}
 

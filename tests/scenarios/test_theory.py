@@ -59,3 +59,20 @@ def test_cylinder_extent_contains_the_cylinder_and_touches_it():
     extent = closed_forms.cylinder_extent(0.3, axis, 1.4)
     assert np.max(np.abs(rim), axis=0) == pytest.approx(extent, abs=1e-6)
     assert closed_forms.cylinder_extent(0.3, [0.0, 0.0, 2.0], 0.0) == pytest.approx([0.3, 0.3, 0.0])
+
+
+def test_a_pendulum_let_go_swings_as_its_equation_says():
+    run = solve_ivp(
+        lambda _t, y: [y[1], -4.0 * math.sin(y[0])], (0.0, 7.0), [2.5, 0.0], "DOP853", rtol=1e-12, atol=1e-14
+    )
+    assert closed_forms.pendulum(run.t, 2.5, 2.0) == pytest.approx(run.y[0], abs=1e-10)
+
+
+@pytest.mark.parametrize("slip", [1e-3, 0.3])
+def test_a_driven_roller_turns_as_its_equation_says(slip):
+    def faster(_t, y):
+        return [0.2 / 0.01 * 3.0 * -np.expm1(-(2.0 - 0.2 * y[0]) / slip)]
+
+    run = solve_ivp(faster, (0.0, 0.4), [0.0], "Radau", rtol=1e-10, atol=1e-12)
+    expected = closed_forms.friction_drive(run.t, 2.0, 0.2, 0.01, 3.0, slip)
+    assert expected == pytest.approx(run.y[0], abs=1e-7)

@@ -195,7 +195,8 @@ def _where_open(name: str, scene: Scene) -> str:
     """A shipped FMU with the same bodies that has the variable, else what a scene of one's own would do"""
     shapes = {body.name: body.shape for body in scene.bodies}
     if set(shapes) == {"source", "destination"}:
-        other = OPEN.get(shapes["destination"], "")
+        rollers = shapes["source"] == "cylinder"
+        other = "CylinderCylinder" if rollers else OPEN.get(shapes["destination"], "")
         with contextlib.suppress(FileNotFoundError):
             if name in read_variables(unpack(fmu_file(other))[1]):
                 return f"; {other} has it open"

@@ -317,6 +317,36 @@ def rolls_round_a_tube(run: Recording) -> Outcome:
 
 
 @check
+def swings_in_a_hole(run: Recording) -> Outcome:
+    """Place of a cylinder in a hole across z at every communication point, let go at rest beside x = 0: it
+    rolls where there is friction, and its inertia about the line of contact is 3/2 of m r^2
+    """
+    contact, pin, _ = _pair(run)
+    place = run.value(f"{pin}.position")
+    length, inertia = float(np.linalg.norm(place)), 1.0 if run.value(f"{contact}.friction") == "none" else 1.5
+    rate = math.sqrt(_gravity(run) / (inertia * length))
+    angle = closed_forms.pendulum(run.time, math.atan2(place[0], -place[2]), rate)
+    expected = length * np.stack([np.sin(angle), np.zeros_like(angle), -np.cos(angle)], axis=-1)
+    return _worst_point(run, f"{pin}.position", expected, "m")
+
+
+@check
+def friction_drive(run: Recording) -> Outcome:
+    """Angular velocity at every communication point of a roller at rest in place, pressed on one that turns"""
+    contact, source, destination = _pair(run)
+    radius, drive = run.value(f"{source}.radius"), run.value(f"{destination}.prescribed_angular_velocity")
+    rate = float(np.linalg.norm(drive))
+    apart = np.cross(run.value(f"{source}.position") - run.value(f"{destination}.position"), drive / rate)
+    between = float(np.linalg.norm(apart))  # of the axes
+    depth = radius + run.value(f"{destination}.radius") - between
+    limit = run.value(f"{contact}.friction_coefficient") * run.value(f"{contact}.penalty_factor") * depth
+    lever = between - radius
+    inertia, slip = 0.5 * run.value(f"{source}.mass") * radius**2, run.value(f"{contact}.characteristic_slip_velocity")
+    turns = closed_forms.friction_drive(run.time, rate * lever, radius, inertia, limit, slip)
+    return _worst_point(run, f"{source}.angular_velocity", np.outer(turns, -drive / rate), "rad/s")
+
+
+@check
 def rolls_on_a_turntable(run: Recording) -> Outcome:
     """Place of a ball on a plane that turns about z, at every communication point"""
     rate = run.value("destination.prescribed_angular_velocity")[2]

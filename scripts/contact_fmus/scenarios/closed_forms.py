@@ -149,6 +149,29 @@ def vertical_tube(time: np.ndarray, rate: float, g: float) -> np.ndarray:
     return -2.5 * g / rate**2 * (1.0 - np.cos(math.sqrt(2.0 / 7.0) * rate * time))
 
 
+def pendulum(time: np.ndarray, angle: float, rate: float) -> np.ndarray:
+    """Angle of a pendulum let go at `angle`, which swings with `rate` rad/s where it swings a little:
+    a'' = -rate^2 sin a
+    """
+    from scipy.special import ellipj
+
+    modulus = math.sin(0.5 * angle)
+    _, cosine, delta, _ = ellipj(rate * time, modulus**2)
+    return 2.0 * np.arcsin(modulus * cosine / delta)
+
+
+def friction_drive(
+    time: np.ndarray, speed: float, radius: float, inertia: float, limit: float, slip: float
+) -> np.ndarray:
+    """Angular velocity of a roller at rest that is pressed on a surface which moves with `speed`, under
+    friction `limit` (1 - exp(-u/slip)): the slip u = speed - radius omega has u' = -(radius^2/inertia) of it.
+    """
+    done = radius**2 / inertia * limit * time / slip
+    with np.errstate(divide="ignore"):
+        left = np.logaddexp(speed / slip - done, np.log(-np.expm1(-done)))  # log(1 + e^(u_0 - done) - e^-done)
+    return (speed - slip * left) / radius
+
+
 def turntable(time: np.ndarray, start: np.ndarray, velocity: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
     """Place and velocity in the plane of a ball that rolls on a plane which turns about the origin: a
     circle, gone round at 2/7 of the rate, since v' = (2/7) rate e_z x v.

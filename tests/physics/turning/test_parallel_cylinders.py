@@ -1,0 +1,286 @@
+"""Two cylinders with parallel axes: against a sphere in the same place, a plane motion, refusals."""
+
+import os
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from contact_fmus.fmu.contact_fmu import FmuError
+from support.checks import check_close, start
+
+COUNT = int(os.environ.get("CONTACT_SCENES", "12"))
+METHODS = ("event_driven", "cvode_bdf")
+G = np.array([0.0, 0.0, -9.81])
+SMALL = 1e-12  # s, past an event, so that the next integration starts beyond it
+
+
+@dataclass
+class Pair:
+    """A scene: cylinders along `axis`, the source at `place` from the other's centre"""
+
+    axis: np.ndarray
+    inside: bool
+    radius: tuple[float, float]
+    mass: tuple[float, float]
+    length: tuple[float, float]  # infinite where they have no ends
+    place: np.ndarray
+    velocity: np.ndarray  # of the source
+    rates: tuple[float, float]  # about the axis, rad/s
+    stiffness: float
+    damping: float
+    friction: float  # coefficient; 0: none
+    turns: bool
+    both: bool  # whether the destination is free too
+    slip: float = 1e-2
+    end: float = field(default=0.12)
+
+    def values(self) -> dict:
+        unit = self.axis / np.linalg.norm(self.axis)
+        values = {
+            "source.axis": self.axis,
+            "destination.axis": -2.0 * self.axis,
+            "source.center": self.place,
+            "destination.center": [0.0, 0.0, 0.0],
+            "source.initial_velocity": self.velocity,
+            "destination.motion": "free" if self.both else "fixed",
+            "contact.location": "inside" if self.inside else "outside",
+            "contact.penalty_factor": self.stiffness,
+            "contact.viscous_penalty_factor": self.damping,
+            "contact.friction": "regularized" if self.friction else "none",
+            "contact.friction_coefficient": self.friction,
+            "contact.slip_velocity_control": "user_defined",
+            "contact.characteristic_slip_velocity": self.slip,
+        }
+        for i, body in enumerate(("source", "destination")):
+            values |= {f"{body}.radius": self.radius[i], f"{body}.mass": self.mass[i]}
+            if np.isfinite(self.length[i]):
+                values |= {f"{body}.finite_length": True, f"{body}.length": self.length[i]}
+            if self.turns:
+                values |= {
+                    f"{body}.rotation": "free",
+                    f"{body}.initial_angular_velocity": self.rates[i] * unit,
+                }
+        return values
+
+    def forces(self, y) -> tuple:
+        """Force on the source, torques about both axes, gap: of two circles in the plane across the axes"""
+        e, (r_s, r_d) = self.axis / np.linalg.norm(self.axis), self.radius
+        away = y[0:3] - y[6:9]
+        along = away @ e
+        out = away - along * e
+        distance = np.linalg.norm(out)
+        out /= distance
+        depth = distance + r_s - r_d if self.inside else r_s + r_d - distance
+        if depth <= 0.0 or abs(along) > 0.5 * sum(self.length):
+            return np.zeros(3), 0.0, 0.0, -depth
+        push = -out if self.inside else out
+        point = y[0:3] - r_s * push
+        slip = y[3:6] - y[9:12] + np.cross(y[12] * e, point - y[0:3]) - np.cross(y[13] * e, point - y[6:9])
+        normal = max(self.stiffness * depth - self.damping * (y[3:6] - y[9:12]) @ push, 0.0)
+        slip -= (slip @ push) * push
+        speed = np.linalg.norm(slip)
+        force = normal * push
+        if self.friction and speed > 0.0:
+            force = force + self.friction * normal * np.expm1(-speed / self.slip) * slip / speed
+        return force, np.cross(point - y[0:3], force) @ e, -np.cross(point - y[6:9], force) @ e, -depth
+
+    def rates_of(self, _t, y) -> np.ndarray:
+        force, torque, other, _ = self.forces(y)
+        rates = np.zeros(14)
+        rates[0:3], rates[3:6] = y[3:6], G + force / self.mass[0]
+        if self.both:
+            rates[6:9], rates[9:12] = y[9:12], G - force / self.mass[1]
+        if self.turns:
+            rates[12:14] = [
+                2.0 * t / (m * r * r) for t, m, r in zip((torque, other), self.mass, self.radius, strict=True)
+            ]
+        return rates
+
+    def ended(self) -> np.ndarray:
+        """Places and velocities of both, and their rates about the axis"""
+        rates = self.rates if self.turns else (0.0, 0.0)
+        y, time = np.concatenate([self.place, self.velocity, np.zeros(6), rates]), 0.0
+        unit = self.axis / np.linalg.norm(self.axis)
+
+        def touches(_t, y):
+            return self.forces(y)[3]
+
+        def leaves(_t, y):
+            return (
+                0.5 * sum(self.length) - abs((y[0:3] - y[6:9]) @ unit)
+                if np.isfinite(sum(self.length))
+                else 1.0
+            )
+
+        touches.terminal = leaves.terminal = True
+        while time < self.end - 1e-15:
+            found = solve_ivp(self.rates_of, (time, self.end), y, "DOP853", events=[touches, leaves],
+                              rtol=1e-12, atol=1e-13, max_step=2e-4)  # fmt: skip
+            time, y = found.t[-1], found.y[:, -1]
+            if found.status == 1:
+                y, time = y + SMALL * self.rates_of(time, y), time + SMALL
+        return y
+
+
+@cache
+def pair(seed: int) -> Pair:
+    rng = np.random.default_rng(seed)
+    axis, side = rng.normal(size=3), rng.normal(size=3)
+    unit = axis / np.linalg.norm(axis)
+    out = np.cross(unit, side)
+    out /= np.linalg.norm(out)
+    inside = bool(rng.random() < 0.5)
+    r_s = rng.uniform(0.05, 0.2)
+    r_d = r_s * rng.uniform(1.2, 3.0) if inside else rng.uniform(0.05, 0.3)
+    length = (rng.uniform(0.2, 1.0), rng.uniform(0.2, 1.0)) if rng.random() < 0.5 else (np.inf, np.inf)
+    gap = rng.uniform(0.001, 0.02)
+    distance = max(r_d - r_s - gap, 0.02) if inside else r_d + r_s + gap
+    along = rng.uniform(-0.15, 0.15) * (1.0 if np.isinf(length[0]) else sum(length))
+    speed = (1.0 if inside else -1.0) * rng.uniform(0.2, 1.5)
+    return Pair(
+        axis, inside, (r_s, r_d), (rng.uniform(0.5, 2.0), rng.uniform(0.5, 2.0)), length,
+        distance * out + along * unit, speed * out + 0.3 * rng.normal(size=3),
+        tuple(10.0 * rng.normal(size=2)),
+        10 ** rng.uniform(4.0, 6.0), rng.choice([0.0, 50.0]), rng.choice([0.0, 0.3]),
+        bool(rng.random() < 0.7), bool(rng.random() < 0.5),
+    )  # fmt: skip
+
+
+@cache
+def reference(seed: int) -> np.ndarray:
+    return pair(seed).ended()
+
+
+def state_of(fmu, axis) -> np.ndarray:
+    unit = axis / np.linalg.norm(axis)
+    parts = [fmu[f"{body}.{what}"] for body in ("source", "destination") for what in ("position", "velocity")]
+    return np.concatenate(
+        [*parts, [fmu[f"{body}.angular_velocity"] @ unit for body in ("source", "destination")]]
+    )
+
+
+@pytest.mark.parametrize("seed", range(COUNT))
+def test_two_cylinders_move_as_two_circles_do(opened, seed):
+    """With friction along the axes too, ends that are left, one body free or both."""
+    scene = pair(seed)
+    for method in METHODS:
+        fmu = start(opened("CylinderCylinder"), scene.values(), 1e-10, method)
+        before, momentum = fmu["energy.total"], moment(fmu, scene)
+        fmu.step(scene.end)
+        check_close(f"{method}: state", state_of(fmu, scene.axis), reference(seed), 1e-7)
+        check_close(f"{method}: energy", fmu["energy.total"], before, 1e-9 * max(1.0, abs(before)))
+        across = np.cross(fmu["source.angular_velocity"], scene.axis)
+        check_close("turning across the axis", across, np.zeros(3), 1e-12)
+        if scene.both and scene.turns:
+            check_close(f"{method}: angular momentum", moment(fmu, scene), momentum, 1e-9)
+
+
+def moment(fmu, scene) -> float:
+    """Angular momentum of both bodies about the line through their common centre along the axes"""
+    unit = scene.axis / np.linalg.norm(scene.axis)
+    m, places = scene.mass, [fmu[f"{body}.position"] for body in ("source", "destination")]
+    speeds = [fmu[f"{body}.velocity"] for body in ("source", "destination")]
+    reduced = m[0] * m[1] / sum(m)
+    orbit = reduced * np.cross(places[0] - places[1], speeds[0] - speeds[1]) @ unit
+    spins = [fmu[f"{body}.angular_velocity"] @ unit for body in ("source", "destination")]
+    return orbit + sum(
+        0.5 * mass * r * r * rate for mass, r, rate in zip(m, scene.radius, spins, strict=True)
+    )
+
+
+def test_the_scenes_reach_what_they_are_about():
+    scenes = [pair(seed) for seed in range(12)]
+    for name in ("inside", "both", "turns"):
+        assert {getattr(scene, name) for scene in scenes} == {False, True}, name
+    assert {scene.friction > 0.0 for scene in scenes} == {np.isfinite(scene.length[0]) for scene in scenes}
+
+
+def test_without_friction_a_cylinder_hits_as_a_sphere_of_its_radius_does(opened):
+    """To the last bit: the distance of the axes is that of the sphere's centre from the axis."""
+    values = {
+        "source.center": [0.02, 0.1, 0.62],
+        "source.initial_velocity": [0.1, 0.3, -1.0],
+        "destination.axis": [0.0, 1.0, 0.0],
+    }
+    found = []
+    for name, more in (("SphereCylinder", {}), ("CylinderCylinder", {"source.axis": [0.0, -3.0, 0.0]})):
+        fmu = start(opened(name), values | more, 1e-10)
+        fmu.step(0.5)
+        found.append([*fmu["source.position"], *fmu["source.velocity"], fmu["contact.peak_force"]])
+    assert found[0][-1] > 1e3
+    assert found[0] == found[1]
+
+
+def test_contact_lasts_while_the_cylinders_overlap_in_length(opened):
+    """A roller that slides along another leaves it where half of both lengths is between the centres."""
+    values = {
+        "source.axis": [0.0, 1.0, 0.0],
+        "destination.axis": [0.0, 1.0, 0.0],
+        "source.center": [0.0, 0.0, 0.6 - 9.81e-6],  # where it lies at rest
+        "source.initial_velocity": [0.0, 1.0, 0.0],
+        "contact.method": "penalty",
+        "source.finite_length": True,
+        "source.length": 0.4,
+        "destination.finite_length": True,
+        "destination.length": 1.0,
+    }
+    fmu = start(opened("CylinderCylinder"), values, 1e-10)
+    fmu.step(0.9)
+    check_close(
+        "height after 0.2 s of fall", fmu["source.position"][2], 0.6 - 9.81e-6 - 0.5 * 9.81 * 0.04, 1e-9
+    )
+    check_close("contact ended", fmu["contact.last_duration"], 0.7, 1e-9)
+
+
+@pytest.mark.parametrize(
+    "wrong, words",
+    [
+        ({"source.axis": [0.0, 1e-9, 1.0]}, "parallel axes"),
+        ({"source.axis": [0.0, 0.0, 0.0]}, "has no direction"),
+        (
+            {"source.rotation": "free", "source.initial_angular_velocity": [1.0, 0.0, 3.0]},
+            "about its own axis",
+        ),
+        (
+            {"source.rotation": "prescribed", "source.prescribed_angular_velocity": [1.0, 0.0, 3.0]},
+            "about its own axis",
+        ),
+        ({"contact.law": "hertz", "contact.penalty_control": "automatic"}, "parallel cylinders"),
+    ],
+)
+def test_what_the_pair_cannot_do_is_refused_and_said(opened, wrong, words):
+    parallel = {
+        "source.axis": [0.0, 0.0, 1.0],
+        "destination.axis": [0.0, 0.0, 2.0],
+        "source.center": [1.0, 0.0, 0.0],
+    }
+    start(opened("CylinderCylinder"), parallel)
+    with pytest.raises(FmuError, match=words):
+        start(opened("CylinderCylinder"), parallel | wrong)
+
+
+def test_an_angular_velocity_that_would_tilt_the_axis_is_refused_between_steps(opened):
+    values = {"source.rotation": "prescribed", "source.motion": "fixed", "source.center": [0.0, 0.0, 0.7]}
+    fmu = start(opened("CylinderCylinder"), values)
+    fmu["source.prescribed_angular_velocity"] = [0.0, 5.0, 0.0]
+    fmu.step(0.1)
+    fmu["source.prescribed_angular_velocity"] = [0.0, 5.0, 1e-3]
+    with pytest.raises(FmuError, match="would tilt"):
+        fmu.step(0.1)
+
+
+def test_a_torque_across_the_axis_turns_nothing(opened):
+    """Along the axis it turns the roller evenly faster, m r^2/2 for its inertia."""
+    values = {
+        "source.rotation": "free",
+        "source.center": [0.0, 0.0, 5.0],
+        "source.external_torque": [3.0, 0.01, -2.0],
+    }
+    for method in METHODS:
+        fmu = start(opened("CylinderCylinder"), values, 1e-10, method)
+        fmu.step(0.3)
+        check_close("rate", fmu["source.angular_velocity"], [0.0, 0.3 * 0.01 / (0.5 * 0.1**2), 0.0], 1e-9)
+        check_close("work", fmu["energy.rotational"], fmu["energy.external_work"], 1e-9)
