@@ -20,6 +20,11 @@
 #else
 #define CONTACT_ANY_PLANE 1
 #endif
+#ifdef CONTACT_NO_TORUS
+#define CONTACT_ANY_TORUS 0
+#else
+#define CONTACT_ANY_TORUS 1
+#endif
 #ifdef CONTACT_NO_CURVED /* every destination is a plane */
 #define CONTACT_ANY_CURVED 0
 #else
@@ -38,11 +43,13 @@
 
 /* No body has the shape SHAPE_RIM: the rim is the circular edge of a capped cylinder, which a sphere meets
  * from beyond both the side and the cap (shape.h). */
-enum shape { SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_PLANE, SHAPE_RIM };
+enum shape { SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_PLANE, SHAPE_RIM, SHAPE_TORUS };
 
 enum ends { ENDS_OPEN = 1, ENDS_CAPPED };
 
 enum zone { ZONE_NONE = 1, ZONE_SIDE, ZONE_CAP, ZONE_RIM };
+
+enum tube_side { TUBE_SIDE_WHOLE = 1, TUBE_SIDE_INNER_RACE, TUBE_SIDE_OUTER_RACE };
 
 enum motion_kind { MOTION_FIXED = 1, MOTION_PRESCRIBED, MOTION_FREE };
 

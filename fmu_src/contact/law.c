@@ -164,7 +164,11 @@ double hertz_stiffness(const struct contact_shape *shape, double modulus)
     }
     /* the coefficient is half of 1/r_s + 1/r_d outside, half of 1/r_s - 1/r_d inside */
     const double curved = 0.5 * (r_d + shape->side * r_s) / r_s / r_d;
-    const double along = contact_is_cylinder(shape) ? alone : curved;
+    double along = contact_is_cylinder(shape) ? alone : curved;
+    if (contact_is_torus(shape)) { /* the tube's middle line is curved at the bottom of a race */
+        const double inward = shape->solid.race;
+        along = alone - 0.5 * shape->side * inward / (shape->solid.radius - inward * r_d);
+    }
     return hertz_elliptic_stiffness(modulus, fmin(along, curved), fmax(along, curved));
 }
 

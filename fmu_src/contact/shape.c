@@ -15,6 +15,16 @@ bool contact_is_rim(const struct contact_shape *shape)
     return CONTACT_ANY_CAPS && shape->destination == SHAPE_RIM;
 }
 
+bool contact_is_torus(const struct contact_shape *shape)
+{
+    return CONTACT_ANY_TORUS && shape->destination == SHAPE_TORUS;
+}
+
+bool contact_is_circle(const struct contact_shape *shape)
+{
+    return contact_is_rim(shape) || contact_is_torus(shape);
+}
+
 bool contact_is_capped(const struct contact_shape *shape)
 {
     return CONTACT_ANY_CAPS && shape->solid.half_height > 0.0;
@@ -27,7 +37,7 @@ bool contact_is_upside_down(const struct contact_shape *shape)
 
 bool contact_may_reach_centre(const struct contact_shape *shape)
 {
-    return shape->side > 0 && !contact_is_plane(shape) && !contact_is_rim(shape);
+    return shape->side > 0 && !contact_is_plane(shape) && !contact_is_circle(shape);
 }
 
 bool contact_turns(const struct contact_shape *shape, const struct contact_geometry *at)
@@ -38,6 +48,19 @@ bool contact_turns(const struct contact_shape *shape, const struct contact_geome
 bool contact_is_near_axis(struct vec3 across, double axial)
 {
     return fabs(across.x) + fabs(across.y) + fabs(across.z) < 1e-8 * fabs(axial);
+}
+
+/* Returns the unit vector across the axis e nearest to the negative coordinate axis least aligned with e. */
+static struct vec3 across_axis(struct vec3 e)
+{
+    struct vec3 start = {0.0, 0.0, -1.0};
+    if (fabs(e.x) < fabs(e.z) && fabs(e.x) <= fabs(e.y)) {
+        start = vec3_make(-1.0, 0.0, 0.0);
+    } else if (fabs(e.y) < fabs(e.z)) {
+        start = vec3_make(0.0, -1.0, 0.0);
+    }
+    const struct vec3 across = vec3_axpy(start, -vec3_dot(start, e), e);
+    return vec3_scale(1.0 / vec3_norm(across), across);
 }
 
 /* Returns `once`, a vector that has been projected across the axis, projected a second time. Near the axis
@@ -135,17 +158,21 @@ static struct contact_geometry geometry_in(const struct contact_shape *shape, st
     return at;
 }
 
-/* Returns the geometry of a rim, where n points to the nearest point of the circle. Let a be the unit vector
+/* Returns the geometry of a circle, where n points to the circle's nearest point. Let a be the unit vector
  * from the source's centre to the axis, perpendicular to the axis, and e the axis. Relative to the source's
- * centre, the centre of the circle is at rho a - beyond e; the nearest point of the circle is r_d a
- * closer. */
-static struct contact_geometry geometry_of_rim(const struct contact_shape *shape, struct vec3 c,
-                                               struct vec3 w, struct vec3 fallback)
+ * centre, the centre of the circle is at rho a - beyond e; the nearest point of the circle is its radius R
+ * times a closer. On the axis every a does. */
+static struct contact_geometry geometry_of_circle(const struct contact_shape *shape, struct vec3 c,
+                                                  struct vec3 w, struct vec3 fallback)
 {
     struct contact_geometry at = {.normal = fallback};
     const double axial = vec3_dot(c, shape->axis);
-    const struct vec3 across = vec3_axpy(c, -axial, shape->axis);
-    const double rho = vec3_norm(across); /* above r_d in the zone */
+    struct vec3 across = vec3_axpy(c, -axial, shape->axis);
+    double rho = vec3_norm(across); /* above R in the zone of a rim */
+    if (contact_is_torus(shape) && !(rho > DBL_MIN)) {
+        rho = DBL_EPSILON * shape->solid.radius;
+        across = vec3_scale(rho, across_axis(shape->axis));
+    }
     const double radial = rho - shape->solid.radius;
     const double beyond = -axial - shape->solid.half_height;
     at.offset = vec3_axpy(vec3_scale(radial / rho, across), -beyond, shape->axis);
@@ -157,8 +184,10 @@ static struct contact_geometry geometry_of_rim(const struct contact_shape *shape
     at.circumferential = vec3_cross(shape->axis, vec3_scale(1.0 / rho, across));
     at.circumferential_part = shape->solid.radius / rho;
     at.gap = gap_at(shape, at.distance);
-    at.gap_terms = shape->source_radius + shape->solid.radius + shape->solid.half_height;
-    at.gap_rate = vec3_dot(at.normal, w);
+    at.gap_terms =
+        shape->source_radius + shape->other_radius + shape->solid.radius + shape->solid.half_height;
+    at.gap_rate = shape->side * vec3_dot(at.normal, w);
+    at.axial = shape->solid.race * rho + (shape->solid.race < 0 ? 2.0 * shape->solid.radius : 0.0);
     return at;
 }
 
@@ -175,6 +204,9 @@ static void hold_across(const struct contact_shape *side, struct vec3 w, struct 
 struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
                                             struct vec3 fallback)
 {
+    if (contact_is_torus(shape)) {
+        return geometry_of_circle(shape, c, w, fallback);
+    }
     if (!contact_is_capped(shape)) {
         return geometry_in(shape, c, w, fallback);
     }
@@ -184,7 +216,7 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
         in = contact_shape_in(shape, contact_zone_by(&place));
     }
     struct contact_geometry at =
-        contact_is_rim(&in) ? geometry_of_rim(&in, c, w, fallback) : geometry_in(&in, c, w, fallback);
+        contact_is_rim(&in) ? geometry_of_circle(&in, c, w, fallback) : geometry_in(&in, c, w, fallback);
     if (at.degenerate && contact_is_cylinder(&in)) {
         hold_across(&in, w, &at);
     }
@@ -199,7 +231,7 @@ bool contact_within_extents(const struct contact_shape *shape, double axial)
 
 struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at)
 {
-    const bool flipped = contact_is_cylinder(shape) && shape->side < 0;
+    const bool flipped = (contact_is_cylinder(shape) || contact_is_torus(shape)) && shape->side < 0;
     return flipped ? vec3_scale(-1.0, at->normal) : at->normal;
 }
 
@@ -220,7 +252,7 @@ static struct vec3 contact_tangential(const struct contact_shape *shape, struct 
 struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
                                  struct vec3 w)
 {
-    if (contact_is_rim(shape)) {
+    if (contact_is_circle(shape)) {
         const struct vec3 across = vec3_axpy(w, -vec3_dot(at->normal, w), at->normal);
         return vec3_axpy(across, -at->circumferential_part * vec3_dot(at->circumferential, w),
                          at->circumferential);
@@ -232,7 +264,7 @@ double contact_turning_rate(const struct contact_shape *shape, const struct cont
                             struct vec3 w, struct vec3 moved)
 {
     const struct vec3 turned = contact_turning_part(shape, at, moved);
-    return vec3_dot(contact_is_rim(shape) ? w : contact_tangential(shape, at->normal, w), turned);
+    return vec3_dot(contact_is_circle(shape) ? w : contact_tangential(shape, at->normal, w), turned);
 }
 
 struct vec3 contact_escape_direction(const struct contact_shape *shape, struct vec3 w, struct vec3 fallback)
@@ -252,15 +284,7 @@ struct vec3 contact_default_normal(const struct contact_shape *shape)
     if (!contact_is_cylinder(shape)) {
         return vec3_make(0.0, 0.0, -1.0);
     }
-    const struct vec3 e = shape->axis;
-    struct vec3 start = {0.0, 0.0, -1.0};
-    if (fabs(e.x) < fabs(e.z) && fabs(e.x) <= fabs(e.y)) {
-        start = vec3_make(-1.0, 0.0, 0.0);
-    } else if (fabs(e.y) < fabs(e.z)) {
-        start = vec3_make(0.0, -1.0, 0.0);
-    }
-    const struct vec3 across = vec3_axpy(start, -vec3_dot(start, e), e);
-    return vec3_scale(1.0 / vec3_norm(across), across);
+    return across_axis(shape->axis);
 }
 
 struct solid_place contact_place_at(const struct contact_solid *solid, struct vec3 c)
@@ -388,6 +412,14 @@ struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, str
     return around(centre, vec3_make(half_extent(radius, axis.x, half_length),
                                     half_extent(radius, axis.y, half_length),
                                     half_extent(radius, axis.z, half_length)));
+}
+
+struct bounding_box bounding_box_torus(struct vec3 centre, double radius, struct vec3 axis,
+                                       double ring_radius)
+{
+    const struct bounding_box ring = bounding_box_cylinder(centre, ring_radius, axis, 0.0);
+    const struct vec3 tube = {radius, radius, radius};
+    return (struct bounding_box){vec3_sub(ring.low, tube), vec3_add(ring.high, tube)};
 }
 
 static struct vec3 edges_of(const struct bounding_box *a, const struct bounding_box *b)

@@ -6,6 +6,8 @@
  *   sphere:    d = |c|,   n = c / d
  *   cylinder:  rho = c - (c.e_d) e_d, d = |rho|, n = rho / d
  *   plane:     d = -c.e_d, n = -e_d; the half-space behind the plane is solid, and d < 0 there
+ *   torus:     the nearest point of the circle in the middle of the tube: n is the unit vector to it, d its
+ *              distance, r_d the radius of the tube
  *   outside:   g = d - (r_s + r_d)        inside a hollow destination:   g = (r_d - r_s) - d
  *
  *   capped:    the nearest of side, cap and rim of the solid cylinder; the rim is a circle,
@@ -14,6 +16,7 @@
  * All gaps have the form g = side (d - reach), so that g' = side n.w; side is +1 outside and -1 inside, reach
  * is r_s + r_d outside and r_d - r_s inside. A plane and a rim have r_d = 0 and no inside. The gradient of d
  * with respect to c is n for all shapes; n is perpendicular to e_d for a cylinder and constant for a plane.
+ * On the axis of a torus all points of the circle are equally near, and n jumps to the other side.
  */
 #ifndef CONTACT_CONTACT_SHAPE_H
 #define CONTACT_CONTACT_SHAPE_H
@@ -25,20 +28,22 @@
 #include "math/compiler.h"
 #include "math/vec3.h"
 
-/* A capped cylinder. The struct contact_shape below is the zone (side, cap, rim) that the source meets. */
+/* A capped cylinder. The struct contact_shape below is the zone (side, cap, rim) that the source meets. Of a
+ * torus only the radius has a meaning: that of the circle in the middle of the tube. */
 struct contact_solid {
     struct vec3 axis;           /* e_d, unit length */
     double radius, half_height; /* r_d, L / 2 [m]; half_height 0: not a capped cylinder */
     /* The enum zone that holds, negative at the end to which -e_d points. With 0 the nearest zone holds. */
     int zone;
+    int race;                   /* of a torus: +1 only rho <= R is touched, -1 only rho >= R, 0 all of it */
 };
 
 /* The data that are constant during a contact, or while the contact stays in one zone. */
 struct contact_shape {
-    struct vec3 axis;     /* e_d, unit vector; cylinder and plane only */
+    struct vec3 axis;     /* e_d, unit vector; not of a sphere */
     double source_radius; /* r_s > 0 [m] */
     double other_radius;  /* r_d > 0 [m] of the destination; 0 for a plane and a rim, L / 2 for a cap */
-    double half_length;   /* L / 2 [m] of a finite cylinder; INFINITY otherwise */
+    double half_length;   /* L / 2 [m] of a finite cylinder, R of a race; INFINITY otherwise */
     int side;             /* +1: the source is outside the destination, -1: inside */
     enum shape destination;
     struct contact_solid solid;
@@ -53,11 +58,14 @@ struct contact_geometry {
     /* the term of g besides d that rounds [m]: r_s + r_d, or r_d - r_s where it is exact */
     double gap_terms;
     double gap_rate; /* g' [m/s] */
-    double axial;    /* c.e_d of a cylinder [m]; 0 for the other shapes */
+    /* c.e_d of a cylinder; rho at an inner race, 2 R - rho at an outer one; 0 for the other shapes [m] */
+    double axial;
     bool degenerate; /* d = 0, so that n is the fallback; never true for a plane */
     int zone;        /* zone of a capped cylinder, as in struct contact_solid; 0 for other shapes */
-    struct vec3 circumferential; /* unit direction b along a rim's circle, see contact_turning_part */
-    double circumferential_part; /* r_d / rho [1] at a rim */
+    /* at a rim or a torus: unit direction b along the circle, and the circle's radius / rho [1], see
+     * contact_turning_part */
+    struct vec3 circumferential;
+    double circumferential_part;
 };
 
 /* Whether the destination is a cylinder; whether it is a plane. The answer is a compile-time false where the
@@ -71,11 +79,16 @@ bool contact_is_rim(const struct contact_shape *shape);
 
 bool contact_is_capped(const struct contact_shape *shape);
 
+/* Whether the shape is a torus; whether it is one or a rim, so that n points to a circle. */
+bool contact_is_torus(const struct contact_shape *shape);
+
+bool contact_is_circle(const struct contact_shape *shape);
+
 /* Whether the shape's axis is opposite to the body's, as at a capped cylinder's end to which -e_d points. */
 bool contact_is_upside_down(const struct contact_shape *shape);
 
 /* Whether a penetrating source may reach the destination's centre or axis, where n has no direction. Only an
- * outside contact may, except with a plane or a rim: the zone of a rim ends before. */
+ * outside contact may, except with a plane, a rim, whose zone ends before, or a torus, whose tube is thin. */
 bool contact_may_reach_centre(const struct contact_shape *shape);
 
 /* Whether n turns, in proportion to 1/d, as the source moves across n. A plane's normal never turns. */
@@ -103,7 +116,8 @@ double contact_reach(const struct contact_shape *shape);
 struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
                                             struct vec3 fallback);
 
-/* Whether the source's centre is between the destination's end planes; always true without end planes. */
+/* Whether the source's centre is between the destination's end planes; always true without end planes. A race
+ * ends at the cylinder rho = R; no source that touches an outer race has rho > 2 R. */
 bool contact_within_extents(const struct contact_shape *shape, double axial);
 
 /* Returns the output e_c: towards the destination's centre (sphere) or the contact point (other shapes). */
@@ -111,9 +125,9 @@ struct vec3 contact_direction_of(const struct contact_shape *shape, const struct
 
 /*
  * Returns T w, which is d times the rate of n while the source moves with w. T removes the components along n
- * and along a cylinder's axis, and is zero for a plane. For a rim n turns by 1/d across the circle and by
- * (rho - r_d)/(rho d) along the circle, with the distance rho from the axis: T = I - n n^T - (r_d / rho) b
- * b^T with the circumferential direction b.
+ * and along a cylinder's axis, and is zero for a plane. For a circle of radius R n turns by 1/d across the
+ * circle and by (rho - R)/(rho d) along the circle, with the distance rho from the axis: T = I - n n^T -
+ * (R / rho) b b^T with the circumferential direction b.
  */
 struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
                                  struct vec3 w);
@@ -192,6 +206,10 @@ struct bounding_box bounding_box_sphere(struct vec3 centre, double radius);
  * an infinite cylinder. */
 struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, struct vec3 axis,
                                           double half_length);
+
+/* Returns the box of a torus around the unit vector `axis`, with the radii of its tube and its circle. */
+struct bounding_box bounding_box_torus(struct vec3 centre, double radius, struct vec3 axis,
+                                       double ring_radius);
 
 /* Returns the diagonal of the smallest box around a and b [m]. */
 double bounding_box_diagonal(const struct bounding_box *a, const struct bounding_box *b);

@@ -14,7 +14,7 @@ static void add_projector(double m[3][3], double factor, const struct contact_sh
     if (contact_is_cylinder(shape)) {
         matrix3_add_outer(m, -factor, shape->axis, shape->axis);
     }
-    if (contact_is_rim(shape)) {
+    if (contact_is_circle(shape)) {
         matrix3_add_outer(m, -factor * at->circumferential_part, at->circumferential, at->circumferential);
     }
 }
@@ -78,11 +78,11 @@ static double jet_of_hypotenuse(const double *cosine, const double *a, const dou
     return sum / order;
 }
 
-/* Sets all coefficients of d and n of a rim: n = (dr a + dz e) / d. The unit vector a points to the axis and
- * turns along the circle, e is the normal of the cap, and -dz > 0 is the height of the centre above the
+/* Sets all coefficients of d and n of a circle: n = (dr a + dz e) / d. The unit vector a points to the axis
+ * and turns along the circle, e is the normal of the cap, and -dz > 0 is the height of the centre above the
  * cap. */
-static void jet_of_rim(const struct contact_shape *shape, const struct contact_geometry *at,
-                       const struct vec3 *c, struct contact_jet *result)
+static void jet_of_circle(const struct contact_shape *shape, const struct contact_geometry *at,
+                          const struct vec3 *c, struct contact_jet *result)
 {
     const struct vec3 outward = vec3_cross(at->circumferential, shape->axis);
     const struct vec3 nowhere = {0.0, 0.0, 0.0};
@@ -138,12 +138,12 @@ void contact_jet_make(const struct contact_shape *shape, const struct contact_ge
 {
     result->normal[0] = at->normal;
     result->distance[0] = at->distance;
-    const bool of_rim = contact_is_rim(shape) && !at->degenerate;
-    if (of_rim) {
-        jet_of_rim(shape, at, c, result);
+    const bool of_circle = contact_is_circle(shape) && !at->degenerate;
+    if (of_circle) {
+        jet_of_circle(shape, at, c, result);
     }
     for (int i = 0; i < JET_TERMS; ++i) {
-        if (i > 0 && !of_rim) {
+        if (i > 0 && !of_circle) {
             jet_of_direction(shape, at, c, i, result);
         }
         result->gap[i] = i > 0 ? shape->side * result->distance[i] : at->gap;
@@ -330,14 +330,14 @@ struct geometry_change {
     struct vec3 normal, seen_rate, tangential; /* of n, of w_g, and of the part of w_g across n */
     double distance, along;                    /* of d and of n.w_g */
     struct vec3 axis;                          /* e of the shape */
-    struct vec3 circumferential;               /* of b, at a rim */
-    double circumferential_part;               /* of r_d / rho, at a rim */
+    struct vec3 circumferential;               /* of b, at a circle */
+    double circumferential_part;               /* of R / rho, at a circle */
 };
 
-/* Returns the change of a rim's offset and sets the changes of b and r_d / rho, with offset = (rho - r_d) a +
+/* Returns the change of a circle's offset and sets the changes of b and R / rho, with offset = (rho - R) a +
  * (c.e + h) e, b = e x a, rho a = c - (c.e) e. */
-static struct vec3 rim_offset_along(const struct turning_slopes *s, const struct turning_motion *change,
-                                    struct geometry_change *d)
+static struct vec3 circle_offset_along(const struct turning_slopes *s, const struct turning_motion *change,
+                                       struct geometry_change *d)
 {
     const struct vec3 e = s->shape.axis;
     const struct vec3 c = s->motion.separation;
@@ -354,7 +354,7 @@ static struct vec3 rim_offset_along(const struct turning_slopes *s, const struct
     return vec3_axpy(vec3_axpy(radial, more_axial, e), axial + s->shape.solid.half_height, d->axis);
 }
 
-/* Returns the change of (r_d / rho) b (b.w_g), the term by which n' of a rim is reduced along the circle. */
+/* Returns the change of (R / rho) b (b.w_g), the term by which n' of a circle is reduced along it. */
 static struct vec3 hoop_along(const struct turning_slopes *s, const struct geometry_change *d)
 {
     const struct vec3 b = s->geometry.circumferential;
@@ -369,8 +369,8 @@ static struct vec3 hoop_along(const struct turning_slopes *s, const struct geome
 static struct vec3 offset_along(const struct turning_slopes *s, const struct turning_motion *change,
                                 struct geometry_change *d)
 {
-    if (contact_is_rim(&s->shape)) {
-        return rim_offset_along(s, change, d);
+    if (contact_is_circle(&s->shape)) {
+        return circle_offset_along(s, change, d);
     }
     if (!contact_is_cylinder(&s->shape)) {
         return change->separation;
@@ -417,7 +417,7 @@ static struct vec3 normal_rate_along(const struct turning_slopes *s, const struc
         const double axial = vec3_dot(d->axis, s->seen_rate) + vec3_dot(axis, d->seen_rate);
         across = vec3_axpy(vec3_axpy(across, -vec3_dot(axis, s->seen_rate), d->axis), -axial, axis);
     }
-    if (contact_is_rim(&s->shape)) {
+    if (contact_is_circle(&s->shape)) {
         across = vec3_sub(across, hoop_along(s, d));
     }
     across = vec3_axpy(across, -d->distance * s->inverse_distance, s->across);

@@ -153,8 +153,8 @@ static const double ADVANCEMENT_ROUNDINGS = 8.0 * DBL_EPSILON;
 /* Returns the number of functions; without end planes the gap is the only function. */
 static int functions_of(const struct advancement_path *path)
 {
-    const bool has_ends = contact_is_cylinder(&path->shape) && isfinite(path->shape.half_length);
-    return has_ends ? ADVANCEMENT_FUNCTIONS : 1;
+    const bool may_end = contact_is_cylinder(&path->shape) || contact_is_torus(&path->shape);
+    return may_end && isfinite(path->shape.half_length) ? ADVANCEMENT_FUNCTIONS : 1;
 }
 
 /* Sets the separation and its time derivatives, by Horner's scheme. */
@@ -206,7 +206,7 @@ static struct falling gap_function(const struct advancement_path *path, enum adv
                                    const struct contact_shape *shape, const struct contact_geometry *g)
 {
     const double sign = change == ADVANCEMENT_TOUCH ? 1.0 : -1.0;
-    struct falling gap = {sign * g->gap, sign * g->gap_rate, 0.0};
+    struct falling gap = {sign * g->gap, sign * g->gap_rate, 0.0, 0.0};
     if (distance_grows(path, change) && !contact_is_plane(shape)) {
         const bool capped = contact_is_capped(shape);
         const double distance = capped ? fmax(g->gap + shape->source_radius, 0.0) : g->distance;
@@ -229,6 +229,10 @@ void advancement_at(const struct advancement_path *path, enum advancement_change
     const struct vec3 rate = vec3_sub(at->c[1], vec3_cross(omega, at->c[0]));
     at->geometry = contact_geometry_at(&shape, at->c[0], rate, path->shape.axis);
     at->axial_rate = vec3_dot(rate, axis.axis);
+    if (contact_is_torus(&shape)) {
+        at->axial_rate =
+            shape.solid.race * vec3_dot(rate, vec3_cross(at->geometry.circumferential, axis.axis));
+    }
     at->of[ADVANCEMENT_GAP] = gap_function(path, change, &shape, &at->geometry);
     const double distance = vec3_norm(at->c[0]);
     at->noise[ADVANCEMENT_GAP] =
@@ -237,7 +241,7 @@ void advancement_at(const struct advancement_path *path, enum advancement_change
         const double end = i == ADVANCEMENT_UPPER_END ? 1.0 : -1.0;
         const double sign = change == ADVANCEMENT_TOUCH ? 1.0 : -1.0;
         at->of[i] = (struct falling){sign * (end * at->geometry.axial - shape.half_length),
-                                     sign * end * at->axial_rate, 0.0};
+                                     sign * end * at->axial_rate, 0.0, 0.0};
         at->noise[i] = fmax(path->rounding, ADVANCEMENT_ROUNDINGS * (distance + shape.half_length));
     }
 }
@@ -251,6 +255,23 @@ static double size_within(const struct vec3 c[ADVANCEMENT_TERMS], int first, dou
         size = norm + (size > 0.0 ? size * length / (i - first + 1) : 0.0);
     }
     return size;
+}
+
+/* Adds to the bends what the curvature of a torus around its axis adds. At the speed v the distance rho from
+ * the axis has rho'' >= -|c''| and at most v^2/rho more, and q has q'' >= -|c''| - (v^2/q) (R/rho - 1) within
+ * R. Across the axis q has a bend without bound, but no rate above v. */
+static void bound_ring(const struct contact_shape *shape, bool grows, double speed, double length,
+                       struct advancement_instant *at)
+{
+    const double ring = shape->solid.radius;
+    const double nearest = ring / at->geometry.circumferential_part - speed * length;
+    const double hoop = nearest > 0.0 ? speed * speed / nearest : (double)INFINITY;
+    at->of[ADVANCEMENT_UPPER_END].bend += hoop;
+    at->of[ADVANCEMENT_LOWER_END].bend += hoop;
+    if (!grows && nearest < ring) {
+        at->of[ADVANCEMENT_GAP].bend += hoop * (ring - nearest) / contact_reach(shape);
+        at->of[ADVANCEMENT_GAP].steepest = speed;
+    }
 }
 
 /* Sets the bounds of the second derivatives over `length` seconds from `time` on; INFINITY: no bound. */
@@ -269,6 +290,9 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
         at->of[i].bend = bend;
     }
     const struct contact_shape shape = shape_with(path, path->axis.axis);
+    if (contact_is_torus(&shape)) {
+        bound_ring(&shape, distance_grows(path, change), speed, length, at);
+    }
     if (distance_grows(path, change) && !contact_is_plane(&shape)) {
         at->of[ADVANCEMENT_GAP].bend += speed * speed / smooth_reach(&shape);
     }
@@ -281,26 +305,28 @@ static struct falling beyond_reach(const struct advancement_path *path, const st
 {
     const double distance = vec3_norm(at->c[0]);
     const struct contact_shape shape = shape_with(path, path->axis.axis);
-    double farthest = contact_reach(&shape) + shape.half_length;
+    double farthest =
+        contact_reach(&shape) + (contact_is_torus(&shape) ? shape.solid.radius : shape.half_length);
     if (contact_is_capped(&shape)) {
         farthest = shape.solid.radius + shape.solid.half_height + shape.source_radius;
     }
     const double slope = distance > 0.0 ? vec3_dot(at->c[0], at->c[1]) / distance : 0.0;
-    return (struct falling){distance - farthest, slope, size_within(at->c, 2, length)};
+    return (struct falling){distance - farthest, slope, size_within(at->c, 2, length), 0.0};
 }
 
 /* Returns a time during which a function surely stays above -noise [s]. */
 static double stays_above(const struct falling *f, double noise)
 {
     const double height = f->value + noise;
+    const double slowly = f->steepest > 0.0 ? height / f->steepest : 0.0;
     if (!(height > 0.0) || !(f->bend < (double)INFINITY)) {
-        return 0.0;
+        return fmax(slowly, 0.0);
     }
     const double root = sqrt(f->slope * f->slope + 2.0 * f->bend * height);
     if (f->slope >= 0.0) {
-        return f->bend > 0.0 ? (f->slope + root) / f->bend : (double)INFINITY;
+        return f->bend > 0.0 ? fmax((f->slope + root) / f->bend, slowly) : (double)INFINITY;
     }
-    return 2.0 * height / (root - f->slope);
+    return fmax(2.0 * height / (root - f->slope), slowly);
 }
 
 struct advancement_search {
@@ -373,7 +399,8 @@ static double step_from(const struct advancement_search *search, struct advancem
     const double rest = horizon - time;
     const struct contact_shape *shape = &search->path->shape;
     /* bodies of finite size touch only where their centres are near each other */
-    const bool has_reach = shape->side > 0 && (search->count > 1 || contact_is_capped(shape));
+    const bool has_reach =
+        shape->side > 0 && (search->count > 1 || contact_is_capped(shape) || contact_is_torus(shape));
     if (search->change == ADVANCEMENT_TOUCH && has_reach) {
         const struct falling beyond = beyond_reach(search->path, at, rest);
         const double away = stays_above(&beyond, 0.0);
@@ -386,7 +413,8 @@ static double step_from(const struct advancement_search *search, struct advancem
     }
     const double within = fmin(*length, rest);
     bound_bends(search->path, search->change, time, within, at);
-    if (!(at->of[ADVANCEMENT_GAP].bend < (double)INFINITY)) {
+    const struct falling *gap = &at->of[ADVANCEMENT_GAP];
+    if (!(gap->bend < (double)INFINITY) && !(gap->steepest > 0.0)) {
         *length = 0.25 * within; /* no bound: the axis polynomial passes zero */
         return 0.0;
     }

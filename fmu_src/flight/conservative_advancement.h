@@ -1,7 +1,7 @@
 /*
- * Conservative advancement to the first touch of a sphere with a destination whose axis turns: a cylinder
- * that tumbles, or a plane that tilts. The search misses no touch deeper than rounding, however long the
- * flight (docs/conservative_advancement.md).
+ * Conservative advancement to the first touch of a sphere with a destination whose axis turns (a cylinder
+ * that tumbles, a plane that tilts) or which is a torus. The search misses no touch deeper than rounding,
+ * however long the flight (docs/conservative_advancement.md).
  *
  * The axis either stands still, or turns steadily about a fixed direction (the precession of a torque-free
  * body, a constant angular velocity), or turns with an angular velocity that is polynomial in time (a torque,
@@ -70,9 +70,10 @@ struct advancement_path {
 /* The change that the search looks for: the bodies come into contact, or contact ends. */
 enum advancement_change { ADVANCEMENT_TOUCH, ADVANCEMENT_PARTING };
 
-/* A function that is positive before the change; its second derivative is at least -bend. */
+/* A function that is positive before the change; its second derivative is at least -bend. Where `steepest` is
+ * above zero, its rate is at least -steepest, whatever the bend. */
 struct falling {
-    double value, slope, bend;
+    double value, slope, bend, steepest;
 };
 
 /* The functions are the gap and the distances of the source beyond the two end planes. The bodies touch where
@@ -83,7 +84,7 @@ enum { ADVANCEMENT_GAP, ADVANCEMENT_UPPER_END, ADVANCEMENT_LOWER_END, ADVANCEMEN
 struct advancement_instant {
     struct vec3 c[ADVANCEMENT_TERMS]; /* separation and its time derivatives [m, m/s, ...] */
     struct contact_geometry geometry;
-    double axial_rate; /* rate of c.e_d [m/s] */
+    double axial_rate; /* rate of geometry.axial [m/s] */
     struct falling of[ADVANCEMENT_FUNCTIONS];
     double noise[ADVANCEMENT_FUNCTIONS]; /* rounding bound of each function [m] */
 };

@@ -163,8 +163,7 @@ static void note_depth_of_released(const struct scene_values *v, struct scene_st
     for (int j = 0; SCENE_ANY_PRESCRIBED && j < SCENE_CONTACTS; ++j) {
         const bool led =
             body_is_prescribed(v, contact_source(j)) || body_is_prescribed(v, contact_destination(j));
-        /* regime_change_note_depth needs an axis that keeps its direction */
-        if (led && q->contact[j].regime == REGIME_SEPARATING && !contact_axis_turns(v, j)) {
+        if (led && q->contact[j].regime == REGIME_SEPARATING) {
             regime_change_note_depth(v, q, advance_now(step, v, q), j, step->clock_end);
         }
     }

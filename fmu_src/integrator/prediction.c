@@ -544,6 +544,9 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
     const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
+    if (contact_advances(v, contact)) {
+        return; /* the path of the gap is no polynomial */
+    }
     if (SCENE_ANY_CAPS && contact_is_rim(&shape)) {
         contact_peaks_note(&q->contact[contact].peaks, 0.0,
                            -rim_least_gap(&shape, &separation, 0.0, until - q->clock));
@@ -561,11 +564,6 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
  * per radian that the axis turns, but at MOST_LAW_INSTANTS at most. So few instants suffice, because the
  * conditions of its changes are smooth functions of the motion. */
 static const double LAW_INSTANTS_PER_RADIAN = 16.0, LEAST_LAW_INSTANTS = 64.0, MOST_LAW_INSTANTS = 1e6;
-
-bool contact_axis_turns(const struct scene_values *v, int contact)
-{
-    return body_tips(v, contact_destination(contact));
-}
 
 /* Whether another contact transmits a force to a body of this contact that moves freely. */
 static bool is_loaded(const struct scene_values *v, const struct scene_state *q, int contact)
@@ -590,7 +588,9 @@ static struct advancement_path advancement_path_of(const struct scene_values *v,
     for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
         path.c[i] = separation.c[i];
     }
-    path.axis = flight_axis_motion(v, q, &at->turning.body[destination], destination);
+    path.axis = body_tips(v, destination)
+                    ? flight_axis_motion(v, q, &at->turning.body[destination], destination)
+                    : axis_motion_fixed(path.shape.axis);
     return path;
 }
 
@@ -677,7 +677,7 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
         if (contact_transmits(q, contact) && !contact_is_prescribed(v, contact)) {
             return nothing;
         }
-        if (SCENE_ANY_ROTATION && contact_axis_turns(v, contact)) {
+        if ((SCENE_ANY_ROTATION || SCENE_ANY_TORUS) && contact_advances(v, contact)) {
             return is_loaded(v, q, contact) ? nothing
                                             : advancement_prediction(v, q, at, contact, horizon, budget);
         }
@@ -723,7 +723,7 @@ static struct vec3 free_fall(const struct scene_values *v, int body)
 static bool apart_is_known(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    return shape.side > 0 && !body_is_prescribed(v, contact_source(contact)) &&
+    return shape.side > 0 && !contact_is_torus(&shape) && !body_is_prescribed(v, contact_source(contact)) &&
            !body_is_prescribed(v, contact_destination(contact));
 }
 

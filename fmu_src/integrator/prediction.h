@@ -33,9 +33,6 @@ struct regime_change next_regime_change(const struct scene_values *v, const stru
                                         const struct scene_instant *at, double clock, int contact,
                                         double horizon);
 
-/* Whether the axis of the destination may turn. */
-bool contact_axis_turns(const struct scene_values *v, int contact);
-
 /* Notes the peak penetration of a contact from the present instant `at` to the clock `until`. The contact
  * transmits no force, or its motion is prescribed, so the extremes of its gap are roots of a polynomial. */
 void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,

@@ -294,8 +294,7 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
     const bool friction_is_known = contact->friction_regime >= (int32_t)FRICTION_STICKING &&
                                    contact->friction_regime <= (int32_t)FRICTION_LIFTED;
     const bool placed = (contact->side == 1 || contact->side == -1) && is_direction(contact->normal);
-    const bool has_axis = !(SCENE_ANY_CYLINDER || SCENE_ANY_PLANE) || !initialized ||
-                          is_direction(contact->parameters.axis) ||
+    const bool has_axis = !SCENE_ANY_AXIS || !initialized || is_direction(contact->parameters.axis) ||
                           vec3_is_zero(contact->parameters.axis); /* a sphere's axis is the zero vector */
     /* The times up to which a search has looked ahead may be infinite, but not NaN. */
     const struct contact_schedule *ahead = &contact->schedule;

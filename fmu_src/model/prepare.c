@@ -13,9 +13,9 @@ static enum model_status check_inertia(struct model *m, int body)
 {
     const struct scene_values *v = &m->state.values;
     const char *name = scene_body_name(body);
-    const bool tilts = body_shape(body) == SHAPE_CYLINDER && !body_keeps_axis(body);
+    const bool tilts = body_tips(v, body);
     if (body_inertia_control(v, body) == INERTIA_CONTROL_AUTOMATIC) {
-        return !tilts || body_finite_length(v, body)
+        return !tilts || body_shape(body) != SHAPE_CYLINDER || body_finite_length(v, body)
                    ? MODEL_OK
                    : model_report(m, MODEL_ERROR,
                                   "%s.inertia_control = automatic contradicts %s.finite_length = false: an "
@@ -195,6 +195,33 @@ static enum model_status check_axes(struct model *m, int contact)
                               scene_body_name(bodies[1]));
 }
 
+/* Checks that a torus has a hole, and that a source that may touch it from within passes through: where one
+ * touches all round no point is the nearest. */
+static enum model_status check_ring(struct model *m, int contact, double r_s, double r_d)
+{
+    const struct scene_values *v = &m->state.values;
+    const int body = contact_destination(contact);
+    const double ring = body_ring_radius(v, body);
+    const char *name = scene_body_name(body);
+    const char *source = scene_body_name(contact_source(contact));
+    if (r_d >= ring) {
+        return model_report(
+            m, MODEL_ERROR,
+            "%s.radius = %s m contradicts %s.ring_radius = %s m: a torus has a hole (allowed: a "
+            "tube with a smaller radius than the ring).",
+            name, shortest_digits(r_d).text, name, shortest_digits(ring).text);
+    }
+    const bool may_fill = contact_location(v, contact) != LOCATION_INSIDE &&
+                          body_side(v, body) != TUBE_SIDE_OUTER_RACE && r_s + r_d >= ring;
+    return !may_fill
+               ? MODEL_OK
+               : model_report(m, MODEL_ERROR,
+                              "%s.radius = %s m contradicts %s.ring_radius = %s m: the source would touch "
+                              "all round the hole (allowed: one that fits through, location inside, or "
+                              "side outer_race).",
+                              source, shortest_digits(r_s).text, name, shortest_digits(ring).text);
+}
+
 static enum model_status check_contact(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
@@ -216,7 +243,11 @@ static enum model_status check_contact(struct model *m, int contact)
                             "(allowed: viscous_only with penalty_dynamic).",
                             name, name);
     }
-    enum model_status status = check_axes(m, contact);
+    enum model_status status = MODEL_OK;
+    if (SCENE_ANY_TORUS && body_shape(contact_destination(contact)) == SHAPE_TORUS) {
+        status = check_ring(m, contact, r_s, r_d);
+    }
+    status = status == MODEL_OK ? check_axes(m, contact) : status;
     status = status == MODEL_OK ? check_ends(m, contact) : status;
     return status == MODEL_OK ? check_friction(m, contact) : status;
 }
@@ -473,6 +504,10 @@ static struct bounding_box body_box(const struct scene_values *v, int body, stru
         const double half_length = body_finite_length(v, body) ? 0.5 * body_length(v, body) : 0.0;
         return bounding_box_cylinder(centre, body_radius(v, body), unit_axis(v, body), half_length);
     }
+    if (SCENE_ANY_TORUS && body_shape(body) == SHAPE_TORUS) {
+        return bounding_box_torus(centre, body_radius(v, body), unit_axis(v, body),
+                                  body_ring_radius(v, body));
+    }
     return bounding_box_sphere(centre, body_radius(v, body));
 }
 
@@ -510,7 +545,7 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
                 ? 1e-3 * state->parameters.diagonal
                 : contact_characteristic_slip_velocity(v, contact);
     }
-    if ((SCENE_ANY_CYLINDER || SCENE_ANY_PLANE) && body_shape(contact_destination(contact)) != SHAPE_SPHERE) {
+    if (SCENE_ANY_AXIS && body_shape(contact_destination(contact)) != SHAPE_SPHERE) {
         state->parameters.axis = unit_axis(v, contact_destination(contact));
     }
     struct contact_shape shape = scene_contact_shape(v, q, contact);

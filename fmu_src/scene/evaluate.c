@@ -19,16 +19,22 @@ bool scene_damps_by_onset(const struct scene_values *v, int contact)
 }
 
 /* Automatic moments of inertia are those of homogeneous solids: 2/5 m r^2 for a sphere; m r^2/2 about the
- * axis and m (3 r^2 + L^2)/12 across it for a cylinder. One that keeps its axis needs only the first. */
+ * axis and m (3 r^2 + L^2)/12 across it for a cylinder. One that keeps its axis needs only the first. For a
+ * torus with the tube's radius r they are m (R^2 + 3 r^2/4) and m (R^2/2 + 5 r^2/8). */
 struct body_inertia body_inertia_of(const struct scene_values *v, int body)
 {
     const bool is_cylinder = SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER;
-    const bool tilts = is_cylinder && !body_keeps_axis(body);
+    const bool is_torus = SCENE_ANY_TORUS && body_shape(body) == SHAPE_TORUS;
+    const bool tilts = (is_cylinder && !body_keeps_axis(body)) || is_torus;
     const double m = body_mass(v, body);
     const double r = body_radius(v, body);
     const double length = body_length(v, body);
     struct body_inertia of = {(is_cylinder ? 0.5 : 0.4) * m * r * r,
                               m * (3.0 * r * r + length * length) / 12.0};
+    if (is_torus) {
+        const double ring = body_ring_radius(v, body);
+        of = (struct body_inertia){m * (ring * ring + 0.75 * r * r), m * (0.5 * ring * ring + 0.625 * r * r)};
+    }
     if (body_inertia_control(v, body) == INERTIA_CONTROL_USER_DEFINED) {
         of = (struct body_inertia){body_axial_inertia(v, body), body_transverse_inertia(v, body)};
     }
@@ -237,7 +243,7 @@ static void put_axis(const struct scene_values *v, const struct scene_state *q, 
 {
     const int destination = contact_destination(contact);
     at->turning.axis[contact] = vec3_make(0.0, 0.0, 0.0);
-    if (SCENE_ANY_CYLINDER || SCENE_ANY_PLANE) {
+    if (SCENE_ANY_AXIS) {
         at->turning.axis[contact] = body_tips(v, destination)
                                         ? quaternion_third_axis(at->turning.body[destination].orientation)
                                         : q->contact[contact].parameters.axis;
@@ -604,7 +610,8 @@ double rounding_of_gap(const struct scene_values *v, const struct scene_instant 
 double rounding_of_axial(const struct scene_values *v, const struct scene_instant *at, int contact,
                          const struct contact_shape *shape)
 {
-    return 8.0 * DBL_EPSILON * (terms_along(v, at, contact, shape->axis) + shape->half_length);
+    const double all = contact_is_torus(shape) ? rounding_of_gap(v, at, contact) : 0.0;
+    return all + 8.0 * DBL_EPSILON * (terms_along(v, at, contact, shape->axis) + shape->half_length);
 }
 
 double rounding_of_rate(const struct scene_instant *at, int contact)
@@ -990,7 +997,7 @@ bool scene_shown_within(const struct scene_values *v, const struct scene_state *
 {
     const struct contact_geometry *g = &at->geometry[contact];
     const bool within = scene_within_extents(shape, g);
-    if (!SCENE_ANY_CYLINDER || !isfinite(shape->half_length) ||
+    if (!SCENE_ANY_ENDS || !isfinite(shape->half_length) ||
         fabs(scene_beyond_ends(shape, g)) > END_ROUNDINGS * rounding_of_axial(v, at, contact, shape)) {
         return within;
     }

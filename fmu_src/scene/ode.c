@@ -214,7 +214,7 @@ static double depth_to_parting(const struct scene_ode *ode, const struct contact
 {
     const double depth = ode->gap_offset[contact] - g->gap;
     const double half = shape->half_length;
-    if (!contact_is_cylinder(shape) || !isfinite(half)) {
+    if (!SCENE_ANY_ENDS || !isfinite(half)) {
         return depth;
     }
     const double within = (half - fabs(g->axial)) * 0.5 * (1.0 + fabs(g->axial) / half);

@@ -49,10 +49,10 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
     return path;
 }
 
-/* Sets the offset of a rim, (rho - r_d) a - (height - h) e. The unit vector a points to the axis, rho a = c -
- * (c.e) e, height = -c.e, h = L/2, and e points out of the cylinder at the rim's end. */
-static void put_rim_offset(const struct contact_shape *shape, const struct contact_path *path,
-                           struct vec3 offset[JET_TERMS])
+/* Sets the offset of a circle, (rho - R) a - (height - h) e. The unit vector a points to the axis, rho a = c
+ * - (c.e) e, height = -c.e, h = L/2, and e points out of the cylinder at the rim's end. */
+static void put_circle_offset(const struct contact_shape *shape, const struct contact_path *path,
+                              struct vec3 offset[JET_TERMS])
 {
     struct vec3 across[JET_TERMS], to_axis[JET_TERMS];
     double axial[JET_TERMS], radial[JET_TERMS], rho[JET_TERMS];
@@ -71,8 +71,8 @@ static void put_rim_offset(const struct contact_shape *shape, const struct conta
 static void put_offset(const struct contact_shape *shape, const struct contact_path *path,
                        struct vec3 offset[JET_TERMS])
 {
-    if (contact_is_rim(shape)) {
-        put_rim_offset(shape, path, offset);
+    if (contact_is_circle(shape)) {
+        put_circle_offset(shape, path, offset);
         return;
     }
     for (int i = 1; i < JET_TERMS; ++i) {

@@ -102,6 +102,12 @@ bool body_tips(const struct scene_values *v, int body)
     return body_turns(v, body) && body_shape(body) != SHAPE_SPHERE && !body_keeps_axis(body);
 }
 
+bool contact_advances(const struct scene_values *v, int contact)
+{
+    const int destination = contact_destination(contact);
+    return body_tips(v, destination) || (SCENE_ANY_TORUS && body_shape(destination) == SHAPE_TORUS);
+}
+
 bool contact_rubs(const struct scene_values *v, int contact)
 {
     return SCENE_ANY_FRICTION && contact_friction(v, contact) != FRICTION_NONE;
@@ -128,7 +134,7 @@ static int turning_choices(const struct scene_values *v)
 
 bool scene_turns(const struct scene_values *v)
 {
-    return SCENE_ANY_TURNING && turning_choices(v) != 1; /* 1: every choice is none */
+    return SCENE_ANY_TORUS || (SCENE_ANY_TURNING && turning_choices(v) != 1); /* 1: every choice is none */
 }
 
 void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to)
@@ -237,11 +243,23 @@ int scene_contact_side(const struct scene_values *v, const struct scene_state *q
     return q->contact[contact].side;
 }
 
+/* Returns struct contact_solid's race of a torus, 0 of other bodies. */
+static int race_of(const struct scene_values *v, int body)
+{
+    if (!SCENE_ANY_TORUS || body_shape(body) != SHAPE_TORUS) {
+        return 0;
+    }
+    return (body_side(v, body) == TUBE_SIDE_INNER_RACE) - (body_side(v, body) == TUBE_SIDE_OUTER_RACE);
+}
+
 /* Returns the distance of the centres along the axis at which contact with a cylinder ends [m], INFINITY
- * where it never does: L/2, and half of both lengths where the source is a cylinder too. */
+ * where it never does: L/2, and half of both lengths where the source is a cylinder too; R of a race. */
 static double half_length_of(const struct scene_values *v, int contact)
 {
     double sum = 0.0;
+    if (race_of(v, contact_destination(contact)) != 0) {
+        return body_ring_radius(v, contact_destination(contact));
+    }
     for (int i = 0; i < 2; ++i) {
         const int body = i == 0 ? contact_destination(contact) : contact_source(contact);
         if (SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER) {
@@ -270,8 +288,13 @@ struct contact_shape scene_whole_shape(const struct scene_values *v, const struc
     if (SCENE_ANY_PLANE && shape.destination == SHAPE_PLANE) {
         shape.axis = q->contact[contact].parameters.axis;
     }
+    if (SCENE_ANY_TORUS && shape.destination == SHAPE_TORUS) {
+        shape.axis = q->contact[contact].parameters.axis;
+        shape.solid.radius = body_ring_radius(v, destination);
+        shape.solid.race = race_of(v, destination);
+    }
     if (SCENE_ANY_CAPS && has_caps(v, destination)) {
-        shape.solid = (struct contact_solid){shape.axis, shape.other_radius, shape.half_length, 0};
+        shape.solid = (struct contact_solid){shape.axis, shape.other_radius, shape.half_length, 0, 0};
         shape.half_length = (double)INFINITY; /* the gap goes on beyond the ends */
     }
     return shape;
@@ -309,10 +332,10 @@ struct contact_shape scene_contact_shape_at(const struct scene_values *v, const 
 
 bool scene_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry)
 {
-    return !SCENE_ANY_CYLINDER || contact_within_extents(shape, geometry->axial);
+    return !SCENE_ANY_ENDS || contact_within_extents(shape, geometry->axial);
 }
 
 double scene_beyond_ends(const struct contact_shape *shape, const struct contact_geometry *geometry)
 {
-    return SCENE_ANY_CYLINDER ? fabs(geometry->axial) - shape->half_length : -(double)INFINITY;
+    return SCENE_ANY_ENDS ? fabs(geometry->axial) - shape->half_length : -(double)INFINITY;
 }

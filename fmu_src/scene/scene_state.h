@@ -278,11 +278,16 @@ bool body_turns(const struct scene_values *v, int body);
  * cylinder which touches a cylinder keeps its direction. */
 bool body_tips(const struct scene_values *v, int body);
 
+/* Whether only conservative advancement finds a change of the contact: the destination's axis may turn, or it
+ * is a torus. */
+bool contact_advances(const struct scene_values *v, int contact);
+
 /* Whether a contact may have a friction force; whether it stores energy in a tangential spring. */
 bool contact_rubs(const struct scene_values *v, int contact);
 bool contact_rubs_elastically(const struct scene_values *v, int contact);
 
-/* Whether any body turns or any contact rubs. Else the scene is computed as one without rotation. */
+/* Whether any body turns, any contact rubs or any shape is a torus, which has no closed forms. Else the scene
+ * is computed as one without rotation. */
 bool scene_turns(const struct scene_values *v);
 
 /* Copies a state, without the fields from `turning` on where nothing turns or rubs. */

@@ -14,7 +14,7 @@ double regime_touch_margin(const struct scene_values *v, const struct scene_stat
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     double rounding = rounding_of_gap(v, at, contact);
-    if (SCENE_ANY_CYLINDER && isfinite(shape.half_length)) {
+    if (SCENE_ANY_ENDS && isfinite(shape.half_length)) {
         rounding = fmax(rounding, rounding_of_axial(v, at, contact, &shape));
     }
     const double margin = fmax(g->gap, scene_beyond_ends(&shape, g));

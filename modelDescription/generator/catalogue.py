@@ -50,6 +50,7 @@ class Row:
     tilts: bool = False  # no cylinder has it that touches a cylinder, because it keeps its axis
     absent: object = None  # what the code takes where a body of another shape has no such row
     of_plane: dict = field(default_factory=dict)  # what differs where body or destination is a plane
+    of_torus: dict = field(default_factory=dict)
     when: tuple[dict, ...] = ()
     tolerance: bool = False
     tunable: bool = False  # a parameter that may be set between steps, or what follows from such
@@ -80,7 +81,7 @@ class Row:
 
     def of_shape(self, shape: str) -> Row:
         """The row as it is where the body or the contact's destination has this shape."""
-        return replace(self, **self.of_plane) if shape == "plane" and self.of_plane else self
+        return replace(self, **{"plane": self.of_plane, "torus": self.of_torus}.get(shape, {}))
 
     @property
     def variability(self) -> str:

@@ -209,6 +209,7 @@ def _facts(resolved: Resolved) -> dict:
         "any_turning": rotation or friction,
         "any_caps": resolved.may("body.ends", "capped"),
         "any_plane": any(body.shape == "plane" for body in resolved.scene.bodies),
+        "any_torus": any(body.shape == "torus" for body in resolved.scene.bodies),
         "any_curved": any(
             resolved.scene.bodies[contact.destination].shape != "plane" for contact in resolved.scene.contacts
         ),

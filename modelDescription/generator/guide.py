@@ -40,8 +40,9 @@ def _setting(row: Row) -> dict[str, str]:
     own = bool(row.shape)
     names = {"body": "the body", "source": "the source", "destination": "the destination"}
     text = row.description.format(**names)
-    if "description" in row.of_plane:
-        text += f". Of a plane: {row.of_plane['description'].format(**names)}"
+    for shape, other in (("plane", row.of_plane), ("torus", row.of_torus)):
+        if "description" in other:
+            text += f". Of a {shape}: {other['description'].format(**names)}"
     return {
         "name": _name(row),
         "start": start,
@@ -72,7 +73,7 @@ def _allowed(row: Row) -> str:
 
 
 def _choice(catalogue: Catalogue, row: Row) -> dict:
-    """What each pinned item of a choice leaves out of a pair of sphere and cylinder."""
+    """What each pinned item of a choice leaves out of a pair of sphere and cylinder, or other shape."""
     kind = row.type
     items = [(i.name, i.name, i.description) for i in kind.items] or [
         ("true", True, row.description.format(body="the body")),
@@ -81,13 +82,14 @@ def _choice(catalogue: Catalogue, row: Row) -> dict:
     owners = {"body": ["source", "destination"], "contact": ["contact"], "world": [""]}[row.owner]
     if row.owner == "body" and row.shape:  # only the destination may be a cylinder
         owners = ["destination"]
+    shape = "cylinder" if not row.shape or "cylinder" in row.shape else row.shape[0]
     names = [f"{owner}.{row.field}" if owner else row.key for owner in owners]
     lines = []
     for shown, item, text in items:
-        one = _left_out(catalogue, {names[0]: item})
+        one = _left_out(catalogue, shape, {names[0]: item})
         lines.append({"pin": f"{names[0]} = {shown}", "text": text, "gone": one})
         if len(names) > 1:
-            every = _left_out(catalogue, dict.fromkeys(names, item))
+            every = _left_out(catalogue, shape, dict.fromkeys(names, item))
             more = [name for name in every if name.partition(".")[0] not in owners]
             if more:
                 lines.append({"pin": f"every body's {row.field} = {shown}", "text": "", "gone": more})
@@ -95,15 +97,15 @@ def _choice(catalogue: Catalogue, row: Row) -> dict:
         body="the body", source="the source", destination="the destination"), "lines": lines}  # fmt: skip
 
 
-def _pair(catalogue: Catalogue, pinned: dict) -> Resolved:
-    bodies = (Body("source", "sphere", 0), Body("destination", "cylinder", 1))
+def _pair(catalogue: Catalogue, shape: str, pinned: dict) -> Resolved:
+    bodies = (Body("source", "sphere", 0), Body("destination", shape, 1))
     contacts = (Contact("contact", 0, 1, 0),)
     return resolve(Scene("scenes.md", "Pair", "Pair", "Pair", bodies, contacts, {}, pinned), catalogue)
 
 
-def _left_out(catalogue: Catalogue, pinned: dict) -> list[str]:
+def _left_out(catalogue: Catalogue, shape: str, pinned: dict) -> list[str]:
     """Variables, in the order of the catalogue, that the pins take away besides themselves; CVODE last."""
-    before, after = _pair(catalogue, {}), _pair(catalogue, pinned)
+    before, after = _pair(catalogue, shape, {}), _pair(catalogue, shape, pinned)
     present = {cell.name for cell in after.cells if cell.open}
     gone = [cell.name for cell in before.cells if cell.open and cell.name not in present]
     gone = [name for name in gone if name not in pinned]

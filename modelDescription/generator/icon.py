@@ -95,16 +95,17 @@ class View:
         return tuple(a - height * n for a, n in zip(above, normal, strict=True))
 
     def _size(self, body: int) -> float:
-        """Radius; of a plane how deep a strip of it is to be seen."""
+        """Radius, of a torus the outer one; of a plane how deep a strip of it is to be seen."""
         if self.start.is_plane(body):
             return 0.5 * self.start.radius(self._source_over(body))
-        return self.start.radius(body)
+        ring = self.start.value("body.ring_radius", body) if self.start.is_torus(body) else 0.0
+        return self.start.radius(body) + ring
 
     def _normal(self, plane: int) -> Vector:
         return _unit(self.start.value("body.axis", plane))
 
     def _axis(self, body: int) -> Vector | None:
-        if self.scene.bodies[body].shape != "cylinder":
+        if self.scene.bodies[body].shape not in ("cylinder", "torus"):
             return None
         return _unit(self.start.value("body.axis", body))
 
@@ -112,7 +113,7 @@ class View:
         """Into the icon: along the axis of a hollow cylinder, across a solid one's or across the centres."""
         for index, contact in enumerate(self.scene.contacts):
             axis = self._axis(contact.destination)
-            if axis and self.start.inside(index):
+            if axis and self.start.inside(index) and not self.start.is_torus(contact.destination):
                 return axis
             if self.start.is_plane(contact.destination):
                 normal = self._normal(contact.destination)
@@ -151,9 +152,17 @@ class View:
             for j, contact in enumerate(self.scene.contacts)
         )
 
+    def tube(self, body: int) -> tuple[list[tuple[float, float]], float]:
+        """Of a torus, cut along its axis: middles of both sections of its tube, their radius, in pixels."""
+        (x, y), axis = self.at[body], self._axis(body)
+        e = (_dot(axis, self.right), -_dot(axis, self.up))  # seen from the side
+        ring = self.scale * self.start.value("body.ring_radius", body)
+        middles = [(x - side * ring * e[1], y + side * ring * e[0]) for side in (-1.0, 1.0)]
+        return middles, max(self.scale * self.start.radius(body), LEAST)
+
     def side_view(self, body: int) -> tuple[tuple[float, float], float] | None:
         """Of a cylinder seen from its side: direction of the axis, half length in pixels. Else a circle."""
-        axis = self._axis(body)
+        axis = None if self.start.is_torus(body) else self._axis(body)
         if axis is None:
             return None
         e = (_dot(axis, self.right), -_dot(axis, self.up))
@@ -178,6 +187,9 @@ class View:
             _, (nx, ny) = floor
             deep = _rectangle(x0 - SIZE * nx, y0 - SIZE * ny, (ny, -nx), 2.0 * SIZE, SIZE)
             return deep, (0, 0, SIZE, SIZE)
+        if self.start.is_torus(body):
+            middles, tube = self.tube(body)
+            return lambda x, y: min(math.dist((x, y), one) for one in middles) - tube, (0, 0, SIZE, SIZE)
         side = self.side_view(body)
         if side:
             return _rectangle(x0, y0, side[0], side[1], radius), (0, 0, SIZE, SIZE)
@@ -188,6 +200,8 @@ class View:
         """Tail, tip and direction: from the source's centre away from the surface that it touches."""
         contact = self.scene.contacts[0]
         (x, y), (x0, y0) = self.at[contact.source], self.at[contact.destination]
+        if self.start.is_torus(contact.destination):
+            x0, y0 = min(self.tube(contact.destination)[0], key=lambda one: math.dist(one, (x, y)))
         e = self._away(contact.destination, x - x0, y - y0)
         if self.start.inside(0):
             e = (-e[0], -e[1])
@@ -207,7 +221,7 @@ class View:
         if floor:
             return floor[1]
         axis = self._axis(body)
-        if axis:
+        if axis and not self.start.is_torus(body):
             e = (_dot(axis, self.right), -_dot(axis, self.up))
             along = dx * e[0] + dy * e[1]
             dx, dy = dx - along * e[0], dy - along * e[1]

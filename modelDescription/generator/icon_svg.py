@@ -43,6 +43,10 @@ def _body(view: View, body: int, fill: tuple, line: tuple) -> str:
             f'<rect x="{-2 * SIZE}" y="{width / 2:.2f}" width="{4 * SIZE}" height="{2 * SIZE}" '
             f'transform="translate({x:.2f} {y:.2f}) rotate({turn:.2f})" {style}/>'
         )
+    if view.start.is_torus(body):
+        middles, radius = view.tube(body)
+        circle = f'r="{radius - width / 2:.2f}" {style}/>'
+        return "\n".join(f'<circle cx="{px:.2f}" cy="{py:.2f}" {circle}' for px, py in middles)
     side = view.side_view(body)
     inner = radius - width / 2  # the outline lies inside the edge
     if side is None:

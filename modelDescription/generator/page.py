@@ -48,7 +48,8 @@ def _turning(resolved: Resolved) -> dict:
     ]
     return {
         "free": shapes("body.rotation", "free") - {"plane"},  # which is refused: it has no inertia
-        "prescribed": shapes("body.rotation", "prescribed"),
+        "prescribed": (prescribed := shapes("body.rotation", "prescribed")),
+        "prescribed_axes": sorted(prescribed - {"sphere", "roller"}),
         "automatic": shapes("body.inertia_control", "automatic"),
         "user_defined": shapes("body.inertia_control", "user_defined"),
         "destinations": [

@@ -13,7 +13,7 @@ from .quantity import in_unit
 from .repeat import MOST, Entry, Repeats
 from .variables_file import read_toml
 
-SHAPES = ("sphere", "cylinder", "plane")
+SHAPES = ("sphere", "cylinder", "plane", "torus")
 # The keys of each table and what they mean: docs/scenes.md shows these words.
 SCENE_KEYS = {
     "name": "of the FMU: letters, digits and `_`, the first a letter; no name of a shipped scene or of a "
@@ -35,7 +35,7 @@ SCENE_KEYS = {
 BODY_KEYS = {
     "name": "small letters, digits and `_`, and perhaps an index as in `ball[3]`; variables begin with it: "
     "`marble.radius`. Required",
-    "shape": "`sphere`, `cylinder` or `plane`. Required",
+    "shape": "`sphere`, `cylinder`, `plane` or `torus`. Required",
     "count": f"how many such bodies there are, 1 to {MOST:,}; their `name` has a `{{i}}`, the number of each",
 }
 CONTACT_KEYS = {

@@ -56,8 +56,12 @@ class Start:
                 "(allowed: a source smaller than its hollow destination)"
             )
         self.check_method(index, contact)
-        if self.scene.bodies[destination].shape == "cylinder":
-            self.check_axis(destination)
+        for body in (source, destination):
+            if self.scene.bodies[body].shape != "sphere":
+                self.check_axis(body)
+
+    def is_torus(self, body: int) -> bool:
+        return self.scene.bodies[body].shape == "torus"
 
     def is_plane(self, body: int) -> bool:
         return self.scene.bodies[body].shape == "plane"
@@ -160,8 +164,8 @@ class Start:
         )
 
     def distance(self, source: int, destination: int) -> float | None:
-        """From the source's centre to the destination's centre or axis, None beyond a cylinder's ends; the
-        height above a plane, negative below it."""
+        """From the source's centre to the destination's centre, axis or middle circle, None beyond ends of a
+        cylinder and beside a race; the height above a plane, negative below it."""
         places = zip(self.centre(destination), self.centre(source), strict=True)
         between = [there - here for there, here in places]
         if self.scene.bodies[destination].shape == "sphere":
@@ -172,8 +176,14 @@ class Start:
         along = sum(c * e for c, e in zip(between, unit, strict=True))
         if self.is_plane(destination):
             return -along
+        rho = math.hypot(*(c - along * e for c, e in zip(between, unit, strict=True)))
+        if self.is_torus(destination):
+            beyond = rho - self.value("body.ring_radius", destination)
+            races = {"inner_race": beyond > 0.0, "outer_race": beyond < 0.0}
+            beside = any(self.is_item("body.side", destination, one) and out for one, out in races.items())
+            return None if beside else math.hypot(beyond, along)
         if self.value("body.finite_length", destination) and abs(along) > 0.5 * self.value(
             "body.length", destination
         ):
             return None
-        return math.hypot(*(c - along * e for c, e in zip(between, unit, strict=True)))
+        return rho

@@ -11,7 +11,8 @@ from .errors import InputError, allowed
 
 ROW_KEYS = {
     "vr", "type", "causality", "start", "start_destination", "min", "max", "dim", "symbol", "description",
-    "shape", "absent", "of_plane", "when", "tolerance", "depends", "discrete", "role", "rate_of", "reinit",
+    "shape", "absent", "of_plane", "of_torus",
+    "when", "tolerance", "depends", "discrete", "role", "rate_of", "reinit",
     "tilts", "tunable",
 }  # fmt: skip
 TYPE_KEYS = {"base", "quantity", "unit", "display", "min", "max", "nominal", "description", "items"}
@@ -80,15 +81,15 @@ def _row(key: str, entry: dict, types: dict[str, Type], shown: str) -> Row:
     fields = {**entry, "type": types[entry["type"]]}
     for several in ("when", "shape"):
         fields[several] = tuple(entry.get(several, ()))
-    if "of_plane" in entry:
-        fields["of_plane"] = _of_plane(entry["of_plane"], types, where, shown)
+    for of in {"of_plane", "of_torus"} & entry.keys():
+        fields[of] = _of_shape(entry[of], types, where, shown, of)
     return Row(key, **fields)
 
 
-def _of_plane(entry: dict, types: dict[str, Type], where: str, shown: str) -> dict:
+def _of_shape(entry: dict, types: dict[str, Type], where: str, shown: str, of: str) -> dict:
     known = ("type", "description")
     for unknown in entry.keys() - set(known):
-        raise InputError(shown, f"{where}: unknown key 'of_plane.{unknown}' {allowed(known)}")
+        raise InputError(shown, f"{where}: unknown key '{of}.{unknown}' {allowed(known)}")
     return {**entry, "type": types[entry["type"]]} if "type" in entry else dict(entry)
 
 

@@ -65,8 +65,11 @@
 #define SCENE_ANY_FREE_ROTATION {{ any_free_rotation | int }} /* by Euler's equations? */
 #define SCENE_ANY_FRICTION {{ any_friction | int }}   /* may there be friction? */
 #define SCENE_ANY_ELASTIC_FRICTION {{ any_elastic_friction | int }} /* with tangential springs? */
-#define SCENE_ANY_TURNING {{ any_turning | int }}    /* either: contacts have torques and a slip velocity */
-{% set lever = any_turning and (any_cylinder or any_plane or any_caps) %}
+#define SCENE_ANY_TORUS {{ any_torus | int }}
+#define SCENE_ANY_AXIS {{ (any_cylinder or any_plane or any_torus) | int }}    /* has any shape an axis? */
+#define SCENE_ANY_ENDS {{ (any_cylinder or any_torus) | int }}    /* may a shape end suddenly? */
+#define SCENE_ANY_TURNING {{ (any_turning or any_torus) | int }}    /* either, or what has no closed form without them */
+{% set lever = any_turning and (any_cylinder or any_plane or any_caps or any_torus) %}
 #define SCENE_HAS_TORQUES {{ lever | int }} /* may a normal force have a torque? never about a sphere's centre */
 #define SCENE_HAS_CVODE {{ has_cvode | int }} /* may CVODE be needed? else SUNDIALS is not linked */
 #define SCENE_HAS_GENERAL {{ has_general | int }} /* may event_driven need the general segment? */

@@ -76,3 +76,18 @@ def test_a_driven_roller_turns_as_its_equation_says(slip):
     run = solve_ivp(faster, (0.0, 0.4), [0.0], "Radau", rtol=1e-10, atol=1e-12)
     expected = closed_forms.friction_drive(run.t, 2.0, 0.2, 0.01, 3.0, slip)
     assert expected == pytest.approx(run.y[0], abs=1e-7)
+
+
+def test_a_ball_rolls_in_a_groove_as_without_slip():
+    """The contact point of a ball of radius r rests: 2/5 m r^2 omega' = r n x F and m x'' = F - m g x/l."""
+
+    def rolling(
+        _t, y
+    ):  # friction as a Lagrange multiplier: it makes the accelerations of centre and surface agree
+        pull = -9.81 * y[:2] / np.array([1.15, 0.15])
+        friction = -pull / (1.0 + 1.0 / 0.4)
+        return np.concatenate([y[2:], pull + friction])
+
+    run = solve_ivp(rolling, (0.0, 5.0), [1e-3, -2e-3, 0.0, 0.0], "DOP853", rtol=1e-11, atol=1e-14)
+    expected = closed_forms.rolling_in_a_groove(run.t, np.array([1e-3, -2e-3]), np.array([1.15, 0.15]), 9.81)
+    assert expected == pytest.approx(run.y[:2].T, abs=1e-10)

@@ -84,6 +84,7 @@ def _body(motion: Motion, name: str, shape: str) -> dict[str, Any]:
         "name": name,
         "shape": shape,
         "radius": motion.radius(name),
+        "ring": motion.ring(name),
         "axis": None if axis is None else axis.tolist(),
         "length": motion.length(name),
         "reach": _gone_along(motion, name),
@@ -101,7 +102,7 @@ def _body(motion: Motion, name: str, shape: str) -> dict[str, Any]:
 def _gone_along(motion: Motion, body: str) -> float | None:
     """How far from its centre along an infinite cylinder the bodies that meet it go; None of other bodies"""
     axis = motion.axis(body)
-    if axis is None or motion.is_plane(body) or motion.length(body) is not None:
+    if axis is None or motion.shape(body) != "cylinder" or motion.length(body) is not None:
         return None
     pairs = [{one.source, one.destination} - {body} for one in motion.contacts_of(body)]
     away = [motion.position(other) - motion.position(body) for pair in pairs for other in pair]
@@ -147,7 +148,7 @@ def _reach(motion: Motion, body: str, center: np.ndarray) -> float:
     """How far from the centre any point of the body gets, at most"""
     place = _plane_place(motion, body) if motion.is_plane(body) else motion.position(body)
     away = np.max(np.linalg.norm(place - center, axis=1))
-    return float(away + np.hypot(motion.radius(body) or 0.0, 0.5 * (motion.length(body) or 0.0)))
+    return float(away + np.hypot((motion.radius(body) or 0.0) + motion.ring(body), 0.5 * (motion.length(body) or 0.0)))
 
 
 def _box(motion: Motion, body: str) -> tuple[np.ndarray, np.ndarray]:
@@ -155,8 +156,13 @@ def _box(motion: Motion, body: str) -> tuple[np.ndarray, np.ndarray]:
     if motion.is_plane(body):
         places = _plane_place(motion, body)
         return np.min(places, axis=0), np.max(places, axis=0)
-    centers, radius, axis = motion.position(body), motion.radius(body) or 0.0, motion.axis(body)
-    extent = np.full(3, radius) if axis is None else cylinder_extent(radius, axis, motion.length(body) or 0.0)
+    centers, axis = motion.position(body), motion.axis(body)
+    radius = (motion.radius(body) or 0.0) + motion.ring(body)
+    extent = (
+        np.full(3, radius)
+        if axis is None or motion.ring(body)
+        else cylinder_extent(radius, axis, motion.length(body) or 0.0)
+    )
     return np.min(centers, axis=0) - extent, np.max(centers, axis=0) + extent
 
 

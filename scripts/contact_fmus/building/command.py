@@ -34,7 +34,7 @@ def scene_text(name: str, shape: str, inside: bool, pinned: list[str]) -> str:
     if not NAME.fullmatch(name):
         raise UserError(f"'{name}' is no name of a scene: a letter, then letters, digits and _")
     if shape == "plane" and inside:
-        raise UserError("--inside goes with a sphere or a cylinder: a plane has no inside")
+        raise UserError("--inside goes with a sphere, a cylinder or a torus: a plane has no inside")
     about = SHAPES[f"{shape} inside" if inside else shape]
     body = about["body"]
     chosen = {name.format(body=body): value for name, value in SHAPES["pinned"].items()}

@@ -161,7 +161,7 @@ BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 
 
 # The shipped FMU that leaves everything open, by the shape that a sphere touches
-OPEN = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
+OPEN = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane", "torus": "SphereTorus"}
 
 
 def read_settings(texts: Iterable[str], variables: dict[str, Variable], fmu: Path) -> dict[str, Any]:

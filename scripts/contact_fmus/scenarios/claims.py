@@ -73,7 +73,9 @@ def recomputed_diagonal(run: Recording) -> float:
             continue
         extent, axis = np.full(3, run.value(f"{body}.radius")), run.motion.axis(body)
         if axis is not None:
-            extent = closed_forms.cylinder_extent(extent[0], axis, run.motion.length(body) or 0.0)
+            ring = run.motion.ring(body)
+            around = closed_forms.cylinder_extent(ring or extent[0], axis, run.motion.length(body) or 0.0)
+            extent = around + extent if ring else around
         center = np.asarray(run.value(f"{body}.position"), dtype=float)
         corners += [center - extent, center + extent]
     return float(np.linalg.norm(np.ptp(corners, axis=0)))
@@ -328,6 +330,18 @@ def swings_in_a_hole(run: Recording) -> Outcome:
     angle = closed_forms.pendulum(run.time, math.atan2(place[0], -place[2]), rate)
     expected = length * np.stack([np.sin(angle), np.zeros_like(angle), -np.cos(angle)], axis=-1)
     return _worst_point(run, f"{pin}.position", expected, "m")
+
+
+@check
+def rolls_in_a_groove(run: Recording) -> Outcome:
+    """Place along x and y of a ball at the bottom of an outer race around y, at every communication point"""
+    contact, ball, torus = _pair(run)
+    pressed = closed_forms.static_penetration(_mass(run, ball), _gravity(run), run.value(f"{contact}.penalty_factor"))
+    across = run.value(f"{torus}.radius") - run.value(f"{ball}.radius") + pressed
+    lengths = np.array([run.value(f"{torus}.ring_radius") + across, across])
+    expected = closed_forms.rolling_in_a_groove(run.time, run.value(f"{ball}.position")[:2], lengths, _gravity(run))
+    places = np.concatenate([expected, run.series[f"{ball}.position"][:, 2:]], axis=1)
+    return _worst_point(run, f"{ball}.position", places, "m")
 
 
 @check

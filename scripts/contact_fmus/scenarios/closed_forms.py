@@ -160,6 +160,14 @@ def pendulum(time: np.ndarray, angle: float, rate: float) -> np.ndarray:
     return 2.0 * np.arcsin(modulus * cosine / delta)
 
 
+def rolling_in_a_groove(time: np.ndarray, start: np.ndarray, lengths: np.ndarray, g: float) -> np.ndarray:
+    """Place of a solid ball that rolls from rest a little beside the lowest point of a groove: its centre is on a
+    surface with the radii of curvature `lengths` along and across the groove, and swings in each direction with
+    sqrt(5 g/(7 length)).
+    """
+    return start * np.cos(np.sqrt(g / ((1.0 + BALL) * lengths)) * time[:, None])
+
+
 def friction_drive(
     time: np.ndarray, speed: float, radius: float, inertia: float, limit: float, slip: float
 ) -> np.ndarray:

@@ -120,6 +120,10 @@ class Motion:
         radius = self.value(f"{body}.radius")
         return None if radius is None else float(radius)
 
+    def ring(self, body: str) -> float:
+        """Radius of the circle in the middle of a torus; 0 of other bodies"""
+        return float(self.value(f"{body}.ring_radius") or 0.0)
+
     def is_plane(self, body: str) -> bool:
         return self.shape(body) == "plane"
 
@@ -152,7 +156,7 @@ class Motion:
         point of a plane may be anywhere"""
         bodies = [body.name for body in self.scene.bodies if not self.is_plane(body.name)]
         centers = np.concatenate([self.position(body) for body in bodies])
-        radii = [self.radius(body.name) or 0.0 for body in self.scene.bodies]
+        radii = [(self.radius(body.name) or 0.0) + self.ring(body.name) for body in self.scene.bodies]
         return float(max(np.max(np.ptp(centers, axis=0)), *radii))
 
     def moves(self, body: str) -> bool:
@@ -174,9 +178,10 @@ class Motion:
             return False
         apart = self.position(contact.source)[0] - self.position(contact.destination)[0]
         axis = self.axis(contact.destination)
-        if axis is not None:
-            apart = apart - (apart @ axis) * axis
-        return bool(np.linalg.norm(apart) < radius and inner < radius)
+        along = 0.0 if axis is None else float(apart @ axis)
+        across = float(np.linalg.norm(apart - along * (0.0 if axis is None else axis)))
+        ring = self.ring(contact.destination)
+        return bool((math.hypot(across - ring, along) if ring else across) < radius and inner < radius)
 
 
 @dataclass(frozen=True)

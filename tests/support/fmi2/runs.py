@@ -70,6 +70,7 @@ ROLLING = {"contact.friction": "regularized", "contact.slip_velocity_control": "
 ROLLING |= {"contact.characteristic_slip_velocity": 1e-2}
 SPINNING = {"source.rotation": "free"}
 ALL_GIVEN = {f"{body}.{kind}": "prescribed" for body in BODIES for kind in ("motion", "rotation")}
+TILTED = [0.1, 0.2, 1.0]
 WEIGHTLESS = {"destination.motion": "free", "gravity": [0, 0, 0]}
 SHAKEN = {**SOFT, "destination.motion": "prescribed"}
 
@@ -131,6 +132,63 @@ RUNS = {name: Run("SphereSphere", *run) for name, run in _OF_SPHERES.items()} | 
         "SpherePlane",
         {**SOFT, **ROLLING, **SPINNING, **_at(0.0, 0.0, 0.0955), "source.initial_velocity": [1.0, 0.0, 0.0]},
         *(20, True),
+    ),
+    "a roller on another": Run(
+        "CylinderCylinder",
+        {
+            **SOFT,
+            **RUBBING,
+            **SPINNING,
+            **_at(0.05, 0.02, 0.62),
+            "source.initial_velocity": [0.1, 0.3, 0.0],
+            "destination.rotation": "free",
+            "source.initial_angular_velocity": [0.0, 7.0, 0.0],
+        },
+        *(12, True, lambda time: {"destination.external_torque": [0.3, 3.0 - time, 0.2]}),
+    ),
+    "both turning and rubbing on a torus": Run(
+        "SphereTorus",
+        {**ALL_GIVEN, **RUBBING, **_at(0, 0, 0), "destination.axis": TILTED},
+        *(
+            15,
+            True,
+            lambda time: (
+                _fed_and_turned(time)
+                | {
+                    "destination.prescribed_angular_velocity": [0, 0, 0],
+                    "destination.prescribed_axis": TILTED,
+                }
+            ),
+        ),
+    ),
+    "rolling on a torus": Run(
+        "SphereTorus",
+        {
+            **SOFT,
+            **ROLLING,
+            **SPINNING,
+            **_at(1.05, 0.1, 0.62),
+            "destination.radius": 0.5,
+            "contact.characteristic_slip_velocity": 0.1,
+        },
+        12,
+        True,
+    ),
+    "a ball in a tumbling race": Run(
+        "SphereTorus",
+        {
+            **SOFT,
+            **RUBBING,
+            **SPINNING,
+            **WEIGHTLESS,
+            **_at(1.1, 0.2, 0.1, location="inside"),
+            "destination.side": "outer_race",
+            "destination.rotation": "free",
+            "destination.radius": 0.3,
+            "source.initial_velocity": [1.0, 0.6, 0.4],
+            "destination.initial_angular_velocity": [0.5, -0.3, 0.8],
+        },
+        *(9, True),
     ),
     "bouncing ball": Run("BouncingBall", _at(0.0, 0.0, 0.11), 30, False),
     "ball on sphere": Run("BallOnSphere", {**_at(0.03, 0.04, 0.7), **SOFT}, 24, True),

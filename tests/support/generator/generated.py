@@ -236,7 +236,7 @@ def row_of(name: str, scene: dict) -> tuple[str, dict]:
             plain = f"contact.{field}"
             shapes[owner] = shapes[contact["destination"]]
     row = CATALOGUE["variable"][plain]
-    return plain, row | row.get("of_plane", {}) if shapes.get(owner) == "plane" else row
+    return plain, row | row.get(f"of_{shapes.get(owner)}", {})
 
 
 def scene_file(scene: str) -> dict:

@@ -14,19 +14,22 @@ def _allowed(scene, choice):
 def assert_the_page_explains_turning(page, scene):
     """Rotation, torques, friction and what they store, each where the scene may have it and nowhere else."""
     rotations = [_allowed(scene, f"{body}.rotation") for body in ("source", "destination")]
-    of_plane = scene_file(scene)["body"][1]["shape"] == "plane"
-    free = ["free" in rotations[0], "free" in rotations[1] and not of_plane]
+    source, destination = (body["shape"] for body in scene_file(scene)["body"])
+    tips = destination != "sphere" and source != "cylinder"
+    free = ["free" in rotations[0], "free" in rotations[1] and destination != "plane"]
+    of = {shape for shape, turns in zip((source, destination), free, strict=True) if turns}
     prescribed = any("prescribed" in rotation for rotation in rotations)
     friction = _allowed(scene, "contact.friction") - {"none"}
     turns, moves = any(free) or prescribed, "energy.total" in describe(scene)
     assert ("<h3>Rotation</h3>" in page) == turns
     assert ("is the unit quaternion" in page) == turns
     assert ("(Newton and Euler)" in page) == any(free)
-    assert ("which turns\nwith it" in page) == (free[1] and not _of_sphere(scene))
-    assert ("sphere <i>I</i><sub>a</sub> = (2/5)" in page) == free[0]
-    assert ("cylinder <i>I</i><sub>a</sub> =" in page) == (free[1] and not _of_sphere(scene))
+    assert ("which turns\nwith it" in page) == (free[1] and tips)
+    for shape in ("sphere", "cylinder", "torus"):
+        assert (f"{shape} <i>I</i><sub>a</sub> =" in page) == (shape in of), shape
+    assert ("keeps its axis" in page) == (source == "cylinder" and any(free))
     assert ("A body of prescribed rotation goes on" in page) == prescribed
-    assert ("Its axis turns with it" in page) == ("prescribed" in rotations[1] and not _of_sphere(scene))
+    assert ("Its axis turns with it" in page) == ("prescribed" in rotations[1] and tips)
     assert ("<h3>Slip and torques</h3>" in page) == (turns or bool(friction))
     assert ("Contact is without friction" in page) == (not friction)
     assert ("regularized: <i>F</i><sub>t</sub>" in page) == ("regularized" in friction)
@@ -38,7 +41,3 @@ def assert_the_page_explains_turning(page, scene):
     for state in ("orientation_state", "angular_velocity_state", "spring_state", "friction_state"):
         assert (f"<code>{state}</code>" in page) == (state in states), state
     assert ("the spring of elastic friction is never drawn" in page) == ("elastic" in friction and not moves)
-
-
-def _of_sphere(scene):
-    return scene_file(scene)["body"][1]["shape"] == "sphere"

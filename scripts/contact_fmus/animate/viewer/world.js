@@ -76,9 +76,10 @@ class World {
     // The frame of a body that turns has its axis along z: its orientation brings that to where the axis is.
     made.upright = axis ? new THREE.Quaternion().setFromUnitVectors(NORMAL, turning ? HIGH : axis) : new THREE.Quaternion();
     const flat = body.shape === "plane";
-    made.half = flat ? 0 : axis ? this.halfLength(body) : body.radius;
+    made.half = flat ? 0 : axis && !body.ring ? this.halfLength(body) : body.radius;
     if (flat) made.extent = FLOOR * this.data.view.radius;
-    made.mesh = flat ? this.makeFloor(made) : this.makeSolid(made, axis);
+    if (body.ring) made.extent = body.ring + body.radius;
+    made.mesh = flat ? this.makeFloor(made) : body.ring ? this.makeRing(made) : this.makeSolid(made, axis);
     // Parts of the half length in which an infinite cylinder fades away
     made.fade = body.reach === null ? 0 : FADED * (1 - body.reach / made.half);
     if (turning || made.fade) this.shade(made.mesh, Boolean(turning), made.fade);
@@ -143,6 +144,37 @@ class World {
     return new THREE.Mesh(shape, material);
   }
 
+  /** The place on a torus of outer radius 1 round y: `round` goes round the ring, `about` about the tube, `out` times
+   * its radius. */
+  onRing(body, round, about, out = 1) {
+    const [ring, tube] = [body.ring / body.extent, (out * body.radius) / body.extent];
+    const rho = ring + tube * Math.cos(about);
+    return [rho * Math.cos(round), tube * Math.sin(about), rho * Math.sin(round)];
+  }
+
+  makeRing(body) {
+    const material = new THREE.MeshLambertMaterial({});
+    if (body.hollow) Object.assign(material, { transparent: true, opacity: 0.3, side: THREE.BackSide, depthWrite: false });
+    const [points, normals, indices, full] = [[], [], [], 2 * Math.PI];
+    for (let i = 0; i <= SEGMENTS; i++) {
+      for (let k = 0; k <= SEGMENTS; k++) {
+        const [round, about] = [(full * i) / SEGMENTS, (full * k) / SEGMENTS];
+        points.push(...this.onRing(body, round, about));
+        normals.push(Math.cos(about) * Math.cos(round), Math.sin(about), Math.cos(about) * Math.sin(round));
+        const at = i * (SEGMENTS + 1) + k;
+        if (i < SEGMENTS && k < SEGMENTS) indices.push(at, at + 1, at + SEGMENTS + 1, at + 1, at + SEGMENTS + 2, at + SEGMENTS + 1);
+      }
+    }
+    const shape = new THREE.BufferGeometry();
+    shape.setAttribute("position", new THREE.BufferAttribute(new Float32Array(points), 3));
+    shape.setAttribute("normal", new THREE.BufferAttribute(new Float32Array(normals), 3));
+    shape.setIndex(indices);
+    const mesh = new THREE.Mesh(shape, material);
+    mesh.renderOrder = body.hollow ? 2 : 0;
+    body.materials.push(material);
+    return mesh;
+  }
+
   /** Lines of a floor, a little above it. */
   floorLines() {
     const points = [];
@@ -164,6 +196,9 @@ class World {
     const out = body.hollow ? 1 : 1.002; // in front of the surface it lies on
     if (body.shape === "plane") {
       points.push(...this.floorLines());
+    } else if (body.ring) {
+      for (let k = 0; k < 4; k++) circle((a) => this.onRing(body, a, (k * Math.PI) / 2, out));
+      for (let k = 0; k < 8; k++) circle((a) => this.onRing(body, (k * Math.PI) / 4, a, out));
     } else if (axis) {
       const [rings, along] = body.fade ? [[0], [-1, body.fade - 1, 1 - body.fade, 1]] : [[-1, 0, 1], [-1, 1]];
       for (const y of rings) circle((a) => [out * Math.cos(a), y, out * Math.sin(a)]);
