@@ -25,6 +25,7 @@ struct pair_phase {
     int terminal;         /* the contact with a terminal event at the phase's end; -1: none */
     enum contact_regime next;
     bool changes;                 /* whether the regime or the zone of that contact changes at the end */
+    bool is_cut;                  /* whether it ends only because another contact may begin after it */
     bool lifts;                   /* whether the sign of that contact's force changes, and with it friction */
     struct phase_start made_from; /* the start that the segments were made from; its `end` 0: none */
 };
@@ -184,7 +185,8 @@ static double tolerance_of(const struct scene_values *v, const struct scene_stat
 }
 
 /* Whether segments can be made for the contact pairs: neither turning nor rubbing prevents them, and no free
- * body takes part in two contacts that transmit forces. */
+ * body takes part in two contacts that transmit forces. Where something turns, such a body may take part in
+ * no other contact at all; else begin_pairs sees to it that no other contact begins. */
 static bool pairs_are_alone(const struct scene_values *v, const struct scene_state *q)
 {
     if (solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN) {
@@ -196,11 +198,92 @@ static bool pairs_are_alone(const struct scene_values *v, const struct scene_sta
         }
     }
     for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
-        if (contact_is_coupled(v, q, j)) {
+        if (contact_is_coupled(v, q, j) && (contact_transmits(q, j) || scene_turns(v))) {
             return false;
         }
     }
     return true;
+}
+
+/* Returns a bound of the mean speed at which the flight of a contact's bodies changes their separation within
+ * a time from now [m/s]. */
+static double flight_speed_at_most(const struct separation_path *flight, double time)
+{
+    double speed = 0.0;
+    for (int i = SEPARATION_DEGREE; i > 0; --i) {
+        speed = speed * time + vec3_norm(flight->c[i]);
+    }
+    return speed;
+}
+
+/* Returns a bound of the mean speed at which a contact that transmits a force takes its bodies off their
+ * flight, against each other, within a time from now [m/s]. A law stores the energy E and dissipates, so that
+ * S = sqrt(|w|^2 + 2 E / m_red) grows by no more than the acceleration without the contact's force. The rate
+ * w of the separation is at most S, and that of the flight is too. INFINITY stands for a body that the
+ * importer moves, whose velocity may contradict its displacement. */
+static double deviation_speed_at_most(const struct scene_values *v, const struct scene_state *q,
+                                      const struct scene_instant *at, int contact, double time)
+{
+    if (body_is_prescribed(v, contact_source(contact)) ||
+        body_is_prescribed(v, contact_destination(contact))) {
+        return (double)INFINITY;
+    }
+    const struct separation_path flight = separation_path_of(v, q, at, q->clock, contact);
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const double stored = contact_stored_energy(&law, (enum contact_regime)q->contact[contact].regime,
+                                                at->geometry[contact].gap);
+    double acceleration = 0.0;
+    for (int i = SEPARATION_DEGREE; i > 1; --i) {
+        acceleration = acceleration * time + i * (i - 1) * vec3_norm(flight.c[i]);
+    }
+    const double start = vec3_dot(flight.w[0], flight.w[0]) + 2.0 * stored * scene_inverse_mass(v, contact);
+    return 2.0 * (sqrt(start) + acceleration * time);
+}
+
+/* Returns a bound of the mean speed at which the bodies of a contact that is apart approach each other within
+ * a time from now, while other contacts act on them [m/s]. */
+static double approach_at_most(const struct scene_values *v, const struct scene_state *q,
+                               const struct scene_instant *at, int contact, double time)
+{
+    const struct separation_path flight = separation_path_of(v, q, at, q->clock, contact);
+    double speed = flight_speed_at_most(&flight, time);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        for (int end = 0; contact_transmits(q, j) && end < 2; ++end) {
+            const int body = end == 0 ? contact_source(j) : contact_destination(j);
+            if (body_is_free(v, body) &&
+                (body == contact_source(contact) || body == contact_destination(contact))) {
+                const double share = 1.0 / (body_mass(v, body) * scene_inverse_mass(v, j));
+                speed += share * deviation_speed_at_most(v, q, at, j, time);
+            }
+        }
+    }
+    return speed;
+}
+
+/* Bodies that are nearer than this part of the source's radius are left to the general segment, which finds
+ * where they touch. */
+static const double NEARBY = 1e-3;
+
+/* Returns a time for which contacts that are apart stay so while other contacts act on their bodies [s]; 0
+ * where one is too near or a body is prescribed. No gap changes faster than the separation. */
+static double others_apart_for(const struct scene_values *v, const struct scene_state *q,
+                               const struct scene_instant *at, double longest)
+{
+    double time = longest;
+    for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
+        if (contact_transmits(q, j) || !contact_is_coupled(v, q, j)) {
+            continue;
+        }
+        const double room = at->geometry[j].gap - NEARBY * body_radius(v, contact_source(j));
+        if (!(room > 0.0)) {
+            return 0.0;
+        }
+        time = fmin(time, room / approach_at_most(v, q, at, j, 0.0));
+        while (time > 0.0 && time * approach_at_most(v, q, at, j, time) > room) {
+            time *= 0.5;
+        }
+    }
+    return time;
 }
 
 static bool has_segment(const struct scene_values *v, const struct scene_state *q, int contact)
@@ -446,11 +529,16 @@ static bool longer_does_harm(const struct pair_phase *all, const struct scene_va
     return any;
 }
 
-/* Begins a phase up to the clock `until`, or earlier. */
+/* Begins a phase up to the clock `until`, or earlier. Returns false where that fails. */
 static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, struct scene_state *q,
                         double until, struct advance *step)
 {
-    double longest = until - q->clock;
+    double longest = others_apart_for(v, q, advance_now(step, v, q), until - q->clock);
+    const bool cut = longest < until - q->clock;
+    until = cut ? q->clock + longest : until;
+    if (!(until > q->clock)) {
+        return false;
+    }
     if (until > step->clock_end) {
         step->is_now = false; /* the instant is computed as restore_pairs computes it */
     }
@@ -464,6 +552,7 @@ static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, st
     if (!made) {
         return false;
     }
+    all->is_cut = cut && !(all->time < longest);
     q->phase.clock = q->phase.followed = q->clock;
     q->phase.end = all->time < longest ? q->clock + all->time : until;
     if (q->phase.end > step->clock_end) { /* else nothing returns to the start */
@@ -497,15 +586,24 @@ static double unforeseen_until(const struct scene_values *v, const struct scene_
     return until;
 }
 
+/* So many phases of a step may end only because another contact may begin after them. The general segment
+ * goes on from there: the bound of the time apart is poor where bodies fly past each other. */
+enum { MOST_CUTS = 8 };
+
 /* Advances the contact pairs phase by phase, together with the prescribed contacts. */
 static enum advance_result advance_pairs(struct integrator *s, const struct scene_values *v,
                                          struct scene_state *q, struct advance *step)
 {
     struct pair_phase *all = s->pairs;
     q->integrator_fresh = 1;
-    while (q->clock < step->clock_end) {
+    all->is_cut = false;
+    for (int cuts = 0; q->clock < step->clock_end;) {
         if (advance_is_spent(step)) {
             return ADVANCE_STEP_LIMIT;
+        }
+        cuts += all->is_cut;
+        if (cuts > MOST_CUTS) {
+            return ADVANCE_FAILED;
         }
         const bool made =
             q->phase.end > q->clock

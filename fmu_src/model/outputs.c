@@ -97,6 +97,13 @@ static double put_energies(struct scene_values *v, const struct scene_state *q,
     put_solver_events(v, q->counters.events);
     put_solver_rejected_steps(v, q->counters.rejected_steps);
     put_solver_fallbacks(v, q->counters.fallbacks);
+#if HAS_solver_islands || HAS_solver_largest_island
+    {
+        const struct islands islands = scene_islands(v, q);
+        put_solver_islands(v, islands.count);
+        put_solver_largest_island(v, islands.largest);
+    }
+#endif
     return total;
 }
 

@@ -198,14 +198,58 @@ bool scene_is_apart(const struct scene_state *q)
 
 bool body_is_loaded(const struct scene_state *q, int body, int except)
 {
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const bool touches = contact_source(j) == body || contact_destination(j) == body;
-        if (j != except && touches && contact_transmits(q, j)) {
+#if SCENE_CONTACTS > 1
+    for (const int16_t *j = body_contacts(body); *j >= 0; ++j) {
+        if (*j != except && contact_transmits(q, *j)) {
             return true;
         }
     }
     return false;
+#else
+    return except != 0 && (contact_source(0) == body || contact_destination(0) == body) &&
+           contact_transmits(q, 0);
+#endif
 }
+
+#if SCENE_CONTACTS > 1
+/* Returns the contact that stands for the island of a contact: a forest, in which `above` leads to a root. */
+static int island_of(int16_t *above, int contact)
+{
+    while (above[contact] != contact) {
+        above[contact] = above[above[contact]];
+        contact = above[contact];
+    }
+    return contact;
+}
+
+struct islands scene_islands(const struct scene_values *v, const struct scene_state *q)
+{
+    struct islands found = {0, 0};
+    int16_t above[SCENE_CONTACTS];
+    int size[SCENE_CONTACTS] = {0};
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        above[j] = (int16_t)j;
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        int first = -1; /* contact of the body in touch */
+        const bool moves = body_is_free(v, i) || body_turns_freely(v, i);
+        for (const int16_t *j = body_contacts(i); moves && *j >= 0; ++j) {
+            if (q->contact[*j].regime != (int32_t)REGIME_APART) {
+                first = first < 0 ? *j : first;
+                above[island_of(above, *j)] = (int16_t)island_of(above, first);
+            }
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (q->contact[j].regime != (int32_t)REGIME_APART) {
+            const int contacts = ++size[island_of(above, j)];
+            found.count += contacts == 1;
+            found.largest = contacts > found.largest ? contacts : found.largest;
+        }
+    }
+    return found;
+}
+#endif
 
 bool contact_is_coupled(const struct scene_values *v, const struct scene_state *q, int contact)
 {

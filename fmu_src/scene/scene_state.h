@@ -311,6 +311,13 @@ bool scene_is_apart(const struct scene_state *q);
 bool contact_transmits(const struct scene_state *q, int contact);
 bool body_is_loaded(const struct scene_state *q, int body, int except);
 
+/* Islands are sets of contacts in touch that share free bodies. */
+struct islands {
+    int count, largest; /* how many there are, and the number of contacts of the largest */
+};
+
+struct islands scene_islands(const struct scene_values *v, const struct scene_state *q);
+
 /* Whether another contact exerts a force on a free body of this contact, so that its motion is no polynomial
  * even while this one is apart. Constant false in scenes of one contact. */
 bool contact_is_coupled(const struct scene_values *v, const struct scene_state *q, int contact);

@@ -4,6 +4,7 @@ from functools import cached_property
 
 SCENE_CVODE = "scene.cvode"  # in `when`: whether the scene may come to integrate with CVODE
 SCENE_GENERAL = "scene.general"  # and by the general segment (fmu_src/integrator/general.h)
+SCENE_SEVERAL = "scene.several"  # whether it has two contacts or more
 
 
 def number_of(row, value):
@@ -34,6 +35,8 @@ class Conditions:
             return self.may_need_cvode in items
         if choice == SCENE_GENERAL:
             return self.may_need_general in items
+        if choice == SCENE_SEVERAL:
+            return (len(self.scene.contacts) > 1) in items
         for other in self._choices(choice, cell):
             if other.row.type.items:  # of these a scene may leave a choice some only
                 items = [item for item in items if other.row.type.item(item)]

@@ -179,7 +179,20 @@ def _context(resolved: Resolved) -> dict:
         "state_of": _state_of(resolved),
         "references": [(variable.reference, i) for i, variable in enumerate(variables, 1)],
         "page": page.context(resolved),
+        "contacts_of_bodies": _contacts_of_bodies(resolved),
     }
+
+
+def _contacts_of_bodies(resolved: Resolved) -> dict[str, list[int]]:
+    """The contacts of all bodies in one list, each ended by -1, and where those of each body begin."""
+    first, contacts = [], []
+    for body in range(len(resolved.scene.bodies)):
+        first.append(len(contacts))
+        contacts += [
+            j for j, one in enumerate(resolved.scene.contacts) if body in (one.source, one.destination)
+        ]
+        contacts.append(-1)
+    return {"first": first, "contacts": contacts}
 
 
 def _facts(resolved: Resolved) -> dict:

@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 
 from .catalogue import Catalogue, Item, Row, Type
-from .conditions import SCENE_CVODE, SCENE_GENERAL
+from .conditions import SCENE_CVODE, SCENE_GENERAL, SCENE_SEVERAL
 from .errors import InputError, allowed
 
 ROW_KEYS = {
@@ -117,7 +117,7 @@ def _check_ranges(catalogue: Catalogue, shown: str) -> None:
 def _check_references(catalogue: Catalogue, shown: str) -> None:
     """No value reference of a block is given twice; conditions speak of choices that exist."""
     used: dict[tuple[str, int], str] = {}
-    choices = [*catalogue.choices(), SCENE_CVODE, SCENE_GENERAL]
+    choices = [*catalogue.choices(), SCENE_CVODE, SCENE_GENERAL, SCENE_SEVERAL]
     for row in catalogue.rows.values():
         for vr in range(row.vr, row.vr + row.dim):
             other = used.setdefault((row.owner, vr), row.key)

@@ -163,6 +163,16 @@ static inline int contact_{{ role }}(int contact)
 }
 {% endfor %}
 
+{% if scene.contacts | length > 1 %}
+/* The contacts of a body, ended by -1. */
+static inline const int16_t *body_contacts(int body)
+{
+    static const int first[SCENE_BODIES] = { {{- contacts_of_bodies.first | join(", ") -}} };
+    static const int16_t contacts[] = { {{- contacts_of_bodies.contacts | join(", ") -}} };
+    return contacts + first[body];
+}
+
+{% endif %}
 /* Parameters and inputs; a constant where the scene pins the value or does not need it. */
 {% for accessor in readers %}
 
