@@ -60,7 +60,7 @@ def test_random_scenes_are_the_same_bits(opened, shape, kind, method):
             assert differing(second, third) == [], f"after step {k + 1}"
 
 
-@pytest.mark.parametrize("scene", raw.SCENES)
+@pytest.mark.parametrize("scene", raw.ALL)
 def test_inputs_that_change_give_the_same_bits(scene):
     """Each scene as it is shipped, with every input that it has moving at each communication point."""
     random = np.random.default_rng(len(scene))
@@ -78,7 +78,7 @@ def test_inputs_that_change_give_the_same_bits(scene):
             assert differing(second, third) == []
 
 
-@pytest.mark.parametrize("scene", raw.SCENES)
+@pytest.mark.parametrize("scene", raw.ALL)
 def test_derivatives_are_those_of_fmi2(scene):
     """Of outputs with respect to time, and with respect to inputs along a random direction."""
     random = np.random.default_rng(7)

@@ -85,7 +85,7 @@ def test_some_run_makes_every_kind_of_dependency_felt():
     assert felt == claimed - elsewhere
 
 
-@pytest.mark.parametrize("scene", raw.SCENES)
+@pytest.mark.parametrize("scene", raw.ALL)
 def test_fixed_dependencies_are_ones_or_zeros(scene):
     """dependenciesKind fixed: bodies go where they are put, whatever the place"""
     fmu = raw.load(scene)

@@ -9,7 +9,7 @@ import pytest
 from lxml import html
 
 from contact_fmus.fmu.files import fmu_file
-from support.generator.generated import SCENES, describe
+from support.generator.generated import PAIRS, describe
 
 
 def example(page: str) -> str:
@@ -17,7 +17,7 @@ def example(page: str) -> str:
     return script.text_content()
 
 
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("scene", PAIRS)
 def test_the_example_of_the_page_runs(scene, tmp_path, monkeypatch):
     fmu = fmu_file(scene)
     with zipfile.ZipFile(fmu) as members:

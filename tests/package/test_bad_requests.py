@@ -113,6 +113,7 @@ WRONG = {
     "build: no such platform": (["build", "scene.toml", "--platforms", "amiga"], "there is no 'amiga'"),
     "build: no SUNDIALS": (["build", "scene.toml", "--sundials-source", "folder.fmu"], "src/cvode"),
     "new: plane": (["new", "X", "--shape", "plane", "--inside"], "a plane has no inside"),
+    "new: scene": (["new", "X", "--scene", "cradle", "--inside"], "it is a whole scene"),
     "new: name": (["new", "3x"], "'3x'"),
     "new: exists": (["new", "scene"], "--force"),
     "new: pinned": (["new", "X", "--pinned", "contact.dashpot=no"], "allowed: non_adhesive"),

@@ -2,9 +2,10 @@
 
 import pytest
 
-from contact_fmus.building import cmake_build
+from contact_fmus.building import cmake_build, command
 from contact_fmus.building.command import build, new
 from contact_fmus.errors import RunFailure, UserError
+from support.sources import ROOT
 
 
 @pytest.fixture(autouse=True)
@@ -12,6 +13,16 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     return tmp_path
+
+
+@pytest.mark.parametrize("scene", command.SCENES)
+def test_a_new_scene_of_many_bodies_is_the_shipped_one_by_another_name(folder, scene):
+    assert new(["Mine", "--scene", scene]) == 0  # what the generator has accepted
+    shipped = (ROOT / "modelDescription" / "scenes" / f"{command.SCENES[scene]}.toml").read_text(
+        encoding="utf-8"
+    )
+    own = (folder / "Mine.toml").read_text(encoding="utf-8")
+    assert own.replace('name = "Mine"', f'name = "{command.SCENES[scene]}"') == shipped
 
 
 def test_a_scene_that_cannot_be_initialized_is_refused_with_the_sentence_of_the_fmu(folder, capsys):

@@ -16,6 +16,7 @@ import jinja2
 from rich.console import Console
 
 from contact_fmus.errors import UserError
+from contact_fmus.fmu.files import repository
 from contact_fmus.options import parse
 
 from .cmake_build import How, Scene, build_fmus, check_scene, find_compiler
@@ -27,12 +28,18 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 SHAPES = tomllib.loads(Path(__file__).with_name("shapes.toml").read_text(encoding="utf-8"))
 TEMPLATE = Path(__file__).with_name("scene.toml")
+SCENES = {"bearing": "BallBearing", "cradle": "NewtonsCradle", "galton": "GaltonBoard"}  # with many bodies
 
 
-def scene_text(name: str, shape: str, inside: bool, pinned: list[str]) -> str:
+def scene_text(name: str, scene: str | None, shape: str, inside: bool, pinned: list[str]) -> str:
     """The text of the scene file; UserError for a name or a choice that cannot be one"""
     if not NAME.fullmatch(name):
         raise UserError(f"'{name}' is no name of a scene: a letter, then letters, digits and _")
+    if scene:
+        if inside or pinned or shape != "sphere":
+            raise UserError("--scene goes without --shape, --inside and --pinned: it is a whole scene")
+        file = repository() / "modelDescription" / "scenes" / f"{SCENES[scene]}.toml"
+        return file.read_text(encoding="utf-8").replace(f'"{SCENES[scene]}"', f'"{name}"')
     if shape == "plane" and inside:
         raise UserError("--inside goes with a sphere, a cylinder or a torus: a plane has no inside")
     about = SHAPES[f"{shape} inside" if inside else shape]
@@ -138,7 +145,7 @@ def new(arguments: list[str] | None = None) -> int:
     file = options.output / f"{options.name}.toml"
     if file.exists() and not options.force:
         raise UserError(f"{file} exists: another name, or --force to overwrite it")
-    text = scene_text(options.name, options.shape, options.inside, options.pinned)
+    text = scene_text(options.name, options.scene, options.shape, options.inside, options.pinned)
     with tempfile.TemporaryDirectory() as folder:  # so that nothing is written that cannot be built
         trial = Path(folder) / "new" / f"{options.name}.toml"
         trial.parent.mkdir()

@@ -117,6 +117,9 @@ def usual(result: Result) -> list[Panel]:
     if not contacts:
         numbers = [name for name, column in result.columns.items() if column.dtype.kind != "U"]
         return chosen(result, sorted(numbers))[:MOST]
+    if len(contacts) > MOST:  # those that came nearest
+        least = sorted(contacts, key=lambda one: float(np.min(result.columns[f"{one}.gap"])))[:MOST]
+        contacts = [one for one in contacts if one in least]
     panels = [
         _of_contacts(result, contacts, "gap", "gap"),
         _of_contacts(result, contacts, "normal_force", "normal force"),
@@ -160,7 +163,7 @@ def _kind(name: str) -> str:
 
 def _component(name: str) -> str:
     """source.position[3]: source z"""
-    found = re.fullmatch(r"(\w+)\.\w+\[([123])\]", name)
+    found = re.fullmatch(r"([\w\[\],]+)\.\w+\[([123])\]", name)
     return f"{found[1]} {AXES[found[2]]}" if found else name.rpartition(".")[0] or name
 
 

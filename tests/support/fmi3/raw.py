@@ -17,7 +17,7 @@ from contact_fmus.fmu.files import repository, unpack
 from support import prototypes
 from support.fmi2 import raw as fmi2
 
-KINDS, SCENES = fmi2.KINDS, fmi2.SCENES
+ALL, KINDS, SCENES = fmi2.ALL, fmi2.KINDS, fmi2.SCENES
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
 INTERMEDIATE = ctypes.CFUNCTYPE(

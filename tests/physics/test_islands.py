@@ -1,0 +1,123 @@
+"""Several contacts at once: Newton's cradle, a ball bearing, a Galton board, and the islands they make."""
+
+import numpy as np
+import pytest
+
+from contact_fmus.fmu.contact_fmu import ContactFmu
+from support.checks import check_close
+from support.reference.chain import velocities
+
+# Of the last balls, in units of the first one's speed, as published for such chains
+LAST = {
+    (3, "linear"): (-0.130261695, 0.150229569, 0.980032126),
+    (3, "hertz"): (-0.070952354, 0.076403039, 0.994549315),
+    (10, "linear"): (0.877671242,),
+    (10, "hertz"): (0.985865866,),
+}
+
+
+def chain(fmu, balls, law):
+    """Starts a cradle; the other balls of the scene are far away."""
+    values = {f"touch[{i}].law": law for i in range(1, 40)} | {"ball[1].initial_velocity": [1, 0, 0]}
+    values |= {f"ball[{i}].center": [1e3 * i, 0, 0] for i in range(balls + 1, 41)}
+    fmu.start(values, tolerance=1e-12)
+
+
+@pytest.mark.parametrize(("balls", "law"), LAST)
+def test_balls_in_touch_leave_with_the_speeds_of_the_reference(opened_several, balls, law):
+    fmu, end = opened_several("Chain"), 30.0 if balls == 3 else 60.0
+    expected = velocities(balls, law, end)
+    check_close("published", expected[-len(LAST[balls, law]) :], LAST[balls, law], 1e-9)
+    fmu.reset()
+    chain(fmu, balls, law)
+    islands = []
+    for _ in range(6):
+        fmu.step(end / 6)
+        islands.append((fmu["solver.islands"], fmu["solver.largest_island"]))
+    found = [fmu[f"ball[{i}].velocity"][0] for i in range(1, balls + 1)]
+    check_close("velocities", found, expected, 1e-10)
+    check_close("momentum", sum(found), 1.0, 1e-12)
+    assert islands[-1] == (0, 0)  # all apart
+
+
+def test_a_chain_of_beads_carries_a_solitary_wave(opened_several):
+    """Its peak force, the speed of its beads and its own, as of the long wave in a chain under Hertz's law
+    (units of stiffness, mass and the speed of the striker)
+    """
+    fmu = opened_several("Chain")
+    fmu.reset()
+    chain(fmu, 40, "hertz")
+    step, rows = 0.02, []
+    for _ in range(1950):
+        fmu.step(step)
+        rows.append(
+            [fmu["touch[21].normal_force"], fmu["touch[31].normal_force"], fmu["ball[25].velocity[1]"]]
+        )
+
+    def peak(column):
+        """Time and height, by a parabola"""
+        k = int(np.argmax(column))
+        a, b, c = np.polyfit(step * np.arange(-2, 3), column[k - 2 : k + 3], 2)
+        return k * step - b / (2.0 * a), c - b * b / (4.0 * a)
+
+    (early, force), (late, _), (_, speed) = map(peak, np.array(rows).T)
+    check_close("peak force", force, 0.6395542, 2e-6)
+    check_close("speed of a bead", speed, 0.681632, 2e-6)
+    check_close("beads per second", 10.0 / (late - early), 0.9055158 * force ** (1.0 / 6.0), 1e-5)
+
+
+def test_islands_are_contacts_in_touch_that_share_free_bodies(opened_several):
+    """Of eight balls, two rows of three and a pair touch, overlapping a little; the middle one is prescribed
+    by nobody: a gap parts the rows
+    """
+    fmu = opened_several("Chain")
+    fmu.reset()
+    places = [0, 0.99, 1.98, 10, 10.99, 20, 20.99, 21.98, 22.97]
+    values = {f"ball[{i}].center": [x, 0, 0] for i, x in enumerate(places, 1)}
+    fmu.start(values | {f"ball[{i}].center": [1e3 * i, 0, 0] for i in range(len(places) + 1, 41)})
+    assert (fmu["solver.islands"], fmu["solver.largest_island"]) == (3, 3)
+    fmu.step(20.0)
+    assert (fmu["solver.islands"], fmu["solver.largest_island"]) == (0, 0)
+
+
+@pytest.mark.parametrize("law", ["linear", "hertz"])
+def test_the_races_share_a_load_as_springs_do(fmu_path, law):
+    """The discrete sum over the balls below; 4.37 F/Z is what handbooks say of many balls (Hertz)."""
+    load, power = 10.0, {"linear": 1.0, "hertz": 1.5}[law]
+    down = np.maximum(np.cos(np.radians(40.0 * np.arange(9))), 0.0)
+    expected = load * down**power / np.sum(down ** (power + 1.0))
+    values = {"gravity": [0, 0, 0]} | {f"ball[{i}].initial_velocity": [0, 0, 0] for i in range(1, 10)}
+    values |= {f"on_{race}[{i}].law": law for race in ("inner", "outer") for i in range(1, 10)}
+    values |= {
+        f"on_{race}[{i}].hunt_crossley_factor": 2e3 for race in ("inner", "outer") for i in range(1, 10)
+    }
+    with ContactFmu(fmu_path("BallBearing")) as fmu:
+        fmu.start(values, tolerance=1e-9)
+        fmu.step({"linear": 3e-3, "hertz": 8e-3}[law])  # until the damping has brought it to rest
+        found = [fmu[f"on_inner[{i}].normal_force"] for i in range(1, 10)]
+        assert fmu["solver.islands"] == 1
+        check_close("shares", found, expected, 5e-5 * load)
+    if law == "hertz":
+        check_close("handbook", max(found), 4.37 * load / 9, 0.01 * load)
+
+
+def fall(fmu, x, steps=1):
+    """Where the ball of a Galton board is after 0.3 s, some ten impacts"""
+    fmu.reset()
+    fmu.start({"ball.center": [x, 0, 0.018]}, tolerance=1e-11)
+    for _ in range(steps):
+        fmu.step(0.3 / steps)
+    return fmu["ball.position"]
+
+
+@pytest.mark.parametrize("x", [1e-4, 2.3e-4, 4.1e-4])
+def test_a_ball_among_pegs_goes_by_closed_forms(opened, x):
+    """Each impact is that of a pair, though the ball has thirty contacts; mirrored starts fall mirrored."""
+    fmu = opened("GaltonBoard")
+    once = fall(fmu, x)
+    impacts = sum(fmu[f"hit[{i}].onsets"] for i in range(1, 29)) + sum(
+        fmu[f"side[{i}].onsets"] for i in (1, 2)
+    )
+    assert impacts >= 3 and fmu["solver.fallbacks"] == 0
+    check_close("mirrored", fall(fmu, -x), once * [-1, 1, 1], 1e-9)
+    check_close("in 50 steps", fall(fmu, x, 50), once, 1e-9)
