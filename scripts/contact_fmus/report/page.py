@@ -11,7 +11,7 @@ from contact_fmus.options import parse
 from contact_fmus.pages import Table, read_words, write_pages
 
 from . import figures, tables
-from .measure import Row, read_part, read_rows
+from .measure import RELATIVE_TOLERANCE, THIS_FMU, Row, read_part, read_rows
 
 WORDS = read_words(__file__)
 
@@ -57,7 +57,7 @@ def _work_precision(
     name: str, problems: dict[str, Problem], own: list[Row], others: list[Row], ratios: Sequence[dict], folder: Path
 ) -> list[Section]:
     """Nothing where these problems have not been measured"""
-    made = (row for row in own if row.group == tables.THIS_FMU and row.setting == tables.RELATIVE_TOLERANCE)
+    made = (row for row in own if row.group == THIS_FMU and row.setting == RELATIVE_TOLERANCE)
     rows = [row for row in made if row.problem in problems]
     if not rows:
         return []
