@@ -18,16 +18,18 @@ struct node {
     struct vec3 by_force[3], by_velocity[3], by_place[3];
 };
 
-/* How a body moves under a force: 1/m [1/kg], 1/I_1 [1/(kg m^2)], I_1/I_3 - 1; all zero if it is not free. */
+/* How a body moves under a force: 1/m [1/kg], 1/I_1 [1/(kg m^2)], I_1/I_3 - 1; all zero if it is not free.
+ * Its rotation is `across` times L/I_1, plus the flatness times its part along the axis: across is 1, and 0
+ * for a body that keeps its axis, which has a flatness of 1. */
 struct mobility {
     bool moves;
-    double by_mass, by_inertia, flatness;
+    double by_mass, by_inertia, across, flatness;
 };
 
 /* Whether the inertia about the axis of a body differs from that across it: of cylinders only. */
 static inline bool is_flat(const struct mobility *m)
 {
-    return SCENE_ANY_CYLINDER && m->flatness != 0.0;
+    return SCENE_ANY_AXIS && m->flatness != 0.0;
 }
 
 /* The bodies at both ends of a contact, source first, and the places of their velocities and spins among the
@@ -67,7 +69,11 @@ static void prepare_bodies(struct iteration *it)
         to->by_mass = body_inverse_mass(v, i);
         if (body_turns_freely(v, i)) {
             to->by_inertia = 1.0 / body_inertia_of(v, i).transverse;
-            to->flatness = body_flatness(v, i);
+            to->across = body_keeps_axis(i) ? 0.0 : 1.0;
+            to->flatness = body_keeps_axis(i) ? 1.0 : body_flatness(v, i);
+            for (int stage = 0; body_keeps_axis(i) && stage < RADAU_MOST_STAGES; ++stage) {
+                it->axis[stage][i] = quaternion_third_axis(it->g->state->turning.body[i].orientation);
+            }
         }
         to->moves = to->by_mass > 0.0 || to->by_inertia > 0.0;
     }
@@ -180,7 +186,7 @@ static struct scene_instant *move_to_stage(struct iteration *it, int stage)
 /* Adds the rates of the orientations on which contacts depend. */
 static void put_orientation_rates(struct iteration *it, int stage, const struct scene_instant *at)
 {
-    for (int i = 0; SCENE_ANY_CYLINDER && i < SCENE_BODIES; ++i) {
+    for (int i = 0; SCENE_ANY_AXIS && i < SCENE_BODIES; ++i) {
         const int k = it->layout.orientation[i];
         if (k >= 0 && k < it->layout.coupled) {
             const double *y = it->g->step.point + k;
@@ -252,7 +258,7 @@ static struct vec3 velocity_of(const struct iteration *it, int stage, int contac
             struct vec3 turned = vec3_from(change + ends->spin[end]);
             if (is_flat(m)) {
                 const struct vec3 e = it->axis[stage][ends->body[end]];
-                turned = vec3_axpy(turned, m->flatness * vec3_dot(turned, e), e);
+                turned = vec3_axpy(vec3_scale(m->across, turned), m->flatness * vec3_dot(turned, e), e);
             }
             const struct vec3 arm = it->node[stage][contact].arm[end];
             sum = vec3_axpy(sum, SIGN_OF_END[end], vec3_cross(turned, arm));
@@ -290,7 +296,8 @@ static void add_pending(struct iteration *it)
 /* A body that two contacts share, and the ends of both contacts at which it is. */
 struct shared_body {
     int body, end, other_end;
-    double by_mass, by_inertia, flatness; /* mobilities; negative where the ends differ */
+    double by_mass, by_inertia,
+        by_axis; /* 1/m, 1/I_1 and what the axis adds; negative where the ends differ */
 };
 
 static int shared_bodies(const struct iteration *it, int c, int d, struct shared_body list[4])
@@ -305,8 +312,8 @@ static int shared_bodies(const struct iteration *it, int c, int d, struct shared
                                                  k / 2,
                                                  k % 2,
                                                  sign * m->by_mass,
-                                                 sign * m->by_inertia,
-                                                 SCENE_ANY_CYLINDER ? m->flatness : 0.0};
+                                                 sign * m->by_inertia * m->across,
+                                                 SCENE_ANY_AXIS ? sign * m->by_inertia * m->flatness : 0.0};
         }
     }
     return count;
@@ -324,9 +331,9 @@ static inline void add_mobility(const struct shared_body *m, struct vec3 arm, st
                              block[k].y + alike * row[k].y - turned * arm.y,
                              block[k].z + alike * row[k].z - turned * arm.z);
     }
-    if (m->flatness != 0.0) {
+    if (m->by_axis != 0.0) {
         const struct vec3 lever = vec3_cross(arm, axis);
-        const struct vec3 turned = vec3_scale(m->by_inertia * m->flatness, vec3_cross(of, axis));
+        const struct vec3 turned = vec3_scale(m->by_axis, vec3_cross(of, axis));
         for (int k = 0; k < 3; ++k) {
             block[k] = vec3_axpy(block[k], vec3_dot(row[k], lever), turned);
         }

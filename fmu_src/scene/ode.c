@@ -475,7 +475,7 @@ void ode_contact_motion(const struct scene_ode *ode, const struct turning_layout
             at->velocity[i] = vec3_from(y + ode_body(v, i) + 3);
         }
         if (layout->spin[i] >= 0) {
-            turn->angular_velocity = vec3_from(y + layout->spin[i]);
+            turn->angular_velocity = body_part_that_turns(v, i, vec3_from(y + layout->spin[i]));
             if (layout->orientation[i] < layout->coupled) { /* no contact sees how a sphere is turned */
                 turn->orientation = quaternion_unit(four_from(y + layout->orientation[i]));
                 turn->angular_velocity = angular_velocity_of(v, turn->orientation, turn->angular_velocity, i);
