@@ -35,7 +35,7 @@ struct contact_solid {
     double radius, half_height; /* r_d, L / 2 [m]; half_height 0: not a capped cylinder */
     /* The enum zone that holds, negative at the end to which -e_d points. With 0 the nearest zone holds. */
     int zone;
-    int race;                   /* of a torus: +1 only rho <= R is touched, -1 only rho >= R, 0 all of it */
+    int race; /* of a torus: +1 only rho <= R is touched, -1 only rho >= R, 0 all of it */
 };
 
 /* The data that are constant during a contact, or while the contact stays in one zone. */

@@ -331,7 +331,7 @@ static inline void add_mobility(const struct shared_body *m, struct vec3 arm, st
                              block[k].y + alike * row[k].y - turned * arm.y,
                              block[k].z + alike * row[k].z - turned * arm.z);
     }
-    if (m->by_axis != 0.0) {
+    if (SCENE_ANY_AXIS && m->by_axis != 0.0) {
         const struct vec3 lever = vec3_cross(arm, axis);
         const struct vec3 turned = vec3_scale(m->by_axis, vec3_cross(of, axis));
         for (int k = 0; k < 3; ++k) {

@@ -723,8 +723,11 @@ static struct vec3 free_fall(const struct scene_values *v, int body)
 static bool apart_is_known(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    return shape.side > 0 && !contact_is_torus(&shape) && !body_is_prescribed(v, contact_source(contact)) &&
-           !body_is_prescribed(v, contact_destination(contact));
+    if (body_is_prescribed(v, contact_source(contact)) ||
+        body_is_prescribed(v, contact_destination(contact))) {
+        return false;
+    }
+    return shape.side > 0 && !contact_is_torus(&shape);
 }
 
 /* Returns the time [s] after the present instant `at` in which bodies that are apart cannot touch. A convex

@@ -77,8 +77,9 @@ static inline void radau_combine_rows(double *restrict to, int to_stride, const 
             }
         }
         for (; k < width; k += 2 * LANES) {
-            double2 low[2] = {{0.0}, {0.0}};
-            double2 high[2] = {{0.0}, {0.0}};
+            const double2 none = {0.0};
+            double2 low[2] = {none, none};
+            double2 high[2] = {none, none};
             for (int j = 0; j < count; ++j) {
                 const double x = table[i * count + j];
                 const double y = table[next * count + j];
@@ -242,71 +243,37 @@ static void divide_quaternions(const double *a, const double *b, double *quotien
     multiply_quaternions(a, inverse, quotient);
 }
 
-/* The rotation by which a constant rate turns a quaternion in a time, as a quaternion. */
-static void rotation_by(const double rate[4], double time, double rotation[4])
-{
-    const double size = sqrt(rate[1] * rate[1] + rate[2] * rate[2] + rate[3] * rate[3]);
-    const double by = size > 0.0 ? sin(size * time) / size : 0.0;
-    rotation[0] = cos(size * time);
-    for (int k = 1; k < 4; ++k) {
-        rotation[k] = by * rate[k];
-    }
-}
-
-/* Sets the change of a quaternion whose rates are given for its value at the start. The quaternion is taken
- * in a frame that turns at the mean rate; what is left is found by sweeps, which converge as the series of
- * the exponential function does. */
+/* Change of a quaternion whose rates are given for its value at the start: by sweeps, which converge as the
+ * series of the exponential function does. */
 static void turn_quaternion(struct radau_step *p, int first)
 {
     const int s = p->stages->stages;
+    double turning[RADAU_MOST_STAGES][4];
+    double rates[RADAU_MOST_STAGES * 4];
+    double change[4];
     const double *start = p->y + first;
-    double turning[RADAU_MOST_STAGES * 4] = {0.0};
-    double rotation[RADAU_MOST_STAGES][4];
-    double rates[RADAU_MOST_STAGES * 4] = {0.0};
-    double within[RADAU_MOST_STAGES * 4] = {0.0}; /* the quaternion in the turning frame, less its start */
-    double change[RADAU_MOST_STAGES * 4];
-    double mean[4];
     for (int i = 0; i < s; ++i) {
-        divide_quaternions(p->rates + i * p->stride + first, start, turning + 4 * i);
-    }
-    radau_combine(mean, p->stages->integral + (s - 1) * s, s, turning, 4, 4);
-    for (int i = 0; i < s; ++i) {
-        double left[4];
-        double turned[4];
-        rotation_by(mean, p->length * p->stages->node[i], rotation[i]);
-        for (int k = 0; k < 4; ++k) {
-            left[k] = turning[4 * i + k] - mean[k];
-        }
-        multiply_quaternions(left, rotation[i], turned);
-        rotation_by(mean, -p->length * p->stages->node[i], left);
-        multiply_quaternions(left, turned, turning + 4 * i);
+        divide_quaternions(p->rates + i * p->stride + first, start, turning[i]);
+        memcpy(rates + 4 * i, p->rates + i * p->stride + first, sizeof change);
+        memset(p->change + i * p->stride + first, 0, sizeof change);
     }
     double largest = 1.0;
     for (int sweep = 0; sweep < MOST_SWEEPS && largest > DBL_EPSILON; ++sweep) {
         largest = 0.0;
         for (int i = 0; i < s; ++i) {
+            double *known = p->change + i * p->stride + first;
+            radau_combine(change, p->stages->integral + i * s, s, rates, 4, 4);
+            for (int k = 0; k < 4; ++k) {
+                largest = fmax(largest, fabs(p->length * change[k] - known[k]));
+                known[k] = p->length * change[k];
+            }
+        }
+        for (int i = 0; i < s; ++i) {
             double now[4];
             for (int k = 0; k < 4; ++k) {
-                now[k] = start[k] + within[4 * i + k];
+                now[k] = start[k] + p->change[i * p->stride + first + k];
             }
-            multiply_quaternions(turning + 4 * i, now, rates + 4 * i);
-        }
-        radau_combine_rows(change, 4, p->stages->integral, s, s, rates, 4, 4);
-        for (int k = 0; k < 4 * s; ++k) {
-            const double moved = fabs(p->length * change[k] - within[k]);
-            largest = moved > largest ? moved : largest;
-            within[k] = p->length * change[k];
-        }
-    }
-    for (int i = 0; i < s; ++i) {
-        double now[4];
-        double turned[4];
-        for (int k = 0; k < 4; ++k) {
-            now[k] = start[k] + within[4 * i + k];
-        }
-        multiply_quaternions(rotation[i], now, turned);
-        for (int k = 0; k < 4; ++k) {
-            p->change[i * p->stride + first + k] = turned[k] - start[k];
+            multiply_quaternions(turning[i], now, rates + 4 * i);
         }
     }
 }

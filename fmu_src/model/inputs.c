@@ -425,7 +425,7 @@ enum model_status model_refuse_inputs(const struct model *m)
                     "and is not in force (allowed: at least one component other than zero).",
                     name, name, name);
             }
-            if (turn_tilts_axis(m, i)) {
+            if (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)) {
                 return model_report(m, MODEL_DISCARD,
                                     "%s.prescribed_angular_velocity would tilt the axis and is not in force: "
                                     "a cylinder that touches a cylinder turns about its own axis (allowed: "
@@ -458,7 +458,8 @@ bool model_apply_inputs(struct model *m)
         input_path_shift(m, i, &next[i]);
         const struct body_path before = next[i];
         input_path_renew(m, i, m->state.marks[i], &next[i]);
-        if (SCENE_ANY_ROTATION && (has_no_axis(&m->state.values, i) || turn_tilts_axis(m, i))) {
+        if (SCENE_ANY_ROTATION &&
+            (has_no_axis(&m->state.values, i) || (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)))) {
             return false;
         }
         same = same && input_path_is_same(&before, &next[i]);

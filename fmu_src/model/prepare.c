@@ -47,11 +47,11 @@ static enum model_status check_rotation(struct model *m, int body)
             name, name, name);
     }
     const bool turns = body_turns_freely(v, body);
-    const bool driven = body_turn_is_prescribed(v, body);
-    const struct vec3 omega = turns    ? body_initial_angular_velocity(v, body)
-                              : driven ? body_prescribed_angular_velocity(v, body)
-                                       : vec3_make(0.0, 0.0, 0.0);
-    if (model_tilts_axis(v, body, omega)) {
+    struct vec3 omega = {0.0, 0.0, 0.0};
+    if (SCENE_ANY_KEPT_AXIS && (turns || body_turn_is_prescribed(v, body))) {
+        omega = turns ? body_initial_angular_velocity(v, body) : body_prescribed_angular_velocity(v, body);
+    }
+    if (SCENE_ANY_KEPT_AXIS && model_tilts_axis(v, body, omega)) {
         return model_report(m, MODEL_ERROR,
                             "%s.%s = (%g, %g, %g) rad/s contradicts %s.axis: a cylinder that touches a "
                             "cylinder turns about its own axis (allowed: multiples of the axis).",
@@ -186,7 +186,7 @@ static enum model_status check_axes(struct model *m, int contact)
                                 none, none, none);
         }
     }
-    return !model_tilts_axis(v, bodies[1], axis)
+    return !SCENE_ANY_KEPT_AXIS || !model_tilts_axis(v, bodies[1], axis)
                ? MODEL_OK
                : model_report(m, MODEL_ERROR,
                               "%s.axis = (%g, %g, %g) contradicts %s.axis: contact of two cylinders takes "
@@ -247,7 +247,7 @@ static enum model_status check_contact(struct model *m, int contact)
     if (SCENE_ANY_TORUS && body_shape(contact_destination(contact)) == SHAPE_TORUS) {
         status = check_ring(m, contact, r_s, r_d);
     }
-    status = status == MODEL_OK ? check_axes(m, contact) : status;
+    status = SCENE_ANY_AXIS && status == MODEL_OK ? check_axes(m, contact) : status;
     status = status == MODEL_OK ? check_ends(m, contact) : status;
     return status == MODEL_OK ? check_friction(m, contact) : status;
 }

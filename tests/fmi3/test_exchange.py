@@ -34,13 +34,18 @@ def test_cvode_outside_reaches_the_references_by_the_steps_it_takes_with_fmi2(na
         assert np.array_equal(third[one], second[one]), one
 
 
+# The pin's own contact is so stiff that an importer's integrator takes it for noise.
+SOFT = {"contact.penalty_factor": 1e4, "contact.characteristic_slip_velocity": 1e-2}
+
+
 @pytest.mark.parametrize("scene", raw.SCENES)
 def test_every_scene_runs_to_its_end_as_in_co_simulation(scene):
     """Two integrators that share no code come to the same place; one scene goes on over a cylinder's end."""
     names = ["contact.gap", "contact.normal_force", "source.position", "energy.dissipated", "energy.total"]
     names = [name for name in names if name in raw.load(scene).variables]
     path, stop = raw.FMUS / f"{scene}.fmu", 0.8 if scene == "BallOffRoller" else 0.45
-    outside, inside = (simulate(path, {}, stop, names, kind) for kind in ("ModelExchange", "CoSimulation"))
+    start = SOFT if scene == "PinJoint" else {}
+    outside, inside = (simulate(path, start, stop, names, kind) for kind in ("ModelExchange", "CoSimulation"))
     for name in names:
         size = np.max(np.abs(inside[name])) + 1e-3
         assert np.max(np.abs(outside[name][-1] - inside[name][-1])) < 1e-6 * size, name
@@ -101,6 +106,7 @@ STARTS = {
         "destination.axis": [0.1, 1.0, 0.2],
         "contact.penalty_factor": 1e4,
     },
+    "PinJoint": SOFT,
 }
 
 

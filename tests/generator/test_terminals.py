@@ -33,7 +33,10 @@ def test_every_body_has_a_terminal_whose_members_are_variables(scene, which, des
         for entry in etree.parse(folder_of(scene) / description).find("ModelVariables")
     }
     found = terminals(folder_of(scene), which)
-    assert [entry.get("name") for entry in found] == [body["name"] for body in scene_file(scene)["body"]]
+    bodies = [body["name"] for body in scene_file(scene)["body"]]
+    named = [entry.get("name") for entry in found]
+    # the board leaves out the forces on its pegs, so that nothing is told of them
+    assert named == (["ball"] if scene == "GaltonBoard" else bodies)
     for terminal in found:
         assert (terminal.get("matchingRule"), terminal.get("terminalKind")) == ("plug", KIND)
         members = {member.get("memberName"): member.get("variableName") for member in terminal}
@@ -73,14 +76,16 @@ def test_a_body_in_two_contacts_has_its_forces_numbered(tmp_path):
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_the_svg_shows_the_bodies_where_the_png_does(scene):
-    """The middle of each circle has the colour of its filling on the PNG, unless something is drawn above."""
+    """The middle of a filled shape has its colour on the PNG, unless something is drawn above; a torus is
+    both sections of its tube"""
     picture = etree.parse(folder_of(scene) / "icon.svg")
     pixels = np.round(255 * matplotlib.image.imread(folder_of(scene) / "model.png")).astype(int)
     space = "{http://www.w3.org/2000/svg}"
-    circles = [entry for entry in picture.iter(f"{space}circle") if entry.get("fill") != "none"]
-    last = circles[-1]  # the source, which is above all
-    x, y = (int(float(last.get(key))) for key in ("cx", "cy"))
-    assert "#" + "".join(f"{value:02x}" for value in pixels[y, x, :3]) == last.get("fill")
+    filled = [one for one in picture.iter(f"{space}circle", f"{space}rect") if one.get("fill") != "none"]
+    last = filled[-1]  # the source, which is above all
+    if last.tag == f"{space}circle":
+        x, y = (int(float(last.get(key))) for key in ("cx", "cy"))
+        assert "#" + "".join(f"{value:02x}" for value in pixels[y, x, :3]) == last.get("fill")
     assert len(list(picture.iter(f"{space}polygon"))) == 1
     shapes = len(list(picture.iter(f"{space}circle"))) + len(list(picture.iter(f"{space}rect")))
-    assert shapes == len(scene_file(scene)["body"])
+    assert shapes == sum(2 if body["shape"] == "torus" else 1 for body in scene_file(scene)["body"])

@@ -3,18 +3,18 @@
 import os
 from pathlib import Path
 
-from support.fmi2.raw import SCENES
+from support.fmi2.raw import ALL
 from support.scenes.benchmarks import BENCHMARKS
 from support.sources import BUILD
 
 RELEASE = Path(os.environ.get("CONTACT_RELEASE", BUILD / "release"))
 # The scenes whose FMUs are looked at: all, or those of the files named in CONTACT_CHECKED
 NAMED = {Path(file).stem for file in os.environ.get("CONTACT_CHECKED", "").split()}
-CHECKED = [name for name in SCENES if not NAMED or name in NAMED]
+CHECKED = [name for name in ALL if not NAMED or name in NAMED]
 # (scene, start values, end, largest difference from Linux, relative above 1): all benchmarks, and all
 # scenes as they start. The bounds hold what the last digits of another libm become (docs/platforms.md).
 CASES = {name: (case.fmu, case.configuration, case.end, 1e-9) for name, case in BENCHMARKS.items()}
-CASES |= {name: (name, {}, 2.0, 1e-9) for name in SCENES}
+CASES |= {name: (name, {}, 2.0, 1e-9) for name in ALL}
 METHODS = ("cvode_bdf", "cvode_adams")
 CVODE = {f"P2 {method}": {**BENCHMARKS["P2"].configuration, "solver.method": method} for method in METHODS}
 CASES |= {name: ("SphereSphere", values, 1.5, 1e-9) for name, values in CVODE.items()}

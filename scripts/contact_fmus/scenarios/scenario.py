@@ -183,7 +183,8 @@ def find(name: str, suffixes: tuple[str, ...] = RUNS) -> Path:
     if ".fmu" in suffixes:
         known = f"FMUs: {', '.join(fmus) or f'none is built in {fmus_folder()}'}; {known}"
     kinds = "FMU or scenario" if ".fmu" in suffixes else "scenario"
-    raise UserError(f"'{name}' is no {kinds}{hint}, and no file: {words(suffixes)}; {known}")
+    known = "" if hint else f"; {known}"  # all names only where none is near
+    raise UserError(f"'{name}' is no {kinds}{hint}, and no file: {words(suffixes)}{known}")
 
 
 def first_run(path: Path) -> tuple[Experiment, str]:
