@@ -175,8 +175,6 @@ static enum model_status check_axes(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
     const int bodies[] = {contact_destination(contact), contact_source(contact)};
-    const char *name = scene_body_name(bodies[0]);
-    const struct vec3 axis = body_axis(v, bodies[0]);
     for (int i = 0; i < 2; ++i) {
         const char *none = scene_body_name(bodies[i]);
         if (body_shape(bodies[i]) != SHAPE_SPHERE && !(vec3_norm(body_axis(v, bodies[i])) > 0.0)) {
@@ -186,13 +184,15 @@ static enum model_status check_axes(struct model *m, int contact)
                                 none, none, none);
         }
     }
-    return !SCENE_ANY_KEPT_AXIS || !model_tilts_axis(v, bodies[1], axis)
-               ? MODEL_OK
-               : model_report(m, MODEL_ERROR,
-                              "%s.axis = (%g, %g, %g) contradicts %s.axis: contact of two cylinders takes "
-                              "parallel axes (allowed: multiples of %s.axis).",
-                              name, axis.x, axis.y, axis.z, scene_body_name(bodies[1]),
-                              scene_body_name(bodies[1]));
+    if (!SCENE_ANY_KEPT_AXIS || !model_tilts_axis(v, bodies[1], body_axis(v, bodies[0]))) {
+        return MODEL_OK;
+    }
+    const char *names[] = {scene_body_name(bodies[0]), scene_body_name(bodies[1])};
+    const struct vec3 axis = body_axis(v, bodies[0]);
+    return model_report(m, MODEL_ERROR,
+                        "%s.axis = (%g, %g, %g) contradicts %s.axis: contact of two cylinders takes parallel "
+                        "axes (allowed: multiples of %s.axis).",
+                        names[0], axis.x, axis.y, axis.z, names[1], names[1]);
 }
 
 /* Checks that a torus has a hole, and that a source that may touch it from within passes through: where one

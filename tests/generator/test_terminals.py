@@ -33,10 +33,7 @@ def test_every_body_has_a_terminal_whose_members_are_variables(scene, which, des
         for entry in etree.parse(folder_of(scene) / description).find("ModelVariables")
     }
     found = terminals(folder_of(scene), which)
-    bodies = [body["name"] for body in scene_file(scene)["body"]]
-    named = [entry.get("name") for entry in found]
-    # the board leaves out the forces on its pegs, so that nothing is told of them
-    assert named == (["ball"] if scene == "GaltonBoard" else bodies)
+    assert [entry.get("name") for entry in found] == [body["name"] for body in scene_file(scene)["body"]]
     for terminal in found:
         assert (terminal.get("matchingRule"), terminal.get("terminalKind")) == ("plug", KIND)
         members = {member.get("memberName"): member.get("variableName") for member in terminal}
