@@ -122,8 +122,8 @@ struct friction_response {
 bool friction_rolls(const struct friction_law *law, enum friction_regime regime, double normal_force,
                     struct vec3 force, double admittance);
 
-/* Return how far a force is from its law, in the form that `rolls` names, and the derivatives.
- * friction_missed first shortens a force F_t of nearly L or more. */
+/* friction_missed returns how far a force F_t is from its law, in the form that `rolls` names; it first
+ * shortens a force of nearly L or more. friction_response_of returns the derivatives. */
 struct friction_missed friction_missed(const struct friction_law *law, enum friction_regime regime,
                                        double normal_force, struct vec3 slip, struct vec3 *force, bool rolls,
                                        double admittance);

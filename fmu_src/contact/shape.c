@@ -161,7 +161,8 @@ static struct contact_geometry geometry_in(const struct contact_shape *shape, st
 /* Returns the geometry of a circle, where n points to the circle's nearest point. Let a be the unit vector
  * from the source's centre to the axis, perpendicular to the axis, and e the axis. Relative to the source's
  * centre, the centre of the circle is at rho a - beyond e; the nearest point of the circle is its radius R
- * times a closer. On the axis every a does. */
+ * times a closer. On the axis all points of the circle are equally near, and a may be any of the unit vectors
+ * across the axis. */
 static struct contact_geometry geometry_of_circle(const struct contact_shape *shape, struct vec3 c,
                                                   struct vec3 w, struct vec3 fallback)
 {

@@ -28,8 +28,9 @@
 #include "math/compiler.h"
 #include "math/vec3.h"
 
-/* A capped cylinder. The struct contact_shape below is the zone (side, cap, rim) that the source meets. Of a
- * torus only the radius has a meaning: that of the circle in the middle of the tube. */
+/* A capped cylinder, of which the struct contact_shape below is the zone (side, cap, rim) that the source
+ * meets; or a torus, whose radius here is that of the circle in the middle of its tube. A torus has no height
+ * and no zone. */
 struct contact_solid {
     struct vec3 axis;           /* e_d, unit length */
     double radius, half_height; /* r_d, L / 2 [m]; half_height 0: not a capped cylinder */

@@ -53,7 +53,7 @@ struct general {
     /* [size], noted at the start of the step: change of integrals by an impulse of a contact, divided by that
      * impulse; largest errors allowed */
     double *per_impulse, *largest_error;
-    struct scene_instant at_stage[RADAU_MOST_STAGES]; /* instants of node_forces_solve */
+    struct scene_instant at_stage[RADAU_MOST_STAGES]; /* at the stages of node_forces_solve */
     struct general_end end;
     double at_start[ODE_EVENTS];                      /* event functions at the start */
     double events[RADAU_MOST_STAGES + 1][ODE_EVENTS]; /* event functions at start and stages, smoothed */

@@ -32,8 +32,8 @@ static inline bool is_flat(const struct mobility *m)
     return SCENE_ANY_AXIS && m->flatness != 0.0;
 }
 
-/* The bodies at both ends of a contact, source first, and the places of their velocities and spins among the
- * states that are no places; -1: the body has none. */
+/* The bodies at both ends of a contact, source first, and the indices of their velocities and spins among the
+ * states that are no positions; -1 stands where a body has none. */
 struct node_ends {
     int body[2], speed[2], spin[2];
 };
@@ -296,8 +296,9 @@ static void add_pending(struct iteration *it)
 /* A body that two contacts share, and the ends of both contacts at which it is. */
 struct shared_body {
     int body, end, other_end;
-    double by_mass, by_inertia,
-        by_axis; /* 1/m, 1/I_1 and what the axis adds; negative where the ends differ */
+    /* 1/m, the part of 1/I_1 that acts in every direction, and the part that the axis adds; all are negative
+     * where the ends differ */
+    double by_mass, by_inertia, by_axis;
 };
 
 static int shared_bodies(const struct iteration *it, int c, int d, struct shared_body list[4])

@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 
 from contact_fmus.fmu.contact_fmu import FmuError
 from support.checks import check_close, start
+from support.scenes.scene_parts import touching_values
 
 COUNT = int(os.environ.get("CONTACT_SCENES", "12"))
 METHODS = ("event_driven", "cvode_bdf")
@@ -39,21 +40,7 @@ class Pair:
 
     def values(self) -> dict:
         unit = self.axis / np.linalg.norm(self.axis)
-        values = {
-            "source.axis": self.axis,
-            "destination.axis": -2.0 * self.axis,
-            "source.center": self.place,
-            "destination.center": [0.0, 0.0, 0.0],
-            "source.initial_velocity": self.velocity,
-            "destination.motion": "free" if self.both else "fixed",
-            "contact.location": "inside" if self.inside else "outside",
-            "contact.penalty_factor": self.stiffness,
-            "contact.viscous_penalty_factor": self.damping,
-            "contact.friction": "regularized" if self.friction else "none",
-            "contact.friction_coefficient": self.friction,
-            "contact.slip_velocity_control": "user_defined",
-            "contact.characteristic_slip_velocity": self.slip,
-        }
+        values = touching_values(self) | {"source.axis": self.axis, "destination.axis": -2.0 * self.axis}
         for i, body in enumerate(("source", "destination")):
             values |= {f"{body}.radius": self.radius[i], f"{body}.mass": self.mass[i]}
             if np.isfinite(self.length[i]):

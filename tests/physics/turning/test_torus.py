@@ -12,6 +12,7 @@ from scipy.special import ellipe, ellipk
 
 from contact_fmus.fmu.contact_fmu import FmuError
 from support.checks import check_close, check_relative, start
+from support.scenes.scene_parts import touching_values
 
 COUNT = int(os.environ.get("CONTACT_SCENES", "10"))
 METHODS = ("event_driven", "cvode_bdf")
@@ -64,23 +65,12 @@ class Ring:
     end: float = 0.15
 
     def values(self) -> dict:
-        values = {
+        values = touching_values(self) | {
             "source.radius": self.ball,
-            "source.center": self.place,
-            "source.initial_velocity": self.velocity,
             "destination.axis": 2.0 * self.frame[0],
             "destination.radius": self.tube,
             "destination.ring_radius": self.ring,
             "destination.side": self.side,
-            "destination.center": [0.0, 0.0, 0.0],
-            "destination.motion": "free" if self.both else "fixed",
-            "contact.location": "inside" if self.inside else "outside",
-            "contact.penalty_factor": self.stiffness,
-            "contact.viscous_penalty_factor": self.damping,
-            "contact.friction": "regularized" if self.friction else "none",
-            "contact.friction_coefficient": self.friction,
-            "contact.slip_velocity_control": "user_defined",
-            "contact.characteristic_slip_velocity": self.slip,
         }
         for i, body in enumerate(("source", "destination")):
             values[f"{body}.mass"] = self.mass[i]

@@ -73,3 +73,20 @@ def rates(stiffness, ratio, mass):
     root = math.sqrt(stiffness / mass)
     spread = math.sqrt(max(ratio**2 - 1, 0.0))
     return root / (ratio + spread), root * (ratio + spread)
+
+
+def touching_values(one):
+    """Start values of a scene's own description: centre, speed, law and friction of its pair."""
+    return {
+        "source.center": one.place,
+        "source.initial_velocity": one.velocity,
+        "destination.center": NOTHING,
+        "destination.motion": "free" if one.both else "fixed",
+        "contact.location": "inside" if one.inside else "outside",
+        "contact.penalty_factor": one.stiffness,
+        "contact.viscous_penalty_factor": one.damping,
+        "contact.friction": "regularized" if one.friction else "none",
+        "contact.friction_coefficient": one.friction,
+        "contact.slip_velocity_control": "user_defined",
+        "contact.characteristic_slip_velocity": one.slip,
+    }
