@@ -7,7 +7,7 @@ force and torques, energies, springs, onsets and durations.
 import numpy as np
 import pytest
 
-from support.checks import start
+from support.checks import check_close, start
 from support.reference.turning import TurningPair
 from support.reference.turning_instant import outputs
 from support.reference.turning_run import TurningRun
@@ -101,3 +101,28 @@ def test_a_spring_without_a_dashpot_slides_as_increments_say(opened, number):
     fmu.step(end)
     right = incremental(values, shape, end)
     assert np.linalg.norm(end * fmu["contact.mean_force"] - right) < 3e-3 * np.linalg.norm(right)
+
+
+def test_a_spring_relaxes_through_its_dashpot_while_the_contact_pulls(opened):
+    """The ball is drawn off the plane: the last millimetre is pulled at, and E_t falls as exp(-2 k_t t/c_t)"""
+    values = {
+        "source.motion": "prescribed",
+        "source.radius": 0.1,
+        "source.center": [0.0, 0.0, 0.098],
+        "source.prescribed_velocity": [0.05, 0.0, 0.1],
+        "source.prescribed_displacement.derivatives": [[0.05, 0.0, 0.1]],
+        "contact.penalty_factor": 1e4,
+        "contact.viscous_penalty_factor": 100.0,
+        "contact.dashpot": "unclamped",
+        "contact.friction": "elastic",
+        "contact.tangential_stiffness": 1e4,
+        "contact.tangential_damping": 50.0,
+    }
+    fmu = start(opened("SpherePlane"), values)
+    fmu.step(0.012)
+    assert fmu["contact.normal_force"] < 0.0
+    before = fmu["energy.tangential"]
+    fmu.step(0.004)
+    assert before > 1e-9
+    expected = before * np.exp(-2.0 * 1e4 / 50.0 * 0.004)
+    check_close("energy.tangential", fmu["energy.tangential"], expected, 1e-9 * before)
