@@ -104,7 +104,7 @@ def test_a_spring_without_a_dashpot_slides_as_increments_say(opened, number):
 
 
 def test_a_spring_relaxes_through_its_dashpot_while_the_contact_pulls(opened):
-    """The ball is drawn off the plane: the last millimetre is pulled at, and E_t falls as exp(-2 k_t t/c_t)"""
+    """A ball is drawn off the plane. Over the last millimetre E_t falls as exp(-2 k_t t / c_t)."""
     values = {
         "source.motion": "prescribed",
         "source.radius": 0.1,
