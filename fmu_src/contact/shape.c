@@ -192,14 +192,12 @@ static struct contact_geometry geometry_of_circle(const struct contact_shape *sh
     return at;
 }
 
-/* Sets n of the side where the centre is on the axis. The present n may come from a cap or a rim, so that its
- * part along the axis is removed. */
-static void hold_across(const struct contact_shape *side, struct vec3 w, struct contact_geometry *at)
+void contact_hold_across(const struct contact_shape *side, struct vec3 w, struct contact_geometry *at)
 {
     const struct vec3 across = contact_across(side, at->normal);
     const double size = vec3_norm(across);
     at->normal = size > 0.0 ? vec3_scale(1.0 / size, across) : contact_default_normal(side);
-    at->gap_rate = vec3_dot(at->normal, w);
+    at->gap_rate = side->side * vec3_dot(at->normal, w);
 }
 
 struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
@@ -219,7 +217,7 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     struct contact_geometry at =
         contact_is_rim(&in) ? geometry_of_circle(&in, c, w, fallback) : geometry_in(&in, c, w, fallback);
     if (at.degenerate && contact_is_cylinder(&in)) {
-        hold_across(&in, w, &at);
+        contact_hold_across(&in, w, &at);
     }
     at.zone = in.solid.zone;
     return at;

@@ -117,6 +117,10 @@ double contact_reach(const struct contact_shape *shape);
 struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
                                             struct vec3 fallback);
 
+/* Makes n perpendicular to the axis of a cylinder where the centre is on the axis. n may come from a cap or a
+ * rim, or from a time at which the axis pointed elsewhere. */
+void contact_hold_across(const struct contact_shape *side, struct vec3 w, struct contact_geometry *at);
+
 /* Whether the source's centre is between the destination's end planes; always true without end planes. A race
  * ends at the cylinder rho = R; no source that touches an outer race has rho > 2 R. */
 bool contact_within_extents(const struct contact_shape *shape, double axial);

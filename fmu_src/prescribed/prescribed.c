@@ -366,13 +366,26 @@ static struct vec3 spring_of(const struct scene_state *q, int contact)
     return SCENE_ANY_FRICTION ? q->turning.spring[contact] : vec3_make(0.0, 0.0, 0.0);
 }
 
-/* Returns the part of a spring [m] across the normal at a clock. */
+/* Tilts of n by rounding [rad]. Panels end before the centre and begin behind it where n is tilted by NEAR.
+ * A spring is not laid across an n that may be tilted by LAYING. */
+static const double TILT_NEAR = 1e-3, TILT_LAYING = 1e-6;
+
+/* Returns a bound of the tilt of n by the rounding of gaps [rad]; it has no bound in the centre. */
+static double rounding_of_normal(const struct prescribed_contact *c, const struct scene_instant *at)
+{
+    return SCENE_ANY_CURVED && body_shape(contact_destination(c->contact)) != SHAPE_PLANE
+               ? rounding_of_gap(c->v, at, c->contact) / fabs(at->geometry[c->contact].distance)
+               : 0.0;
+}
+
+/* Returns a spring [m] laid across the normal at a clock: it loses its part along n, which is rounding. Near
+ * the centre n is less exact than the spring, which stays as it is. */
 static struct vec3 laid_spring(const struct prescribed_contact *c, double clock, struct vec3 spring)
 {
     struct scene_instant at;
     instant_at(c, clock, spring, &at);
     const struct vec3 n = at.geometry[c->contact].normal;
-    return vec3_axpy(spring, -vec3_dot(spring, n), n);
+    return rounding_of_normal(c, &at) > TILT_LAYING ? spring : vec3_axpy(spring, -vec3_dot(spring, n), n);
 }
 
 static double event_rounding(const struct prescribed_contact *c, const struct contact_law *law,
@@ -663,6 +676,20 @@ static bool sees_ends(const struct span *s, const struct panel *left, const stru
            sees_end(s, &middle, right, 0) && sees_end(s, &at[1], right, GAUSS_NODES - 1);
 }
 
+/* Whether the springs at the end of a panel and of its halves agree, up to the rounding of the slip, of
+ * the normal force [N] and of n [rad]. By a constant force L the spring changes by up to L / k_t, and not
+ * faster than by L / c_t. */
+static bool springs_agree(const struct span *s, const struct panel *whole, const struct panel *left,
+                          const struct panel *right, double force_noise, double tilt)
+{
+    const struct friction_law law = scene_friction_law(s->c.v, s->c.q, s->c.contact);
+    const double way = vec3_norm(right->spring) + left->slipped + right->slipped;
+    const double by_force = fmin(1.0 / law.stiffness, (right->to - left->from) / law.damping);
+    const double noise = law.coefficient * force_noise * by_force + vec3_norm(right->spring) * tilt;
+    return vec3_norm(vec3_sub(right->spring, whole->spring)) <=
+           4.0 * PANELS_AGREE * way + SLIP_ROUNDINGS * whole->passed + noise;
+}
+
 /* Whether a panel and its halves agree. Near the centre n may be mere rounding at one end of the panel; the
  * rounding bound of the force at the other end then holds for nearly all of the time between. */
 CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct panel *whole,
@@ -673,6 +700,7 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
     instant_at(&s->c, right->to, right->spring, &at[1]);
     const double noise = fmin(rounding_of_force(s->c.v, s->c.q, &at[0], s->c.contact),
                               rounding_of_force(s->c.v, s->c.q, &at[1], s->c.contact));
+    const double tilt = fmin(rounding_of_normal(&s->c, &at[0]), rounding_of_normal(&s->c, &at[1]));
     for (int k = 0; k < TERMS; ++k) {
         const double size = left->size[k] + right->size[k];
         const double allowed =
@@ -684,10 +712,7 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
             return false;
         }
     }
-    const double way = vec3_norm(right->spring) + left->slipped + right->slipped;
-    const double rounding = SLIP_ROUNDINGS * whole->passed;
-    return (!s->elastic ||
-            vec3_norm(vec3_sub(right->spring, whole->spring)) <= 4.0 * PANELS_AGREE * way + rounding) &&
+    return (!s->elastic || springs_agree(s, whole, left, right, noise, tilt)) &&
            sees_ends(s, left, right, at);
 }
 
@@ -847,6 +872,129 @@ static bool passes_event(struct span *s, const struct panel *left, const struct 
     return true;
 }
 
+/*
+ * The way through the centre. Where the source's centre passes exactly through the destination's centre, axis
+ * or circle, n reverses and the forces jump. Panels end right before it and begin right behind it.
+ */
+
+/* Most doublings of the time that a source needs to leave the centre at its relative speed. A source that
+ * takes longer than that stays in the centre. */
+enum { LEAVING_DOUBLINGS = 10 };
+
+struct passage {
+    double from, centre, to; /* clocks: the source comes near the centre, is in it, and has left it */
+};
+
+static bool comes_near(const struct span *s, double clock, struct scene_instant *at)
+{
+    kinematics_at(&s->c, clock, at);
+    return rounding_of_normal(&s->c, at) > TILT_NEAR;
+}
+
+/* Bisects between two clocks until the one at which the source comes near the centre (`normal` NULL), or n
+ * ceases to be within 90 degrees of `normal`, is known to rounding. */
+static void bisect_passage(const struct span *s, const struct vec3 *normal, double *before, double *after)
+{
+    struct scene_instant at;
+    while (*after - *before > 4.0 * DBL_EPSILON * fabs(*after)) {
+        const double middle = 0.5 * (*before + *after);
+        const bool near = comes_near(s, middle, &at);
+        const bool passed = normal ? !(vec3_dot(*normal, at.geometry[s->c.contact].normal) > 0.0) : near;
+        *(passed ? after : before) = middle;
+    }
+}
+
+/* Returns when a source in the centre has left it, or INFINITY if it stays. */
+static double centre_left(const struct span *s, double clock)
+{
+    struct scene_instant at;
+    kinematics_at(&s->c, clock, &at);
+    double time = rounding_of_gap(s->c.v, &at, s->c.contact) / (TILT_NEAR * vec3_norm(at.rate[s->c.contact]));
+    for (int i = 0; i < LEAVING_DOUBLINGS; ++i) {
+        if (!comes_near(s, clock + time, &at)) {
+            return clock + time;
+        }
+        time *= 2.0;
+    }
+    return (double)INFINITY;
+}
+
+/* Whether the source passes through the centre between two clocks. */
+static bool finds_passage(const struct span *s, double clock, double to, struct passage *passage)
+{
+    const int j = s->c.contact;
+    struct scene_instant first;
+    struct scene_instant last;
+    if (!SCENE_ANY_CURVED || body_shape(contact_destination(j)) == SHAPE_PLANE) {
+        return false;
+    }
+    *passage = (struct passage){clock, clock, clock};
+    if (!comes_near(s, clock, &first)) {
+        const struct vec3 normal = first.geometry[j].normal;
+        const bool ends_near = comes_near(s, to, &last);
+        const int zone = first.geometry[j].zone;
+        if ((SCENE_ANY_CAPS && (abs(zone) == ZONE_CAP || zone != last.geometry[j].zone)) ||
+            (!ends_near && vec3_dot(normal, last.geometry[j].normal) > 0.0)) {
+            return false;
+        }
+        double before = clock;
+        passage->centre = to;
+        if (!ends_near) {
+            bisect_passage(s, &normal, &before, &passage->centre);
+        }
+        if (!comes_near(s, passage->centre, &last)) {
+            return false; /* n turns without a reversal */
+        }
+        double near = passage->centre;
+        bisect_passage(s, NULL, &passage->from, &near);
+    }
+    passage->to = centre_left(s, passage->centre);
+    return passage->to < (double)INFINITY;
+}
+
+/* Adds the integrals over a time so short that forces and speeds are those at a clock at one of its ends. */
+static void add_instant(struct span *s, double clock, double time)
+{
+    const struct prescribed_contact *c = &s->c;
+    const int j = c->contact;
+    struct scene_instant at;
+    double rate[TERMS];
+    double scale[TERMS];
+    double lever[TERMS];
+    instant_at(c, clock, s->spring, &at);
+    (void)rates_at(c, &at, rate, scale, lever);
+    for (int k = 0; k < TERMS; ++k) {
+        s->sum[k] += time * rate[k];
+        s->size[k] += time * scale[k];
+    }
+    if (s->elastic) {
+        const struct friction_law law = scene_friction_law(c->v, c->q, j);
+        const enum friction_regime regime = (enum friction_regime)c->q->contact[j].friction_regime;
+        const struct friction_state rubbing = turning_rubbing(&c->q->turning, &at, j);
+        s->spring = vec3_axpy(s->spring, time, friction_spring_rate(&law, regime, rubbing));
+    }
+}
+
+/* Adds the integrals of a passage from a clock shortly before it. Sets the regimes behind the centre. */
+CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, const struct passage *passage)
+{
+    const struct prescribed_contact *c = &s->c;
+    const enum contact_regime before = regime_of(c);
+    const double to = fmin(passage->to, end);
+    struct scene_instant at;
+    add_instant(s, clock, passage->centre - clock);
+    s->spring = laid_spring(c, to, s->spring);
+    kinematics_at(c, to, &at);
+    c->q->contact[c->contact].regime = (int32_t)scene_regime(c->v, c->q, &at, c->contact);
+    if (SCENE_ANY_FRICTION) {
+        c->q->turning.spring[c->contact] = s->spring;
+        follow_law(c, to, before);
+        s->spring = spring_of(c->q, c->contact);
+    }
+    add_instant(s, to, to - passage->centre);
+    counter_add(&c->q->counters.events, 1);
+}
+
 /* Adds the integrals between two clocks, between which the bodies touch. Returns the clock reached, which
  * lies before `end` where no panels are left. */
 CONTACT_NOINLINE static double integrate_between(struct span *s, double from, double end)
@@ -858,7 +1006,16 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
             return clock;
         }
         *s->panels -= s->panel_cost;
-        const double to = width < end - clock ? clock + width : end;
+        double to = width < end - clock ? clock + width : end;
+        struct passage passage;
+        if (scene_turns(s->c.v) && finds_passage(s, clock, to, &passage)) {
+            if (!(passage.from - clock > passage.centre - passage.from)) {
+                pass_centre(s, clock, end, &passage);
+                clock = fmin(passage.to, end);
+                continue;
+            }
+            to = passage.from;
+        }
         const double middle = 0.5 * (clock + to);
         const bool divides = middle > clock && middle < to;
         struct panel whole;

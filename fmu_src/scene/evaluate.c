@@ -394,8 +394,11 @@ CONTACT_NOINLINE void scene_meet_turning(const struct scene_values *v, const str
         put_separation(v, origin, j, at);
         put_axis(v, q, j, at);
         const struct contact_shape shape = scene_contact_shape_at(v, q, at, j);
-        at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate_in_destination(v, at, j),
-                                              q->contact[j].normal);
+        const struct vec3 rate = rate_in_destination(v, at, j);
+        at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate, q->contact[j].normal);
+        if (at->geometry[j].degenerate && contact_is_cylinder(&shape)) {
+            contact_hold_across(&shape, rate, &at->geometry[j]);
+        }
     }
 }
 
