@@ -49,17 +49,24 @@ static double dead_band_rounding(const struct contact_shape *shape, const struct
     return slopes.by_gap * gap_rounding + fmin(turn, 1.0) * slopes.by_rate * vec3_norm(separation->w[0]);
 }
 
-/* Returns the end of the dead band as a parameter s of the path: a regime whose boundary has just been
- * crossed lasts until then, whatever rounding shows. `gap_rounding` bounds the rounding of the gap,
+/* The ends of the dead bands as parameters s of the path. A regime whose boundary has just been crossed lasts
+ * until then, whatever rounding shows: contact until `gap`, a law's regime until `law`, which is not less. */
+struct dead_band {
+    double gap, law;
+};
+
+/* Returns the dead bands. `gap_rounding` bounds the rounding of the gap,
  * `by_positions` that of a gap computed from positions. If `just_begun`, the integrator has left a small
  * force. */
-static double dead_band_of(const struct relative_path *path, const struct contact_shape *shape,
-                           const struct contact_law *law, const struct contact_geometry *now,
-                           double gap_rounding, double by_positions, const struct separation_path *separation,
-                           enum contact_regime present, bool just_begun)
+static struct dead_band dead_band_of(const struct relative_path *path, const struct contact_shape *shape,
+                                     const struct contact_law *law, const struct contact_geometry *now,
+                                     double gap_rounding, double by_positions,
+                                     const struct separation_path *separation, enum contact_regime present,
+                                     bool just_begun)
 {
     const double closing = vec3_dot(now->normal, separation->c[1]);
-    double settle = leaving_time(now->gap, gap_rounding, closing, vec3_norm(separation->c[2]));
+    const double settle = leaving_time(now->gap, gap_rounding, closing, vec3_norm(separation->c[2]));
+    struct dead_band band = {settle / path->horizon, settle / path->horizon};
     if (present == REGIME_SEPARATING) {
         const double margin = contact_event(law, present, now->gap, now->gap_rate);
         const double slope = margin_slope(shape, law, now, separation);
@@ -68,9 +75,9 @@ static double dead_band_of(const struct relative_path *path, const struct contac
             /* the force, now zero, that the integrator left at the event */
             noise = fmax(noise, -2.0 * margin);
         }
-        settle = fmax(settle, leaving_time(margin, noise, slope, 0.0));
+        band.law = fmax(band.law, leaving_time(margin, noise, slope, 0.0) / path->horizon);
     }
-    return settle / path->horizon;
+    return band;
 }
 
 /* While rounding may put the source on either side of a cylinder's end plane, the path has the source on the
@@ -107,27 +114,28 @@ static struct regime_change change_at(const struct relative_path *path, double s
     return (struct regime_change){s * path->horizon, next, path->scale * gap, false};
 }
 
-/* Returns the first of `count` sorted events in [0, 1] after `settle` after which the regime differs from the
- * present regime. If `ends_only`, only the passage of a cylinder's end changes the regime. The passage of a
- * centre is not checked. */
+/* Returns the first of `count` sorted events in [0, 1] after the dead band after which the regime differs from
+ * the present regime. If `ends_only`, only the passage of a cylinder's end changes the regime. The passage of
+ * a centre is not checked. */
 static struct regime_change path_first_change(const struct relative_path *path, const double *events,
                                               int count, const struct contact_law *law,
-                                              enum contact_regime present, bool ends_only, double settle)
+                                              enum contact_regime present, bool ends_only,
+                                              struct dead_band band)
 {
-    double from = 0.0;
+    double from = band.gap;
     for (int i = 0; i <= count; ++i) {
         const double to = i < count ? events[i] : 1.0;
-        if (to > settle && to > from) {
-            from = fmax(from, settle);
+        if (to > from) {
             const double middle = 0.5 * (from + to);
             const enum contact_regime next = !ends_only ? regime_at(path, law, middle)
                                              : relative_path_within(path, middle) ? present
                                                                                   : REGIME_APART;
-            if (next != present) {
-                return change_at(path, from, next);
+            const double since = next == REGIME_APART ? from : fmax(from, band.law);
+            if (next != present && since < to) {
+                return change_at(path, since, next);
             }
+            from = to;
         }
-        from = to;
     }
     return (struct regime_change){(double)INFINITY, present, 0.0, false};
 }
@@ -408,23 +416,23 @@ static struct regime_change prescribed_regime_change(const struct relative_path 
     return next;
 }
 
-/* Returns the first change in flight after `settle`. The change is the first touch, or the first candidate
+/* Returns the first change in flight after the dead band. The change is the first touch, or the first candidate
  * after which the regime differs from the present one. */
 static struct regime_change flight_regime_change(const struct relative_path *path,
                                                  const struct contact_shape *shape,
                                                  const struct contact_law *law, enum contact_regime present,
-                                                 double settle, double by_positions)
+                                                 struct dead_band band, double by_positions)
 {
     const struct extremes extremes = extremes_of(path);
     struct regime_change next;
     double touch;
-    if (present == REGIME_APART && !path->has_ends && settle < 1.0 &&
-        first_touch(path, &extremes, settle, &touch)) {
+    if (present == REGIME_APART && !path->has_ends && band.law < 1.0 &&
+        first_touch(path, &extremes, band.law, &touch)) {
         next = first_touch_at(touch * path->horizon);
     } else {
         double events[MAX_CANDIDATES];
         const int count = candidates_of_all(path, &extremes, shape, law, events);
-        next = path_first_change(path, events, count, law, present, false, settle);
+        next = path_first_change(path, events, count, law, present, false, band);
         const double rounding = fmax(by_positions, 8.0 * DBL_EPSILON * path->scale);
         if (present == REGIME_APART && fabs(next.gap) <= rounding) {
             next.gap = 0.0; /* the bodies touch; elsewhere the source enters by an end */
@@ -478,17 +486,18 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     /* Bodies that approach touch where g = 0; a wait until the gap exceeds rounding would add penetration. */
     const bool approaches = present == REGIME_APART && now.gap_rate < -rounding_of_rate(at, contact);
     const double unclear = approaches ? 0.0 : gap_rounding;
-    const double settle = fmax(found, dead_band_of(&path, &shape, &law, &now, unclear, by_positions,
-                                                   &separation, present, clock == 0.0));
+    struct dead_band band =
+        dead_band_of(&path, &shape, &law, &now, unclear, by_positions, &separation, present, clock == 0.0);
+    band = (struct dead_band){fmax(found, band.gap), fmax(found, band.law)};
     if (has_ends) {
         dead_band_at_ends(&path, &shape, &now, axially, &separation, present);
     }
     if (ends_only) {
         double events[MAX_CANDIDATES];
         return path_first_change(&path, events, candidates_of_ends(&path, events, 0), &law, present, true,
-                                 settle);
+                                 band);
     }
-    return flight_regime_change(&path, &shape, &law, present, settle, by_positions);
+    return flight_regime_change(&path, &shape, &law, present, band, by_positions);
 }
 
 static struct regime_change capped_regime_change(const struct scene_values *v, const struct scene_state *q,

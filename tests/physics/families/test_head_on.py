@@ -129,7 +129,8 @@ def hertz_impact(random):
     return Scene("SphereSphere", values, end=float(pick(random, 1.5, 4.0)) * gap / speed + 0.05)
 
 
-@pytest.mark.parametrize("seed", seeds())
+# In 1803 (restitution 0) the bodies part at the speed at which the dashpot begins to be clipped.
+@pytest.mark.parametrize("seed", [*seeds(), 1803])
 def test_an_impact_under_hertz_s_law_is_one_contact(opened, seed):
     random = np.random.default_rng(seed)
     scene = hertz_impact(random)

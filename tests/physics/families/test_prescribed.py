@@ -164,6 +164,14 @@ def test_a_given_motion_has_one_answer(opened, family, seed):
     check_agreement(opened, family(np.random.default_rng([seed, FAMILIES.index(family)])), seed)
 
 
+# The source passes exactly through the destination's centre or axis while one of them turns (the first three
+# under a dashpot that is clipped, the next one with a spring that sticks), or touches with a spring at rest.
+@pytest.mark.parametrize("seed", [44, 51, 124, 334, 387, 683])
+def test_what_passes_through_the_centre_and_turns_has_one_answer(opened, seed):
+    random = np.random.default_rng([seed, FAMILIES.index(turning_and_rubbing)])
+    check_agreement(opened, turning_and_rubbing(random), seed)
+
+
 # The source is prescribed; it goes straight on with this velocity from this displacement.
 def straight(center, velocity, **more):
     values = {"source.motion": "prescribed", "source.center": center, "source.prescribed_velocity": velocity}
