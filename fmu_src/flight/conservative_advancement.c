@@ -293,8 +293,18 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
     if (contact_is_torus(&shape)) {
         bound_ring(&shape, distance_grows(path, change), speed, length, at);
     }
+    struct falling *gap = &at->of[ADVANCEMENT_GAP];
+    if (contact_is_cylinder(&shape) &&
+        !(axis.speed > 0.0)) { /* the gap does not see what goes along the axis */
+        struct vec3 across[ADVANCEMENT_TERMS];
+        for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
+            across[i] = contact_across(&shape, at->c[i]);
+        }
+        gap->bend = size_within(across, 2, length);
+        speed = size_within(across, 1, length);
+    }
     if (distance_grows(path, change) && !contact_is_plane(&shape)) {
-        at->of[ADVANCEMENT_GAP].bend += speed * speed / smooth_reach(&shape);
+        gap->bend += speed * speed / smooth_reach(&shape);
     }
 }
 

@@ -142,7 +142,7 @@ static double rates_at(const struct prescribed_contact *c, const struct scene_in
         const struct contact_slopes slopes = contact_event_slopes(&law, regime_of(c), g->gap, g->gap_rate);
         const bool ends = scene_turns(c->v) && contact_has_events(&law);
         rate[TERM_EVENT] = ends ? contact_event(&law, regime_of(c), g->gap, g->gap_rate) : 0.0;
-        scale[TERM_EVENT] = fabs(slopes.by_gap * g->gap) + fabs(slopes.by_rate) * vec3_norm(at->rate[j]);
+        scale[TERM_EVENT] = fabs(slopes.by_gap * g->gap) + fabs(slopes.by_rate) * speed;
     }
     return speed;
 }
@@ -388,12 +388,28 @@ static struct vec3 laid_spring(const struct prescribed_contact *c, double clock,
     return rounding_of_normal(c, &at) > TILT_LAYING ? spring : vec3_axpy(spring, -vec3_dot(spring, n), n);
 }
 
+/* Rounding error of a slip or a gap rate, divided by the speeds whose difference it is. A spring that sticks
+ * integrates the error of the slip. */
+static const double SPEED_ROUNDINGS = 8.0 * DBL_EPSILON;
+
+/* Returns the sum of the speeds of which the gap rate is a part: the relative velocity of the centres and the
+ * turning of the destination [m/s]. */
+static double relative_speed(const struct prescribed_contact *c, const struct scene_instant *at)
+{
+    const int j = c->contact;
+    const double speed = vec3_norm(at->rate[j]);
+    return scene_turns(c->v) ? speed + vec3_norm(at->turning.body[contact_destination(j)].angular_velocity) *
+                                           vec3_norm(at->separation[j])
+                             : speed;
+}
+
 static double event_rounding(const struct prescribed_contact *c, const struct contact_law *law,
                              enum contact_regime regime, const struct scene_instant *at)
 {
     const struct contact_geometry *g = &at->geometry[c->contact];
     const struct contact_slopes slopes = contact_event_slopes(law, regime, g->gap, g->gap_rate);
-    return rounding_of_event(c->v, law, &slopes, at, c->contact, 0.0);
+    return rounding_of_event(c->v, law, &slopes, at, c->contact, 0.0) +
+           SPEED_ROUNDINGS * fabs(slopes.by_rate) * relative_speed(c, at);
 }
 
 static const struct vec3 NO_SPRING = {0.0, 0.0, 0.0};
@@ -539,7 +555,13 @@ static void take_friction_event(const struct prescribed_contact *c, double clock
     } else if (event == EVENT_CAP) {
         rub_with(c, before == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED, spring);
     } else if (before == FRICTION_STICKING) {
-        rub_with(c, friction_sliding_regime(&law, at.normal_force[j]), spring);
+        /* a spring as short as rounding of the gap makes it has no direction yet */
+        const struct contact_law normal = scene_contact_law(c->v, c->q, j);
+        const struct contact_geometry *g = &at.geometry[j];
+        const struct contact_slopes slopes = contact_force_slopes(&normal, regime_of(c), g->gap, g->gap_rate);
+        const bool is_noise = at.normal_force[j] <= fabs(slopes.by_gap) * rounding_of_gap(c->v, &at, j);
+        rub_with(c, friction_sliding_regime(&law, at.normal_force[j]),
+                 is_noise ? first_spring(c, &law, &at) : spring);
     } else {
         rub_with(c, FRICTION_STICKING,
                  friction_spring(&law, before, turning_rubbing(&c->q->turning, &at, j)));
@@ -617,9 +639,6 @@ static const double PANELS_AGREE = 1e-12;
  * normal reverses in the centre the force jumps, and panels around the jump need not agree once they are so
  * short. */
 static const double JUMPS_AGREE = 1e-14;
-/* Rounding error of a slip, divided by the speeds whose difference the slip is. A spring that sticks
- * integrates this error. */
-static const double SLIP_ROUNDINGS = 8.0 * DBL_EPSILON;
 /* Largest relative difference of the integrals of the law's event function. A panel that resolves the
  * function so well shows its changes of sign at the nodes. */
 static const double EVENTS_AGREE = 1e-6;
@@ -687,7 +706,7 @@ static bool springs_agree(const struct span *s, const struct panel *whole, const
     const double by_force = fmin(1.0 / law.stiffness, (right->to - left->from) / law.damping);
     const double noise = law.coefficient * force_noise * by_force + vec3_norm(right->spring) * tilt;
     return vec3_norm(vec3_sub(right->spring, whole->spring)) <=
-           4.0 * PANELS_AGREE * way + SLIP_ROUNDINGS * whole->passed + noise;
+           4.0 * PANELS_AGREE * way + SPEED_ROUNDINGS * whole->passed + noise;
 }
 
 /* Whether a panel and its halves agree. Near the centre n may be mere rounding at one end of the panel; the
@@ -909,7 +928,7 @@ static double centre_left(const struct span *s, double clock)
 {
     struct scene_instant at;
     kinematics_at(&s->c, clock, &at);
-    double time = rounding_of_gap(s->c.v, &at, s->c.contact) / (TILT_NEAR * vec3_norm(at.rate[s->c.contact]));
+    double time = rounding_of_gap(s->c.v, &at, s->c.contact) / (TILT_NEAR * relative_speed(&s->c, &at));
     for (int i = 0; i < LEAVING_DOUBLINGS; ++i) {
         if (!comes_near(s, clock + time, &at)) {
             return clock + time;
