@@ -223,11 +223,15 @@ static void put_equations(const struct spring_problem *p, const struct vec3 x[GA
 
 /* Newton's method converges in two or three steps where the panel is short enough. */
 enum { NEWTON_STEPS = 12 };
-static const double NEWTON_PART = 1e-14; /* largest last correction divided by the spring's length */
+/* Largest last correction divided by the spring's length; and the largest one that rounding may leave where a
+ * spring turns fast. */
+static const double NEWTON_PART = 1e-14, NEWTON_NOISE = 1e-12;
 
 /* Solves the equations for the springs x at the nodes. False: the panel is too long. */
 static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NODES])
 {
+    double change = 0.0;
+    double size = 0.0;
     for (int step = 0; step < NEWTON_STEPS; ++step) {
         double m[UNKNOWNS][COLUMN] = {{0.0}};
         double by[COLUMN] = {0.0};
@@ -238,8 +242,8 @@ static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NOD
             return false;
         }
         lu_solve(matrix, by, NULL);
-        double change = 0.0;
-        double size = vec3_norm(p->start);
+        change = 0.0;
+        size = vec3_norm(p->start);
         for (int i = 0; i < GAUSS_NODES; ++i) {
             const struct vec3 d = vec3_from(by + 3 * i);
             x[i] = vec3_add(x[i], d);
@@ -253,7 +257,7 @@ static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NOD
             return true;
         }
     }
-    return false;
+    return change <= NEWTON_NOISE * size;
 }
 
 /* Sets the spring at the nodes and at the end of the panel. False: the panel is too long. */
@@ -850,9 +854,13 @@ static bool panel_to_event(const struct span *s, const struct place *start, doub
     while (after - before > 4.0 * DBL_EPSILON * fabs(after)) {
         const double middle = 0.5 * (before + after);
         made += s->elastic;
-        if (!(middle > before && middle < after) ||
-            (s->elastic && !panel_make(&s->c, start->clock, middle, first, panel))) {
+        if (!(middle > before && middle < after)) {
             break;
+        }
+        /* Where friction without a dashpot vanishes with F_n, its spring turns ever faster, and not every panel
+         * beyond the event can be made. The events there do not depend on the spring. */
+        if (s->elastic && !panel_make(&s->c, start->clock, middle, first, panel)) {
+            panel->spring = first;
         }
         margins_at(&s->c, middle, panel->spring, &now);
         *(event_passed(&now, &start->at) != REGIME_EVENTS ? &after : &before) = middle;
