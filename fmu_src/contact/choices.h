@@ -35,6 +35,11 @@
 #else
 #define CONTACT_ANY_HERTZ 1
 #endif
+#ifdef CONTACT_NO_PRESCRIBED /* the importer moves no body */
+#define CONTACT_ANY_PRESCRIBED 0
+#else
+#define CONTACT_ANY_PRESCRIBED 1
+#endif
 #ifdef CONTACT_NO_RESTITUTION
 #define CONTACT_ANY_RESTITUTION 0
 #else

@@ -49,7 +49,7 @@ struct separation_path separation_path_of(const struct scene_values *v, const st
 
 bool relative_path_has_ends(const struct contact_shape *shape)
 {
-    return SCENE_ANY_CYLINDER && isfinite(shape->half_length);
+    return !SCENE_ANY_ENDLESS || (SCENE_ANY_CYLINDER && isfinite(shape->half_length));
 }
 
 static double coefficient_scale(const struct vec3 *c, double horizon, double reach)
@@ -173,7 +173,7 @@ void relative_path_gap(const void *data, double s, double *gap, double *slope)
 
 bool relative_path_within(const struct relative_path *path, double s)
 {
-    if (!SCENE_ANY_CYLINDER || !path->has_ends) {
+    if (SCENE_ANY_ENDLESS && (!SCENE_ANY_CYLINDER || !path->has_ends)) {
         return true;
     }
     return s < path->ends_dead_band ? path->starts_within

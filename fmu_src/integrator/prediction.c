@@ -426,7 +426,7 @@ static struct regime_change flight_regime_change(const struct relative_path *pat
     const struct extremes extremes = extremes_of(path);
     struct regime_change next;
     double touch;
-    if (present == REGIME_APART && !path->has_ends && band.law < 1.0 &&
+    if (present == REGIME_APART && !relative_path_has_ends(shape) && band.law < 1.0 &&
         first_touch(path, &extremes, band.law, &touch)) {
         next = first_touch_at(touch * path->horizon);
     } else {

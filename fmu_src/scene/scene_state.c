@@ -144,6 +144,9 @@ void scene_state_copy(const struct scene_values *v, const struct scene_state *fr
 
 bool contact_is_prescribed(const struct scene_values *v, int contact)
 {
+    if (!SCENE_ANY_PRESCRIBED_CONTACT) {
+        return false;
+    }
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     return !body_is_free(v, source) && !body_is_free(v, destination) && !body_turns_freely(v, source) &&

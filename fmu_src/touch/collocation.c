@@ -19,6 +19,12 @@ struct collocation_place {
     struct collocation_change (*change_at)(const struct collocation *p, double s);
 };
 
+/* Whether E is other than zero, which it is only with a body that the importer moves. */
+static inline bool has_mismatch(const struct collocation *p)
+{
+    return CONTACT_ANY_PRESCRIBED && p->from.has_mismatch;
+}
+
 /* These two functions turn a vector of the world into the frame of the start, and back. */
 static inline struct vec3 collocation_in_frame(const struct collocation *p, struct vec3 a)
 {
@@ -326,7 +332,7 @@ static void sum_up(struct collocation *p)
         p->result.terms -= 1;
     }
     p->result.interior_error = tail_of_all(p);
-    if (p->from.has_mismatch) {
+    if (has_mismatch(p)) {
         nodal_values values;
         p->place->mismatch(p, values);
         nodal_coefficients(p->nodes, values, p->result.normal_mismatch);
@@ -420,7 +426,7 @@ static void collocation_rim_begin(struct collocation *p)
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
         p->local.acceleration[i] = collocation_in_frame(p, p->from.acceleration[i]);
     }
-    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && p->from.has_mismatch; ++i) {
+    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && has_mismatch(p); ++i) {
         p->local.mismatch[i] = collocation_in_frame(p, p->from.mismatch[i]);
     }
 }
@@ -429,7 +435,7 @@ static double collocation_rim_load_at_start(const struct collocation *p)
 {
     const struct rim_state at = rim_state_at_start(p);
     const double mismatch =
-        p->from.has_mismatch ? p->from.damping_rate * vec3_dot(rim_normal(&at), p->local.mismatch[0]) : 0.0;
+        has_mismatch(p) ? p->from.damping_rate * vec3_dot(rim_normal(&at), p->local.mismatch[0]) : 0.0;
     return rim_slopes_at(&at, p->local.acceleration[0]).load - mismatch;
 }
 
@@ -676,8 +682,8 @@ double collocation_dissipated(const struct collocation *p, double s)
     collocation_deviation(p, s, x);
     collocation_averaged_deviation(p, s, slow);
     for (int k = 0; k < p->nodes->points; ++k) {
-        a[k] = p->result.load[k] +
-               (p->from.has_mismatch ? 2.0 * damping_rate * p->result.normal_mismatch[k] : 0.0);
+        a[k] =
+            p->result.load[k] + (has_mismatch(p) ? 2.0 * damping_rate * p->result.normal_mismatch[k] : 0.0);
     }
     const double start_rate = p->half * p->local.rate.x;
     const double x0 = p->from.deviation;
@@ -686,7 +692,7 @@ double collocation_dissipated(const struct collocation *p, double s)
         0.5 * ((start_rate - x[1]) * (start_rate + x[1]) + omega2 * (x0 - x[0]) * (x0 + x[0]) +
                softening * (p->result.y - y) * (p->result.y + y));
     double sum = dissipated_energy + along_slow(p, a, s) + along_oscillation(p, a, s, y, x[1] - slow[1]);
-    if (p->from.has_mismatch) {
+    if (has_mismatch(p)) {
         nodal_values values;
         nodal_values_of(p->nodes, p->result.normal_mismatch, values);
         for (int i = 0; i < p->nodes->points; ++i) {
@@ -864,7 +870,7 @@ static void centre_begin(struct collocation *p)
         p->local.acceleration[i] = collocation_in_frame(p, p->from.acceleration[i]);
         p->local.planar = flatten(&p->local.acceleration[i]) && p->local.planar;
     }
-    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && p->from.has_mismatch; ++i) {
+    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && has_mismatch(p); ++i) {
         p->local.mismatch[i] = collocation_in_frame(p, p->from.mismatch[i]);
     }
     p->local.momentum = vec3_scale(p->local.distance, vec3_make(0.0, -p->local.rate.z, p->local.rate.y));
@@ -872,7 +878,7 @@ static void centre_begin(struct collocation *p)
 
 static double centre_load_at_start(const struct collocation *p)
 {
-    const double mismatch = p->from.has_mismatch ? p->from.damping_rate * p->local.mismatch[0].x : 0.0;
+    const double mismatch = has_mismatch(p) ? p->from.damping_rate * p->local.mismatch[0].x : 0.0;
     return vec3_dot(p->local.momentum, p->local.momentum) /
                (p->local.distance * p->local.distance * p->local.distance) +
            p->local.acceleration[0].x - mismatch;
@@ -946,8 +952,8 @@ static struct vec3 polynomial_of_time(const struct vec3 *a, int terms, double t)
 
 static void fill_nodes(struct collocation *p)
 {
-    const bool steady = !p->from.has_mismatch && vec3_is_zero(p->local.acceleration[1]) &&
-                        vec3_is_zero(p->local.acceleration[2]);
+    const bool steady =
+        !has_mismatch(p) && vec3_is_zero(p->local.acceleration[1]) && vec3_is_zero(p->local.acceleration[2]);
     for (int i = 0; i < p->nodes->points && steady; ++i) {
         nodal_put_vec3(&p->work.acceleration_at, i, p->local.acceleration[0]);
         nodal_put_vec3(&p->work.drive_at, i, p->local.acceleration[0]);
@@ -957,7 +963,7 @@ static void fill_nodes(struct collocation *p)
         const struct vec3 acceleration =
             polynomial_of_time(p->local.acceleration, COLLOCATION_ACCELERATION_TERMS, t);
         struct vec3 drive = acceleration;
-        if (p->from.has_mismatch) {
+        if (has_mismatch(p)) {
             const struct vec3 mismatch = polynomial_of_time(p->local.mismatch, COLLOCATION_MISMATCH_TERMS, t);
             nodal_put_vec3(&p->work.mismatch_at, i, vec3_scale(p->half, mismatch));
             drive = vec3_axpy(acceleration, -p->from.damping_rate, mismatch);

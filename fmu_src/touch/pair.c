@@ -161,7 +161,7 @@ double pair_gap_derivative(const struct contact_pair *p)
     if (isnan(p->carried_rate)) {
         return p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.c[1]));
     }
-    if (!p->has_mismatch) {
+    if (!SCENE_ANY_PRESCRIBED || !p->has_mismatch) {
         return p->carried_rate;
     }
     const struct vec3 mismatch = vec3_sub(p->flight.w[0], p->flight.c[1]);
@@ -711,7 +711,7 @@ static void fill_sample(const struct pair_collocation *p, const double x[4], dou
     const double side = p->from->shape.side;
     const double per_time = side / p->step.half;
     double normal_mismatch[4] = {0.0, 0.0, 0.0, 0.0};
-    if (p->step.from.has_mismatch) {
+    if (SCENE_ANY_PRESCRIBED && p->step.from.has_mismatch) {
         collocation_mismatch(&p->step, s, normal_mismatch);
     }
     for (int i = 0; i < 3; ++i) {
@@ -863,7 +863,9 @@ static void set_paths(const struct contact_pair *p, const struct vec3 felt[SEPAR
         problem->acceleration[i] = vec3_scale((i + 1) * (i + 2), felt[i + 1]);
     }
     for (int i = 0; i < COLLOCATION_MISMATCH_TERMS; ++i) {
-        const struct vec3 mismatch = vec3_axpy(p->flight.w[i], -(i + 1), p->flight.c[i + 1]);
+        const struct vec3 mismatch = SCENE_ANY_PRESCRIBED
+                                         ? vec3_axpy(p->flight.w[i], -(i + 1), p->flight.c[i + 1])
+                                         : vec3_make(0.0, 0.0, 0.0);
         const bool is_none = !(vec3_max_abs(mismatch) > 0.0);
         problem->mismatch[i] = is_none ? mismatch : coupled(p, mismatch);
         problem->has_mismatch = problem->has_mismatch || !is_none;
@@ -918,7 +920,7 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     out->distance = d;
     out->rate_along = vec3_norm(along) / d;
     out->tangential_rate = out->rate_along + sqrt(vec3_norm(problem->acceleration[0]) / d);
-    if (problem->has_mismatch && !p->has_mismatch) {
+    if (SCENE_ANY_PRESCRIBED && problem->has_mismatch && !p->has_mismatch) {
         drop_rounded_mismatch(p, out->tangential_rate, problem);
     }
     double turning = vec3_dot(along, along) / d;

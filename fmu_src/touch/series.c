@@ -66,12 +66,28 @@ struct series_kind {
     bool first; /* order zero, at which a product has only one term */
 };
 
+/* These three are constants where the scene decides, also in a build without inlining. */
+static inline bool kind_by_root(struct series_kind kind)
+{
+    return SCENE_ANY_HERTZ && kind.by_root;
+}
+
+static inline bool kind_at_rim(struct series_kind kind)
+{
+    return SCENE_ANY_CAPS && kind.at_rim;
+}
+
+static inline bool kind_has_mismatch(struct series_kind kind)
+{
+    return SCENE_ANY_PRESCRIBED && kind.has_mismatch;
+}
+
 /* Returns coefficient i of component j of a polynomial in time with `terms` coefficients. Where t = unit s,
  * only the power t^i contributes. */
 static inline double along_time(const struct pair_series *p, const struct series_work *z,
                                 const double a[][FRAME], int terms, int j, int i, struct series_kind kind)
 {
-    if (!kind.by_root) {
+    if (!kind_by_root(kind)) {
         return i < terms ? a[i][j] * z->unit_power[i] : 0.0;
     }
     double sum = (i == 0 ? a[0][j] : 0.0) + (terms > 1 ? a[1][j] * p->time[i] : 0.0);
@@ -137,12 +153,12 @@ static inline void sum_lower_vectors(const struct pair_series *p, const struct s
         memset(n[j], 0, sizeof n[j]);
         memset(push[j], 0, sizeof push[j]);
     }
-    for (int k = 1; k < i && (kind.by_root || kind.dimensions > 1); k += LANES) {
+    for (int k = 1; k < i && (kind_by_root(kind) || kind.dimensions > 1); k += LANES) {
         const double2 root = double2_at(p->opened, k);
         const double2 d = double2_at(z->d, k);
         const double2 impulse = double2_at(z->impulse, k);
         for (int j = 0; j < kind.dimensions; ++j) {
-            if (kind.by_root) {
+            if (kind_by_root(kind)) {
                 r[j][part(k - 1)] += root * double2_at(back_from(z->r_rate_back[j], i), k);
             }
             if (kind.dimensions > 1) {
@@ -165,7 +181,7 @@ static inline void sum_lower_vectors(const struct pair_series *p, const struct s
 static inline void put_nearest(struct pair_series *p, struct series_work *z, int i, struct series_kind kind,
                                double f[FRAME])
 {
-    if (SCENE_ANY_CAPS && kind.at_rim) {
+    if (kind_at_rim(kind)) {
         const struct contact_solid *solid = &p->from->shape.solid;
         f[1] += kind.first ? solid->half_height : 0.0;
         p->axial[i] = -f[1];
@@ -194,11 +210,11 @@ static inline void put_normal_term(struct pair_series *p, struct series_work *z,
     const struct frame_flight *flight = &p->flight;
     const double side = p->from->shape.side;
     double f[FRAME] = {0.0};
-    if (kind.by_root) {
+    if (kind_by_root(kind)) {
         z->square[i] = sum->square + (kind.first ? 1.0 : 2.0) * p->opened[0] * p->opened[i];
     }
-    z->d[i] = kind.first ? p->from->distance : side * (kind.by_root ? -z->square[i] : p->opened[i]);
-    if (kind.dimensions > 1 && (!kind.first || kind.at_rim)) {
+    z->d[i] = kind.first ? p->from->distance : side * (kind_by_root(kind) ? -z->square[i] : p->opened[i]);
+    if (kind.dimensions > 1 && (!kind.first || kind_at_rim(kind))) {
         for (int j = 0; j < kind.dimensions; ++j) {
             f[j] = along_time(p, z, flight->c, kind.degree + 1, j, i, kind) + p->r[j][i];
         }
@@ -235,11 +251,11 @@ static inline void put_rates(struct pair_series *p, struct series_work *z, int i
         z->w[j][i] = along_time(p, z, flight->w, kind.degree, j, i, kind) + p->r_rate[j][i];
         speed += kind.first || kind.dimensions == 1 ? 0.0 : z->n[j][i] * z->w[j][0];
         /* away from a rim n is the first direction of the frame */
-        speed += kind.at_rim ? z->n[j][0] * z->w[j][i] : j == 0 ? z->w[0][i] : 0.0;
+        speed += kind_at_rim(kind) ? z->n[j][0] * z->w[j][i] : j == 0 ? z->w[0][i] : 0.0;
     }
     p->rate[i] = is_carried ? from->carried_rate : side * speed;
     z->opening[i] = p->rate[i];
-    if (kind.has_mismatch) {
+    if (kind_has_mismatch(kind)) {
         const double closing = closing_of(p, z, i, kind);
         z->opening[i] = is_carried ? pair_gap_derivative(from) : side * closing;
     }
@@ -252,7 +268,7 @@ static inline void put_impulse(struct pair_series *p, struct series_work *z, int
 {
     const struct contact_pair *from = p->from;
     const double both = kind.first ? 0.0 : 1.0;
-    if (!kind.by_root) {
+    if (!kind_by_root(kind)) {
         p->drag[i] = from->coefficients.c * p->rate[i];
         z->impulse[i] = contact_linear_force(from->coefficients, p->opened[i], p->rate[i]);
         return;
@@ -274,13 +290,14 @@ static inline void put_next(struct pair_series *p, struct series_work *z, int i,
 {
     const double both = kind.first ? 0.0 : 1.0;
     const double unit = p->unit * reciprocal[i + 1];
-    p->time[i + 1] = kind.by_root ? unit * p->opened[i] : kind.first ? unit : 0.0;
-    p->opened[i + 1] = (kind.by_root ? -0.5 : 1.0) * unit * z->opening[i];
+    p->time[i + 1] = kind_by_root(kind) ? unit * p->opened[i] : kind.first ? unit : 0.0;
+    p->opened[i + 1] = (kind_by_root(kind) ? -0.5 : 1.0) * unit * z->opening[i];
     for (int j = 0; j < kind.dimensions; ++j) {
         const double push = kind.dimensions == 1 ? z->impulse[i]
                                                  : sum->push[j] + z->impulse[i] * z->n[j][0] +
                                                        both * z->impulse[0] * z->n[j][i];
-        const double moved = kind.by_root ? sum->r[j] + p->opened[0] * p->r_rate[j][i] : p->r_rate[j][i];
+        const double moved =
+            kind_by_root(kind) ? sum->r[j] + p->opened[0] * p->r_rate[j][i] : p->r_rate[j][i];
         p->r[j][i + 1] = unit * moved;
         p->r_rate[j][i + 1] = unit * (z->side_by_mass * push);
     }
@@ -291,7 +308,7 @@ static inline void put_next(struct pair_series *p, struct series_work *z, int i,
 static inline void note_order(struct pair_series *p, struct series_work *z, int i, struct series_kind kind)
 {
     const int back = TAYLOR_ORDER - i;
-    if (kind.by_root) {
+    if (kind_by_root(kind)) {
         z->time_back[back] = kind.first ? 0.0 : p->time[i];
         z->opened_back[back] = kind.first ? 0.0 : p->opened[i];
         z->square_back[back] = kind.first ? 0.0 : z->square[i];
@@ -309,7 +326,7 @@ static inline void note_order(struct pair_series *p, struct series_work *z, int 
 static inline void make_order(struct pair_series *p, struct series_work *z, int i, struct series_kind kind)
 {
     struct series_sums sum = {.speed = 0.0};
-    if (kind.by_root) {
+    if (kind_by_root(kind)) {
         sum_lower_scalars(p, z, i, &sum);
         for (int k = 2; k <= kind.degree; ++k) {
             z->power[k][i] = k == 2 ? sum.time2 : taylor_multiply(z->power[k - 1], p->time, i);

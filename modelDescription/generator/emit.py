@@ -223,6 +223,12 @@ def _facts(resolved: Resolved) -> dict:
         "any_caps": resolved.may("body.ends", "capped"),
         "any_plane": any(body.shape == "plane" for body in resolved.scene.bodies),
         "any_torus": any(body.shape == "torus" for body in resolved.scene.bodies),
+        "any_endless": resolved.may("body.finite_length", "false")
+        or resolved.may("body.ends", "capped")
+        or any(
+            resolved.scene.bodies[contact.destination].shape != "cylinder"
+            for contact in resolved.scene.contacts
+        ),
         "any_curved": any(
             resolved.scene.bodies[contact.destination].shape != "plane" for contact in resolved.scene.contacts
         ),

@@ -69,6 +69,7 @@
 #define SCENE_ANY_AXIS {{ (any_cylinder or any_plane or any_torus) | int }}    /* has any shape an axis? */
 #define SCENE_ANY_KEPT_AXIS {{ (scene.bodies | selectattr("keeps_axis") | list | length > 0) | int }} /* body_keeps_axis? */
 #define SCENE_ANY_ENDS {{ (any_cylinder or any_torus) | int }}    /* may a shape end suddenly? */
+#define SCENE_ANY_ENDLESS {{ any_endless | int }} /* may any contact be without ends along an axis, or with caps? */
 #define SCENE_ANY_TURNING {{ (any_turning or any_torus) | int }}    /* either, or what has no closed form without them */
 {% set lever = any_turning and (any_cylinder or any_plane or any_caps or any_torus) %}
 #define SCENE_HAS_TORQUES {{ lever | int }} /* may a normal force have a torque? never about a sphere's centre */
