@@ -13,6 +13,10 @@ from prune import pruned, pruned_header
 INCLUDE = re.compile(r'^#include ([<"])([^>"]+)[>"].*\n', re.MULTILINE)
 # A string, which may look like a comment inside, or a comment.
 COMMENT = re.compile(r'"(?:[^"\\\n]|\\.)*"|/\*.*?\*/', re.DOTALL)
+# What lets a header be taken twice, as no header is here
+GUARD = re.compile(r"^#ifndef (\w+_H)\n#define \1\n(.*)^#endif[^\n]*\n\Z", re.MULTILINE | re.DOTALL)
+# Written as tabs, which take less room in an FMU
+INDENT = re.compile(r"^(?: {4})+", re.MULTILINE)
 BUILD_DESCRIPTION = """\
 <?xml version="1.0" encoding="UTF-8"?>
 <fmiBuildDescription fmiVersion="3.0">
@@ -85,7 +89,7 @@ class Amalgamation:
     def text(self, file):
         """The file with its headers; C's own are only noted"""
         self.seen.add(file)
-        content = file.read_text(encoding="utf-8")
+        content = GUARD.sub(r"\2", file.read_text(encoding="utf-8"))
         return INCLUDE.sub(lambda found: self.included(*found.groups(), file), content)
 
     def included(self, mark, name, file):
@@ -141,7 +145,8 @@ def amalgamated(units, source, scene, fmi):
         libraries="".join(f"#include <{library}>\n" for library in sorted(one.libraries)),
     )
     header = (scene / "scene.h").read_text(encoding="utf-8")
-    return name, head + pruned(without_comments(body), header, left_out) + TAIL
+    text = pruned(without_comments(body), header, left_out)
+    return name, head + INDENT.sub(lambda found: len(found[0]) // 4 * "\t", text) + TAIL
 
 
 def main(units, scene, source, headers, fmi, output):

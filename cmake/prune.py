@@ -53,7 +53,8 @@ def pruned(text, scene_header, left_out):
             if piece.is_function() and new & set(NAME.findall(piece.text())):
                 while (made := _without_dead(piece.lines, known)) != piece.lines:
                     piece.lines = made
-    return _without_types("\n".join(line for piece in _wanted(pieces) for line in piece.lines), scene_header)
+    wanted = _without_declarations(_wanted(pieces), scene_header)
+    return _without_types("\n".join(line for piece in wanted for line in piece.lines), scene_header)
 
 
 def _without_types(text, scene_header):
@@ -164,7 +165,8 @@ class Piece:
         if self.declares:
             return set()
         text = OTHER.sub("", self.text())
-        return set(NAME.findall(text)) - (set(VARIABLE.findall(text)) - set(CALLED.findall(text)))
+        declared = VARIABLE.findall(text) + VARIABLE.findall(self.text())
+        return set(NAME.findall(text)) - (set(declared) - set(CALLED.findall(text)))
 
 
 class Known:
@@ -477,3 +479,19 @@ def _wanted(pieces, asked=()):
             needed.add(name)
             waiting += [other for piece in of_name.get(name, ()) for other in piece.needs()]
     return [piece for piece in pieces if piece.name is None or piece.name in needed]
+
+
+def _without_declarations(pieces, scene_header):
+    """Without declarations of functions that nothing names before their definitions; those with attributes
+    and those that a macro names stay"""
+    macros = "".join(piece.text() for piece in pieces if piece.lines[0].startswith("#define "))
+    kept, first = [], dict.fromkeys(NAME.findall(macros))
+    for piece in reversed(pieces):
+        named = first.get(piece.name)
+        if piece.declares and named and named.name == piece.name and "CONTACT_" not in piece.text():
+            continue
+        if not piece.declares:
+            text = scene_header if piece.text() == '#include "scene.h"' else piece.text()
+            first |= {name: piece for name in NAME.findall(text) if first.get(name, piece)}
+        kept.append(piece)
+    return kept[::-1]
