@@ -1,6 +1,7 @@
 #include "prescribed/prescribed.h"
 
 #include <float.h>
+#include <stdlib.h>
 
 #include "flight/conservative_advancement.h"
 #include "flight/relative_path.h"

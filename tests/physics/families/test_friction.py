@@ -66,7 +66,7 @@ def soft_landing(random):
     fmu, values = pair(random)
     damped(random, values)
     values["contact.friction"] = "regularized"
-    return Scene(fmu, values, end=float(random.choice([0.07, 0.23, 0.47])), slack=1e3)
+    return Scene(fmu, values, end=float(random.choice([0.07, 0.23, 0.47])))
 
 
 def check_law(fmu, values):
@@ -129,7 +129,7 @@ def elastic(random):
         "contact.tangential_stiffness": stiffness * float(random.choice([0.5, 2.0 / 7.0, 0.8, 1.0])),
         "contact.tangential_damping": float(random.choice([0.0, 0.0, 0.0, 1.0])),
     }
-    return Scene(fmu, values, end=float(random.choice([0.07, 0.13])), slack=1e3)
+    return Scene(fmu, values, end=float(random.choice([0.07, 0.13])))
 
 
 @pytest.mark.parametrize("seed", seeds())

@@ -166,12 +166,13 @@ def rolling_on_a_turntable(random):
     return Scene("Turntable", values, pick(random, 0.06, 0.5, 2.0), floor)
 
 
-@pytest.mark.parametrize("seed", seeds())
+# In these two a step of the general segment began shortly before a release under Hertz's law.
+@pytest.mark.parametrize("seed", [*seeds(), 920148])
 def test_a_ball_in_a_corner_ends_the_same_however_it_is_stepped(opened_several, seed):
     check_agreement(opened_several, ball_into_corner(np.random.default_rng(seed)), seed)
 
 
-@pytest.mark.parametrize("seed", seeds())
+@pytest.mark.parametrize("seed", [*seeds(), 930291])
 def test_balls_in_a_row_end_the_same_however_they_are_stepped(opened_several, seed):
     check_agreement(opened_several, balls_in_a_row(np.random.default_rng(seed)), seed)
 

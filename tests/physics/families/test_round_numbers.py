@@ -15,7 +15,7 @@ def dropped_ball(random):
         "contact.dashpot": str(random.choice(["non_adhesive", "unclamped", "approach_only"])),
         "contact.penalty_factor": float(random.choice([1e3, 1e4, 1e6])),
     }
-    return Scene("SpherePlane", values, end=float(random.choice([0.7, 1.1, 1.7])), slack=1e4)
+    return Scene("SpherePlane", values, end=float(random.choice([0.7, 1.1, 1.7])))
 
 
 @pytest.mark.parametrize("seed", seeds())
