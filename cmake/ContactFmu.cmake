@@ -37,7 +37,7 @@ if(NOT CONTACT_ZIG AND NOT CONTACT_GCC)
     endif()
 endif()
 
-# Only tests read debug information, and only before the libraries are stripped; it is a tenth of the time of compiling.
+# Only tests read debug information, and only before the libraries are stripped; it is a third of the time of compiling.
 set(CONTACT_DEBUG_INFORMATION ON)
 if(CONTACT_STRIP AND (CONTACT_SCENES OR NOT BUILD_TESTING))
     set(CONTACT_DEBUG_INFORMATION OFF)

@@ -52,13 +52,13 @@ configure() {
 }
 
 build() {
-    configure "$@"
+    configure -DBUILD_TESTING=ON "$@"
     (cd "$root" && cmake --build --preset default -- --quiet)
     use_build "$root/build"
 }
 
 build_fmus() {
-    configure
+    configure -DBUILD_TESTING=OFF # without debug information, which takes a third of the time of compiling
     (cd "$root" && cmake --build --preset default --target fmus fmu_host)
     use_build "$root/build"
 }
