@@ -61,7 +61,7 @@ static double length_of_impact(const struct scene_values *v, const struct scene_
     }
     const double spring = sqrt(1.5 * k * sqrt(depth));
     const double dashpot = k * chi * depth * sqrt(depth);
-    /* near the release all stages of a longer step would be behind it, where no force shows what was missed */
+    /* near the release all stages of a longer step would be behind it, where no force shows what they miss */
     const double release = g->gap_rate > 0.0 && g->gap < 0.0 ? -g->gap / g->gap_rate : (double)INFINITY;
     return fmin(FIRST_STEP / fmax(spring, dashpot), release);
 }

@@ -114,9 +114,9 @@ static struct regime_change change_at(const struct relative_path *path, double s
     return (struct regime_change){s * path->horizon, next, path->scale * gap, false};
 }
 
-/* Returns the first of `count` sorted events in [0, 1] after the dead band after which the regime differs from
- * the present regime. If `ends_only`, only the passage of a cylinder's end changes the regime. The passage of
- * a centre is not checked. */
+/* Returns the first of `count` sorted events in [0, 1], after the dead band, after which the regime differs
+ * from the present regime. If `ends_only`, only the passage of a cylinder's end changes the regime. The
+ * passage of a centre is not checked. */
 static struct regime_change path_first_change(const struct relative_path *path, const double *events,
                                               int count, const struct contact_law *law,
                                               enum contact_regime present, bool ends_only,
@@ -416,8 +416,8 @@ static struct regime_change prescribed_regime_change(const struct relative_path 
     return next;
 }
 
-/* Returns the first change in flight after the dead band. The change is the first touch, or the first candidate
- * after which the regime differs from the present one. */
+/* Returns the first change in flight after the dead band. The change is the first touch, or the first
+ * candidate after which the regime differs from the present one. */
 static struct regime_change flight_regime_change(const struct relative_path *path,
                                                  const struct contact_shape *shape,
                                                  const struct contact_law *law, enum contact_regime present,

@@ -858,8 +858,8 @@ static bool panel_to_event(const struct span *s, const struct place *start, doub
         if (!(middle > before && middle < after)) {
             break;
         }
-        /* Where friction without a dashpot vanishes with F_n, its spring turns ever faster, and not every panel
-         * beyond the event can be made. The events there do not depend on the spring. */
+        /* Where friction without a dashpot vanishes with F_n, its spring turns ever faster, and not every
+         * panel beyond the event can be made. The events there do not depend on the spring. */
         if (s->elastic && !panel_make(&s->c, start->clock, middle, first, panel)) {
             panel->spring = first;
         }
