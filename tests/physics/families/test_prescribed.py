@@ -4,6 +4,7 @@ in which a run once hung, was changed by a reading, or missed a change of the la
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from support.checks import check_close, start
 from support.scenes.agreement import Scene, answer, check_agreement, pick, seeds
@@ -331,6 +332,58 @@ def test_a_clipped_dashpot_of_what_turns_holds_up_no_step(opened, steps, speed, 
     until = max(0.0, (0.01 - 200.0 * speed / 1e4) / speed)
     expected = (100.0 - 200.0 * speed) * until - 0.5e4 * speed * until**2
     check_close("impulse", impulse, [expected, 0.0, 0.0], 1e-12)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 7])
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+def test_a_source_passes_the_axis_of_a_cylinder_that_turns_about_its_path(opened, dashpot, steps):
+    """The distance is |x|, x = t - 0.5: F_n = k (R - |x|) + c before the axis. Behind it the force is reversed,
+    with -c as far as the dashpot allows.
+    """
+    stiffness, damping, reach = 1e4, 1e3, 0.6
+    values = HANGING | {
+        "source.prescribed_displacement": [-0.5, 0.0, 0.0],
+        "source.prescribed_velocity": [1.0, 0.0, 0.0],
+        "source.prescribed_displacement.derivatives": [[1.0, 0.0, 0.0]],
+        "destination.prescribed_angular_velocity": [0.7, 0.0, 0.0],
+        "contact.viscous_penalty_factor": damping,
+        "contact.dashpot": dashpot,
+    }
+    fmu = start(opened("TurningForceElement"), values)
+    impulse, peak = np.zeros(3), 0.0
+    for k in range(steps):
+        size = (k + 1) / steps - fmu.time
+        fmu.step(size)
+        impulse += size * fmu["contact.mean_force"]
+        peak = max(peak, fmu["contact.peak_force"])
+    pulls = 0.0 if dashpot == "approach_only" else damping
+    until = reach - pulls / stiffness if dashpot == "non_adhesive" else reach
+    until = min(until, 0.5)  # the run ends there
+    before = stiffness * (reach * 0.5 - 0.125) + damping * 0.5
+    behind = (stiffness * reach - pulls) * until - 0.5 * stiffness * until**2
+    check_close("impulse", impulse, [behind - before, 0.0, 0.0], 1e-9)
+    check_close("peak", peak, stiffness * reach + damping, 1e-7)
+
+
+@pytest.mark.parametrize("spin", [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]])
+@pytest.mark.parametrize("steps", [1, 10])
+def test_a_gap_rate_that_is_rounding_holds_up_no_step(opened, spin, steps):
+    """An approach_only dashpot under a cylinder that begins to turn away from a source at rest."""
+    values = {
+        "contact.dashpot": "approach_only",
+        "destination.axis": [1.0, 0.0, 0.0],
+        "destination.prescribed_axis": [1.0, 0.0, 0.0],
+        "source.center": [0.18, 0.52, 0.0],
+        "destination.prescribed_angular_velocity": spin,
+    }
+    fmu = start(opened("TurningForceElement"), values)
+    for k in range(steps):
+        fmu.step((k + 1) / steps - fmu.time)
+    axis = Rotation.from_rotvec(spin).apply([1.0, 0.0, 0.0])
+    place = np.array([0.18, 0.52, 0.0])
+    distance = np.linalg.norm(place - (place @ axis) * axis)
+    reach = fmu["source.radius"] + fmu["destination.radius"]
+    assert fmu["contact.gap"] == pytest.approx(distance - reach, abs=1e-14)
 
 
 def test_what_changes_without_end_is_refused_with_a_message(opened):
