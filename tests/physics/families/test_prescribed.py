@@ -337,8 +337,8 @@ def test_a_clipped_dashpot_of_what_turns_holds_up_no_step(opened, steps, speed, 
 @pytest.mark.parametrize("steps", [1, 2, 7])
 @pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_a_source_passes_the_axis_of_a_cylinder_that_turns_about_its_path(opened, dashpot, steps):
-    """The distance is |x|, x = t - 0.5: F_n = k (R - |x|) + c before the axis. Behind it the force is reversed,
-    with -c as far as the dashpot allows.
+    """The distance is |x|, x = t - 0.5: F_n = k (R - |x|) + c before the axis. Behind it the force is
+    reversed, with -c as far as the dashpot allows.
     """
     stiffness, damping, reach = 1e4, 1e3, 0.6
     values = HANGING | {
