@@ -657,6 +657,10 @@ static const double LARGEST_TURN_COSINE = 0.88;
  * slip. */
 static const double SATURATED = 40.0, FOLLOWED = 2.0, PROPORTIONAL = 1e-6;
 
+/* A slip that is below this part of itself at the node next to an end may reverse close behind that node. The
+ * nodes then show nothing of the corner, because the layer bends between the end and the node alone. */
+static const double NEARLY_REVERSED = 0.03;
+
 /* Whether two slips at neighbouring nodes resolve the layer of small slips in which regularized friction
  * reverses. The layer has the shape exp(-|v_t|/v_0), with a corner of the slope in its middle. */
 static bool sees_layer(const struct span *s, struct vec3 slip, struct vec3 next)
@@ -666,7 +670,7 @@ static bool sees_layer(const struct span *s, struct vec3 slip, struct vec3 next)
     if (s->elastic || !contact_rubs(s->c.v, s->c.contact)) {
         return true;
     }
-    if (vec3_dot(slip, next) < 0.0) {
+    if (vec3_dot(slip, next) < NEARLY_REVERSED * speed * speed) {
         return fmax(speed, vec3_norm(next)) <= PROPORTIONAL * unit;
     }
     return speed > SATURATED * unit || vec3_norm(vec3_sub(next, slip)) <= FOLLOWED * unit;
