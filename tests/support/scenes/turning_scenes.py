@@ -42,6 +42,27 @@ def random_turning_scene(seed):
     return TurningScene(shape, values, float(random.uniform(0.1, 0.3)), steps)
 
 
+def driven_scene(seed):
+    """The source flies a parabola that dips some millimetres into the destination; both turn steadily."""
+    random = np.random.default_rng([16, seed])
+    shape, inside = PLACES[seed % len(PLACES)]
+    outward, values = place(random, shape, inside)
+    towards = (1.0 if inside else -1.0) * outward
+    across = np.cross(towards, random.normal(size=3))
+    speed, depth = random.uniform(0.5, 2.0), random.uniform(1e-3, 4e-3)
+    gap = 0.05  # at most (turning_scenes.place): it dips in by `depth` more than that leaves
+    back = speed**2 / (2.0 * (gap + depth))
+    values |= moved_by("source", speed * towards + 0.1 * across, -back * towards)
+    values |= {"source.rotation": "prescribed", "destination.rotation": "prescribed"}
+    values["source.prescribed_angular_velocity"] = (10.0 * random.normal(size=3)).tolist()
+    values["destination.prescribed_angular_velocity"] = (0.5 * random.normal(size=3)).tolist()
+    if shape != "sphere":
+        values["destination.prescribed_axis"] = values["destination.axis"]
+    values |= normal_law(random, values["source.mass"])
+    values |= friction_law(random, FRICTIONS[seed // len(PLACES) % len(FRICTIONS)], values)
+    return shape, values, 2.2 * speed / back, int(random.integers(1, 4))
+
+
 def place(random, shape, inside):
     radius = random.uniform(0.3, 0.6)
     small = radius * random.uniform(0.2, 0.5)
