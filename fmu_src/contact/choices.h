@@ -45,6 +45,11 @@
 #else
 #define CONTACT_ANY_RESTITUTION 1
 #endif
+#ifdef CONTACT_NO_ROLLING /* no contact resists rolling or spinning */
+#define CONTACT_ANY_ROLLING 0
+#else
+#define CONTACT_ANY_ROLLING 1
+#endif
 
 /* No body has the shape SHAPE_RIM: the rim is the circular edge of a capped cylinder, which a sphere meets
  * from beyond both the side and the cap (shape.h). */
@@ -85,6 +90,8 @@ enum inertia_control { INERTIA_CONTROL_AUTOMATIC = 1, INERTIA_CONTROL_USER_DEFIN
 enum slip_velocity_control { SLIP_VELOCITY_CONTROL_AUTOMATIC = 1, SLIP_VELOCITY_CONTROL_USER_DEFINED };
 
 enum friction { FRICTION_NONE = 1, FRICTION_REGULARIZED, FRICTION_ELASTIC };
+
+enum resistance { RESISTANCE_NONE = 1, RESISTANCE_REGULARIZED }; /* to rolling, and to spinning */
 
 enum solver_method { SOLVER_METHOD_EVENT_DRIVEN = 1, SOLVER_METHOD_CVODE_BDF, SOLVER_METHOD_CVODE_ADAMS };
 

@@ -146,6 +146,21 @@ friction_force_slopes(const struct friction_law *law, enum friction_regime regim
     return slopes;
 }
 
+enum friction_regime resistance_regime(enum friction_regime regime)
+{
+    return regime == FRICTION_LIFTED ? FRICTION_LIFTED : FRICTION_SLIDING;
+}
+
+struct vec3 resistance_torque(const struct resistance_law *law, enum friction_regime regime,
+                              double normal_force, struct vec3 normal, struct vec3 omega)
+{
+    const struct vec3 along = vec3_scale(vec3_dot(omega, normal), normal);
+    const struct friction_state rolling = {.normal_force = normal_force, .slip = vec3_sub(omega, along)};
+    const struct friction_state spinning = {.normal_force = normal_force, .slip = along};
+    return vec3_add(friction_force(&law->rolling, resistance_regime(regime), rolling),
+                    friction_force(&law->spinning, resistance_regime(regime), spinning));
+}
+
 /* Least length of the turning spring divided by its typical length. A shorter spring turns faster, up to this
  * length. The bound changes the rate at the typical length by a fraction of 1e-10. */
 static const double SHORTEST = 1e-5;
@@ -365,10 +380,7 @@ double friction_cap_event(const struct friction_law *law, enum friction_regime r
     return regime == FRICTION_SLIDING ? room : -room;
 }
 
-double friction_lift_event(const struct friction_law *law, enum friction_regime regime, double push)
+double friction_lift_event(enum friction_regime regime, double push)
 {
-    if (law->kind == FRICTION_NONE) {
-        return 1.0;
-    }
     return regime == FRICTION_LIFTED ? -push : push;
 }

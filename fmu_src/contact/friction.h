@@ -18,6 +18,16 @@
  *
  * In each regime all functions are smooth; a regime ends where an event function falls through zero. Source:
  * P. A. Cundall, O. D. L. Strack, Geotechnique 29 (1979) 47.
+ *
+ * Resistance to rolling and to spinning is a torque M on the source, and -M on the destination. It opposes
+ * omega = omega_s - omega_d, the angular velocity of the source as the destination sees it. The part of omega
+ * across n is rolling, the part along n is spinning. For each part
+ *
+ *   M = -mu_r R_r F_n (1 - exp(-|omega| / omega_0)) omega / |omega|
+ *
+ * with its own mu_r and omega_0. It is regularized friction with omega for the slip, mu_r R_r for mu, omega_0
+ * for v_0 and no F_max, so that struct friction_law serves for each part. Source: J. Ai, J.-F. Chen, J. M.
+ * Rotter, J. Y. Ooi, Powder Technology 206 (2011) 269.
  */
 #ifndef CONTACT_CONTACT_FRICTION_H
 #define CONTACT_CONTACT_FRICTION_H
@@ -34,6 +44,12 @@ struct friction_law {
     double slip_velocity;      /* v_0 of regularized friction [m/s] */
     double largest;            /* F_max [N] */
     double stiffness, damping; /* k_t [N/m], c_t [N s/m] of elastic friction */
+};
+
+/* The laws of both parts of the resistance: mu_r R_r [m] is the coefficient, omega_0 [rad/s] the slip
+ * velocity. */
+struct resistance_law {
+    struct friction_law rolling, spinning;
 };
 
 /* The regimes of friction. Regularized friction always slides; its FRICTION_STICKING is the linearization at
@@ -77,6 +93,12 @@ struct friction_slopes friction_force_slopes(const struct friction_law *law, enu
                                              struct friction_state at);
 struct friction_slopes friction_spring_rate_slopes(const struct friction_law *law,
                                                    enum friction_regime regime, struct friction_state at);
+
+/* Returns M [N m] under the normal force F_n for the angular velocity omega. The resistance is lifted where
+ * friction is, and acts in all other regimes of friction. */
+struct vec3 resistance_torque(const struct resistance_law *law, enum friction_regime regime,
+                              double normal_force, struct vec3 normal, struct vec3 omega);
+enum friction_regime resistance_regime(enum friction_regime regime);
 
 /* Return the spring's elongation [m] and its stored energy [J]; the other work of friction is dissipated. */
 struct vec3 friction_spring(const struct friction_law *law, enum friction_regime regime,
@@ -134,6 +156,6 @@ struct friction_response friction_response_of(const struct friction_law *law, en
 /* Whether the stick event of elastic friction compares |F*| with a limit. */
 bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime);
 double friction_cap_event(const struct friction_law *law, enum friction_regime regime, double normal_force);
-double friction_lift_event(const struct friction_law *law, enum friction_regime regime, double push);
+double friction_lift_event(enum friction_regime regime, double push);
 
 #endif

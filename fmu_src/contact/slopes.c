@@ -276,6 +276,27 @@ struct vec3 friction_force_term(const struct friction_law *law, enum friction_re
     return vec3_scale(-1.0, jet_scale(limit, unit, order));
 }
 
+void resistance_terms(const struct resistance_law *law, enum friction_regime regime,
+                      const struct contact_jet *jet, const struct vec3 omega[JET_TERMS],
+                      struct vec3 torque[JET_TERMS])
+{
+    struct friction_path rolling = {.slip_velocity_slope = 0.0};
+    double along[JET_TERMS];
+    for (int i = 0; i < JET_TERMS; ++i) {
+        along[i] = jet_dot(omega, jet->normal, i);
+        rolling.normal_force[i] = jet->normal_force[i];
+    }
+    struct friction_path spinning = rolling;
+    for (int i = 0; i < JET_TERMS; ++i) {
+        spinning.slip[i] = jet_scale(along, jet->normal, i);
+        rolling.slip[i] = vec3_sub(omega[i], spinning.slip[i]);
+    }
+    for (int i = 0; i < JET_TERMS; ++i) {
+        torque[i] = vec3_add(friction_force_term(&law->rolling, resistance_regime(regime), &rolling, i),
+                             friction_force_term(&law->spinning, resistance_regime(regime), &spinning, i));
+    }
+}
+
 double friction_stored_term(const struct friction_law *law, enum friction_regime regime,
                             const struct friction_path *path, int order)
 {
@@ -298,6 +319,19 @@ static struct vec3 matrix_times(double m[3][3], struct vec3 a)
                      m[2][0] * a.x + m[2][1] * a.y + m[2][2] * a.z);
 }
 
+/* Sets omega, M and the derivatives of both parts of M. */
+static void put_resistance_slopes(const struct turning_laws *laws, struct turning_slopes *s)
+{
+    const struct vec3 n = s->geometry.normal;
+    const enum friction_regime regime = resistance_regime(laws->friction_regime);
+    const struct vec3 along = vec3_scale(vec3_dot(s->spin, n), n);
+    const struct friction_state rolling = {.normal_force = s->normal_force, .slip = vec3_sub(s->spin, along)};
+    const struct friction_state spinning = {.normal_force = s->normal_force, .slip = along};
+    s->resistance = resistance_torque(&laws->resistance, regime, s->normal_force, n, s->spin);
+    s->rolling_slopes = friction_force_slopes(&laws->resistance.rolling, regime, rolling);
+    s->spinning_slopes = friction_force_slopes(&laws->resistance.spinning, regime, spinning);
+}
+
 struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const struct contact_geometry *at,
                                         const struct turning_motion *motion, const struct turning_laws *laws)
 {
@@ -308,9 +342,9 @@ struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const
     s.across = contact_turning_part(shape, at, s.seen_rate);
     s.inverse_distance = contact_turns(shape, at) ? 1.0 / at->distance : 0.0;
     s.normal_rate = vec3_axpy(vec3_cross(motion->destination_rotation, n), s.inverse_distance, s.across);
-    const struct vec3 spin = vec3_sub(motion->source_rotation, motion->destination_rotation);
+    s.spin = vec3_sub(motion->source_rotation, motion->destination_rotation);
     const struct vec3 tangential = vec3_axpy(s.seen_rate, -vec3_dot(n, s.seen_rate), n);
-    s.slip = vec3_sub(vec3_scale(lever, vec3_cross(spin, n)), tangential);
+    s.slip = vec3_sub(vec3_scale(lever, vec3_cross(s.spin, n)), tangential);
 
     s.normal_force = contact_force(&laws->normal, laws->regime, at->gap, at->gap_rate);
     s.normal_slopes = contact_force_slopes(&laws->normal, laws->regime, at->gap, at->gap_rate);
@@ -322,6 +356,11 @@ struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const
     s.force_slopes = friction_force_slopes(&laws->friction, laws->friction_regime, rubbing);
     s.spring_slopes = friction_spring_rate_slopes(&laws->friction, laws->friction_regime, rubbing);
     s.force = vec3_axpy(s.friction_force, -shape->side * s.normal_force, n);
+    s.resists = CONTACT_ANY_ROLLING && (laws->resistance.rolling.kind == FRICTION_REGULARIZED ||
+                                        laws->resistance.spinning.kind == FRICTION_REGULARIZED);
+    if (s.resists) {
+        put_resistance_slopes(laws, &s);
+    }
     return s;
 }
 
@@ -443,6 +482,23 @@ struct vec3 friction_slopes_along(const struct friction_slopes *slopes, double n
     return vec3_axpy(by_motion, normal_force, m.by_normal_force);
 }
 
+/* Adds the change of M, where n (n.omega) is the spinning part of omega. */
+static void add_resistance(const struct turning_slopes *s, const struct turning_motion *change,
+                           struct vec3 more_normal, double normal_force, struct turning_change *out)
+{
+    const struct vec3 n = s->geometry.normal;
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    const struct vec3 more_spin = vec3_sub(change->source_rotation, change->destination_rotation);
+    const double more_along = vec3_dot(more_normal, s->spin) + vec3_dot(n, more_spin);
+    const struct vec3 along = vec3_axpy(vec3_scale(vec3_dot(n, s->spin), more_normal), more_along, n);
+    const struct vec3 across = vec3_sub(more_spin, along);
+    const struct vec3 more = vec3_add(friction_slopes_along(&s->rolling_slopes, normal_force, across, none),
+                                      friction_slopes_along(&s->spinning_slopes, normal_force, along, none));
+    out->source_torque = vec3_add(out->source_torque, more);
+    out->destination_torque = vec3_sub(out->destination_torque, more);
+    out->friction_power -= vec3_dot(more, s->spin) + vec3_dot(s->resistance, more_spin);
+}
+
 struct turning_change turning_slopes_along(const struct turning_slopes *s,
                                            const struct turning_motion *change)
 {
@@ -475,5 +531,8 @@ struct turning_change turning_slopes_along(const struct turning_slopes *s,
     out.dissipated_power = -(normal_force + s->bend * gap) * s->geometry.gap_rate -
                            (s->normal_force + s->stored_slope) * gap_rate;
     out.friction_power = -vec3_dot(friction, s->slip) - vec3_dot(s->friction_force, slip);
+    if (CONTACT_ANY_ROLLING && s->resists) {
+        add_resistance(s, change, d.normal, normal_force, &out);
+    }
     return out;
 }

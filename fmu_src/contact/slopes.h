@@ -74,6 +74,11 @@ struct friction_path {
 CONTACT_COLD struct vec3 friction_force_term(const struct friction_law *law, enum friction_regime regime,
                                              const struct friction_path *path, int order);
 
+/* Sets the series of M from those of F_n, n and omega. */
+CONTACT_COLD void resistance_terms(const struct resistance_law *law, enum friction_regime regime,
+                                   const struct contact_jet *jet, const struct vec3 omega[JET_TERMS],
+                                   struct vec3 torque[JET_TERMS]);
+
 /* Returns coefficient `order` of the energy stored in the tangential spring [J]. */
 CONTACT_COLD double friction_stored_term(const struct friction_law *law, enum friction_regime regime,
                                          const struct friction_path *path, int order);
@@ -100,7 +105,7 @@ CONTACT_COLD void jet_of_axis_distance(const struct vec3 c[JET_TERMS], const str
  *   g' = side n.w_g
  *   v_t = -(w_g - n (n.w_g)) + r_s side (omega_s - omega_d) x n
  *   F_src = -side F_n n + F_t
- *   tau_src = r_s side n x F_src,   tau_dst = -(r_s side n - c) x F_src
+ *   tau_src = r_s side n x F_src + M,   tau_dst = -(r_s side n - c) x F_src - M
  *   xi' = friction_spring_rate - n (xi.n')
  */
 
@@ -120,6 +125,7 @@ struct turning_motion {
 struct turning_laws {
     struct contact_law normal;
     struct friction_law friction;
+    struct resistance_law resistance; /* zero where the contact does not resist */
     enum contact_regime regime;
     enum friction_regime friction_regime;
 };
@@ -129,7 +135,8 @@ struct turning_change {
     struct vec3 force;                             /* F_src [N] */
     struct vec3 source_torque, destination_torque; /* about the centres [N m] */
     struct vec3 spring_rate;                       /* xi' [m/s] */
-    double dissipated_power, friction_power; /* power dissipated by the normal force law; -F_t.v_t [W] */
+    double dissipated_power;                       /* by the law of the normal force [W] */
+    double friction_power;                         /* -F_t.v_t - M.omega [W] */
 };
 
 /* The slopes of a contact at one motion; turning_slopes_along computes every directional derivative by
@@ -145,6 +152,9 @@ struct turning_slopes {
     double inverse_distance;                  /* 1 / d; 0 where n does not turn with c */
     struct contact_slopes normal_slopes;      /* derivatives of F_n by g and g' */
     struct friction_slopes force_slopes, spring_slopes;
+    struct vec3 spin, resistance;                           /* omega, M */
+    struct friction_slopes rolling_slopes, spinning_slopes; /* of both parts of M, if it resists */
+    bool resists;
 };
 
 /* Returns the slopes at a motion whose geometry is `at`, with g' = side n.w_g. */

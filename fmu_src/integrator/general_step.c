@@ -100,6 +100,50 @@ static double time_to_zero(const double of[3])
     return near > 0.0 ? near : (double)INFINITY;
 }
 
+/* A relative motion of a contact that a regularized law opposes: the slip, the rolling or the spinning. */
+enum { OPPOSED_SLIP, OPPOSED_ROLLING, OPPOSED_SPINNING, OPPOSED };
+struct opposed {
+    struct friction_law law;
+    enum friction_regime regime;
+    struct vec3 slip; /* [m/s], or the angular velocity [rad/s] */
+    double size;      /* size of the terms whose difference the slip is */
+};
+
+/* Lists the motions of a contact that may be opposed and returns their number. */
+static int opposed_of(const struct scene_values *v, const struct scene_state *q,
+                      const struct scene_instant *at, int contact, struct opposed list[OPPOSED])
+{
+    const struct turning_laws laws = turning_laws_of(v, q, contact);
+    const double rate = vec3_norm(at->rate[contact]);
+    list[OPPOSED_SLIP] =
+        (struct opposed){laws.friction, laws.friction_regime, at->turning.slip[contact], rate};
+    if (!contact_resists(v, contact)) {
+        return 1;
+    }
+    const struct body_turn *body = at->turning.body;
+    const struct vec3 n = at->geometry[contact].normal;
+    const struct vec3 spin = turning_spin(at, contact);
+    const struct vec3 along = vec3_scale(vec3_dot(spin, n), n);
+    const enum friction_regime regime = resistance_regime(laws.friction_regime);
+    const double size = vec3_norm(body[contact_source(contact)].angular_velocity) +
+                        vec3_norm(body[contact_destination(contact)].angular_velocity);
+    list[OPPOSED_ROLLING] = (struct opposed){laws.resistance.rolling, regime, vec3_sub(spin, along), size};
+    list[OPPOSED_SPINNING] = (struct opposed){laws.resistance.spinning, regime, along, size};
+    return OPPOSED;
+}
+
+/* Returns the longest step [s] for a motion with the present value `now`, of which the Taylor coefficients 1
+ * and 2 in time are in `terms`. */
+static double length_of_opposed(const struct opposed *o, struct vec3 now, const struct vec3 terms[JET_TERMS])
+{
+    const double slip = vec3_norm(o->slip);
+    const double of[3] = {slip, vec3_dot(terms[1], now) / slip, vec3_dot(terms[2], now) / slip};
+    const double zero = time_to_zero(of);
+    const double v_0 = o->law.slip_velocity / fabs(of[1] + 2.0 * of[2] * zero); /* in time [s] */
+    return zero < (double)INFINITY && v_0 > 0.0 ? fmax(zero - SLIP_BEFORE * v_0, SLIP_WITHIN * v_0)
+                                                : (double)INFINITY;
+}
+
 double general_length_of_sliding(const struct scene_values *v, const struct scene_state *q)
 {
     struct scene_instant at;
@@ -108,22 +152,21 @@ double general_length_of_sliding(const struct scene_values *v, const struct scen
     bool known = false;
     scene_evaluate(v, q, q->clock, q->body, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct friction_law law = scene_friction_law(v, q, j);
-        const double slip = vec3_norm(at.turning.slip[j]);
-        if (q->contact[j].regime == REGIME_APART || law.kind != FRICTION_REGULARIZED ||
-            !(slip > SLIP_AFTER * law.slip_velocity + SLIP_ROUNDING * vec3_norm(at.rate[j]))) {
-            continue;
-        }
-        if (!known) {
-            jet_of_motion(v, q, &at, &along);
-            known = true;
-        }
-        const struct vec3 *terms = along.turning[j].slip;
-        const double of[3] = {slip, vec3_dot(terms[1], terms[0]) / slip, vec3_dot(terms[2], terms[0]) / slip};
-        const double zero = time_to_zero(of);
-        const double v_0 = law.slip_velocity / fabs(of[1] + 2.0 * of[2] * zero); /* in time [s] */
-        if (zero < (double)INFINITY && v_0 > 0.0) {
-            least = fmin(least, fmax(zero - SLIP_BEFORE * v_0, SLIP_WITHIN * v_0));
+        struct opposed list[OPPOSED];
+        const int count = q->contact[j].regime == REGIME_APART ? 0 : opposed_of(v, q, &at, j, list);
+        for (int i = 0; i < count; ++i) {
+            const struct opposed *o = &list[i];
+            if (o->law.kind != FRICTION_REGULARIZED ||
+                !(vec3_norm(o->slip) > SLIP_AFTER * o->law.slip_velocity + SLIP_ROUNDING * o->size)) {
+                continue;
+            }
+            if (!known) {
+                jet_of_motion(v, q, &at, &along);
+                known = true;
+            }
+            const struct turning_jet *jet = &along.turning[j];
+            least = fmin(least, i == OPPOSED_SLIP ? length_of_opposed(o, jet->slip[0], jet->slip)
+                                                  : length_of_opposed(o, o->slip, jet->spin));
         }
     }
     return fmax(least, SLIP_SHORTEST * fmax(q->clock, 1.0));
@@ -361,22 +404,29 @@ static void limit_errors_of_slip(struct general *g, double slip_velocity, int bo
 }
 
 /* Limits the errors allowed in states by regularized friction, and notes its rounding. `speeds` is the sum of
- * all speeds that make up the slip [m/s]. */
+ * all speeds that make up the slip [m/s]. A resistance to rolling has an omega_0 and a torque, which the arms
+ * turn into a v_0 and a force. */
 static void note_friction(struct general *g, const struct scene_instant *at, int contact, const int body[2],
                           const double arm[2], double speeds)
 {
-    const struct friction_law law = scene_friction_law(g->ode.values, g->state, contact);
-    const enum friction_regime regime = (enum friction_regime)g->state->contact[contact].friction_regime;
-    if (law.kind != FRICTION_REGULARIZED) {
-        return;
-    }
-    for (int i = 0; i < 2; ++i) {
-        if (!(vec3_norm(at->turning.slip[contact]) > SATURATED_SLIP * law.slip_velocity)) {
-            limit_errors_of_slip(g, law.slip_velocity, body[i], arm[i]);
+    struct opposed list[OPPOSED];
+    const int count = opposed_of(g->ode.values, g->state, at, contact, list);
+    for (int i = 0; i < count; ++i) {
+        const struct opposed *o = &list[i];
+        const double v_0 = o->law.slip_velocity;
+        const bool slips = i == OPPOSED_SLIP;
+        if (o->law.kind != FRICTION_REGULARIZED) {
+            continue;
         }
+        for (int k = 0; k < 2; ++k) {
+            if (!(vec3_norm(o->slip) > SATURATED_SLIP * v_0)) {
+                limit_errors_of_slip(g, slips ? v_0 : arm[k] * v_0, body[k], arm[k]);
+            }
+        }
+        const double limit = friction_limit(&o->law, o->regime, at->normal_force[contact]);
+        const double rounding = rounding_of_friction(&o->law, limit, slips ? speeds : o->size);
+        g->friction_rounding = fmax(g->friction_rounding, slips ? rounding : rounding / arm[0]);
     }
-    const double limit = friction_limit(&law, regime, at->normal_force[contact]);
-    g->friction_rounding = fmax(g->friction_rounding, rounding_of_friction(&law, limit, speeds));
 }
 
 /* Notes by how much a unit impulse of a contact changes each integral: the impulses of the force by one,

@@ -481,11 +481,11 @@ static bool has_converged(const struct radau_step *p, double size, double last, 
 
 bool node_forces_apply(const struct general *g)
 {
-    bool elastic = false;
+    bool refused = false; /* the unknowns are forces, neither springs nor torques */
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        elastic = elastic || contact_rubs_elastically(g->ode.values, j);
+        refused = refused || contact_rubs_elastically(g->ode.values, j) || contact_resists(g->ode.values, j);
     }
-    return !elastic && 3 * SCENE_CONTACTS <= g->step.others;
+    return !refused && 3 * SCENE_CONTACTS <= g->step.others;
 }
 
 bool node_forces_solve(struct general *g, double tolerance)

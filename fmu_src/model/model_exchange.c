@@ -65,7 +65,7 @@ static double rate_of(const struct scene_values *v, const struct scene_state *q,
         return contact_rubs_elastically(v, i) ? vec3_get(turning_spring_rate(v, q, &q->turning, at, i), k)
                                               : 0.0;
     case ROW_energy_friction_power:
-        return scene_turns(v) ? turning_friction_power(v, at) : 0.0;
+        return scene_turns(v) ? turning_friction_power(v, q, at) : 0.0;
     case ROW_body_displacement_rate:
         return body_is_free(v, i) ? vec3_get(at->velocity[i], k) : 0.0;
     case ROW_body_acceleration:

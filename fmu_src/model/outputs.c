@@ -181,12 +181,24 @@ static void put_turn(struct scene_values *v, const struct turning_instant *turni
 static bool sticks(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                    int contact)
 {
-    if (!contact_rubs(v, contact) || q->contact[contact].regime == (int32_t)REGIME_APART) {
+    if (contact_friction(v, contact) == FRICTION_NONE ||
+        q->contact[contact].regime == (int32_t)REGIME_APART) {
         return false;
     }
     return contact_rubs_elastically(v, contact)
                ? q->contact[contact].friction_regime == (int32_t)FRICTION_STICKING
                : vec3_norm(at->turning.slip[contact]) < q->contact[contact].parameters.slip_velocity;
+}
+
+static void put_resistance_outputs(struct scene_values *v, const struct scene_state *q,
+                                   const struct scene_instant *at, int contact)
+{
+    const struct vec3 spin = turning_spin(at, contact);
+    const struct vec3 n = at->geometry[contact].normal;
+    const double along = vec3_dot(spin, n);
+    put_contact_rolling_torque(v, contact, turning_resistance(v, q, at, contact));
+    put_contact_rolling_rate(v, contact, vec3_axpy(spin, -along, n));
+    put_contact_spinning_rate(v, contact, scene_contact_side(v, q, contact) * along);
 }
 
 static double put_rubbing(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
@@ -210,6 +222,9 @@ static double put_rubbing(struct scene_values *v, const struct scene_state *q, c
     put_contact_source_point(v, contact, vec3_add(centre, turning->source_arm[contact]));
     put_contact_source_torque(v, contact, turning->source_torque[contact]);
     put_contact_destination_torque(v, contact, turning->destination_torque[contact]);
+    if (SCENE_ANY_ROLLING) {
+        put_resistance_outputs(v, q, at, contact);
+    }
     return vec3_norm(friction) + vec3_norm(turning->slip[contact]) +
            vec3_norm(turning->source_torque[contact]) + vec3_norm(turning->destination_torque[contact]);
 }
@@ -232,6 +247,19 @@ static double show_turning(struct scene_values *v, const struct scene_state *q,
         sum += put_rubbing(v, q, &known, j);
     }
     return sum;
+}
+
+/* Returns coefficient `order` of an output of the resistance to rolling; a scalar is the first component. */
+static struct vec3 resistance_term(double side, const struct turning_jet *turning, const struct vec3 *normal,
+                                   int row, int order)
+{
+    double along[JET_TERMS];
+    for (int i = 0; i <= order; ++i) {
+        along[i] = jet_dot(turning->spin, normal, i);
+    }
+    return row == ROW_contact_rolling_torque ? turning->resistance[order]
+           : row == ROW_contact_rolling_rate ? vec3_sub(turning->spin[order], jet_scale(along, normal, order))
+                                             : vec3_make(side * along[order], 0.0, 0.0);
 }
 
 /* Returns coefficient `order` of a vector output that only contacts with rotation or friction have. */
@@ -322,6 +350,11 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
     default:
         if (SCENE_ANY_TURNING) {
             vector = turning_term(along, variable, order);
+        }
+        if (SCENE_ANY_ROLLING &&
+            (variable->row == ROW_contact_rolling_torque || variable->row == ROW_contact_rolling_rate ||
+             variable->row == ROW_contact_spinning_rate)) {
+            vector = resistance_term(shape.side, &along->turning[j], contact->normal, variable->row, order);
         }
         break;
     }

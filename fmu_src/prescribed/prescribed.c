@@ -47,7 +47,7 @@ struct panel {
     double passed;       /* the integral of all speeds whose difference is the slip, for its rounding [m] */
     struct {
         double clock;
-        struct vec3 spring, slip, normal;
+        struct vec3 spring, slip, spin, normal;
     } node[GAUSS_NODES];
 };
 
@@ -105,9 +105,13 @@ static double torque_rates(const struct prescribed_contact *c, const struct scen
     vec3_to(turning->source_torque[j], rate + TERM_SOURCE_TORQUE);
     vec3_to(turning->destination_torque[j], rate + TERM_DESTINATION_TORQUE);
     if (SCENE_ANY_FREE) {
-        rate[TERM_FRICTION] = -vec3_dot(turning->friction_force[j], turning->slip[j]);
+        rate[TERM_FRICTION] = turning_friction_power_of(c->v, c->q, at, j);
     }
     *arm = vec3_norm(turning->source_arm[j]) + vec3_norm(turning->destination_arm[j]);
+    if (contact_resists(c->v, j)) { /* |M| is at most F_n times these levers */
+        const struct resistance_law law = scene_resistance_law(c->v, c->q, j);
+        *arm += law.rolling.coefficient + law.spinning.coefficient;
+    }
     return *arm * (vec3_norm(turning->body[contact_source(j)].angular_velocity) +
                    vec3_norm(turning->body[contact_destination(j)].angular_velocity));
 }
@@ -341,6 +345,7 @@ CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, doub
         panel->node[i].normal = at.geometry[c->contact].normal;
         if (SCENE_ANY_TURNING) {
             panel->node[i].slip = at.turning.slip[c->contact];
+            panel->node[i].spin = turning_spin(&at, c->contact);
             panel->slipped += weight * vec3_norm(panel->node[i].slip);
         }
     }
@@ -495,7 +500,7 @@ static void friction_margins(const struct prescribed_contact *c, double clock, c
         const struct contact_geometry *g = &at->geometry[j];
         const double push = contact_push(&pull, g->gap, g->gap_rate);
         pull.dashpot = DASHPOT_NON_ADHESIVE; /* the event function of this dashpot is the push */
-        put_margin(margins, EVENT_LIFT, friction_lift_event(&law, regime, push),
+        put_margin(margins, EVENT_LIFT, friction_lift_event(regime, push),
                    event_rounding(c, &pull, REGIME_COMPRESSION, at));
     }
     put_margin(margins, EVENT_CAP, friction_cap_event(&law, regime, at->normal_force[j]),
@@ -663,17 +668,39 @@ static const double NEARLY_REVERSED = 0.03;
 
 /* Whether two slips at neighbouring nodes resolve the layer of small slips in which regularized friction
  * reverses. The layer has the shape exp(-|v_t|/v_0), with a corner of the slope in its middle. */
-static bool sees_layer(const struct span *s, struct vec3 slip, struct vec3 next)
+static bool sees_layer(const struct friction_law *law, struct vec3 slip, struct vec3 next)
 {
-    const double unit = scene_friction_law(s->c.v, s->c.q, s->c.contact).slip_velocity;
+    const double unit = law->slip_velocity;
     const double speed = vec3_norm(slip);
-    if (s->elastic || !contact_rubs(s->c.v, s->c.contact)) {
+    if (law->kind != FRICTION_REGULARIZED) {
         return true;
     }
     if (vec3_dot(slip, next) < NEARLY_REVERSED * speed * speed) {
         return fmax(speed, vec3_norm(next)) <= PROPORTIONAL * unit;
     }
     return speed > SATURATED * unit || vec3_norm(vec3_sub(next, slip)) <= FOLLOWED * unit;
+}
+
+/* Whether both the layer of small slips and those of slow rolling and spinning are resolved between an end of
+ * a panel and the node next to it. */
+static bool sees_layers(const struct span *s, const struct scene_instant *at, const struct panel *panel,
+                        int node)
+{
+    const int j = s->c.contact;
+    const struct friction_law law = scene_friction_law(s->c.v, s->c.q, j);
+    if (!sees_layer(&law, at->turning.slip[j], panel->node[node].slip)) {
+        return false;
+    }
+    if (!contact_resists(s->c.v, j)) {
+        return true;
+    }
+    const struct resistance_law resistance = scene_resistance_law(s->c.v, s->c.q, j);
+    const struct vec3 normal[2] = {at->geometry[j].normal, panel->node[node].normal};
+    const struct vec3 spin[2] = {turning_spin(at, j), panel->node[node].spin};
+    const double along[2] = {vec3_dot(spin[0], normal[0]), vec3_dot(spin[1], normal[1])};
+    return sees_layer(&resistance.rolling, vec3_axpy(spin[0], -along[0], normal[0]),
+                      vec3_axpy(spin[1], -along[1], normal[1])) &&
+           sees_layer(&resistance.spinning, vec3_scale(along[0], normal[0]), vec3_scale(along[1], normal[0]));
 }
 
 /* Whether n and the slip change so little between an end of a panel and the node next to it that the nodes
@@ -686,7 +713,7 @@ static bool sees_end(const struct span *s, const struct scene_instant *at, const
     const bool has_direction = !g->degenerate && fabs(g->distance) > rounding_of_gap(s->c.v, at, j);
     const double cosine = vec3_dot(g->normal, panel->node[node].normal);
     return !(has_direction && !(cosine > LARGEST_TURN_COSINE)) &&
-           (!SCENE_ANY_FRICTION || sees_layer(s, at->turning.slip[j], panel->node[node].slip));
+           (!SCENE_ANY_FRICTION || sees_layers(s, at, panel, node));
 }
 
 /* Whether sees_end holds at the ends of both halves of a panel; `at` holds the instants at the panel's ends.

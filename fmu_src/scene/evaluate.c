@@ -59,6 +59,28 @@ struct friction_law scene_friction_law(const struct scene_values *v, const struc
                                  .slip_velocity = q->contact[contact].parameters.slip_velocity};
 }
 
+static struct friction_law resistance_part(int kind, double coefficient, double rate)
+{
+    return (struct friction_law){.kind = kind == RESISTANCE_NONE ? FRICTION_NONE : FRICTION_REGULARIZED,
+                                 .coefficient = coefficient,
+                                 .slip_velocity = rate,
+                                 .largest = (double)INFINITY};
+}
+
+struct resistance_law scene_resistance_law(const struct scene_values *v, const struct scene_state *q,
+                                           int contact)
+{
+    const int destination = contact_destination(contact);
+    const double r_s = body_radius(v, contact_source(contact));
+    const double r_d = scene_contact_side(v, q, contact) * body_radius(v, destination);
+    const double lever = body_shape(destination) == SHAPE_PLANE ? r_s : r_s * fabs(r_d) / fabs(r_s + r_d);
+    return (struct resistance_law){
+        resistance_part(contact_rolling(v, contact), contact_rolling_coefficient(v, contact) * lever,
+                        contact_characteristic_rolling_rate(v, contact)),
+        resistance_part(contact_spinning(v, contact), contact_spinning_coefficient(v, contact) * lever,
+                        contact_characteristic_spinning_rate(v, contact))};
+}
+
 static bool has_axis(int body)
 {
     return body_shape(body) != SHAPE_SPHERE;
@@ -271,12 +293,36 @@ void turning_slip_of_contact(const struct scene_values *v, const struct scene_st
     turning->slip[contact] = vec3_axpy(across, -vec3_dot(across, g->normal), g->normal);
 }
 
-static void put_torques(struct scene_instant *at, int contact)
+struct vec3 turning_spin(const struct scene_instant *at, int contact)
+{
+    return vec3_sub(at->turning.body[contact_source(contact)].angular_velocity,
+                    at->turning.body[contact_destination(contact)].angular_velocity);
+}
+
+struct vec3 turning_resistance(const struct scene_values *v, const struct scene_state *q,
+                               const struct scene_instant *at, int contact)
+{
+    if (!contact_resists(v, contact) || q->contact[contact].regime == (int32_t)REGIME_APART) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    const struct resistance_law law = scene_resistance_law(v, q, contact);
+    return resistance_torque(&law, (enum friction_regime)q->contact[contact].friction_regime,
+                             at->normal_force[contact], at->geometry[contact].normal,
+                             turning_spin(at, contact));
+}
+
+static void put_torques(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at,
+                        int contact)
 {
     struct turning_instant *turning = &at->turning;
     const struct vec3 force = at->source_force[contact];
     turning->source_torque[contact] = vec3_cross(turning->source_arm[contact], force);
     turning->destination_torque[contact] = vec3_cross(force, turning->destination_arm[contact]);
+    if (contact_resists(v, contact)) {
+        const struct vec3 resistance = turning_resistance(v, q, at, contact);
+        turning->source_torque[contact] = vec3_add(turning->source_torque[contact], resistance);
+        turning->destination_torque[contact] = vec3_sub(turning->destination_torque[contact], resistance);
+    }
 }
 
 /* Sets slip, friction and torques of a contact whose geometry and normal force are known. Adds friction to
@@ -294,7 +340,7 @@ static void turning_of_contact(const struct scene_values *v, const struct scene_
             friction_force(&law, (enum friction_regime)q->contact[contact].friction_regime, rubbing);
         at->source_force[contact] = vec3_add(at->source_force[contact], turning->friction_force[contact]);
     }
-    put_torques(at, contact);
+    put_torques(v, q, at, contact);
 }
 
 void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
@@ -519,7 +565,7 @@ void scene_put_contact_forces(const struct scene_values *v, const struct scene_s
         at->normal_force[j] = -vec3_dot(force[j], e);
         at->turning.friction_force[j] = vec3_axpy(force[j], at->normal_force[j], e);
         accelerate(v, j, at);
-        put_torques(at, j);
+        put_torques(v, q, at, j);
     }
 }
 
@@ -785,12 +831,16 @@ struct turning_motion turning_motion_of(const struct turning_state *turning, con
 
 struct turning_laws turning_laws_of(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    return (struct turning_laws){
+    struct turning_laws laws = {
         .normal = scene_contact_law(v, q, contact),
         .friction = scene_friction_law(v, q, contact),
         .regime = (enum contact_regime)q->contact[contact].regime,
         .friction_regime =
             SCENE_ANY_FRICTION ? (enum friction_regime)q->contact[contact].friction_regime : FRICTION_LIFTED};
+    if (contact_resists(v, contact)) {
+        laws.resistance = scene_resistance_law(v, q, contact);
+    }
+    return laws;
 }
 
 struct friction_state turning_rubbing(const struct turning_state *turning, const struct scene_instant *at,
@@ -882,12 +932,23 @@ double turning_normal_force_rate(const struct scene_values *v, const struct scen
     return slopes.by_gap * g->gap_rate + by_rate;
 }
 
-double turning_friction_power(const struct scene_values *v, const struct scene_instant *at)
+double turning_friction_power_of(const struct scene_values *v, const struct scene_state *q,
+                                 const struct scene_instant *at, int contact)
+{
+    double power = -vec3_dot(at->turning.friction_force[contact], at->turning.slip[contact]);
+    if (contact_resists(v, contact)) {
+        power -= vec3_dot(turning_resistance(v, q, at, contact), turning_spin(at, contact));
+    }
+    return power;
+}
+
+double turning_friction_power(const struct scene_values *v, const struct scene_state *q,
+                              const struct scene_instant *at)
 {
     double sum = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_rubs(v, j)) {
-            sum -= vec3_dot(at->turning.friction_force[j], at->turning.slip[j]);
+            sum += turning_friction_power_of(v, q, at, j);
         }
     }
     return sum;

@@ -135,7 +135,9 @@ double scene_external_power(const struct scene_values *v, const struct scene_sta
  *   e = side n           from the source's centre to the nearest surface of the destination
  *   p = x_src + r_s e    the point where the normal and the friction force act
  *   v_t                  slip: [v_src + omega_src x r_s e] - [v_dst + omega_dst x (p - x_dst)] across n
- *   F_src = -F_n e + F_t(v_t),   tau_src = r_s e x F_src,   tau_dst = (p - x_dst) x (-F_src)
+ *   F_src = -F_n e + F_t(v_t),   tau_src = r_s e x F_src + M,   tau_dst = (p - x_dst) x (-F_src) - M
+ *
+ * M is the resistance to rolling and spinning (contact/friction.h).
  *
  * The axis of a turning destination moves past the source. The gap's rate is therefore the one in the
  * destination's frame, g' = side n.(w - omega_dst x c).
@@ -156,6 +158,13 @@ double body_flatness(const struct scene_values *v, int body);
 /* Returns the law of friction of a contact. */
 struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q,
                                        int contact);
+
+/* Returns the law of a contact's resistance to rolling and spinning. With the radii r_s and r_d, where r_d
+ * of a cylinder is its radius and of a torus that of its tube, both torques have the lever
+ *   R_r = r_s r_d / (r_s + r_d) outside,   r_s r_d / (r_d - r_s) inside,   r_s on a plane
+ * R_r is constant: the caps and the rims of a cylinder have that of its side. */
+struct resistance_law scene_resistance_law(const struct scene_values *v, const struct scene_state *q,
+                                           int contact);
 
 /* Returns the orientation that a body starts with, the smallest rotation that takes z to its axis. */
 struct quaternion turning_start_orientation(const struct scene_values *v, int body);
@@ -260,8 +269,19 @@ struct vec3 turning_spring_rate(const struct scene_values *v, const struct scene
 double turning_normal_force_rate(const struct scene_values *v, const struct scene_state *q, double clock,
                                  const struct scene_instant *at, int contact);
 
-/* Returns the power that friction and its springs take: the sum of -F_t.v_t over the contacts [W]. */
-double turning_friction_power(const struct scene_values *v, const struct scene_instant *at);
+/* Returns omega, the angular velocity of the source as the destination sees it [rad/s]. */
+struct vec3 turning_spin(const struct scene_instant *at, int contact);
+
+/* Returns M, the torque on the source by its resistance to rolling and spinning [N m]. */
+struct vec3 turning_resistance(const struct scene_values *v, const struct scene_state *q,
+                               const struct scene_instant *at, int contact);
+
+/* Return the power that friction with its springs and the resistance to rolling take, -F_t.v_t - M.omega, of
+ * a contact and summed over all contacts [W]. */
+double turning_friction_power_of(const struct scene_values *v, const struct scene_state *q,
+                                 const struct scene_instant *at, int contact);
+double turning_friction_power(const struct scene_values *v, const struct scene_state *q,
+                              const struct scene_instant *at);
 
 /* Whether d = 0 within rounding, by positions or by the accumulated gap. Solid bodies may reach this
  * singularity, where n is undefined and reverses; the escape direction takes the place of n. */

@@ -174,7 +174,7 @@ static void turning_rates(const struct scene_ode *ode, double clock, const doubl
         vec3_to(at->turning.source_torque[j], rates + ode_impulse(v, j) + 3);
         vec3_to(at->turning.destination_torque[j], rates + ode_impulse(v, j) + 6);
     }
-    rates[ode_dissipated(v) + 2] = turning_friction_power(v, at);
+    rates[ode_dissipated(v) + 2] = turning_friction_power(v, ode->state, at);
 }
 
 static void set_three(double *sizes, double size)
@@ -250,8 +250,7 @@ static void friction_events(const struct scene_ode *ode, double clock, const str
     if (contact_may_pull(&laws.normal)) {
         const struct contact_geometry *g = &at->geometry[contact];
         const double push = contact_push(&laws.normal, g->gap, g->gap_rate);
-        out[ODE_EVENT_LIFT] =
-            ode->lift_offset[contact] + friction_lift_event(&laws.friction, laws.friction_regime, push);
+        out[ODE_EVENT_LIFT] = ode->lift_offset[contact] + friction_lift_event(laws.friction_regime, push);
     }
 }
 

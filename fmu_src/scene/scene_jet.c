@@ -171,6 +171,19 @@ static void put_friction(const struct scene_values *v, const struct scene_state 
     }
 }
 
+static void put_resistance(const struct scene_values *v, const struct scene_state *q,
+                           const struct contact_path *path, int contact, const struct contact_jet *jet,
+                           struct turning_jet *turning)
+{
+    for (int i = 0; i < JET_TERMS; ++i) {
+        turning->spin[i] = vec3_sub(path->source[i], path->destination[i]);
+    }
+    if (contact_resists(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART) {
+        const struct turning_laws laws = turning_laws_of(v, q, contact);
+        resistance_terms(&laws.resistance, laws.friction_regime, jet, turning->spin, turning->resistance);
+    }
+}
+
 /* Computes a contact's jet from bodies, springs and factors. Where nothing turns or rubs, the jet of the
  * normal force is known already, and only torques and slip are computed. */
 static void turning_jet_of_contact(const struct scene_values *v, const struct scene_state *q,
@@ -189,9 +202,17 @@ static void turning_jet_of_contact(const struct scene_values *v, const struct sc
     }
     put_slip(&shape, &path, jet, turning);
     put_friction(v, q, along, contact, jet, turning);
+    if (SCENE_ANY_ROLLING) {
+        put_resistance(v, q, &path, contact, jet, turning);
+    }
     for (int i = 0; i < JET_TERMS; ++i) {
         turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
         turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
+        if (contact_resists(v, contact)) {
+            const struct vec3 resistance = turning->resistance[i];
+            turning->source_torque[i] = vec3_add(turning->source_torque[i], resistance);
+            turning->destination_torque[i] = vec3_sub(turning->destination_torque[i], resistance);
+        }
     }
 }
 
@@ -525,6 +546,9 @@ double turning_jet_friction_power(const struct scene_values *v, const struct sce
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_rubs(v, j)) {
             power -= jet_dot(along->turning[j].friction_force, along->turning[j].slip, order);
+        }
+        if (contact_resists(v, j)) {
+            power -= jet_dot(along->turning[j].resistance, along->turning[j].spin, order);
         }
     }
     return power;

@@ -15,6 +15,7 @@ struct turning_jet {
     struct vec3 source_arm[JET_TERMS], destination_arm[JET_TERMS], slip[JET_TERMS];
     struct vec3 friction_force[JET_TERMS], source_torque[JET_TERMS], destination_torque[JET_TERMS];
     double stored[JET_TERMS];
+    struct vec3 spin[JET_TERMS], resistance[JET_TERMS]; /* omega and M; only where SCENE_ANY_ROLLING */
 };
 
 struct scene_jet {

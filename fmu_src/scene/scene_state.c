@@ -110,7 +110,16 @@ bool contact_advances(const struct scene_values *v, int contact)
 
 bool contact_rubs(const struct scene_values *v, int contact)
 {
-    return SCENE_ANY_FRICTION && contact_friction(v, contact) != FRICTION_NONE;
+    return SCENE_ANY_FRICTION &&
+           (contact_friction(v, contact) != FRICTION_NONE || contact_resists(v, contact));
+}
+
+bool contact_resists(const struct scene_values *v, int contact)
+{
+    return SCENE_ANY_ROLLING &&
+           (contact_rolling(v, contact) != RESISTANCE_NONE ||
+            contact_spinning(v, contact) != RESISTANCE_NONE) &&
+           (body_turns(v, contact_source(contact)) || body_turns(v, contact_destination(contact)));
 }
 
 bool contact_rubs_elastically(const struct scene_values *v, int contact)

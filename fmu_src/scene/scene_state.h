@@ -282,8 +282,10 @@ bool body_tips(const struct scene_values *v, int body);
  * is a torus. */
 bool contact_advances(const struct scene_values *v, int contact);
 
-/* Whether a contact may have a friction force; whether it stores energy in a tangential spring. */
+/* Whether a contact may have a friction force or resist rolling and spinning; whether it resists them;
+ * whether it stores energy in a tangential spring. */
 bool contact_rubs(const struct scene_values *v, int contact);
+bool contact_resists(const struct scene_values *v, int contact);
 bool contact_rubs_elastically(const struct scene_values *v, int contact);
 
 /* Whether any body turns, any contact rubs or any shape is a torus, which has no closed forms. Else the scene

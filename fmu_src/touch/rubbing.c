@@ -72,6 +72,9 @@ bool rubbing_is_solvable(const struct scene_values *v, const struct scene_state 
     if (!contact_rubs(v, contact)) {
         return true;
     }
+    if (contact_resists(v, contact)) {
+        return false;
+    }
     return body_shape(destination) == SHAPE_PLANE && !contact_rubs_elastically(v, contact) &&
            q->contact[contact].friction_regime != (int32_t)FRICTION_CAPPED && body_is_free(v, source) &&
            !body_turn_is_prescribed(v, source) && path_rests(q->path[source].torque) &&

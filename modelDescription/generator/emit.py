@@ -219,6 +219,11 @@ def _facts(resolved: Resolved) -> dict:
             friction := any(resolved.may("contact.friction", law) for law in ("regularized", "elastic"))
         ),
         "any_elastic_friction": resolved.may("contact.friction", "elastic"),
+        "any_rolling": any(
+            cell.value_name == "regularized" if cell.pinned else cell.open and cell.offers("regularized")
+            for kind in ("rolling", "spinning")
+            for cell in resolved.of(f"contact.{kind}")
+        ),
         "any_turning": rotation or friction,
         "any_caps": resolved.may("body.ends", "capped"),
         "any_plane": any(body.shape == "plane" for body in resolved.scene.bodies),

@@ -117,11 +117,19 @@ def _check_ranges(catalogue: Catalogue, shown: str) -> None:
 def _check_references(catalogue: Catalogue, shown: str) -> None:
     """No value reference of a block is given twice; conditions speak of choices that exist."""
     used: dict[tuple[str, int], str] = {}
+    of_bodies = {
+        vr: row.key
+        for row in catalogue.rows.values()
+        if row.owner == "body"
+        for vr in range(row.vr, row.vr + row.dim)
+    }
     choices = [*catalogue.choices(), SCENE_CVODE, SCENE_GENERAL, SCENE_SEVERAL]
     for row in catalogue.rows.values():
         for vr in range(row.vr, row.vr + row.dim):
             other = used.setdefault((row.owner, vr), row.key)
-            if other != row.key or not 0 < vr < 100:
+            next_block = row.owner == "contact" and 100 <= vr < 200  # one of a body
+            other = of_bodies.get(vr - 100, other) if next_block else other
+            if other != row.key or not (0 < vr < 100 or next_block):
                 raise InputError(
                     shown, f'[variable."{row.key}"]: value reference {vr} is out of 1..99 or that of {other}'
                 )

@@ -63,7 +63,8 @@
 #define SCENE_ANY_CURVED {{ any_curved | int }} /* may any contact be with a sphere or a cylinder, not a plane? */
 #define SCENE_ANY_ROTATION {{ any_rotation | int }}   /* may any body turn? */
 #define SCENE_ANY_FREE_ROTATION {{ any_free_rotation | int }} /* by Euler's equations? */
-#define SCENE_ANY_FRICTION {{ any_friction | int }}   /* may there be friction? */
+#define SCENE_ANY_FRICTION {{ (any_friction or any_rolling) | int }}   /* may there be friction, or resistance to rolling or spinning? */
+#define SCENE_ANY_ROLLING {{ any_rolling | int }} /* the latter? */
 #define SCENE_ANY_ELASTIC_FRICTION {{ any_elastic_friction | int }} /* with tangential springs? */
 #define SCENE_ANY_TORUS {{ any_torus | int }}
 #define SCENE_ANY_AXIS {{ (any_cylinder or any_plane or any_torus) | int }}    /* has any shape an axis? */

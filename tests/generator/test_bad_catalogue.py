@@ -17,6 +17,7 @@ BAD = [
         "vr = 12\nvr_base = 0\n",
         ['variable."body.center"', "'vr_base'", "allowed: absent, causality"],
     ),
+    ("vr = 110\n", "vr = 101\n", ['variable."contact.characteristic_rolling_rate"', "that of body.radius"]),
     ("vr = 45\n", "vr = 100\n", ['variable."body.length"', "value reference 100 is out of 1..99"]),
     ('type = "Length"', 'type = "Lenght"', ['variable."body.radius"', "'Lenght'", "allowed: Acceleration"]),
     (

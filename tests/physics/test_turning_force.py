@@ -34,6 +34,9 @@ def random_case(rng, shape, side):
         "p_nv": rng.choice([0.0, 100.0, 3000.0]), "unclamped": bool(rng.integers(2)),
         "mu": rng.uniform(0.0, 1.0), "v_0": 10 ** rng.uniform(-4, 0), "largest": rng.choice([1e300, 200.0]),
     }  # fmt: skip
+    for kind in ("rolling", "spinning"):
+        v[kind] = str(rng.choice(["none", "regularized", "regularized"]))
+        v[f"{kind}_coefficient"], v[f"{kind}_rate"] = rng.uniform(0.0, 1.0), 10 ** rng.uniform(-2, 1)
     m = {name: rng.normal(size=3) for name in MOTION.values()}
     for name in ("source.displacement", "destination.displacement"):
         m[name] *= 0.01
@@ -65,6 +68,12 @@ def settings(v):
         "contact.viscous_penalty_factor": v["p_nv"], "source.radius": v["r_s"],
         "contact.dashpot": "unclamped" if v["unclamped"] else "non_adhesive",
     }  # fmt: skip
+    for kind in ("rolling", "spinning"):
+        values |= {
+            f"contact.{kind}": v[kind],
+            f"contact.{kind}_coefficient": v[f"{kind}_coefficient"],
+            f"contact.characteristic_{kind}_rate": v[f"{kind}_rate"],
+        }
     if v["shape"] != "plane":
         values |= {
             "destination.radius": v["r_d"],

@@ -69,6 +69,15 @@ RUBBING |= {"contact.tangential_damping": 3.0}
 ROLLING = {"contact.friction": "regularized", "contact.slip_velocity_control": "user_defined"}
 ROLLING |= {"contact.characteristic_slip_velocity": 1e-2}
 SPINNING = {"source.rotation": "free"}
+RESISTING = {
+    f"contact.{name}": value
+    for kind in ("rolling", "spinning")
+    for name, value in (
+        (kind, "regularized"),
+        (f"{kind}_coefficient", 0.2),
+        (f"characteristic_{kind}_rate", 2.0),
+    )
+}
 ALL_GIVEN = {f"{body}.{kind}": "prescribed" for body in BODIES for kind in ("motion", "rotation")}
 TILTED = [0.1, 0.2, 1.0]
 WEIGHTLESS = {"destination.motion": "free", "gravity": [0, 0, 0]}
@@ -102,7 +111,7 @@ _OF_SPHERES = {
     "automatic factors": (AUTOMATIC, 17, True),
     "penalty": ({**SOFT, **_at(0.0, 0.0, 0.65, method="penalty")}, 22, True),
     "both prescribed, turning and rubbing": (
-        {**ALL_GIVEN, **RUBBING, **_at(0, 0, 0)}, 15, True, _fed_and_turned,
+        {**ALL_GIVEN, **RUBBING, **RESISTING, **_at(0, 0, 0)}, 15, True, _fed_and_turned,
     ),
     "spinning off a sphere": (
         {**SOFT, **RUBBING, **SPINNING, **_at(0.05, 0.0, 0.62),
@@ -124,6 +133,11 @@ RUNS = {name: Run("SphereSphere", *run) for name, run in _OF_SPHERES.items()} | 
     "a cylinder hit off its middle": Run(
         "SphereCylinder", {**SOFT, **ROLLING, **SPINNING, **WEIGHTLESS, **HIT}, 6, True
     ),
+    "a cylinder hit that resists rolling": Run(
+        "SphereCylinder",
+        {**SOFT, **RESISTING, **SPINNING, **WEIGHTLESS, **HIT, "contact.dashpot": "unclamped"},
+        *(6, True),
+    ),
     "on an inclined plane": Run(
         "SpherePlane", {**SOFT, "destination.axis": [0.3, -0.1, 1.0], **_at(0.05, 0.0, 0.15)}, 20, True
     ),
@@ -138,6 +152,7 @@ RUNS = {name: Run("SphereSphere", *run) for name, run in _OF_SPHERES.items()} | 
         {
             **SOFT,
             **RUBBING,
+            **{name: value for name, value in RESISTING.items() if "spinning" not in name},
             **SPINNING,
             **_at(0.05, 0.02, 0.62),
             "source.initial_velocity": [0.1, 0.3, 0.0],
@@ -166,6 +181,7 @@ RUNS = {name: Run("SphereSphere", *run) for name, run in _OF_SPHERES.items()} | 
         {
             **SOFT,
             **ROLLING,
+            **RESISTING,
             **SPINNING,
             **_at(1.05, 0.1, 0.62),
             "destination.radius": 0.5,

@@ -21,6 +21,7 @@ def assert_the_page_explains_turning(page, scene):
     prescribed = any("prescribed" in rotation for rotation in rotations)
     friction = _allowed(scene, "contact.friction") - {"none"}
     turns, moves = any(free) or prescribed, "energy.total" in describe(scene)
+    resists = "contact.rolling" in describe(scene)
     assert ("<h3>Rotation</h3>" in page) == turns
     assert ("is the unit quaternion" in page) == turns
     assert ("(Newton and Euler)" in page) == any(free)
@@ -36,7 +37,8 @@ def assert_the_page_explains_turning(page, scene):
     assert ("elastic: <i>F</i>*" in page) == ("elastic" in friction)
     assert ("<i>E</i><sub>r</sub> = " in page) == (any(free) and moves)
     assert ("<i>E</i><sub>t</sub> = " in page) == ("elastic" in friction and moves)
-    assert ("Power dissipated by friction" in page) == (bool(friction) and moves)
+    assert ("Power dissipated by friction" in page) == ((bool(friction) or resists) and moves)
+    assert ("<h3>Resistance to rolling" in page) == resists
     states = {name.partition("[")[0].rpartition(".")[2] for name in describe(scene)}
     for state in ("orientation_state", "angular_velocity_state", "spring_state", "friction_state"):
         assert (f"<code>{state}</code>" in page) == (state in states), state

@@ -52,6 +52,12 @@ START = {  # start values of variables.toml
     "contact.maximum_friction_force": 1e300,
     "contact.tangential_stiffness": 2e6 / 7,
     "contact.tangential_damping": 0.0,
+    "contact.rolling": "none",
+    "contact.rolling_coefficient": 0.01,
+    "contact.characteristic_rolling_rate": 1e-3,
+    "contact.spinning": "none",
+    "contact.spinning_coefficient": 0.01,
+    "contact.characteristic_spinning_rate": 1e-3,
     "contact.hertz_stiffness": 1e9,
     "contact.hunt_crossley_factor": 0.0,
 }
@@ -122,6 +128,15 @@ class TurningPair:
         self.v_0 = self.values.get("contact.characteristic_slip_velocity")
         self.k_t = self.of("contact.tangential_stiffness")
         self.c_t = self.of("contact.tangential_damping")
+        curvature = 1 / self.r_s + (self.side / self.r_d if self.r_d else 0.0)
+        self.resisted = {
+            kind: (
+                self.of(f"contact.{kind}_coefficient") / curvature,
+                self.of(f"contact.characteristic_{kind}_rate"),
+            )
+            for kind in ("rolling", "spinning")
+            if self.of(f"contact.{kind}") == "regularized"
+        }
 
     def first_state(self):
         y = []

@@ -23,6 +23,7 @@ def outputs(pair, m):
     now = forces(pair, y, place.gap.real < 0.0, sticking=False)
     slip, arm, _ = pair.slip(place)
     n, point = np.array(place.n), np.add(place.src.x, arm)
+    spin = np.subtract(place.src.omega, place.dst.omega)
     found = {
         "gap": place.gap, "gap_rate": place.rate, "normal_force": now.force,
         "distance": pair.side * (place.gap + pair.r_s) + pair.r_d,
@@ -30,6 +31,8 @@ def outputs(pair, m):
         "source_force": now.on_source, "destination_force": -np.array(now.on_source),
         "friction_force": now.friction, "slip_velocity": slip, "source_point": point,
         "point": point + place.gap * pair.side * n,
+        "rolling_torque": now.resistance, "rolling_rate": spin - (spin @ n) * n,
+        "spinning_rate": pair.side * (spin @ n),
         "source_torque": now.source_torque, "destination_torque": now.destination_torque,
     }  # fmt: skip
     if pair.shape != "sphere":

@@ -49,13 +49,26 @@ def friction_of(pair, place, force, slip, spring, sticking):
     return times(-1.0, pull), times(1 / pair.c_t, minus(pull, times(pair.k_t, spring)))
 
 
+def resistance_of(pair, place, force):
+    """Torque on the source that opposes its rolling and its spinning on the destination."""
+    spin = minus(place.src.omega, place.dst.omega)
+    along = times(dot(spin, place.n), place.n)
+    total = list(ZERO)
+    for kind, rate in (("rolling", minus(spin, along)), ("spinning", along)):
+        speed = norm(rate)
+        if kind in pair.resisted and force.real > 0.0 and speed.real > 0.0:
+            lever, unit = pair.resisted[kind]
+            total = add(total, times(lever * force * np.expm1(-speed / unit) / speed, rate))
+    return total, spin
+
+
 def forces(pair, y, touching, sticking):
     """Everything that acts at one instant."""
     place = pair.geometry(y)
     now = SimpleNamespace(
         place=place, force=0.0, friction=list(ZERO), spring_rate=list(ZERO), slip=list(ZERO)
     )
-    now.on_source = now.source_torque = now.destination_torque = list(ZERO)
+    now.on_source = now.source_torque = now.destination_torque = now.resistance = list(ZERO)
     if not touching:
         return now
     spring = y[SPRING:SUMS]
@@ -63,8 +76,9 @@ def forces(pair, y, touching, sticking):
     now.slip, arm, other = pair.slip(place)
     now.friction, now.spring_rate = friction_of(pair, place, now.force, now.slip, spring, sticking)
     now.on_source = add(times(-pair.side * now.force, place.n), now.friction)
-    now.source_torque = cross(arm, now.on_source)
-    now.destination_torque = times(-1.0, cross(other, now.on_source))
+    now.resistance, now.spin = resistance_of(pair, place, now.force)
+    now.source_torque = add(cross(arm, now.on_source), now.resistance)
+    now.destination_torque = minus(times(-1.0, cross(other, now.on_source)), now.resistance)
     return now
 
 
@@ -109,7 +123,7 @@ def rates(pair, y, touching, sticking):
     kept = pair.stiffness * max(-place.gap, 0.0) ** 1.5 if pair.hertz else -pair.stiffness * place.gap
     out[DISSIPATED] = -(now.force - kept) * place.rate
     out[SUMS : SUMS + 9] = now.on_source + now.source_torque + now.destination_torque
-    given = -dot(now.friction, now.slip)
+    given = -dot(now.friction, now.slip) - dot(now.resistance, now.spin)
     if pair.friction == "elastic":
         rate = now.spring_rate
         if rate is None:

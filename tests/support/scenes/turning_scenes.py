@@ -177,3 +177,17 @@ def friction_law(random, friction, values):
         "contact.tangential_stiffness": k_t,
         "contact.tangential_damping": damping if "dashpot" in friction else 0.0,
     }
+
+
+def resistance(random):
+    """Against rolling, against spinning, or both"""
+    kinds = chosen(random, [("rolling",), ("spinning",), ("rolling", "spinning")])
+    return {
+        f"contact.{name}": value
+        for kind in kinds
+        for name, value in (
+            (kind, "regularized"),
+            (f"{kind}_coefficient", 10 ** random.uniform(-2, 0)),
+            (f"characteristic_{kind}_rate", 10 ** random.uniform(-1, 0.5)),
+        )
+    }

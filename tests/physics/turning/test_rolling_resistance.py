@@ -1,0 +1,221 @@
+"""Resistance to rolling and spinning: closed forms, an independent integration, momenta, every interface.
+
+CONTACT_SCENES is the number of random scenes, CONTACT_FIRST_SCENE the first one's seed.
+"""
+
+import math
+import os
+
+import numpy as np
+import pytest
+
+from contact_fmus.fmu.files import fmu_file
+from support import exchange_runs
+from support.checks import METHODS, check_close, check_relative, run, start
+from support.fmi3 import raw
+from support.reference.turning_run import TurningRun
+from support.scenes import turning_impacts as impacts
+from support.scenes.scene_checks import FMU
+from support.scenes.turning_checks import failures
+from support.scenes.turning_scenes import FRICTIONS, PLACES, driven_scene, random_turning_scene, resistance
+
+COUNT = int(os.environ.get("CONTACT_SCENES", "30"))
+FIRST = int(os.environ.get("CONTACT_FIRST_SCENE", "0"))
+# The reference begins sliding without a dashpot from free bodies only.
+DRIVEN = [
+    seed
+    for seed in range(len(PLACES) * len(FRICTIONS))
+    if FRICTIONS[seed // len(PLACES)] not in ("elastic", "elastic, static")
+]
+G, RADIUS, MU = 9.81, 0.1, 0.05
+BOTH = {f"contact.{kind}": "regularized" for kind in ("rolling", "spinning")}
+BALL = {
+    "source.rotation": "free",
+    "source.center": [0.0, 0.0, RADIUS - G / 1e6],  # lies on its spring
+    **BOTH,
+    "contact.rolling_coefficient": MU,
+    "contact.spinning_coefficient": MU,
+}
+RUBS = {
+    "regularized": {
+        "contact.slip_velocity_control": "user_defined",
+        "contact.characteristic_slip_velocity": 1e-7,
+    },
+    "elastic": {"contact.tangential_damping": 500.0},
+}
+# The slip of regularized friction is 1e-7 m/s, which Adams' method cannot follow; springs yield by 1e-6 m.
+ROLLS = [
+    (friction, method)
+    for friction in RUBS
+    for method in METHODS
+    if (friction, method) != ("regularized", METHODS[2])
+]
+
+
+def way_of_rolling(opened, friction, method, rate, speed=1.0):
+    """How far a ball rolls on a plane until it stops"""
+    values = BALL | RUBS[friction]
+    values |= {
+        "source.initial_velocity": [speed, 0.0, 0.0],
+        "source.initial_angular_velocity": [0.0, speed / RADIUS, 0.0],
+        "contact.friction": friction,
+        "contact.characteristic_rolling_rate": rate,
+    }
+    fmu = run(opened("SpherePlane"), values, 8.0, 3, 1e-10, method)
+    assert np.linalg.norm(fmu["source.velocity"]) < 1e-6
+    check_close("energy balance", fmu["energy.total"], fmu["energy.potential"] + fmu["energy.friction"], 1e-4)
+    return fmu["source.position"][0]
+
+
+@pytest.mark.parametrize("friction, method", ROLLS)
+def test_a_ball_that_rolls_stops_where_the_closed_form_says(opened, friction, method):
+    """Without slip (7/5) m r^2 omega' = -mu r m g (1 - exp(-omega/omega_0)), so that the way is
+    7/(5 mu g) (v^2/2 + (pi r omega_0)^2/6) where the start is far above omega_0.
+    """
+    coulomb = 7 / (10 * MU * G)
+    for rate in (1e-3, 0.5):
+        more = 7 / (5 * MU * G) * (math.pi * RADIUS * rate) ** 2 / 6
+        way = way_of_rolling(opened, friction, method, rate)
+        check_close("way", way, coulomb + more, 2e-6)
+        assert way - coulomb < RADIUS * rate
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_ball_that_spins_slows_down_at_a_constant_rate(opened, method):
+    """By a = 5 mu g/(2 r), and near rest by u' = -a (1 - exp(-u/omega_0)), which has a closed form."""
+    first, rate, a = 40.0, 1e-2, 5 * MU * G / (2 * RADIUS)
+    values = BALL | {
+        "source.initial_angular_velocity": [0.0, 0.0, first],
+        "contact.characteristic_spinning_rate": rate,
+    }
+    for end in (1.0, first / a - 1e-3, first / a + 2e-3):
+        left = (first - a * end) / rate
+        expected = rate * (left + math.log1p(math.exp(-left)) if left > 0 else math.log1p(math.exp(left)))
+        fmu = run(opened("SpherePlane"), values, end, 2, 1e-10, method)
+        check_close("spin", fmu["source.angular_velocity"], [0.0, 0.0, expected], 1e-7)
+        check_close("spinning_rate", fmu["contact.spinning_rate"], -expected, 1e-7)
+        lost = 0.5 * 0.4 * RADIUS**2 * (first**2 - expected**2)
+        check_relative("energy.friction", fmu["energy.friction"], lost, 1e-9)
+
+
+@pytest.mark.parametrize("seed", range(FIRST, FIRST + COUNT))
+def test_a_scene_goes_as_the_reference_says(opened, seed):
+    scene = random_turning_scene(seed)
+    values = scene.values | resistance(np.random.default_rng([27, seed]))
+    expected = TurningRun(values, scene.shape).run(scene.end).figures()
+    fmu, wrong = opened(FMU[scene.shape]), {}
+    for method in METHODS:
+        lines = failures(fmu, values, scene.end, scene.steps, method, expected)
+        if lines:
+            wrong[method] = lines
+    assert not wrong, f"{wrong}\n{scene}"
+
+
+@pytest.mark.parametrize("seed", DRIVEN)
+def test_a_given_motion_has_the_torques_that_the_reference_says(opened, seed):
+    """In every other one rolling and spinning pass zero; in 27 they do so at a node of the quadrature."""
+    shape, values, end, _ = driven_scene(seed)
+    values |= resistance(np.random.default_rng([28, seed]))
+    if seed % 2:
+        name = "source.prescribed_angular_velocity"
+        values[f"{name}.derivatives"] = [(-2.0 / end * np.array(values[name])).tolist()]
+    expected = TurningRun(values, shape).run(end).figures()
+    lines = failures(opened(FMU[shape]), values, end, 1, "event_driven", expected)
+    assert not lines, f"{lines}\n{values}"
+
+
+IN_A_SHELL = BALL | {
+    "source.center": [0.25, 0.0, -0.3122],
+    "source.initial_angular_velocity": [3.0, -20.0, 8.0],
+    "destination.radius": 0.5,
+    "contact.location": "inside",
+    "contact.penalty_factor": 1e5,
+    "contact.friction": "regularized",
+    "contact.slip_velocity_control": "user_defined",
+    "contact.characteristic_slip_velocity": 1e-2,
+    "contact.characteristic_rolling_rate": 2e-2,
+    "contact.characteristic_spinning_rate": 2e-2,
+}
+
+
+@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
+def test_a_ball_that_swings_to_rest_passes_every_standstill(opened, shape):
+    """In a hollow sphere and in a lying tube: it turns back several times, and stops spinning."""
+    values = IN_A_SHELL | ({"destination.axis": [0.0, 1.0, 0.0]} if shape == "cylinder" else {})
+    expected = TurningRun(values, shape).run(1.5).figures()
+    lines = failures(opened(FMU[shape]), values, 1.5, 4, "event_driven", expected)
+    assert not lines, lines
+
+
+@pytest.mark.parametrize("friction", ["none", "regularized", "elastic"])
+def test_a_free_pair_keeps_its_momenta(opened, friction):
+    case = impacts.shell(friction)
+    values = case.values | BOTH | {"contact.rolling_coefficient": 0.1, "contact.spinning_coefficient": 0.3}
+    fmu = start(opened(FMU["sphere"]), values, 1e-10)
+    before, energy = impacts.momenta(fmu, values), fmu["energy.total"]
+    while fmu["contact.onsets"] < 50:
+        fmu.step(case.end / 40)
+    after = impacts.momenta(fmu, values)
+    check_close("momentum", after[0], before[0], 1e-12 * 7.0)
+    check_close("angular momentum", after[1], before[1], 1e-12 * 3.5)
+    check_relative("energy", fmu["energy.total"], energy, 1e-9)
+
+
+EXCHANGED = {
+    "SpherePlane": BALL
+    | {
+        "source.initial_velocity": [0.5, 0.0, 0.0],
+        "source.initial_angular_velocity": [0.0, 5.0, 3.0],
+        "contact.friction": "elastic",
+        "contact.tangential_damping": 100.0,
+    },
+    "SphereSphere": IN_A_SHELL,
+    "CylinderCylinder": {
+        "source.rotation": "free",
+        "source.center": [0.1, 0.0, 0.5916],
+        "source.initial_angular_velocity": [0.0, 9.0, 0.0],
+        "contact.penalty_factor": 1e5,
+        "contact.rolling": "regularized",
+        "contact.rolling_coefficient": 0.2,
+    },
+    "SphereTorus": {
+        "source.rotation": "free",
+        "source.center": [1.02, 0.0, 0.5999],
+        "source.initial_angular_velocity": [2.0, 9.0, 5.0],
+        "contact.penalty_factor": 1e5,
+        **BOTH,
+        "contact.rolling_coefficient": 0.2,
+    },
+}
+SEEN = ["source.position", "source.velocity", "source.angular_velocity"]
+
+
+@pytest.mark.parametrize("scene", EXCHANGED)
+def test_model_exchange_and_fmi_3_agree_with_co_simulation(opened, scene):
+    """CVODE of fmpy moves both Model Exchange FMUs; Co-Simulation of FMI 3.0 has the same bits."""
+    values, end = EXCHANGED[scene], 0.3
+    fmu = run(opened(scene), values, end, 1, 1e-10)
+    assert fmu["energy.friction"] > 1e-4
+    with raw.Instance(raw.load(scene)) as third:
+        third.initialize(values, 1e-10)
+        assert third.step(0.0, end).status == raw.OK
+        for name in [*SEEN, "contact.rolling_torque", "contact.rolling_rate", "energy.friction"]:
+            assert np.array_equal(third.get(name), fmu[name]), name
+    for path, names in (
+        (fmu_file(scene), [f"{name}[{k}]" for name in SEEN for k in (1, 2, 3)]),
+        (raw.FMUS / f"{scene}.fmu", SEEN),
+    ):
+        found = exchange_runs.simulate(path, values, end, [*names, "energy.friction", "energy.total"])
+        ends = np.concatenate([np.atleast_1d(found[name][-1]) for name in names])
+        check_close("motion", ends, np.concatenate([fmu[name] for name in SEEN]), 1e-6)
+        check_relative("energy.friction", found["energy.friction"][-1], fmu["energy.friction"], 1e-6)
+        check_close("balance", np.ptp(found["energy.total"]), 0.0, 1e-6)
+
+
+def test_no_resistance_where_nothing_turns(opened):
+    """Without a body that turns both choices change no bit."""
+    ends = []
+    for more in ({}, BOTH):
+        fmu = run(opened("SphereSphere"), {"source.center": [0.03, 0.0, 0.62]} | more, 0.3)
+        ends.append([fmu[name].tobytes() for name in SEEN[:2]] + [fmu["solver.steps"]])
+    assert ends[0] == ends[1]
