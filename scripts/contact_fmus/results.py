@@ -33,7 +33,7 @@ def notes_file(path: str | Path) -> Path:
 
 @dataclass
 class Result:
-    """Values of one run over time"""
+    """Values of one run over time; a zero has no sign"""
 
     time: np.ndarray  # s
     columns: dict[str, np.ndarray]  # by the variable's name; text where it is an enumeration
@@ -41,6 +41,10 @@ class Result:
     fmu: Path | None = None
     parameters: dict[str, Any] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """-0.0 says no more than 0.0"""
+        self.columns = {name: one + 0.0 if one.dtype.kind == "f" else one for name, one in self.columns.items()}
 
     def column(self, name: str) -> np.ndarray:
         """UserError with likely names where there is none of this name"""

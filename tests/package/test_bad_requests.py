@@ -284,18 +284,22 @@ def test_every_command_tells_its_options_without_any_extra(name):
     assert (run.returncode, run.stderr) == (0, "") and f"usage: contact-fmus {name}" in run.stdout, run
 
 
-def test_what_needs_an_extra_names_it():
+def test_what_needs_an_extra_names_it_and_what_draws_nothing_needs_none(tmp_path):
     command = [sys.executable, "-c", WITHOUT_EXTRAS, "plot", "SphereSphere"]
     run = subprocess.run(command, capture_output=True, text=True, env=environment(), timeout=PATIENCE)
     assert run.returncode == 2 and one_sentence(run.stderr) and "'contact-fmus[plot]'" in run.stderr, run
+    command[3:] = ["scenarios", "ball_on_sphere", "--no-plots", "--output", tmp_path]
+    run = subprocess.run(command, capture_output=True, text=True, env=environment(), timeout=PATIENCE)
+    assert (run.returncode, run.stderr) == (0, ""), run
 
 
-def test_values_at_the_end_have_no_unit_1_and_no_sign_of_0(ask):
+def test_values_have_no_unit_1_and_no_sign_of_0(ask, tmp_path):
     _, _, out = ask("run", "BouncingBall", "--stop", "0.1")
     lines = [line.split() for line in out.splitlines()]
     assert ["contact.direction", "(0,", "0,", "-1)"] in lines and not re.search(r"-0[ ,)]", out), out
-    _, _, out = ask("run", "BouncingBall", "--stop", "0.1", "--json")
-    assert "-0.0," not in out and "-0.0}" not in out
+    _, _, out = ask("run", "BouncingBall", "--stop", "0.1", "--json", "--csv", "run.csv")
+    for text in (out, (tmp_path / "run.csv").read_text()):
+        assert not re.search(r"-0\.0[,}\s]", text) and "0.0," in text
 
 
 def test_a_shipped_study_goes_by_its_name(ask):

@@ -41,7 +41,7 @@ def test_where_sundials_cannot_be_fetched_one_sentence_names_both_ways_out(folde
     new(["Open", "--pinned", 'solver.method=["event_driven", "cvode_bdf"]'])
     said = "CMake Error at sundials-subbuild:\n  Failed to clone repository\nTraceback\n"
     monkeypatch.setattr(cmake_build, "_run", lambda *_arguments: (1, said))
-    monkeypatch.setattr("contact_fmus.building.command.find_compiler", lambda _asked: ["zig"])
+    monkeypatch.setattr("contact_fmus.building.command.find_compiler", lambda *_asked: ["zig"])
     with pytest.raises(RunFailure) as refused:
         build(["Open.toml", "--platforms", "win64"])
     told = str(refused.value)

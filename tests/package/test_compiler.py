@@ -50,3 +50,12 @@ def test_without_one_the_message_says_what_was_tried_and_what_to_install(program
     assert "gcc: math.h: No such file" in str(refused.value) and "libc6-dev" in str(refused.value)
     with pytest.raises(UserError, match="tcc: not found"):
         find_compiler("tcc")
+
+
+def test_other_platforms_want_zig_whatever_else_there_is(programs, monkeypatch):
+    programs(gcc="works")
+    monkeypatch.setattr("contact_fmus.building.cmake_build._packaged", lambda *_: None)
+    with pytest.raises(UserError) as refused:
+        find_compiler("gcc", "all")
+    words = "--platforms all needs zig, which compiles for any platform (zig: not found): pip install"
+    assert str(refused.value).startswith(words) and "gcc" not in str(refused.value)

@@ -32,6 +32,7 @@ def test_a_run_writes_its_plot_and_a_page_that_shows_it(tmp_path, capsys):
     assert page.index('src="plots/force_element.png"') < page.index('id="claims"')  # a picture comes first
     assert (tmp_path / "plots" / "force_element.png").stat().st_size > 10_000
     assert '<a href="#force_element">' in page and "1 scenarios, " not in page
+    assert " 0 runs failed. Made " in " ".join(page.split())
     assert "does not show, so bodies that seem to overlap may be apart" in page
     assert "0 do not hold" in capsys.readouterr().out
 

@@ -29,12 +29,15 @@ from contact_fmus.fmu.files import is_clone, repository
 USUAL = ("gcc", "clang", "cc", "zig")
 # What an FMU needs of a compiler: the C library's headers, which Debian's gcc does not bring.
 TRIAL = "#include <math.h>\n#include <string.h>\ndouble half(double x) { return fabs(x) / 2.0; }\n"
-ADVICE = "apt-get install gcc libc6-dev, or take zig's from PyPI: pip install 'contact-fmus[zig]'"
+ZIG_ADVICE = "pip install 'contact-fmus[zig]'"
+ADVICE = f"apt-get install gcc libc6-dev, or take zig's from PyPI: {ZIG_ADVICE}"
 
 
-def find_compiler(asked: str | None) -> list[str]:
-    """Program and fixed arguments, such as [".../ziglang/zig", "cc"]; UserError where none works"""
-    tried, chosen = [], asked or os.environ.get("CC")
+def find_compiler(asked: str | None, platforms: str | None = None) -> list[str]:
+    """Program and fixed arguments, such as [".../ziglang/zig", "cc"]; UserError where none works, or none for these
+    platforms, which are zig's
+    """
+    tried, chosen = [], "zig" if platforms else asked or os.environ.get("CC")
     for name in [chosen] if chosen else USUAL:
         command = _command(name)
         if command is None:
@@ -44,6 +47,10 @@ def find_compiler(asked: str | None) -> list[str]:
         if complaint is None:
             return command
         tried.append(f"{name}: {complaint}")
+    if platforms:
+        raise UserError(
+            f"--platforms {platforms} needs zig, which compiles for any platform ({tried[0]}): {ZIG_ADVICE}"
+        )
     raise UserError(f"no C compiler that works ({'; '.join(tried)}): {ADVICE}")
 
 

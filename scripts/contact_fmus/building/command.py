@@ -80,7 +80,7 @@ def build(arguments: list[str] | None = None) -> int:
     wanted = toolchains(options.platforms) if options.platforms is not None else [None]
     begin = time.monotonic()
     scenes = _checked(options.scenes)
-    compiler = find_compiler(options.compiler if wanted == [None] else "zig")
+    compiler = find_compiler(options.compiler, options.platforms)
     options.output.mkdir(parents=True, exist_ok=True)
     made = []
     with _progress() as say:

@@ -82,13 +82,8 @@ def _write(result: Result, experiment: Experiment, options: argparse.Namespace, 
 
 def _json(value: Any) -> Any:
     """A number that is not finite has no place in JSON."""
-    plain = _unsigned(value.item() if hasattr(value, "item") else value)
+    plain = value.item() if hasattr(value, "item") else value
     return None if isinstance(plain, float) and not math.isfinite(plain) else plain
-
-
-def _unsigned(value: Any) -> Any:
-    """0 for -0, which says no more"""
-    return abs(value) if isinstance(value, float) and value == 0.0 else value
 
 
 def end_values(result: Result) -> list[str]:
@@ -96,7 +91,7 @@ def end_values(result: Result) -> list[str]:
     groups: dict[str, list[str]] = {}
     for name, column in result.columns.items():
         value = column[-1]
-        text = f"{_unsigned(value):.9g}" if isinstance(value, float) else str(value)
+        text = f"{value:.9g}" if isinstance(value, float) else str(value)
         groups.setdefault(name.partition("[")[0], []).append(text)
     width = max((len(name) for name in groups), default=0)
     lines = []

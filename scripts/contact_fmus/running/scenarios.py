@@ -17,7 +17,6 @@ from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmus_folder, repository
 from contact_fmus.options import parse
 from contact_fmus.pages import plain, write_pages
-from contact_fmus.plot.command import draw_scenario
 from contact_fmus.scenarios import claims
 from contact_fmus.scenarios.experiment import Claim, Scenario, Variant
 from contact_fmus.scenarios.recording import record
@@ -70,6 +69,8 @@ def run_scenario(file: Path, plot_folder: Path | None = None) -> ScenarioResult:
                     outcome = claims.evaluate(claim, recording)
                     result.results.append(ClaimResult(claim, variant, outcome))
     if plot_folder is not None:
+        from contact_fmus.plot.command import draw_scenario  # brings matplotlib
+
         with _failures_kept(result):
             draw_scenario(file, plot := plot_folder / f"{scenario.name}.png")
             result.plot = plot
@@ -150,7 +151,7 @@ def summary(results: list[ScenarioResult]) -> str:
     every = [one for result in results for one in result.results]
     failures = sum(len(result.failures) for result in results)
     text = f"{len(results)} scenario{'s' * (len(results) != 1)}, {len(every)} comparisons, "
-    return f"{text}{sum(not one.holds for one in every)} do not hold, {failures} runs failed"
+    return f"{text}{sum(not one.holds for one in every)} do not hold, {failures} runs failed."
 
 
 def plotted_labels(result: ScenarioResult) -> str:
