@@ -190,7 +190,7 @@ def write_page(run: Run, file: Path) -> None:
     thin = Run(run.title, run.label, result)
     content: dict[str, Any] = stage_content(result, motion)
     content["times"] = [content["time"]]
-    content["charts"] = page.charts(usual(result), [thin])
+    content["charts"] = [page.chart(panel, [thin]) for panel in usual(result)]
     text = (
         environment(HERE, page.HERE)
         .get_template("page.html")

@@ -7,7 +7,6 @@ import math
 import tomllib
 from dataclasses import dataclass, field
 from functools import cache
-from math import sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -121,11 +120,10 @@ def stiff_families() -> dict[str, list[Problem]]:
 
 def _stiff_problem(name: str, reference: dict[str, Any]) -> Problem:
     base = benchmarks()["P3"]
-    start = dict(base.start)
     stiffness, damping = reference["penalty_factor"], reference["damping"]
-    start["contact.penalty_factor"] = stiffness
+    start = base.start | {"contact.penalty_factor": stiffness}
     if damping:
-        start["contact.viscous_penalty_factor"] = 2 * damping * sqrt(start["source.mass"] * stiffness)
+        start["contact.viscous_penalty_factor"] = 2 * damping * math.sqrt(start["source.mass"] * stiffness)
     else:
         start["contact.method"] = "penalty"
         del start["contact.viscous_penalty_factor"], start["contact.dashpot"]

@@ -106,14 +106,10 @@ def join(fmus: list[Path], joined: Path) -> None:
 
 def universal(libraries: list[bytes]) -> bytes:
     """Mach-O libraries of several processors as one, as `lipo -create` makes it"""
-    head = struct.pack(">2I", FAT_MAGIC, len(libraries))
-    parts = []
-    position = 1 << FAT_ALIGNMENT
+    page, head, body = 1 << FAT_ALIGNMENT, struct.pack(">2I", FAT_MAGIC, len(libraries)), b""
     for library in libraries:
-        _magic, processor, variant = struct.unpack("<3I", library[:12])
-        head += struct.pack(">5I", processor, variant, position, len(library), FAT_ALIGNMENT)
-        parts.append((position, library))
-        position += len(library) + -len(library) % (1 << FAT_ALIGNMENT)
-    for begin, library in parts:
-        head = head.ljust(begin, b"\0") + library
-    return head
+        body = body.ljust(-(-len(body) // page) * page, b"\0")
+        processor = struct.unpack("<2I", library[4:12])  # and its variant, behind the magic number
+        head += struct.pack(">5I", *processor, page + len(body), len(library), FAT_ALIGNMENT)
+        body += library
+    return head.ljust(page, b"\0") + body

@@ -58,7 +58,9 @@ class Touching:
         if begin is None:
             return
         if not self._changed(begin):
-            if self._peaks(forces):
+            # A force that was clearly larger within the step than at its ends
+            ends = zip(forces, self._read("normal_force"), self._read("peak_force"), strict=False)
+            if any(peak > SEEN * max(one, other) for one, other, peak in ends):
                 state = self.fmu.save()
                 yield from self._between(begin, end, inside, (False, False))
                 self.fmu.restore(state)
@@ -102,11 +104,6 @@ class Touching:
         # Where no onsets are counted, the largest overlap tells that bodies touched and parted again.
         overlaps = zip(self._read("peak_penetration"), begin.active, strict=False) if not begin.onsets else ()
         return any(depth > 0.0 and not before for depth, before in overlaps)
-
-    def _peaks(self, forces: tuple[float, ...]) -> bool:
-        """Whether a force was clearly larger within the step than at its ends; it began with `forces`"""
-        ends = zip(forces, self._read("normal_force"), self._read("peak_force"), strict=False)
-        return any(peak > SEEN * max(one, other) for one, other, peak in ends)
 
     def _instant(self, begin: Instant) -> Instant:
         state, active, changed = self.fmu.save(), self._read("active"), self._changed(begin)

@@ -86,13 +86,6 @@ class Worker:
         self.process: Any = None
         self.connection: Any = None
 
-    def start(self) -> None:
-        context = multiprocessing.get_context("spawn")
-        self.connection, theirs = context.Pipe()
-        self.process = context.Process(target=serve, args=(theirs, self.module_name), daemon=True)
-        self.process.start()
-        theirs.close()
-
     def close(self) -> None:
         if self.process is not None:
             self.connection.close()
@@ -104,7 +97,11 @@ class Worker:
         """What was measured, and whether it took too long"""
         fresh = self.process is None
         if fresh:
-            self.start()
+            context = multiprocessing.get_context("spawn")
+            self.connection, theirs = context.Pipe()
+            self.process = context.Process(target=serve, args=(theirs, self.module_name), daemon=True)
+            self.process.start()
+            theirs.close()
         try:
             self.connection.send((problem, case, plan))
             if self.connection.poll(plan.patience + (START if fresh else 0.0)):

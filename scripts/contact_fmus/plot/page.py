@@ -28,11 +28,7 @@ def script_json(content: Any) -> str:
     return json.dumps(content, ensure_ascii=False, separators=(",", ":")).replace("</", "<\\/")
 
 
-def charts(panels: list[Panel], runs: list[Run]) -> list[dict[str, Any]]:
-    return [_chart(panel, runs) for panel in panels]
-
-
-def _chart(panel: Panel, runs: list[Run]) -> dict[str, Any]:
+def chart(panel: Panel, runs: list[Run]) -> dict[str, Any]:
     drawn = [[values(run.result, line.name) for line in panel.lines] for run in runs]
     factor, unit = _readable(panel.unit, [y for lines in drawn for y in lines])
     linear = threshold([y for lines in drawn for y in lines]) if "gap" in panel.title else None
@@ -75,7 +71,7 @@ def write_page(title: str, runs: list[Run], panels: list[Panel], file: Path) -> 
     content = {
         "title": title,
         "times": [numbers(run.result.time) for run in runs],
-        "charts": charts(panels, runs),
+        "charts": [chart(panel, runs) for panel in panels],
         "touches": [[one.begin, one.end, one.contact] for one in touches(runs[0].result)],
     }
     text = environment(HERE).get_template("plot.html").render(title=title, data=script_json(content))

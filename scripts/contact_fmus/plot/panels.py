@@ -120,10 +120,12 @@ def usual(result: Result) -> list[Panel]:
     if len(contacts) > MOST:  # those that came nearest
         least = sorted(contacts, key=lambda one: float(np.min(result.columns[f"{one}.gap"])))[:MOST]
         contacts = [one for one in contacts if one in least]
+    rubbing = [one for one in contacts if _largest(result, f"{one}.friction_force") > 0.0]
     panels = [
         _of_contacts(result, contacts, "gap", "gap"),
         _of_contacts(result, contacts, "normal_force", "normal force"),
-        *_rubbing(result, contacts),
+        *_vectors(result, [f"{one}.friction_force" for one in rubbing], "friction force"),
+        *_vectors(result, [f"{one}.slip_velocity" for one in rubbing], "slip velocity"),
         *_positions(result),
         *_turning(result),
         _energies(result),
@@ -203,16 +205,6 @@ def _vectors(result: Result, names: list[str], title: str) -> list[Panel]:
     found = [name for name in names if f"{name}[1]" in result.columns][:MOST]
     lines = tuple(Line(f"|{name}|", name.partition(".")[0]) for name in found)
     return [Panel(f"{title}, size", result.units.get(f"{found[0]}[1]", ""), lines)] if found else []
-
-
-def _rubbing(result: Result, contacts: list[str]) -> list[Panel]:
-    """Friction and slip of contacts that rub"""
-    rubbing = [one for one in contacts if _largest(result, f"{one}.friction_force") > 0.0]
-    return [
-        panel
-        for title in ("friction force", "slip velocity")
-        for panel in _vectors(result, [f"{one}.{title.replace(' ', '_')}" for one in rubbing], title)
-    ]
 
 
 def _turning(result: Result) -> list[Panel]:

@@ -293,11 +293,8 @@ class Recording:
     @cached_property
     def motion(self) -> Motion:
         """The run as pictures need it"""
-
-        def value(name: str) -> Any:
-            return self.value(name) if self.has(name) else None
-
-        return Motion(read_scene(fmu_file(self.scenario.fmu)), self.time, value, self.series.get)
+        scene = read_scene(fmu_file(self.scenario.fmu))
+        return Motion(scene, self.time, lambda name: self.value(name) if self.has(name) else None, self.series.get)
 
     def has(self, name: str) -> bool:
         return name in self.initial or name in pinned_values(self.scenario.fmu)

@@ -2,13 +2,13 @@
 set of numbers
 """
 
-import functools
 import json
 import math
 import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -534,6 +534,7 @@ class Edge(Moving):
     end: float = 0.0  # 0: as long after the impact as before it
 
     geometry = "capped cylinder"
+    scale = property(attrgetter("gap"))
     shape = "cylinder"
 
     @property
@@ -546,10 +547,6 @@ class Edge(Moving):
     @property
     def stored_penalty(self) -> float:
         return 0.0 if self.hertz else self.stiffness
-
-    @property
-    def scale(self) -> float:
-        return self.gap
 
     @property
     def damping(self) -> float:
@@ -733,6 +730,7 @@ class Rolling(Moving):
     end: float = 0.0  # 0: half as long again as it slides, ten seconds and so many turns at most
 
     geometry = "plane"
+    scale = property(attrgetter("radius"))
 
     @property
     def slip(self) -> float:
@@ -743,14 +741,6 @@ class Rolling(Moving):
         """The rate of the slip while the ball slides, m/s^2"""
         return (1 + 1 / self.inertia) * self.friction * G
 
-    @property
-    def scale(self) -> float:
-        return self.radius
-
-    @property
-    def height(self) -> float:
-        return self.radius - G / self.penalty
-
     def timed(self) -> Self:
         turns = 2 * math.pi * MOST_TURNS / abs(self.spin) if self.spin else math.inf
         return self if self.end else replace(self, end=min(1.5 * self.slip / self.rate, LONGEST, turns))
@@ -758,7 +748,7 @@ class Rolling(Moving):
     def configuration(self) -> dict[str, Any]:
         return {
             "source.radius": self.radius,
-            "source.center": [0.0, 0.0, self.height],
+            "source.center": [0.0, 0.0, self.radius - G / self.penalty],
             "source.initial_velocity": [self.speed, 0.0, 0.0],
             "source.rotation": "free",
             "source.inertia_control": "user_defined",
@@ -814,15 +804,12 @@ class Tumbling(Moving):
     end: float = 0.0  # 0: half as long again as until the touch
 
     geometry = "cylinder outside"
+    scale = property(attrgetter("source_radius"))
     held = True
 
     @property
     def touch(self) -> float:
         return math.acos((self.source_radius + self.destination_radius) / self.away) / self.rate
-
-    @property
-    def scale(self) -> float:
-        return self.source_radius
 
     def timed(self) -> Self:
         return self if self.end else replace(self, end=1.5 * self.touch)
@@ -891,7 +878,7 @@ def dimension(name: str) -> tuple[int, int, int] | None:
     return TABLE["dimensions"][max((end for end in TABLE["dimensions"] if last.endswith(end)), key=len)]
 
 
-@functools.cache
+@cache
 def bases() -> list[dict[str, Any]]:
     return json.loads(FILE.read_text(encoding="utf-8"))
 

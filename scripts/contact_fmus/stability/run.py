@@ -174,7 +174,8 @@ def figures(motion: Motion, expected: Expected, outcome: Outcome) -> Figures:
     if not np.all(np.isfinite(values)):
         return Figures(finite=False)
     found = Figures(onsets=outcome.counts["contact.onsets"], expected_onsets=expected.onsets)
-    fastest = max(expected.fastest, *(speed(sample) for sample in outcome.samples))
+    velocities = [one.vector(f"{body}.velocity") for one in outcome.samples for body in BODIES]
+    fastest = max(expected.fastest, *map(float, np.linalg.norm(velocities, axis=1)))
     counts = outcome.counts
     units = len(outcome.samples) - 1 + counts["solver.events"] + motion.swings(outcome.last.time)
     found.work = counts["solver.steps"] / units
@@ -184,10 +185,6 @@ def figures(motion: Motion, expected: Expected, outcome: Outcome) -> Figures:
     if outcome.status == "ok":
         compare(found, expected, outcome)
     return found
-
-
-def speed(sample: Sample) -> float:
-    return float(max(np.linalg.norm(sample.vector(f"{body}.velocity")) for body in ("source", "destination")))
 
 
 def energy(motion: Motion, outcome: Outcome, fastest: float) -> tuple[float, float]:

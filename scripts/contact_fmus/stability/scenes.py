@@ -202,10 +202,9 @@ def drawn(random: np.random.Generator) -> HeadOn:
 
 def variants(hollow: bool | None = None) -> Iterator[HeadOn]:
     """Every geometry with every law"""
-    for geometry in GEOMETRIES:
-        if hollow is None or geometry.endswith("inside") == hollow:
-            for law in LAWS:
-                yield HeadOn(geometry=geometry, law=law)
+    for geometry, law in product(GEOMETRIES, LAWS):
+        if hollow in (None, geometry.endswith("inside")):
+            yield HeadOn(geometry=geometry, law=law)
 
 
 def one_field(row: dict[str, Any], values: Sequence[float]) -> Iterator[Scene]:

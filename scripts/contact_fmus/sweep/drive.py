@@ -352,7 +352,10 @@ class Drive:
         if isinstance(error, KilledWorker):
             return self._crashed(flight)
         if error is not None:
-            raise self._explained(error)
+            said = f"a worker failed: {type(error).__name__}: {next(iter(str(error).splitlines()), '')}"
+            if isinstance(error, ModuleNotFoundError):
+                said = f"the workers have no Python module {error.name}: install 'contact-fmus[sweep]' there"
+            raise RunFailure(f"{said}; {self._kept()}")
         try:
             rows = None if future.status in ("cancelled", "lost") else future.result()
         except CancelledError:  # the scheduler ended while it was asked
@@ -381,10 +384,3 @@ class Drive:
         values = np.full((len(self.study.outputs), 1), np.nan)
         said = {0: "the FMU ended the worker's process"}
         return self._write(flight, Rows(first, values, np.array([CRASH], np.uint8), said, 0.0, np.zeros(1, np.int32)))
-
-    def _explained(self, error: BaseException) -> RunFailure:
-        if isinstance(error, ModuleNotFoundError):
-            said = f"the workers have no Python module {error.name}: install 'contact-fmus[sweep]' there"
-        else:
-            said = f"a worker failed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
-        return RunFailure(f"{said}; {self._kept()}")

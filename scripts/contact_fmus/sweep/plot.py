@@ -60,10 +60,10 @@ class Column:
             return spread(unique[0], unique[-1], BINS + 1)
         if len(unique) < 2:
             return np.array([unique[0] - 0.5, unique[0] + 0.5]) if len(unique) else np.array([0.0, 1.0])
-        middles = np.sqrt(unique[1:] * unique[:-1]) if self.logarithmic else (unique[1:] + unique[:-1]) / 2
-        first = unique[0] ** 2 / middles[0] if self.logarithmic else 2 * unique[0] - middles[0]
-        last = unique[-1] ** 2 / middles[-1] if self.logarithmic else 2 * unique[-1] - middles[-1]
-        return np.array([first, *middles, last])
+        even = np.log(unique) if self.logarithmic else unique
+        middles = (even[1:] + even[:-1]) / 2
+        edges = np.array([2 * even[0] - middles[0], *middles, 2 * even[-1] - middles[-1]])
+        return np.exp(edges) if self.logarithmic else edges
 
     def bins(self) -> np.ndarray:
         edges = self.edges()

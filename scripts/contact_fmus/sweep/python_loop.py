@@ -92,18 +92,10 @@ def _run_once(plan: Plan, batch: Batch, place: int, slave: Any) -> list[float]:
             slave.doStep(now, size)
             now += size
         if plan.reads[point]:
-            read[point] = _read(plan, slave)
+            getters = zip(plan.read, (slave.getReal, slave.getInteger, slave.getBoolean), strict=True)
+            read[point] = [one for references, get in getters if len(references) for one in get(references.tolist())]
     length = now - plan.start_time
     return [_reduced(read[:, source], code, point, sizes, length) for source, code, point in plan.outputs.tolist()]
-
-
-def _read(plan: Plan, slave: Any) -> list[float]:
-    getters = (slave.getReal, slave.getInteger, slave.getBoolean)
-    found: list[float] = []
-    for references, get in zip(plan.read, getters, strict=True):
-        if len(references):
-            found += [float(one) for one in get(references.tolist())]
-    return found
 
 
 def _reduced(values: np.ndarray, code: int, point: int, sizes: np.ndarray, length: float) -> float:

@@ -158,7 +158,10 @@ class Store:
             if self.results.exists() or self.batches.exists():
                 said = "holds results of unknown origin; give another folder with -o"
                 raise UserError(f"{self.folder} {said}")
-            self._introduce()
+            about = {"digest": self.study.digest(), "fmu": self.study.fmu.name, "runs": self.runs}
+            about |= {"fmu_sha256": fmu_digest(self.study.fmu), "study": self.study.content}
+            with self._whole(self.folder / "study.json") as part:
+                part.write_text(json.dumps(about, indent=1, default=str, ensure_ascii=False), encoding="utf-8")
         elif known.get("digest") != self.study.digest():
             fmu = known.get("fmu_sha256") != fmu_digest(self.study.fmu)
             other = "was made with another build of the FMU" if fmu else "holds the results of another study"
@@ -172,17 +175,6 @@ class Store:
         if self._lock is not None:
             os.close(self._lock)
             self._lock = None
-
-    def _introduce(self) -> None:
-        about = {
-            "digest": self.study.digest(),
-            "fmu": self.study.fmu.name,
-            "fmu_sha256": fmu_digest(self.study.fmu),
-            "runs": self.runs,
-            "study": self.study.content,
-        }
-        with self._whole(self.folder / "study.json") as part:
-            part.write_text(json.dumps(about, indent=1, default=str, ensure_ascii=False), encoding="utf-8")
 
     @contextlib.contextmanager
     def _room(self) -> Iterator[None]:
@@ -210,12 +202,8 @@ class Store:
 
     def files(self) -> list[tuple[int, int, Path]]:
         """First run, run after the last, file; by first run"""
-        found = []
-        for file in self.batches.glob("*.parquet"):
-            match = BATCH.fullmatch(file.name)
-            if match:
-                found.append((int(match[1]), int(match[2]), file))
-        return sorted(found)
+        matches = ((BATCH.fullmatch(file.name), file) for file in self.batches.glob("*.parquet"))
+        return sorted((int(match[1]), int(match[2]), file) for match, file in matches if match)
 
     @property
     def complete(self) -> bool:

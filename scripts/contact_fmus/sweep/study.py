@@ -145,10 +145,7 @@ class Interface(NamedTuple):
             return text(value, where)
         if variable.type == "Enumeration":
             return item(variable, value, where)
-        if variable.type == "Integer":
-            found: float = whole(value, where, LEAST, MOST)
-        else:
-            found = number(value, where)
+        found = whole(value, where, LEAST, MOST) if variable.type == "Integer" else number(value, where)
         self.inside(variable, found, where)
         return found
 
@@ -423,13 +420,9 @@ class Samples:
 
     def _uniform(self, first: int, count: int) -> np.ndarray:
         """Rows of numbers in [0, 1) for the stretch, which may begin again with the first sample"""
-        parts = []
-        while count > 0:
-            start = first % self.samples
-            size = min(count, self.samples - start)
-            parts.append(self._stretch(start, size))
-            first, count = first + size, count - size
-        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+        starts = range(first - first % self.samples, first + count, self.samples)
+        ends = ((max(first - one, 0), min(first + count - one, self.samples)) for one in starts)
+        return np.concatenate([self._stretch(start, end - start) for start, end in ends])
 
     def _stretch(self, start: int, size: int) -> np.ndarray:
         if self.sampling.method in ("sobol", "halton"):
