@@ -229,6 +229,7 @@ STEPPING = {
     "a radius of nothing": lambda one: one.set_real("source.radius", 0.0),
     "a force that is no number": lambda one: one.set_real("source.external_force", math.nan),
     "an output set": lambda one: one.set_real("contact.gap", 1.0),
+    "a state set": lambda one: (one.instance.initialize(), one.set_real("source.velocity_state", 0.0)),
     "a parameter after the start": lambda one: (
         *(one.instance.initialize(), one.set_real("source.radius", 0.3)),
     ),

@@ -136,18 +136,12 @@ def code_of_lines(scene, pattern, folder="."):
 
 
 @pinned_scenes
-def test_a_pinned_scene_has_no_variable_that_the_universal_lacks(variables, scene):
-    assert variables(scene) <= variables(UNIVERSAL[scene])
-
-
-@pinned_scenes
-def test_a_pinned_scene_has_a_library_no_larger(library_bytes, scene):
-    assert library_bytes(scene) <= library_bytes(UNIVERSAL[scene])
-
-
-@pinned_scenes
-def test_a_pinned_scene_has_a_smaller_state(state_bytes, scene):
-    assert state_bytes(scene) < state_bytes(UNIVERSAL[scene])
+def test_a_pinned_scene_has_no_other_variable_no_larger_library_and_a_smaller_state(
+    variables, library_bytes, state_bytes, scene
+):
+    whole = UNIVERSAL[scene]
+    assert variables(scene) <= variables(whole) and library_bytes(scene) <= library_bytes(whole)
+    assert state_bytes(scene) < state_bytes(whole)
 
 
 @pinned_scenes
@@ -224,12 +218,11 @@ def test_what_a_scene_pins_away_is_gone(variables, strings, scene, other, where,
     assert found(scene) == []
 
 
-def test_the_pinned_method_has_nothing_that_counts_what_cvode_does(variables):
+def test_the_pinned_method_halves_the_library_and_has_nothing_that_counts_what_cvode_does(
+    variables, library_bytes
+):
     counted_by_cvode = {"solver.method", "solver.rejected_steps", "solver.fallbacks"}
     assert variables("BallOffRoller") - variables("PinnedEvent") == counted_by_cvode
-
-
-def test_the_pinned_method_halves_the_library(library_bytes):
     assert library_bytes("PinnedEvent") <= 0.5 * library_bytes("BallOffRoller")
 
 

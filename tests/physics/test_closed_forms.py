@@ -108,7 +108,7 @@ def test_momentum_and_angular_momentum_of_two_free_bodies_stay(opened, shape, lo
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("dashpot", DASHPOTS)
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
-def test_a_body_at_rest_sinks_in_by_weight_over_stiffness(opened, shape, location, dashpot, method):
+def test_a_body_at_rest_sinks_in_by_weight_over_stiffness_and_stays(opened, shape, location, dashpot, method):
     mass, stiffness, weight = 2.0, 1e4, 9.81
     damping = 0.4 * 2 * math.sqrt(stiffness * mass)
     down = approach(location)
@@ -125,6 +125,11 @@ def test_a_body_at_rest_sinks_in_by_weight_over_stiffness(opened, shape, locatio
     check_close("source_force", fmu["contact.source_force"], -mass * weight * down, 1e-9 * stiffness)
     check_close("mean_force", fmu["contact.mean_force"], -mass * weight * down, 1e-5)
     check_close("velocity", fmu["source.velocity"], [0, 0, 0], 1e-7)
+    settled = fmu["contact.onsets"], fmu["solver.events"]
+    for _ in range(200):
+        fmu.step(0.02)
+    assert (fmu["contact.onsets"], fmu["solver.events"]) == settled
+    check_close("gap", fmu["contact.gap"], -mass * weight / stiffness, 2e-12)
 
 
 @pytest.mark.parametrize("steps", [1, 3, 7, 100])

@@ -15,7 +15,6 @@ EXACT = 1e-12
 
 STIFFNESS, DAMPING = 1e6, 100.0
 REACH = 0.6
-UNDAMPED_OUTSIDE = {"contact.location": "outside", "contact.viscous_penalty_factor": 0.0}
 
 
 def polynomial(coefficients, s):

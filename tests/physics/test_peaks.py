@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import minimize_scalar
 
 from support.checks import check_close, run, start
 from support.scenes.agreement import seeds
@@ -70,17 +71,12 @@ def configuration(scene, shape, dashpot, axes):
 
 
 def top(samples, function, times):
-    """Largest value of a function between its samples, by golden section about the largest"""
+    """Largest value of a function between its samples, looked for about the largest"""
     best = int(np.argmax(samples))
-    low, high = times[max(best - 1, 0)], times[min(best + 1, len(times) - 1)]
-    ratio = (math.sqrt(5) - 1) / 2
-    for _ in range(60):
-        left, right = high - ratio * (high - low), low + ratio * (high - low)
-        if function(left) > function(right):
-            high = right
-        else:
-            low = left
-    return max(samples[best], function(0.5 * (low + high)))
+    about = times[max(best - 1, 0)], times[min(best + 1, len(times) - 1)]
+    limit = {"xatol": 1e-9 * (about[1] - about[0])}
+    found = minimize_scalar(lambda t: -function(t), bounds=about, method="bounded", options=limit)
+    return max(samples[best], -found.fun)
 
 
 def reference_peaks(scene, gap, rate, end):

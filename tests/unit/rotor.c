@@ -58,15 +58,6 @@ TEST(the_orientation_is_continuous_in_sign)
     }
 }
 
-TEST(one_turn_of_a_sphere_changes_the_sign)
-{
-    const struct rotor_state start = {quaternion_identity(), {0.0, 0.0, 2.0}};
-    const struct rotor rotor = rotor_from(start, 0.4, 0.4);
-    const double turn = 3.141592653589793;
-    CHECK_CLOSE("once round", rotor_at(&rotor, turn).orientation.w, -1.0L, DBL_EPSILON);
-    CHECK_CLOSE("twice round", rotor_at(&rotor, 2.0 * turn).orientation.w, 1.0L, DBL_EPSILON);
-}
-
 /* omega x e_3 by central differences of the axis. */
 TEST(the_rate_of_the_axis_is_its_derivative)
 {
