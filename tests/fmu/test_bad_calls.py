@@ -38,19 +38,16 @@ def test_a_guid_of_any_length_makes_no_instance(fmu):
         assert fmu.guid in instance.messages[0].text
 
 
-@pytest.mark.parametrize("name", [None, b""])
-def test_an_instance_needs_a_name(fmu, name):
-    instance = raw.Instance(fmu, name=name)
-    assert instance.component is None
-    assert "instanceName" in instance.messages[0].text
+KINDS = ("fmuType", "fmi2CoSimulation or fmi2ModelExchange")
+WRONG = [({"name": name}, ("instanceName",)) for name in (None, b"")]
+WRONG += [({"kind": kind}, KINDS) for kind in (2, 7, -1)]
 
 
-@pytest.mark.parametrize("kind", [2, 7, -1])
-def test_only_co_simulation_and_model_exchange_are_offered(fmu, kind):
-    instance = raw.Instance(fmu, kind=kind)
+@pytest.mark.parametrize("wrong, words", WRONG)
+def test_an_instance_needs_a_name_and_is_of_co_simulation_or_model_exchange(fmu, wrong, words):
+    instance = raw.Instance(fmu, **wrong)
     assert instance.component is None
-    assert "fmuType" in instance.messages[0].text
-    assert "fmi2CoSimulation or fmi2ModelExchange" in instance.messages[0].text
+    assert all(word in instance.messages[0].text for word in words)
 
 
 def test_an_instance_needs_callbacks(fmu):

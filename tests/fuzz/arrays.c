@@ -1,10 +1,5 @@
 /* Arguments of the FMI 2.0 functions that take arrays: any references and values, arrays that are missing. */
-#include <stdlib.h>
-
-#include "players.h"
-#include "scene.h"
-
-enum { LONGEST_ARRAY = 6 };
+#include "arrays.h"
 
 /* Arrays of exactly the length they claim, or null pointers. */
 struct arrays {
@@ -13,17 +8,6 @@ struct arrays {
     fmi2Integer *integers, *orders;
     fmi2Real *reals;
 };
-
-static void *room(struct bytes *b, size_t count, size_t size)
-{
-    return bytes_one(b) == 255 ? NULL : calloc(count > 0 ? count : 1, size);
-}
-
-static fmi2ValueReference any_reference(struct bytes *b)
-{
-    const unsigned index = bytes_one(b);
-    return index < (unsigned)scene_variable_count ? scene_variables[index].reference : bytes_word(b);
-}
 
 static fmi2Integer any_integer(struct bytes *b)
 {
@@ -66,13 +50,6 @@ static void free_arrays(struct arrays *a)
     free(a->integers);
     free(a->orders);
     free(a->reals);
-}
-
-static void claim_numbers(fmi2Status status, const fmi2Real *values, size_t count)
-{
-    for (size_t i = 0; i < count && status <= fmi2Warning; ++i) {
-        CLAIM(isfinite(values[i]));
-    }
 }
 
 /* The next variable of that kind from a random one on; there is one in every scene. */

@@ -1,12 +1,6 @@
 /* Arguments of the FMI 3.0 functions that take arrays: any references, types and values, arrays of wrong
  * lengths or missing ones. */
-#include <stdlib.h>
-
-#include "model/variable.h"
-#include "players.h"
-#include "scene.h"
-
-enum { LONGEST_ARRAY = 6 };
+#include "arrays.h"
 
 /* Types by name, in the order in which they are chosen: those that variables have come first. */
 #define TYPES(ROW)                                                                                           \
@@ -43,17 +37,6 @@ struct arrays3 {
     fmi3Int32 *orders;
     void *values;
 };
-
-static void *room(struct bytes *b, size_t count, size_t size)
-{
-    return bytes_one(b) == 255 ? NULL : calloc(count > 0 ? count : 1, size);
-}
-
-static fmi3ValueReference any_reference(struct bytes *b)
-{
-    const unsigned index = bytes_one(b);
-    return index < (unsigned)scene_variable_count ? scene_variables[index].reference : bytes_word(b);
-}
 
 /* The next variable of that type and causality from a random one on; any reference where there is none. */
 static fmi3ValueReference any_of(struct bytes *b, enum variable_type type, unsigned causalities)
@@ -133,13 +116,6 @@ static void free_arrays(struct arrays3 *a)
     free(a->references);
     free(a->orders);
     free(a->values);
-}
-
-static void claim_numbers(fmi3Status status, const fmi3Float64 *values, size_t count)
-{
-    for (size_t i = 0; i < count && status <= fmi3Warning; ++i) {
-        CLAIM(isfinite(values[i]));
-    }
 }
 
 #define GET_CASE(Type)                                                                                       \

@@ -32,13 +32,6 @@ static void tell(fmi3InstanceEnvironment environment, fmi3Status status, fmi3Str
     }
 }
 
-static void check(fmi3Status status, const char *what)
-{
-    if (status != fmi3OK) {
-        fail(what);
-    }
-}
-
 static void find_all(void *library)
 {
     find(library, "fmi3SetFloat64", &set_float64);
@@ -50,9 +43,6 @@ static void find_all(void *library)
     find(library, "fmi3DoStep", &do_step);
     find(library, "fmi3Terminate", &terminate);
     find(library, "fmi3FreeInstance", &free_instance);
-    if (!free_instance || !instantiate || !do_step) {
-        fail("the library lacks a function");
-    }
 }
 
 static size_t length(const char *word)
@@ -107,11 +97,7 @@ static void run(fmi3Instance c, double stop, long steps, const struct wanted *wa
         const double end = stop * (double)(i + 1) / (double)steps;
         advance(c, stop * (double)i / (double)steps, end);
         check(get_float64(c, wanted->references, wanted->number, values, wanted->values), "fmi3GetFloat64");
-        printf("%.17g", end);
-        for (size_t k = 0; k < wanted->values; ++k) {
-            printf(" %.17g", values[k]);
-        }
-        printf("\n");
+        print_line(end, values, wanted->values);
     }
 }
 
