@@ -17,19 +17,11 @@ from .options import parse
 
 
 @dataclass(frozen=True)
-class Material:
-    name: str
-    youngs_modulus: float  # Pa
-    poissons_ratio: float
-    density: float  # kg/m^3
-
-
-@dataclass(frozen=True)
 class Impact:
     """Head-on, without gravity: of two equal spheres that both come, or of one on a rigid plane"""
 
     test: int
-    material: Material
+    material: dict[str, Any]  # name, youngs_modulus in Pa, poissons_ratio, density in kg/m^3
     radius: float  # m
     speed: float  # m/s, of each sphere
     on_plane: bool
@@ -39,11 +31,11 @@ class Impact:
 
     @property
     def mass(self) -> float:
-        return self.material.density * 4 / 3 * math.pi * self.radius**3
+        return self.material["density"] * 4 / 3 * math.pi * self.radius**3
 
 
 TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-MATERIALS = {name: Material(name, **values) for name, values in TABLE["material"].items()}
+MATERIALS = {name: {"name": name} | values for name, values in TABLE["material"].items()}
 IMPACTS = tuple(
     Impact(**row | {"material": MATERIALS[row["material"]], "restitution": restitution})
     for row in TABLE["impact"]
@@ -74,9 +66,9 @@ def start_values(impact: Impact) -> dict[str, Any]:
         "source.mass": impact.mass,
         "source.center": [0.0, 0.0, setup["apart"] * impact.radius],
         "source.initial_velocity": [0.0, 0.0, -impact.speed],
-        "source.youngs_modulus": material.youngs_modulus,
-        "source.poissons_ratio": material.poissons_ratio,
-        "destination.poissons_ratio": material.poissons_ratio,
+        "source.youngs_modulus": material["youngs_modulus"],
+        "source.poissons_ratio": material["poissons_ratio"],
+        "destination.poissons_ratio": material["poissons_ratio"],
         "contact.method": "penalty" if impact.restitution is None else "penalty_dynamic",
         "contact.restitution": 1.0 if impact.restitution is None else impact.restitution,
     }

@@ -283,11 +283,8 @@ class Recording:
 
     def value(self, name: str) -> Any:
         """A parameter, pinned or open, or an output at the start"""
-        if name in self.initial:
-            return self.initial[name]
-        pinned = pinned_values(self.scenario.fmu)
-        if name in pinned:
-            return pinned[name]
+        if self.has(name):
+            return (pinned_values(self.scenario.fmu) | self.initial)[name]
         raise RunError(f"{self.scenario.name}: {self.scenario.fmu} has no variable {name}")
 
     @cached_property

@@ -653,32 +653,23 @@ class Edge(Moving):
         """Lengths in `unit`, times in which the speed covers it"""
         radius = self.source_radius / unit
         spin = momentum / unit**2
-        parts = self._parts()
-        time, y, part = 0.0, np.array([0.0, into, 0.0]), 0
+        time, y = 0.0, np.array([0.0, into, 0.0])
+        for force, ends in self._parts():
 
-        def rates(force: Callable[[float, float], float]) -> Callable[[float, np.ndarray], list[float]]:
-            def of(_time: float, y: np.ndarray) -> list[float]:
+            def rates(_time: float, y: np.ndarray, force=force) -> list[float]:
                 r = radius - y[0]
                 return [y[1], -(spin**2) / r**3 - force(y[0], y[1]), spin / r**2]
 
-            return of
-
-        while True:
-            force, ends = parts[part]
             events = [lambda _t, y: y[0], lambda _t, y, ends=ends: ends(y[0], y[1])]
             for event in events:
                 event.terminal, event.direction = True, -1.0
-            found = solve_ivp(
-                rates(force), (time, time + 50.0), y, events=events, max_step=0.1, first_step=1e-3, **ACCURACY
-            )
+            found = solve_ivp(rates, (time, time + 50.0), y, events=events, max_step=0.1, first_step=1e-3, **ACCURACY)
             if found.status != 1:
                 raise ArithmeticError("the bodies do not part")
             time, y = found.t[-1], found.y[:, -1]
             if found.t_events[0].size:
                 return Bounce(time, y[1], y[2], 0.0)
-            if part + 1 == len(parts):
-                return Bounce(time, y[1], y[2], y[0])
-            part += 1
+        return Bounce(time, y[1], y[2], y[0])
 
     def _parts(self) -> list[tuple[Callable[[float, float], float], Callable[[float, float], float]]]:
         """The forces of the contact one after another, and what falls through zero where each ends"""

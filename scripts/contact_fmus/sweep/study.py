@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import warnings
+from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -50,7 +51,7 @@ def one_of(value: Any, where: str, allowed: tuple[str, ...]) -> str:
     return value
 
 
-class Table:
+class Table(dict[str, Any]):
     """A table of a TOML file of which every key is to be taken"""
 
     def __init__(self, content: Any, where: str, allowed: tuple[str, ...]):
@@ -60,20 +61,14 @@ class Table:
             if key not in allowed:
                 said = f"{where}: there is no key {key!r}; allowed: {', '.join(allowed)}"
                 raise UserError(said + similar(key, allowed))
-        self.content = content
+        super().__init__(content)
         self.where = where
-
-    def __contains__(self, key: str) -> bool:
-        return key in self.content
 
     def place(self, key: str) -> str:
         return f"{self.where}: {key}"
 
-    def get(self, key: str, default: Any = None) -> Any:
-        return self.content.get(key, default)
-
     def number(self, key: str, default: float | None = None) -> float:
-        if key not in self.content and default is not None:
+        if key not in self and default is not None:
             return default
         return number(self.needed(key), self.place(key))
 
@@ -84,9 +79,9 @@ class Table:
         return value
 
     def needed(self, key: str) -> Any:
-        if key not in self.content:
+        if key not in self:
             raise UserError(f"{self.where}: the key {key} is missing")
-        return self.content[key]
+        return self[key]
 
     def pair(self, key: str) -> tuple[float, float]:
         """[a, b] with a < b"""
@@ -318,7 +313,7 @@ def _grid(interface: Interface, variable: Variable, table: Table) -> np.ndarray:
 
 def _drawn(interface: Interface, variable: Variable, table: Table) -> Callable[[np.ndarray], np.ndarray]:
     kind = one_of(table.get("distribution", "uniform"), table.place("distribution"), tuple(DISTRIBUTIONS))
-    for key in table.content:
+    for key in table:
         if key not in DISTRIBUTIONS[kind] | {"distribution"}:
             allowed = ", ".join(sorted(DISTRIBUTIONS[kind]))
             raise UserError(f"{table.place(key)} does not belong to the distribution {kind}; allowed: {allowed}")
@@ -665,8 +660,6 @@ def _points(experiment: Table, start: float, outputs: tuple[Output, ...]) -> tup
 
 def point_of(time: float, start: float, points: Any) -> int | None:
     """The number of the communication point at this time; 0 is the start"""
-    from bisect import bisect_left
-
     near = SAME_POINT * (points[-1] - start) / len(points)
     if time - start <= near:
         return 0
