@@ -1,4 +1,4 @@
-"""Instances share nothing: interleaved or in threads, each gives the bits of a run by itself."""
+"""Instances share nothing: in threads, each gives the bits of a run by itself."""
 
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -20,18 +20,6 @@ def alone() -> dict[str, str]:
         with begin(run) as instance:
             digests[name] = digest(go_on(instance, run, 0))
     return digests
-
-
-def test_interleaved_instances_do_not_notice_each_other(alone):
-    instances = {name: begin(run) for name, run in RUNS.items()}
-    rows = {name: [] for name in NAMES}
-    for index in range(max(run.steps for run in RUNS.values())):
-        for name, run in RUNS.items():
-            if index < run.steps:
-                rows[name].append(step(instances[name], run, index))
-    for instance in instances.values():
-        instance.free()
-    assert {name: digest(rows[name]) for name in NAMES} == alone
 
 
 def test_threads_do_not_notice_each_other(alone):
