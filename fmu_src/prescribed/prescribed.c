@@ -376,9 +376,10 @@ static struct vec3 spring_of(const struct scene_state *q, int contact)
     return SCENE_ANY_FRICTION ? q->turning.spring[contact] : vec3_make(0.0, 0.0, 0.0);
 }
 
-/* Tilts of n by rounding [rad]. Panels end before the centre and begin behind it where n is tilted by NEAR.
- * A spring is not laid across an n that may be tilted by LAYING. */
-static const double TILT_NEAR = 1e-3, TILT_LAYING = 1e-6;
+/* Tilts of n by rounding [rad]. Panels end before the centre and begin behind it where n is tilted by more
+ * than TILT_NEAR. A spring is not laid across an n that may be tilted by TILT_LAYING. */
+static const double TILT_NEAR = 1e-3;
+static const double TILT_LAYING = 1e-6;
 
 /* Returns a bound of the tilt of n by the rounding of gaps [rad]; it has no bound in the centre. */
 static double rounding_of_normal(const struct prescribed_contact *c, const struct scene_instant *at)
