@@ -15,6 +15,8 @@ CHECKED = [name for name in ALL if not NAMED or name in NAMED]
 # scenes as they start. The bounds hold what the last digits of another libm become (docs/platforms.md).
 CASES = {name: (case.fmu, case.configuration, case.end, 1e-9) for name, case in BENCHMARKS.items()}
 CASES |= {name: (name, {}, 2.0, 1e-9) for name in ALL}
+# Last digits change the lengths of steps, and the force has an error of 2e-6 at the default tolerance.
+CASES["PinJoint"] = ("PinJoint", {}, 2.0, 1e-5)
 METHODS = ("cvode_bdf", "cvode_adams")
 CVODE = {f"P2 {method}": {**BENCHMARKS["P2"].configuration, "solver.method": method} for method in METHODS}
 CASES |= {name: ("SphereSphere", values, 1.5, 1e-9) for name, values in CVODE.items()}
