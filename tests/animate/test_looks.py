@@ -49,6 +49,7 @@ def test_the_name_of_a_plane_stands_on_it(view, opened):
     page.run(
         f"[...document.querySelectorAll('.views button')].find((one) => one.textContent === '{view}').click()"
     )
+    page.wait_for(f"'destination' in {NAMES}")  # a busy browser may not have drawn yet
     x, y = page.run(NAMES)["destination"]
     assert covered(page, "destination")[int(y), int(x)]
 
