@@ -433,7 +433,9 @@ def _pieces(lines):
 def _piece(lines, at):
     line = lines[at]
     constant = CONSTANT.match(line)
-    if constant and not re.search(r", \w+ = ", line):  # several in one line stay
+    if constant:
+        if re.search(r", \w+ = ", line):
+            raise ValueError(f"a line declares several constants, which are left out one by one: {line}")
         return Piece(_until(lines, at, ";"), constant[1])
     if line.startswith("extern "):  # what it declares is there for whoever else asks for it
         return Piece(_until(lines, at, ";"), declares=True)

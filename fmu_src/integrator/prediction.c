@@ -572,7 +572,9 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
 /* The law of a lasting contact is checked at LEAST_LAW_INSTANTS instants, and at LAW_INSTANTS_PER_RADIAN more
  * per radian that the axis turns, but at MOST_LAW_INSTANTS at most. So few instants suffice, because the
  * conditions of its changes are smooth functions of the motion. */
-static const double LAW_INSTANTS_PER_RADIAN = 16.0, LEAST_LAW_INSTANTS = 64.0, MOST_LAW_INSTANTS = 1e6;
+static const double LAW_INSTANTS_PER_RADIAN = 16.0;
+static const double LEAST_LAW_INSTANTS = 64.0;
+static const double MOST_LAW_INSTANTS = 1e6;
 
 /* Whether another contact transmits a force to a body of this contact that moves freely. */
 static bool is_loaded(const struct scene_values *v, const struct scene_state *q, int contact)

@@ -294,7 +294,8 @@ static bool change_regimes(const struct scene_values *v, struct scene_state *q)
 
 /* Horizons of the search for a touch [s]. Each is four times the one before; the last is above an hour. A
  * search is best conditioned if its horizon is not much longer than the flight. */
-static const double FIRST_HORIZON = 1.0, HORIZON_FACTOR = 4.0;
+static const double FIRST_HORIZON = 1.0;
+static const double HORIZON_FACTOR = 4.0;
 enum { HORIZONS = 7 };
 
 /* Limit on the evaluations of one search where an axis turns. If the search finds no touch within them, the

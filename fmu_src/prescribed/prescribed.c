@@ -230,7 +230,8 @@ static void put_equations(const struct spring_problem *p, const struct vec3 x[GA
 enum { NEWTON_STEPS = 12 };
 /* Largest last correction divided by the spring's length; and the largest one that rounding may leave where a
  * spring turns fast. */
-static const double NEWTON_PART = 1e-14, NEWTON_NOISE = 1e-12;
+static const double NEWTON_PART = 1e-14;
+static const double NEWTON_NOISE = 1e-12;
 
 /* Solves the equations for the springs x at the nodes. False: the panel is too long. */
 static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NODES])
@@ -661,7 +662,9 @@ static const double LARGEST_TURN_COSINE = 0.88;
 /* Slip speeds divided by v_0. Above SATURATED the term exp(-|v_t|/v_0) is rounding. Over a change by FOLLOWED
  * the interpolation between nodes follows this term. Below PROPORTIONAL friction is proportional to the
  * slip. */
-static const double SATURATED = 40.0, FOLLOWED = 2.0, PROPORTIONAL = 1e-6;
+static const double SATURATED = 40.0;
+static const double FOLLOWED = 2.0;
+static const double PROPORTIONAL = 1e-6;
 
 /* A slip that is below this part of itself at the node next to an end may reverse close behind that node. The
  * nodes then show nothing of the corner, because the layer bends between the end and the node alone. */
