@@ -294,8 +294,8 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
         bound_ring(&shape, distance_grows(path, change), speed, length, at);
     }
     struct falling *gap = &at->of[ADVANCEMENT_GAP];
-    if (contact_is_cylinder(&shape) &&
-        !(axis.speed > 0.0)) { /* the gap does not see what goes along the axis */
+    if (contact_is_cylinder(&shape) && !contact_is_capped(&shape) && !(axis.speed > 0.0)) {
+        /* a motion along the axis does not change the gap of a side */
         struct vec3 across[ADVANCEMENT_TERMS];
         for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
             across[i] = contact_across(&shape, at->c[i]);

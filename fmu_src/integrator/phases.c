@@ -73,13 +73,6 @@ void integrator_close(struct integrator *s)
     }
 }
 
-void integrator_forget(struct integrator *s)
-{
-    if (s->pairs != NULL) {
-        s->pairs->made_from.end = 0.0;
-    }
-}
-
 /* Returns the present instant without accelerations and forces. It is computed once and then reused. */
 static const struct scene_instant *advance_now(struct advance *step, const struct scene_values *v,
                                                const struct scene_state *q)

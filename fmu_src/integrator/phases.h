@@ -87,9 +87,6 @@ bool integrator_open(struct integrator *s, const struct scene_values *v,
 
 void integrator_close(struct integrator *s);
 
-/* Drops all memory of the present motion. It is called before a saved state becomes the motion. */
-void integrator_forget(struct integrator *s);
-
 /* Integrates to the end of the step, through as many phases as there are. The tolerances are taken from `v`.
  * Deferred steps may have gone before. */
 enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,

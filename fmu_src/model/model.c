@@ -19,7 +19,7 @@ struct model *model_create(const struct model_host *host)
 void model_destroy(struct model *m)
 {
     if (m) {
-        motion_close(m);
+        motion_close(&m->integrator);
         m->host.release(m);
     }
 }
@@ -369,26 +369,33 @@ static bool state_is_sound(const struct model_state *state)
     return motion_is_sound(&state->values, &state->motion, state->initialized != 0) &&
            phase_is_sound(state) && turning_is_sound(&state->motion, state->initialized != 0) &&
            all_finite(state->signals, &state->motion) &&
+           (!state->motion.deferred || (state->initialized && state->exchange == EXCHANGE_NONE)) &&
            all_finite(&state->importer_tolerance, state->in_force.dashpot) && state->tuned <= 1;
 }
 
-/* Whether all variables of the state are finite when they are read; values near the end of their range may
- * give infinite outputs. No message is sent. */
-static bool gives_numbers(struct model *m, const struct model_state *state)
+/* Opens an integrator for a state, and tells whether all variables of the state are finite when they are
+ * read; values near the end of their range may give infinite outputs. No message is sent: where no memory is
+ * left, the integrator has one. The model's own integrator cannot be used, because deferred steps are computed
+ * here, and its memory fits other values. */
+static bool gives_numbers(struct model *m, const struct model_state *state, struct integrator *integrator)
 {
     const struct model_state before = m->state;
     const struct model_host host = m->host;
+    const struct integrator own = m->integrator;
     m->host.log = NULL;
+    m->integrator = *integrator;
+    bool finite = !state->initialized || m->host.exchange || motion_open(m, &state->values, "") == MODEL_OK;
     m->state = *state;
     m->outputs = OUTPUTS_NONE;
-    if (!model_update_outputs(m, OUTPUTS_ALL)) {
+    if (finite && !model_update_outputs(m, OUTPUTS_ALL)) {
         m->state.signals_changed = 0; /* refused inputs may still be replaced */
         (void)model_update_outputs(m, OUTPUTS_ALL);
     }
-    bool finite = true;
     for (int i = 0; i < scene_variable_count && finite; ++i) {
         finite = value_in_range(&m->state.values, &scene_variables[i]);
     }
+    *integrator = m->integrator;
+    m->integrator = own;
     m->state = before;
     m->host = host;
     m->outputs = OUTPUTS_NONE;
@@ -423,22 +430,22 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
     }
     struct model_state state;
     memcpy(&state, bytes, sizeof state);
-    enum model_status status = check_header(m, &state);
+    const enum model_status status = check_header(m, &state);
     if (status != MODEL_OK) {
         return status;
     }
-    if (!gives_numbers(m, &state)) {
-        return model_report(m, MODEL_ERROR,
-                            "Saved state refused: its motion is beyond the range of numbers.");
+    struct integrator integrator = {.pairs = NULL};
+    if (!gives_numbers(m, &state, &integrator)) {
+        motion_close(&integrator);
+        return model_report(m, MODEL_ERROR, "Saved state refused: %s.",
+                            integrator.message[0] ? integrator.message
+                                                  : "its motion is beyond the range of numbers");
     }
-    status = state.initialized && !m->host.exchange ? motion_open(m, &state.values, "Saved state refused")
-                                                    : MODEL_OK;
-    if (status == MODEL_OK) {
-        m->state = state;
-        m->outputs = OUTPUTS_NONE;
-        motion_forget_memory(m);
-    }
-    return status;
+    motion_close(&m->integrator);
+    m->integrator = integrator;
+    m->state = state;
+    m->outputs = OUTPUTS_NONE;
+    return MODEL_OK;
 }
 
 const struct variable *vector_variable(uint32_t reference)

@@ -56,17 +56,10 @@ enum model_status motion_open(struct model *m, const struct scene_values *v, con
                : model_report(m, MODEL_ERROR, "%s: %s.", otherwise, m->integrator.message);
 }
 
-void motion_close(struct model *m)
+void motion_close(struct integrator *integrator)
 {
     if (SCENE_ANY_FREE) {
-        integrator_close(&m->integrator);
-    }
-}
-
-void motion_forget_memory(struct model *m)
-{
-    if (SCENE_ANY_FREE) {
-        integrator_forget(&m->integrator);
+        integrator_close(integrator);
     }
 }
 

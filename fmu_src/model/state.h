@@ -140,12 +140,11 @@ bool model_update_outputs(struct model *m, enum outputs wanted);
  * of numbers. */
 enum model_status model_refuse_inputs(const struct model *m);
 
-/* motion_open allocates the integrator's memory for the method that v chooses; motion_close frees it.
- * motion_forget_memory is called when the motion becomes that of a saved state.
+/* motion_open allocates the memory of the model's integrator for the method that v chooses; motion_close
+ * frees that of any integrator.
  * MODEL_ERROR: the integrator could not be opened; the message begins with `otherwise`. */
 enum model_status motion_open(struct model *m, const struct scene_values *v, const char *otherwise);
-void motion_close(struct model *m);
-void motion_forget_memory(struct model *m);
+void motion_close(struct integrator *integrator);
 
 /* Whether the solver's method uses a history that is not part of the saved state, as CVODE does. */
 bool motion_has_history(const struct scene_values *v);

@@ -1,7 +1,6 @@
 #include "prescribed/prescribed.h"
 
 #include <float.h>
-#include <stdlib.h>
 
 #include "flight/conservative_advancement.h"
 #include "flight/relative_path.h"
@@ -382,14 +381,6 @@ static struct vec3 spring_of(const struct scene_state *q, int contact)
 static const double TILT_NEAR = 1e-3;
 static const double TILT_LAYING = 1e-6;
 
-/* Returns a bound of the tilt of n by the rounding of gaps [rad]; it has no bound in the centre. */
-static double rounding_of_normal(const struct prescribed_contact *c, const struct scene_instant *at)
-{
-    return SCENE_ANY_CURVED && body_shape(contact_destination(c->contact)) != SHAPE_PLANE
-               ? rounding_of_gap(c->v, at, c->contact) / fabs(at->geometry[c->contact].distance)
-               : 0.0;
-}
-
 /* Returns a spring [m] laid across the normal at a clock: it loses its part along n, which is rounding. Near
  * the centre n is less exact than the spring, which stays as it is. */
 static struct vec3 laid_spring(const struct prescribed_contact *c, double clock, struct vec3 spring)
@@ -397,7 +388,8 @@ static struct vec3 laid_spring(const struct prescribed_contact *c, double clock,
     struct scene_instant at;
     instant_at(c, clock, spring, &at);
     const struct vec3 n = at.geometry[c->contact].normal;
-    return rounding_of_normal(c, &at) > TILT_LAYING ? spring : vec3_axpy(spring, -vec3_dot(spring, n), n);
+    const bool is_noise = rounding_of_normal(c->v, &at, c->contact) > TILT_LAYING;
+    return is_noise ? spring : vec3_axpy(spring, -vec3_dot(spring, n), n);
 }
 
 /* Rounding error of a slip or a gap rate, divided by the speeds whose difference it is. A spring that sticks
@@ -759,7 +751,8 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
     instant_at(&s->c, right->to, right->spring, &at[1]);
     const double noise = fmin(rounding_of_force(s->c.v, s->c.q, &at[0], s->c.contact),
                               rounding_of_force(s->c.v, s->c.q, &at[1], s->c.contact));
-    const double tilt = fmin(rounding_of_normal(&s->c, &at[0]), rounding_of_normal(&s->c, &at[1]));
+    const double tilt = fmin(rounding_of_normal(s->c.v, &at[0], s->c.contact),
+                             rounding_of_normal(s->c.v, &at[1], s->c.contact));
     for (int k = 0; k < TERMS; ++k) {
         const double size = left->size[k] + right->size[k];
         const double allowed =
@@ -951,7 +944,7 @@ struct passage {
 static bool comes_near(const struct span *s, double clock, struct scene_instant *at)
 {
     kinematics_at(&s->c, clock, at);
-    return rounding_of_normal(&s->c, at) > TILT_NEAR;
+    return rounding_of_normal(s->c.v, at, s->c.contact) > TILT_NEAR;
 }
 
 /* Bisects between two clocks until the one at which the source comes near the centre (`normal` NULL), or n
@@ -995,8 +988,7 @@ static bool finds_passage(const struct span *s, double clock, double to, struct 
     if (!comes_near(s, clock, &first)) {
         const struct vec3 normal = first.geometry[j].normal;
         const bool ends_near = comes_near(s, to, &last);
-        const int zone = first.geometry[j].zone;
-        if ((SCENE_ANY_CAPS && (abs(zone) == ZONE_CAP || zone != last.geometry[j].zone)) ||
+        if ((SCENE_ANY_CAPS && first.geometry[j].zone != last.geometry[j].zone) ||
             (!ends_near && vec3_dot(normal, last.geometry[j].normal) > 0.0)) {
             return false;
         }

@@ -670,26 +670,23 @@ double rounding_of_rate(const struct scene_instant *at, int contact)
     return 8.0 * DBL_EPSILON * fmax(vec3_norm(at->rate[contact]), fmax(source, destination));
 }
 
+double rounding_of_normal(const struct scene_values *v, const struct scene_instant *at, int contact)
+{
+    const struct contact_geometry *g = &at->geometry[contact];
+    const bool on_plane = !SCENE_ANY_CURVED || body_shape(contact_destination(contact)) == SHAPE_PLANE ||
+                          (SCENE_ANY_CAPS && abs(g->zone) == ZONE_CAP);
+    return on_plane ? 0.0 : rounding_of_gap(v, at, contact) / fabs(g->distance);
+}
+
 double rounding_of_force(const struct scene_values *v, const struct scene_state *q,
                          const struct scene_instant *at, int contact)
 {
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_slopes slopes = contact_force_slopes(&law, REGIME_COMPRESSION, g->gap, g->gap_rate);
-    const double gap_rounding = rounding_of_gap(v, at, contact);
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const double turned = contact_is_plane(&shape) ? 0.0 : gap_rounding / fabs(g->distance);
-    const double angle = fmin(8.0 * DBL_EPSILON + turned, 1.0);
-    return fabs(slopes.by_gap) * gap_rounding +
+    const double angle = fmin(8.0 * DBL_EPSILON + rounding_of_normal(v, at, contact), 1.0);
+    return fabs(slopes.by_gap) * rounding_of_gap(v, at, contact) +
            angle * (fabs(slopes.by_rate) * vec3_norm(at->rate[contact]) + fabs(at->normal_force[contact]));
-}
-
-/* Whether rounding of positions turns n. It does not on a plane or a cap, whose n is given by the axis. */
-static bool rounding_turns(const struct contact_geometry *g, int contact)
-{
-    const bool at_cap = SCENE_ANY_CAPS && abs(g->zone) == ZONE_CAP;
-    return SCENE_ANY_CURVED && !at_cap && !g->degenerate &&
-           body_shape(contact_destination(contact)) != SHAPE_PLANE;
 }
 
 /* Returns the size of g' [m/s] below which its sign means nothing. It is the sum of the rounding of w, the
@@ -700,7 +697,7 @@ static double rate_rounding(const struct scene_values *v, const struct contact_l
 {
     const double gap_rounding = rounding_of_gap(v, at, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const double angle = rounding_turns(g, contact) ? fmin(gap_rounding / fabs(g->distance), 1.0) : 0.0;
+    const double angle = g->degenerate ? 0.0 : fmin(rounding_of_normal(v, at, contact), 1.0);
     const double spring = -contact_force_slopes(law, REGIME_COMPRESSION, g->gap, g->gap_rate).by_gap;
     const double oscillation = sqrt(fmax(spring, 0.0) * scene_inverse_mass(v, contact));
     return vec3_norm(at->rate[contact]) * angle + rounding_of_rate(at, contact) + oscillation * gap_rounding +

@@ -386,6 +386,80 @@ def test_a_gap_rate_that_is_rounding_holds_up_no_step(opened, spin, steps):
     assert fmu["contact.gap"] == pytest.approx(distance - reach, abs=1e-14)
 
 
+@pytest.mark.parametrize("motion", ["free", "prescribed"])
+@pytest.mark.parametrize("steps", [1, 3])
+def test_what_rises_above_a_spinning_cap_before_it_falls_is_met(opened, motion, steps):
+    """gap = 0.2 + t - 2 t^2: the axis of the cylinder stands still, and the source moves along it alone."""
+    values = {
+        "source.motion": motion,
+        "source.radius": 0.1,
+        "source.center": [0.2, 0.0, 0.8],
+        "destination.axis": [0.0, 0.0, 1.0],
+        "destination.finite_length": True,
+        "destination.length": 1.0,
+        "destination.ends": "capped",
+        "destination.rotation": "prescribed",
+        "destination.prescribed_axis": [0.0, 0.0, 1.0],
+        "destination.prescribed_angular_velocity": [0.0, 0.0, 1.0],
+        "contact.penalty_factor": 1.0,
+        "contact.viscous_penalty_factor": 0.0,
+    }
+    if motion == "free":
+        values |= {"source.initial_velocity": [0.0, 0.0, 1.0], "gravity": [0.0, 0.0, -4.0]}
+    else:
+        values |= {
+            "source.prescribed_velocity": [0.0, 0.0, 1.0],
+            "source.prescribed_displacement.derivatives": [[0.0, 0.0, 1.0], [0.0, 0.0, -4.0]],
+            "source.prescribed_velocity.derivatives": [[0.0, 0.0, -4.0]],
+        }
+    fmu = start(opened("SphereCylinder"), values)
+    for k in range(steps):
+        fmu.step(3.0 * (k + 1) / steps - fmu.time)
+    assert (fmu["contact.onsets"], fmu["contact.active"]) == (1, False)
+    check_close("onset", fmu["contact.last_onset_time"], 0.25 * (1.0 + np.sqrt(2.6)), 1e-12)
+
+
+@pytest.mark.parametrize("steps", [1, 7, 30])
+def test_friction_without_a_dashpot_ends_with_the_normal_force(opened, steps):
+    """gap = 0.4 t - 0.35: the normal force falls from 3100 N to 0 at 0.775 s; the slip is (5, 0, 0.4) m/s."""
+    values = HANGING | {
+        "source.radius": 0.5,
+        "source.prescribed_displacement": [0.0, 0.65, 0.0],
+        "source.prescribed_velocity": [0.0, 0.4, 0.4],
+        "source.prescribed_displacement.derivatives": [[0.0, 0.4, 0.4]],
+        "source.prescribed_angular_velocity": [0.0, 1.0, 10.0],
+        "contact.viscous_penalty_factor": 1000.0,
+        "contact.friction": "elastic",
+        "contact.friction_coefficient": 0.3,
+        "contact.static_friction_coefficient": 0.5,
+        "contact.tangential_stiffness": 5e3,
+        "contact.tangential_damping": 0.0,
+    }
+    fmu = start(opened("TurningForceElement"), values)
+    impulse = np.zeros(3)
+    for k in range(steps):
+        size = (k + 1) / steps - fmu.time
+        fmu.step(size)
+        impulse += size * fmu["contact.mean_force"]
+    check_close("impulse", impulse[1], 3100.0 * 0.775 / 2.0, 1e-6)
+    check_close("friction", impulse[2] / impulse[0], 0.4 / 5.0, 1e-9)
+
+
+def test_a_source_that_slides_along_a_cylinder_exactly_at_the_touch_holds_up_no_step(opened):
+    """Rounding decides whether it touches: the force is that of a gap of some 1e-16 m."""
+    values = HANGING | {
+        "source.center": [0.0, 0.6, 0.0],
+        "source.prescribed_displacement": [0.0, 0.0, 0.0],
+        "source.prescribed_velocity": [0.0, 0.0, 1.0],
+        "source.prescribed_displacement.derivatives": [[0.0, 0.0, 1.0]],
+        "contact.dashpot": "approach_only",
+        "contact.friction": "elastic",
+    }
+    fmu = start(opened("TurningForceElement"), values)
+    fmu.step(1.0)
+    check_close("mean force", fmu["contact.mean_force"], [0.0, 0.0, 0.0], 1e-11)
+
+
 def test_what_changes_without_end_is_refused_with_a_message(opened):
     """A wheel that goes round a million times in one step, about a direction that turns."""
     values = HANGING | {
