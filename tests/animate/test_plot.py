@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from contact_fmus.__main__ import main
-from contact_fmus.plot.panels import chosen, touches, usual
+from contact_fmus.plot.panels import Touch, chosen, together, touches, usual
 from contact_fmus.plot.source import motion_of, open_runs
 from contact_fmus.results import Result
 
@@ -31,10 +31,14 @@ def test_every_contact_of_a_run_is_found_and_shown(shell):
 def test_a_contact_between_prescribed_motions_is_read_from_the_gap():
     time = np.linspace(0.0, 1.0, 11)
     result = Result(time, {"c.gap": 0.35 - time, "d.gap": np.abs(time - 0.5) - 0.25})
-    assert [(t.contact, t.begin, t.end) for t in touches(result)] == [
+    found = touches(result)
+    assert [(t.contact, t.begin, t.end) for t in found] == [
         ("d", pytest.approx(0.25), pytest.approx(0.75)),
         ("c", pytest.approx(0.35), 1.0),
     ]
+    later = Touch("d", 1.5, 2.0)
+    assert together([*found, later]) == [(found[0].begin, 1.0), (1.5, 2.0)]
+    assert together([Touch("c", 0.0, 3.0), later]) == [(0.0, 3.0)]
 
 
 def test_a_result_file_is_drawn_as_the_run_it_came_from(shell, tmp_path):

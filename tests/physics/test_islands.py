@@ -1,7 +1,8 @@
-"""Several contacts at once: Newton's cradle, a ball bearing, a Galton board, and the islands they make."""
+"""Several contacts at once: Newton's cradle, ball bearings, a Galton board, and the islands they make."""
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from support.checks import check_close
@@ -99,6 +100,24 @@ def test_the_races_share_a_load_as_springs_do(fmu_path, law):
         check_close("shares", found, expected, 5e-5 * load)
     if law == "hertz":
         check_close("handbook", max(found), 4.37 * load / 9, 0.01 * load)
+
+
+@pytest.mark.parametrize(("law", "thrust"), [("linear", 100.0), ("linear", 700.0), ("hertz", 700.0)])
+def test_a_thrust_opens_the_angle_of_contact(fmu_path, law, thrust):
+    """F = 9 Q sin alpha, with Q of two springs in series, stretched by A / cos alpha - A."""
+    apart, stiffness, power = 4e-4, *{"linear": (1e8, 1.0), "hertz": (1e10, 1.5)}[law]
+
+    def load(alpha):
+        return stiffness * (0.5 * apart * (1.0 / np.cos(alpha) - 1.0)) ** power
+
+    alpha = brentq(lambda alpha: 9.0 * load(alpha) * np.sin(alpha) - thrust, 1e-3, 1.0, xtol=1e-15)
+    races = [f"on_{race}[{i}]" for race in ("inner", "outer") for i in range(1, 10)]
+    values = {f"{one}.law": law for one in races} | {f"{one}.hunt_crossley_factor": 5.0 for one in races}
+    with ContactFmu(fmu_path("GroovedBearing")) as fmu:
+        fmu.start(values | {"inner.external_force": [0, thrust, 0]}, tolerance=1e-10)
+        fmu.step(0.06)  # until the damping has brought it to rest
+        check_close("loads", [fmu[f"{one}.normal_force"] for one in races], load(alpha), 1e-6 * load(alpha))
+        check_close("shift", fmu["inner.displacement"], [0, apart * np.tan(alpha), 0], 1e-11)
 
 
 def fall(fmu, x, steps=1):

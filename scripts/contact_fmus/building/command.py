@@ -28,7 +28,12 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 SHAPES = tomllib.loads(Path(__file__).with_name("shapes.toml").read_text(encoding="utf-8"))
 TEMPLATE = Path(__file__).with_name("scene.toml")
-SCENES = {"bearing": "BallBearing", "cradle": "NewtonsCradle", "galton": "GaltonBoard"}  # with many bodies
+SCENES = {  # with many bodies
+    "bearing": "BallBearing",
+    "cradle": "NewtonsCradle",
+    "galton": "GaltonBoard",
+    "grooved_bearing": "GroovedBearing",
+}
 
 
 def scene_text(name: str, scene: str | None, shape: str, inside: bool, pinned: list[str]) -> str:

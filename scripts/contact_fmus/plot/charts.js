@@ -234,11 +234,13 @@ class Chart {
 
   drawTouches(pen) {
     pen.fillStyle = themeColor("--touch");
+    pen.beginPath(); // filled at once: where contacts overlap the shade is no darker
     for (const [begin, end] of this.touches) {
       const [left, right] = [this.x(begin), this.x(end)];
       if (right < 0 || left > this.width) continue;
-      pen.fillRect(left, MARGIN.top, Math.max(1, right - left), this.height - MARGIN.top - MARGIN.bottom);
+      pen.rect(left, MARGIN.top, Math.max(1, right - left), this.height - MARGIN.top - MARGIN.bottom);
     }
+    pen.fill();
   }
 
   drawLine(pen, line) {

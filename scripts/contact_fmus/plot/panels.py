@@ -43,6 +43,17 @@ def touches(result: Result) -> list[Touch]:
     return sorted(found, key=lambda touch: (touch.begin, touch.contact))
 
 
+def together(found: list[Touch]) -> list[tuple[float, float]]:
+    """The times in which at least one of the touches, in the order of their onsets, lasts"""
+    spans: list[tuple[float, float]] = []
+    for touch in found:
+        if spans and touch.begin <= spans[-1][1]:
+            spans[-1] = (spans[-1][0], max(spans[-1][1], touch.end))
+        else:
+            spans.append((touch.begin, touch.end))
+    return spans
+
+
 def _reported(result: Result, name: str) -> list[Touch]:
     """The last duration that is told for an onset is that of the whole contact."""
     count = np.asarray(result.columns[f"{name}.onsets"])

@@ -2,7 +2,7 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, Patch, Polygon
+from matplotlib.patches import Annulus, Circle, Patch, Polygon
 
 from contact_fmus.scenarios.experiment import Motion
 
@@ -108,7 +108,8 @@ def _draw_moving(axes: Axes, motion: Motion, body: str, plane: np.ndarray, color
 
 
 def outline(motion: Motion, body: str, index: int, plane: np.ndarray, look: dict) -> Patch:
-    """At one time: a circle; a rectangle for a plane, a cylinder and a torus that are not seen along their axes"""
+    """At one time: a circle, or two of a torus; a rectangle for a plane, a cylinder and a torus that are not seen along
+    their axes"""
     center, turned = plane @ motion.position(body)[index], motion.series(f"{body}.current_axis")
     axis = motion.axis(body) if turned is None else turned[index]
     if axis is not None and motion.is_plane(body):
@@ -116,7 +117,8 @@ def outline(motion: Motion, body: str, index: int, plane: np.ndarray, look: dict
     radius = motion.radius(body) or 0.0
     along = np.zeros(2) if axis is None else plane @ axis
     if np.linalg.norm(along) < 0.5:
-        return Circle(center, radius + motion.ring(body), **look)
+        ring = motion.ring(body)
+        return Annulus(center, ring + radius, 2.0 * radius, **look) if ring else Circle(center, radius, **look)
     length = 2.0 * radius if motion.ring(body) else motion.length(body)
     ends, side = along * (2.0 * radius if length is None else 0.5 * length), np.array([-along[1], along[0]])
     side = side / np.linalg.norm(side) * (radius + motion.ring(body))

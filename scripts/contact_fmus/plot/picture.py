@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from .panels import Panel, threshold, touches, values
+from .panels import Panel, threshold, together, touches, values
 from .path import COLORS, EDGE, draw_path, is_wide
 from .source import Run, motion_of
 
@@ -36,9 +36,10 @@ def draw(title: str, runs: list[Run], panels: list[Panel], file: Path, path: boo
         for axes, panel in zip(rows, panels, strict=True):
             _draw_panel(axes, panel, runs)
             # Shaded while in contact, a line at each onset: a contact may be narrower than a pixel.
-            for touch in marks[:MARKED]:
-                axes.axvspan(touch.begin, touch.end, color=COLORS[1], alpha=0.10, linewidth=0)
-                axes.axvline(touch.begin, color=COLORS[1], alpha=0.35, linewidth=0.6)
+            for begin, end in together(marks[:MARKED]):
+                axes.axvspan(begin, end, color=COLORS[1], alpha=0.10, linewidth=0)
+            for begin in {touch.begin for touch in marks[:MARKED]}:
+                axes.axvline(begin, color=COLORS[1], alpha=0.35, linewidth=0.6)
             below = axes.get_subplotspec().is_last_row()
             axes.tick_params(labelbottom=below)
             axes.set_xlabel("time [s]" if below else "")
