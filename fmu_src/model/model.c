@@ -375,8 +375,8 @@ static bool state_is_sound(const struct model_state *state)
 
 /* Opens an integrator for a state, and tells whether all variables of the state are finite when they are
  * read; values near the end of their range may give infinite outputs. No message is sent: where no memory is
- * left, the integrator has one. The model's own integrator cannot be used, because deferred steps are computed
- * here, and its memory fits other values. */
+ * left, the integrator has one. The model's own integrator cannot be used, because deferred steps are
+ * computed here, and its memory fits other values. */
 static bool gives_numbers(struct model *m, const struct model_state *state, struct integrator *integrator)
 {
     const struct model_state before = m->state;
