@@ -1,6 +1,7 @@
 """The report's tables: header and cells of text, the same for HTML and Markdown"""
 
 import itertools
+import math
 from collections.abc import Sequence
 
 from contact_fmus.bench.problems import METHODS, STIFF_TOLERANCE, Problem, benchmarks
@@ -125,8 +126,9 @@ def paragraphs(ratios: Sequence[dict], others: Sequence[Row]) -> list[str]:
     factors: dict[str, list[float]] = {}
     for one in (one for one in ratios if one["ratio"]):
         count, reaches = one["communication_steps"], one["cvode_reaches_m"]
-        factors.setdefault(f"{steps_of(count)}, CVODE to {reaches:.0e} m", []).append(one["ratio"])
-    sides = [f"by {ratio_text(min(some))} to {ratio_text(max(some))} with {key}" for key, some in factors.items()]
+        key = f"in {steps_of(count)}, where CVODE places it to 1e{math.log10(reaches):.0f} m"
+        factors.setdefault(key, []).append(one["ratio"])
+    sides = [f"{ratio_text(min(some))} to {ratio_text(max(some))} times {key}" for key, some in factors.items()]
     texts = [WORDS["summary"]["text"].format(factors="; ".join(sides))]
     if any(row.measured for row in others):
         texts.append(WORDS["summary"]["peers"])
