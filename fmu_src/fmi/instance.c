@@ -842,7 +842,7 @@ static void state_list_remove(struct instance *instance, struct state_block *blo
 }
 
 /* The version is raised whenever the layout or meaning of the header or of the model's state changes. */
-#define BLOCK_VERSION 1u
+#define BLOCK_VERSION 2u
 
 struct block_header {
     uint32_t magic; /* the adapter's; a block of the other byte order does not match */
@@ -870,14 +870,16 @@ static unsigned char *model_bytes(void *block)
     return (unsigned char *)block + sizeof(struct block_header);
 }
 
-/* Returns the checksum FNV-1a of 32 bits; every single flipped bit changes it. */
+/* Returns the checksum FNV-1a by words of 32 bits; any one altered word changes it. */
 static uint32_t block_checksum(const void *block)
 {
     const unsigned char *bytes = block;
     const size_t size = block_size();
     uint32_t hash = 2166136261u;
-    for (size_t i = CHECKED_FROM; i < size; ++i) {
-        hash = (hash ^ bytes[i]) * 16777619u;
+    for (size_t i = CHECKED_FROM; i < size; i += sizeof hash) {
+        uint32_t word;
+        memcpy(&word, bytes + i, sizeof word);
+        hash = (hash ^ word) * 16777619u;
     }
     return hash;
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "math/checksum.h"
 #include "model/state.h"
 
 struct model *model_create(const struct model_host *host)
@@ -191,16 +192,13 @@ enum model_status model_step_requested(struct model *m, const struct step_reques
 
 enum { HEADER_SIZE = offsetof(struct model_state, values) };
 
-/* Returns the checksum FNV-1a of 64 bits (Fowler, Noll, Vo) of all bytes behind the header. Any one altered
- * byte changes the checksum. */
+_Static_assert((sizeof(struct model_state) - HEADER_SIZE) % 8 == 0, "checksum_of takes words of 64 bits");
+
+/* Returns the checksum of all bytes behind the header. */
 static uint64_t payload_checksum(const struct model_state *state)
 {
-    const unsigned char *bytes = (const unsigned char *)state;
-    uint64_t hash = 14695981039346656037u;
-    for (size_t i = HEADER_SIZE; i < sizeof *state; ++i) {
-        hash = (hash ^ bytes[i]) * 1099511628211u;
-    }
-    return hash;
+    return checksum_of(CHECKSUM_START, (const unsigned char *)state + HEADER_SIZE,
+                       sizeof *state - HEADER_SIZE);
 }
 
 size_t model_state_size(void)

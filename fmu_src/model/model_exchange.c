@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "integrator/prediction.h"
+#include "math/checksum.h"
 #include "model/state.h"
 #include "scene/evaluate.h"
 #include "scene/transition.h"
@@ -113,29 +114,18 @@ double model_exchange_value(const struct scene_values *v, const struct scene_sta
                                                 : indicator_of(v, q, at, variable);
 }
 
-/* Mixes the bits of numbers into a checksum (FNV-1a, applied to words of 64 bits). */
-static inline uint64_t mark_of(uint64_t mark, const double *values, int count)
-{
-    for (int i = 0; i < count; ++i) {
-        uint64_t bits;
-        memcpy(&bits, values + i, sizeof bits);
-        mark = (mark ^ bits) * UINT64_C(1099511628211);
-    }
-    return mark;
-}
-
 /* Returns a checksum of the states that events may make jump: the energies, and the friction springs where
  * sliding begins or ends. */
 static uint64_t booked_states(const struct scene_state *q)
 {
     const double energies[2] = {q->dissipated, q->external_work};
-    uint64_t mark = mark_of(0, energies, 2);
+    uint64_t mark = checksum_of(CHECKSUM_START, energies, sizeof energies);
     for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS; ++j) {
         const struct vec3 spring = q->turning.spring[j];
         const double values[3] = {spring.x, spring.y, spring.z};
-        mark = mark_of(mark, values, 3);
+        mark = checksum_of(mark, values, sizeof values);
     }
-    return SCENE_ANY_FRICTION ? mark_of(mark, &q->friction_energy, 1) : mark;
+    return SCENE_ANY_FRICTION ? checksum_of(mark, &q->friction_energy, sizeof(double)) : mark;
 }
 
 /* Changes one component of an orientation along a path. The importer's quaternion may have any length; the

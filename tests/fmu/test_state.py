@@ -199,7 +199,7 @@ def refused(instance: raw.Instance, blob: bytes, *words: str) -> None:
     ("field", "value", "word"),
     [
         ("version", 0, "version"),
-        ("version", 2, "version"),
+        ("version", 3, "version"),
         ("version", 2**32 - 1, "version"),
         ("magic", 1, "magic"),
         ("scene", 0, "model"),
@@ -219,13 +219,13 @@ def refused(instance: raw.Instance, blob: bytes, *words: str) -> None:
 )
 def test_a_state_with_another_header_is_refused(saved, field, value, word):
     instance, blob = saved
-    assert header(blob)["version"] == 1
+    assert header(blob)["version"] == 2
     refused(instance, forge(blob, **{field: value}), word)
 
 
 def test_a_state_of_another_version_says_both_versions(saved):
     instance, blob = saved
-    refused(instance, forge(blob, version=77), "version 77", "expected 1")
+    refused(instance, forge(blob, version=77), "version 77", "expected 2")
 
 
 def test_a_state_of_another_fmu_is_refused():

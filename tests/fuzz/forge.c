@@ -1,5 +1,6 @@
 #include "forge.h"
 
+#include "math/checksum.h"
 #include "model/state.h"
 
 enum { CHANGES_AT_MOST = 64 };
@@ -7,17 +8,10 @@ enum { CHANGES_AT_MOST = 64 };
 static uint32_t fnv_32(const uint8_t *bytes, size_t size)
 {
     uint32_t hash = 2166136261u;
-    for (size_t i = 0; i < size; ++i) {
-        hash = (hash ^ bytes[i]) * 16777619u;
-    }
-    return hash;
-}
-
-static uint64_t fnv_64(const uint8_t *bytes, size_t size)
-{
-    uint64_t hash = 14695981039346656037u;
-    for (size_t i = 0; i < size; ++i) {
-        hash = (hash ^ bytes[i]) * 1099511628211u;
+    for (size_t i = 0; i < size; i += sizeof hash) {
+        uint32_t word;
+        memcpy(&word, bytes + i, sizeof word);
+        hash = (hash ^ word) * 16777619u;
     }
     return hash;
 }
@@ -25,7 +19,8 @@ static uint64_t fnv_64(const uint8_t *bytes, size_t size)
 void forge_checksums(uint8_t *block, size_t size)
 {
     const size_t payload = offsetof(struct model_state, values);
-    const uint64_t inner = fnv_64(block + HEADER_SIZE + payload, sizeof(struct model_state) - payload);
+    const uint64_t inner =
+        checksum_of(CHECKSUM_START, block + HEADER_SIZE + payload, sizeof(struct model_state) - payload);
     memcpy(block + HEADER_SIZE + offsetof(struct model_state, checksum), &inner, sizeof inner);
     const uint32_t outer = fnv_32(block + CHECKED_FROM, size - CHECKED_FROM);
     memcpy(block + HEADER_CHECKSUM, &outer, sizeof outer);

@@ -7,6 +7,7 @@
 #include <stddef.h>
 
 #include "check.h"
+#include "math/checksum.h"
 #include "scene_model.h"
 
 enum kind { REAL, INTEGER, WORD, FLAG };
@@ -110,11 +111,8 @@ static void put(struct model_state *state, const struct change *change)
         word += (uint32_t)change->value;
         memcpy(at, &word, sizeof word);
     }
-    const unsigned char *byte = (const unsigned char *)state;
-    state->checksum = 14695981039346656037u;
-    for (size_t i = offsetof(struct model_state, values); i < sizeof *state; ++i) {
-        state->checksum = (state->checksum ^ byte[i]) * 1099511628211u;
-    }
+    const size_t header = offsetof(struct model_state, values);
+    state->checksum = checksum_of(CHECKSUM_START, (const char *)state + header, sizeof *state - header);
 }
 
 /* A ball that has fallen on a lying cylinder for a while. */

@@ -13,10 +13,10 @@ def header(blob: bytes) -> dict:
 
 
 def checksum(blob: bytes) -> int:
-    """FNV-1a, 32 bit, of everything behind the checksum"""
+    """FNV-1a, by words of 32 bits, of everything behind the checksum"""
     value = 2166136261
-    for byte in blob[16:]:
-        value = ((value ^ byte) * 16777619) & 0xFFFFFFFF
+    for (word,) in struct.iter_unpack("<I", blob[16:]):
+        value = ((value ^ word) * 16777619) & 0xFFFFFFFF
     return value
 
 
