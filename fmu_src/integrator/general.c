@@ -662,6 +662,7 @@ void general_attach(struct general *g, const struct scene_values *v, struct scen
     g->relative = fmax(TOLERANCE_SHARE * solver_relative_tolerance(v), LEAST_TOLERANCE);
     g->absolute = TOLERANCE_SHARE * solver_absolute_tolerance(v);
     g->read_share = g->relative / (READ_PART * solver_relative_tolerance(v));
+    g->release_clock = (double)INFINITY;
     g->longest = q->general_length; /* kept in the state, so that a restored state continues bit for bit */
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         g->output[j] = (struct scene_output){

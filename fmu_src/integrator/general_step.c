@@ -593,40 +593,119 @@ static double growth_by_iterations(int iterations)
     return iterations < 8 ? GROWTH_AFTER[iterations] : 0.8;
 }
 
+/* A length that was tried, its stages, and its error by the weights. */
+struct attempt {
+    double length, error;
+    const struct radau_stages *stages;
+};
+
+/* Returns the factor of the next length after two rejected ones. The error goes with a power of the length
+ * that the two show. The power is low where the solution is not smooth, as at the touch by Hertz's law. */
+static double factor_after(const struct attempt *before, const struct attempt *now)
+{
+    const double highest = 2.0 * now->stages->stages - 1.0;
+    const double seen = log(before->error / now->error) / log(before->length / now->length);
+    const double order = before->stages == now->stages && seen < highest ? fmax(seen, 1.0) : highest;
+    return fmax(SAFETY * pow(now->error, -1.0 / order), START_SHRINKAGE);
+}
+
+/* Whether a contact in touch is under Hertz's law, whose force bends at the touch and at the release. */
+static bool force_bends(const struct general *g, int contact)
+{
+    const struct contact_law law = scene_contact_law(g->ode.values, g->state, contact);
+    return SCENE_ANY_HERTZ && contact_is_hertz(&law) && contact_transmits(g->state, contact);
+}
+
+static bool any_force_bends(const struct general *g)
+{
+    bool any = false;
+    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
+        any = any || force_bends(g, j);
+    }
+    return any;
+}
+
+/* A release in a rejected step ends the next one if it is earlier than this part of the step. If that is
+ * rejected too, the next step lasts this part of the time to the release: the rest of the force hardly
+ * counts. */
+static const double ENDS_EARLIER = 0.95;
+static const double BEFORE_RELEASE = 0.8;
+
+/* Whether a rejected step shows that the force of a contact ends within it. The bend makes the step
+ * inaccurate, but hardly moves the release. */
+static bool finds_release(struct general *g)
+{
+    const struct general_event first = general_first_event(g);
+    const bool found =
+        first.part > 0.0 && first.part < ENDS_EARLIER && force_bends(g, first.event / ODE_EVENTS_EACH);
+    if (found) {
+        g->release_clock = g->step.start + first.part * g->step.length;
+    }
+    return found;
+}
+
+/* Shortens the next steps after a rejected one. */
+static void shorten(struct general *g, const struct attempt *before, const struct attempt *now)
+{
+    double factor = factor_of(g, now->error, now->stages);
+    if (before->stages && now->error < (double)INFINITY && any_force_bends(g)) {
+        factor = fmin(factor, factor_after(before, now));
+    }
+    g->longest = fmin(now->length / reach_of(now->stages) * factor, 0.9 * g->longest);
+}
+
+/* Sets the length of the next steps after an accepted one. */
+static void lengthen(struct general *g, const struct attempt *now)
+{
+    const double next = now->length / reach_of(now->stages) * factor_of(g, now->error, now->stages);
+    g->longest = fmin(next, GROWTH * fmax(g->longest, now->length));
+    g->longest = fmin(g->longest, fmax(g->solvable, now->length));
+    if (g->by_forces) {
+        g->longest = fmin(g->longest, growth_by_iterations(g->step.iterations) * now->length);
+    }
+    g->solvable *= g->step.iterations <= EASY_ITERATIONS ? EASY_GROWTH : SOLVABLE_GROWTH;
+    g->simple *= SIMPLE_GROWTH;
+    if (SCENE_ANY_FRICTION && g->step.problem.turns && g->longest * g->fastest_decay < LEAST_STIFF) {
+        g->longest = fmin(g->longest, fmax(g->simple, now->length));
+    }
+}
+
 bool general_step_make(struct general *g, double limit, double left, long *budget)
 {
     int failures = 0;
+    struct attempt before = {.stages = NULL};
     for (;;) {
         if (*budget <= 0) {
             return false;
         }
-        const double length = fmin(limit, g->longest);
-        const struct radau_stages *stages = stages_for(length, g->longest);
-        g->within_share = length > left ? g->read_share : WITHIN_SHARE;
-        const bool solved = try_to_solve(g, stages, length, failures);
-        const double error = solved ? general_finish_step(g) : (double)INFINITY; /* by the weights */
-        const double reach = length / reach_of(stages);
-        if (error <= 1.0) {
-            const double next = reach * factor_of(g, error, stages);
-            g->longest = fmin(next, GROWTH * fmax(g->longest, length));
-            g->longest = fmin(g->longest, fmax(g->solvable, length));
-            if (g->by_forces) {
-                g->longest = fmin(g->longest, growth_by_iterations(g->step.iterations) * length);
-            }
-            g->solvable *= g->step.iterations <= EASY_ITERATIONS ? EASY_GROWTH : SOLVABLE_GROWTH;
-            g->simple *= SIMPLE_GROWTH;
-            if (SCENE_ANY_FRICTION && g->step.problem.turns && g->longest * g->fastest_decay < LEAST_STIFF) {
-                g->longest = fmin(g->longest, fmax(g->simple, length));
-            }
+        const double ahead = g->release_clock - g->step.start;
+        const double release = ahead > 0.0 ? ahead : (double)INFINITY;
+        struct attempt now = {.length = fmin(fmin(limit, release), g->longest), .error = (double)INFINITY};
+        now.stages = stages_for(now.length, g->longest);
+        g->within_share = now.length == release ? 1.0 : now.length > left ? g->read_share : WITHIN_SHARE;
+        const bool solved = try_to_solve(g, now.stages, now.length, failures);
+        if (solved) {
+            now.error = general_finish_step(g);
+        }
+        if (now.error <= 1.0) {
+            lengthen(g, &now);
             *budget -= 1;
             return true;
         }
-        if (g->fully && !(error < (double)INFINITY)) {
-            g->solvable = SOLVABLE_PART * length;
+        if (g->fully && !(now.error < (double)INFINITY)) {
+            g->solvable = SOLVABLE_PART * now.length;
         }
         failures += solved ? 0 : 1;
         g->rejected += 1;
-        g->longest = fmin(reach * factor_of(g, error, stages), 0.9 * g->longest);
+        if (now.length == release) {
+            limit = BEFORE_RELEASE * release;
+            continue;
+        }
+        if (now.error < (double)INFINITY && any_force_bends(g) && finds_release(g)) {
+            continue; /* later steps may be as long as this one */
+        }
+        shorten(g, &before, &now);
+        before = now;
         if (!(g->step.start + g->longest > g->step.start) || g->longest < 1e-18 * limit) {
             snprintf(g->message, INTEGRATOR_MESSAGE_SIZE,
                      "no step of the general segment is accurate enough from here on");

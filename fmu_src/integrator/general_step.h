@@ -47,6 +47,7 @@ struct general {
     double error_at_end;      /* error at the end of the last step, divided by the error allowed */
     double error_of_start;    /* error by decay before the first stage, divided by the error allowed */
     double longest;           /* estimate of the longest accurate step of twelve stages [s] */
+    double release_clock;     /* when a contact under Hertz's law ends; INFINITY: not known */
     double within_share;      /* factor of error_within when it is compared with error_at_end */
     double read_share;        /* within_share where outputs are read within the step; above 1: none is read */
     double *y, *size_of, *end_size; /* [size]: a state; sizes of the states at both ends of the step */
