@@ -22,18 +22,11 @@ from contact_fmus.options import parse
 from .cmake_build import How, Scene, build_fmus, check_scene, find_compiler
 from .platforms import join, toolchains
 
-# The scene files that `contact-fmus new` writes: a free ball that bounces
-
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-
+# The scene files that `contact-fmus new` writes: a free ball that bounces, or one of SCENES
 SHAPES = tomllib.loads(Path(__file__).with_name("shapes.toml").read_text(encoding="utf-8"))
 TEMPLATE = Path(__file__).with_name("scene.toml")
-SCENES = {  # with many bodies
-    "bearing": "BallBearing",
-    "cradle": "NewtonsCradle",
-    "galton": "GaltonBoard",
-    "grooved_bearing": "GroovedBearing",
-}
+SCENES = {"bearing": "BallBearing", "cradle": "NewtonsCradle", "galton": "GaltonBoard", "grooved": "GroovedBearing"}
 
 
 def scene_text(name: str, scene: str | None, shape: str, inside: bool, pinned: list[str]) -> str:

@@ -47,10 +47,9 @@ def together(found: list[Touch]) -> list[tuple[float, float]]:
     """The times in which at least one of the touches, in the order of their onsets, lasts"""
     spans: list[tuple[float, float]] = []
     for touch in found:
-        if spans and touch.begin <= spans[-1][1]:
-            spans[-1] = (spans[-1][0], max(spans[-1][1], touch.end))
-        else:
+        if not spans or touch.begin > spans[-1][1]:
             spans.append((touch.begin, touch.end))
+        spans[-1] = (spans[-1][0], max(spans[-1][1], touch.end))
     return spans
 
 

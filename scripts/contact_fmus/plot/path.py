@@ -108,20 +108,18 @@ def _draw_moving(axes: Axes, motion: Motion, body: str, plane: np.ndarray, color
 
 
 def outline(motion: Motion, body: str, index: int, plane: np.ndarray, look: dict) -> Patch:
-    """At one time: a circle, or two of a torus; a rectangle for a plane, a cylinder and a torus that are not seen along
-    their axes"""
+    """At one time: a circle, or two of a torus; a rectangle for what has an axis and is not seen along it"""
     center, turned = plane @ motion.position(body)[index], motion.series(f"{body}.current_axis")
     axis = motion.axis(body) if turned is None else turned[index]
     if axis is not None and motion.is_plane(body):
         return _strip(motion, body, center, plane @ axis, plane, look)
-    radius = motion.radius(body) or 0.0
+    radius, ring = motion.radius(body) or 0.0, motion.ring(body)
     along = np.zeros(2) if axis is None else plane @ axis
     if np.linalg.norm(along) < 0.5:
-        ring = motion.ring(body)
         return Annulus(center, ring + radius, 2.0 * radius, **look) if ring else Circle(center, radius, **look)
-    length = 2.0 * radius if motion.ring(body) else motion.length(body)
+    length = 2.0 * radius if ring else motion.length(body)
     ends, side = along * (2.0 * radius if length is None else 0.5 * length), np.array([-along[1], along[0]])
-    side = side / np.linalg.norm(side) * (radius + motion.ring(body))
+    side = side / np.linalg.norm(side) * (radius + ring)
     corners = [center + a * ends + b * side for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
     return Polygon(corners, **look)
 
