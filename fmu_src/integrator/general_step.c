@@ -631,6 +631,9 @@ static bool any_force_bends(const struct general *g)
 static const double ENDS_EARLIER = 0.95;
 static const double BEFORE_RELEASE = 0.8;
 
+/* After so many rejections a step is shortened by its error alone, which ends at a length of zero. */
+enum { RELEASE_TRIES = 16 };
+
 /* Whether a rejected step shows that the force of a contact ends within it. The bend makes the step
  * inaccurate, but hardly moves the release. */
 static bool finds_release(struct general *g)
@@ -674,7 +677,7 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
 {
     int failures = 0;
     struct attempt before = {.stages = NULL};
-    for (;;) {
+    for (int tries = 0;; ++tries) {
         if (*budget <= 0) {
             return false;
         }
@@ -697,11 +700,11 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
         }
         failures += solved ? 0 : 1;
         g->rejected += 1;
-        if (now.length == release) {
+        if (tries < RELEASE_TRIES && now.length == release) {
             limit = BEFORE_RELEASE * release;
             continue;
         }
-        if (now.error < (double)INFINITY && any_force_bends(g) && finds_release(g)) {
+        if (tries < RELEASE_TRIES && now.error < (double)INFINITY && any_force_bends(g) && finds_release(g)) {
             continue; /* later steps may be as long as this one */
         }
         shorten(g, &before, &now);
