@@ -609,8 +609,7 @@ static double factor_after(const struct attempt *before, const struct attempt *n
     return fmax(SAFETY * pow(now->error, -1.0 / order), START_SHRINKAGE);
 }
 
-/* Whether a contact in touch is under Hertz's law, whose force bends at the touch and at the release. */
-static bool force_bends(const struct general *g, int contact)
+bool general_force_bends(const struct general *g, int contact)
 {
     const struct contact_law law = scene_contact_law(g->ode.values, g->state, contact);
     return SCENE_ANY_HERTZ && contact_is_hertz(&law) && contact_transmits(g->state, contact);
@@ -620,32 +619,17 @@ static bool any_force_bends(const struct general *g)
 {
     bool any = false;
     for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
-        any = any || force_bends(g, j);
+        any = any || general_force_bends(g, j);
     }
     return any;
 }
 
-/* A release in a rejected step ends the next one if it is earlier than this part of the step. If that is
- * rejected too, the next step lasts this part of the time to the release: the rest of the force hardly
- * counts. */
-static const double ENDS_EARLIER = 0.95;
+/* If a step up to a release is rejected, the next step lasts this part of the time to the release: the rest
+ * of the force hardly counts. */
 static const double BEFORE_RELEASE = 0.8;
 
 /* After so many rejections a step is shortened by its error alone, which ends at a length of zero. */
 enum { RELEASE_TRIES = 16 };
-
-/* Whether a rejected step shows that the force of a contact ends within it. The bend makes the step
- * inaccurate, but hardly moves the release. */
-static bool finds_release(struct general *g)
-{
-    const struct general_event first = general_first_event(g);
-    const bool found =
-        first.part > 0.0 && first.part < ENDS_EARLIER && force_bends(g, first.event / ODE_EVENTS_EACH);
-    if (found) {
-        g->release_clock = g->step.start + first.part * g->step.length;
-    }
-    return found;
-}
 
 /* Shortens the next steps after a rejected one. */
 static void shorten(struct general *g, const struct attempt *before, const struct attempt *now)
@@ -673,7 +657,8 @@ static void lengthen(struct general *g, const struct attempt *now)
     }
 }
 
-bool general_step_make(struct general *g, double limit, double left, long *budget)
+bool general_step_make(struct general *g, double limit, double left, long *budget,
+                       bool (*finds_release)(struct general *g))
 {
     int failures = 0;
     struct attempt before = {.stages = NULL};

@@ -82,9 +82,12 @@ void general_start(struct general *g, const struct scene_values *v, struct scene
 /* general_begin begins steps at the state `y`. general_step_make makes one accurate step of at most `limit`
  * [s] in g->step. It returns false with a message where no step is accurate enough, and false where the
  * `budget` of steps is used up. A step longer than `left` [s] is accurate within as well, because outputs are
- * read there. */
+ * read there. finds_release sets release_clock where the rejected step in g->step shows one. It is called
+ * where general_force_bends of a contact: the force by Hertz's law bends at the touch and at the release. */
 void general_begin(struct general *g, double clock, const double *y);
-bool general_step_make(struct general *g, double limit, double left, long *budget);
+bool general_step_make(struct general *g, double limit, double left, long *budget,
+                       bool (*finds_release)(struct general *g));
+bool general_force_bends(const struct general *g, int contact);
 
 /* general_set_peaks prepares the search for peaks; it is called after general_first_event. general_move_scene
  * moves the scene to a clock within the step or at its end, and notes the peaks up to that clock and, where

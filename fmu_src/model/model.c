@@ -217,7 +217,7 @@ void model_save(struct model *m, void *bytes)
     memcpy(bytes, &m->state, sizeof m->state);
 }
 
-static bool value_in_range(const struct scene_values *values, const struct variable *row)
+CONTACT_NOINLINE static bool value_in_range(const struct scene_values *values, const struct variable *row)
 {
     if (variable_is_local(row)) {
         return true; /* it is computed from values that are checked */
@@ -371,6 +371,16 @@ static bool state_is_sound(const struct model_state *state)
            all_finite(&state->importer_tolerance, state->in_force.dashpot) && state->tuned <= 1;
 }
 
+/* Puts another integrator into the model, and what the model has into its place. */
+static void swap_integrators(struct model *m, struct integrator *other)
+{
+    if (SCENE_ANY_FREE) {
+        const struct integrator own = m->integrator;
+        m->integrator = *other;
+        *other = own;
+    }
+}
+
 /* Opens an integrator for a state, and tells whether all variables of the state are finite when they are
  * read; values near the end of their range may give infinite outputs. No message is sent: where no memory is
  * left, the integrator has one. The model's own integrator cannot be used, because deferred steps are
@@ -379,9 +389,8 @@ static bool gives_numbers(struct model *m, const struct model_state *state, stru
 {
     const struct model_state before = m->state;
     const struct model_host host = m->host;
-    const struct integrator own = m->integrator;
     m->host.log = NULL;
-    m->integrator = *integrator;
+    swap_integrators(m, integrator);
     bool finite = !state->initialized || m->host.exchange || motion_open(m, &state->values, "") == MODEL_OK;
     m->state = *state;
     m->outputs = OUTPUTS_NONE;
@@ -392,8 +401,7 @@ static bool gives_numbers(struct model *m, const struct model_state *state, stru
     for (int i = 0; i < scene_variable_count && finite; ++i) {
         finite = value_in_range(&m->state.values, &scene_variables[i]);
     }
-    *integrator = m->integrator;
-    m->integrator = own;
+    swap_integrators(m, integrator);
     m->state = before;
     m->host = host;
     m->outputs = OUTPUTS_NONE;
@@ -436,11 +444,12 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
     if (!gives_numbers(m, &state, &integrator)) {
         motion_close(&integrator);
         return model_report(m, MODEL_ERROR, "Saved state refused: %s.",
-                            integrator.message[0] ? integrator.message
-                                                  : "its motion is beyond the range of numbers");
+                            SCENE_ANY_FREE && integrator.message[0]
+                                ? integrator.message
+                                : "its motion is beyond the range of numbers");
     }
-    motion_close(&m->integrator);
-    m->integrator = integrator;
+    swap_integrators(m, &integrator);
+    motion_close(&integrator);
     m->state = state;
     m->outputs = OUTPUTS_NONE;
     return MODEL_OK;
