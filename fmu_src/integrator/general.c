@@ -762,11 +762,12 @@ static bool has_passed_event(struct general *g, const struct scene_values *v, st
     return false;
 }
 
-/* A release in a rejected step ends the next one if it is earlier than this part of the step. */
+/* A release within a rejected attempt at a step ends the next attempt if it comes before this part of the
+ * step. */
 static const double ENDS_EARLIER = 0.95;
 
-/* Whether a rejected step shows that the force of a contact ends within it. The bend makes the step
- * inaccurate, but hardly moves the release. */
+/* Whether a rejected attempt shows that the force of a contact ends within it. The bend of the force makes
+ * the attempt inaccurate, but hardly moves the release. */
 static bool finds_release(struct general *g)
 {
     const struct general_event first = general_first_event(g);

@@ -593,14 +593,15 @@ static double growth_by_iterations(int iterations)
     return iterations < 8 ? GROWTH_AFTER[iterations] : 0.8;
 }
 
-/* A length that was tried, its stages, and its error by the weights. */
+/* An attempt at a step has a length [s], a number of stages, and an error, divided by the error allowed. */
 struct attempt {
     double length, error;
     const struct radau_stages *stages;
 };
 
-/* Returns the factor of the next length after two rejected ones. The error goes with a power of the length
- * that the two show. The power is low where the solution is not smooth, as at the touch by Hertz's law. */
+/* Returns the length of the next attempt at a step, divided by that of the last one, where the last two have
+ * been rejected. Their errors show with which power of the length the error goes. The power is low where the
+ * solution is not smooth, as at the touch by Hertz's law. */
 static double factor_after(const struct attempt *before, const struct attempt *now)
 {
     const double highest = 2.0 * now->stages->stages - 1.0;
@@ -624,14 +625,15 @@ static bool any_force_bends(const struct general *g)
     return any;
 }
 
-/* If a step up to a release is rejected, the next step lasts this part of the time to the release: the rest
- * of the force hardly counts. */
+/* If an attempt that ends at a release is rejected, the next attempt covers this part of the time to the
+ * release. The force that is left for the step after it is small. */
 static const double BEFORE_RELEASE = 0.8;
 
-/* After so many rejections a step is shortened by its error alone, which ends at a length of zero. */
+/* After so many rejected attempts the error alone shortens the next ones. The length then falls to the
+ * shortest one allowed, so that the search ends. */
 enum { RELEASE_TRIES = 16 };
 
-/* Shortens the next steps after a rejected one. */
+/* Shortens g->longest after the attempt `now` has been rejected, and `before` too if it has stages. */
 static void shorten(struct general *g, const struct attempt *before, const struct attempt *now)
 {
     double factor = factor_of(g, now->error, now->stages);
@@ -641,7 +643,7 @@ static void shorten(struct general *g, const struct attempt *before, const struc
     g->longest = fmin(now->length / reach_of(now->stages) * factor, 0.9 * g->longest);
 }
 
-/* Sets the length of the next steps after an accepted one. */
+/* Sets g->longest for the next step after the attempt `now` has been accepted. */
 static void lengthen(struct general *g, const struct attempt *now)
 {
     const double next = now->length / reach_of(now->stages) * factor_of(g, now->error, now->stages);
@@ -690,7 +692,7 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
             continue;
         }
         if (tries < RELEASE_TRIES && now.error < (double)INFINITY && any_force_bends(g) && finds_release(g)) {
-            continue; /* later steps may be as long as this one */
+            continue; /* g->longest stays: steps behind the release may be as long as this attempt */
         }
         shorten(g, &before, &now);
         before = now;

@@ -82,8 +82,9 @@ void general_start(struct general *g, const struct scene_values *v, struct scene
 /* general_begin begins steps at the state `y`. general_step_make makes one accurate step of at most `limit`
  * [s] in g->step. It returns false with a message where no step is accurate enough, and false where the
  * `budget` of steps is used up. A step longer than `left` [s] is accurate within as well, because outputs are
- * read there. finds_release sets release_clock where the rejected step in g->step shows one. It is called
- * where general_force_bends of a contact: the force by Hertz's law bends at the touch and at the release. */
+ * read there. finds_release sets release_clock, and returns true, where the rejected attempt in g->step shows
+ * a release. general_force_bends tells whether a contact in touch is under Hertz's law, whose force bends at
+ * the touch and at the release. */
 void general_begin(struct general *g, double clock, const double *y);
 bool general_step_make(struct general *g, double limit, double left, long *budget,
                        bool (*finds_release)(struct general *g));

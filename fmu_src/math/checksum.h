@@ -8,8 +8,8 @@
 
 #define CHECKSUM_START UINT64_C(14695981039346656037)
 
-/* Returns the checksum of `size` bytes, a multiple of eight, that follow those of the checksum `sum`. Any one
- * altered word changes it. */
+/* Extends a checksum by `size` bytes, a multiple of eight, and returns it; the first `sum` is CHECKSUM_START.
+ * The checksum changes with any one word that is altered. */
 static inline uint64_t checksum_of(uint64_t sum, const void *bytes, size_t size)
 {
     for (size_t i = 0; i < size; i += sizeof sum) {

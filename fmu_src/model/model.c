@@ -194,7 +194,7 @@ enum { HEADER_SIZE = offsetof(struct model_state, values) };
 
 _Static_assert((sizeof(struct model_state) - HEADER_SIZE) % 8 == 0, "checksum_of takes words of 64 bits");
 
-/* Returns the checksum of all bytes behind the header. */
+/* Returns the checksum of a state's bytes behind its header. */
 static uint64_t payload_checksum(const struct model_state *state)
 {
     return checksum_of(CHECKSUM_START, (const unsigned char *)state + HEADER_SIZE,
@@ -217,6 +217,7 @@ void model_save(struct model *m, void *bytes)
     memcpy(bytes, &m->state, sizeof m->state);
 }
 
+/* This function is not inlined, because its two callers would then each contain it. */
 CONTACT_NOINLINE static bool value_in_range(const struct scene_values *values, const struct variable *row)
 {
     if (variable_is_local(row)) {
@@ -371,7 +372,7 @@ static bool state_is_sound(const struct model_state *state)
            all_finite(&state->importer_tolerance, state->in_force.dashpot) && state->tuned <= 1;
 }
 
-/* Puts another integrator into the model, and what the model has into its place. */
+/* Exchanges the model's integrator with another one. */
 static void swap_integrators(struct model *m, struct integrator *other)
 {
     if (SCENE_ANY_FREE) {
@@ -381,10 +382,10 @@ static void swap_integrators(struct model *m, struct integrator *other)
     }
 }
 
-/* Opens an integrator for a state, and tells whether all variables of the state are finite when they are
- * read; values near the end of their range may give infinite outputs. No message is sent: where no memory is
- * left, the integrator has one. The model's own integrator cannot be used, because deferred steps are
- * computed here, and its memory fits other values. */
+/* Opens `integrator` for a state, and tells whether all variables of the state are finite when they are read;
+ * values near the end of their range may give infinite outputs. No message is sent. If the memory runs out,
+ * integrator->message says so. The model's own integrator cannot be used, because reading computes deferred
+ * steps, and its memory fits other values. */
 static bool gives_numbers(struct model *m, const struct model_state *state, struct integrator *integrator)
 {
     const struct model_state before = m->state;

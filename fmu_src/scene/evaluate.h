@@ -203,8 +203,8 @@ double rounding_of_gap(const struct scene_values *v, const struct scene_instant 
 double rounding_of_axial(const struct scene_values *v, const struct scene_instant *at, int contact,
                          const struct contact_shape *shape);
 
-/* Returns a bound of the angle by which rounding of positions tilts n [rad]. It has no bound in the centre,
- * and is 0 on a plane or a cap, where n is given by the axis. */
+/* Returns a bound of the angle by which rounding of positions tilts n [rad]. The bound is infinite in the
+ * centre, and 0 on a plane or a cap, where the axis gives n. */
 double rounding_of_normal(const struct scene_values *v, const struct scene_instant *at, int contact);
 
 /* Returns a bound of the rounding error of w and g' [m/s], which are differences of the bodies'

@@ -9,6 +9,7 @@ from PIL import Image
 
 from contact_fmus.__main__ import main
 from contact_fmus.plot.panels import Touch, chosen, together, touches, usual
+from contact_fmus.plot.path import outline
 from contact_fmus.plot.source import motion_of, open_runs
 from contact_fmus.results import Result
 
@@ -39,6 +40,12 @@ def test_a_contact_between_prescribed_motions_is_read_from_the_gap():
     later = Touch("d", 1.5, 2.0)
     assert together([*found, later]) == [(found[0].begin, 1.0), (1.5, 2.0)]
     assert together([Touch("c", 0.0, 3.0), later]) == [(0.0, 3.0)]
+
+
+def test_a_torus_that_is_seen_along_its_axis_is_a_ring():
+    motion = motion_of(open_runs("grooved_bearing", (), None)[0].result)
+    ring = outline(motion, "outer", 0, np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), {})
+    assert ring.get_radii() == pytest.approx((0.025, 0.025)) and ring.get_width() == pytest.approx(0.0104)
 
 
 def test_a_result_file_is_drawn_as_the_run_it_came_from(shell, tmp_path):

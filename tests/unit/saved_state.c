@@ -150,6 +150,24 @@ TEST(a_state_with_one_wrong_value_is_refused_and_changes_nothing)
     integrator_close(&m.integrator);
 }
 
+TEST(only_a_model_that_integrates_itself_defers_steps)
+{
+    static const struct change deferred = {IN(motion.deferred), INTEGER, 1.0};
+    for (int exchange = 0; exchange < 2; ++exchange) {
+        struct heard heard = {MODEL_OK, 0};
+        struct model m = scene_model();
+        struct model_state state;
+        m.host.context = &heard;
+        m.host.log = hear;
+        m.host.exchange = exchange;
+        CHECK(!exchange || model_exit_initialization(&m) == MODEL_OK);
+        model_save(&m, &state);
+        put(&state, &deferred);
+        CHECK(model_restore(&m, &state, sizeof state) == MODEL_ERROR && heard.messages == 1);
+        integrator_close(&m.integrator);
+    }
+}
+
 TEST(what_may_be_without_end_is_taken)
 {
     struct heard heard;
