@@ -14,12 +14,16 @@ integral of l_j from 0 to c_i:
 
     integral     A, row by row
     inverse      A^-1, row by row
-    eigenvalue   those of A^-1 with positive imaginary part: all are complex where s is even; (re, im) each
+    eigenvalue   those of A^-1 without negative imaginary part; (re, im) each
     into         the rows of T^-1 that belong to them, A^-1 = T diag T^-1; all re of a row, then all im
-    back         twice the columns of T: a real vector is the real part of their sum; by rows, (re, -im) each
+    back         the columns of T, twice where they are complex: a real vector is the real part of their sum; by
+                 rows, (re, -im) each
     chebyshev    from values at the nodes to the s + 1 Chebyshev coefficients of the polynomial through them
                  and through zero at 0; by coefficients
     bernstein    from values at 0 and at the nodes to the s + 1 Bernstein coefficients; by places
+
+The tables `touch` and `release` are for steps whose time is a function of sigma (math/radau_step.h): A_ij is
+then the integral of l_j times the pace dt/dsigma at c_j, and `node` holds the times at the nodes.
 """
 
 import decimal
@@ -32,8 +36,10 @@ from pathlib import Path
 LOBATTO = (4, 8, 12)
 RADAU = 12
 STAGES = (4, 8, 12)
+REST = Decimal(1) / 1024  # RADAU_REST of node_tables.h
 DIGITS = 100  # of the arithmetic: roots of twelfth degree and products with inverses lose some forty
 ROOT_DIGITS = 80  # of roots
+NO_DIGIT = Decimal("1e-40")  # an imaginary part that is so small beside the real one is none
 
 
 class Complex:
@@ -138,20 +144,25 @@ def number(x) -> str:
     return "0.0" if abs(value) < 1e-40 else repr(value)
 
 
-def characteristic(stages: int) -> list:
-    """The polynomial whose roots are the eigenvalues of A^-1: the denominator of the stability function, the
-    Pade approximant of exp with degrees s - 1 and s."""
-    most = 2 * stages - 1
-    return [
-        Decimal((-1) ** m * math.comb(stages, m) * math.factorial(most - m)) / math.factorial(most)
-        for m in range(stages + 1)
-    ]
+def characteristic(matrix: list) -> list:
+    """Coefficients of det(x - matrix), lowest degree first: the method of Faddeev and Le Verrier."""
+    size = range(len(matrix))
+    power = [[Decimal(0)] * len(matrix) for _ in size]
+    coefficients = [Decimal(1)]
+    for k in range(1, len(matrix) + 1):
+        for i in size:
+            power[i][i] += coefficients[0]
+        power = [[sum(a * power[m][j] for m, a in enumerate(row)) for j in size] for row in matrix]
+        coefficients.insert(0, -sum(power[i][i] for i in size) / k)
+    return coefficients
 
 
 def eigenvectors(inverse: list) -> tuple[list, list, list]:
-    """Eigenvalues of positive imaginary part, by that; their rows of T^-1, and twice the columns of T, whose
-    largest element is 1. One step of inverse iteration with an eigenvalue of ROOT_DIGITS has all digits."""
-    upper = sorted((x for x in roots(characteristic(len(inverse))) if x.im > 0), key=lambda x: x.im)
+    """Eigenvalues without negative imaginary part, by that; their rows of T^-1, and the columns of T, whose
+    largest element is 1, twice where they are complex. One step of inverse iteration with an eigenvalue of
+    ROOT_DIGITS has all digits."""
+    found = [Complex(x.re, 0 if abs(x.im) < NO_DIGIT * abs(x.re) else x.im) for x in roots(characteristic(inverse))]
+    upper = sorted((x for x in found if x.im >= 0), key=lambda x: (x.im, x.re))
     into, back = [], []
     for value in upper:
         start = [Complex(k + 1) for k in range(len(inverse))]
@@ -164,7 +175,7 @@ def eigenvectors(inverse: list) -> tuple[list, list, list]:
         column = [x / largest for x in column]
         scale = sum((a * b for a, b in zip(row, column, strict=True)), Complex(0))
         into.append([x / scale for x in row])
-        back.append([Complex(2) * x for x in column])
+        back.append([Complex(2 if value.im else 1) * x for x in column])
     return upper, into, back
 
 
@@ -211,29 +222,55 @@ def inverted(matrix: list) -> list:
     return [[columns[j][i].re for j in size] for i in size]
 
 
-def stage_tables(stages: int) -> str:
-    """The tables of a number of stages, and the struct of them."""
+def even(x: Decimal) -> tuple[Decimal, Decimal]:
+    """Time at a place of the step, and its derivative."""
+    return x, Decimal(1)
+
+
+def from_touch(x: Decimal) -> tuple[Decimal, Decimal]:
+    return x * x, 2 * x
+
+
+def to_release(x: Decimal) -> tuple[Decimal, Decimal]:
+    root = REST.sqrt()
+    apart = (1 + REST).sqrt() - root
+    left = root + (1 - x) * apart
+    return 1 + REST - left * left, 2 * left * apart
+
+
+PACES = {"touch": from_touch, "release": to_release}
+
+
+def stage_tables(stages: int, pace: str = "") -> str:
+    """The tables of a number of stages, and the struct of them; of another pace only what depends on it."""
     at = [(x + 1) / 2 for x in radau_nodes(stages)]
     basis = [lagrange(at, j) for j in range(stages)]
-    a = [[integral(b, 0, x) for b in basis] for x in at]
+    times, paces = zip(*map(PACES.get(pace, even), at), strict=True)
+    a = [[integral(b, 0, x) * faster for b, faster in zip(basis, paces, strict=True)] for x in at]
     inverse = inverted(a)
     values, into, back = eigenvectors(inverse)
     places = [Decimal(0), *at]
     through_zero = [lagrange(places, j) for j in range(stages + 1)]
     named = {
-        "node": [at],
+        "node": [times],
         "integral": a,
         "inverse": inverse,
         "eigenvalue": [[x.re, x.im] for x in values],
         "into": split(into),
         "back": zip(*(row for x in back for row in ([y.re for y in x], [-y.im for y in x])), strict=True),
+    }
+    alike = {
         "chebyshev": zip(*(to_chebyshev(b) for b in through_zero[1:]), strict=True),
         "bernstein": [to_bernstein(b) for b in through_zero],
     }
-    arrays = [table(f"radau_{name}_{stages}", rows) for name, rows in named.items()]
-    members = ", ".join(f"\n    radau_{name}_{stages}" for name in named).replace(", ", ",")
-    struct = f"const struct radau_stages radau_stages_{stages} = {{\n    {stages},{members}}};\n"
-    return "\n".join([*arrays, struct])
+    own = pace or stages
+    arrays = [table(f"radau_{name}_{own}", rows) for name, rows in named.items()]
+    arrays += [table(f"radau_{name}_{stages}", rows) for name, rows in alike.items() if not pace]
+    members = [f"radau_{name}_{own}" for name in named] + [f"radau_{name}_{stages}" for name in ("node", *alike)]
+    kind = {"touch": "RADAU_FROM_TOUCH", "release": "RADAU_TO_RELEASE"}.get(pace, "RADAU_EVEN")
+    first = f"{stages}, {len(values)}, {kind}, {number(PACES.get(pace, even)(Decimal(0))[1])}"
+    struct = f"const struct radau_stages radau_stages_{own} = {{\n    {first},\n    "
+    return "\n".join([*arrays, struct + ",\n    ".join(members) + "};\n"])
 
 
 def node_tables(name: str, at: list) -> str:
@@ -267,6 +304,7 @@ def text() -> str:
             node_tables(f"radau_{RADAU}", radau_nodes(RADAU)),
             f"const struct lobatto radau = {members(f'radau_{RADAU}', RADAU)};\n",
             *(stage_tables(stages) for stages in STAGES),
+            *(stage_tables(RADAU, pace) for pace in PACES),
             "/* clang-format on */",
         ]
     )

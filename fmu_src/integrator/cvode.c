@@ -390,7 +390,11 @@ static void note_peaks(struct cvode *c, struct scene_state *q, double to)
             output->values = c->problem.ode.values;
             output->state = q;
             scene_output_note_peaks(output, q->clock, to, 1, &q->contact[j].peaks);
-            scene_output_add_torque(output, q->clock, to, 1, q);
+            const double half = 0.5 * (to - q->clock);
+            for (int i = 0; i < GAUSS_NODES && scene_output_has_torque(output); ++i) {
+                const double clock = q->clock + half * (1.0 + GAUSS_NODE[i]);
+                scene_output_add_torque(output, clock, half * GAUSS_WEIGHT[i], q);
+            }
         }
     }
 }

@@ -9,6 +9,7 @@
 #include "integrator/general_step.h"
 #include "integrator/node_forces.h"
 #include "math/compiler.h"
+#include "math/nodes.h"
 #include "scene/evaluate.h"
 #include "scene/ode.h"
 
@@ -114,11 +115,15 @@ static void smooth_friction(struct general *g, int contact)
     }
 }
 
-/* Samples the event functions at the start of the step and at all Radau stages. */
+/* Samples the event functions at the start of the step and at all Radau stages, once for a solved step. */
 static void sample_events(struct general *g)
 {
     const struct radau_step *p = &g->step;
     struct scene_instant at;
+    if (g->is_sampled) {
+        return;
+    }
+    g->is_sampled = true;
     memset(g->event_size, 0, sizeof g->event_size);
     memcpy(g->y, p->y, (size_t)g->size * sizeof *g->y);
     ode_instant(&g->ode, p->start, g->y, &at);
@@ -187,10 +192,11 @@ static double event_at(struct general *g, int event, double clock, const double 
     return all[event];
 }
 
-/* Returns the event function at a part of the step, for the state given by the polynomial of the states. */
-static double event_within(struct general *g, int event, double part)
+/* Returns the event function at a place of the step, for the state given by the polynomial of the states. */
+static double event_within(struct general *g, int event, double place)
 {
     const struct radau_step *p = &g->step;
+    const double part = radau_part(p->stages, place);
     radau_step_at(p, part, g->y);
     return event_at(g, event, p->start + part * p->length, g->y);
 }
@@ -202,8 +208,8 @@ static bool enclose_root(const struct general *g, int event, double ends[2])
     const struct radau_stages *stages = g->step.stages;
     for (int i = 1; i <= stages->stages; ++i) {
         if (!(g->events[i][event] > 0.0)) {
-            ends[0] = i > 1 ? stages->node[i - 2] : 0.0;
-            ends[1] = stages->node[i - 1];
+            ends[0] = i > 1 ? stages->place[i - 2] : 0.0;
+            ends[1] = stages->place[i - 1];
             return true;
         }
     }
@@ -221,31 +227,31 @@ static bool enclose_dip(struct general *g, int event, const double *of, double f
     const struct radau_stages *stages = g->step.stages;
     const int count = stages->stages + 1;
     int after = 0;
-    while (after + 1 < stages->stages && stages->node[after] <= from) {
+    while (after + 1 < stages->stages && stages->place[after] <= from) {
         after += 1;
     }
     double least = (double)INFINITY;
     ends[1] = from;
     for (int i = 0; i < DIP_PLACES; ++i) {
-        const double place = from + (stages->node[after] - from) * i / DIP_PLACES;
+        const double place = from + (stages->place[after] - from) * i / DIP_PLACES;
         const double value = bernstein_at(of, count, place);
         ends[1] = value < least ? place : ends[1];
         least = fmin(value, least);
     }
-    ends[0] = after > 0 ? stages->node[after - 1] : 0.0;
+    ends[0] = after > 0 ? stages->place[after - 1] : 0.0;
     return !(event_within(g, event, ends[1]) > 0.0);
 }
 
-/* Returns the root of the event function itself along the polynomial of the states; INFINITY: it has none.
+/* Returns the place of the event function's own root along the polynomial of the states; INFINITY: none.
  * The root is found by bisection and secants in turn; the polynomial of the event function gives the first
  * guess. These roots decide which event comes first. */
-static double root_within(struct general *g, int event, const double *of, double part)
+static double root_within(struct general *g, int event, const double *of, double guess)
 {
     double ends[2];
     double dip[2];
     const bool enclosed = enclose_root(g, event, ends);
-    if (!enclosed || part < ends[0]) {
-        if (enclose_dip(g, event, of, part, dip)) {
+    if (!enclosed || guess < ends[0]) {
+        if (enclose_dip(g, event, of, guess, dip)) {
             ends[0] = dip[0];
             ends[1] = dip[1];
         } else if (!enclosed) {
@@ -256,8 +262,8 @@ static double root_within(struct general *g, int event, const double *of, double
     for (int i = 0; i < MOST_TRIALS && values[0] > 0.0 && values[1] < 0.0; ++i) {
         const double secant = ends[0] + (ends[1] - ends[0]) * values[0] / (values[0] - values[1]);
         const double middle = 0.5 * (ends[0] + ends[1]);
-        const bool is_guess = i == 0 && part > ends[0] && part < ends[1];
-        const double next = is_guess ? part : i % 3 == 2 ? middle : secant;
+        const bool is_guess = i == 0 && guess > ends[0] && guess < ends[1];
+        const double next = is_guess ? guess : i % 3 == 2 ? middle : secant;
         if (!(next > ends[0] && next < ends[1])) {
             break;
         }
@@ -273,30 +279,39 @@ static double root_within(struct general *g, int event, const double *of, double
     return fabs(values[0]) < fabs(values[1]) ? ends[0] : ends[1];
 }
 
-struct general_event general_first_event(struct general *g)
+/* Returns the place in the step, before `limit`, at which an event function first falls through zero. INFINITY:
+ * it does not. The samples have been taken. */
+static double fall_within(struct general *g, int event, double limit)
 {
-    struct general_event first = {(double)INFINITY, -1};
     const int count = g->step.stages->stages + 1;
     const double of_polynomial = g->relative * fmax(g->error_within, 1.0);
+    double of[BERNSTEIN_MOST];
+    double largest;
+    if (event_is_constant(g, event) || !may_fall(g, event, of, &largest)) {
+        return (double)INFINITY;
+    }
+    const double noise = NOISE * largest + of_polynomial * g->event_size[event];
+    const struct bernstein_fall fall = bernstein_first_fall(of, count, noise);
+    double ends[2] = {fall.low, 0.0};
+    if (g->step.problem.turns && enclose_root(g, event, ends)) {
+        ends[0] = fmin(ends[0], fall.low); /* the function itself may fall earlier than its polynomial */
+    }
+    if (!(ends[0] < limit)) {
+        return (double)INFINITY;
+    }
+    const double by_polynomial = bernstein_root(of, count, fall);
+    return g->step.problem.turns ? root_within(g, event, of, by_polynomial) : by_polynomial;
+}
+
+struct general_event general_first_event(struct general *g)
+{
+    struct general_event first = {(double)INFINITY, -1}; /* by its place until all are compared */
     sample_events(g);
     for (int e = 0; e < ODE_EVENTS; ++e) {
-        double of[BERNSTEIN_MOST];
-        double largest;
-        if (event_is_constant(g, e) || !may_fall(g, e, of, &largest)) {
-            continue;
-        }
-        const double noise = NOISE * largest + of_polynomial * g->event_size[e];
-        const struct bernstein_fall fall = bernstein_first_fall(of, count, noise);
-        double ends[2] = {fall.low, 0.0};
-        if (g->step.problem.turns && enclose_root(g, e, ends)) {
-            ends[0] = fmin(ends[0], fall.low); /* the function itself may fall earlier than its polynomial */
-        }
-        if (ends[0] < first.part) {
-            const double by_polynomial = bernstein_root(of, count, fall);
-            const double part = g->step.problem.turns ? root_within(g, e, of, by_polynomial) : by_polynomial;
-            first = part < first.part ? (struct general_event){part, e} : first;
-        }
+        const double place = fall_within(g, e, first.part);
+        first = place < first.part ? (struct general_event){place, e} : first;
     }
+    first.part = first.event < 0 ? first.part : radau_part(g->step.stages, first.part);
     return first;
 }
 
@@ -427,7 +442,7 @@ static double bound_between(const struct general *g, int contact, int quantity, 
     double of[BERNSTEIN_MOST];
     double most = -(double)INFINITY;
     memcpy(of, g->peaks[contact][quantity], sizeof of);
-    bernstein_restrict(of, count, from, to);
+    bernstein_restrict(of, count, radau_place(g->step.stages, from), radau_place(g->step.stages, to));
     for (int i = 0; i < count; ++i) {
         most = fmax(most, of[i]);
     }
@@ -457,6 +472,23 @@ static bool is_known(const struct general *g, const struct scene_state *q, const
            bound_between(g, contact, GENERAL_DEPTH, first, last) <= depth;
 }
 
+/* Adds the impulse of the torque on the destination from a clock to the present, by `panels` Gauss rules of
+ * degree nine. The force is a polynomial of the place in the step. */
+static void add_torque(const struct general *g, struct scene_state *q, const struct scene_output *output,
+                       double from, int panels)
+{
+    const struct radau_step *p = &g->step;
+    const double first = radau_place(p->stages, fmax(from - p->start, 0.0) / p->length);
+    const double last = radau_place(p->stages, (q->clock - p->start) / p->length);
+    const double half = 0.5 * (last - first) / panels;
+    for (int i = 0; i < panels * GAUSS_NODES && scene_output_has_torque(output); ++i) {
+        const int node = i % GAUSS_NODES;
+        const double place = first + half * (2.0 * (i / GAUSS_NODES) + 1.0 + GAUSS_NODE[node]);
+        const double weight = half * GAUSS_WEIGHT[node] * radau_slope(p->stages, place) * p->length;
+        scene_output_add_torque(output, p->start + radau_part(p->stages, place) * p->length, weight, q);
+    }
+}
+
 /* Searches for peaks by parts of less than half an oscillation. A step of twelve stages lasts five radians at
  * most. */
 static void look_for_peaks(struct general *g, struct scene_state *q, int contact, double from)
@@ -471,7 +503,7 @@ static void look_for_peaks(struct general *g, struct scene_state *q, int contact
     output->values = g->ode.values;
     output->state = q;
     scene_output_note_peaks(output, from, q->clock, parts, &q->contact[contact].peaks);
-    scene_output_add_torque(output, from, q->clock, parts, q);
+    add_torque(g, q, output, from, parts);
 }
 
 /* Notes the peaks between the clock `from`, within the step, and the present. */
@@ -520,7 +552,10 @@ void general_keep_step(const struct general *g, struct scene_state *q)
     kept->end = g->end.clock;
     kept->solvable = g->solvable;
     kept->simple = g->simple;
+    kept->release_clock = g->release_clock;
+    kept->release_rest = g->release_rest;
     kept->stages = p->stages->stages;
+    kept->pace = (int32_t)p->stages->pace;
     kept->event = g->end.event.event;
     memcpy(kept->at_start, p->y, bytes);
     memcpy(kept->at_end, g->end.y, bytes);
@@ -543,13 +578,16 @@ bool general_take_up(struct general *g, const struct scene_values *v, struct sce
     general_attach(g, v, q);
     g->solvable = kept->solvable;
     g->simple = kept->simple;
+    g->release_clock = kept->release_clock;
+    g->release_rest = kept->release_rest;
     g->end.clock = kept->end;
-    g->end.event = (struct general_event){1.0, kept->event};
+    g->end.event = (struct general_event){1.0, (int)kept->event};
     memcpy(g->end.y, kept->at_end, bytes);
     memcpy(g->step.weight, kept->weight, bytes);
     memcpy(g->peaks, kept->peaks, sizeof g->peaks);
-    radau_step_take_over(&g->step, kept->start, kept->length, kept->at_start, kept->stages,
-                         kept->chebyshev[0], ODE_MOST_STATES);
+    radau_step_take_over(&g->step, kept->start, kept->length, kept->at_start,
+                         radau_stages_of(kept->stages, (enum radau_pace)kept->pace), kept->chebyshev[0],
+                         ODE_MOST_STATES);
     return true;
 }
 
@@ -663,6 +701,7 @@ void general_attach(struct general *g, const struct scene_values *v, struct scen
     g->absolute = TOLERANCE_SHARE * solver_absolute_tolerance(v);
     g->read_share = g->relative / (READ_PART * solver_relative_tolerance(v));
     g->release_clock = (double)INFINITY;
+    g->release_rest = 0.0;
     g->longest = q->general_length; /* kept in the state, so that a restored state continues bit for bit */
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         g->output[j] = (struct scene_output){
@@ -762,21 +801,20 @@ static bool has_passed_event(struct general *g, const struct scene_values *v, st
     return false;
 }
 
-/* A release within a rejected attempt at a step ends the next attempt if it comes before this part of the
- * step. */
-static const double ENDS_EARLIER = 0.95;
-
-/* Whether a rejected attempt shows that the force of a contact ends within it. The bend of the force makes
- * the attempt inaccurate, but hardly moves the release. */
-static bool finds_release(struct general *g)
+/* Returns the clock of the first release under Hertz's law that the polynomial shows within the step, or
+ * INFINITY. The bend of the force there makes the step inaccurate, but hardly moves the release. */
+static double release_within(struct general *g)
 {
-    const struct general_event first = general_first_event(g);
-    const bool found = first.part > 0.0 && first.part < ENDS_EARLIER &&
-                       general_force_bends(g, first.event / ODE_EVENTS_EACH);
-    if (found) {
-        g->release_clock = g->step.start + first.part * g->step.length;
+    double first = (double)INFINITY;
+    sample_events(g);
+    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
+        if (general_force_bends(g, j)) {
+            const double place = fall_within(g, ODE_EVENTS_EACH * j + (int)ODE_EVENT_GAP, first);
+            first = place > 0.0 ? fmin(first, place) : first;
+        }
     }
-    return found;
+    return first < (double)INFINITY ? g->step.start + radau_part(g->step.stages, first) * g->step.length
+                                    : first;
 }
 
 /* Makes a step up to its end or its first event. Where no step can be made to end at the event, a step of
@@ -793,7 +831,7 @@ static enum advance_result make_step(struct general *g, const struct scene_state
         g->longest = fmin(g->longest, general_length_of_sliding(g->ode.values, q));
     }
     for (;;) {
-        if (!general_step_make(g, fmin(most, longest), left, &step->budget, finds_release)) {
+        if (!general_step_make(g, fmin(most, longest), left, &step->budget, release_within)) {
             return step->budget > 0 ? ADVANCE_FAILED : ADVANCE_STEP_LIMIT;
         }
         const struct general_event first = general_first_event(g);

@@ -9,8 +9,9 @@
 #include "scene/scene_jet.h"
 
 /* Length of a first step in radians of the fastest oscillation. An impact takes pi radians with a linear
- * spring, and four with Hertz's law. */
+ * spring, and four with Hertz's law, of which a step from the touch covers a third accurately. */
 static const double FIRST_STEP = 4.0;
+static const double FIRST_STEP_FROM_TOUCH = 1.3;
 
 double general_length_of_springs(const struct general *g)
 {
@@ -56,14 +57,12 @@ static double length_of_impact(const struct scene_values *v, const struct scene_
     const struct contact_geometry *g = &at->geometry[contact];
     const double load = scene_pressing_acceleration(v, q, q->clock, at, contact);
     const double depth = depth_to_come(k, chi, fabs(g->gap_rate), load);
-    if (!(-g->gap < DEEP * depth)) {
+    if (!(-g->gap < DEEP * depth) || g->gap_rate > 0.0) {
         return (double)INFINITY;
     }
     const double spring = sqrt(1.5 * k * sqrt(depth));
     const double dashpot = k * chi * depth * sqrt(depth);
-    /* near the release all stages of a longer step would be behind it, where no force shows what they miss */
-    const double release = g->gap_rate > 0.0 && g->gap < 0.0 ? -g->gap / g->gap_rate : (double)INFINITY;
-    return fmin(FIRST_STEP / fmax(spring, dashpot), release);
+    return FIRST_STEP_FROM_TOUCH / fmax(spring, dashpot);
 }
 
 double general_length_of_impacts(const struct scene_values *v, const struct scene_state *q,
@@ -488,9 +487,44 @@ static double fastest_decay_of(const struct radau_step *p, const double *by_othe
     return most;
 }
 
+bool general_force_bends(const struct general *g, int contact)
+{
+    const struct contact_law law = scene_contact_law(g->ode.values, g->state, contact);
+    return SCENE_ANY_HERTZ && contact_is_hertz(&law) && contact_transmits(g->state, contact);
+}
+
+static bool any_force_bends(const struct general *g)
+{
+    bool any = false;
+    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
+        any = any || general_force_bends(g, j);
+    }
+    return any;
+}
+
+/* Notes the time since each touch under Hertz's law. A contact that began with an overlap touched earlier, at
+ * its present speed; one that opens is long past its touch. */
+static void note_touches(struct general *g)
+{
+    struct scene_instant at;
+    const bool any = any_force_bends(g);
+    if (any) {
+        ode_instant(&g->ode, g->step.start, g->step.y, &at);
+    }
+    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
+        g->since_touch[j] = (double)INFINITY;
+        if (any && general_force_bends(g, j) && at.geometry[j].gap_rate < 0.0) {
+            const double since = g->step.start - g->state->contact[j].record.touch_clock;
+            const struct contact_geometry *now = &at.geometry[j];
+            g->since_touch[j] = fmax(since, fmax(-now->gap, 0.0) / -now->gap_rate);
+        }
+    }
+}
+
 void general_begin(struct general *g, double clock, const double *y)
 {
     radau_step_begin(&g->step, clock, y);
+    note_touches(g);
     if (SCENE_ANY_TURNING && g->step.problem.turns) {
         g->fastest_decay = fastest_decay_of(&g->step, g->step.by_others);
         note_errors(g);
@@ -514,8 +548,10 @@ static bool try_fully(struct general *g, const struct radau_stages *stages, doub
 enum { MOST_FAILURES = 10 };
 
 /* Solves the stages with the forces as unknowns where the scene allows that (node_forces_apply). In other
- * scenes simplified iterations come first, unless the step is so stiff or long that they would fail. */
-static bool try_to_solve(struct general *g, const struct radau_stages *stages, double length, int failures)
+ * scenes simplified iterations come first, unless the step is so stiff or long that they would fail. They
+ * start from the last solution if the step is made `again` for another length. */
+static bool try_to_solve(struct general *g, const struct radau_stages *stages, double length, int failures,
+                         bool again)
 {
     struct radau_step *p = &g->step;
     const bool rubs = SCENE_ANY_FRICTION && p->problem.turns;
@@ -531,7 +567,7 @@ static bool try_to_solve(struct general *g, const struct radau_stages *stages, d
     if (stiffness > STIFF || (stiffness > LEAST_STIFF && length > g->simple)) {
         return try_fully(g, stages, length, stiffness > STIFF);
     }
-    if (radau_step_guess(p, stages, length)) {
+    if (again ? radau_step_guess_again(p, stages, length) : radau_step_guess(p, stages, length)) {
         general_set_weights(g);
         if (radau_step_solve(p, general_newton_share(g))) {
             return true;
@@ -554,6 +590,7 @@ static const double END_OF_ROLLING = 0.3;
 double general_finish_step(struct general *g)
 {
     struct radau_step *p = &g->step;
+    g->is_sampled = false;
     radau_step_finish(p);
     const struct radau_error error = radau_step_error(p);
     g->error_within = error.within;
@@ -610,28 +647,121 @@ static double factor_after(const struct attempt *before, const struct attempt *n
     return fmax(SAFETY * pow(now->error, -1.0 / order), START_SHRINKAGE);
 }
 
-bool general_force_bends(const struct general *g, int contact)
-{
-    const struct contact_law law = scene_contact_law(g->ode.values, g->state, contact);
-    return SCENE_ANY_HERTZ && contact_is_hertz(&law) && contact_transmits(g->state, contact);
-}
+/*
+ * Forces under Hertz's law go with the power 3/2 of the time since the touch and of the time to the release.
+ * A step from the touch and one to the release have a pace that makes these powers polynomials
+ * (math/node_tables.h). A step that begins soon after a touch, or ends soon before a release, is at most
+ * BENDS_APART times as long as the time between: the Chebyshev coefficients then fall by 1/3 each.
+ */
+#define BENDS_APART 3.0
 
-static bool any_force_bends(const struct general *g)
-{
-    bool any = false;
-    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
-        any = any || general_force_bends(g, j);
-    }
-    return any;
-}
+/* A step that was to end BENDS_APART before a release is made again only if it comes nearer than this. */
+static const double MUCH_TOO_NEAR = 2.0 * BENDS_APART;
 
-/* If an attempt that ends at a release is rejected, the next attempt covers this part of the time to the
- * release. The force that is left for the step after it is small. */
-static const double BEFORE_RELEASE = 0.8;
+/* A step that begins within this part of its length after the touch begins at the touch. What the force was
+ * until then is the power 5/2 of this part, 3e-13, of what it is in the step. */
+static const double AT_TOUCH = 1e-5;
 
-/* After so many rejected attempts the error alone shortens the next ones. The length then falls to the
- * shortest one allowed, so that the search ends. */
+/* A release that is known this well, as a part of the time that a step leaves before it, is known. */
+static const double RELEASE_KNOWN = 0.1;
+
+/* The last step before a release is longer than the time to it by this factor, so that the release is found
+ * within it. */
+static const double BEYOND_RELEASE = 1.02;
+
+/* After so many changes of the release's clock within a step, the step is made as others are, so that the
+ * search ends. */
 enum { RELEASE_TRIES = 16 };
+
+/* Times from here on are rounding if they are shorter than this [s]. */
+static double clock_rounding(const struct general *g)
+{
+    return 64.0 * DBL_EPSILON * fabs(g->step.start);
+}
+
+/* Whether only the last steps before a known release are left. */
+static bool is_at_release(const struct general *g)
+{
+    return g->release_clock - g->step.start <= 2.0 * g->release_rest;
+}
+
+/* Whether the step begins at a touch. A touch shortly before limits its length. */
+static bool is_at_touch(const struct general *g, double *length)
+{
+    bool found = false;
+    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
+        if (g->since_touch[j] <= fmax(AT_TOUCH * *length, clock_rounding(g))) {
+            found = true;
+        } else {
+            *length = fmin(*length, BENDS_APART * g->since_touch[j]);
+        }
+    }
+    return found;
+}
+
+/* Chooses the length and the method of the next attempt. */
+static struct attempt plan_attempt(const struct general *g, double limit)
+{
+    struct attempt next = {.length = fmin(limit, g->longest), .error = (double)INFINITY};
+    const double ahead = g->release_clock - g->step.start;
+    const bool at_touch = is_at_touch(g, &next.length);
+    if (at_touch) {
+        next.length = fmin(next.length, 0.5 * ahead);
+        next.stages = &radau_stages_touch;
+        return next;
+    }
+    if (is_at_release(g)) {
+        next.length = fmin(next.length, BEYOND_RELEASE * ahead);
+    } else if (ahead < (double)INFINITY) {
+        if (next.length >= ahead / (1.0 + RADAU_REST)) {
+            next.length = ahead / (1.0 + RADAU_REST);
+            next.stages = &radau_stages_release;
+            return next;
+        }
+        next.length = fmin(next.length, BENDS_APART / (1.0 + BENDS_APART) * ahead);
+    }
+    next.stages = stages_for(next.length, g->longest);
+    return next;
+}
+
+/* Returns the clock of the release after a step to it, from the gaps at the end: the force is negligible for
+ * what the step has left. INFINITY: no contact is about to end. */
+static double release_after(struct general *g)
+{
+    struct scene_instant at;
+    const double end = g->step.start + g->step.length;
+    double least = (double)INFINITY;
+    memcpy(g->y, g->step.y, (size_t)g->size * sizeof *g->y);
+    radau_step_stage(&g->step, g->step.stages->stages - 1, g->y);
+    ode_instant(&g->ode, end, g->y, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_geometry *now = &at.geometry[j];
+        if (general_force_bends(g, j) && now->gap < 0.0 && now->gap_rate > 0.0) {
+            least = fmin(least, end - now->gap / now->gap_rate);
+        }
+    }
+    return least;
+}
+
+/* Whether a solved attempt shows another release than the one that it was made for: within the step, or so
+ * soon after it that the step is too long. */
+static bool finds_release(struct general *g, double (*release_within)(struct general *g))
+{
+    const double known = g->release_clock;
+    const double end = g->step.start + g->step.length;
+    if (!any_force_bends(g) || is_at_release(g)) {
+        return false;
+    }
+    const double found = fmin(release_within(g), release_after(g));
+    const bool is_near = MUCH_TOO_NEAR * (found - end) < g->step.length;
+    if (g->step.stages->pace == RADAU_TO_RELEASE) {
+        g->release_rest = is_near ? RADAU_REST * g->step.length : 0.0;
+        g->release_clock = found;
+        return is_near && fabs(found - known) > RELEASE_KNOWN * g->release_rest;
+    }
+    g->release_clock = is_near ? found : known;
+    return is_near;
+}
 
 /* Shortens g->longest after the attempt `now` has been rejected, and `before` too if it has stages. */
 static void shorten(struct general *g, const struct attempt *before, const struct attempt *now)
@@ -643,11 +773,18 @@ static void shorten(struct general *g, const struct attempt *before, const struc
     g->longest = fmin(now->length / reach_of(now->stages) * factor, 0.9 * g->longest);
 }
 
+/* Behind a touch an accurate step is longer than one from the touch by this factor. */
+static const double AFTER_TOUCH = 2.0;
+
 /* Sets g->longest for the next step after the attempt `now` has been accepted. */
 static void lengthen(struct general *g, const struct attempt *now)
 {
-    const double next = now->length / reach_of(now->stages) * factor_of(g, now->error, now->stages);
-    g->longest = fmin(next, GROWTH * fmax(g->longest, now->length));
+    const double paced = now->stages->pace == RADAU_FROM_TOUCH ? AFTER_TOUCH : 1.0;
+    const double next = now->length / reach_of(now->stages) * paced * factor_of(g, now->error, now->stages);
+    /* touches and releases shorten steps that could be longer */
+    g->longest = now->length < g->longest && any_force_bends(g)
+                     ? fmax(next, g->longest)
+                     : fmin(next, GROWTH * fmax(g->longest, now->length));
     g->longest = fmin(g->longest, fmax(g->solvable, now->length));
     if (g->by_forces) {
         g->longest = fmin(g->longest, growth_by_iterations(g->step.iterations) * now->length);
@@ -660,22 +797,30 @@ static void lengthen(struct general *g, const struct attempt *now)
 }
 
 bool general_step_make(struct general *g, double limit, double left, long *budget,
-                       bool (*finds_release)(struct general *g))
+                       double (*release_within)(struct general *g))
 {
     int failures = 0;
+    bool again = false;
     struct attempt before = {.stages = NULL};
+    if (SCENE_ANY_HERTZ && !(g->release_clock - g->step.start > clock_rounding(g))) {
+        g->release_clock = (double)INFINITY;
+        g->release_rest = 0.0;
+    }
     for (int tries = 0;; ++tries) {
         if (*budget <= 0) {
             return false;
         }
-        const double ahead = g->release_clock - g->step.start;
-        const double release = ahead > 0.0 ? ahead : (double)INFINITY;
-        struct attempt now = {.length = fmin(fmin(limit, release), g->longest), .error = (double)INFINITY};
-        now.stages = stages_for(now.length, g->longest);
-        g->within_share = now.length == release ? 1.0 : now.length > left ? g->read_share : WITHIN_SHARE;
-        const bool solved = try_to_solve(g, now.stages, now.length, failures);
+        struct attempt now = plan_attempt(g, limit);
+        g->within_share = now.length > left ? g->read_share : WITHIN_SHARE;
+        const bool solved = try_to_solve(g, now.stages, now.length, failures, again);
+        again = false;
         if (solved) {
             now.error = general_finish_step(g);
+            if (SCENE_ANY_HERTZ && tries < RELEASE_TRIES && finds_release(g, release_within)) {
+                g->rejected += 1;
+                again = now.error <= 1.0;
+                continue; /* g->longest stays: steps behind the release may be as long as this attempt */
+            }
         }
         if (now.error <= 1.0) {
             lengthen(g, &now);
@@ -687,13 +832,6 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
         }
         failures += solved ? 0 : 1;
         g->rejected += 1;
-        if (tries < RELEASE_TRIES && now.length == release) {
-            limit = BEFORE_RELEASE * release;
-            continue;
-        }
-        if (tries < RELEASE_TRIES && now.error < (double)INFINITY && any_force_bends(g) && finds_release(g)) {
-            continue; /* g->longest stays: steps behind the release may be as long as this attempt */
-        }
         shorten(g, &before, &now);
         before = now;
         if (!(g->step.start + g->longest > g->step.start) || g->longest < 1e-18 * limit) {

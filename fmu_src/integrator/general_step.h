@@ -47,9 +47,12 @@ struct general {
     double error_at_end;      /* error at the end of the last step, divided by the error allowed */
     double error_of_start;    /* error by decay before the first stage, divided by the error allowed */
     double longest;           /* estimate of the longest accurate step of twelve stages [s] */
-    double release_clock;     /* when a contact under Hertz's law ends; INFINITY: not known */
-    double within_share;      /* factor of error_within when it is compared with error_at_end */
-    double read_share;        /* within_share where outputs are read within the step; above 1: none is read */
+    double since_touch[SCENE_CONTACTS]; /* time since the touch under Hertz's law [s]; INFINITY: long ago */
+    double release_clock;               /* when a contact under Hertz's law ends; INFINITY: not known */
+    double release_rest; /* what a step to that release leaves for the last steps before it [s] */
+    double within_share; /* factor of error_within when it is compared with error_at_end */
+    double read_share;   /* within_share where outputs are read within the step; above 1: none is read */
+    bool is_sampled;     /* whether `events` and `loads` are those of the solved step */
     double *y, *size_of, *end_size; /* [size]: a state; sizes of the states at both ends of the step */
     /* [size], noted at the start of the step: change of integrals by an impulse of a contact, divided by that
      * impulse; largest errors allowed */
@@ -82,12 +85,11 @@ void general_start(struct general *g, const struct scene_values *v, struct scene
 /* general_begin begins steps at the state `y`. general_step_make makes one accurate step of at most `limit`
  * [s] in g->step. It returns false with a message where no step is accurate enough, and false where the
  * `budget` of steps is used up. A step longer than `left` [s] is accurate within as well, because outputs are
- * read there. finds_release sets release_clock, and returns true, where the rejected attempt in g->step shows
- * a release. general_force_bends tells whether a contact in touch is under Hertz's law, whose force bends at
- * the touch and at the release. */
+ * read there. release_within returns the clock of the first release under Hertz's law within g->step, or
+ * INFINITY. */
 void general_begin(struct general *g, double clock, const double *y);
 bool general_step_make(struct general *g, double limit, double left, long *budget,
-                       bool (*finds_release)(struct general *g));
+                       double (*release_within)(struct general *g));
 bool general_force_bends(const struct general *g, int contact);
 
 /* general_set_peaks prepares the search for peaks; it is called after general_first_event. general_move_scene

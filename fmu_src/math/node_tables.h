@@ -30,15 +30,34 @@ enum { RADAU_POINTS = 12 };
 
 extern const struct lobatto radau;
 
-/* Constants of Radau IIA with simplified Newton iterations, at the right Radau nodes of [0, 1]. */
+/*
+ * Constants of Radau IIA with simplified Newton iterations, at the right Radau nodes of [0, 1].
+ *
+ * A step is a polynomial of its place sigma in [0, 1]. Its pace says how the time tau, a part of the step's
+ * length, follows from sigma:
+ *
+ *   even        tau = sigma
+ *   touch       tau = sigma^2; a force that grows with tau^(3/2) from the start on is a polynomial
+ *   release     tau = 1 + e - (sqrt(e) + (1 - sigma) (sqrt(1 + e) - sqrt(e)))^2, e = RADAU_REST; a force that
+ *               falls with (1 + e - tau)^(3/2) is a polynomial
+ */
+enum radau_pace { RADAU_EVEN, RADAU_FROM_TOUCH, RADAU_TO_RELEASE, RADAU_PACES };
+
+/* A step to a release ends this part of its length before the release. At the release itself the pace would
+ * be zero, and A singular. */
+#define RADAU_REST (1.0 / 1024.0)
 
 struct radau_stages {
-    int stages; /* s, even: all eigenvalues of A^-1 are complex, in s/2 pairs */
-    const double *node, *integral, *inverse, *eigenvalue, *into, *back, *chebyshev, *bernstein;
+    int stages, systems; /* number of stages; of eigenvalues of A^-1, where a complex pair counts once */
+    enum radau_pace pace;
+    double start_pace; /* d tau/d sigma at the start */
+    /* `node` holds the times tau of the stages, `place` their sigma */
+    const double *node, *integral, *inverse, *eigenvalue, *into, *back, *place, *chebyshev, *bernstein;
 };
 
-enum { RADAU_MOST_STAGES = 12 };
+enum { RADAU_MOST_STAGES = 12, RADAU_MOST_SYSTEMS = 8 };
 
 extern const struct radau_stages radau_stages_4, radau_stages_8, radau_stages_12;
+extern const struct radau_stages radau_stages_touch, radau_stages_release; /* of twelve stages */
 
 #endif

@@ -97,10 +97,47 @@ static inline void radau_combine_rows(double *restrict to, int to_stride, const 
     }
 }
 
-/* Sets of[k] to the Chebyshev polynomial T_k at a part of the step, by the recurrence. */
-static inline void radau_polynomials_at(int count, double part, double *of)
+const struct radau_stages *radau_stages_of(int stages, enum radau_pace pace)
 {
-    const double x = 2.0 * part - 1.0;
+    return pace == RADAU_FROM_TOUCH   ? &radau_stages_touch
+           : pace == RADAU_TO_RELEASE ? &radau_stages_release
+           : stages == 4              ? &radau_stages_4
+           : stages == 8              ? &radau_stages_8
+                                      : &radau_stages_12;
+}
+
+/* sqrt(e) and sqrt(1 + e) - sqrt(e) of node_tables.h */
+static const double ROOT_OF_REST = 0.03125;
+static const double ROOTS_APART = 0.9692381620988826;
+
+double radau_place(const struct radau_stages *stages, double part)
+{
+    const double left = sqrt(fmax(1.0 + RADAU_REST - part, 0.0));
+    return stages->pace == RADAU_FROM_TOUCH   ? sqrt(part)
+           : stages->pace == RADAU_TO_RELEASE ? 1.0 - (left - ROOT_OF_REST) / ROOTS_APART
+                                              : part;
+}
+
+double radau_part(const struct radau_stages *stages, double place)
+{
+    const double left = ROOT_OF_REST + (1.0 - place) * ROOTS_APART;
+    return stages->pace == RADAU_FROM_TOUCH   ? place * place
+           : stages->pace == RADAU_TO_RELEASE ? 1.0 + RADAU_REST - left * left
+                                              : place;
+}
+
+double radau_slope(const struct radau_stages *stages, double place)
+{
+    const double left = ROOT_OF_REST + (1.0 - place) * ROOTS_APART;
+    return stages->pace == RADAU_FROM_TOUCH   ? 2.0 * place
+           : stages->pace == RADAU_TO_RELEASE ? 2.0 * left * ROOTS_APART
+                                              : 1.0;
+}
+
+/* Sets of[k] to the Chebyshev polynomial T_k at a place of the step, by the recurrence. */
+static inline void radau_polynomials_at(int count, double place, double *of)
+{
+    const double x = 2.0 * place - 1.0;
     of[0] = 1.0;
     of[1] = x;
     for (int k = 2; k < count; ++k) {
@@ -121,9 +158,10 @@ size_t radau_step_memory(const struct radau_problem *problem)
 {
     const size_t n = (size_t)radau_padded(problem->size);
     const size_t s = RADAU_MOST_STAGES;
+    const size_t m = RADAU_MOST_SYSTEMS;
     const size_t all = (size_t)radau_padded(rows_of_all(problem));
-    const size_t doubles = 6 * s * n + (s + 1) * n + 6 * n * n + s * n * n + 5 * n + (all + 1) * all + s * s;
-    const size_t ints = 2 * n + s / 2 * n + all;
+    const size_t doubles = (6 * s + 2 * m + 1) * n + (6 + 2 * m) * n * n + 5 * n + (all + 1) * all + s * s;
+    const size_t ints = 2 * n + m * n + all;
     return doubles * sizeof(double) + ints * sizeof(int);
 }
 
@@ -165,7 +203,7 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     p->others_change = take(&next, s * n);
     p->places_change = take(&next, s * n);
     p->residual = take(&next, s * n);
-    p->scratch = take(&next, s * n);
+    p->scratch = take(&next, 2 * RADAU_MOST_SYSTEMS * n);
     p->chebyshev = take(&next, (s + 1) * n);
     p->jacobian = take(&next, n * n);
     p->by_others = take(&next, n * n);
@@ -175,7 +213,7 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     p->weight = take(&next, n);
     p->point = take(&next, n);
     p->re = take(&next, n);
-    for (int k = 0; k < s / 2; ++k) {
+    for (int k = 0; k < RADAU_MOST_SYSTEMS; ++k) {
         p->system[k].re = take(&next, n * n);
         p->system[k].im = take(&next, n * n);
     }
@@ -189,9 +227,9 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     int *whole = (int *)(void *)next;
     p->other = whole;
     p->speed_among = whole + n;
-    p->all.pivot = whole + (2 + s / 2) * n;
+    p->all.pivot = whole + (2 + RADAU_MOST_SYSTEMS) * n;
     list_others(p);
-    for (int k = 0; k < s / 2; ++k) {
+    for (int k = 0; k < RADAU_MOST_SYSTEMS; ++k) {
         p->system[k].rows = p->others;
         p->system[k].stride = p->width;
         p->system[k].pivot = whole + (2 + k) * n;
@@ -301,20 +339,19 @@ void radau_step_finish(struct radau_step *p)
     }
     p->known_start = p->start;
     p->known_length = p->length;
-    p->known_stages = s;
+    p->known = stages;
     radau_combine_rows(p->chebyshev, p->stride, stages->chebyshev, s + 1, s, p->change, p->stride, p->stride);
 }
 
-void radau_step_take_over(struct radau_step *p, double start, double length, const double *y, int count,
-                          const double *chebyshev, int stride)
+void radau_step_take_over(struct radau_step *p, double start, double length, const double *y,
+                          const struct radau_stages *stages, const double *chebyshev, int stride)
 {
     const size_t bytes = (size_t)p->problem.size * sizeof *y;
-    p->stages = count == 4 ? &radau_stages_4 : count == 8 ? &radau_stages_8 : &radau_stages_12;
+    p->stages = p->known = stages;
     p->start = p->known_start = start;
     p->length = p->known_length = length;
-    p->known_stages = count;
     memcpy(p->y, y, bytes);
-    for (int k = 0; k <= count; ++k) {
+    for (int k = 0; k <= stages->stages; ++k) {
         memcpy(p->chebyshev + k * p->stride, chebyshev + k * stride, bytes);
     }
 }
@@ -323,7 +360,7 @@ void radau_step_at(const struct radau_step *p, double part, double *y)
 {
     double of[RADAU_MOST_STAGES + 1] = {1.0};
     const int s = p->stages->stages;
-    radau_polynomials_at(s + 1, part, of);
+    radau_polynomials_at(s + 1, radau_place(p->stages, part), of);
     for (int j = 0; j < p->problem.size; ++j) {
         double sum = of[0] * p->chebyshev[j];
         for (int k = 1; k <= s; ++k) {
@@ -374,7 +411,7 @@ static int coefficients_worth(const struct radau_step *p, const double *of)
 {
     int best = 1;
     double least = (double)INFINITY;
-    for (int k = 1; k <= p->known_stages; ++k) {
+    for (int k = 1; k <= p->known->stages; ++k) {
         double largest = 0.0;
         for (int j = 0; j < p->others; ++j) {
             const int i = p->other[j];
@@ -390,7 +427,8 @@ bool radau_step_goes_on(const struct radau_step *p)
 {
     const double end = p->known_start + p->known_length;
     return p->known_length > 0.0 &&
-           (p->known_start == p->start || fabs(end - p->start) <= 1e-6 * p->known_length);
+           (p->known_start == p->start ||
+            (p->known->pace != RADAU_TO_RELEASE && fabs(end - p->start) <= 1e-6 * p->known_length));
 }
 
 static void guess_on(struct radau_step *p)
@@ -399,11 +437,11 @@ static void guess_on(struct radau_step *p)
     double here[RADAU_MOST_STAGES + 1] = {0.0};
     const double begins = p->known_start == p->start ? 0.0 : 1.0;
     const double part = p->length / p->known_length;
-    radau_polynomials_at(p->known_stages + 1, begins + part, of);
-    const int count = begins + part > 1.0 ? coefficients_worth(p, of) : p->known_stages + 1;
+    radau_polynomials_at(p->known->stages + 1, radau_place(p->known, begins + part), of);
+    const int count = begins + part > 1.0 ? coefficients_worth(p, of) : p->known->stages + 1;
     radau_polynomials_at(count, begins, here);
     for (int i = 0; i < p->stages->stages; ++i) {
-        radau_polynomials_at(count, begins + part * p->stages->node[i], of);
+        radau_polynomials_at(count, radau_place(p->known, begins + part * p->stages->node[i]), of);
         for (int k = 0; k < count; ++k) {
             of[k] -= here[k];
         }
@@ -487,7 +525,8 @@ void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages
     radau_move_places(p);
 }
 
-/* h times the rates at the start less the slopes of the polynomial there, of the states left. */
+/* The slopes that the polynomial should have at the start, by its place, less those it has, of the states
+ * left. */
 static void put_start_defect(struct radau_step *p)
 {
     const int s = p->stages->stages;
@@ -497,7 +536,7 @@ static void put_start_defect(struct radau_step *p)
         for (int k = 1; k <= s; ++k) {
             slope += (k % 2 == 0 ? -2.0 : 2.0) * k * k * p->chebyshev[k * p->stride + j];
         }
-        p->side[i] = p->length * p->start_rates[j] - slope;
+        p->side[i] = p->stages->start_pace * p->length * p->start_rates[j] - slope;
     }
     p->side[p->others] = 0.0;
 }
@@ -597,7 +636,7 @@ static bool factor(struct radau_step *p, const struct radau_stages *stages, doub
     const int m = p->others;
     const int paired = p->problem.paired;
     p->factored_length = 0.0;
-    for (int k = 0; k < stages->stages / 2; ++k) {
+    for (int k = 0; k < stages->systems; ++k) {
         const double re = stages->eigenvalue[2 * k];
         const double im = stages->eigenvalue[2 * k + 1];
         const double scale = length * length / (re * re + im * im);
@@ -636,9 +675,10 @@ static double correct(struct radau_step *p)
 {
     const struct radau_stages *stages = p->stages;
     const int s = stages->stages;
+    const int systems = stages->systems;
     const int width = p->width;
-    double *parts = p->scratch; /* the solutions: all real parts, then all imaginary parts */
-    for (int k = 0; k < s / 2; ++k) {
+    double *parts = p->scratch; /* of each system the real parts, then the imaginary parts */
+    for (int k = 0; k < systems; ++k) {
         double *re = parts + 2 * k * width;
         radau_combine(re, stages->into + 2 * k * s, s, p->residual, width, width);
         radau_combine(re + width, stages->into + (2 * k + 1) * s, s, p->residual, width, width);
@@ -646,7 +686,7 @@ static double correct(struct radau_step *p)
     }
     double largest = 0.0;
     for (int i = 0; i < s; ++i) {
-        radau_combine(p->re, stages->back + i * s, s, parts, width, width);
+        radau_combine(p->re, stages->back + 2 * i * systems, 2 * systems, parts, width, width);
         for (int j = 0; j < p->others; ++j) {
             p->others_change[i * width + j] += p->re[j];
             const double size = fabs(p->re[j]) * p->weight[p->other[j]];
@@ -656,10 +696,27 @@ static double correct(struct radau_step *p)
     return largest;
 }
 
+/* Evaluates the Jacobian in the middle of the step, where the rates at the start lead: at a touch the stiffness
+ * of the force is zero, and iterations with it would be slow. */
+static void take_jacobian_ahead(struct radau_step *p)
+{
+    const struct radau_problem *problem = &p->problem;
+    const double time = 0.5 * p->length;
+    for (int i = 0; i < problem->size; ++i) {
+        p->point[i] = p->y[i] + time * p->start_rates[i];
+    }
+    problem->jacobian(problem->context, p->start + time, p->point, p->jacobian);
+    p->evaluations += 1;
+    radau_take_jacobian(p, p->by_others, p->by_places);
+}
+
 bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, double length)
 {
     p->stages = stages;
     p->length = length;
+    if (stages->pace == RADAU_FROM_TOUCH) {
+        take_jacobian_ahead(p);
+    }
     if (!factor(p, stages, length)) {
         return false;
     }
@@ -682,10 +739,10 @@ bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, d
 
 bool radau_step_guess_again(struct radau_step *p, const struct radau_stages *stages, double length)
 {
-    const int s = p->known_stages;
+    const int s = p->known->stages;
     for (int i = 0; i < stages->stages; ++i) {
         double of[RADAU_MOST_STAGES + 1];
-        radau_polynomials_at(s + 1, stages->node[i] * length / p->known_length, of);
+        radau_polynomials_at(s + 1, radau_place(p->known, stages->node[i] * length / p->known_length), of);
         radau_combine(p->point, of, s + 1, p->chebyshev, p->stride, p->stride);
         memcpy(p->change + i * p->stride, p->point, (size_t)p->stride * sizeof *p->point);
         for (int j = 0; j < p->width; ++j) {

@@ -3,7 +3,8 @@
  * stages. With s stages its order is 2 s - 1 at the end and s within; parts of the motion that are too fast
  * for the step are damped away (Hairer and Wanner, Solving Ordinary Differential Equations II, chapter IV.8).
  * Simplified Newton iterations use the Jacobian at the start, split by the eigenvalues of A^-1 into s/2
- * complex systems of the problem's size.
+ * complex systems of the problem's size. The polynomial is one of time, or of a place whose time has another
+ * pace where forces are no polynomials of time (math/node_tables.h).
  *
  * The states come in three groups. The first `coupled` states depend on each other. Next come quaternions q'
  * = w q, where w depends on the coupled states; each feels only itself. From `integrals` on, the states are
@@ -44,11 +45,11 @@ struct radau_step {
     double *change, *rates;            /* [stages][stride]: the states less y, and their rates */
     double *chebyshev; /* [stages + 1][stride]: coefficients of change, -1 at the start, 1 at the end */
     double known_start, known_length; /* start and length of `chebyshev`; length 0: there is none */
-    int known_stages;
-    double *weight;                /* [size]: 1 / error allowed, set by the caller */
-    double *jacobian;              /* [coupled][coupled], by columns */
-    double *by_others, *by_places; /* its parts for the others: [others][others], [paired][others] */
-    struct lu_matrix system[RADAU_MOST_STAGES / 2];
+    const struct radau_stages *known; /* its method */
+    double *weight;                   /* [size]: 1 / error allowed, set by the caller */
+    double *jacobian;                 /* [coupled][coupled], by columns */
+    double *by_others, *by_places;    /* its parts for the others: [others][others], [paired][others] */
+    struct lu_matrix system[RADAU_MOST_SYSTEMS];
     double factored_length; /* step length [s] that the systems are factored for; 0: none */
     const struct radau_stages *factored_stages;
     double *others_change, *residual, *scratch; /* [stages][width] */
@@ -91,7 +92,8 @@ void radau_step_pending(const struct radau_step *p, const double *rates, double 
 double radau_step_integrate(struct radau_step *p, const double *rates);
 void radau_step_guess_rates(const struct radau_step *p, int first, int count, double *rates);
 
-/* Whether the last polynomial begins or ends where the step begins. */
+/* Whether the last polynomial begins where the step begins, or ends there and can be continued: a polynomial
+ * to a release cannot. */
 bool radau_step_goes_on(const struct radau_step *p);
 
 /* Writes the coupled states at a stage by the last iteration, and leaves the other entries of y alone. */
@@ -113,12 +115,19 @@ bool radau_step_approach(struct radau_step *p);
  * forget it. */
 double radau_step_start_error(struct radau_step *p);
 
-/* Takes over a step of `count` stages as the last solution: its Chebyshev coefficients [count + 1][size] in
- * rows of `stride` numbers. */
-void radau_step_take_over(struct radau_step *p, double start, double length, const double *y, int count,
-                          const double *chebyshev, int stride);
+/* Takes over a step as the last solution: its Chebyshev coefficients [stages + 1][size] in rows of `stride`
+ * numbers. */
+void radau_step_take_over(struct radau_step *p, double start, double length, const double *y,
+                          const struct radau_stages *stages, const double *chebyshev, int stride);
 
-/* Makes the polynomial of all states of a solved step; the states at a part of the step, 0 to 1. */
+/* Return the method with these stages and this pace; the place of a step at a part 0 to 1 of its length; that
+ * part at a place, and its derivative. Parts beyond the step have places too, to a release up to the release only. */
+const struct radau_stages *radau_stages_of(int stages, enum radau_pace pace);
+double radau_place(const struct radau_stages *stages, double part);
+double radau_part(const struct radau_stages *stages, double place);
+double radau_slope(const struct radau_stages *stages, double place);
+
+/* Makes the polynomial of all states of a solved step; the states at a part of the step's length, 0 to 1. */
 void radau_step_finish(struct radau_step *p);
 void radau_step_at(const struct radau_step *p, double part, double *y);
 

@@ -307,10 +307,13 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
 static bool unfinished_is_sound(const struct scene_values *v, const struct scene_state *q, bool initialized)
 {
     const struct unfinished_step *step = &q->unfinished;
-    const bool is_step = (step->stages == 4 || step->stages == 8 || step->stages == 12) &&
-                         step->event >= -1 && step->event < ODE_EVENTS && step->solvable > 0.0 &&
-                         step->simple > 0.0 && step->length > 0.0 && step->start <= step->present &&
-                         step->present <= q->clock && step->end >= q->clock;
+    const bool is_method = (step->stages == 4 || step->stages == 8 || step->stages == 12) &&
+                           step->pace >= 0 && step->pace < RADAU_PACES &&
+                           (step->pace == RADAU_EVEN || step->stages == RADAU_MOST_STAGES);
+    const bool is_step = is_method && step->event >= -1 && step->event < ODE_EVENTS && step->solvable > 0.0 &&
+                         step->simple > 0.0 && step->release_clock > 0.0 && step->release_rest >= 0.0 &&
+                         step->length > 0.0 && step->start <= step->present && step->present <= q->clock &&
+                         step->end >= q->clock;
     return !SCENE_ANY_FREE || !initialized || q->integrator_fresh == 1 || !scene_turns(v) ||
            (is_step && all_finite(step, &step->solvable) && all_finite(step->at_start, &step->stages));
 }

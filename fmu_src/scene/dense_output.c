@@ -351,21 +351,17 @@ void scene_output_note_peaks(struct scene_output *o, double from, double to, int
     w->count = 1;
 }
 
-void scene_output_add_torque(const struct scene_output *o, double from, double to, int panels,
-                             struct scene_state *q)
+bool scene_output_has_torque(const struct scene_output *o)
+{
+    return SCENE_HAS_TORQUES && !scene_turns(o->values) &&
+           body_shape(contact_destination(o->contact)) != SHAPE_SPHERE;
+}
+
+void scene_output_add_torque(const struct scene_output *o, double clock, double weight, struct scene_state *q)
 {
     struct vec3 *sum = &q->contact[o->contact].torques.destination_impulse;
-    const double half = 0.5 * (to - from) / panels;
-    if (!SCENE_HAS_TORQUES || scene_turns(o->values) ||
-        body_shape(contact_destination(o->contact)) == SHAPE_SPHERE) {
-        return;
-    }
-    for (int i = 0; i < panels * GAUSS_NODES; ++i) {
-        struct scene_state then;
-        struct scene_instant at;
-        const int node = i % GAUSS_NODES;
-        const int panel = i / GAUSS_NODES;
-        scene_at(o, from + half * (2.0 * panel + 1.0 + GAUSS_NODE[node]), &then, &at);
-        *sum = vec3_axpy(*sum, half * GAUSS_WEIGHT[node], scene_torque_of_force(&at, o->contact));
-    }
+    struct scene_state then;
+    struct scene_instant at;
+    scene_at(o, clock, &then, &at);
+    *sum = vec3_axpy(*sum, weight, scene_torque_of_force(&at, o->contact));
 }

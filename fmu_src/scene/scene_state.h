@@ -163,17 +163,17 @@ enum {
 };
 
 struct unfinished_step {
-    double start, length;    /* the clock at the start of the step, and its length [s] */
-    double end;              /* the clock of the event that ends the step early, or of its end [s] */
-    double present;          /* the clock up to which the motion has followed the step [s] */
-    double solvable, simple; /* as in struct general [s] */
+    double start, length; /* the clock at the start of the step, and its length [s] */
+    double end;           /* the clock of the event that ends the step early, or of its end [s] */
+    double present;       /* the clock up to which the motion has followed the step [s] */
+    double solvable, simple, release_clock, release_rest; /* as in struct general [s] */
     double at_start[UNFINISHED_STATES];
     double at_end[UNFINISHED_STATES];                           /* at the clock `end` */
     double weight[UNFINISHED_STATES];                           /* 1 divided by the error allowed */
     double chebyshev[RADAU_MOST_STAGES + 1][UNFINISHED_STATES]; /* as in struct radau_step */
     double peaks[SCENE_CONTACTS][2][RADAU_MOST_STAGES + 1];     /* as in struct general */
-    int32_t stages;
-    int32_t event; /* the index of the event function of scene/ode.h that ends the step; -1: none */
+    int32_t stages, pace;                                       /* of its method */
+    int64_t event; /* the index of the event function of scene/ode.h that ends the step; -1: none */
 };
 
 struct solver_counters {

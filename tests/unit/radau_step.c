@@ -67,9 +67,11 @@ TEST(an_oscillation_is_right_at_the_end_and_within)
         double length, at_end, within;
     } cases[] = {{&radau_stages_4, 0.1, 1e-13, 1e-9},
                  {&radau_stages_8, 1.5, 1e-13, 1e-8},
-                 {&radau_stages_12, 4.0, 1e-13, 1e-9}};
+                 {&radau_stages_12, 4.0, 1e-13, 1e-9},
+                 {&radau_stages_touch, 1.0, 1e-13, 1e-9},
+                 {&radau_stages_release, 1.0, 1e-13, 1e-9}};
     const double damping = 0.0;
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 5; ++k) {
         struct radau_step p;
         double y[SIZE];
         const double h = cases[k].length;
@@ -242,6 +244,36 @@ TEST(given_rates_are_integrated_exactly_and_a_guess_tells_its_rates)
         CHECK_CLOSE("v'", rates[i], 6.0 * 0.5 * length * p.stages->node[i], 1e-12);
     }
     free(memory);
+}
+
+/* Rates that go with the root of the time since the start, or of the time to what a step leaves. */
+TEST(roots_of_time_are_polynomials_of_a_paced_step)
+{
+    const double length = 0.7;
+    const struct radau_stages *paced[2] = {&radau_stages_touch, &radau_stages_release};
+    for (int k = 0; k < 2; ++k) {
+        struct radau_step p;
+        double y[TIPPING_STATES];
+        const double sign = k == 0 ? 1.0 : -1.0;
+        const double from = k == 0 ? 0.0 : length * (1.0 + RADAU_REST);
+        void *memory = begin_tipping(&p, &length);
+        radau_step_guess_on(&p, paced[k], length);
+        for (int i = 0; i < 12; ++i) {
+            p.rates[i * p.stride + SPEED] = 1.5 * sign * sqrt(fabs(from - length * p.stages->node[i]));
+            for (int j = 0; j < p.others; ++j) {
+                p.residual[i * p.width + j] = p.rates[i * p.stride + p.other[j]];
+            }
+        }
+        (void)radau_step_integrate(&p, p.residual);
+        radau_step_finish(&p);
+        for (double part = 0.0; part <= 1.0; part += 0.01) {
+            const double expected = pow(fabs(from - length * part), 1.5) - pow(from, 1.5);
+            radau_step_at(&p, part, y);
+            CHECK_CLOSE("v", y[SPEED], 1.0 + expected, 1e-14);
+            CHECK_CLOSE("part", radau_part(paced[k], radau_place(paced[k], part)), part, 1e-15);
+        }
+        free(memory);
+    }
 }
 
 /* A cubic by its Bernstein coefficients. */
