@@ -16,8 +16,8 @@ integral of l_j from 0 to c_i:
     inverse      A^-1, row by row
     eigenvalue   those of A^-1 without negative imaginary part; (re, im) each
     into         the rows of T^-1 that belong to them, A^-1 = T diag T^-1; all re of a row, then all im
-    back         the columns of T, twice where they are complex: a real vector is the real part of their sum; by
-                 rows, (re, -im) each
+    back         the columns of T, twice where they are complex: a real vector is the real part of their sum;
+                 by rows, (re, -im) each
     chebyshev    from values at the nodes to the s + 1 Chebyshev coefficients of the polynomial through them
                  and through zero at 0; by coefficients
     bernstein    from values at 0 and at the nodes to the s + 1 Bernstein coefficients; by places
@@ -161,7 +161,9 @@ def eigenvectors(inverse: list) -> tuple[list, list, list]:
     """Eigenvalues without negative imaginary part, by that; their rows of T^-1, and the columns of T, whose
     largest element is 1, twice where they are complex. One step of inverse iteration with an eigenvalue of
     ROOT_DIGITS has all digits."""
-    found = [Complex(x.re, 0 if abs(x.im) < NO_DIGIT * abs(x.re) else x.im) for x in roots(characteristic(inverse))]
+    found = [
+        Complex(x.re, 0 if abs(x.im) < NO_DIGIT * abs(x.re) else x.im) for x in roots(characteristic(inverse))
+    ]
     upper = sorted((x for x in found if x.im >= 0), key=lambda x: (x.im, x.re))
     into, back = [], []
     for value in upper:
@@ -266,7 +268,9 @@ def stage_tables(stages: int, pace: str = "") -> str:
     own = pace or stages
     arrays = [table(f"radau_{name}_{own}", rows) for name, rows in named.items()]
     arrays += [table(f"radau_{name}_{stages}", rows) for name, rows in alike.items() if not pace]
-    members = [f"radau_{name}_{own}" for name in named] + [f"radau_{name}_{stages}" for name in ("node", *alike)]
+    members = [f"radau_{name}_{own}" for name in named] + [
+        f"radau_{name}_{stages}" for name in ("node", *alike)
+    ]
     kind = {"touch": "RADAU_FROM_TOUCH", "release": "RADAU_TO_RELEASE"}.get(pace, "RADAU_EVEN")
     first = f"{stages}, {len(values)}, {kind}, {number(PACES.get(pace, even)(Decimal(0))[1])}"
     struct = f"const struct radau_stages radau_stages_{own} = {{\n    {first},\n    "

@@ -12,6 +12,7 @@
 
 #include "flight/flight.h"
 #include "integrator/cvode.h"
+#include "math/nodes.h"
 #include "scene/dense_output.h"
 #include "scene/ode.h"
 

@@ -279,8 +279,8 @@ static double root_within(struct general *g, int event, const double *of, double
     return fabs(values[0]) < fabs(values[1]) ? ends[0] : ends[1];
 }
 
-/* Returns the place in the step, before `limit`, at which an event function first falls through zero. INFINITY:
- * it does not. The samples have been taken. */
+/* Returns the place in the step, before `limit`, at which an event function first falls through zero, by the
+ * samples; INFINITY if it does not. */
 static double fall_within(struct general *g, int event, double limit)
 {
     const int count = g->step.stages->stages + 1;

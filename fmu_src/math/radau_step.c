@@ -696,8 +696,8 @@ static double correct(struct radau_step *p)
     return largest;
 }
 
-/* Evaluates the Jacobian in the middle of the step, where the rates at the start lead: at a touch the stiffness
- * of the force is zero, and iterations with it would be slow. */
+/* Evaluates the Jacobian in the middle of the step, where the rates at the start lead. At a touch the
+ * stiffness of the force is zero, and iterations with it would be slow. */
 static void take_jacobian_ahead(struct radau_step *p)
 {
     const struct radau_problem *problem = &p->problem;

@@ -120,8 +120,9 @@ double radau_step_start_error(struct radau_step *p);
 void radau_step_take_over(struct radau_step *p, double start, double length, const double *y,
                           const struct radau_stages *stages, const double *chebyshev, int stride);
 
-/* Return the method with these stages and this pace; the place of a step at a part 0 to 1 of its length; that
- * part at a place, and its derivative. Parts beyond the step have places too, to a release up to the release only. */
+/* radau_stages_of returns the method with these stages and this pace. radau_place returns the place of a step
+ * at a part 0 to 1 of its length, radau_part that part at a place, and radau_slope its derivative. Parts
+ * beyond the step have places too; of a step to a release they end at the release. */
 const struct radau_stages *radau_stages_of(int stages, enum radau_pace pace);
 double radau_place(const struct radau_stages *stages, double part);
 double radau_part(const struct radau_stages *stages, double place);

@@ -42,8 +42,8 @@ def test_balls_in_touch_leave_with_the_speeds_of_the_reference(opened_several, b
 
 
 def test_steps_under_hertz_law_end_at_releases(fmu_path):
-    """At a touch and at a release the force bends: steps across them are inaccurate, and many shorter ones are
-    tried. Steps from a touch and to a release follow the force.
+    """At a touch and at a release the force bends: steps across them are inaccurate, and many shorter ones
+    are tried. Steps from a touch and to a release follow the force.
     """
     values = {f"touch[{i}].law": "hertz" for i in range(1, 5)}
     values |= {f"touch[{i}].hertz_stiffness": 1e8 for i in range(1, 5)}

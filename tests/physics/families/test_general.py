@@ -197,7 +197,9 @@ def test_impacts_by_hertz_law_that_overlap_are_those_of_each_plane(opened_severa
     lasts = 2.943275184 * (1.25 / HERTZ["hertz_stiffness"]) ** 0.4
     check_close("velocity", fmu["ball.velocity"], [1.0, 1.0, 0.0], 1e-11)
     check_close("place", fmu["ball.position"][:2], 0.1 + 0.2 - lasts - np.array([gap, 0.02]), 1e-9 * lasts)
-    check_close("durations", [fmu[f"at_{one}.last_duration"] for one in ("wall", "side")], lasts, 1e-9 * lasts)
+    check_close(
+        "durations", [fmu[f"at_{one}.last_duration"] for one in ("wall", "side")], lasts, 1e-9 * lasts
+    )
     assert fmu["solver.force_evaluations"] < 1000
 
 
