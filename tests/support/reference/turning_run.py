@@ -61,14 +61,21 @@ class TurningRun:
         force = pair.normal_force(min(place.gap, 0.0), place.rate)
         if force > 1e-12 * pair.stiffness * pair.r_s or pair.c_t > 0 or slip == 0.0:
             self.sticking = pair.c_t * slip <= pair.limit(force, True)
-        elif not pair.hertz:  # both grow from zero: which one faster
-            self.sticking = pair.k_t * slip <= pair.mu_static * pair.stiffness * -place.rate
+        elif (
+            not pair.hertz or pair.follows
+        ):  # both grow from zero, with the same power of time: which one faster
+            ratio = pair.k_t(-1.0) / pair.stiffness
+            damped = 1 - pair.viscous * place.rate if pair.hertz else 1.0
+            self.sticking = ratio * slip <= pair.mu_static * damped * -place.rate
 
     def _release(self):
-        self.given += 0.5 * self.pair.k_t * float(self.y[SPRING:SUMS] @ self.y[SPRING:SUMS])
+        self.given += self._held()
         self.y[SPRING:SUMS] = 0.0
         self.touching = self.sticking = False
         self.durations.append(self.time - self.onset_times[-1])
+
+    def _held(self):
+        return self.pair.held(self.pair.geometry(list(self.y)), self.y[SPRING:SUMS].tolist())
 
     def _functions(self):
         """name -> (function of the state, direction) of what may end the present stretch."""
@@ -99,7 +106,7 @@ class TurningRun:
     def _over(self, y, static):
         pair = self.pair
         place = pair.geometry(y)
-        trial = norm(pair.trial(pair.slip(place)[0], y[SPRING:SUMS]))
+        trial = norm(pair.trial(place, y[SPRING:SUMS]))
         return trial - pair.limit(pair.normal_force(place.gap, place.rate), static)
 
     def _stick_and_slip(self):
@@ -123,10 +130,10 @@ class TurningRun:
             if pair.c_t == 0.0:
                 place = pair.geometry(y)
                 spring = y[SPRING:SUMS]
-                longest = pair.limit(pair.normal_force(place.gap, place.rate)) / pair.k_t
+                longest = pair.limit(pair.normal_force(place.gap, place.rate)) / pair.k_t(place.gap)
                 size = norm(spring)
                 if longest < size:
-                    self.given += 0.5 * pair.k_t * (size**2 - longest**2)
+                    self.given += 0.5 * pair.k_t(place.gap) * (size**2 - longest**2)
                     self.y[SPRING:SUMS] = times(longest / size, spring)
                     # Where the slip does not stretch it on from there it sticks again at once.
                     self.sticking = sliding_rate(pair, list(self.y)) < 0.0
@@ -140,10 +147,11 @@ class TurningRun:
         place = self.pair.geometry(y)
         if self.pair.dashpot == "approach_only" or (self.pair.hertz and place.gap >= 0):
             return
-        self.given += 0.5 * self.pair.k_t * dot(y[SPRING:SUMS], y[SPRING:SUMS])
+        self.given += self._held()
         self.y[SPRING:SUMS] = 0.0
         y[SPRING:SUMS] = [0.0] * 3
-        self.sticking = self.pair.k_t * norm(self.pair.slip(place)[0]) <= growth_of_limit(self.pair, y)
+        slip = norm(self.pair.slip(place)[0])
+        self.sticking = self.pair.k_t(place.gap) * slip <= growth_of_limit(self.pair, y)
 
     def _pass_end(self, place):
         self.within = not self.within
@@ -243,7 +251,7 @@ class TurningRun:
                 found["rotational"] += 0.5 * dot(here.omega, y[at : at + 3])
         if self.touching:
             found["contact"] = pair.stored(place.gap)
-            found["tangential"] = 0.5 * pair.k_t * dot(y[SPRING:SUMS], y[SPRING:SUMS])
+            found["tangential"] = self._held()
         found["dissipated"] = y[DISSIPATED] + self.ends
         found["friction"] = y[FRICTION] + self.given
         found["external_work"] = y[WORK]
