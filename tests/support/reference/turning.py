@@ -4,7 +4,7 @@ DESIGN sections 1, 6 and 7 write them.
 One sphere against a sphere, a cylinder or a plane. The state is a flat list: of each body position,
 velocity, orientation and spin (its angular momentum where it turns freely, else its angular velocity), then
 the tangential spring, then what is summed up: impulse and torque impulses, dissipated energy, friction's
-energy, work. Everything is in the world frame. turning_run.py integrates it.
+work, external work. Everything is in the world frame. turning_run.py integrates it.
 """
 
 import math

@@ -123,17 +123,12 @@ def rates(pair, y, touching, sticking):
     kept = pair.stiffness * max(-place.gap, 0.0) ** 1.5 if pair.hertz else -pair.stiffness * place.gap
     out[DISSIPATED] = -(now.force - kept) * place.rate
     out[SUMS : SUMS + 9] = now.on_source + now.source_torque + now.destination_torque
-    given = -dot(now.friction, now.slip) - dot(now.resistance, now.spin)
+    out[FRICTION] = -dot(now.friction, now.slip) - dot(now.resistance, now.spin)
     if pair.friction == "elastic":
         rate = now.spring_rate
         if rate is None:
             rate, _ = at_limit(pair, y, now, out)
-        turned = [complex(a, TINY * b) for a, b in zip(spring, rate, strict=True)]
-        moved = SimpleNamespace(gap=complex(place.gap, TINY * place.rate))
-        out[FRICTION] = given - pair.held(moved, turned).imag / TINY
         out[SPRING:SUMS] = minus(rate, times(dot(spring, place.n_rate), place.n))
-    else:
-        out[FRICTION] = given
     return out
 
 

@@ -37,9 +37,6 @@ class TurningRun:
         self.y = np.array(self.pair.first_state())
         self.onset_times, self.durations, self.events = [], [], []
         self.touching = self.sticking = False
-        self.given = (
-            0.0  # to friction by what is lost at once: a spring at release, one that falls to its limit
-        )
         self.ends = 0.0  # to energy.dissipated by the ends of a cylinder
         place = self.pair.geometry(list(self.y))
         self.within = abs(place.along) <= self.pair.half_length
@@ -69,13 +66,9 @@ class TurningRun:
             self.sticking = ratio * slip <= pair.mu_static * damped * -place.rate
 
     def _release(self):
-        self.given += self._held()
         self.y[SPRING:SUMS] = 0.0
         self.touching = self.sticking = False
         self.durations.append(self.time - self.onset_times[-1])
-
-    def _held(self):
-        return self.pair.held(self.pair.geometry(list(self.y)), self.y[SPRING:SUMS].tolist())
 
     def _functions(self):
         """name -> (function of the state, direction) of what may end the present stretch."""
@@ -133,7 +126,6 @@ class TurningRun:
                 longest = pair.limit(pair.normal_force(place.gap, place.rate)) / pair.k_t(place.gap)
                 size = norm(spring)
                 if longest < size:
-                    self.given += 0.5 * pair.k_t(place.gap) * (size**2 - longest**2)
                     self.y[SPRING:SUMS] = times(longest / size, spring)
                     # Where the slip does not stretch it on from there it sticks again at once.
                     self.sticking = sliding_rate(pair, list(self.y)) < 0.0
@@ -145,9 +137,10 @@ class TurningRun:
     def _rub_again(self, y):
         """A normal force that ends leaves no spring; one that begins again finds none."""
         place = self.pair.geometry(y)
+        if self.pair.dashpot == "approach_only":  # behind the corner slip may no longer stretch the spring
+            self.sticking = self.sticking or sliding_rate(self.pair, y) < 0.0
         if self.pair.dashpot == "approach_only" or (self.pair.hertz and place.gap >= 0):
             return
-        self.given += self._held()
         self.y[SPRING:SUMS] = 0.0
         y[SPRING:SUMS] = [0.0] * 3
         slip = norm(self.pair.slip(place)[0])
@@ -251,9 +244,9 @@ class TurningRun:
                 found["rotational"] += 0.5 * dot(here.omega, y[at : at + 3])
         if self.touching:
             found["contact"] = pair.stored(place.gap)
-            found["tangential"] = self._held()
+            found["tangential"] = pair.held(place, y[SPRING:SUMS])
         found["dissipated"] = y[DISSIPATED] + self.ends
-        found["friction"] = y[FRICTION] + self.given
+        found["friction"] = y[FRICTION] - found["tangential"]  # friction's work less what it stores
         found["external_work"] = y[WORK]
         found["total"] = sum(found.values()) - 2 * y[WORK]
         return found

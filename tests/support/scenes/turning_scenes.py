@@ -61,7 +61,8 @@ def driven_scene(seed):
         values["destination.prescribed_axis"] = values["destination.axis"]
     values |= normal_law(random, values["source.mass"])
     values |= friction_law(random, FRICTIONS[seed // len(PLACES) % len(FRICTIONS)], values)
-    return shape, values, 2.2 * speed / back, int(random.integers(1, 4))
+    steps = int(random.integers(1, 4))
+    return shape, values | following(random, seed, values), 2.2 * speed / back, steps
 
 
 def place(random, shape, inside):
