@@ -5,7 +5,7 @@
 #               modelDescription3.xml (FMI 3.0), scene.h, scene_variables.c, documentation/, resources/scene.json and
 #               scene.cmake (SCENE_NAME, SCENE_ANY_FREE, SCENE_HAS_CVODE, SCENE_HAS_CYLINDER, SCENE_HAS_CAPS,
 #               SCENE_HAS_PLANE, SCENE_HAS_CURVED, SCENE_HAS_HERTZ, SCENE_HAS_PRESCRIBED, SCENE_HAS_RESTITUTION,
-#               SCENE_HAS_ROTATION, SCENE_HAS_FRICTION, SCENE_HAS_ROLLING); units.txt there lists the sources that the scene has
+#               SCENE_HAS_ROTATION, SCENE_HAS_FRICTION, SCENE_HAS_ROLLING, SCENE_HAS_MINDLIN); units.txt there lists the sources that the scene has
 #   compile     all of fmu_src, with the adapters of both versions, as one unit against that scene.h
 #   link        the unit once for each version, which exports its own functions and drops what only the other one calls
 #               -> <build>/libraries/<Scene>.so, libraries/fmi3/<Scene>.so
@@ -101,7 +101,7 @@ endfunction()
 
 # What the scene whose scene.cmake has been read does not need; the contact folder, which knows no scene, hears of it here.
 function(contact_leave_out_parts target)
-    foreach(what CYLINDER CAPS PLANE TORUS CURVED HERTZ PRESCRIBED RESTITUTION ROTATION FRICTION ROLLING)
+    foreach(what CYLINDER CAPS PLANE TORUS CURVED HERTZ PRESCRIBED RESTITUTION ROTATION FRICTION ROLLING MINDLIN)
         if(NOT SCENE_HAS_${what})
             target_compile_definitions(${target} PRIVATE CONTACT_NO_${what})
         endif()

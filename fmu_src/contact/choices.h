@@ -50,6 +50,11 @@
 #else
 #define CONTACT_ANY_ROLLING 1
 #endif
+#ifdef CONTACT_NO_MINDLIN /* no tangential stiffness follows the normal one */
+#define CONTACT_ANY_MINDLIN 0
+#else
+#define CONTACT_ANY_MINDLIN 1
+#endif
 
 /* No body has the shape SHAPE_RIM: the rim is the circular edge of a capped cylinder, which a sphere meets
  * from beyond both the side and the cap (shape.h). */
@@ -90,6 +95,8 @@ enum inertia_control { INERTIA_CONTROL_AUTOMATIC = 1, INERTIA_CONTROL_USER_DEFIN
 enum slip_velocity_control { SLIP_VELOCITY_CONTROL_AUTOMATIC = 1, SLIP_VELOCITY_CONTROL_USER_DEFINED };
 
 enum friction { FRICTION_NONE = 1, FRICTION_REGULARIZED, FRICTION_ELASTIC };
+
+enum tangential_law { TANGENTIAL_LAW_LINEAR = 1, TANGENTIAL_LAW_MINDLIN };
 
 enum resistance { RESISTANCE_NONE = 1, RESISTANCE_REGULARIZED }; /* to rolling, and to spinning */
 

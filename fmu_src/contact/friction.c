@@ -29,10 +29,31 @@ static void set_axial(double m[3][3], struct vec3 u, double along, double across
     }
 }
 
+/* Whether k_t follows the penetration; a compile-time false in builds without this law (ContactFmu.cmake). */
+static bool follows_depth(const struct friction_law *law)
+{
+    return CONTACT_ANY_MINDLIN && law->tangential == TANGENTIAL_LAW_MINDLIN;
+}
+
+double friction_stiffness(const struct friction_law *law, double depth)
+{
+    return follows_depth(law) ? law->stiffness * sqrt(fmax(depth, FRICTION_LEAST_DEPTH)) : law->stiffness;
+}
+
+double friction_stiffening(const struct friction_law *law, double depth)
+{
+    return follows_depth(law) && depth > FRICTION_LEAST_DEPTH ? 0.5 / depth : 0.0;
+}
+
+static double stiffness_at(const struct friction_law *law, struct friction_state at)
+{
+    return friction_stiffness(law, at.depth);
+}
+
 /* Returns F* [N]. */
 static struct vec3 carried(const struct friction_law *law, struct friction_state at)
 {
-    return vec3_axpy(vec3_scale(law->stiffness, at.spring), law->damping, at.slip);
+    return vec3_axpy(vec3_scale(stiffness_at(law, at), at.spring), law->damping, at.slip);
 }
 
 static bool slides(enum friction_regime regime)
@@ -76,23 +97,29 @@ enum friction_regime friction_sliding_regime(const struct friction_law *law, dou
     return law->coefficient * normal_force > law->largest ? FRICTION_CAPPED : FRICTION_SLIDING;
 }
 
+/* Under Hertz's law F_n grows with the power 1.5 of time after the touch, and so does the spring's part of F*
+ * where k_t follows the depth: it is k_t |v_t| t, while L is L' t / 1.5. */
+static const double ONSET_POWER = 1.5;
+
 /* Where F_n jumps to a positive value at the touch, friction sticks if the dashpot's part of F* is below the
  * limit. Where F_n grows from zero, friction sticks if the dashpot's part is zero and the limit grows at
  * least as fast as the spring's part. */
-enum friction_regime friction_onset_regime(const struct friction_law *law, double normal_force,
-                                           double normal_force_rate, struct vec3 slip)
+enum friction_regime friction_onset_regime(const struct friction_law *law, struct friction_state at,
+                                           double normal_force_rate)
 {
-    const double speed = vec3_norm(slip);
-    const bool begins_loaded = normal_force > 0.0;
-    const double limit = friction_limit(law, FRICTION_STICKING, normal_force);
+    const double speed = vec3_norm(at.slip);
+    const bool begins_loaded = at.normal_force > 0.0;
+    const double limit = friction_limit(law, FRICTION_STICKING, at.normal_force);
+    const bool touches = at.depth_rate >= 0.0; /* otherwise F_n grows again during a rebound */
+    const double power = follows_depth(law) && touches ? ONSET_POWER : 1.0;
     const bool holds = begins_loaded
                            ? law->damping * speed < limit
-                           : law->damping * speed == 0.0 &&
-                                 law->stiffness * speed <= law->static_coefficient * normal_force_rate;
+                           : law->damping * speed == 0.0 && power * stiffness_at(law, at) * speed <=
+                                                                law->static_coefficient * normal_force_rate;
     if (law->kind == FRICTION_ELASTIC && holds) {
         return FRICTION_STICKING;
     }
-    return begins_loaded ? friction_sliding_regime(law, normal_force) : FRICTION_SLIDING;
+    return begins_loaded ? friction_sliding_regime(law, at.normal_force) : FRICTION_SLIDING;
 }
 
 /* Returns (1 - exp(-z)) / z. */
@@ -133,16 +160,17 @@ friction_force_slopes(const struct friction_law *law, enum friction_regime regim
         set_axial(slopes.by_slip, v.unit, -limit * exp(-z) / law->slip_velocity, across);
         return slopes;
     }
+    const double stiffness = stiffness_at(law, at);
     if (regime == FRICTION_STICKING) {
         set_axial(slopes.by_slip, at.slip, -law->damping, -law->damping);
-        set_axial(slopes.by_spring, at.slip, -law->stiffness, -law->stiffness);
+        set_axial(slopes.by_spring, at.slip, -stiffness, -stiffness);
         return slopes;
     }
     const struct direction f = direction_of(carried(law, at));
     const double across = f.length > 0.0 ? -limit / f.length : 0.0;
     slopes.by_normal_force = vec3_scale(-limit_slope(law, regime), f.unit);
     set_axial(slopes.by_slip, f.unit, 0.0, across * law->damping);
-    set_axial(slopes.by_spring, f.unit, 0.0, across * law->stiffness);
+    set_axial(slopes.by_spring, f.unit, 0.0, across * stiffness);
     return slopes;
 }
 
@@ -172,9 +200,8 @@ struct turning_factor {
     double value, by_limit, by_length;
 };
 
-static struct turning_factor turning_factor_of(const struct friction_law *law, double limit, double length)
+static struct turning_factor turning_factor_of(double k, double limit, double length)
 {
-    const double k = law->stiffness;
     const double floor = SHORTEST * k * length;
     const double square = limit * limit + floor * floor;
     if (!(square > 0.0)) {
@@ -202,11 +229,12 @@ struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_r
     const double limit = friction_limit(law, regime, at.normal_force);
     const struct direction f = direction_of(carried(law, at));
     if (has_dashpot(law)) {
-        const struct vec3 excess = vec3_axpy(vec3_scale(limit, f.unit), -law->stiffness, at.spring);
+        const struct vec3 excess = vec3_axpy(vec3_scale(limit, f.unit), -stiffness_at(law, at), at.spring);
         return vec3_scale(1.0 / law->damping, excess);
     }
     const struct vec3 across = vec3_axpy(at.slip, -vec3_dot(at.slip, f.unit), f.unit);
-    return vec3_scale(turning_factor_of(law, limit, vec3_norm(at.spring)).value, across);
+    const double length = vec3_norm(at.spring);
+    return vec3_scale(turning_factor_of(stiffness_at(law, at), limit, length).value, across);
 }
 
 static struct friction_slopes damped_spring_slopes(const struct friction_law *law,
@@ -216,7 +244,7 @@ static struct friction_slopes damped_spring_slopes(const struct friction_law *la
     const double factor = -1.0 / law->damping; /* xi' = -(F_t + k_t xi) / c_t */
     slopes.by_normal_force = vec3_scale(factor, slopes.by_normal_force);
     for (int i = 0; i < 3; ++i) {
-        slopes.by_spring[i][i] += law->stiffness;
+        slopes.by_spring[i][i] += stiffness_at(law, at);
         for (int j = 0; j < 3; ++j) {
             slopes.by_slip[i][j] *= factor;
             slopes.by_spring[i][j] *= factor;
@@ -236,7 +264,7 @@ static struct friction_slopes direction_slopes(const struct friction_law *law, e
     const double along = vec3_dot(at.slip, xi.unit);
     const struct vec3 across = vec3_axpy(at.slip, -along, xi.unit);
     const double limit = friction_limit(law, regime, at.normal_force);
-    const struct turning_factor factor = turning_factor_of(law, limit, xi.length);
+    const struct turning_factor factor = turning_factor_of(stiffness_at(law, at), limit, xi.length);
     const double per_length = xi.length > 0.0 ? factor.value / xi.length : 0.0;
     slopes.by_normal_force = vec3_scale(factor.by_limit * limit_slope(law, regime), across);
     set_axial(slopes.by_slip, xi.unit, 0.0, factor.value);
@@ -269,7 +297,7 @@ struct vec3 friction_spring(const struct friction_law *law, enum friction_regime
     if (!slides(regime) || has_dashpot(law)) {
         return at.spring;
     }
-    const double length = friction_limit(law, regime, at.normal_force) / law->stiffness;
+    const double length = friction_limit(law, regime, at.normal_force) / stiffness_at(law, at);
     return vec3_scale(length, direction_of(at.spring).unit);
 }
 
@@ -277,7 +305,7 @@ double friction_stored_energy(const struct friction_law *law, enum friction_regi
                               struct friction_state at)
 {
     const struct vec3 spring = friction_spring(law, regime, at);
-    return 0.5 * law->stiffness * vec3_dot(spring, spring);
+    return 0.5 * stiffness_at(law, at) * vec3_dot(spring, spring);
 }
 
 /* Friction rolls below this part of its limit, at 3 v_0 of slip. Above it the slip is a steep function of the
@@ -350,6 +378,16 @@ bool friction_compares_forces(const struct friction_law *law, enum friction_regi
     return regime == FRICTION_STICKING || has_dashpot(law);
 }
 
+/* Returns (L / k_t)', the rate of the length of a sliding spring without a dashpot [m/s]. At the touch
+ * L / k_t is proportional to delta. */
+static double length_rate(const struct friction_law *law, struct friction_state at, double limit,
+                          double limit_rate)
+{
+    const double stiffening = friction_stiffening(law, at.depth);
+    const double power = follows_depth(law) && stiffening == 0.0 ? ONSET_POWER : 1.0;
+    return (limit_rate / power - limit * stiffening * at.depth_rate) / stiffness_at(law, at);
+}
+
 double friction_stick_event(const struct friction_law *law, enum friction_regime regime,
                             struct friction_state at, double normal_force_rate)
 {
@@ -368,7 +406,7 @@ double friction_stick_event(const struct friction_law *law, enum friction_regime
         return 1.0; /* with mu = 0 sliding never ends */
     }
     const double limit_rate = limit_slope(law, regime) * normal_force_rate;
-    return vec3_dot(at.slip, f.unit) - limit_rate / law->stiffness;
+    return vec3_dot(at.slip, f.unit) - length_rate(law, at, limit, limit_rate);
 }
 
 double friction_cap_event(const struct friction_law *law, enum friction_regime regime, double normal_force)

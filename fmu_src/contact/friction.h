@@ -10,6 +10,14 @@
  * the elongation of the tangential spring. The spring also turns with the contact's normal; the xi' given
  * here excludes that part. F_t acts on the source, and -F_t on the destination.
  *
+ * k_t is constant, or follows the normal stiffness of Hertz's law (mindlin): k_t = K sqrt(delta), where delta
+ * is the penetration. F* is the total form: k_t multiplies the whole elongation, also while k_t changes. All
+ * functions but the stored energy depend on xi through k_t xi, so that a change of delta acts on them as the
+ * change xi ddelta / (2 delta) of xi. In the stored energy k_t xi^2 / 2 the part k_t' xi^2 / 2 of the rate is
+ * no work of friction. The approach adds this energy and the rebound removes it, both at the expense of
+ * energy.friction, which is the work of friction less the stored energy. Source: R. D. Mindlin, Journal of
+ * Applied Mechanics 16 (1949) 259, for a contact that nowhere slips.
+ *
  * Without a dashpot (c_t = 0) the spring of a sliding contact has the length L / k_t at every instant. The
  * state xi then gives only the spring's direction; |xi| stays at a typical length of the contact, and
  * friction_spring returns the spring itself. The slip would turn a spring of no length infinitely fast,
@@ -43,7 +51,8 @@ struct friction_law {
     double static_coefficient; /* mu_s >= mu [1] of elastic friction */
     double slip_velocity;      /* v_0 of regularized friction [m/s] */
     double largest;            /* F_max [N] */
-    double stiffness, damping; /* k_t [N/m], c_t [N s/m] of elastic friction */
+    double stiffness, damping; /* k_t [N/m], or K [N/m^1.5]; c_t [N s/m] of elastic friction */
+    enum tangential_law tangential;
 };
 
 /* The laws of both parts of the resistance: mu_r R_r [m] is the coefficient, omega_0 [rad/s] the slip
@@ -66,6 +75,8 @@ struct friction_state {
     double normal_force; /* F_n [N] */
     struct vec3 slip;    /* v_t [m/s] */
     struct vec3 spring;  /* xi [m] of elastic friction */
+    double depth;        /* delta [m], on which only a k_t that follows it depends */
+    double depth_rate;   /* delta' [m/s], for the onset and the stick event alone */
 };
 
 /* Derivatives of a vector with respect to a friction_state: component i with respect to component j. */
@@ -74,15 +85,26 @@ struct friction_slopes {
     double by_slip[3][3], by_spring[3][3];
 };
 
+/* Least penetration [m] at which k_t is evaluated, so that divisions by k_t at the touch have their limits.
+ * Its power 3/2 is far above the least double. */
+#define FRICTION_LEAST_DEPTH 1e-100
+
+/* Returns k_t [N/m]. */
+double friction_stiffness(const struct friction_law *law, double depth);
+
+/* Returns the relative change dk_t / (k_t ddelta) = 1 / (2 delta) [1/m], or 0 where k_t is constant. */
+double friction_stiffening(const struct friction_law *law, double depth);
+
 /* Returns L [N], the largest |F_t| in a regime; for sticking the breakaway force min(mu_s F_n, F_max). */
 double friction_limit(const struct friction_law *law, enum friction_regime regime, double normal_force);
 
 /* Returns the regime of sliding friction under the normal force F_n. */
 enum friction_regime friction_sliding_regime(const struct friction_law *law, double normal_force);
 
-/* Returns the regime at the onset (xi = 0) from F_n and its rate [N/s]: sticking where sticking persists. */
-enum friction_regime friction_onset_regime(const struct friction_law *law, double normal_force,
-                                           double normal_force_rate, struct vec3 slip);
+/* Returns the regime at the onset (xi = 0) from the rate of F_n [N/s]: sticking where sticking persists. At
+ * the touch the rate is that of the least penetration. */
+enum friction_regime friction_onset_regime(const struct friction_law *law, struct friction_state at,
+                                           double normal_force_rate);
 
 /* Return F_t on the source [N], xi' [m/s] and their derivatives. */
 struct vec3 friction_force(const struct friction_law *law, enum friction_regime regime,
@@ -111,7 +133,7 @@ double friction_stored_energy(const struct friction_law *law, enum friction_regi
  *
  *   stick      sticking: min(mu_s F_n, F_max) - |F*|                 [N]
  *              sliding, c_t > 0: |F*| - L                            [N]
- *              sliding, c_t = 0: v_t . F* / |F*| - L' / k_t          [m/s]
+ *              sliding, c_t = 0: v_t . F* / |F*| - (L / k_t)'        [m/s]
  *   cap        sliding: F_max - mu F_n, capped: mu F_n - F_max       [N]
  *   lift       sliding, capped and sticking: contact_push, lifted: its negative
  */

@@ -91,6 +91,15 @@ double hertz_modulus(struct contact_material source, struct contact_material des
                   (1.0 - nu_d) * (1.0 + nu_d) / destination.youngs_modulus);
 }
 
+double mindlin_ratio(struct contact_material source, struct contact_material destination)
+{
+    const double nu_s = source.poissons_ratio;
+    const double nu_d = destination.poissons_ratio;
+    return 2.0 /
+           (hertz_modulus(source, destination) * ((2.0 - nu_s) * (1.0 + nu_s) / source.youngs_modulus +
+                                                  (2.0 - nu_d) * (1.0 + nu_d) / destination.youngs_modulus));
+}
+
 /* Whether a condition is unmet at x. The condition is met at every x above some threshold. */
 typedef bool unmet_condition(double x, double wanted);
 

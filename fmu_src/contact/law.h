@@ -28,6 +28,12 @@ struct contact_material {
 /* Returns the effective modulus E* [Pa]: 1/E* = (1 - nu_s^2)/E_s + (1 - nu_d^2)/E_d. */
 CONTACT_COLD double hertz_modulus(struct contact_material source, struct contact_material destination);
 
+/* Returns the ratio k_t / (dF_n/ddelta) = 4 G* / E* [1] of two elastic bodies that do not slip in the contact
+ * area: 1/G* = (2 - nu_s)/G_s + (2 - nu_d)/G_d with the shear moduli G = E/(2 (1 + nu)), from k_t = 8 G* a
+ * and dF_n/ddelta = 2 E* a with the radius a of the contact area. Source: K. L. Johnson, Contact Mechanics
+ * (1985), section 7.2. */
+CONTACT_COLD double mindlin_ratio(struct contact_material source, struct contact_material destination);
+
 /* Returns k_h [N/m^1.5] from E* [Pa] and the coefficients 0 < A <= B [1/m] of the surfaces' distance. */
 CONTACT_COLD double hertz_elliptic_stiffness(double modulus, double a, double b);
 

@@ -201,6 +201,17 @@ static void put_limit(const struct friction_law *law, enum friction_regime regim
     limit[0] = friction_limit(law, regime, path->normal_force[0]);
 }
 
+/* Sets the coefficients of k_t [N/m]. */
+static void put_stiffness(const struct friction_law *law, const struct friction_path *path,
+                          double stiffness[JET_TERMS])
+{
+    const bool stiffens = friction_stiffening(law, path->depth[0]) > 0.0;
+    stiffness[0] = friction_stiffness(law, path->depth[0]);
+    for (int i = 1; i < JET_TERMS; ++i) {
+        stiffness[i] = stiffens ? taylor_power(path->depth, 0.5, stiffness, i) : 0.0;
+    }
+}
+
 /* Sets (1 - exp(-z))/z and its first two derivatives. Below z = 1 differences would cancel, and the series
  * sum (-z)^k/(k + 1)! is used; its terms up to k = 20 are exact to rounding up to z = 1. */
 static void put_saturation(double z, double out[JET_TERMS])
@@ -252,6 +263,7 @@ struct vec3 friction_force_term(const struct friction_law *law, enum friction_re
                                 const struct friction_path *path, int order)
 {
     double limit[JET_TERMS];
+    double stiffness[JET_TERMS];
     struct vec3 force[JET_TERMS];
     struct vec3 unit[JET_TERMS] = {{0.0, 0.0, 0.0}};
     double length[JET_TERMS];
@@ -262,8 +274,9 @@ struct vec3 friction_force_term(const struct friction_law *law, enum friction_re
     if (law->kind == FRICTION_REGULARIZED) {
         return regularized_term(law, path, limit, order);
     }
+    put_stiffness(law, path, stiffness);
     for (int i = 0; i < JET_TERMS; ++i) {
-        force[i] = vec3_axpy(vec3_scale(law->stiffness, path->spring[i]), law->damping, path->slip[i]);
+        force[i] = vec3_axpy(jet_scale(stiffness, path->spring, i), law->damping, path->slip[i]);
     }
     if (regime == FRICTION_STICKING) {
         return vec3_scale(-1.0, force[order]);
@@ -301,15 +314,22 @@ double friction_stored_term(const struct friction_law *law, enum friction_regime
                             const struct friction_path *path, int order)
 {
     double limit[JET_TERMS];
+    double stiffness[JET_TERMS];
+    double square[JET_TERMS]; /* xi^2, or L^2 */
+    double stored[JET_TERMS];
     const bool slides = regime == FRICTION_SLIDING || regime == FRICTION_CAPPED;
     if (law->kind != FRICTION_ELASTIC) {
         return 0.0;
     }
-    if (slides && law->damping == 0.0) { /* the spring is L / k_t long */
-        put_limit(law, regime, path, limit);
-        return 0.5 * taylor_multiply(limit, limit, order) / law->stiffness;
+    const bool is_limit = slides && law->damping == 0.0; /* the spring is L / k_t long */
+    put_limit(law, regime, path, limit);
+    put_stiffness(law, path, stiffness);
+    for (int i = 0; i <= order; ++i) {
+        square[i] = is_limit ? taylor_multiply(limit, limit, i) : jet_dot(path->spring, path->spring, i);
+        stored[i] =
+            is_limit ? taylor_divide(square, stiffness, stored, i) : taylor_multiply(stiffness, square, i);
     }
-    return 0.5 * law->stiffness * jet_dot(path->spring, path->spring, order);
+    return 0.5 * stored[order];
 }
 
 static struct vec3 matrix_times(double m[3][3], struct vec3 a)
@@ -351,7 +371,12 @@ struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const
     s.stored_slope = contact_stored_slope(&laws->normal, laws->regime, at->gap);
     s.bend = contact_stored_bend(&laws->normal, laws->regime, at->gap);
 
-    const struct friction_state rubbing = {s.normal_force, s.slip, motion->spring};
+    const struct friction_state rubbing = {.normal_force = s.normal_force,
+                                           .slip = s.slip,
+                                           .spring = motion->spring,
+                                           .depth = -at->gap,
+                                           .depth_rate = -at->gap_rate};
+    s.stiffening = friction_stiffening(&laws->friction, -at->gap);
     s.friction_force = friction_force(&laws->friction, laws->friction_regime, rubbing);
     s.force_slopes = friction_force_slopes(&laws->friction, laws->friction_regime, rubbing);
     s.spring_slopes = friction_spring_rate_slopes(&laws->friction, laws->friction_regime, rubbing);
@@ -508,7 +533,10 @@ struct turning_change turning_slopes_along(const struct turning_slopes *s,
     const double gap_rate = side * d.along;
     const double normal_force = s->normal_slopes.by_gap * gap + s->normal_slopes.by_rate * gap_rate;
     const struct vec3 slip = slip_along(s, change, &d);
-    const struct vec3 friction = friction_slopes_along(&s->force_slopes, normal_force, slip, change->spring);
+    const struct vec3 spring = s->motion.spring;
+    /* a change of k_t acts as one of xi (friction.h) */
+    const struct vec3 stretched = vec3_axpy(change->spring, -s->stiffening * gap, spring);
+    const struct vec3 friction = friction_slopes_along(&s->force_slopes, normal_force, slip, stretched);
 
     struct turning_change out;
     const struct vec3 n = s->geometry.normal;
@@ -521,10 +549,9 @@ struct turning_change turning_slopes_along(const struct turning_slopes *s,
     out.destination_torque = vec3_add(vec3_cross(vec3_sub(change->separation, more_arm), s->force),
                                       vec3_cross(vec3_sub(s->motion.separation, arm), out.force));
 
-    const struct vec3 spring = s->motion.spring;
     const struct vec3 normal_rate = normal_rate_along(s, change, &d);
     const double tilted = vec3_dot(change->spring, s->normal_rate) + vec3_dot(spring, normal_rate);
-    out.spring_rate = friction_slopes_along(&s->spring_slopes, normal_force, slip, change->spring);
+    out.spring_rate = friction_slopes_along(&s->spring_slopes, normal_force, slip, stretched);
     out.spring_rate = vec3_axpy(out.spring_rate, -vec3_dot(spring, s->normal_rate), d.normal);
     out.spring_rate = vec3_axpy(out.spring_rate, -tilted, n);
 

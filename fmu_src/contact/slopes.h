@@ -62,9 +62,9 @@ struct vec3 jet_scale(const double *a, const struct vec3 *b, int order);
 
 /* The series of the laws of friction (friction.h) along a path. */
 
-/* The arguments of F_t along a path: the series of F_n, v_t and xi, and dv_0/ds. */
+/* The arguments of F_t along a path: the series of F_n, v_t, xi and delta, and dv_0/ds. */
 struct friction_path {
-    double normal_force[JET_TERMS];
+    double normal_force[JET_TERMS], depth[JET_TERMS];
     struct vec3 slip[JET_TERMS], spring[JET_TERMS];
     double slip_velocity_slope;
 };
@@ -150,6 +150,7 @@ struct turning_slopes {
     struct vec3 friction_force, force;        /* F_t, F_src */
     double normal_force, stored_slope, bend;  /* F_n, and dE_c/dg and d^2E_c/dg^2 of the stored energy */
     double inverse_distance;                  /* 1 / d; 0 where n does not turn with c */
+    double stiffening;                        /* dk_t / (k_t ddelta) [1/m] */
     struct contact_slopes normal_slopes;      /* derivatives of F_n by g and g' */
     struct friction_slopes force_slopes, spring_slopes;
     struct vec3 spin, resistance;                           /* omega, M */

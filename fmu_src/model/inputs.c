@@ -158,11 +158,6 @@ static void input_path_shift(const struct model *m, int body, struct body_path *
     }
 }
 
-static struct contact_material material_of(const struct scene_values *v, int body)
-{
-    return (struct contact_material){body_youngs_modulus(v, body), body_poissons_ratio(v, body)};
-}
-
 /* Returns the Hertz stiffness k_h [N/m^1.5]: by Hertz's theory, or as the user sets it. */
 static double hertz_stiffness_of(const struct scene_values *v, const struct scene_state *q, int contact)
 {
@@ -170,8 +165,7 @@ static double hertz_stiffness_of(const struct scene_values *v, const struct scen
         return contact_hertz_stiffness(v, contact);
     }
     const struct contact_shape shape = scene_whole_shape(v, q, contact); /* one k_h serves all zones */
-    return hertz_stiffness(&shape, hertz_modulus(material_of(v, contact_source(contact)),
-                                                 material_of(v, contact_destination(contact))));
+    return hertz_stiffness(&shape, scene_hertz_modulus(v, contact));
 }
 
 static struct contact_factors factors_of(const struct scene_values *v, const struct scene_state *q,

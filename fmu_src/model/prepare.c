@@ -128,7 +128,8 @@ static enum model_status check_law(struct model *m, int contact)
     return MODEL_OK;
 }
 
-/* Checks that the static coefficient of elastic friction is not below the sliding one. */
+/* Checks that the static coefficient of elastic friction is not below the sliding one, and that a tangential
+ * stiffness which follows the normal one has Hertz's law to follow. */
 static enum model_status check_friction(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
@@ -141,6 +142,13 @@ static enum model_status check_friction(struct model *m, int contact)
                             "(allowed: one that is not smaller).",
                             name, shortest_digits(static_coefficient).text, name,
                             shortest_digits(coefficient).text);
+    }
+    if (SCENE_ANY_MINDLIN && contact_rubs_elastically(v, contact) && !scene_is_hertz(v, contact) &&
+        contact_tangential_law(v, contact) == TANGENTIAL_LAW_MINDLIN) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.tangential_law = mindlin contradicts %s.law = linear, whose stiffness is "
+                            "constant (allowed: linear; mindlin with law hertz).",
+                            name, name);
     }
     return MODEL_OK;
 }

@@ -276,11 +276,10 @@ static bool put_springs(const struct prescribed_contact *c, bool graded, struct 
     for (int i = 0; i < GAUSS_NODES; ++i) {
         struct scene_instant at;
         instant_at(c, panel->node[i].clock, start, &at);
-        p.node[i] =
-            (struct spring_node){.rubbing = {at.normal_force[c->contact], at.turning.slip[c->contact], start},
-                                 .normal = at.geometry[c->contact].normal,
-                                 .normal_rate = turning_normal_rate(c->v, c->q, &at, c->contact),
-                                 .factor = (panel->to - panel->from) * gauss_place(i, graded).factor};
+        p.node[i] = (struct spring_node){.rubbing = turning_rubbing(&c->q->turning, &at, c->contact),
+                                         .normal = at.geometry[c->contact].normal,
+                                         .normal_rate = turning_normal_rate(c->v, c->q, &at, c->contact),
+                                         .factor = (panel->to - panel->from) * gauss_place(i, graded).factor};
         x[i] = start;
     }
     if (!solve_spring(&p, x)) {
@@ -439,7 +438,8 @@ static struct vec3 first_spring(const struct prescribed_contact *c, const struct
         return NO_SPRING;
     }
     const double limit = friction_limit(law, FRICTION_SLIDING, at->normal_force[c->contact]);
-    const double length = fmin(limit, law->largest) / law->stiffness;
+    const double stiffness = friction_stiffness(law, -at->geometry[c->contact].gap);
+    const double length = fmin(limit, law->largest) / stiffness;
     const double least = FIRST_LENGTH * body_radius(c->v, contact_source(c->contact));
     return vec3_scale(fmax(length, least) / speed, slip);
 }
@@ -453,10 +453,11 @@ static void start_friction(const struct prescribed_contact *c, double clock)
     const struct contact_law normal = scene_contact_law(c->v, c->q, j);
     rub_with(c, FRICTION_STICKING, NO_SPRING);
     instant_at(c, clock, NO_SPRING, &at);
-    const double force = contact_may_pull(&normal) ? at.normal_force[j] : fmax(at.normal_force[j], 0.0);
+    struct friction_state rubbing = turning_rubbing(&c->q->turning, &at, j);
+    rubbing.normal_force = contact_may_pull(&normal) ? at.normal_force[j] : fmax(at.normal_force[j], 0.0);
     const double rate = turning_normal_force_rate(c->v, c->q, clock, &at, j);
-    enum friction_regime next = friction_onset_regime(&law, force, rate, at.turning.slip[j]);
-    next = force < 0.0 ? FRICTION_LIFTED : next;
+    enum friction_regime next = friction_onset_regime(&law, rubbing, rate);
+    next = rubbing.normal_force < 0.0 ? FRICTION_LIFTED : next;
     const bool slides = next == FRICTION_SLIDING || next == FRICTION_CAPPED;
     rub_with(c, next, law.kind == FRICTION_ELASTIC && slides ? first_spring(c, &law, &at) : NO_SPRING);
 }
@@ -728,14 +729,15 @@ static bool sees_ends(const struct span *s, const struct panel *left, const stru
 }
 
 /* Whether the springs at the end of a panel and of its halves agree, up to the rounding of the slip, of
- * the normal force [N] and of n [rad]. By a constant force L the spring changes by up to L / k_t, and not
- * faster than by L / c_t. */
+ * the normal force [N] at a depth [m] and of n [rad]. By a constant force L the spring changes by up to
+ * L / k_t, and not faster than by L / c_t. */
 static bool springs_agree(const struct span *s, const struct panel *whole, const struct panel *left,
-                          const struct panel *right, double force_noise, double tilt)
+                          const struct panel *right, double force_noise, double depth, double tilt)
 {
     const struct friction_law law = scene_friction_law(s->c.v, s->c.q, s->c.contact);
+    const double stiffness = friction_stiffness(&law, depth);
     const double way = vec3_norm(right->spring) + left->slipped + right->slipped;
-    const double by_force = fmin(1.0 / law.stiffness, (right->to - left->from) / law.damping);
+    const double by_force = fmin(1.0 / stiffness, (right->to - left->from) / law.damping);
     const double noise = law.coefficient * force_noise * by_force + vec3_norm(right->spring) * tilt;
     return vec3_norm(vec3_sub(right->spring, whole->spring)) <=
            4.0 * PANELS_AGREE * way + SPEED_ROUNDINGS * whole->passed + noise;
@@ -753,6 +755,7 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
                               rounding_of_force(s->c.v, s->c.q, &at[1], s->c.contact));
     const double tilt = fmin(rounding_of_normal(s->c.v, &at[0], s->c.contact),
                              rounding_of_normal(s->c.v, &at[1], s->c.contact));
+    const double depth = -fmax(at[0].geometry[s->c.contact].gap, at[1].geometry[s->c.contact].gap);
     for (int k = 0; k < TERMS; ++k) {
         const double size = left->size[k] + right->size[k];
         const double allowed =
@@ -764,7 +767,7 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
             return false;
         }
     }
-    return (!s->elastic || springs_agree(s, whole, left, right, noise, tilt)) &&
+    return (!s->elastic || springs_agree(s, whole, left, right, noise, depth, tilt)) &&
            sees_ends(s, left, right, at);
 }
 

@@ -48,15 +48,46 @@ double body_flatness(const struct scene_values *v, int body)
     return (inertia.transverse - inertia.axial) / inertia.axial;
 }
 
+bool scene_stiffens(const struct scene_values *v, int contact)
+{
+    return SCENE_ANY_MINDLIN && scene_is_hertz(v, contact) &&
+           contact_tangential_law(v, contact) == TANGENTIAL_LAW_MINDLIN;
+}
+
+static struct contact_material material_of(const struct scene_values *v, int body)
+{
+    return (struct contact_material){body_youngs_modulus(v, body), body_poissons_ratio(v, body)};
+}
+
+double scene_hertz_modulus(const struct scene_values *v, int contact)
+{
+    return hertz_modulus(material_of(v, contact_source(contact)),
+                         material_of(v, contact_destination(contact)));
+}
+
+/* Returns K [N/m^1.5], where k_t is `ratio` times dF_n/ddelta = 1.5 k_h sqrt(delta). It is at least the least
+ * k_t, since k_h may be zero and the length of a sliding spring is L / k_t. */
+static double mindlin_stiffness(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    const double ratio = contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC
+                             ? mindlin_ratio(material_of(v, contact_source(contact)),
+                                             material_of(v, contact_destination(contact)))
+                             : contact_tangential_ratio(v, contact);
+    return fmax(1.5 * ratio * q->contact[contact].parameters.factors.k, 1e-150);
+}
+
 struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    return (struct friction_law){.kind = (enum friction)contact_friction(v, contact),
-                                 .coefficient = contact_friction_coefficient(v, contact),
-                                 .static_coefficient = contact_static_friction_coefficient(v, contact),
-                                 .largest = contact_maximum_friction_force(v, contact),
-                                 .stiffness = contact_tangential_stiffness(v, contact),
-                                 .damping = contact_tangential_damping(v, contact),
-                                 .slip_velocity = q->contact[contact].parameters.slip_velocity};
+    return (struct friction_law){
+        .kind = (enum friction)contact_friction(v, contact),
+        .coefficient = contact_friction_coefficient(v, contact),
+        .static_coefficient = contact_static_friction_coefficient(v, contact),
+        .largest = contact_maximum_friction_force(v, contact),
+        .stiffness = scene_stiffens(v, contact) ? mindlin_stiffness(v, q, contact)
+                                                : contact_tangential_stiffness(v, contact),
+        .tangential = scene_stiffens(v, contact) ? TANGENTIAL_LAW_MINDLIN : TANGENTIAL_LAW_LINEAR,
+        .damping = contact_tangential_damping(v, contact),
+        .slip_velocity = q->contact[contact].parameters.slip_velocity};
 }
 
 static struct friction_law resistance_part(int kind, double coefficient, double rate)
@@ -843,8 +874,11 @@ struct turning_laws turning_laws_of(const struct scene_values *v, const struct s
 struct friction_state turning_rubbing(const struct turning_state *turning, const struct scene_instant *at,
                                       int contact)
 {
-    return (struct friction_state){at->normal_force[contact], at->turning.slip[contact],
-                                   turning->spring[contact]};
+    return (struct friction_state){.normal_force = at->normal_force[contact],
+                                   .slip = at->turning.slip[contact],
+                                   .spring = turning->spring[contact],
+                                   .depth = -at->geometry[contact].gap,
+                                   .depth_rate = -at->geometry[contact].gap_rate};
 }
 
 struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene_state *q,
@@ -922,8 +956,9 @@ double turning_normal_force_rate(const struct scene_values *v, const struct scen
 {
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
+    const double gap = fmin(g->gap, -FRICTION_LEAST_DEPTH);
     const struct contact_slopes slopes =
-        contact_force_slopes(&law, (enum contact_regime)q->contact[contact].regime, g->gap, g->gap_rate);
+        contact_force_slopes(&law, (enum contact_regime)q->contact[contact].regime, gap, g->gap_rate);
     const double by_rate =
         slopes.by_rate == 0.0 ? 0.0 : slopes.by_rate * gap_acceleration(v, q, clock, at, contact);
     return slopes.by_gap * g->gap_rate + by_rate;

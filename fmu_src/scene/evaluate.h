@@ -155,6 +155,12 @@ struct body_inertia body_inertia_of(const struct scene_values *v, int body);
  * one across. */
 double body_flatness(const struct scene_values *v, int body);
 
+/* Whether the tangential stiffness of a contact follows the normal one. */
+bool scene_stiffens(const struct scene_values *v, int contact);
+
+/* Returns the effective modulus E* of the bodies of a contact [Pa]. */
+double scene_hertz_modulus(const struct scene_values *v, int contact);
+
 /* Returns the law of friction of a contact. */
 struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q,
                                        int contact);

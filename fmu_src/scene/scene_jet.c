@@ -155,6 +155,9 @@ static void put_friction(const struct scene_values *v, const struct scene_state 
     struct friction_path path = {.slip_velocity_slope = along->slip_velocity_slope[contact]};
     memcpy(path.normal_force, jet->normal_force, sizeof path.normal_force);
     memcpy(path.slip, turning->slip, sizeof path.slip);
+    for (int i = 0; i < JET_TERMS; ++i) {
+        path.depth[i] = -jet->gap[i];
+    }
     if (SCENE_ANY_FRICTION) {
         memcpy(path.spring, along->spring[contact], sizeof path.spring);
         path.spring[0] = q->turning.spring[contact];
@@ -459,8 +462,10 @@ static struct vec3 half_spring_change(const struct scene_values *v, const struct
     const struct vec3 bend[2] = {geometry->normal[1], vec3_scale(2.0, geometry->normal[2])};
     const double tilted[2] = {vec3_dot(spring[0], bend[0]),
                               vec3_dot(spring[1], bend[0]) + vec3_dot(spring[0], bend[1])};
+    const double stiffened = friction_stiffening(&laws.friction, rubbing.depth) * rubbing.depth_rate;
     const struct vec3 sum =
-        friction_slopes_along(&slopes, geometry->normal_force[1], along->turning[contact].slip[1], spring[1]);
+        friction_slopes_along(&slopes, geometry->normal_force[1], along->turning[contact].slip[1],
+                              vec3_axpy(spring[1], stiffened, spring[0])); /* see friction.h */
     return vec3_scale(0.5, vec3_sub(sum, jet_scale(tilted, geometry->normal, 1)));
 }
 

@@ -161,11 +161,11 @@ static void lift_friction(const struct scene_values *v, struct scene_state *q, i
 }
 
 /*
- * Returns the spring's normal force [N] where it has stored the energy of the approach, as at the deepest
+ * Returns the depth [m] where the normal spring has stored the energy of the approach, as at the deepest
  * point of an impact. The stored energy is proportional to the depth squared, under Hertz's law to the depth
  * to the power 5/2. Zero where neither body is free or nothing is stored.
  */
-static double impact_force(const struct scene_values *v, const struct scene_state *q,
+static double impact_depth(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at, int contact)
 {
     const struct contact_law law = scene_contact_law(v, q, contact);
@@ -176,8 +176,7 @@ static double impact_force(const struct scene_values *v, const struct scene_stat
         return 0.0;
     }
     const double part = 0.5 * rate * rate / (per_mass * at_one_metre);
-    const double depth = pow(part, contact_is_hertz(&law) ? 0.4 : 0.5);
-    return -contact_stored_slope(&law, REGIME_COMPRESSION, -depth);
+    return pow(part, contact_is_hertz(&law) ? 0.4 : 0.5);
 }
 
 /* Length of a friction spring as a fraction of the source's radius, where no force gives the length. */
@@ -191,8 +190,11 @@ static struct vec3 direction_to_slide(const struct scene_values *v, const struct
                                       int contact, struct vec3 along)
 {
     const double size = vec3_norm(along);
-    const double force = fmax(at->normal_force[contact], impact_force(v, q, at, contact));
-    const double length = fmin(law->coefficient * force, law->largest) / law->stiffness;
+    const struct contact_law normal = scene_contact_law(v, q, contact);
+    const double depth = fmax(-at->geometry[contact].gap, impact_depth(v, q, at, contact));
+    const double spring_force = -contact_stored_slope(&normal, REGIME_COMPRESSION, -depth);
+    const double force = fmax(at->normal_force[contact], spring_force);
+    const double length = fmin(law->coefficient * force, law->largest) / friction_stiffness(law, depth);
     const double typical = length > 0.0 ? length : TYPICAL_LENGTH * body_radius(v, contact_source(contact));
     return size > 0.0 ? vec3_scale(typical / size, along) : along;
 }
@@ -218,14 +220,14 @@ static void begin_friction(const struct scene_values *v, struct scene_state *q, 
     struct scene_instant at;
     end_friction(q, contact);
     scene_now(v, q, &at);
-    const double force = onset_force(v, q, &at, contact);
     const struct friction_law law = scene_friction_law(v, q, contact);
     const double force_rate = turning_normal_force_rate(v, q, q->clock, &at, contact);
-    const struct vec3 slip = at.turning.slip[contact];
-    const enum friction_regime next = friction_onset_regime(&law, force, force_rate, slip);
+    struct friction_state rubbing = turning_rubbing(&q->turning, &at, contact);
+    rubbing.normal_force = onset_force(v, q, &at, contact);
+    const enum friction_regime next = friction_onset_regime(&law, rubbing, force_rate);
     set_friction_regime(q, contact, next);
     if (law.kind == FRICTION_ELASTIC && law.damping == 0.0 && next != FRICTION_STICKING) {
-        q->turning.spring[contact] = direction_to_slide(v, q, &at, &law, contact, slip);
+        q->turning.spring[contact] = direction_to_slide(v, q, &at, &law, contact, rubbing.slip);
     }
 }
 

@@ -35,6 +35,9 @@ class Cell:
         """Whether a choice that is open has this item: a scene may leave it some of them only."""
         return not self.row.type.items or self.row.type.item(item) is not None
 
+    def may_be(self, item: str) -> bool:
+        return self.value_name == item if self.pinned else self.open and self.offers(item)
+
     @property
     def value_name(self) -> str | None:
         """The value as a user writes it: item of an enumeration, Boolean, number or list."""

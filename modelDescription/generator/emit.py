@@ -219,8 +219,9 @@ def _facts(resolved: Resolved) -> dict:
             friction := any(resolved.may("contact.friction", law) for law in ("regularized", "elastic"))
         ),
         "any_elastic_friction": resolved.may("contact.friction", "elastic"),
+        "any_mindlin": any(cell.may_be("mindlin") for cell in resolved.of("contact.tangential_law")),
         "any_rolling": any(
-            cell.value_name == "regularized" if cell.pinned else cell.open and cell.offers("regularized")
+            cell.may_be("regularized")
             for kind in ("rolling", "spinning")
             for cell in resolved.of(f"contact.{kind}")
         ),

@@ -79,6 +79,11 @@ class Start:
                 f"{contact.name}.penalty_control = viscous_only contradicts {contact.name}.law = hertz "
                 "(allowed: automatic, user_defined; viscous_only with law linear)"
             )
+        if self.is_item("contact.tangential_law", index, "mindlin") and not hertz:
+            raise self.scene.error(
+                f"{contact.name}.tangential_law = mindlin contradicts {contact.name}.law = linear, whose "
+                "stiffness is constant (allowed: linear; mindlin with law hertz)"
+            )
         self.check_restitution(index, contact, viscous_only, hertz)
 
     def check_axis(self, body: int) -> None:

@@ -66,6 +66,7 @@
 #define SCENE_ANY_FRICTION {{ (any_friction or any_rolling) | int }}   /* may there be friction, or resistance to rolling or spinning? */
 #define SCENE_ANY_ROLLING {{ any_rolling | int }} /* the latter? */
 #define SCENE_ANY_ELASTIC_FRICTION {{ any_elastic_friction | int }} /* with tangential springs? */
+#define SCENE_ANY_MINDLIN {{ any_mindlin | int }} /* whose stiffness follows the normal one? */
 #define SCENE_ANY_TORUS {{ any_torus | int }}
 #define SCENE_ANY_AXIS {{ (any_cylinder or any_plane or any_torus) | int }}    /* has any shape an axis? */
 #define SCENE_ANY_KEPT_AXIS {{ (scene.bodies | selectattr("keeps_axis") | list | length > 0) | int }} /* body_keeps_axis? */

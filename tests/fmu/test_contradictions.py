@@ -72,6 +72,12 @@ CONTRADICTIONS = [
         {"contact.static_friction_coefficient": 0.4},
     ),
     (
+        PLANE,
+        {"contact.friction": "elastic", "contact.tangential_law": "mindlin"},
+        ("contact.tangential_law", "contact.law"),
+        {"contact.law": "hertz"},
+    ),
+    (
         CYLINDER,
         {"destination.axis": [0.0, 0.0, 0.0], "source.center": [1.1, 0.0, 0.0]},
         ("destination.axis",),
@@ -136,6 +142,7 @@ SENSELESS = {
     "contact.characteristic_slip_velocity": [0.0, -1e-3],
     "contact.maximum_friction_force": [-1.0],
     "contact.tangential_stiffness": [0.0],
+    "contact.tangential_ratio": [0.0],
     "contact.tangential_damping": [-1.0],
     "contact.restitution": [1.01, -0.01],
     "source.poissons_ratio": [0.51, -1.0],

@@ -201,6 +201,9 @@ GONE = [
     ([*UNIVERSAL], None, "variables", "rolling|spinning"),
     ([*UNIVERSAL], None, "strings", "rolling|spinning"),
     ([*UNIVERSAL], None, "code of .", "resist"),
+    ([*UNIVERSAL], None, "variables", "tangential_(law|ratio)"),
+    ([*UNIVERSAL], None, "strings", "tangential_law|mindlin"),
+    ([*UNIVERSAL], None, "code of .", "mindlin_stiffness|ONSET_POWER"),
     (THROWN, None, "variables", "prescribed"),
     (THROWN, None, "strings", "prescribed"),
     (

@@ -101,7 +101,7 @@ static void choose_contact(fmi2Component c, struct bytes *b, int contact)
 }
 
 /* The law and what it takes its factors from. These bytes came after all others: inputs without them have the
- * linear law with the damping chosen above. */
+ * linear law with the damping chosen above, and a constant tangential stiffness. */
 static void choose_law(fmi2Component c, struct bytes *b, int contact)
 {
     const bool hertz = bytes_choice(b, 2) == 1;
@@ -119,6 +119,10 @@ static void choose_law(fmi2Component c, struct bytes *b, int contact)
     for (int i = 0; i < SCENE_BODIES; ++i) {
         (void)host_set_real(c, ROW_body_youngs_modulus, i, 0, bytes_power(b, 5.0, 13.0));
         (void)host_set_real(c, ROW_body_poissons_ratio, i, 0, bytes_between(b, -0.9, 0.5));
+    }
+    if (bytes_choice(b, 2)) {
+        (void)host_set_integer(c, ROW_contact_tangential_law, contact, 2);
+        (void)host_set_real(c, ROW_contact_tangential_ratio, contact, 0, bytes_power(b, -2.0, 1.0));
     }
 }
 

@@ -32,7 +32,7 @@ TEST(the_responses_vanish_where_the_law_holds)
         const double normal_force = random_between(&random, 0.5, 40.0);
         const struct vec3 slip = vector_of(&random, 3.0 * law.slip_velocity);
         struct vec3 force = friction_force(
-            &law, FRICTION_SLIDING, (struct friction_state){normal_force, slip, vec3_make(0.0, 0.0, 0.0)});
+            &law, FRICTION_SLIDING, (struct friction_state){.normal_force = normal_force, .slip = slip});
         const bool rolls = friction_rolls(&law, FRICTION_SLIDING, normal_force, force, MOBILE);
         rolling += rolls;
         for (int form = 0; form <= (int)rolls; ++form) {

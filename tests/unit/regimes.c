@@ -14,10 +14,10 @@ struct choice {
     enum contact_force_law law;
     enum dashpot dashpot;
     enum friction friction;
-    bool damped, tangentially_damped, breaks_away_late, has_largest;
+    bool damped, tangentially_damped, breaks_away_late, has_largest, stiffens;
 };
 
-enum { CHOICES = 2 * 3 * 2 * 16, STATES = 60 };
+enum { CHOICES = 2 * 3 * 2 * 32, STATES = 60 };
 
 static struct choice choice_of(int i)
 {
@@ -27,7 +27,8 @@ static struct choice choice_of(int i)
                            (i / 12 & 1) != 0,
                            (i / 12 & 2) != 0,
                            (i / 12 & 4) != 0,
-                           (i / 12 & 8) != 0};
+                           (i / 12 & 8) != 0,
+                           i % 2 && (i / 12 & 16) != 0};
 }
 
 /* A sphere beside a fixed cylinder along z, whose normal is x: what the laws depend on is set by hand. */
@@ -47,6 +48,8 @@ static struct model model_of(struct choice choice)
     contact->friction_coefficient = 0.5;
     contact->static_friction_coefficient = choice.breaks_away_late ? 0.7 : 0.5;
     contact->tangential_stiffness = 500.0;
+    contact->tangential_law = choice.stiffens ? TANGENTIAL_LAW_MINDLIN : TANGENTIAL_LAW_LINEAR;
+    contact->tangential_ratio = 0.8;
     contact->tangential_damping = choice.tangentially_damped ? 3.0 : 0.0;
     contact->maximum_friction_force = choice.has_largest ? 2.0 : 1e6;
     contact->slip_velocity_control = SLIP_VELOCITY_CONTROL_USER_DEFINED;
@@ -109,13 +112,15 @@ static double normal_force(struct choice choice, enum contact_regime regime, dou
 }
 
 static bool sliding_is_wrong(struct choice choice, enum friction_regime regime, double force,
-                             double force_rate, const struct scene_state *q)
+                             double force_rate, const struct contact_geometry *g, const struct scene_state *q)
 {
+    const double k_t = choice.stiffens ? 0.8 * 1.5 * 1e4 * sqrt(-g->gap) : 500.0;
+    const double grows = choice.stiffens ? 0.5 * g->gap_rate / g->gap : 0.0; /* k_t' / k_t */
     const double largest = choice.has_largest ? 2.0 : 1e6;
     const double c_t = choice.tangentially_damped ? 3.0 : 0.0;
     const struct vec3 slip = vec3_make(0.0, q->body[SOURCE].velocity.y, q->body[SOURCE].velocity.z);
     const struct vec3 spring = q->turning.spring[0];
-    const double carried = vec3_norm(vec3_axpy(vec3_scale(500.0, spring), c_t, slip));
+    const double carried = vec3_norm(vec3_axpy(vec3_scale(k_t, spring), c_t, slip));
     const double mu_s = choice.breaks_away_late ? 0.7 : 0.5;
     if (regime == FRICTION_STICKING) {
         return choice.friction == FRICTION_REGULARIZED || is_below(fmin(mu_s * force, largest), carried);
@@ -128,8 +133,9 @@ static bool sliding_is_wrong(struct choice choice, enum friction_regime regime, 
         return false;
     }
     const double limit_rate = regime == FRICTION_SLIDING ? 0.5 * force_rate : 0.0;
-    return c_t > 0.0 ? is_below(carried, limit)
-                     : is_below(vec3_dot(slip, spring) / vec3_norm(spring), limit_rate / 500.0);
+    return c_t > 0.0
+               ? is_below(carried, limit)
+               : is_below(vec3_dot(slip, spring) / vec3_norm(spring), (limit_rate - grows * limit) / k_t);
 }
 
 /* Whether friction is in a regime that is not its own at the present of q. */
@@ -149,7 +155,7 @@ static bool friction_is_wrong(struct choice choice, const struct scene_values *v
     }
     scene_now(v, q, &at);
     const double force_rate = turning_normal_force_rate(v, q, q->clock, &at, 0);
-    return sliding_is_wrong(choice, friction, force, force_rate, q);
+    return sliding_is_wrong(choice, friction, force, force_rate, &at.geometry[0], q);
 }
 
 /* The event functions are negative, and Model Exchange sees it as well. */

@@ -137,6 +137,21 @@ def test_elastic_friction_sticks_and_slides_the_same_at_every_tolerance(opened, 
     check_agreement(opened, elastic(np.random.default_rng(seed)), seed)
 
 
+@pytest.mark.parametrize("seed", seeds())
+def test_so_does_a_tangential_stiffness_that_follows_the_normal_one(opened, seed):
+    """Impacts: what lasts under Hertz's law has errors of its own, whatever the friction."""
+    random = np.random.default_rng(seed)
+    scene = elastic(random)
+    x, y, _ = scene.values["source.initial_velocity"]
+    scene.values |= {"gravity": [0.0, 0.0, 0.0], "source.initial_velocity": [x, y, -random.uniform(0.5, 2)]}
+    scene.values["contact.law"] = "hertz"
+    scene.values["contact.hertz_stiffness"] = 30.0 * scene.values["contact.penalty_factor"]
+    scene.values["contact.hunt_crossley_factor"] = float(random.choice([0.0, 0.1, 1.0]))
+    scene.values["contact.tangential_law"] = "mindlin"
+    scene.values["contact.tangential_ratio"] = float(random.choice([0.1, 2.0 / 7.0, 0.8, 1.0]))
+    check_agreement(opened, scene, seed)
+
+
 def largest_force_of_a_ball_set_down(rate, decay):
     """The first top of k x + c x' for x'' = g - k x - c x', by mass, from rest at the touch."""
     swing = np.sqrt(rate**2 - decay**2)

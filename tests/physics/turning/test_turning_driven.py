@@ -34,8 +34,8 @@ def test_a_given_motion_has_the_forces_that_the_reference_says(opened, seed):
 
 
 def incremental(values, shape, end):
-    """Impulse on the source by Cundall and Strack's increments: the spring force grows by k_t times the slip,
-    stays tangent, and is cut back to mu F_n.
+    """Impulse on the source by Cundall and Strack's increments: the spring grows by the slip, stays tangent,
+    and is cut back to where k_t times its length is mu F_n.
     """
     pair = TurningPair(values | {"contact.friction": "none"}, shape)
     speed, bend = map(np.array, values["source.prescribed_displacement.derivatives"])
@@ -46,23 +46,28 @@ def incremental(values, shape, end):
     }
     m |= {name: np.array(values[name]) for name in ("source.center", "destination.center")}
     m |= {"source.omega": omega, "axis": np.array(values.get("destination.axis", (0.0, 0.0, 1.0)))}
-    force, impulse, step = np.zeros(3), np.zeros(3), end / INCREMENTS
+    spring, impulse, step = np.zeros(3), np.zeros(3), end / INCREMENTS
     for k in range(INCREMENTS):
         t = (k + 0.5) * step
         m["source.displacement"], m["source.velocity"] = speed * t + bend * t**2 / 2, speed + bend * t
         now = outputs(pair, m)
         normal = now["direction"]
-        force = force - values["contact.tangential_stiffness"] * step * now["slip_velocity"]
-        force = force - (force @ normal) * normal
+        k_t = pair.k_t(now["gap"][0])
+        spring = spring + step * now["slip_velocity"]
+        spring = spring - (spring @ normal) * normal
         limit = values["contact.friction_coefficient"] * now["normal_force"][0]
-        size = np.linalg.norm(force)
-        force = force * min(1.0, limit / size) if size > 0.0 else force
-        impulse += step * (now["source_force"] + force)
+        size = k_t * np.linalg.norm(spring)
+        spring = spring * min(1.0, limit / size) if size > 0.0 else np.zeros(3)
+        impulse += step * (now["source_force"] - k_t * spring)
     return impulse
 
 
+HERTZ = {"contact.law": "hertz", "contact.hertz_stiffness": 1e6, "contact.tangential_law": "mindlin"}
+
+
+@pytest.mark.parametrize("law", [{}, HERTZ], ids=["linear", "mindlin"])
 @pytest.mark.parametrize("number", range(len(PLACES)))
-def test_a_spring_without_a_dashpot_slides_as_increments_say(opened, number):
+def test_a_spring_without_a_dashpot_slides_as_increments_say(opened, number, law):
     """In turn so soft that it sticks for long, and so stiff that it slides nearly at once"""
     shape, values, end, _ = driven_scene(number)
     stiffness = 5e4
@@ -75,6 +80,7 @@ def test_a_spring_without_a_dashpot_slides_as_increments_say(opened, number):
     }  # fmt: skip
     values = {name: value for name, value in values.items() if value is not None}
     values["contact.tangential_stiffness"] = (0.02, 0.5)[number % 2] * stiffness
+    values |= law | {"contact.tangential_ratio": (0.02, 0.5)[number % 2]} if law else {}
     fmu = start(opened(FMU[shape]), values)
     fmu.step(end)
     right = incremental(values, shape, end)

@@ -66,6 +66,9 @@ def _fed_and_turned(time: float) -> dict[str, Any]:
 
 RUBBING = {"contact.friction": "elastic", "contact.tangential_stiffness": 600.0}
 RUBBING |= {"contact.tangential_damping": 3.0}
+FOLLOWING = {**RUBBING, "contact.law": "hertz", "contact.hertz_stiffness": 2e4}
+FOLLOWING |= {"contact.tangential_law": "mindlin", "contact.tangential_ratio": 0.6}
+FOLLOWING |= {"contact.tangential_damping": 30.0}  # relaxes slowly enough for difference quotients
 ROLLING = {"contact.friction": "regularized", "contact.slip_velocity_control": "user_defined"}
 ROLLING |= {"contact.characteristic_slip_velocity": 1e-2}
 SPINNING = {"source.rotation": "free"}
@@ -113,6 +116,13 @@ _OF_SPHERES = {
     "both prescribed, turning and rubbing": (
         {**ALL_GIVEN, **RUBBING, **RESISTING, **_at(0, 0, 0)}, 15, True, _fed_and_turned,
     ),
+    "both prescribed, the tangential stiffness follows": (
+        {**ALL_GIVEN, **FOLLOWING, **_at(0, 0, 0)}, 15, True, _fed_and_turned,
+    ),
+    "spinning off a sphere, the tangential stiffness follows": (
+        {**FOLLOWING, **SPINNING, **_at(0.05, 0.0, 0.62),
+         "source.initial_angular_velocity": [3.0, -8.0, 1.0]}, 12, True,
+    ),
     "spinning off a sphere": (
         {**SOFT, **RUBBING, **SPINNING, **_at(0.05, 0.0, 0.62),
          "source.initial_angular_velocity": [3.0, -8.0, 1.0]}, 12, True,
@@ -142,6 +152,16 @@ RUNS = {name: Run("SphereSphere", *run) for name, run in _OF_SPHERES.items()} | 
         "SpherePlane", {**SOFT, "destination.axis": [0.3, -0.1, 1.0], **_at(0.05, 0.0, 0.15)}, 20, True
     ),
     "on a shaken plane": Run("SpherePlane", {**SHAKEN, **_at(0.02, 0.0, 0.15)}, 8, True, _shaken),
+    "sliding on a plane, the tangential stiffness follows": Run(
+        "SpherePlane",
+        {
+            **FOLLOWING,
+            **SPINNING,
+            **_at(0.0, 0.0, 0.095, tangential_damping=0.0),
+            "source.initial_velocity": [1.0, 0.2, 0.0],
+        },
+        *(9, True),
+    ),
     "rolling on a plane": Run(
         "SpherePlane",
         {**SOFT, **ROLLING, **SPINNING, **_at(0.0, 0.0, 0.0955), "source.initial_velocity": [1.0, 0.0, 0.0]},

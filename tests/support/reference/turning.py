@@ -4,7 +4,7 @@ DESIGN sections 1, 6 and 7 write them.
 One sphere against a sphere, a cylinder or a plane. The state is a flat list: of each body position,
 velocity, orientation and spin (its angular momentum where it turns freely, else its angular velocity), then
 the tangential spring, then what is summed up: impulse and torque impulses, dissipated energy, friction's
-energy, work. Everything is in the world frame. turning_run.py integrates it.
+work, external work. Everything is in the world frame. turning_run.py integrates it.
 """
 
 import math
@@ -52,6 +52,8 @@ START = {  # start values of variables.toml
     "contact.maximum_friction_force": 1e300,
     "contact.tangential_stiffness": 2e6 / 7,
     "contact.tangential_damping": 0.0,
+    "contact.tangential_law": "linear",
+    "contact.tangential_ratio": 1.4 / 1.7,  # of two bodies with nu = 0.3
     "contact.rolling": "none",
     "contact.rolling_coefficient": 0.01,
     "contact.characteristic_rolling_rate": 1e-3,
@@ -126,7 +128,7 @@ class TurningPair:
         self.mu_static = self.of("contact.static_friction_coefficient")
         self.largest = self.of("contact.maximum_friction_force")
         self.v_0 = self.values.get("contact.characteristic_slip_velocity")
-        self.k_t = self.of("contact.tangential_stiffness")
+        self.follows = self.hertz and self.of("contact.tangential_law") == "mindlin"
         self.c_t = self.of("contact.tangential_damping")
         curvature = 1 / self.r_s + (self.side / self.r_d if self.r_d else 0.0)
         self.resisted = {
@@ -222,6 +224,19 @@ class TurningPair:
         v = minus(add(src.v, cross(src.omega, arm)), add(dst.v, cross(dst.omega, other)))
         return minus(v, times(dot(v, place.n), place.n)), arm, other
 
-    def trial(self, slip, spring):
+    def k_t(self, gap):
+        """Stiffness of the tangential spring: given, or in proportion to dF_n/d delta of Hertz's spring."""
+        if not self.follows:
+            return self.of("contact.tangential_stiffness")
+        # Near the release the root bends so sharply that a damped spring would take ever smaller steps.
+        least = 1e-12 if self.c_t > 0 else 0.0
+        depth = -gap if gap.real < -least else least
+        return self.of("contact.tangential_ratio") * 1.5 * self.stiffness * depth**0.5
+
+    def held(self, place, spring):
+        """The energy in the tangential spring."""
+        return 0.5 * self.k_t(place.gap) * dot(spring, spring)
+
+    def trial(self, place, spring):
         """F* of the elastic law: what the spring and the dashpot would pull with."""
-        return add(times(self.k_t, spring), times(self.c_t, slip))
+        return add(times(self.k_t(place.gap), spring), times(self.c_t, self.slip(place)[0]))

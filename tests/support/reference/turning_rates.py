@@ -37,16 +37,16 @@ def friction_of(pair, place, force, slip, spring, sticking):
             return list(ZERO), list(ZERO)
         return times(pair.limit(force) * np.expm1(-speed / pair.v_0) / speed, slip), list(ZERO)
     if sticking:
-        return times(-1.0, pair.trial(slip, spring)), slip
+        return times(-1.0, pair.trial(place, spring)), slip
     limit = pair.limit(force)
     if pair.c_t == 0.0:
         if limit == 0.0:  # no force holds a spring
             return list(ZERO), list(ZERO)
         return times(-limit, along_spring(spring, slip, place.rate)), None
-    trial = pair.trial(slip, spring)
+    trial = pair.trial(place, spring)
     size = norm(trial)
     pull = times(limit / size, trial) if size > 0.0 else list(ZERO)
-    return times(-1.0, pull), times(1 / pair.c_t, minus(pull, times(pair.k_t, spring)))
+    return times(-1.0, pull), times(1 / pair.c_t, minus(pull, times(pair.k_t(place.gap), spring)))
 
 
 def resistance_of(pair, place, force):
@@ -123,26 +123,24 @@ def rates(pair, y, touching, sticking):
     kept = pair.stiffness * max(-place.gap, 0.0) ** 1.5 if pair.hertz else -pair.stiffness * place.gap
     out[DISSIPATED] = -(now.force - kept) * place.rate
     out[SUMS : SUMS + 9] = now.on_source + now.source_torque + now.destination_torque
-    given = -dot(now.friction, now.slip) - dot(now.resistance, now.spin)
+    out[FRICTION] = -dot(now.friction, now.slip) - dot(now.resistance, now.spin)
     if pair.friction == "elastic":
         rate = now.spring_rate
         if rate is None:
             rate, _ = at_limit(pair, y, now, out)
-        out[FRICTION] = given - pair.k_t * dot(spring, rate)
         out[SPRING:SUMS] = minus(rate, times(dot(spring, place.n_rate), place.n))
-    else:
-        out[FRICTION] = given
     return out
 
 
-def limit_rate(pair, y, out):
-    """Rate of mu F_n along the motion `out`, by the imaginary part."""
+def longest_rate(pair, y, out):
+    """Rate of L / k_t along the motion `out`, by the imaginary part."""
     moved = [complex(a, TINY * b) for a, b in zip(y[:SPRING], out[:SPRING], strict=True)]
     place = pair.geometry(moved)
     force = pair.normal_force(place.gap, place.rate)
-    if force.real <= 0 or pair.mu * force.real >= pair.largest:
+    if force.real <= 0:
         return 0.0
-    return pair.mu * force.imag / TINY
+    limit, k_t = pair.limit(force), pair.k_t(place.gap)
+    return (limit.imag - limit.real * k_t.imag / k_t.real) / TINY / k_t.real
 
 
 def growth_of_limit(pair, y):
@@ -157,7 +155,7 @@ def growth_of_limit(pair, y):
 def at_limit(pair, y, now, out):
     """Rate of a spring without dashpot that slides at its limit, and how fast the contact slides along it."""
     unit = along_spring(y[SPRING:SUMS], now.slip, now.place.rate)
-    grows = limit_rate(pair, y, out) / pair.k_t
+    grows = longest_rate(pair, y, out)
     along = dot(now.slip, unit)
     if norm(y[SPRING:SUMS]) < SHORT:  # keeps its direction up to the release, which costs no steps
         return times(grows, unit), norm(now.slip)

@@ -37,9 +37,6 @@ class TurningRun:
         self.y = np.array(self.pair.first_state())
         self.onset_times, self.durations, self.events = [], [], []
         self.touching = self.sticking = False
-        self.given = (
-            0.0  # to friction by what is lost at once: a spring at release, one that falls to its limit
-        )
         self.ends = 0.0  # to energy.dissipated by the ends of a cylinder
         place = self.pair.geometry(list(self.y))
         self.within = abs(place.along) <= self.pair.half_length
@@ -61,11 +58,14 @@ class TurningRun:
         force = pair.normal_force(min(place.gap, 0.0), place.rate)
         if force > 1e-12 * pair.stiffness * pair.r_s or pair.c_t > 0 or slip == 0.0:
             self.sticking = pair.c_t * slip <= pair.limit(force, True)
-        elif not pair.hertz:  # both grow from zero: which one faster
-            self.sticking = pair.k_t * slip <= pair.mu_static * pair.stiffness * -place.rate
+        elif (
+            not pair.hertz or pair.follows
+        ):  # both grow from zero, with the same power of time: which one faster
+            ratio = pair.k_t(-1.0) / pair.stiffness
+            damped = 1 - pair.viscous * place.rate if pair.hertz else 1.0
+            self.sticking = ratio * slip <= pair.mu_static * damped * -place.rate
 
     def _release(self):
-        self.given += 0.5 * self.pair.k_t * float(self.y[SPRING:SUMS] @ self.y[SPRING:SUMS])
         self.y[SPRING:SUMS] = 0.0
         self.touching = self.sticking = False
         self.durations.append(self.time - self.onset_times[-1])
@@ -99,7 +99,7 @@ class TurningRun:
     def _over(self, y, static):
         pair = self.pair
         place = pair.geometry(y)
-        trial = norm(pair.trial(pair.slip(place)[0], y[SPRING:SUMS]))
+        trial = norm(pair.trial(place, y[SPRING:SUMS]))
         return trial - pair.limit(pair.normal_force(place.gap, place.rate), static)
 
     def _stick_and_slip(self):
@@ -123,10 +123,9 @@ class TurningRun:
             if pair.c_t == 0.0:
                 place = pair.geometry(y)
                 spring = y[SPRING:SUMS]
-                longest = pair.limit(pair.normal_force(place.gap, place.rate)) / pair.k_t
+                longest = pair.limit(pair.normal_force(place.gap, place.rate)) / pair.k_t(place.gap)
                 size = norm(spring)
                 if longest < size:
-                    self.given += 0.5 * pair.k_t * (size**2 - longest**2)
                     self.y[SPRING:SUMS] = times(longest / size, spring)
                     # Where the slip does not stretch it on from there it sticks again at once.
                     self.sticking = sliding_rate(pair, list(self.y)) < 0.0
@@ -138,12 +137,14 @@ class TurningRun:
     def _rub_again(self, y):
         """A normal force that ends leaves no spring; one that begins again finds none."""
         place = self.pair.geometry(y)
+        if self.pair.dashpot == "approach_only":  # behind the corner slip may no longer stretch the spring
+            self.sticking = self.sticking or sliding_rate(self.pair, y) < 0.0
         if self.pair.dashpot == "approach_only" or (self.pair.hertz and place.gap >= 0):
             return
-        self.given += 0.5 * self.pair.k_t * dot(y[SPRING:SUMS], y[SPRING:SUMS])
         self.y[SPRING:SUMS] = 0.0
         y[SPRING:SUMS] = [0.0] * 3
-        self.sticking = self.pair.k_t * norm(self.pair.slip(place)[0]) <= growth_of_limit(self.pair, y)
+        slip = norm(self.pair.slip(place)[0])
+        self.sticking = self.pair.k_t(place.gap) * slip <= growth_of_limit(self.pair, y)
 
     def _pass_end(self, place):
         self.within = not self.within
@@ -243,9 +244,9 @@ class TurningRun:
                 found["rotational"] += 0.5 * dot(here.omega, y[at : at + 3])
         if self.touching:
             found["contact"] = pair.stored(place.gap)
-            found["tangential"] = 0.5 * pair.k_t * dot(y[SPRING:SUMS], y[SPRING:SUMS])
+            found["tangential"] = pair.held(place, y[SPRING:SUMS])
         found["dissipated"] = y[DISSIPATED] + self.ends
-        found["friction"] = y[FRICTION] + self.given
+        found["friction"] = y[FRICTION] - found["tangential"]  # friction's work less what it stores
         found["external_work"] = y[WORK]
         found["total"] = sum(found.values()) - 2 * y[WORK]
         return found

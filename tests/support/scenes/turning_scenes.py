@@ -39,7 +39,8 @@ def random_turning_scene(seed):
         for what in ("motion", "rotation")
     )
     steps = 1 if prescribed else int(random.integers(1, 4))
-    return TurningScene(shape, values, float(random.uniform(0.1, 0.3)), steps)
+    end = float(random.uniform(0.1, 0.3))
+    return TurningScene(shape, values | following(random, seed, values), end, steps)
 
 
 def driven_scene(seed):
@@ -60,7 +61,8 @@ def driven_scene(seed):
         values["destination.prescribed_axis"] = values["destination.axis"]
     values |= normal_law(random, values["source.mass"])
     values |= friction_law(random, FRICTIONS[seed // len(PLACES) % len(FRICTIONS)], values)
-    return shape, values, 2.2 * speed / back, int(random.integers(1, 4))
+    steps = int(random.integers(1, 4))
+    return shape, values | following(random, seed, values), 2.2 * speed / back, steps
 
 
 def place(random, shape, inside):
@@ -177,6 +179,15 @@ def friction_law(random, friction, values):
         "contact.tangential_stiffness": k_t,
         "contact.tangential_damping": damping if "dashpot" in friction else 0.0,
     }
+
+
+def following(random, seed, values):
+    """A tangential stiffness that follows Hertz's, in every other scene that may have it."""
+    elastic = values["contact.friction"] == "elastic" and values["contact.law"] == "hertz"
+    ratio = random.uniform(0.2, 1.2)
+    if not elastic or seed % 2:
+        return {}
+    return {"contact.tangential_law": "mindlin", "contact.tangential_ratio": ratio}
 
 
 def resistance(random):

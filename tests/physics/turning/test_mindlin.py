@@ -1,0 +1,184 @@
+"""A tangential stiffness that follows the normal one of Hertz's law, against closed forms and scipy."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import DOP853, solve_ivp
+
+from contact_fmus.fmu.files import fmu_file
+from support import exchange_runs
+from support.checks import METHODS, check_close, check_relative, run, start
+from support.fmi3 import raw
+from support.scenes.scene_checks import FMU
+
+K_H, MASS, RADIUS, SPEED = 3e6, 1.2, 0.1, 0.7
+ALLOWED = {"event_driven": 1e-10, "cvode_bdf": 1e-8, "cvode_adams": 1e-8}
+
+
+def impact(ratio, mu, slip, damping=0.0):
+    """A ball that meets a plane at SPEED, whose surface moves along it at `slip`: half of it is spin."""
+    return {
+        "source.mass": MASS,
+        "source.radius": RADIUS,
+        "source.center": [0.0, 0.0, RADIUS + 0.01],
+        "source.initial_velocity": [0.5 * slip, 0.0, -SPEED],
+        "source.rotation": "free",
+        "source.initial_angular_velocity": [0.0, -0.5 * slip / RADIUS, 0.0],
+        "gravity": [0.0, 0.0, 0.0],
+        "contact.law": "hertz",
+        "contact.hertz_stiffness": K_H,
+        "contact.viscous_control": "user_defined",
+        "contact.hunt_crossley_factor": damping,
+        "contact.friction": "elastic",
+        "contact.friction_coefficient": mu,
+        "contact.static_friction_coefficient": mu,
+        "contact.tangential_law": "mindlin",
+        "contact.tangential_ratio": ratio,
+    }
+
+
+def slip_of(fmu):
+    return fmu["source.velocity"][0] - RADIUS * fmu["source.angular_velocity"][1]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_an_impact_with_a_ratio_of_two_sevenths_turns_the_slip_round(opened, method):
+    """delta'' = -(k_h/m) delta^1.5, and xi'' = -(7/2) (2/7) 1.5 (k_h/m) delta^0.5 xi is its linearization,
+    which 4 delta + t delta' solves, because b^4 delta(b t) is another solution for every b. So xi is
+    (4 delta + t delta') v_t/(5 v_n), and xi' = -v_t at the end. With mu = 1e9 it slides only in the last
+    1e-9 of the depth, where 1e-13 of the impulse is left.
+    """
+    slip = 0.4
+    fmu = run(opened(FMU["plane"]), impact(2 / 7, 1e9, slip), 0.05, 1, 1e-12, method)
+    assert fmu["contact.onsets"] == 1
+    check_close("slip", slip_of(fmu), -slip, ALLOWED[method])
+    check_close("velocity", fmu["source.velocity"][0], (0.5 - 4 / 7) * slip, ALLOWED[method])
+    check_close("energy", fmu["energy.total"], fmu["energy.kinetic"] + fmu["energy.rotational"], 1e-9)
+
+
+def test_the_elongation_midway_is_that_of_the_closed_form(opened):
+    """At the deepest point delta' = 0, so that xi = (4/5) delta v_t/v_n and F_t = K delta^0.5 xi; the energy
+    that has come from the change of k_t is missing in energy.friction.
+    """
+    slip, ratio = 0.4, 2 / 7
+    depth = (1.25 * MASS * SPEED**2 / K_H) ** 0.4
+    lasts = 2 * depth / SPEED * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
+    fmu = start(opened(FMU["plane"]), impact(ratio, 1e9, slip), 1e-12)
+    fmu.step(0.01 / SPEED + 0.5 * lasts)
+    check_relative("depth", -fmu["contact.gap"], depth, 1e-10)
+    spring = 0.8 * depth * slip / SPEED
+    force = 1.5 * ratio * K_H * math.sqrt(depth) * spring
+    check_relative("force", fmu["contact.friction_force"][0], -force, 1e-10)
+    check_relative("stored", fmu["energy.tangential"], 0.5 * force * spring, 1e-10)
+    gone = 0.5 * MASS / 3.5 * slip**2 - 0.5 * MASS / 3.5 * (slip_of(fmu)) ** 2
+    check_relative("friction", fmu["energy.friction"], gone - 0.5 * force * spring, 1e-9)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("ratio, damping", [(1.4 / 1.7, 0.0), (1.4 / 1.7, 0.4), (0.05, 0.0)])
+def test_an_impact_that_sticks_goes_as_scipy_says(opened, method, ratio, damping):
+    slip = 0.4
+
+    def rates(t, y):
+        depth, speed, spring, along = y
+        root = math.sqrt(max(depth, 0.0))
+        push = K_H * root**3 * (1 + damping * speed)
+        return [speed, -push / MASS, along, -3.5 / MASS * 1.5 * ratio * K_H * root * spring]
+
+    def parts(t, y):
+        return y[0] if t > 1e-6 else 1.0
+
+    parts.terminal = True
+    found = solve_ivp(
+        rates, (0.0, 1.0), [0.0, SPEED, 0.0, slip], DOP853, events=parts, rtol=1e-12, atol=1e-14
+    )
+    fmu = run(opened(FMU["plane"]), impact(ratio, 1e9, slip, damping), 0.05, 1, 1e-12, method)
+    check_close("normal", fmu["source.velocity"][2], -found.y[1, -1], ALLOWED[method])
+    check_close("slip", slip_of(fmu), found.y[3, -1], ALLOWED[method])
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("damping", [0.0, 0.4])
+@pytest.mark.parametrize("tangential", [0.0, 3.0])
+def test_an_impact_that_slides_throughout_takes_mu_of_the_normal_impulse(opened, method, damping, tangential):
+    mu, slip = 0.1, 5.0
+    values = impact(1.4 / 1.7, mu, slip, damping) | {"contact.tangential_damping": tangential}
+    fmu = run(opened(FMU["plane"]), values, 0.05, 1, 1e-12, method)
+    back = fmu["source.velocity"][2]
+    kick = mu * (SPEED + back)
+    check_close("velocity", fmu["source.velocity"][0], 0.5 * slip - kick, ALLOWED[method])
+    spin = -0.5 * slip / RADIUS + 2.5 * kick / RADIUS
+    check_close("spin", fmu["source.angular_velocity"][1], spin, ALLOWED[method] / RADIUS)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("factor, sticks", [(0.999, True), (1.001, False)])
+@pytest.mark.parametrize("damping", [0.0, 0.4])
+def test_it_sticks_at_the_touch_where_the_spring_grows_more_slowly_than_its_limit(
+    opened, method, factor, sticks, damping
+):
+    """K v_t < mu k_h (1 + chi v_n) v_n, of two forces that both grow with the power 1.5 of time."""
+    ratio, mu = 0.8, 0.3
+    slip = factor * mu * (1 + damping * SPEED) * SPEED / (1.5 * ratio)
+    fmu = start(opened(FMU["plane"]), impact(ratio, mu, slip, damping), 1e-10, method)
+    fmu.step(0.01 / SPEED + 1e-6)
+    assert fmu["contact.active"] and bool(fmu["contact.sticking"]) == sticks
+
+
+@pytest.mark.parametrize("shape", ["plane", "sphere", "cylinder"])
+def test_the_automatic_ratio_is_that_of_the_materials(opened, shape):
+    """k_t = 8 G* (R* delta)^0.5; an elliptic contact has the same ratio to dF_n/d delta."""
+    depth, slip, time = 1e-4, 0.02, 1e-3
+    E, nu = (7e9, 2e11), (0.35, 0.28)
+    g = [e / (2 * (1 + n)) for e, n in zip(E, nu, strict=True)]
+    shear = 1 / sum((2 - n) / one for n, one in zip(nu, g, strict=True))
+    modulus = 1 / sum((1 - n**2) / e for n, e in zip(nu, E, strict=True))
+    values = {
+        "source.center": [0.0, 0.0, 0.1 + (0.0 if shape == "plane" else 0.5) - depth],
+        "source.motion": "prescribed",
+        "source.prescribed_velocity": [slip, 0.0, 0.0],
+        "source.youngs_modulus": E[0],
+        "source.poissons_ratio": nu[0],
+        "destination.youngs_modulus": E[1],
+        "destination.poissons_ratio": nu[1],
+        "contact.law": "hertz",
+        "contact.penalty_control": "automatic",
+        "contact.method": "penalty",
+        "contact.friction": "elastic",
+        "contact.friction_coefficient": 10.0,
+        "contact.static_friction_coefficient": 10.0,
+        "contact.tangential_law": "mindlin",
+    }
+    if shape == "cylinder":
+        values["destination.axis"] = [1.0, 0.0, 0.0]
+    if shape == "sphere":  # along the surface, and deep enough to feel no curvature in 2e-5 m
+        values |= {"source.prescribed_velocity": [0.0, 0.0, 0.0], "destination.rotation": "prescribed"}
+        values["destination.prescribed_angular_velocity"] = [0.0, -slip / (0.5 - depth), 0.0]
+    fmu = start(opened(FMU[shape]), values, 1e-10)
+    fmu.step(time)
+    normal_stiffness = 1.5 * fmu["contact.effective_hertz_stiffness"] * math.sqrt(depth)
+    if shape != "cylinder":
+        curved = 1 / 0.1 + (0.0 if shape == "plane" else 1 / 0.5)
+        check_relative(
+            "k_t", 8 * shear * math.sqrt(depth / curved), 4 * shear / modulus * normal_stiffness, 1e-12
+        )
+    force = np.linalg.norm(fmu["contact.friction_force"])
+    check_relative("force", force, 4 * shear / modulus * normal_stiffness * slip * time, 1e-9)
+
+
+@pytest.mark.parametrize("tangential", [0.0, 10.0])
+def test_model_exchange_goes_the_same_way(opened, tangential):
+    """It slides, sticks and slides again, as fmpy's CVODE moves the FMU of FMI 2.0 and that of FMI 3.0."""
+    values = impact(1.4 / 1.7, 0.3, 1.2, 0.1) | {"contact.tangential_damping": tangential}
+    seen = ("source.velocity", "source.angular_velocity")
+    fmu = run(opened("SpherePlane"), values, 0.05, 1, 1e-11)
+    for path, names in (
+        (fmu_file("SpherePlane"), [f"{name}[{k}]" for name in seen for k in (1, 2, 3)]),
+        (raw.FMUS / "SpherePlane.fmu", seen),
+    ):
+        found = exchange_runs.simulate(path, values, 0.05, [*names, "energy.friction", "energy.total"])
+        ends = np.concatenate([np.atleast_1d(found[name][-1]) for name in names])
+        check_close("motion", ends, np.concatenate([fmu[name] for name in seen]), 1e-6)
+        check_relative("energy.friction", found["energy.friction"][-1], fmu["energy.friction"], 1e-6)
+        check_close("balance", np.ptp(found["energy.total"]), 0.0, 1e-6)
