@@ -91,7 +91,7 @@ enum slip_velocity_control { SLIP_VELOCITY_CONTROL_AUTOMATIC = 1, SLIP_VELOCITY_
 
 enum friction { FRICTION_NONE = 1, FRICTION_REGULARIZED, FRICTION_ELASTIC };
 
-enum resistance { RESISTANCE_NONE = 1, RESISTANCE_REGULARIZED }; /* to rolling, and to spinning */
+enum resistance { RESISTANCE_NONE = 1, RESISTANCE_REGULARIZED, RESISTANCE_ELASTIC }; /* as of friction */
 
 enum solver_method { SOLVER_METHOD_EVENT_DRIVEN = 1, SOLVER_METHOD_CVODE_BDF, SOLVER_METHOD_CVODE_ADAMS };
 

@@ -146,19 +146,21 @@ friction_force_slopes(const struct friction_law *law, enum friction_regime regim
     return slopes;
 }
 
-enum friction_regime resistance_regime(enum friction_regime regime)
+struct vec3 opposed_motion(enum opposed part, struct vec3 slip, struct vec3 omega, struct vec3 normal)
 {
-    return regime == FRICTION_LIFTED ? FRICTION_LIFTED : FRICTION_SLIDING;
+    return part == OPPOSED_SLIP ? slip : opposed_laid(part, omega, normal);
 }
 
-struct vec3 resistance_torque(const struct resistance_law *law, enum friction_regime regime,
-                              double normal_force, struct vec3 normal, struct vec3 omega)
+struct vec3 opposed_turned(enum opposed part, struct vec3 spring, struct vec3 normal, struct vec3 normal_rate)
 {
-    const struct vec3 along = vec3_scale(vec3_dot(omega, normal), normal);
-    const struct friction_state rolling = {.normal_force = normal_force, .slip = vec3_sub(omega, along)};
-    const struct friction_state spinning = {.normal_force = normal_force, .slip = along};
-    return vec3_add(friction_force(&law->rolling, resistance_regime(regime), rolling),
-                    friction_force(&law->spinning, resistance_regime(regime), spinning));
+    return part == OPPOSED_SPINNING ? vec3_scale(vec3_dot(spring, normal), normal_rate)
+                                    : vec3_scale(-vec3_dot(spring, normal_rate), normal);
+}
+
+struct vec3 opposed_laid(enum opposed part, struct vec3 spring, struct vec3 normal)
+{
+    const struct vec3 along = vec3_scale(vec3_dot(spring, normal), normal);
+    return part == OPPOSED_SPINNING ? along : vec3_sub(spring, along);
 }
 
 /* Least length of the turning spring divided by its typical length. A shorter spring turns faster, up to this

@@ -62,7 +62,7 @@ static void put_state(struct scene_state *q, double gap, struct vec3 velocity, s
     q->body[SOURCE].moved = vec3_make(gap + 0.01, 0.0, 0.0);
     q->body[SOURCE].velocity = velocity;
     q->contact[0].physics.accumulated_gap = gap;
-    q->turning.spring[0] = spring;
+    q->turning.spring[0][OPPOSED_SLIP] = spring;
 }
 
 /* Deep, shallow, and where a regime changes but for a few roundings, on either side. */
@@ -114,7 +114,7 @@ static bool sliding_is_wrong(struct choice choice, enum friction_regime regime, 
     const double largest = choice.has_largest ? 2.0 : 1e6;
     const double c_t = choice.tangentially_damped ? 3.0 : 0.0;
     const struct vec3 slip = vec3_make(0.0, q->body[SOURCE].velocity.y, q->body[SOURCE].velocity.z);
-    const struct vec3 spring = q->turning.spring[0];
+    const struct vec3 spring = q->turning.spring[0][OPPOSED_SLIP];
     const double carried = vec3_norm(vec3_axpy(vec3_scale(500.0, spring), c_t, slip));
     const double mu_s = choice.breaks_away_late ? 0.7 : 0.5;
     if (regime == FRICTION_STICKING) {
@@ -138,7 +138,7 @@ static bool friction_is_wrong(struct choice choice, const struct scene_values *v
 {
     struct scene_instant at;
     const enum contact_regime regime = (enum contact_regime)q->contact[0].regime;
-    const enum friction_regime friction = (enum friction_regime)q->contact[0].friction_regime;
+    const enum friction_regime friction = (enum friction_regime)q->contact[0].friction_regime[OPPOSED_SLIP];
     const double force = normal_force(choice, regime, gap, rate);
     const bool may_pull = choice.damped && choice.dashpot == DASHPOT_UNCLAMPED;
     if (friction == FRICTION_LIFTED) {

@@ -17,6 +17,7 @@ from support.reference.turning import (
     FRICTION,
     SIZE,
     SPRING,
+    SPRINGS,
     SUMS,
     WORK,
     TurningPair,
@@ -36,7 +37,7 @@ class TurningRun:
         self.pair, self.time, self.longest, self.relative = TurningPair(values, shape), 0.0, longest, relative
         self.y = np.array(self.pair.first_state())
         self.onset_times, self.durations, self.events = [], [], []
-        self.touching = self.sticking = False
+        self.touching, self.sticking = False, set()  # the opposed motions that stick
         self.given = (
             0.0  # to friction by what is lost at once: a spring at release, one that falls to its limit
         )
@@ -52,22 +53,26 @@ class TurningRun:
         self.touching = True
         self.onset_times.append(self.time)
         self.y[SPRING:SUMS] = 0.0
-        self.sticking = False
-        if pair.friction != "elastic":
-            return
-        y = list(self.y)
-        place = pair.geometry(y)
-        slip = norm(pair.slip(place)[0])
+        place = pair.geometry(list(self.y))
         force = pair.normal_force(min(place.gap, 0.0), place.rate)
-        if force > 1e-12 * pair.stiffness * pair.r_s or pair.c_t > 0 or slip == 0.0:
-            self.sticking = pair.c_t * slip <= pair.limit(force, True)
-        elif not pair.hertz:  # both grow from zero: which one faster
-            self.sticking = pair.k_t * slip <= pair.mu_static * pair.stiffness * -place.rate
+        self.sticking = {kind for kind in pair.elastic() if self._begins_to_stick(kind, place, force)}
+
+    def _begins_to_stick(self, kind, place, force):
+        pair, one = self.pair, self.pair.opposed[kind]
+        speed = norm(pair.motions(place)[kind])
+        if force > 1e-12 * pair.stiffness * pair.r_s or one.c > 0 or speed == 0.0:
+            return one.c * speed <= pair.limit(one, force, True)
+        # both grow from zero: which one faster
+        return not pair.hertz and one.k * speed <= one.mu_static * pair.stiffness * -place.rate
+
+    def _stored_in(self, kind):
+        spring = self.y[SPRINGS[kind]]
+        return 0.5 * self.pair.opposed[kind].k * float(spring @ spring)
 
     def _release(self):
-        self.given += 0.5 * self.pair.k_t * float(self.y[SPRING:SUMS] @ self.y[SPRING:SUMS])
+        self.given += sum(self._stored_in(kind) for kind in self.pair.elastic())
         self.y[SPRING:SUMS] = 0.0
-        self.touching = self.sticking = False
+        self.touching, self.sticking = False, set()
         self.durations.append(self.time - self.onset_times[-1])
 
     def _functions(self):
@@ -84,10 +89,11 @@ class TurningRun:
             found["corner"] = lambda y: pair.geometry(y).rate, BOTH
         elif pair.viscous > 0:
             found["corner"] = lambda y: self._law(y), BOTH
-        if pair.friction != "none" and pair.largest < 1e299:
-            found["largest"] = lambda y: pair.mu * self._law(y) - pair.largest, BOTH
-        if pair.friction == "elastic":
-            found |= self._stick_and_slip()
+        slip = pair.opposed["slip"]
+        if slip.law != "none" and slip.largest < 1e299:
+            found["largest"] = lambda y: slip.mu * self._law(y) - slip.largest, BOTH
+        for kind in pair.elastic():
+            found |= self._stick_and_slip(kind)
         return found
 
     def _law(self, y):
@@ -96,18 +102,18 @@ class TurningRun:
             return 1 - self.pair.viscous * place.rate
         return self.pair.law_force(place.gap, place.rate)
 
-    def _over(self, y, static):
-        pair = self.pair
+    def _over(self, kind, y, static):
+        pair, one = self.pair, self.pair.opposed[kind]
         place = pair.geometry(y)
-        trial = norm(pair.trial(pair.slip(place)[0], y[SPRING:SUMS]))
-        return trial - pair.limit(pair.normal_force(place.gap, place.rate), static)
+        trial = norm(pair.trial(one, pair.motions(place)[kind], y[SPRINGS[kind]]))
+        return trial - pair.limit(one, pair.normal_force(place.gap, place.rate), static)
 
-    def _stick_and_slip(self):
-        if self.sticking:
-            return {"slip": (lambda y: self._over(y, True), RISES)}
-        if self.pair.c_t > 0:
-            return {"stick": (lambda y: self._over(y, False), FALLS)}
-        return {"stick": (lambda y: sliding_rate(self.pair, y), FALLS)}
+    def _stick_and_slip(self, kind):
+        if kind in self.sticking:
+            return {f"{kind} slips": (lambda y: self._over(kind, y, True), RISES)}
+        if self.pair.opposed[kind].c > 0:
+            return {f"{kind} sticks": (lambda y: self._over(kind, y, False), FALLS)}
+        return {f"{kind} sticks": (lambda y: sliding_rate(self.pair, kind, y, self.sticking), FALLS)}
 
     def _happen(self, name):
         self.events.append((self.time, name))
@@ -116,34 +122,45 @@ class TurningRun:
             self._touch()
         elif name == "release":
             self._release()
-        elif name == "stick":
-            self.sticking = True
-        elif name == "slip":
-            self.sticking = False
-            if pair.c_t == 0.0:
-                place = pair.geometry(y)
-                spring = y[SPRING:SUMS]
-                longest = pair.limit(pair.normal_force(place.gap, place.rate)) / pair.k_t
-                size = norm(spring)
-                if longest < size:
-                    self.given += 0.5 * pair.k_t * (size**2 - longest**2)
-                    self.y[SPRING:SUMS] = times(longest / size, spring)
-                    # Where the slip does not stretch it on from there it sticks again at once.
-                    self.sticking = sliding_rate(pair, list(self.y)) < 0.0
-        elif name == "corner" and pair.friction == "elastic" and pair.c_t == 0.0:
-            self._rub_again(y)
+        elif name.endswith(" sticks"):
+            self.sticking.add(name.split()[0])
+        elif name.endswith(" slips"):
+            self._begin_to_slip(name.split()[0], y)
+        elif name == "corner":
+            for kind in pair.elastic():
+                if pair.opposed[kind].c == 0.0:
+                    self._rub_again(kind, y)
         elif name == "end":
             self._pass_end(pair.geometry(y))
 
-    def _rub_again(self, y):
+    def _begin_to_slip(self, kind, y):
+        pair, one = self.pair, self.pair.opposed[kind]
+        self.sticking.discard(kind)
+        if one.c == 0.0:
+            place = pair.geometry(y)
+            spring = y[SPRINGS[kind]]
+            longest = pair.limit(one, pair.normal_force(place.gap, place.rate)) / one.k
+            size = norm(spring)
+            if longest < size:
+                self.given += 0.5 * one.k * (size**2 - longest**2)
+                self.y[SPRINGS[kind]] = times(longest / size, spring)
+                # Where the slip does not stretch it on from there it sticks again at once.
+                if sliding_rate(pair, kind, list(self.y), self.sticking) < 0.0:
+                    self.sticking.add(kind)
+
+    def _rub_again(self, kind, y):
         """A normal force that ends leaves no spring; one that begins again finds none."""
-        place = self.pair.geometry(y)
-        if self.pair.dashpot == "approach_only" or (self.pair.hertz and place.gap >= 0):
+        pair, one = self.pair, self.pair.opposed[kind]
+        place = pair.geometry(y)
+        if pair.dashpot == "approach_only" or (pair.hertz and place.gap >= 0):
             return
-        self.given += 0.5 * self.pair.k_t * dot(y[SPRING:SUMS], y[SPRING:SUMS])
-        self.y[SPRING:SUMS] = 0.0
-        y[SPRING:SUMS] = [0.0] * 3
-        self.sticking = self.pair.k_t * norm(self.pair.slip(place)[0]) <= growth_of_limit(self.pair, y)
+        self.given += self._stored_in(kind)
+        self.y[SPRINGS[kind]] = 0.0
+        y[SPRINGS[kind]] = [0.0] * 3
+        if one.k * norm(pair.motions(place)[kind]) <= growth_of_limit(pair, one, y):
+            self.sticking.add(kind)
+        else:
+            self.sticking.discard(kind)
 
     def _pass_end(self, place):
         self.within = not self.within
@@ -243,7 +260,7 @@ class TurningRun:
                 found["rotational"] += 0.5 * dot(here.omega, y[at : at + 3])
         if self.touching:
             found["contact"] = pair.stored(place.gap)
-            found["tangential"] = 0.5 * pair.k_t * dot(y[SPRING:SUMS], y[SPRING:SUMS])
+            found["tangential"] = sum(self._stored_in(kind) for kind in pair.elastic())
         found["dissipated"] = y[DISSIPATED] + self.ends
         found["friction"] = y[FRICTION] + self.given
         found["external_work"] = y[WORK]
@@ -284,7 +301,7 @@ class TurningRun:
             "impulse": self.y[SUMS : SUMS + 3].copy(),
             "source_torque_impulse": self.y[SUMS + 3 : SUMS + 6].copy(),
             "destination_torque_impulse": self.y[SUMS + 6 : SUMS + 9].copy(),
-            "spring": self.y[SPRING:SUMS].copy(),
+            "spring": self.y[SPRINGS["slip"]].copy(),
         }
         if self.onset_times:
             lasting = self.time - self.onset_times[-1]

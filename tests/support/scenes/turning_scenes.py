@@ -179,15 +179,15 @@ def friction_law(random, friction, values):
     }
 
 
-def resistance(random):
-    """Against rolling, against spinning, or both"""
+def resistance(random, law="regularized"):
+    """Against rolling, against spinning, or both; elastic with a dashpot or without"""
     kinds = chosen(random, [("rolling",), ("spinning",), ("rolling", "spinning")])
-    return {
-        f"contact.{name}": value
-        for kind in kinds
-        for name, value in (
-            (kind, "regularized"),
-            (f"{kind}_coefficient", 10 ** random.uniform(-2, 0)),
-            (f"characteristic_{kind}_rate", 10 ** random.uniform(-1, 0.5)),
-        )
-    }
+    found = {}
+    for kind in kinds:
+        found |= {f"contact.{kind}": law, f"contact.{kind}_coefficient": 10 ** random.uniform(-2, 0)}
+        if law == "regularized":
+            found[f"contact.characteristic_{kind}_rate"] = 10 ** random.uniform(-1, 0.5)
+        else:  # periods and angles of about those of an impact
+            found[f"contact.{kind}_stiffness"] = 10 ** random.uniform(1, 3)
+            found[f"contact.{kind}_damping"] = chosen(random, [0.0, 10 ** random.uniform(-2, 0)])
+    return found
