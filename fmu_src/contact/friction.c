@@ -78,7 +78,7 @@ enum friction_regime friction_sliding_regime(const struct friction_law *law, dou
 
 /* Where F_n jumps to a positive value at the touch, friction sticks if the dashpot's part of F* is below the
  * limit. Where F_n grows from zero, friction sticks if the dashpot's part is zero and the limit grows at
- * least as fast as the spring's part. */
+ * least as fast as the spring's part. With mu_s = 0 it slides. */
 enum friction_regime friction_onset_regime(const struct friction_law *law, double normal_force,
                                            double normal_force_rate, struct vec3 slip)
 {
@@ -89,7 +89,7 @@ enum friction_regime friction_onset_regime(const struct friction_law *law, doubl
                            ? law->damping * speed < limit
                            : law->damping * speed == 0.0 &&
                                  law->stiffness * speed <= law->static_coefficient * normal_force_rate;
-    if (law->kind == FRICTION_ELASTIC && holds) {
+    if (law->kind == FRICTION_ELASTIC && holds && law->static_coefficient > 0.0) {
         return FRICTION_STICKING;
     }
     return begins_loaded ? friction_sliding_regime(law, normal_force) : FRICTION_SLIDING;
@@ -363,11 +363,11 @@ double friction_stick_event(const struct friction_law *law, enum friction_regime
     if (regime == FRICTION_STICKING) {
         return limit - f.length;
     }
-    if (has_dashpot(law)) {
-        return f.length - limit;
-    }
     if (law->coefficient == 0.0) {
         return 1.0; /* with mu = 0 sliding never ends */
+    }
+    if (has_dashpot(law)) {
+        return f.length - limit;
     }
     const double limit_rate = limit_slope(law, regime) * normal_force_rate;
     return vec3_dot(at.slip, f.unit) - limit_rate / law->stiffness;

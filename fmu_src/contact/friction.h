@@ -29,7 +29,8 @@
  * Both are laws of friction with omega for the slip, mu_r R_r for mu and mu_s, omega_0 for v_0, the angle
  * theta for xi, k_r and c_r for k_t and c_t, and no F_max. Struct friction_law therefore serves for each
  * part. The spring of rolling turns with the normal as that of friction does, and the spring of spinning
- * stays along the normal. Source: J. Ai, J.-F. Chen, J. M. Rotter, J. Y. Ooi, Powder Technology 206 (2011) 269.
+ * stays along the normal. Source: J. Ai, J.-F. Chen, J. M. Rotter, J. Y. Ooi, Powder Technology 206 (2011)
+ * 269.
  */
 #ifndef CONTACT_CONTACT_FRICTION_H
 #define CONTACT_CONTACT_FRICTION_H

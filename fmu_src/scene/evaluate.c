@@ -355,9 +355,11 @@ static void turning_of_contact(const struct scene_values *v, const struct scene_
     if (rubs) {
         at->source_force[contact] = vec3_add(at->source_force[contact], opposing[OPPOSED_SLIP]);
     }
-    turning->resistance[contact] = vec3_make(0.0, 0.0, 0.0);
-    for (int i = 1; i < contact_opposed(v, contact); ++i) {
-        turning->resistance[contact] = vec3_add(turning->resistance[contact], opposing[i]);
+    if (SCENE_ANY_ROLLING) {
+        turning->resistance[contact] = vec3_make(0.0, 0.0, 0.0);
+        for (int i = 1; i < contact_opposed(v, contact); ++i) {
+            turning->resistance[contact] = vec3_add(turning->resistance[contact], opposing[i]);
+        }
     }
     put_torques(v, at, contact);
 }
@@ -583,7 +585,9 @@ void scene_put_contact_forces(const struct scene_values *v, const struct scene_s
         at->source_force[j] = force[j];
         at->normal_force[j] = -vec3_dot(force[j], e);
         at->turning.friction_force[j] = vec3_axpy(force[j], at->normal_force[j], e);
-        at->turning.resistance[j] = vec3_make(0.0, 0.0, 0.0); /* contacts that resist are not solved so */
+        if (SCENE_ANY_ROLLING) { /* contacts that resist are not solved so */
+            at->turning.resistance[j] = vec3_make(0.0, 0.0, 0.0);
+        }
         accelerate(v, j, at);
         put_torques(v, at, j);
     }

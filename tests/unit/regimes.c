@@ -236,7 +236,8 @@ static void check_regime(struct random *r, struct choice choice, struct model *m
 {
     struct scene_state *q = &m->state.motion;
     put_any_state(r, q);
-    q->contact[0].friction_regime = (int32_t)(before == REGIME_APART ? random_index(r, 4) : FRICTION_SLIDING);
+    q->contact[0].friction_regime[OPPOSED_SLIP] =
+        (int32_t)(before == REGIME_APART ? random_index(r, 4) : FRICTION_SLIDING);
     q->contact[0].regime = (int32_t)regime;
     turning_take_regime(&m->state.values, q, 0, before);
     check_pair(r, choice, m);
@@ -269,7 +270,7 @@ TEST(nothing_lifts_friction_where_nothing_pulls)
             put_any_state(&r, q);
             q->contact[0].regime = (int32_t)REGIME_COMPRESSION;
             turning_take_regime(&m.state.values, q, 0, k % 2 ? REGIME_APART : REGIME_SEPARATING);
-            CHECK(q->contact[0].friction_regime != (int32_t)FRICTION_LIFTED);
+            CHECK(q->contact[0].friction_regime[OPPOSED_SLIP] != (int32_t)FRICTION_LIFTED);
         }
     }
 }

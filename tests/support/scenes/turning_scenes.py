@@ -179,6 +179,20 @@ def friction_law(random, friction, values):
     }
 
 
+def any_resistance(random, contact, torque):
+    """Either law or none against each motion of a contact whose torques are of this size [N m]."""
+    found = {}
+    for kind in ("rolling", "spinning"):
+        found |= {
+            f"{contact}.{kind}": chosen(random, ["none", "regularized", "elastic", "elastic"]),
+            f"{contact}.{kind}_coefficient": chosen(random, [0.0, 0.05, 0.5]),
+            f"{contact}.characteristic_{kind}_rate": 0.1,
+            f"{contact}.{kind}_stiffness": torque * chosen(random, [1.0, 10.0]),
+            f"{contact}.{kind}_damping": torque * chosen(random, [0.0, 0.01]),
+        }
+    return found
+
+
 def resistance(random, law="regularized"):
     """Against rolling, against spinning, or both; elastic with a dashpot or without"""
     kinds = chosen(random, [("rolling",), ("spinning",), ("rolling", "spinning")])
