@@ -103,7 +103,7 @@ static const double ONSET_POWER = 1.5;
 
 /* Where F_n jumps to a positive value at the touch, friction sticks if the dashpot's part of F* is below the
  * limit. Where F_n grows from zero, friction sticks if the dashpot's part is zero and the limit grows at
- * least as fast as the spring's part. */
+ * least as fast as the spring's part. With mu_s = 0 it slides. */
 enum friction_regime friction_onset_regime(const struct friction_law *law, struct friction_state at,
                                            double normal_force_rate)
 {
@@ -116,7 +116,7 @@ enum friction_regime friction_onset_regime(const struct friction_law *law, struc
                            ? law->damping * speed < limit
                            : law->damping * speed == 0.0 && power * stiffness_at(law, at) * speed <=
                                                                 law->static_coefficient * normal_force_rate;
-    if (law->kind == FRICTION_ELASTIC && holds) {
+    if (law->kind == FRICTION_ELASTIC && holds && law->static_coefficient > 0.0) {
         return FRICTION_STICKING;
     }
     return begins_loaded ? friction_sliding_regime(law, at.normal_force) : FRICTION_SLIDING;
@@ -174,19 +174,21 @@ friction_force_slopes(const struct friction_law *law, enum friction_regime regim
     return slopes;
 }
 
-enum friction_regime resistance_regime(enum friction_regime regime)
+struct vec3 opposed_motion(enum opposed part, struct vec3 slip, struct vec3 omega, struct vec3 normal)
 {
-    return regime == FRICTION_LIFTED ? FRICTION_LIFTED : FRICTION_SLIDING;
+    return part == OPPOSED_SLIP ? slip : opposed_laid(part, omega, normal);
 }
 
-struct vec3 resistance_torque(const struct resistance_law *law, enum friction_regime regime,
-                              double normal_force, struct vec3 normal, struct vec3 omega)
+struct vec3 opposed_turned(enum opposed part, struct vec3 spring, struct vec3 normal, struct vec3 normal_rate)
 {
-    const struct vec3 along = vec3_scale(vec3_dot(omega, normal), normal);
-    const struct friction_state rolling = {.normal_force = normal_force, .slip = vec3_sub(omega, along)};
-    const struct friction_state spinning = {.normal_force = normal_force, .slip = along};
-    return vec3_add(friction_force(&law->rolling, resistance_regime(regime), rolling),
-                    friction_force(&law->spinning, resistance_regime(regime), spinning));
+    return part == OPPOSED_SPINNING ? vec3_scale(vec3_dot(spring, normal), normal_rate)
+                                    : vec3_scale(-vec3_dot(spring, normal_rate), normal);
+}
+
+struct vec3 opposed_laid(enum opposed part, struct vec3 spring, struct vec3 normal)
+{
+    const struct vec3 along = vec3_scale(vec3_dot(spring, normal), normal);
+    return part == OPPOSED_SPINNING ? along : vec3_sub(spring, along);
 }
 
 /* Least length of the turning spring divided by its typical length. A shorter spring turns faster, up to this
@@ -399,11 +401,11 @@ double friction_stick_event(const struct friction_law *law, enum friction_regime
     if (regime == FRICTION_STICKING) {
         return limit - f.length;
     }
-    if (has_dashpot(law)) {
-        return f.length - limit;
-    }
     if (law->coefficient == 0.0) {
         return 1.0; /* with mu = 0 sliding never ends */
+    }
+    if (has_dashpot(law)) {
+        return f.length - limit;
     }
     const double limit_rate = limit_slope(law, regime) * normal_force_rate;
     return vec3_dot(at.slip, f.unit) - length_rate(law, at, limit, limit_rate);

@@ -29,13 +29,16 @@
  *
  * Resistance to rolling and to spinning is a torque M on the source, and -M on the destination. It opposes
  * omega = omega_s - omega_d, the angular velocity of the source as the destination sees it. The part of omega
- * across n is rolling, the part along n is spinning. For each part
+ * across n is rolling, the part along n is spinning. Each part has its own law and its own regime:
  *
- *   M = -mu_r R_r F_n (1 - exp(-|omega| / omega_0)) omega / |omega|
+ *   regularized   M = -mu_r R_r F_n (1 - exp(-|omega| / omega_0)) omega / |omega|
+ *   elastic       M* = k_r theta + c_r omega,   sticking M = -M*,   sliding M = -mu_r R_r F_n M* / |M*|
  *
- * with its own mu_r and omega_0. It is regularized friction with omega for the slip, mu_r R_r for mu, omega_0
- * for v_0 and no F_max, so that struct friction_law serves for each part. Source: J. Ai, J.-F. Chen, J. M.
- * Rotter, J. Y. Ooi, Powder Technology 206 (2011) 269.
+ * Both are laws of friction with omega for the slip, mu_r R_r for mu and mu_s, omega_0 for v_0, the angle
+ * theta for xi, k_r and c_r for k_t and c_t, and no F_max. Struct friction_law therefore serves for each
+ * part. The spring of rolling turns with the normal as that of friction does, and the spring of spinning
+ * stays along the normal. Source: J. Ai, J.-F. Chen, J. M. Rotter, J. Y. Ooi, Powder Technology 206 (2011)
+ * 269.
  */
 #ifndef CONTACT_CONTACT_FRICTION_H
 #define CONTACT_CONTACT_FRICTION_H
@@ -45,20 +48,20 @@
 #include "contact/choices.h"
 #include "math/vec3.h"
 
+/* The relative motions of a contact that a law of friction opposes. Where no contact resists rolling or
+ * spinning, the slip is the only one. */
+enum opposed { OPPOSED_SLIP, OPPOSED_ROLLING, OPPOSED_SPINNING };
+enum { OPPOSED = CONTACT_ANY_ROLLING ? 3 : 1 };
+
+/* The units are those of friction. A resistance has radians for metres and newton metres for newtons. */
 struct friction_law {
     enum friction kind;
-    double coefficient;        /* mu [1] */
+    double coefficient;        /* mu [1], or mu_r R_r [m] */
     double static_coefficient; /* mu_s >= mu [1] of elastic friction */
     double slip_velocity;      /* v_0 of regularized friction [m/s] */
     double largest;            /* F_max [N] */
     double stiffness, damping; /* k_t [N/m], or K [N/m^1.5]; c_t [N s/m] of elastic friction */
     enum tangential_law tangential;
-};
-
-/* The laws of both parts of the resistance: mu_r R_r [m] is the coefficient, omega_0 [rad/s] the slip
- * velocity. */
-struct resistance_law {
-    struct friction_law rolling, spinning;
 };
 
 /* The regimes of friction. Regularized friction always slides; its FRICTION_STICKING is the linearization at
@@ -116,11 +119,16 @@ struct friction_slopes friction_force_slopes(const struct friction_law *law, enu
 struct friction_slopes friction_spring_rate_slopes(const struct friction_law *law,
                                                    enum friction_regime regime, struct friction_state at);
 
-/* Returns M [N m] under the normal force F_n for the angular velocity omega. The resistance is lifted where
- * friction is, and acts in all other regimes of friction. */
-struct vec3 resistance_torque(const struct resistance_law *law, enum friction_regime regime,
-                              double normal_force, struct vec3 normal, struct vec3 omega);
-enum friction_regime resistance_regime(enum friction_regime regime);
+/* Returns an opposed motion of a contact: the slip, or a part of omega. */
+struct vec3 opposed_motion(enum opposed part, struct vec3 slip, struct vec3 omega, struct vec3 normal);
+
+/* Returns the rate at which the normal, with the rate n', turns the spring of an opposed motion [m/s, rad/s]:
+ * a spring across n stays across it, and a spring along n stays along it. */
+struct vec3 opposed_turned(enum opposed part, struct vec3 spring, struct vec3 normal,
+                           struct vec3 normal_rate);
+
+/* Returns a spring without the part that rounding or a jump of n has put out of its plane or line. */
+struct vec3 opposed_laid(enum opposed part, struct vec3 spring, struct vec3 normal);
 
 /* Return the spring's elongation [m] and its stored energy [J]; the other work of friction is dissipated. */
 struct vec3 friction_spring(const struct friction_law *law, enum friction_regime regime,

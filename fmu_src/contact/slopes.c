@@ -289,25 +289,28 @@ struct vec3 friction_force_term(const struct friction_law *law, enum friction_re
     return vec3_scale(-1.0, jet_scale(limit, unit, order));
 }
 
-void resistance_terms(const struct resistance_law *law, enum friction_regime regime,
-                      const struct contact_jet *jet, const struct vec3 omega[JET_TERMS],
-                      struct vec3 torque[JET_TERMS])
+void opposed_terms(enum opposed part, const struct vec3 slip[JET_TERMS], const struct vec3 omega[JET_TERMS],
+                   const struct vec3 normal[JET_TERMS], struct vec3 motion[JET_TERMS])
 {
-    struct friction_path rolling = {.slip_velocity_slope = 0.0};
     double along[JET_TERMS];
     for (int i = 0; i < JET_TERMS; ++i) {
-        along[i] = jet_dot(omega, jet->normal, i);
-        rolling.normal_force[i] = jet->normal_force[i];
+        along[i] = jet_dot(omega, normal, i);
+        const struct vec3 spinning = jet_scale(along, normal, i);
+        motion[i] = part == OPPOSED_SLIP       ? slip[i]
+                    : part == OPPOSED_SPINNING ? spinning
+                                               : vec3_sub(omega[i], spinning);
     }
-    struct friction_path spinning = rolling;
-    for (int i = 0; i < JET_TERMS; ++i) {
-        spinning.slip[i] = jet_scale(along, jet->normal, i);
-        rolling.slip[i] = vec3_sub(omega[i], spinning.slip[i]);
+}
+
+struct vec3 opposed_turned_term(enum opposed part, const struct vec3 spring[JET_TERMS],
+                                const struct vec3 normal[JET_TERMS], int order)
+{
+    const struct vec3 rate[2] = {normal[1], vec3_scale(2.0, normal[2])};
+    double factor[2];
+    for (int i = 0; i <= order; ++i) {
+        factor[i] = part == OPPOSED_SPINNING ? jet_dot(spring, normal, i) : -jet_dot(spring, rate, i);
     }
-    for (int i = 0; i < JET_TERMS; ++i) {
-        torque[i] = vec3_add(friction_force_term(&law->rolling, resistance_regime(regime), &rolling, i),
-                             friction_force_term(&law->spinning, resistance_regime(regime), &spinning, i));
-    }
+    return jet_scale(factor, part == OPPOSED_SPINNING ? rate : normal, order);
 }
 
 double friction_stored_term(const struct friction_law *law, enum friction_regime regime,
@@ -339,17 +342,26 @@ static struct vec3 matrix_times(double m[3][3], struct vec3 a)
                      m[2][0] * a.x + m[2][1] * a.y + m[2][2] * a.z);
 }
 
-/* Sets omega, M and the derivatives of both parts of M. */
-static void put_resistance_slopes(const struct turning_laws *laws, struct turning_slopes *s)
+/* Sets the opposed motions, the forces and torques that oppose them, and the derivatives of these. */
+static void put_opposed_slopes(const struct turning_laws *laws, struct vec3 slip, struct turning_slopes *s)
 {
-    const struct vec3 n = s->geometry.normal;
-    const enum friction_regime regime = resistance_regime(laws->friction_regime);
-    const struct vec3 along = vec3_scale(vec3_dot(s->spin, n), n);
-    const struct friction_state rolling = {.normal_force = s->normal_force, .slip = vec3_sub(s->spin, along)};
-    const struct friction_state spinning = {.normal_force = s->normal_force, .slip = along};
-    s->resistance = resistance_torque(&laws->resistance, regime, s->normal_force, n, s->spin);
-    s->rolling_slopes = friction_force_slopes(&laws->resistance.rolling, regime, rolling);
-    s->spinning_slopes = friction_force_slopes(&laws->resistance.spinning, regime, spinning);
+    s->parts = 1;
+    for (int i = 1; i < OPPOSED; ++i) {
+        s->parts = laws->rubbing[i].kind != FRICTION_NONE ? OPPOSED : s->parts;
+    }
+    for (int i = 0; i < s->parts; ++i) {
+        const struct friction_law *law = &laws->rubbing[i];
+        const enum friction_regime regime = laws->rubbing_regime[i];
+        s->opposed[i] = opposed_motion((enum opposed)i, slip, s->spin, s->geometry.normal);
+        const struct friction_state at = {.normal_force = s->normal_force,
+                                          .slip = s->opposed[i],
+                                          .spring = s->motion.spring[i],
+                                          .depth = -s->geometry.gap,
+                                          .depth_rate = -s->geometry.gap_rate};
+        s->opposing[i] = friction_force(law, regime, at);
+        s->force_slopes[i] = friction_force_slopes(law, regime, at);
+        s->spring_slopes[i] = friction_spring_rate_slopes(law, regime, at);
+    }
 }
 
 struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const struct contact_geometry *at,
@@ -364,28 +376,16 @@ struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const
     s.normal_rate = vec3_axpy(vec3_cross(motion->destination_rotation, n), s.inverse_distance, s.across);
     s.spin = vec3_sub(motion->source_rotation, motion->destination_rotation);
     const struct vec3 tangential = vec3_axpy(s.seen_rate, -vec3_dot(n, s.seen_rate), n);
-    s.slip = vec3_sub(vec3_scale(lever, vec3_cross(s.spin, n)), tangential);
+    const struct vec3 slip = vec3_sub(vec3_scale(lever, vec3_cross(s.spin, n)), tangential);
 
     s.normal_force = contact_force(&laws->normal, laws->regime, at->gap, at->gap_rate);
     s.normal_slopes = contact_force_slopes(&laws->normal, laws->regime, at->gap, at->gap_rate);
     s.stored_slope = contact_stored_slope(&laws->normal, laws->regime, at->gap);
     s.bend = contact_stored_bend(&laws->normal, laws->regime, at->gap);
 
-    const struct friction_state rubbing = {.normal_force = s.normal_force,
-                                           .slip = s.slip,
-                                           .spring = motion->spring,
-                                           .depth = -at->gap,
-                                           .depth_rate = -at->gap_rate};
-    s.stiffening = friction_stiffening(&laws->friction, -at->gap);
-    s.friction_force = friction_force(&laws->friction, laws->friction_regime, rubbing);
-    s.force_slopes = friction_force_slopes(&laws->friction, laws->friction_regime, rubbing);
-    s.spring_slopes = friction_spring_rate_slopes(&laws->friction, laws->friction_regime, rubbing);
-    s.force = vec3_axpy(s.friction_force, -shape->side * s.normal_force, n);
-    s.resists = CONTACT_ANY_ROLLING && (laws->resistance.rolling.kind == FRICTION_REGULARIZED ||
-                                        laws->resistance.spinning.kind == FRICTION_REGULARIZED);
-    if (s.resists) {
-        put_resistance_slopes(laws, &s);
-    }
+    s.stiffening = friction_stiffening(&laws->rubbing[OPPOSED_SLIP], -at->gap);
+    put_opposed_slopes(laws, slip, &s);
+    s.force = vec3_axpy(s.opposing[OPPOSED_SLIP], -shape->side * s.normal_force, n);
     return s;
 }
 
@@ -507,21 +507,42 @@ struct vec3 friction_slopes_along(const struct friction_slopes *slopes, double n
     return vec3_axpy(by_motion, normal_force, m.by_normal_force);
 }
 
-/* Adds the change of M, where n (n.omega) is the spinning part of omega. */
-static void add_resistance(const struct turning_slopes *s, const struct turning_motion *change,
-                           struct vec3 more_normal, double normal_force, struct turning_change *out)
+/* Returns the change of a spring's rate: of the law's part by the change `motion` of the opposed motion and by
+ * the change `stretched` of the spring, which a change of k_t adds to; and of opposed_turned. */
+static struct vec3 spring_rate_along(const struct turning_slopes *s, enum opposed part, double normal_force,
+                                     struct vec3 motion, struct vec3 spring, struct vec3 stretched,
+                                     struct vec3 normal, struct vec3 normal_rate)
 {
     const struct vec3 n = s->geometry.normal;
-    const struct vec3 none = {0.0, 0.0, 0.0};
+    const struct vec3 at = s->motion.spring[part];
+    const struct vec3 own = friction_slopes_along(&s->spring_slopes[part], normal_force, motion, stretched);
+    if (part == OPPOSED_SPINNING) {
+        const double along = vec3_dot(spring, n) + vec3_dot(at, normal);
+        return vec3_axpy(vec3_axpy(own, vec3_dot(at, n), normal_rate), along, s->normal_rate);
+    }
+    const double tilted = vec3_dot(spring, s->normal_rate) + vec3_dot(at, normal_rate);
+    return vec3_axpy(vec3_axpy(own, -vec3_dot(at, s->normal_rate), normal), -tilted, n);
+}
+
+/* Adds the change of M, where n (n.omega) is the spinning part of omega. */
+static void add_resistance(const struct turning_slopes *s, const struct turning_motion *change,
+                           struct vec3 more_normal, struct vec3 normal_rate, double normal_force,
+                           struct turning_change *out)
+{
+    const struct vec3 n = s->geometry.normal;
     const struct vec3 more_spin = vec3_sub(change->source_rotation, change->destination_rotation);
     const double more_along = vec3_dot(more_normal, s->spin) + vec3_dot(n, more_spin);
     const struct vec3 along = vec3_axpy(vec3_scale(vec3_dot(n, s->spin), more_normal), more_along, n);
-    const struct vec3 across = vec3_sub(more_spin, along);
-    const struct vec3 more = vec3_add(friction_slopes_along(&s->rolling_slopes, normal_force, across, none),
-                                      friction_slopes_along(&s->spinning_slopes, normal_force, along, none));
-    out->source_torque = vec3_add(out->source_torque, more);
-    out->destination_torque = vec3_sub(out->destination_torque, more);
-    out->friction_power -= vec3_dot(more, s->spin) + vec3_dot(s->resistance, more_spin);
+    for (int i = 1; i < s->parts; ++i) {
+        const struct vec3 motion = i == OPPOSED_SPINNING ? along : vec3_sub(more_spin, along);
+        const struct vec3 more =
+            friction_slopes_along(&s->force_slopes[i], normal_force, motion, change->spring[i]);
+        out->source_torque = vec3_add(out->source_torque, more);
+        out->destination_torque = vec3_sub(out->destination_torque, more);
+        out->friction_power -= vec3_dot(more, s->opposed[i]) + vec3_dot(s->opposing[i], motion);
+        out->spring_rate[i] = spring_rate_along(s, (enum opposed)i, normal_force, motion, change->spring[i],
+                                                change->spring[i], more_normal, normal_rate);
+    }
 }
 
 struct turning_change turning_slopes_along(const struct turning_slopes *s,
@@ -533,10 +554,10 @@ struct turning_change turning_slopes_along(const struct turning_slopes *s,
     const double gap_rate = side * d.along;
     const double normal_force = s->normal_slopes.by_gap * gap + s->normal_slopes.by_rate * gap_rate;
     const struct vec3 slip = slip_along(s, change, &d);
-    const struct vec3 spring = s->motion.spring;
     /* a change of k_t acts as one of xi (friction.h) */
-    const struct vec3 stretched = vec3_axpy(change->spring, -s->stiffening * gap, spring);
-    const struct vec3 friction = friction_slopes_along(&s->force_slopes, normal_force, slip, stretched);
+    const struct vec3 stretched = vec3_axpy(change->spring[0], -s->stiffening * gap, s->motion.spring[0]);
+    const struct vec3 friction =
+        friction_slopes_along(&s->force_slopes[OPPOSED_SLIP], normal_force, slip, stretched);
 
     struct turning_change out;
     const struct vec3 n = s->geometry.normal;
@@ -550,16 +571,14 @@ struct turning_change turning_slopes_along(const struct turning_slopes *s,
                                       vec3_cross(vec3_sub(s->motion.separation, arm), out.force));
 
     const struct vec3 normal_rate = normal_rate_along(s, change, &d);
-    const double tilted = vec3_dot(change->spring, s->normal_rate) + vec3_dot(spring, normal_rate);
-    out.spring_rate = friction_slopes_along(&s->spring_slopes, normal_force, slip, stretched);
-    out.spring_rate = vec3_axpy(out.spring_rate, -vec3_dot(spring, s->normal_rate), d.normal);
-    out.spring_rate = vec3_axpy(out.spring_rate, -tilted, n);
+    out.spring_rate[OPPOSED_SLIP] = spring_rate_along(s, OPPOSED_SLIP, normal_force, slip, change->spring[0],
+                                                      stretched, d.normal, normal_rate);
 
     out.dissipated_power = -(normal_force + s->bend * gap) * s->geometry.gap_rate -
                            (s->normal_force + s->stored_slope) * gap_rate;
-    out.friction_power = -vec3_dot(friction, s->slip) - vec3_dot(s->friction_force, slip);
-    if (CONTACT_ANY_ROLLING && s->resists) {
-        add_resistance(s, change, d.normal, normal_force, &out);
+    out.friction_power = -vec3_dot(friction, s->opposed[0]) - vec3_dot(s->opposing[0], slip);
+    if (CONTACT_ANY_ROLLING) {
+        add_resistance(s, change, d.normal, normal_rate, normal_force, &out);
     }
     return out;
 }

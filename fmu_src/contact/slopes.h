@@ -74,10 +74,14 @@ struct friction_path {
 CONTACT_COLD struct vec3 friction_force_term(const struct friction_law *law, enum friction_regime regime,
                                              const struct friction_path *path, int order);
 
-/* Sets the series of M from those of F_n, n and omega. */
-CONTACT_COLD void resistance_terms(const struct resistance_law *law, enum friction_regime regime,
-                                   const struct contact_jet *jet, const struct vec3 omega[JET_TERMS],
-                                   struct vec3 torque[JET_TERMS]);
+/* Sets the series of an opposed motion (contact/friction.h) from those of the slip, omega and n. */
+CONTACT_COLD void opposed_terms(enum opposed part, const struct vec3 slip[JET_TERMS],
+                                const struct vec3 omega[JET_TERMS], const struct vec3 normal[JET_TERMS],
+                                struct vec3 motion[JET_TERMS]);
+
+/* Returns coefficient `order`, 0 or 1, of the rate at which n turns a spring (opposed_turned). */
+CONTACT_COLD struct vec3 opposed_turned_term(enum opposed part, const struct vec3 spring[JET_TERMS],
+                                             const struct vec3 normal[JET_TERMS], int order);
 
 /* Returns coefficient `order` of the energy stored in the tangential spring [J]. */
 CONTACT_COLD double friction_stored_term(const struct friction_law *law, enum friction_regime regime,
@@ -106,7 +110,7 @@ CONTACT_COLD void jet_of_axis_distance(const struct vec3 c[JET_TERMS], const str
  *   v_t = -(w_g - n (n.w_g)) + r_s side (omega_s - omega_d) x n
  *   F_src = -side F_n n + F_t
  *   tau_src = r_s side n x F_src + M,   tau_dst = -(r_s side n - c) x F_src - M
- *   xi' = friction_spring_rate - n (xi.n')
+ *   xi' = friction_spring_rate + opposed_turned, and likewise theta'
  */
 
 /* Returns the change of F_t or of the spring's rate for given changes of F_n, slip and spring. */
@@ -118,23 +122,22 @@ struct turning_motion {
     struct vec3 separation, rate;                      /* c [m], w [m/s] */
     struct vec3 source_rotation, destination_rotation; /* omega_s, omega_d [rad/s] */
     struct vec3 axis;                                  /* e_d */
-    struct vec3 spring;                                /* xi [m] */
+    struct vec3 spring[OPPOSED];                       /* xi [m], theta of rolling and spinning [rad] */
 };
 
-/* The laws and their regimes. */
+/* The laws and their regimes: of the normal force, and of friction and both resistances (enum opposed). */
 struct turning_laws {
     struct contact_law normal;
-    struct friction_law friction;
-    struct resistance_law resistance; /* zero where the contact does not resist */
+    struct friction_law rubbing[OPPOSED];
     enum contact_regime regime;
-    enum friction_regime friction_regime;
+    enum friction_regime rubbing_regime[OPPOSED];
 };
 
 /* The change of the force, torques and powers of a contact due to a change of its motion. */
 struct turning_change {
     struct vec3 force;                             /* F_src [N] */
     struct vec3 source_torque, destination_torque; /* about the centres [N m] */
-    struct vec3 spring_rate;                       /* xi' [m/s] */
+    struct vec3 spring_rate[OPPOSED];              /* xi' [m/s], theta' [rad/s] */
     double dissipated_power;                       /* by the law of the normal force [W] */
     double friction_power;                         /* -F_t.v_t - M.omega [W] */
 };
@@ -145,17 +148,16 @@ struct turning_slopes {
     struct contact_shape shape;
     struct contact_geometry geometry;
     struct turning_motion motion;
-    struct vec3 seen_rate, normal_rate, slip; /* w_g, n', v_t */
+    struct vec3 seen_rate, normal_rate, spin; /* w_g, n', omega */
     struct vec3 across;                       /* the part of w_g that turns n */
-    struct vec3 friction_force, force;        /* F_t, F_src */
+    struct vec3 opposed[OPPOSED];             /* v_t and both parts of omega */
+    struct vec3 opposing[OPPOSED], force;     /* F_t and both parts of M; F_src */
     double normal_force, stored_slope, bend;  /* F_n, and dE_c/dg and d^2E_c/dg^2 of the stored energy */
     double inverse_distance;                  /* 1 / d; 0 where n does not turn with c */
     double stiffening;                        /* dk_t / (k_t ddelta) [1/m] */
     struct contact_slopes normal_slopes;      /* derivatives of F_n by g and g' */
-    struct friction_slopes force_slopes, spring_slopes;
-    struct vec3 spin, resistance;                           /* omega, M */
-    struct friction_slopes rolling_slopes, spinning_slopes; /* of both parts of M, if it resists */
-    bool resists;
+    struct friction_slopes force_slopes[OPPOSED], spring_slopes[OPPOSED];
+    int parts; /* number of opposed motions with a law: all, or the slip alone */
 };
 
 /* Returns the slopes at a motion whose geometry is `at`, with g' = side n.w_g. */

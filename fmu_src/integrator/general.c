@@ -87,7 +87,8 @@ static void smooth_limit(struct general *g, int contact, const struct friction_l
 {
     const int e = ODE_EVENTS_EACH * contact + (int)event;
     const int count = g->step.stages->stages + 1;
-    const enum friction_regime regime = (enum friction_regime)g->state->contact[contact].friction_regime;
+    const enum friction_regime regime =
+        (enum friction_regime)g->state->contact[contact].friction_regime[ode_event_part(event)];
     const double sign = regime == FRICTION_STICKING ? -1.0 : 1.0;
     double sum[BERNSTEIN_MOST]; /* L + |F*| */
     double most = 0.0;
@@ -101,16 +102,17 @@ static void smooth_limit(struct general *g, int contact, const struct friction_l
     }
 }
 
-static void smooth_friction(struct general *g, int contact)
+static void smooth_friction(struct general *g, int contact, int part)
 {
-    const struct friction_law law = scene_friction_law(g->ode.values, g->state, contact);
-    const enum friction_regime regime = (enum friction_regime)g->state->contact[contact].friction_regime;
+    const struct friction_law law = scene_friction_law(g->ode.values, g->state, contact, part);
+    const enum friction_regime regime =
+        (enum friction_regime)g->state->contact[contact].friction_regime[part];
     if (law.kind != FRICTION_ELASTIC || regime == FRICTION_LIFTED || !contact_transmits(g->state, contact) ||
         !friction_compares_forces(&law, regime)) {
         return;
     }
-    smooth_limit(g, contact, &law, ODE_EVENT_STICK, g->ode.stick_offset[contact]);
-    if (regime == FRICTION_STICKING) {
+    smooth_limit(g, contact, &law, ode_stick_event(part), g->ode.stick_offset[contact][part]);
+    if (part == OPPOSED_SLIP && regime == FRICTION_STICKING) {
         smooth_limit(g, contact, &law, ODE_EVENT_CAP, g->ode.cap_offset[contact]);
     }
 }
@@ -136,8 +138,8 @@ static void sample_events(struct general *g)
         }
         sample_events_at(g, clock, g->by_forces ? &g->at_stage[i] : &at, i + 1);
     }
-    for (int j = 0; SCENE_ANY_ELASTIC_FRICTION && j < SCENE_CONTACTS; ++j) {
-        smooth_friction(g, j);
+    for (int k = 0; SCENE_ANY_SPRINGS && k < SCENE_CONTACTS * OPPOSED; ++k) {
+        smooth_friction(g, k / OPPOSED, k % OPPOSED);
     }
 }
 

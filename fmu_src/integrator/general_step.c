@@ -99,41 +99,28 @@ static double time_to_zero(const double of[3])
     return near > 0.0 ? near : (double)INFINITY;
 }
 
-/* A relative motion of a contact that a regularized law opposes: the slip, the rolling or the spinning. */
-enum { OPPOSED_SLIP, OPPOSED_ROLLING, OPPOSED_SPINNING, OPPOSED };
-struct opposed {
+/* An opposed motion of a contact (contact/friction.h). */
+struct opposed_state {
     struct friction_law law;
     enum friction_regime regime;
     struct vec3 slip; /* [m/s], or the angular velocity [rad/s] */
     double size;      /* size of the terms whose difference the slip is */
 };
 
-/* Lists the motions of a contact that may be opposed and returns their number. */
-static int opposed_of(const struct scene_values *v, const struct scene_state *q,
-                      const struct scene_instant *at, int contact, struct opposed list[OPPOSED])
+static struct opposed_state opposed_of(const struct scene_values *v, const struct scene_state *q,
+                                       const struct scene_instant *at, int contact, int part)
 {
-    const struct turning_laws laws = turning_laws_of(v, q, contact);
-    const double rate = vec3_norm(at->rate[contact]);
-    list[OPPOSED_SLIP] =
-        (struct opposed){laws.friction, laws.friction_regime, at->turning.slip[contact], rate};
-    if (!contact_resists(v, contact)) {
-        return 1;
-    }
-    const struct body_turn *body = at->turning.body;
-    const struct vec3 n = at->geometry[contact].normal;
-    const struct vec3 spin = turning_spin(at, contact);
-    const struct vec3 along = vec3_scale(vec3_dot(spin, n), n);
-    const enum friction_regime regime = resistance_regime(laws.friction_regime);
-    const double size = vec3_norm(body[contact_source(contact)].angular_velocity) +
-                        vec3_norm(body[contact_destination(contact)].angular_velocity);
-    list[OPPOSED_ROLLING] = (struct opposed){laws.resistance.rolling, regime, vec3_sub(spin, along), size};
-    list[OPPOSED_SPINNING] = (struct opposed){laws.resistance.spinning, regime, along, size};
-    return OPPOSED;
+    return (struct opposed_state){scene_friction_law(v, q, contact, part),
+                                  (enum friction_regime)q->contact[contact].friction_regime[part],
+                                  turning_rubbing(&q->turning, at, contact, part).slip,
+                                  part == OPPOSED_SLIP ? vec3_norm(at->rate[contact])
+                                                       : turning_spin_size(at, contact)};
 }
 
 /* Returns the longest step [s] for a motion with the present value `now`, of which the Taylor coefficients 1
  * and 2 in time are in `terms`. */
-static double length_of_opposed(const struct opposed *o, struct vec3 now, const struct vec3 terms[JET_TERMS])
+static double length_of_opposed(const struct opposed_state *o, struct vec3 now,
+                                const struct vec3 terms[JET_TERMS])
 {
     const double slip = vec3_norm(o->slip);
     const double of[3] = {slip, vec3_dot(terms[1], now) / slip, vec3_dot(terms[2], now) / slip};
@@ -151,10 +138,10 @@ double general_length_of_sliding(const struct scene_values *v, const struct scen
     bool known = false;
     scene_evaluate(v, q, q->clock, q->body, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        struct opposed list[OPPOSED];
-        const int count = q->contact[j].regime == REGIME_APART ? 0 : opposed_of(v, q, &at, j, list);
+        const int count = q->contact[j].regime == REGIME_APART ? 0 : contact_opposed(v, j);
         for (int i = 0; i < count; ++i) {
-            const struct opposed *o = &list[i];
+            const struct opposed_state opposed = opposed_of(v, q, &at, j, i);
+            const struct opposed_state *o = &opposed;
             if (o->law.kind != FRICTION_REGULARIZED ||
                 !(vec3_norm(o->slip) > SLIP_AFTER * o->law.slip_velocity + SLIP_ROUNDING * o->size)) {
                 continue;
@@ -264,13 +251,13 @@ static void straighten_friction(struct general *g, struct kept_friction *kept)
     ode_instant(&g->ode, g->step.start, g->step.y, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct contact_state *contact = &g->state->contact[j];
-        const struct friction_law law = scene_friction_law(g->ode.values, g->state, j);
+        const struct friction_law law = scene_friction_law(g->ode.values, g->state, j, OPPOSED_SLIP);
         const double limit =
-            friction_limit(&law, (enum friction_regime)contact->friction_regime, at.normal_force[j]);
-        kept->regime[j] = contact->friction_regime;
+            friction_limit(&law, (enum friction_regime)contact->friction_regime[0], at.normal_force[j]);
+        kept->regime[j] = contact->friction_regime[OPPOSED_SLIP];
         kept->slip_velocity[j] = contact->parameters.slip_velocity;
         if (law.kind == FRICTION_REGULARIZED && limit > 0.0) {
-            contact->friction_regime = (int32_t)FRICTION_STICKING;
+            contact->friction_regime[OPPOSED_SLIP] = (int32_t)FRICTION_STICKING;
             contact->parameters.slip_velocity *= law.largest / limit;
         }
     }
@@ -279,7 +266,7 @@ static void straighten_friction(struct general *g, struct kept_friction *kept)
 static void restore_friction(struct general *g, const struct kept_friction *kept)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        g->state->contact[j].friction_regime = kept->regime[j];
+        g->state->contact[j].friction_regime[OPPOSED_SLIP] = kept->regime[j];
         g->state->contact[j].parameters.slip_velocity = kept->slip_velocity[j];
     }
 }
@@ -408,10 +395,9 @@ static void limit_errors_of_slip(struct general *g, double slip_velocity, int bo
 static void note_friction(struct general *g, const struct scene_instant *at, int contact, const int body[2],
                           const double arm[2], double speeds)
 {
-    struct opposed list[OPPOSED];
-    const int count = opposed_of(g->ode.values, g->state, at, contact, list);
-    for (int i = 0; i < count; ++i) {
-        const struct opposed *o = &list[i];
+    for (int i = 0; i < contact_opposed(g->ode.values, contact); ++i) {
+        const struct opposed_state opposed = opposed_of(g->ode.values, g->state, at, contact, i);
+        const struct opposed_state *o = &opposed;
         const double v_0 = o->law.slip_velocity;
         const bool slips = i == OPPOSED_SLIP;
         if (o->law.kind != FRICTION_REGULARIZED) {

@@ -141,17 +141,17 @@ static void respond(struct iteration *it, struct node *node, int contact, const 
     const struct contact_geometry *g = &at->geometry[contact];
     const struct vec3 slip = at->turning.slip[contact];
     const bool touches = laws->regime != REGIME_APART;
-    const enum friction_regime regime = touches ? laws->friction_regime : FRICTION_LIFTED;
+    const enum friction_regime regime = touches ? laws->rubbing_regime[OPPOSED_SLIP] : FRICTION_LIFTED;
     const double by_law = touches ? contact_force(&laws->normal, laws->regime, g->gap, g->gap_rate) : 0.0;
     const double a = it->admittance[contact];
     const struct vec3 e = vec3_scale(it->side[contact], g->normal);
     const double normal_force = -vec3_dot(node->force, e);
     struct vec3 tangential = vec3_axpy(node->force, normal_force, e);
     if (anew) {
-        node->rolls = friction_rolls(&laws->friction, regime, normal_force, tangential, a);
+        node->rolls = friction_rolls(&laws->rubbing[OPPOSED_SLIP], regime, normal_force, tangential, a);
     }
-    const struct friction_missed missed =
-        friction_missed(&laws->friction, regime, normal_force, slip, &tangential, node->rolls, a);
+    const struct friction_missed missed = friction_missed(&laws->rubbing[OPPOSED_SLIP], regime, normal_force,
+                                                          slip, &tangential, node->rolls, a);
     node->force = vec3_axpy(tangential, -normal_force, e);
     node->response = vec3_axpy(missed.velocity, a * (by_law - normal_force), e);
     if (!anew) {
@@ -164,8 +164,8 @@ static void respond(struct iteration *it, struct node *node, int contact, const 
     if (touches) {
         slopes = contact_force_slopes(&laws->normal, laws->regime, g->gap, g->gap_rate);
     }
-    const struct friction_response friction =
-        friction_response_of(&laws->friction, regime, normal_force, slip, tangential, node->rolls, a);
+    const struct friction_response friction = friction_response_of(
+        &laws->rubbing[OPPOSED_SLIP], regime, normal_force, slip, tangential, node->rolls, a);
     put_rows(node->by_force, friction.by_force, a, e);
     put_rows(node->by_velocity, friction.by_slip, -a * slopes.by_rate, e); /* g' = -e.U */
     for (int i = 0; i < 3; ++i) {
@@ -483,7 +483,7 @@ bool node_forces_apply(const struct general *g)
 {
     bool refused = false; /* the unknowns are forces, neither springs nor torques */
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        refused = refused || contact_rubs_elastically(g->ode.values, j) || contact_resists(g->ode.values, j);
+        refused = refused || contact_has_springs(g->ode.values, j) || contact_resists(g->ode.values, j);
     }
     return !refused && 3 * SCENE_CONTACTS <= g->step.others;
 }

@@ -290,8 +290,12 @@ static bool is_direction(struct vec3 a)
 
 static bool contact_is_sound(const struct contact_state *contact, bool initialized)
 {
-    const bool friction_is_known = contact->friction_regime >= (int32_t)FRICTION_STICKING &&
-                                   contact->friction_regime <= (int32_t)FRICTION_LIFTED;
+    bool friction_is_known = true;
+    for (int i = 0; i < OPPOSED; ++i) {
+        const int32_t regime = contact->friction_regime[i];
+        friction_is_known =
+            friction_is_known && regime >= (int32_t)FRICTION_STICKING && regime <= (int32_t)FRICTION_LIFTED;
+    }
     const bool placed = (contact->side == 1 || contact->side == -1) && is_direction(contact->normal);
     const bool has_axis = !SCENE_ANY_AXIS || !initialized || is_direction(contact->parameters.axis) ||
                           vec3_is_zero(contact->parameters.axis); /* a sphere's axis is the zero vector */

@@ -15,6 +15,24 @@ static double *orientation_part(struct quaternion *q, int component)
     return parts[component];
 }
 
+/* Returns the opposed motion (contact/friction.h) of a row of its spring, the spring's rate or its event
+ * indicator. */
+static int part_of(int row)
+{
+    switch (row) {
+    case ROW_contact_rolling_spring_state:
+    case ROW_contact_rolling_spring_rate:
+    case ROW_contact_rolling_stick_indicator:
+        return OPPOSED_ROLLING;
+    case ROW_contact_spinning_spring_state:
+    case ROW_contact_spinning_spring_rate:
+    case ROW_contact_spinning_stick_indicator:
+        return OPPOSED_SPINNING;
+    default:
+        return OPPOSED_SLIP;
+    }
+}
+
 /* Returns the place of a state in the scene. The scene holds a displacement relative to its body's origin. */
 static double *state_at(struct scene_state *q, const struct variable *state)
 {
@@ -26,7 +44,9 @@ static double *state_at(struct scene_state *q, const struct variable *state)
     case ROW_body_angular_velocity_state:
         return vec3_part(&q->turning.body[i].angular_velocity, k);
     case ROW_contact_spring_state:
-        return vec3_part(&q->turning.spring[i], k);
+    case ROW_contact_rolling_spring_state:
+    case ROW_contact_spinning_spring_state:
+        return vec3_part(&q->turning.spring[i][part_of(state->row)], k);
     case ROW_body_displacement_state:
         return vec3_part(&q->body[i].moved, k);
     case ROW_body_velocity_state:
@@ -63,10 +83,15 @@ static double rate_of(const struct scene_values *v, const struct scene_state *q,
     case ROW_body_angular_acceleration:
         return body_turns_freely(v, i) ? vec3_get(turning_acceleration(v, q, q->clock, at, i), k) : 0.0;
     case ROW_contact_spring_rate:
-        return contact_rubs_elastically(v, i) ? vec3_get(turning_spring_rate(v, q, &q->turning, at, i), k)
-                                              : 0.0;
+    case ROW_contact_rolling_spring_rate:
+    case ROW_contact_spinning_spring_rate: {
+        const int part = part_of(rate->row);
+        return contact_has_spring(v, i, part)
+                   ? vec3_get(turning_spring_rate(v, q, &q->turning, at, i, part), k)
+                   : 0.0;
+    }
     case ROW_energy_friction_power:
-        return scene_turns(v) ? turning_friction_power(v, q, at) : 0.0;
+        return scene_turns(v) ? turning_friction_power(v, at) : 0.0;
     case ROW_body_displacement_rate:
         return body_is_free(v, i) ? vec3_get(at->velocity[i], k) : 0.0;
     case ROW_body_acceleration:
@@ -92,7 +117,9 @@ static double indicator_of(const struct scene_values *v, const struct scene_stat
     case ROW_contact_zone_indicator:
         return regime_zone_margin(v, q, at, j);
     case ROW_contact_stick_indicator:
-        return regime_friction_margin(v, q, at, j, ODE_EVENT_STICK);
+    case ROW_contact_rolling_stick_indicator:
+    case ROW_contact_spinning_stick_indicator:
+        return regime_friction_margin(v, q, at, j, ode_stick_event(part_of(indicator->row)));
     case ROW_contact_cap_indicator:
         return regime_friction_margin(v, q, at, j, ODE_EVENT_CAP);
     default: /* ROW_contact_lift_indicator */
@@ -120,8 +147,8 @@ static uint64_t booked_states(const struct scene_state *q)
 {
     const double energies[2] = {q->dissipated, q->external_work};
     uint64_t mark = checksum_of(CHECKSUM_START, energies, sizeof energies);
-    for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS; ++j) {
-        const struct vec3 spring = q->turning.spring[j];
+    for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS * OPPOSED; ++j) {
+        const struct vec3 spring = q->turning.spring[j / OPPOSED][j % OPPOSED];
         const double values[3] = {spring.x, spring.y, spring.z};
         mark = checksum_of(mark, values, sizeof values);
     }
@@ -179,8 +206,10 @@ void model_exchange_move(const struct scene_values *v, const struct scene_state 
     if (SCENE_ANY_ROTATION && state->row == ROW_body_angular_velocity_state && body_turns_freely(v, i)) {
         vec3_add_to(&along->angular_velocity[i][1], k, change);
     }
-    if (SCENE_ANY_FRICTION && state->row == ROW_contact_spring_state && contact_rubs_elastically(v, i)) {
-        vec3_add_to(&along->spring[i][1], k, change);
+    const int part = part_of(state->row);
+    const bool is_spring = part != OPPOSED_SLIP || state->row == ROW_contact_spring_state;
+    if (SCENE_ANY_FRICTION && is_spring && contact_has_spring(v, i, part)) {
+        vec3_add_to(&along->spring[i][part][1], k, change);
     }
     if (SCENE_ANY_FRICTION && state->row == ROW_energy_friction_state) {
         along->friction[1] += change;
@@ -203,13 +232,16 @@ static struct turning_motion motion_along(const struct scene_jet *along, int con
 {
     const int from = contact_source(contact);
     const int to = contact_destination(contact);
-    return (struct turning_motion){.separation =
-                                       vec3_sub(along->displacement[to][1], along->displacement[from][1]),
-                                   .rate = vec3_sub(along->velocity[to][1], along->velocity[from][1]),
-                                   .source_rotation = along->angular_velocity[from][1],
-                                   .destination_rotation = along->angular_velocity[to][1],
-                                   .axis = along->axis[to][1],
-                                   .spring = along->spring[contact][1]};
+    struct turning_motion motion = {.separation =
+                                        vec3_sub(along->displacement[to][1], along->displacement[from][1]),
+                                    .rate = vec3_sub(along->velocity[to][1], along->velocity[from][1]),
+                                    .source_rotation = along->angular_velocity[from][1],
+                                    .destination_rotation = along->angular_velocity[to][1],
+                                    .axis = along->axis[to][1]};
+    for (int i = 0; i < OPPOSED; ++i) {
+        motion.spring[i] = along->spring[contact][i][1];
+    }
+    return motion;
 }
 
 static double spring_rate_slope(const struct scene_values *v, const struct scene_state *q,
@@ -217,7 +249,8 @@ static double spring_rate_slope(const struct scene_values *v, const struct scene
                                 const struct variable *rate)
 {
     const int j = rate->element;
-    if (!contact_rubs_elastically(v, j) || q->contact[j].regime == (int32_t)REGIME_APART) {
+    const int part = part_of(rate->row);
+    if (!contact_has_spring(v, j, part) || q->contact[j].regime == (int32_t)REGIME_APART) {
         return 0.0;
     }
     const struct contact_shape shape = scene_shape_met(v, q, at, j);
@@ -225,7 +258,7 @@ static double spring_rate_slope(const struct scene_values *v, const struct scene
     const struct turning_laws laws = turning_laws_of(v, q, j);
     const struct turning_slopes slopes = turning_slopes_at(&shape, &at->geometry[j], &motion, &laws);
     const struct turning_motion change = motion_along(along, j);
-    return vec3_get(turning_slopes_along(&slopes, &change).spring_rate, rate->component);
+    return vec3_get(turning_slopes_along(&slopes, &change).spring_rate[part], rate->component);
 }
 
 double model_exchange_slope(const struct scene_values *v, const struct scene_state *q,
@@ -240,6 +273,8 @@ double model_exchange_slope(const struct scene_values *v, const struct scene_sta
     case ROW_body_angular_acceleration:
         return body_turns_freely(v, i) ? vec3_get(turning_jet_spin_change(v, q, at, along, i), k) : 0.0;
     case ROW_contact_spring_rate:
+    case ROW_contact_rolling_spring_rate:
+    case ROW_contact_spinning_spring_rate:
         return spring_rate_slope(v, q, at, along, variable);
     case ROW_energy_friction_power:
         return scene_turns(v) ? turning_jet_friction_power(v, along, 1) : 0.0;

@@ -185,8 +185,8 @@ static bool sticks(const struct scene_values *v, const struct scene_state *q, co
         q->contact[contact].regime == (int32_t)REGIME_APART) {
         return false;
     }
-    return contact_rubs_elastically(v, contact)
-               ? q->contact[contact].friction_regime == (int32_t)FRICTION_STICKING
+    return contact_has_spring(v, contact, OPPOSED_SLIP)
+               ? q->contact[contact].friction_regime[OPPOSED_SLIP] == (int32_t)FRICTION_STICKING
                : vec3_norm(at->turning.slip[contact]) < q->contact[contact].parameters.slip_velocity;
 }
 
@@ -196,7 +196,7 @@ static void put_resistance_outputs(struct scene_values *v, const struct scene_st
     const struct vec3 spin = turning_spin(at, contact);
     const struct vec3 n = at->geometry[contact].normal;
     const double along = vec3_dot(spin, n);
-    put_contact_rolling_torque(v, contact, turning_resistance(v, q, at, contact));
+    put_contact_rolling_torque(v, contact, at->turning.resistance[contact]);
     put_contact_rolling_rate(v, contact, vec3_axpy(spin, -along, n));
     put_contact_spinning_rate(v, contact, scene_contact_side(v, q, contact) * along);
 }

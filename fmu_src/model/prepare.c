@@ -136,7 +136,7 @@ static enum model_status check_friction(struct model *m, int contact)
     const char *name = scene_contact_name(contact);
     const double coefficient = contact_friction_coefficient(v, contact);
     const double static_coefficient = contact_static_friction_coefficient(v, contact);
-    if (contact_rubs_elastically(v, contact) && static_coefficient < coefficient) {
+    if (contact_has_spring(v, contact, OPPOSED_SLIP) && static_coefficient < coefficient) {
         return model_report(m, MODEL_ERROR,
                             "%s.static_friction_coefficient = %s contradicts %s.friction_coefficient = %s "
                             "(allowed: one that is not smaller).",

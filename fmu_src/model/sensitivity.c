@@ -192,8 +192,9 @@ static void begin_path(const struct model *m, struct linear_model *l)
         l->along.jumps = !m->host.exchange && scene_is_force_element(&m->state.values);
     }
     for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS && scene_turns(&m->state.values); ++j) {
-        /* A reading of outputs does not turn the spring of the state into the tangent plane. */
-        l->along.spring_lift[j] = vec3_dot(m->state.motion.turning.spring[j], l->at.geometry[j].normal);
+        /* A reading of outputs does not lay the springs of the state. */
+        memcpy(l->along.spring_before[j], m->state.motion.turning.spring[j],
+               sizeof l->along.spring_before[j]);
     }
 }
 

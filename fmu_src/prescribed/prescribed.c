@@ -1,6 +1,7 @@
 #include "prescribed/prescribed.h"
 
 #include <float.h>
+#include <string.h>
 
 #include "flight/conservative_advancement.h"
 #include "flight/relative_path.h"
@@ -34,33 +35,39 @@ enum {
     TERMS = TERM_EVENT + SCENE_ANY_TURNING
 };
 
-/* The integrals over an interval of time. The spring of elastic friction follows by collocation at the same
- * Gauss nodes, and has order ten at the end. */
+/* The springs of a contact: xi of elastic friction [m], theta of elastic rolling and spinning [rad]. */
+struct springs {
+    struct vec3 of[OPPOSED];
+};
+
+/* The integrals over an interval of time. Springs follow by collocation at the same Gauss nodes, and have
+ * order ten at the end. */
 struct panel {
-    double from, to;     /* clocks [s] */
-    double sum[TERMS];   /* the integrals */
-    double size[TERMS];  /* the integrals of the absolute terms of each integrand, for its rounding */
-    double lever[TERMS]; /* the integrals of d integrand / d force */
-    struct vec3 spring;  /* xi at the end [m] */
-    double slipped;      /* the integral of the slip's speed [m] */
-    double passed;       /* the integral of all speeds whose difference is the slip, for its rounding [m] */
+    double from, to;        /* clocks [s] */
+    double sum[TERMS];      /* the integrals */
+    double size[TERMS];     /* the integrals of the absolute terms of each integrand, for its rounding */
+    double lever[TERMS];    /* the integrals of d integrand / d force */
+    struct springs springs; /* at the end */
+    double moved[OPPOSED];  /* the integrals of the lengths of the opposed motions [m, rad] */
+    double passed[OPPOSED]; /* the integrals of all terms whose difference the motion is, for its rounding */
     struct {
         double clock;
-        struct vec3 spring, slip, spin, normal;
+        struct springs springs;
+        struct vec3 slip, spin, normal;
     } node[GAUSS_NODES];
 };
 
 /* One contact over a length of time. */
 struct span {
     struct prescribed_contact c;
-    double length;      /* [s], from q->clock on */
-    double sum[TERMS];  /* the integrals so far */
-    double size[TERMS]; /* the integrals of their absolute terms so far */
-    struct vec3 spring; /* xi at present [m] */
-    bool elastic;       /* friction has a spring */
-    long *panels;       /* panels that the quadrature may still make */
-    long *evaluations;  /* evaluations that the search for touches may still make */
-    long panel_cost;    /* cost of a panel; 1: nothing turns about a changing direction, no spring */
+    double length;          /* [s], from q->clock on */
+    double sum[TERMS];      /* the integrals so far */
+    double size[TERMS];     /* the integrals of their absolute terms so far */
+    struct springs springs; /* at present */
+    bool elastic;           /* some opposed motion has a spring */
+    long *panels;           /* panels that the quadrature may still make */
+    long *evaluations;      /* evaluations that the search for touches may still make */
+    long panel_cost;        /* cost of a panel; 1: nothing turns about a changing direction, no spring */
 };
 
 static enum contact_regime regime_of(const struct prescribed_contact *c)
@@ -75,12 +82,12 @@ static void kinematics_at(const struct prescribed_contact *c, double clock, stru
 
 /* Computes the instant of a contact in its present regimes, whose formulas hold smoothly beyond their
  * ends. */
-CONTACT_NOINLINE static void instant_at(const struct prescribed_contact *c, double clock, struct vec3 spring,
-                                        struct scene_instant *at)
+CONTACT_NOINLINE static void instant_at(const struct prescribed_contact *c, double clock,
+                                        const struct springs *springs, struct scene_instant *at)
 {
     kinematics_at(c, clock, at);
     if (SCENE_ANY_FRICTION) {
-        c->q->turning.spring[c->contact] = spring;
+        memcpy(c->q->turning.spring[c->contact], springs->of, sizeof springs->of);
     }
     scene_forces(c->v, c->q, clock, at);
 }
@@ -104,12 +111,13 @@ static double torque_rates(const struct prescribed_contact *c, const struct scen
     vec3_to(turning->source_torque[j], rate + TERM_SOURCE_TORQUE);
     vec3_to(turning->destination_torque[j], rate + TERM_DESTINATION_TORQUE);
     if (SCENE_ANY_FREE) {
-        rate[TERM_FRICTION] = turning_friction_power_of(c->v, c->q, at, j);
+        rate[TERM_FRICTION] = turning_friction_power_of(c->v, at, j);
     }
     *arm = vec3_norm(turning->source_arm[j]) + vec3_norm(turning->destination_arm[j]);
     if (contact_resists(c->v, j)) { /* |M| is at most F_n times these levers */
-        const struct resistance_law law = scene_resistance_law(c->v, c->q, j);
-        *arm += law.rolling.coefficient + law.spinning.coefficient;
+        for (int i = 1; i < OPPOSED; ++i) {
+            *arm += scene_friction_law(c->v, c->q, j, i).coefficient;
+        }
     }
     return *arm * (vec3_norm(turning->body[contact_source(j)].angular_velocity) +
                    vec3_norm(turning->body[contact_destination(j)].angular_velocity));
@@ -177,6 +185,7 @@ struct spring_node {
 };
 
 struct spring_problem {
+    enum opposed part;
     struct friction_law law;
     enum friction_regime regime;
     struct spring_node node[GAUSS_NODES];
@@ -189,8 +198,8 @@ static struct vec3 spring_rate_at(const struct spring_problem *p, int i, struct 
     const struct spring_node *node = &p->node[i];
     struct friction_state rubbing = node->rubbing;
     rubbing.spring = spring;
-    const struct vec3 own = friction_spring_rate(&p->law, p->regime, rubbing);
-    return vec3_axpy(own, -vec3_dot(spring, node->normal_rate), node->normal);
+    return vec3_add(friction_spring_rate(&p->law, p->regime, rubbing),
+                    opposed_turned(p->part, spring, node->normal, node->normal_rate));
 }
 
 /* Sets the matrix by columns, which is the identity minus the derivatives of the integrated rates, and the
@@ -205,12 +214,15 @@ static void put_equations(const struct spring_problem *p, const struct vec3 x[GA
         rubbing.spring = x[j];
         rate[j] = spring_rate_at(p, j, x[j]);
         const struct friction_slopes slopes = friction_spring_rate_slopes(&p->law, p->regime, rubbing);
+        const bool spins = p->part == OPPOSED_SPINNING;
+        const struct vec3 across = spins ? node->normal_rate : vec3_scale(-1.0, node->normal);
+        const struct vec3 along =
+            spins ? node->normal : node->normal_rate; /* opposed_turned: across (along.xi) */
         for (int i = 0; i < GAUSS_NODES; ++i) {
             const double weight = COLLOCATION[i][j] * node->factor;
             for (int a = 0; a < 3; ++a) {
                 for (int b = 0; b < 3; ++b) {
-                    const double slope =
-                        slopes.by_spring[a][b] - vec3_get(node->normal, a) * vec3_get(node->normal_rate, b);
+                    const double slope = slopes.by_spring[a][b] + vec3_get(across, a) * vec3_get(along, b);
                     m[3 * j + b][3 * i + a] = (i == j && a == b) - weight * slope;
                 }
             }
@@ -265,33 +277,51 @@ static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NOD
     return change <= NEWTON_NOISE * size;
 }
 
-/* Sets the spring at the nodes and at the end of the panel. False: the panel is too long. */
-static bool put_springs(const struct prescribed_contact *c, bool graded, struct vec3 start,
-                        struct panel *panel)
+static enum friction_regime rubbing_regime(const struct prescribed_contact *c, int part)
 {
-    struct spring_problem p = {.law = scene_friction_law(c->v, c->q, c->contact),
-                               .regime = (enum friction_regime)c->q->contact[c->contact].friction_regime,
-                               .start = start};
+    return (enum friction_regime)c->q->contact[c->contact].friction_regime[part];
+}
+
+/* Sets one spring at the nodes and at the end of the panel. False: the panel is too long. */
+static bool put_spring(const struct prescribed_contact *c, bool graded, const struct springs *start, int part,
+                       struct panel *panel)
+{
+    struct spring_problem p = {.part = (enum opposed)part,
+                               .law = scene_friction_law(c->v, c->q, c->contact, part),
+                               .regime = rubbing_regime(c, part),
+                               .start = start->of[part]};
     struct vec3 x[GAUSS_NODES];
     for (int i = 0; i < GAUSS_NODES; ++i) {
         struct scene_instant at;
         instant_at(c, panel->node[i].clock, start, &at);
-        p.node[i] = (struct spring_node){.rubbing = turning_rubbing(&c->q->turning, &at, c->contact),
+        p.node[i] = (struct spring_node){.rubbing = turning_rubbing(&c->q->turning, &at, c->contact, part),
                                          .normal = at.geometry[c->contact].normal,
                                          .normal_rate = turning_normal_rate(c->v, c->q, &at, c->contact),
                                          .factor = (panel->to - panel->from) * gauss_place(i, graded).factor};
-        x[i] = start;
+        x[i] = p.start;
     }
     if (!solve_spring(&p, x)) {
         return false;
     }
-    panel->spring = start;
+    struct vec3 *end = &panel->springs.of[part];
+    *end = p.start;
     for (int i = 0; i < GAUSS_NODES; ++i) {
-        panel->node[i].spring = x[i];
-        panel->spring =
-            vec3_axpy(panel->spring, 0.5 * GAUSS_WEIGHT[i] * p.node[i].factor, spring_rate_at(&p, i, x[i]));
+        panel->node[i].springs.of[part] = x[i];
+        *end = vec3_axpy(*end, 0.5 * GAUSS_WEIGHT[i] * p.node[i].factor, spring_rate_at(&p, i, x[i]));
     }
     return true;
+}
+
+/* Sets all springs. Each depends on the given motion alone, so that they are solved one by one. */
+static bool put_springs(const struct prescribed_contact *c, bool graded, const struct springs *start,
+                        struct panel *panel)
+{
+    bool solved = true;
+    for (int i = 0; i < OPPOSED; ++i) {
+        solved =
+            solved && (!contact_has_spring(c->v, c->contact, i) || put_spring(c, graded, start, i, panel));
+    }
+    return solved;
 }
 
 /* Depth at an end of a panel as a fraction of the depth in its middle, below which the panel is graded
@@ -316,16 +346,16 @@ static bool wants_grading(const struct prescribed_contact *c, double from, doubl
 
 /* Computes a panel; false where Newton's method finds no spring because the panel is too long. */
 CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, double from, double to,
-                                        struct vec3 spring, struct panel *panel)
+                                        const struct springs *springs, struct panel *panel)
 {
     const double half = 0.5 * (to - from);
     const bool graded = wants_grading(c, from, to);
-    *panel = (struct panel){.from = from, .to = to, .spring = spring};
+    *panel = (struct panel){.from = from, .to = to, .springs = *springs};
     for (int i = 0; i < GAUSS_NODES; ++i) {
         panel->node[i].clock = from + half * gauss_place(i, graded).at;
-        panel->node[i].spring = spring;
+        panel->node[i].springs = *springs;
     }
-    if (contact_rubs_elastically(c->v, c->contact) && !put_springs(c, graded, spring, panel)) {
+    if (contact_has_springs(c->v, c->contact) && !put_springs(c, graded, springs, panel)) {
         return false;
     }
     for (int i = 0; i < GAUSS_NODES; ++i) {
@@ -334,8 +364,8 @@ CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, doub
         double scale[TERMS];
         double lever[TERMS];
         const double weight = half * GAUSS_WEIGHT[i] * gauss_place(i, graded).factor;
-        instant_at(c, panel->node[i].clock, panel->node[i].spring, &at);
-        panel->passed += weight * rates_at(c, &at, rate, scale, lever);
+        instant_at(c, panel->node[i].clock, &panel->node[i].springs, &at);
+        panel->passed[OPPOSED_SLIP] += weight * rates_at(c, &at, rate, scale, lever);
         for (int k = 0; k < TERMS; ++k) {
             panel->sum[k] += weight * rate[k];
             panel->size[k] += weight * scale[k];
@@ -345,7 +375,12 @@ CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, doub
         if (SCENE_ANY_TURNING) {
             panel->node[i].slip = at.turning.slip[c->contact];
             panel->node[i].spin = turning_spin(&at, c->contact);
-            panel->slipped += weight * vec3_norm(panel->node[i].slip);
+            panel->moved[OPPOSED_SLIP] += weight * vec3_norm(panel->node[i].slip);
+            for (int k = 1; k < OPPOSED; ++k) {
+                const struct friction_state at_node = turning_rubbing(&c->q->turning, &at, c->contact, k);
+                panel->moved[k] += weight * vec3_norm(at_node.slip);
+                panel->passed[k] += weight * turning_spin_size(&at, c->contact);
+            }
         }
     }
     if (SCENE_ANY_FREE) {
@@ -361,8 +396,9 @@ CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, doub
 
 /* EVENT_LAW is the law's event (contact/law.h). The others are those of friction (contact/friction.h). At
  * EVENT_LIFT the dashpot begins or ceases to pull. At EVENT_CAP friction reaches or leaves its largest force.
- * At EVENT_STICK the contact sticks or breaks away. */
-enum regime_event { EVENT_LAW, EVENT_LIFT, EVENT_CAP, EVENT_STICK, REGIME_EVENTS };
+ * From EVENT_STICK on the opposed motions stick or break away, one event for each. */
+enum regime_event { EVENT_LAW, EVENT_LIFT, EVENT_CAP, EVENT_STICK };
+enum { REGIME_EVENTS = EVENT_STICK + OPPOSED };
 
 /* The event functions, which are positive within the present regimes, and bounds of their rounding. */
 struct margins {
@@ -370,9 +406,15 @@ struct margins {
     double noise[REGIME_EVENTS];
 };
 
-static struct vec3 spring_of(const struct scene_state *q, int contact)
+static const struct springs NO_SPRINGS = {.of = {{0.0, 0.0, 0.0}}};
+
+static struct springs springs_of(const struct scene_state *q, int contact)
 {
-    return SCENE_ANY_FRICTION ? q->turning.spring[contact] : vec3_make(0.0, 0.0, 0.0);
+    struct springs springs = NO_SPRINGS;
+    if (SCENE_ANY_FRICTION) {
+        memcpy(springs.of, q->turning.spring[contact], sizeof springs.of);
+    }
+    return springs;
 }
 
 /* Tilts of n by rounding [rad]. Panels end before the centre and begin behind it where n is tilted by more
@@ -380,15 +422,18 @@ static struct vec3 spring_of(const struct scene_state *q, int contact)
 static const double TILT_NEAR = 1e-3;
 static const double TILT_LAYING = 1e-6;
 
-/* Returns a spring [m] laid across the normal at a clock: it loses its part along n, which is rounding. Near
- * the centre n is less exact than the spring, which stays as it is. */
-static struct vec3 laid_spring(const struct prescribed_contact *c, double clock, struct vec3 spring)
+/* Returns springs laid across or along the normal at a clock (opposed_laid): they lose a part that is
+ * rounding. Near the centre n is less exact than the springs, which stay as they are. */
+static struct springs laid_springs(const struct prescribed_contact *c, double clock, struct springs springs)
 {
     struct scene_instant at;
-    instant_at(c, clock, spring, &at);
+    instant_at(c, clock, &springs, &at);
     const struct vec3 n = at.geometry[c->contact].normal;
     const bool is_noise = rounding_of_normal(c->v, &at, c->contact) > TILT_LAYING;
-    return is_noise ? spring : vec3_axpy(spring, -vec3_dot(spring, n), n);
+    for (int i = 0; i < OPPOSED && !is_noise; ++i) {
+        springs.of[i] = opposed_laid((enum opposed)i, springs.of[i], n);
+    }
+    return springs;
 }
 
 /* Rounding error of a slip or a gap rate, divided by the speeds whose difference it is. A spring that sticks
@@ -417,22 +462,30 @@ static double event_rounding(const struct prescribed_contact *c, const struct co
 
 static const struct vec3 NO_SPRING = {0.0, 0.0, 0.0};
 
-static void rub_with(const struct prescribed_contact *c, enum friction_regime regime, struct vec3 spring)
+static void rub_with(const struct prescribed_contact *c, int part, enum friction_regime regime,
+                     struct vec3 spring)
 {
-    c->q->contact[c->contact].friction_regime = (int32_t)regime;
-    c->q->turning.spring[c->contact] = spring;
+    c->q->contact[c->contact].friction_regime[part] = (int32_t)regime;
+    c->q->turning.spring[c->contact][part] = spring;
 }
 
-/* Least length of a spring that begins to slide, as a fraction of the source's radius: the force may be
- * zero. */
+static void rub_all_with(const struct prescribed_contact *c, enum friction_regime regime)
+{
+    for (int i = 0; i < OPPOSED; ++i) {
+        rub_with(c, i, regime, NO_SPRING);
+    }
+}
+
+/* Least length of a spring that begins to slide, as a fraction of the source's radius, and least angle of
+ * another spring in radians: the force may be zero. */
 static const double FIRST_LENGTH = 1e-4;
 
 /* Returns the spring at the start of sliding. Without a dashpot the spring is along the slip, and only its
  * direction has a meaning. With a dashpot it is at rest. */
-static struct vec3 first_spring(const struct prescribed_contact *c, const struct friction_law *law,
+static struct vec3 first_spring(const struct prescribed_contact *c, int part, const struct friction_law *law,
                                 const struct scene_instant *at)
 {
-    const struct vec3 slip = at->turning.slip[c->contact];
+    const struct vec3 slip = turning_rubbing(&c->q->turning, at, c->contact, part).slip;
     const double speed = vec3_norm(slip);
     if (law->damping > 0.0 || !(speed > 0.0)) {
         return NO_SPRING;
@@ -440,54 +493,73 @@ static struct vec3 first_spring(const struct prescribed_contact *c, const struct
     const double limit = friction_limit(law, FRICTION_SLIDING, at->normal_force[c->contact]);
     const double stiffness = friction_stiffness(law, -at->geometry[c->contact].gap);
     const double length = fmin(limit, law->largest) / stiffness;
-    const double least = FIRST_LENGTH * body_radius(c->v, contact_source(c->contact));
+    const double unit = part == OPPOSED_SLIP ? body_radius(c->v, contact_source(c->contact)) : 1.0;
+    const double least = FIRST_LENGTH * unit;
     return vec3_scale(fmax(length, least) / speed, slip);
 }
 
-/* Begins friction at a clock with a spring at rest. */
-static void start_friction(const struct prescribed_contact *c, double clock)
+/* Begins the friction of an opposed motion at a clock with a spring at rest. */
+static void start_friction(const struct prescribed_contact *c, double clock, int part)
 {
     const int j = c->contact;
     struct scene_instant at;
-    const struct friction_law law = scene_friction_law(c->v, c->q, j);
+    const struct friction_law law = scene_friction_law(c->v, c->q, j, part);
     const struct contact_law normal = scene_contact_law(c->v, c->q, j);
-    rub_with(c, FRICTION_STICKING, NO_SPRING);
-    instant_at(c, clock, NO_SPRING, &at);
-    struct friction_state rubbing = turning_rubbing(&c->q->turning, &at, j);
+    rub_with(c, part, FRICTION_STICKING, NO_SPRING);
+    const struct springs springs = springs_of(c->q, j);
+    instant_at(c, clock, &springs, &at);
+    struct friction_state rubbing = turning_rubbing(&c->q->turning, &at, j, part);
     rubbing.normal_force = contact_may_pull(&normal) ? at.normal_force[j] : fmax(at.normal_force[j], 0.0);
     const double rate = turning_normal_force_rate(c->v, c->q, clock, &at, j);
     enum friction_regime next = friction_onset_regime(&law, rubbing, rate);
     next = rubbing.normal_force < 0.0 ? FRICTION_LIFTED : next;
     const bool slides = next == FRICTION_SLIDING || next == FRICTION_CAPPED;
-    rub_with(c, next, law.kind == FRICTION_ELASTIC && slides ? first_spring(c, &law, &at) : NO_SPRING);
+    rub_with(c, part, next,
+             law.kind == FRICTION_ELASTIC && slides ? first_spring(c, part, &law, &at) : NO_SPRING);
 }
 
 /* Begins friction at a clock where the contact rubs and has a force; else ends it. */
 static void friction_from(const struct prescribed_contact *c, double clock)
 {
-    if (contact_rubs(c->v, c->contact) && contact_transmits(c->q, c->contact)) {
-        start_friction(c, clock);
-    } else {
-        rub_with(c, FRICTION_LIFTED, NO_SPRING);
+    const bool begins = contact_rubs(c->v, c->contact) && contact_transmits(c->q, c->contact);
+    rub_all_with(c, FRICTION_LIFTED);
+    for (int i = 0; begins && i < contact_opposed(c->v, c->contact); ++i) {
+        start_friction(c, clock, i);
     }
 }
 
 /* Rounding error of an event function of friction, divided by the terms whose difference it is. */
 static const double MARGIN_ROUNDING = 1e-13;
 
-static void put_margin(struct margins *margins, enum regime_event event, double value, double noise)
+static void put_margin(struct margins *margins, int event, double value, double noise)
 {
     margins->value[event] = value;
     margins->noise[event] = noise;
+}
+
+static void put_stick_margin(const struct prescribed_contact *c, double clock, const struct scene_instant *at,
+                             int part, struct margins *margins)
+{
+    const int j = c->contact;
+    if (contact_has_spring(c->v, j, part)) {
+        const struct friction_law law = scene_friction_law(c->v, c->q, j, part);
+        const enum friction_regime regime = rubbing_regime(c, part);
+        const struct friction_state rubbing = turning_rubbing(&c->q->turning, at, j, part);
+        const double rate = turning_normal_force_rate(c->v, c->q, clock, at, j);
+        const bool by_speed = law.damping == 0.0 && regime != FRICTION_STICKING;
+        const double scale =
+            by_speed ? vec3_norm(rubbing.slip) : law.static_coefficient * fabs(at->normal_force[j]);
+        put_margin(margins, EVENT_STICK + part, friction_stick_event(&law, regime, rubbing, rate),
+                   MARGIN_ROUNDING * scale);
+    }
 }
 
 static void friction_margins(const struct prescribed_contact *c, double clock, const struct scene_instant *at,
                              struct margins *margins)
 {
     const int j = c->contact;
-    const struct friction_law law = scene_friction_law(c->v, c->q, j);
-    const enum friction_regime regime = (enum friction_regime)c->q->contact[j].friction_regime;
-    const struct friction_state rubbing = turning_rubbing(&c->q->turning, at, j);
+    const struct friction_law law = scene_friction_law(c->v, c->q, j, OPPOSED_SLIP);
+    const enum friction_regime regime = rubbing_regime(c, OPPOSED_SLIP);
     const double force = fabs(at->normal_force[j]);
     const double force_noise = rounding_of_force(c->v, c->q, at, j) + MARGIN_ROUNDING * force;
     struct contact_law pull = scene_contact_law(c->v, c->q, j);
@@ -500,16 +572,12 @@ static void friction_margins(const struct prescribed_contact *c, double clock, c
     }
     put_margin(margins, EVENT_CAP, friction_cap_event(&law, regime, at->normal_force[j]),
                law.coefficient * force_noise);
-    if (law.kind == FRICTION_ELASTIC) {
-        const double rate = turning_normal_force_rate(c->v, c->q, clock, at, j);
-        const bool by_speed = law.damping == 0.0 && regime != FRICTION_STICKING;
-        const double scale = by_speed ? vec3_norm(rubbing.slip) : law.static_coefficient * force;
-        put_margin(margins, EVENT_STICK, friction_stick_event(&law, regime, rubbing, rate),
-                   MARGIN_ROUNDING * scale);
+    for (int i = 0; i < OPPOSED; ++i) {
+        put_stick_margin(c, clock, at, i, margins);
     }
 }
 
-static void margins_at(const struct prescribed_contact *c, double clock, struct vec3 spring,
+static void margins_at(const struct prescribed_contact *c, double clock, const struct springs *springs,
                        struct margins *margins)
 {
     struct scene_instant at;
@@ -518,7 +586,7 @@ static void margins_at(const struct prescribed_contact *c, double clock, struct 
         margins->value[i] = 1.0;
         margins->noise[i] = 0.0;
     }
-    instant_at(c, clock, spring, &at);
+    instant_at(c, clock, springs, &at);
     if (contact_has_events(&law)) {
         const struct contact_geometry *g = &at.geometry[c->contact];
         margins->value[EVENT_LAW] = contact_event(&law, regime_of(c), g->gap, g->gap_rate);
@@ -531,58 +599,83 @@ static void margins_at(const struct prescribed_contact *c, double clock, struct 
 
 /* Returns the first event whose function is below zero by more than rounding, or REGIME_EVENTS if there is
  * none. A function of friction must also be below its value at `start`. */
-static enum regime_event event_passed(const struct margins *now, const struct margins *start)
+static int event_passed(const struct margins *now, const struct margins *start)
 {
     for (int i = 0; i < REGIME_EVENTS; ++i) {
         /* the law's function may jump in the centre, and start below zero on its other side */
         const double floor = start && i != EVENT_LAW ? fmin(start->value[i], 0.0) : 0.0;
         if (now->value[i] < floor - now->noise[i]) {
-            return (enum regime_event)i;
+            return i;
         }
     }
     return REGIME_EVENTS;
 }
 
-static void take_friction_event(const struct prescribed_contact *c, double clock, struct vec3 spring,
-                                enum regime_event event)
+/* Ends or begins the lifting of an opposed motion. */
+static void change_lifting(const struct prescribed_contact *c, double clock, int part, struct vec3 spring)
 {
-    const int j = c->contact;
-    struct scene_instant at;
-    const struct friction_law law = scene_friction_law(c->v, c->q, j);
-    const enum friction_regime before = (enum friction_regime)c->q->contact[j].friction_regime;
-    instant_at(c, clock, spring, &at);
-    if (event == EVENT_LIFT && before == FRICTION_LIFTED && !(vec3_max_abs(spring) > 0.0)) {
-        start_friction(c, clock);
-    } else if (event == EVENT_LIFT && before == FRICTION_LIFTED) {
-        rub_with(c, FRICTION_SLIDING, spring); /* it has not relaxed */
-    } else if (event == EVENT_LIFT) {
-        rub_with(c, FRICTION_LIFTED, law.damping > 0.0 ? spring : NO_SPRING);
-    } else if (event == EVENT_CAP) {
-        rub_with(c, before == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED, spring);
-    } else if (before == FRICTION_STICKING) {
-        /* a spring as short as rounding of the gap makes it has no direction yet */
-        const struct contact_law normal = scene_contact_law(c->v, c->q, j);
-        const struct contact_geometry *g = &at.geometry[j];
-        const struct contact_slopes slopes = contact_force_slopes(&normal, regime_of(c), g->gap, g->gap_rate);
-        const bool is_noise = at.normal_force[j] <= fabs(slopes.by_gap) * rounding_of_gap(c->v, &at, j);
-        rub_with(c, friction_sliding_regime(&law, at.normal_force[j]),
-                 is_noise ? first_spring(c, &law, &at) : spring);
+    const bool is_lifted = rubbing_regime(c, part) == FRICTION_LIFTED;
+    if (is_lifted && !(vec3_max_abs(spring) > 0.0)) {
+        start_friction(c, clock, part);
+    } else if (is_lifted) {
+        rub_with(c, part, FRICTION_SLIDING, spring); /* it has not relaxed */
     } else {
-        rub_with(c, FRICTION_STICKING,
-                 friction_spring(&law, before, turning_rubbing(&c->q->turning, &at, j)));
+        const bool relaxes = scene_friction_law(c->v, c->q, c->contact, part).damping > 0.0;
+        rub_with(c, part, FRICTION_LIFTED, relaxes ? spring : NO_SPRING);
     }
 }
 
-/* Takes the event of friction that a corner of the normal force causes, if any: the slip may no longer
- * stretch the spring, or the spring may be too long. */
+/* Ends the sticking of an opposed motion at the instant `at`, or its sliding. */
+static void change_sticking(const struct prescribed_contact *c, int part, struct vec3 spring,
+                            const struct scene_instant *at)
+{
+    const int j = c->contact;
+    const struct friction_law law = scene_friction_law(c->v, c->q, j, part);
+    const enum friction_regime before = rubbing_regime(c, part);
+    if (before == FRICTION_STICKING) {
+        /* a spring as short as rounding of the gap makes it has no direction yet */
+        const struct contact_law normal = scene_contact_law(c->v, c->q, j);
+        const struct contact_geometry *g = &at->geometry[j];
+        const struct contact_slopes slopes = contact_force_slopes(&normal, regime_of(c), g->gap, g->gap_rate);
+        const bool is_noise = at->normal_force[j] <= fabs(slopes.by_gap) * rounding_of_gap(c->v, at, j);
+        rub_with(c, part, friction_sliding_regime(&law, at->normal_force[j]),
+                 is_noise ? first_spring(c, part, &law, at) : spring);
+    } else {
+        rub_with(c, part, FRICTION_STICKING,
+                 friction_spring(&law, before, turning_rubbing(&c->q->turning, at, j, part)));
+    }
+}
+
+static void take_friction_event(const struct prescribed_contact *c, double clock, struct springs springs,
+                                int event)
+{
+    struct scene_instant at;
+    const enum friction_regime before = rubbing_regime(c, OPPOSED_SLIP);
+    instant_at(c, clock, &springs, &at);
+    if (event == EVENT_LIFT) {
+        for (int i = 0; i < contact_opposed(c->v, c->contact); ++i) {
+            change_lifting(c, clock, i, springs.of[i]);
+        }
+    } else if (event == EVENT_CAP) {
+        rub_with(c, OPPOSED_SLIP, before == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED,
+                 springs.of[OPPOSED_SLIP]);
+    } else {
+        change_sticking(c, event - EVENT_STICK, springs.of[event - EVENT_STICK], &at);
+    }
+}
+
+/* Takes the events of friction that a corner of the normal force causes: the slip may no longer stretch a
+ * spring, or a spring may be too long. Each opposed motion has one at most. */
 static void reconsider_friction(const struct prescribed_contact *c, double clock)
 {
     struct margins margins;
-    const struct vec3 spring = c->q->turning.spring[c->contact];
-    margins_at(c, clock, spring, &margins);
-    const enum regime_event event = event_passed(&margins, NULL);
-    if (event > EVENT_LAW && event < REGIME_EVENTS) {
-        take_friction_event(c, clock, spring, event);
+    for (int i = 0; i < contact_opposed(c->v, c->contact); ++i) {
+        const struct springs springs = springs_of(c->q, c->contact);
+        margins_at(c, clock, &springs, &margins);
+        const int event = event_passed(&margins, NULL);
+        if (event > EVENT_LAW && event < REGIME_EVENTS) {
+            take_friction_event(c, clock, springs, event);
+        }
     }
 }
 
@@ -600,22 +693,22 @@ static void follow_law(const struct prescribed_contact *c, double clock, enum co
     }
 }
 
-static void lay_spring(const struct prescribed_contact *c)
+static void lay_springs(const struct prescribed_contact *c)
 {
-    struct vec3 *spring = &c->q->turning.spring[c->contact];
-    *spring = laid_spring(c, c->q->clock, *spring);
+    const struct springs laid = laid_springs(c, c->q->clock, springs_of(c->q, c->contact));
+    memcpy(c->q->turning.spring[c->contact], laid.of, sizeof laid.of);
 }
 
 void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        lay_spring(&(struct prescribed_contact){v, q, j});
+        lay_springs(&(struct prescribed_contact){v, q, j});
     }
 }
 
-/* Sets the regimes and the spring after an event. A contact that sticks again keeps the spring of sliding. */
-static void take_regime_event(const struct prescribed_contact *c, double clock, struct vec3 spring,
-                              enum regime_event event)
+/* Sets the regimes and springs after an event. A contact that sticks again keeps the spring of sliding. */
+static void take_regime_event(const struct prescribed_contact *c, double clock, struct springs springs,
+                              int event)
 {
     const enum contact_regime before = regime_of(c);
     if (event == EVENT_LAW) {
@@ -625,7 +718,7 @@ static void take_regime_event(const struct prescribed_contact *c, double clock, 
     if (SCENE_ANY_FRICTION && event == EVENT_LAW) {
         follow_law(c, clock, before);
     } else if (SCENE_ANY_FRICTION) {
-        take_friction_event(c, clock, spring, event);
+        take_friction_event(c, clock, springs, event);
     }
 }
 
@@ -633,7 +726,7 @@ static void end_regimes(const struct prescribed_contact *c)
 {
     c->q->contact[c->contact].regime = (int32_t)REGIME_APART;
     if (SCENE_ANY_FRICTION) {
-        rub_with(c, FRICTION_STICKING, NO_SPRING);
+        rub_all_with(c, FRICTION_STICKING);
     }
 }
 
@@ -684,20 +777,21 @@ static bool sees_layers(const struct span *s, const struct scene_instant *at, co
                         int node)
 {
     const int j = s->c.contact;
-    const struct friction_law law = scene_friction_law(s->c.v, s->c.q, j);
+    const struct friction_law law = scene_friction_law(s->c.v, s->c.q, j, OPPOSED_SLIP);
     if (!sees_layer(&law, at->turning.slip[j], panel->node[node].slip)) {
         return false;
     }
     if (!contact_resists(s->c.v, j)) {
         return true;
     }
-    const struct resistance_law resistance = scene_resistance_law(s->c.v, s->c.q, j);
+    const struct friction_law rolling = scene_friction_law(s->c.v, s->c.q, j, OPPOSED_ROLLING);
+    const struct friction_law spinning = scene_friction_law(s->c.v, s->c.q, j, OPPOSED_SPINNING);
     const struct vec3 normal[2] = {at->geometry[j].normal, panel->node[node].normal};
     const struct vec3 spin[2] = {turning_spin(at, j), panel->node[node].spin};
     const double along[2] = {vec3_dot(spin[0], normal[0]), vec3_dot(spin[1], normal[1])};
-    return sees_layer(&resistance.rolling, vec3_axpy(spin[0], -along[0], normal[0]),
+    return sees_layer(&rolling, vec3_axpy(spin[0], -along[0], normal[0]),
                       vec3_axpy(spin[1], -along[1], normal[1])) &&
-           sees_layer(&resistance.spinning, vec3_scale(along[0], normal[0]), vec3_scale(along[1], normal[0]));
+           sees_layer(&spinning, vec3_scale(along[0], normal[0]), vec3_scale(along[1], normal[0]));
 }
 
 /* Whether n and the slip change so little between an end of a panel and the node next to it that the nodes
@@ -723,24 +817,25 @@ static bool sees_ends(const struct span *s, const struct panel *left, const stru
     if (!SCENE_ANY_FREE && !scene_turns(s->c.v)) {
         return true;
     }
-    instant_at(&s->c, left->to, left->spring, &middle);
+    instant_at(&s->c, left->to, &left->springs, &middle);
     return sees_end(s, &at[0], left, 0) && sees_end(s, &middle, left, GAUSS_NODES - 1) &&
            sees_end(s, &middle, right, 0) && sees_end(s, &at[1], right, GAUSS_NODES - 1);
 }
 
-/* Whether the springs at the end of a panel and of its halves agree, up to the rounding of the slip, of
- * the normal force [N] at a depth [m] and of n [rad]. By a constant force L the spring changes by up to
+/* Whether a spring at the end of a panel and of its halves agrees, up to the rounding of the opposed motion,
+ * of the normal force [N] at a depth [m] and of n [rad]. By a constant force L the spring changes by up to
  * L / k_t, and not faster than by L / c_t. */
-static bool springs_agree(const struct span *s, const struct panel *whole, const struct panel *left,
+static bool springs_agree(const struct span *s, int part, const struct panel *whole, const struct panel *left,
                           const struct panel *right, double force_noise, double depth, double tilt)
 {
-    const struct friction_law law = scene_friction_law(s->c.v, s->c.q, s->c.contact);
-    const double stiffness = friction_stiffness(&law, depth);
-    const double way = vec3_norm(right->spring) + left->slipped + right->slipped;
-    const double by_force = fmin(1.0 / stiffness, (right->to - left->from) / law.damping);
-    const double noise = law.coefficient * force_noise * by_force + vec3_norm(right->spring) * tilt;
-    return vec3_norm(vec3_sub(right->spring, whole->spring)) <=
-           4.0 * PANELS_AGREE * way + SPEED_ROUNDINGS * whole->passed + noise;
+    const struct friction_law law = scene_friction_law(s->c.v, s->c.q, s->c.contact, part);
+    const struct vec3 spring = right->springs.of[part];
+    const double way = vec3_norm(spring) + left->moved[part] + right->moved[part];
+    const double by_force =
+        fmin(1.0 / friction_stiffness(&law, depth), (right->to - left->from) / law.damping);
+    const double noise = law.coefficient * force_noise * by_force + vec3_norm(spring) * tilt;
+    return vec3_norm(vec3_sub(spring, whole->springs.of[part])) <=
+           4.0 * PANELS_AGREE * way + SPEED_ROUNDINGS * whole->passed[part] + noise;
 }
 
 /* Whether a panel and its halves agree. Near the centre n may be mere rounding at one end of the panel; the
@@ -749,8 +844,8 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
                                           const struct panel *left, const struct panel *right)
 {
     struct scene_instant at[2];
-    instant_at(&s->c, left->from, left->spring, &at[0]);
-    instant_at(&s->c, right->to, right->spring, &at[1]);
+    instant_at(&s->c, left->from, &left->springs, &at[0]);
+    instant_at(&s->c, right->to, &right->springs, &at[1]);
     const double noise = fmin(rounding_of_force(s->c.v, s->c.q, &at[0], s->c.contact),
                               rounding_of_force(s->c.v, s->c.q, &at[1], s->c.contact));
     const double tilt = fmin(rounding_of_normal(s->c.v, &at[0], s->c.contact),
@@ -767,8 +862,13 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
             return false;
         }
     }
-    return (!s->elastic || springs_agree(s, whole, left, right, noise, depth, tilt)) &&
-           sees_ends(s, left, right, at);
+    for (int i = 0; i < OPPOSED; ++i) {
+        if (contact_has_spring(s->c.v, s->c.contact, i) &&
+            !springs_agree(s, i, whole, left, right, noise, depth, tilt)) {
+            return false;
+        }
+    }
+    return sees_ends(s, left, right, at);
 }
 
 /* Parts of a panel in the search for peaks. Each half of a panel has five nodes, so that no quantity has two
@@ -790,7 +890,7 @@ static void add_sums(struct span *s, const struct panel *panel)
         s->sum[k] += panel->sum[k];
         s->size[k] += panel->size[k];
     }
-    s->spring = panel->spring;
+    s->springs = panel->springs;
 }
 
 /* A clock within a panel, and the event functions there. */
@@ -802,10 +902,10 @@ struct place {
 /* Number of places in both halves of a panel: the start, the nodes and the end. */
 enum { PANEL_PLACES = 2 * GAUSS_NODES + 2 };
 
-static void put_place(const struct span *s, double clock, struct vec3 spring, struct place *place)
+static void put_place(const struct span *s, double clock, const struct springs *springs, struct place *place)
 {
     place->clock = clock;
-    margins_at(&s->c, clock, spring, &place->at);
+    margins_at(&s->c, clock, springs, &place->at);
 }
 
 /* An event function of a contact without a spring, as the argument of root_lowest. */
@@ -818,7 +918,7 @@ static void dip_at(const void *data, double clock, double *value, double *slope)
 {
     const struct dip *dip = data;
     struct margins at;
-    margins_at(&dip->span->c, clock, dip->span->spring, &at);
+    margins_at(&dip->span->c, clock, &dip->span->springs, &at);
     *value = at.value[dip->event];
     *slope = (double)NAN; /* not needed */
 }
@@ -836,7 +936,7 @@ static bool finds_dip(const struct span *s, const struct place place[3], double 
         if (root_may_dip(of)) {
             struct margins low;
             *after = root_lowest(dip_at, &dip, of);
-            margins_at(&s->c, *after, s->spring, &low);
+            margins_at(&s->c, *after, &s->springs, &low);
             if (low.value[event] < -low.noise[event]) {
                 return true;
             }
@@ -851,12 +951,13 @@ static bool finds_event(const struct span *s, const struct panel *left, const st
 {
     struct place place[PANEL_PLACES];
     int count = 1;
-    put_place(s, left->from, s->spring, &place[0]);
+    put_place(s, left->from, &s->springs, &place[0]);
     for (int i = 0; i < 2 * GAUSS_NODES; ++i) {
         const struct panel *half = i < GAUSS_NODES ? left : right;
-        put_place(s, half->node[i % GAUSS_NODES].clock, half->node[i % GAUSS_NODES].spring, &place[count++]);
+        put_place(s, half->node[i % GAUSS_NODES].clock, &half->node[i % GAUSS_NODES].springs,
+                  &place[count++]);
     }
-    put_place(s, right->to, right->spring, &place[count++]);
+    put_place(s, right->to, &right->springs, &place[count++]);
     *start = place[0];
     for (int i = 1; i < count; ++i) {
         *before = place[i - 1].clock;
@@ -877,12 +978,12 @@ enum { PANELS_COMPARED = 3 };
 /* Bisects between `before` and `after` until the clock of an event is known to rounding. Makes the panel that
  * ends just past the event. False: there is no such panel or no event. */
 static bool panel_to_event(const struct span *s, const struct place *start, double before, double after,
-                           struct panel *panel, enum regime_event *event)
+                           struct panel *panel, int *event)
 {
-    const struct vec3 first = s->spring;
+    const struct springs first = s->springs;
     struct margins now;
     int made = 0;
-    panel->spring = first;
+    panel->springs = first;
     while (after - before > 4.0 * DBL_EPSILON * fabs(after)) {
         const double middle = 0.5 * (before + after);
         made += s->elastic;
@@ -891,17 +992,17 @@ static bool panel_to_event(const struct span *s, const struct place *start, doub
         }
         /* Where friction without a dashpot vanishes with F_n, its spring turns ever faster, and not every
          * panel beyond the event can be made. The events there do not depend on the spring. */
-        if (s->elastic && !panel_make(&s->c, start->clock, middle, first, panel)) {
-            panel->spring = first;
+        if (s->elastic && !panel_make(&s->c, start->clock, middle, &first, panel)) {
+            panel->springs = first;
         }
-        margins_at(&s->c, middle, panel->spring, &now);
+        margins_at(&s->c, middle, &panel->springs, &now);
         *(event_passed(&now, &start->at) != REGIME_EVENTS ? &after : &before) = middle;
     }
     *s->panels -= made * s->panel_cost / PANELS_COMPARED;
-    if (!panel_make(&s->c, start->clock, after, first, panel)) {
+    if (!panel_make(&s->c, start->clock, after, &first, panel)) {
         return false;
     }
-    margins_at(&s->c, after, panel->spring, &now);
+    margins_at(&s->c, after, &panel->springs, &now);
     *event = event_passed(&now, &start->at);
     return *event != REGIME_EVENTS;
 }
@@ -914,7 +1015,7 @@ static bool passes_event(struct span *s, const struct panel *left, const struct 
     struct place start;
     double before;
     double after;
-    enum regime_event event;
+    int event;
     const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
     if (!(contact_has_events(&law) || contact_rubs(s->c.v, s->c.contact)) ||
         !finds_event(s, left, right, &start, &before, &after) ||
@@ -923,9 +1024,9 @@ static bool passes_event(struct span *s, const struct panel *left, const struct 
     }
     add_sums(s, &panel);
     note_peaks_between(s, panel.from, panel.to);
-    s->spring = laid_spring(&s->c, panel.to, s->spring);
-    take_regime_event(&s->c, panel.to, s->spring, event);
-    s->spring = spring_of(s->c.q, s->c.contact);
+    s->springs = laid_springs(&s->c, panel.to, s->springs);
+    take_regime_event(&s->c, panel.to, s->springs, event);
+    s->springs = springs_of(s->c.q, s->c.contact);
     counter_add(&s->c.q->counters.events, 1);
     *clock = panel.to;
     return true;
@@ -1019,17 +1120,17 @@ static void add_instant(struct span *s, double clock, double time)
     double rate[TERMS];
     double scale[TERMS];
     double lever[TERMS];
-    instant_at(c, clock, s->spring, &at);
+    instant_at(c, clock, &s->springs, &at);
     (void)rates_at(c, &at, rate, scale, lever);
     for (int k = 0; k < TERMS; ++k) {
         s->sum[k] += time * rate[k];
         s->size[k] += time * scale[k];
     }
-    if (s->elastic) {
-        const struct friction_law law = scene_friction_law(c->v, c->q, j);
-        const enum friction_regime regime = (enum friction_regime)c->q->contact[j].friction_regime;
-        const struct friction_state rubbing = turning_rubbing(&c->q->turning, &at, j);
-        s->spring = vec3_axpy(s->spring, time, friction_spring_rate(&law, regime, rubbing));
+    for (int i = 0; s->elastic && i < OPPOSED; ++i) {
+        const struct friction_law law = scene_friction_law(c->v, c->q, j, i);
+        const struct friction_state rubbing = turning_rubbing(&c->q->turning, &at, j, i);
+        const struct vec3 own = friction_spring_rate(&law, rubbing_regime(c, i), rubbing);
+        s->springs.of[i] = vec3_axpy(s->springs.of[i], time, own);
     }
 }
 
@@ -1041,13 +1142,13 @@ CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, c
     const double to = fmin(passage->to, end);
     struct scene_instant at;
     add_instant(s, clock, passage->centre - clock);
-    s->spring = laid_spring(c, to, s->spring);
+    s->springs = laid_springs(c, to, s->springs);
     kinematics_at(c, to, &at);
     c->q->contact[c->contact].regime = (int32_t)scene_regime(c->v, c->q, &at, c->contact);
     if (SCENE_ANY_FRICTION) {
-        c->q->turning.spring[c->contact] = s->spring;
+        memcpy(c->q->turning.spring[c->contact], s->springs.of, sizeof s->springs.of);
         follow_law(c, to, before);
-        s->spring = spring_of(c->q, c->contact);
+        s->springs = springs_of(c->q, c->contact);
     }
     add_instant(s, to, to - passage->centre);
     counter_add(&c->q->counters.events, 1);
@@ -1079,9 +1180,9 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
         struct panel whole;
         struct panel left;
         struct panel right;
-        const bool made = panel_make(&s->c, clock, to, s->spring, &whole) &&
-                          panel_make(&s->c, clock, middle, s->spring, &left) &&
-                          panel_make(&s->c, middle, to, left.spring, &right);
+        const bool made = panel_make(&s->c, clock, to, &s->springs, &whole) &&
+                          panel_make(&s->c, clock, middle, &s->springs, &left) &&
+                          panel_make(&s->c, middle, to, &left.springs, &right);
         if (divides && (!made || !panels_agree(s, &whole, &left, &right))) {
             width = 0.5 * (to - clock);
             continue;
@@ -1095,7 +1196,7 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
             add_sums(s, &right);
             note_peaks_between(s, clock, to);
             if (scene_turns(s->c.v)) {
-                s->spring = laid_spring(&s->c, to, s->spring);
+                s->springs = laid_springs(&s->c, to, s->springs);
             }
         }
         clock = to;
@@ -1111,9 +1212,9 @@ static struct span span_of(const struct scene_values *v, struct scene_state *q, 
 {
     return (struct span){.c = {v, q, contact},
                          .length = length,
-                         .elastic = contact_rubs_elastically(v, contact),
+                         .elastic = contact_has_springs(v, contact),
                          .panels = panels,
-                         .panel_cost = contact_rubs_elastically(v, contact) ? ELASTIC_PANEL : 1};
+                         .panel_cost = contact_has_springs(v, contact) ? ELASTIC_PANEL : 1};
 }
 
 /* Adds the integrals of a span to the impulses and energies of the scene. Scenes in which no body may be free
@@ -1144,7 +1245,7 @@ static void book_span(const struct span *s)
         }
     }
     if (SCENE_ANY_FRICTION && scene_turns(s->c.v)) {
-        q->turning.spring[s->c.contact] = s->spring;
+        memcpy(q->turning.spring[s->c.contact], s->springs.of, sizeof s->springs.of);
     }
 }
 
@@ -1255,7 +1356,7 @@ static void begin_contact(struct span *s, double clock)
     if (SCENE_ANY_FRICTION) {
         friction_from(c, clock);
     }
-    s->spring = spring_of(q, c->contact);
+    s->springs = springs_of(q, c->contact);
     if (SCENE_ANY_FREE) {
         struct contact_record *record = &q->contact[s->c.contact].record;
         counter_add(&record->onsets, 1);
@@ -1295,7 +1396,7 @@ static bool integrate_located(struct span *s)
     const int j = s->c.contact;
     const double end = q->clock + s->length;
     double clock = q->clock;
-    s->spring = spring_of(q, j);
+    s->springs = springs_of(q, j);
     while (clock < end) {
         const bool touches = q->contact[j].regime != (int32_t)REGIME_APART;
         double next;
@@ -1344,9 +1445,9 @@ static void settle_regimes(const struct scene_values *v, struct scene_state *q, 
         return;
     }
     if (before != REGIME_APART) {
-        lay_spring(&c);
+        lay_springs(&c);
     }
-    if (before == REGIME_APART || (contact_rubs(v, contact) && !contact_rubs_elastically(v, contact))) {
+    if (before == REGIME_APART || (contact_rubs(v, contact) && !contact_has_springs(v, contact))) {
         friction_from(&c, q->clock);
     } else {
         follow_law(&c, q->clock, before);
@@ -1431,7 +1532,7 @@ CONTACT_COLD static bool takes_damping(struct span *s, double from, double to)
     }
     struct scene_instant at;
     const enum contact_regime next = regime_between(s, from, to);
-    instant_at(&s->c, clock_of(s, from), s->spring, &at);
+    instant_at(&s->c, clock_of(s, from), &s->springs, &at);
     s->c.q->contact[s->c.contact].regime = (int32_t)onset_note(s->c.v, s->c.q, &at, s->c.contact, next);
     return next != REGIME_APART;
 }

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "contact/law.h"
 #include "math/compiler.h"
@@ -76,8 +77,47 @@ static double mindlin_stiffness(const struct scene_values *v, const struct scene
     return fmax(1.5 * ratio * q->contact[contact].parameters.factors.k, 1e-150);
 }
 
-struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q, int contact)
+/* Returns R_r [m], the radius of the source that rolls on a plane as the source does on the destination. */
+static double rolling_radius(const struct scene_values *v, const struct scene_state *q, int contact)
 {
+    const int destination = contact_destination(contact);
+    const double r_s = body_radius(v, contact_source(contact));
+    const double r_d = scene_contact_side(v, q, contact) * body_radius(v, destination);
+    return body_shape(destination) == SHAPE_PLANE ? r_s : r_s * fabs(r_d) / fabs(r_s + r_d);
+}
+
+static struct friction_law resistance_law(const struct scene_values *v, const struct scene_state *q,
+                                          int contact, int part)
+{
+    const double lever = rolling_radius(v, q, contact);
+    struct friction_law law = {.kind = (enum friction)contact_rolling(v, contact),
+                               .coefficient = lever * contact_rolling_coefficient(v, contact),
+                               .largest = (double)INFINITY,
+                               .stiffness = contact_rolling_stiffness(v, contact),
+                               .damping = contact_rolling_damping(v, contact),
+                               .slip_velocity = contact_characteristic_rolling_rate(v, contact)};
+    if (part == OPPOSED_SPINNING) {
+        law.kind = (enum friction)contact_spinning(v, contact);
+        law.coefficient = lever * contact_spinning_coefficient(v, contact);
+        law.stiffness = contact_spinning_stiffness(v, contact);
+        law.damping = contact_spinning_damping(v, contact);
+        law.slip_velocity = contact_characteristic_spinning_rate(v, contact);
+    }
+    law.static_coefficient = law.coefficient;
+    return law;
+}
+
+struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q, int contact,
+                                       int part)
+{
+    _Static_assert((int)RESISTANCE_NONE == (int)FRICTION_NONE &&
+                       (int)RESISTANCE_REGULARIZED == (int)FRICTION_REGULARIZED &&
+                       (int)RESISTANCE_ELASTIC == (int)FRICTION_ELASTIC,
+                   "a resistance is a law of friction");
+    if (part != OPPOSED_SLIP) {
+        return contact_resists(v, contact) ? resistance_law(v, q, contact, part)
+                                           : (struct friction_law){.kind = FRICTION_NONE};
+    }
     return (struct friction_law){
         .kind = (enum friction)contact_friction(v, contact),
         .coefficient = contact_friction_coefficient(v, contact),
@@ -88,28 +128,6 @@ struct friction_law scene_friction_law(const struct scene_values *v, const struc
         .tangential = scene_stiffens(v, contact) ? TANGENTIAL_LAW_MINDLIN : TANGENTIAL_LAW_LINEAR,
         .damping = contact_tangential_damping(v, contact),
         .slip_velocity = q->contact[contact].parameters.slip_velocity};
-}
-
-static struct friction_law resistance_part(int kind, double coefficient, double rate)
-{
-    return (struct friction_law){.kind = kind == RESISTANCE_NONE ? FRICTION_NONE : FRICTION_REGULARIZED,
-                                 .coefficient = coefficient,
-                                 .slip_velocity = rate,
-                                 .largest = (double)INFINITY};
-}
-
-struct resistance_law scene_resistance_law(const struct scene_values *v, const struct scene_state *q,
-                                           int contact)
-{
-    const int destination = contact_destination(contact);
-    const double r_s = body_radius(v, contact_source(contact));
-    const double r_d = scene_contact_side(v, q, contact) * body_radius(v, destination);
-    const double lever = body_shape(destination) == SHAPE_PLANE ? r_s : r_s * fabs(r_d) / fabs(r_s + r_d);
-    return (struct resistance_law){
-        resistance_part(contact_rolling(v, contact), contact_rolling_coefficient(v, contact) * lever,
-                        contact_characteristic_rolling_rate(v, contact)),
-        resistance_part(contact_spinning(v, contact), contact_spinning_coefficient(v, contact) * lever,
-                        contact_characteristic_spinning_rate(v, contact))};
 }
 
 static bool has_axis(int body)
@@ -330,27 +348,20 @@ struct vec3 turning_spin(const struct scene_instant *at, int contact)
                     at->turning.body[contact_destination(contact)].angular_velocity);
 }
 
-struct vec3 turning_resistance(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_instant *at, int contact)
+double turning_spin_size(const struct scene_instant *at, int contact)
 {
-    if (!contact_resists(v, contact) || q->contact[contact].regime == (int32_t)REGIME_APART) {
-        return vec3_make(0.0, 0.0, 0.0);
-    }
-    const struct resistance_law law = scene_resistance_law(v, q, contact);
-    return resistance_torque(&law, (enum friction_regime)q->contact[contact].friction_regime,
-                             at->normal_force[contact], at->geometry[contact].normal,
-                             turning_spin(at, contact));
+    return vec3_norm(at->turning.body[contact_source(contact)].angular_velocity) +
+           vec3_norm(at->turning.body[contact_destination(contact)].angular_velocity);
 }
 
-static void put_torques(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at,
-                        int contact)
+static void put_torques(const struct scene_values *v, struct scene_instant *at, int contact)
 {
     struct turning_instant *turning = &at->turning;
     const struct vec3 force = at->source_force[contact];
     turning->source_torque[contact] = vec3_cross(turning->source_arm[contact], force);
     turning->destination_torque[contact] = vec3_cross(force, turning->destination_arm[contact]);
     if (contact_resists(v, contact)) {
-        const struct vec3 resistance = turning_resistance(v, q, at, contact);
+        const struct vec3 resistance = turning->resistance[contact];
         turning->source_torque[contact] = vec3_add(turning->source_torque[contact], resistance);
         turning->destination_torque[contact] = vec3_sub(turning->destination_torque[contact], resistance);
     }
@@ -363,15 +374,25 @@ static void turning_of_contact(const struct scene_values *v, const struct scene_
 {
     struct turning_instant *turning = &at->turning;
     turning_slip_of_contact(v, q, contact, at);
-    turning->friction_force[contact] = vec3_make(0.0, 0.0, 0.0);
-    if (contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART) {
-        const struct friction_law law = scene_friction_law(v, q, contact);
-        const struct friction_state rubbing = turning_rubbing(state, at, contact);
-        turning->friction_force[contact] =
-            friction_force(&law, (enum friction_regime)q->contact[contact].friction_regime, rubbing);
-        at->source_force[contact] = vec3_add(at->source_force[contact], turning->friction_force[contact]);
+    struct vec3 opposing[OPPOSED] = {{0.0, 0.0, 0.0}};
+    const bool rubs = contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
+    for (int i = 0; rubs && i < contact_opposed(v, contact); ++i) {
+        const struct friction_law law = scene_friction_law(v, q, contact, i);
+        const struct friction_state rubbing = turning_rubbing(state, at, contact, i);
+        opposing[i] =
+            friction_force(&law, (enum friction_regime)q->contact[contact].friction_regime[i], rubbing);
     }
-    put_torques(v, q, at, contact);
+    turning->friction_force[contact] = opposing[OPPOSED_SLIP];
+    if (rubs) {
+        at->source_force[contact] = vec3_add(at->source_force[contact], opposing[OPPOSED_SLIP]);
+    }
+    if (SCENE_ANY_ROLLING) {
+        turning->resistance[contact] = vec3_make(0.0, 0.0, 0.0);
+        for (int i = 1; i < contact_opposed(v, contact); ++i) {
+            turning->resistance[contact] = vec3_add(turning->resistance[contact], opposing[i]);
+        }
+    }
+    put_torques(v, at, contact);
 }
 
 void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
@@ -595,8 +616,11 @@ void scene_put_contact_forces(const struct scene_values *v, const struct scene_s
         at->source_force[j] = force[j];
         at->normal_force[j] = -vec3_dot(force[j], e);
         at->turning.friction_force[j] = vec3_axpy(force[j], at->normal_force[j], e);
+        if (SCENE_ANY_ROLLING) { /* contacts that resist are not solved so */
+            at->turning.resistance[j] = vec3_make(0.0, 0.0, 0.0);
+        }
         accelerate(v, j, at);
-        put_torques(v, q, at, j);
+        put_torques(v, at, j);
     }
 }
 
@@ -848,35 +872,44 @@ struct vec3 turning_acceleration(const struct scene_values *v, const struct scen
 struct turning_motion turning_motion_of(const struct turning_state *turning, const struct scene_instant *at,
                                         int contact)
 {
-    return (struct turning_motion){
+    struct turning_motion motion = {
         .separation = at->separation[contact],
         .rate = at->rate[contact],
         .source_rotation = at->turning.body[contact_source(contact)].angular_velocity,
         .destination_rotation = at->turning.body[contact_destination(contact)].angular_velocity,
-        .axis = at->turning.axis[contact],
-        .spring = turning->spring[contact]};
+        .axis = at->turning.axis[contact]};
+    memcpy(motion.spring, turning->spring[contact], sizeof motion.spring);
+    return motion;
 }
 
 struct turning_laws turning_laws_of(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    struct turning_laws laws = {
-        .normal = scene_contact_law(v, q, contact),
-        .friction = scene_friction_law(v, q, contact),
-        .regime = (enum contact_regime)q->contact[contact].regime,
-        .friction_regime =
-            SCENE_ANY_FRICTION ? (enum friction_regime)q->contact[contact].friction_regime : FRICTION_LIFTED};
-    if (contact_resists(v, contact)) {
-        laws.resistance = scene_resistance_law(v, q, contact);
+    struct turning_laws laws = {.normal = scene_contact_law(v, q, contact),
+                                .regime = (enum contact_regime)q->contact[contact].regime};
+    const int parts = contact_opposed(v, contact);
+    for (int i = 0; i < OPPOSED; ++i) {
+        if (i < parts) {
+            laws.rubbing[i] = scene_friction_law(v, q, contact, i);
+        } else {
+            laws.rubbing[i].kind = FRICTION_NONE;
+        }
+        laws.rubbing_regime[i] = SCENE_ANY_FRICTION
+                                     ? (enum friction_regime)q->contact[contact].friction_regime[i]
+                                     : FRICTION_LIFTED;
     }
     return laws;
 }
 
 struct friction_state turning_rubbing(const struct turning_state *turning, const struct scene_instant *at,
-                                      int contact)
+                                      int contact, int part)
 {
+    struct vec3 motion = at->turning.slip[contact];
+    if (SCENE_ANY_ROLLING && part != OPPOSED_SLIP) {
+        motion = opposed_laid((enum opposed)part, turning_spin(at, contact), at->geometry[contact].normal);
+    }
     return (struct friction_state){.normal_force = at->normal_force[contact],
-                                   .slip = at->turning.slip[contact],
-                                   .spring = turning->spring[contact],
+                                   .slip = motion,
+                                   .spring = turning->spring[contact][part],
                                    .depth = -at->geometry[contact].gap,
                                    .depth_rate = -at->geometry[contact].gap_rate};
 }
@@ -897,16 +930,17 @@ struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene
 
 struct vec3 turning_spring_rate(const struct scene_values *v, const struct scene_state *q,
                                 const struct turning_state *turning, const struct scene_instant *at,
-                                int contact)
+                                int contact, int part)
 {
-    const struct turning_laws laws = turning_laws_of(v, q, contact);
-    const struct friction_state rubbing = turning_rubbing(turning, at, contact);
-    if (laws.regime == REGIME_APART) {
+    const struct friction_law law = scene_friction_law(v, q, contact, part);
+    const struct friction_state rubbing = turning_rubbing(turning, at, contact, part);
+    if (q->contact[contact].regime == (int32_t)REGIME_APART) {
         return vec3_make(0.0, 0.0, 0.0);
     }
-    const struct vec3 own = friction_spring_rate(&laws.friction, laws.friction_regime, rubbing);
-    const double tilted = vec3_dot(rubbing.spring, turning_normal_rate(v, q, at, contact));
-    return vec3_axpy(own, -tilted, at->geometry[contact].normal);
+    const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
+    return vec3_add(friction_spring_rate(&law, regime, rubbing),
+                    opposed_turned((enum opposed)part, rubbing.spring, at->geometry[contact].normal,
+                                   turning_normal_rate(v, q, at, contact)));
 }
 
 /*
@@ -964,23 +998,21 @@ double turning_normal_force_rate(const struct scene_values *v, const struct scen
     return slopes.by_gap * g->gap_rate + by_rate;
 }
 
-double turning_friction_power_of(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_instant *at, int contact)
+double turning_friction_power_of(const struct scene_values *v, const struct scene_instant *at, int contact)
 {
     double power = -vec3_dot(at->turning.friction_force[contact], at->turning.slip[contact]);
     if (contact_resists(v, contact)) {
-        power -= vec3_dot(turning_resistance(v, q, at, contact), turning_spin(at, contact));
+        power -= vec3_dot(at->turning.resistance[contact], turning_spin(at, contact));
     }
     return power;
 }
 
-double turning_friction_power(const struct scene_values *v, const struct scene_state *q,
-                              const struct scene_instant *at)
+double turning_friction_power(const struct scene_values *v, const struct scene_instant *at)
 {
     double sum = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_rubs(v, j)) {
-            sum += turning_friction_power_of(v, q, at, j);
+            sum += turning_friction_power_of(v, at, j);
         }
     }
     return sum;
@@ -1327,11 +1359,14 @@ double energy_tangential_of(const struct scene_values *v, const struct scene_sta
                             const struct scene_instant *at)
 {
     double sum = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_rubs_elastically(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
-            const struct friction_law law = scene_friction_law(v, q, j);
-            const struct friction_state rubbing = turning_rubbing(&q->turning, at, j);
-            sum += friction_stored_energy(&law, (enum friction_regime)q->contact[j].friction_regime, rubbing);
+    for (int k = 0; k < SCENE_CONTACTS * OPPOSED; ++k) {
+        const int j = k / OPPOSED;
+        const int part = k % OPPOSED;
+        if (contact_has_spring(v, j, part) && q->contact[j].regime != (int32_t)REGIME_APART) {
+            const struct friction_law law = scene_friction_law(v, q, j, part);
+            const struct friction_state rubbing = turning_rubbing(&q->turning, at, j, part);
+            sum += friction_stored_energy(&law, (enum friction_regime)q->contact[j].friction_regime[part],
+                                          rubbing);
         }
     }
     return sum;

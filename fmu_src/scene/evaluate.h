@@ -19,6 +19,8 @@ struct turning_instant {
     struct vec3 destination_arm[SCENE_CONTACTS]; /* p - x_dst [m] */
     struct vec3 slip[SCENE_CONTACTS];            /* v_t [m/s] */
     struct vec3 friction_force[SCENE_CONTACTS];  /* F_t, part of the force on the source [N] */
+    /* M, part of the torque on the source, by its resistance to rolling and spinning [N m] */
+    struct vec3 resistance[SCENE_CONTACTS];
     struct vec3 source_torque[SCENE_CONTACTS], destination_torque[SCENE_CONTACTS]; /* [N m] */
 };
 
@@ -161,16 +163,13 @@ bool scene_stiffens(const struct scene_values *v, int contact);
 /* Returns the effective modulus E* of the bodies of a contact [Pa]. */
 double scene_hertz_modulus(const struct scene_values *v, int contact);
 
-/* Returns the law of friction of a contact. */
-struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q,
-                                       int contact);
-
-/* Returns the law of a contact's resistance to rolling and spinning. With the radii r_s and r_d, where r_d
- * of a cylinder is its radius and of a torus that of its tube, both torques have the lever
+/* Returns the law that opposes a motion of a contact (contact/friction.h): friction, or the resistance to
+ * rolling or to spinning. With the radii r_s and r_d, where r_d of a cylinder is its radius and of a torus
+ * that of its tube, both resistances have the lever
  *   R_r = r_s r_d / (r_s + r_d) outside,   r_s r_d / (r_d - r_s) inside,   r_s on a plane
  * R_r is constant: the caps and the rims of a cylinder have that of its side. */
-struct resistance_law scene_resistance_law(const struct scene_values *v, const struct scene_state *q,
-                                           int contact);
+struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q, int contact,
+                                       int part);
 
 /* Returns the orientation that a body starts with, the smallest rotation that takes z to its axis. */
 struct quaternion turning_start_orientation(const struct scene_values *v, int body);
@@ -262,36 +261,33 @@ struct turning_motion turning_motion_of(const struct turning_state *turning, con
                                         int contact);
 struct turning_laws turning_laws_of(const struct scene_values *v, const struct scene_state *q, int contact);
 
-/* Returns the normal force, the slip and the spring of a contact. */
+/* Returns the normal force, and of an opposed motion of a contact (contact/friction.h) the motion and the
+ * spring. */
 struct friction_state turning_rubbing(const struct turning_state *turning, const struct scene_instant *at,
-                                      int contact);
+                                      int contact, int part);
 
 /* Returns n', the rate of the normal [1/s]. */
 struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, int contact);
 
-/* Returns the spring's rate xi', with its turning by the normal included [m/s]. */
+/* Returns the rate of a spring, xi' [m/s] or theta' [rad/s], with its turning by the normal included. */
 struct vec3 turning_spring_rate(const struct scene_values *v, const struct scene_state *q,
                                 const struct turning_state *turning, const struct scene_instant *at,
-                                int contact);
+                                int contact, int part);
 
 /* Returns the rate of the normal force [N/s]. The instant must have accelerations. */
 double turning_normal_force_rate(const struct scene_values *v, const struct scene_state *q, double clock,
                                  const struct scene_instant *at, int contact);
 
-/* Returns omega, the angular velocity of the source as the destination sees it [rad/s]. */
+/* Returns omega, the angular velocity of the source as the destination sees it [rad/s], and the size of the
+ * terms whose difference omega is. */
 struct vec3 turning_spin(const struct scene_instant *at, int contact);
-
-/* Returns M, the torque on the source by its resistance to rolling and spinning [N m]. */
-struct vec3 turning_resistance(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_instant *at, int contact);
+double turning_spin_size(const struct scene_instant *at, int contact);
 
 /* Return the power that friction with its springs and the resistance to rolling take, -F_t.v_t - M.omega, of
  * a contact and summed over all contacts [W]. */
-double turning_friction_power_of(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_instant *at, int contact);
-double turning_friction_power(const struct scene_values *v, const struct scene_state *q,
-                              const struct scene_instant *at);
+double turning_friction_power_of(const struct scene_values *v, const struct scene_instant *at, int contact);
+double turning_friction_power(const struct scene_values *v, const struct scene_instant *at);
 
 /* Whether d = 0 within rounding, by positions or by the accumulated gap. Solid bodies may reach this
  * singularity, where n is undefined and reverses; the escape direction takes the place of n. */

@@ -32,9 +32,12 @@ struct turning_layout turning_layout_of(const struct scene_values *v)
         index += tips ? 4 : 0;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const bool springs = contact_rubs_elastically(v, j);
-        layout.spring[j] = springs ? index : -1;
-        index += springs ? 3 : 0;
+        memset(layout.spring[j], -1, sizeof layout.spring[j]);
+        for (int i = 0; contact_has_springs(v, j) && i < OPPOSED; ++i) {
+            const bool springs = contact_has_spring(v, j, i);
+            layout.spring[j][i] = springs ? index : -1;
+            index += springs ? 3 : 0;
+        }
     }
     layout.coupled = index;
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -61,9 +64,19 @@ int ode_coupled(const struct scene_values *v)
     return scene_turns(v) ? turning_layout_of(v).coupled : ode_body(v, SCENE_BODIES);
 }
 
+/* The same as turning_layout_of(v).integrals, which is asked for too often to make a layout each time. */
 int ode_integrals(const struct scene_values *v)
 {
-    return scene_turns(v) ? turning_layout_of(v).integrals : ode_body(v, SCENE_BODIES);
+    int index = ode_body(v, SCENE_BODIES);
+    for (int i = 0; scene_turns(v) && i < SCENE_BODIES; ++i) {
+        index += body_turns_freely(v, i) ? 7 : 0;
+    }
+    for (int j = 0; SCENE_ANY_SPRINGS && j < SCENE_CONTACTS; ++j) {
+        for (int i = 0; contact_has_springs(v, j) && i < OPPOSED; ++i) {
+            index += contact_has_spring(v, j, i) ? 3 : 0;
+        }
+    }
+    return index;
 }
 
 int ode_size(const struct scene_values *v)
@@ -120,8 +133,10 @@ static void turning_pack(const struct scene_ode *ode, double *y)
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_torques *torques = &ode->state->contact[j].torques;
-        if (layout.spring[j] >= 0) {
-            vec3_to(ode->state->turning.spring[j], y + layout.spring[j]);
+        for (int i = 0; i < OPPOSED; ++i) {
+            if (layout.spring[j][i] >= 0) {
+                vec3_to(ode->state->turning.spring[j][i], y + layout.spring[j][i]);
+            }
         }
         vec3_to(torques->source_impulse, y + ode_impulse(v, j) + 3);
         vec3_to(torques->destination_impulse, y + ode_impulse(v, j) + 6);
@@ -141,9 +156,10 @@ static void turning_unpack(const struct scene_values *v, const double *y, struct
                 angular_velocity_of(v, turn->orientation, vec3_from(y + layout.spin[i]), i);
         }
     }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (layout.spring[j] >= 0) {
-            turning->spring[j] = vec3_from(y + layout.spring[j]);
+    for (int k = 0; k < SCENE_CONTACTS * OPPOSED; ++k) {
+        const int spring = layout.spring[k / OPPOSED][k % OPPOSED];
+        if (spring >= 0) {
+            turning->spring[k / OPPOSED][k % OPPOSED] = vec3_from(y + spring);
         }
     }
 }
@@ -154,7 +170,7 @@ static void turning_rates(const struct scene_ode *ode, double clock, const doubl
     const struct scene_values *v = ode->values;
     const struct turning_layout layout = turning_layout_of(v);
     struct turning_state turning;
-    if (SCENE_ANY_ELASTIC_FRICTION) {
+    if (SCENE_ANY_SPRINGS) {
         turning = ode->state->turning;
         turning_unpack(v, y, &turning);
     }
@@ -168,13 +184,15 @@ static void turning_rates(const struct scene_ode *ode, double clock, const doubl
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (SCENE_ANY_ELASTIC_FRICTION && layout.spring[j] >= 0) {
-            vec3_to(turning_spring_rate(v, ode->state, &turning, at, j), rates + layout.spring[j]);
+        for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
+            if (layout.spring[j][i] >= 0) {
+                vec3_to(turning_spring_rate(v, ode->state, &turning, at, j, i), rates + layout.spring[j][i]);
+            }
         }
         vec3_to(at->turning.source_torque[j], rates + ode_impulse(v, j) + 3);
         vec3_to(at->turning.destination_torque[j], rates + ode_impulse(v, j) + 6);
     }
-    rates[ode_dissipated(v) + 2] = turning_friction_power(v, ode->state, at);
+    rates[ode_dissipated(v) + 2] = turning_friction_power(v, at);
 }
 
 static void set_three(double *sizes, double size)
@@ -194,8 +212,11 @@ static void turning_nominal(const struct scene_ode *ode, const double *y, double
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (layout.spring[j] >= 0) {
-            set_three(sizes + layout.spring[j], vec3_norm(vec3_from(y + layout.spring[j])));
+        for (int i = 0; i < OPPOSED; ++i) {
+            const int spring = layout.spring[j][i];
+            if (spring >= 0) {
+                set_three(sizes + spring, vec3_norm(vec3_from(y + spring)));
+            }
         }
         const double lever = body_radius(v, contact_source(j));
         for (int k = 3; k < TURNING_IMPULSES; k += 3) {
@@ -223,7 +244,8 @@ static double depth_to_parting(const struct scene_ode *ode, const struct contact
 
 static bool breaks_away(const struct turning_laws *laws)
 {
-    return laws->friction.kind == FRICTION_ELASTIC && laws->friction_regime == FRICTION_STICKING;
+    return laws->rubbing[OPPOSED_SLIP].kind == FRICTION_ELASTIC &&
+           laws->rubbing_regime[OPPOSED_SLIP] == FRICTION_STICKING;
 }
 
 /* Sets the event functions of friction. Sticking ends at the lesser of mu_s F_n and F_max; each of the two
@@ -235,22 +257,28 @@ static void friction_events(const struct scene_ode *ode, double clock, const str
         return; /* `out` has no room for events of friction */
     }
     const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
-    const struct friction_state rubbing = turning_rubbing(turning, at, contact);
+    const struct friction_law *law = &laws.rubbing[OPPOSED_SLIP];
+    const enum friction_regime regime = laws.rubbing_regime[OPPOSED_SLIP];
+    const double force = at->normal_force[contact];
     const double force_rate = turning_normal_force_rate(ode->values, ode->state, clock, at, contact);
-    out[ODE_EVENT_STICK] = ode->stick_offset[contact] +
-                           friction_stick_event(&laws.friction, laws.friction_regime, rubbing, force_rate);
-    out[ODE_EVENT_CAP] = ode->cap_offset[contact] +
-                         friction_cap_event(&laws.friction, laws.friction_regime, rubbing.normal_force);
+    for (int i = 0; i < contact_opposed(ode->values, contact); ++i) {
+        const struct friction_state rubbing = turning_rubbing(turning, at, contact, i);
+        out[ode_stick_event(i)] =
+            ode->stick_offset[contact][i] +
+            friction_stick_event(&laws.rubbing[i], laws.rubbing_regime[i], rubbing, force_rate);
+    }
+    out[ODE_EVENT_CAP] = ode->cap_offset[contact] + friction_cap_event(law, regime, force);
     if (breaks_away(&laws)) {
-        const double carried = vec3_norm(friction_force(&laws.friction, FRICTION_STICKING, rubbing));
+        const double carried = vec3_norm(
+            friction_force(law, FRICTION_STICKING, turning_rubbing(turning, at, contact, OPPOSED_SLIP)));
         out[ODE_EVENT_STICK] =
-            ode->stick_offset[contact] + laws.friction.static_coefficient * rubbing.normal_force - carried;
-        out[ODE_EVENT_CAP] = ode->cap_offset[contact] + laws.friction.largest - carried;
+            ode->stick_offset[contact][OPPOSED_SLIP] + law->static_coefficient * force - carried;
+        out[ODE_EVENT_CAP] = ode->cap_offset[contact] + law->largest - carried;
     }
     if (contact_may_pull(&laws.normal)) {
         const struct contact_geometry *g = &at->geometry[contact];
         const double push = contact_push(&laws.normal, g->gap, g->gap_rate);
-        out[ODE_EVENT_LIFT] = ode->lift_offset[contact] + friction_lift_event(laws.friction_regime, push);
+        out[ODE_EVENT_LIFT] = ode->lift_offset[contact] + friction_lift_event(regime, push);
     }
 }
 
@@ -278,20 +306,20 @@ static void turning_events(const struct scene_ode *ode, double clock, const doub
     }
 }
 
-/* Returns the error of the stick event where speeds have an error of `tolerated` [m/s] and F_n one of
- * `of_force` [N]. */
-static double stick_rounding(const struct turning_laws *laws, double normal_force, double of_force,
-                             double tolerated)
+/* Returns the error of the stick event where the opposed motion has an error of `tolerated` [m/s, rad/s] and
+ * F_n one of `of_force` [N]. */
+static double stick_rounding(const struct friction_law *law, enum friction_regime regime, double normal_force,
+                             double of_force, double tolerated)
 {
-    const struct friction_law *law = &laws->friction;
-    const double limit = fabs(friction_limit(law, laws->friction_regime, normal_force));
-    const bool is_force = friction_compares_forces(law, laws->friction_regime);
+    const double limit = fabs(friction_limit(law, regime, normal_force));
+    const bool is_force = friction_compares_forces(law, regime);
     const double of_limit = law->static_coefficient * of_force + 8.0 * DBL_EPSILON * limit;
     return is_force ? law->damping * tolerated + of_limit : tolerated;
 }
 
 void turning_friction_events(struct scene_ode *ode, const struct scene_instant *at, int contact,
-                             double tolerated, double events[ODE_EVENTS_EACH])
+                             double tolerated, double relative, double absolute,
+                             double events[ODE_EVENTS_EACH])
 {
     const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
     const double force = at->normal_force[contact];
@@ -302,9 +330,14 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
     for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
         events[i] = 1.0;
     }
-    ode->stick_offset[contact] = 2.0 * stick_rounding(&laws, force, of_force, tolerated);
-    ode->cap_offset[contact] =
-        breaks_away(&laws) ? ode->stick_offset[contact] : 2.0 * laws.friction.coefficient * rounding;
+    for (int i = 0; i < contact_opposed(ode->values, contact); ++i) {
+        const double of_motion =
+            i == OPPOSED_SLIP ? tolerated : relative * turning_spin_size(at, contact) + absolute;
+        ode->stick_offset[contact][i] =
+            2.0 * stick_rounding(&laws.rubbing[i], laws.rubbing_regime[i], force, of_force, of_motion);
+    }
+    ode->cap_offset[contact] = breaks_away(&laws) ? ode->stick_offset[contact][OPPOSED_SLIP]
+                                                  : 2.0 * laws.rubbing[OPPOSED_SLIP].coefficient * rounding;
     /* the error of contact_push, which is F_n, or its factor under Hertz's law */
     ode->lift_offset[contact] =
         2.0 *
@@ -315,16 +348,19 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
 /* Sets the offsets of friction's event functions, so that each starts above zero. The speeds have errors of
  * at most `tolerated` [m/s]. */
 static void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int contact,
-                          double tolerated)
+                          double tolerated, double relative, double absolute)
 {
     double events[ODE_EVENTS_EACH];
-    ode->stick_offset[contact] = ode->cap_offset[contact] = ode->lift_offset[contact] = 0.0;
+    memset(ode->stick_offset[contact], 0, sizeof ode->stick_offset[contact]);
+    ode->cap_offset[contact] = ode->lift_offset[contact] = 0.0;
     if (!SCENE_ANY_FRICTION || !contact_transmits(ode->state, contact) ||
         !contact_rubs(ode->values, contact)) {
         return; /* `events` has no room for events of friction */
     }
-    turning_friction_events(ode, at, contact, tolerated, events);
-    ode->stick_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_STICK], 0.0);
+    turning_friction_events(ode, at, contact, tolerated, relative, absolute, events);
+    for (int i = 0; i < OPPOSED; ++i) {
+        ode->stick_offset[contact][i] += 2.0 * fmax(-events[ode_stick_event(i)], 0.0);
+    }
     ode->cap_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_CAP], 0.0);
     ode->lift_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_LIFT], 0.0);
 }
@@ -390,7 +426,7 @@ void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double rel
         ode->zone_offset[j] = ode->gap_offset[j] + 2.0 * fmax(-zones_margin(v, ode->state, at, j), 0.0);
         ode->margin_offset[j] = rounding_margin_offset(v, ode->state, at, j, tolerated);
         if (scene_turns(v)) {
-            turning_begin(ode, at, j, tolerated);
+            turning_begin(ode, at, j, tolerated, relative, absolute);
         }
     }
 }
@@ -660,8 +696,10 @@ static void add_change(const struct turning_linearization *l, const struct turni
     const struct turning_change change = turning_slopes_along(slopes, motion);
     add_to_body(l, column, contact_source(contact), 1.0, change.force, change.source_torque);
     add_to_body(l, column, contact_destination(contact), -1.0, change.force, change.destination_torque);
-    if (l->layout.spring[contact] >= 0) {
-        add_three(l->matrix, l->layout.spring[contact], column, 1.0, change.spring_rate);
+    for (int i = 0; i < OPPOSED; ++i) {
+        if (l->layout.spring[contact][i] >= 0) {
+            add_three(l->matrix, l->layout.spring[contact][i], column, 1.0, change.spring_rate[i]);
+        }
     }
     const int impulse = ode_impulse(v, contact);
     add_three(l->matrix, impulse, column, 1.0, change.force);
@@ -710,9 +748,13 @@ static void add_contact(const struct turning_linearization *l, int contact)
     const struct turning_slopes slopes = turning_slopes_at(&shape, &l->at.geometry[contact], &motion, &laws);
     add_body_columns(l, &slopes, contact, contact_source(contact), -1.0);
     add_body_columns(l, &slopes, contact, contact_destination(contact), 1.0);
-    for (int k = 0; k < 3 && l->layout.spring[contact] >= 0; ++k) {
-        struct turning_motion stretched = {.spring = along_axis(k)};
-        add_change(l, &slopes, contact, l->layout.spring[contact] + k, &stretched);
+    for (int k = 0; k < 3 * contact_opposed(l->ode->values, contact); ++k) {
+        const int spring = l->layout.spring[contact][k / 3];
+        if (spring >= 0) {
+            struct turning_motion stretched = {.separation = {0.0, 0.0, 0.0}};
+            stretched.spring[k / 3] = along_axis(k % 3);
+            add_change(l, &slopes, contact, spring + k % 3, &stretched);
+        }
     }
 }
 
@@ -818,7 +860,9 @@ void ode_events_at(const struct scene_ode *ode, double clock, const double *y, c
                 }
                 continue;
             }
-            out[ODE_EVENT_STICK] = out[ODE_EVENT_CAP] = out[ODE_EVENT_LIFT] = 1.0;
+            for (int i = ODE_EVENT_STICK; i < ODE_EVENT_ZONE; ++i) {
+                out[i] = 1.0;
+            }
         }
         out[0] = out[1] = 1.0;
         if (contact_transmits(ode->state, j) && !contact_is_prescribed(v, j)) {

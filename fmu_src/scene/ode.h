@@ -8,7 +8,8 @@
  * and where bodies turn or rub (scene_turns)
  *
  *   y = (moved, v of each free body; L / I_1 [rad/s] of each body of free rotation;
- *        orientation (w, x, y, z) of those with an axis; spring xi [m] of each elastic friction;
+ *        orientation (w, x, y, z) of those with an axis; spring xi [m] of each elastic friction, theta [rad]
+ *        of each elastic resistance to rolling or spinning;
  *        orientation of the spheres among them;
  *        impulse, impulse of torque on the source and on the destination of each contact [N s, N m s];
  *        dissipated energy, external work, work on friction and its springs [J])
@@ -29,6 +30,7 @@
  *   2   friction_stick_event   sticking and sliding change
  *   3   friction_cap_event     mu F_n passes F_max; in elastic friction that sticks: F* passes F_max
  *   4   friction_lift_event    F_n changes its sign while the bodies overlap
+ *   5, 6  friction_stick_event of rolling and of spinning, where contacts may resist them
  * and last where cylinders may be capped
  *       zones_margin           the contact leaves its zone
  * An offset is added to each function, so that it starts above zero in spite of rounding. While the bodies
@@ -44,18 +46,29 @@
 enum ode_event { ODE_EVENT_GAP, ODE_EVENT_LAW, ODE_EVENT_STICK, ODE_EVENT_CAP, ODE_EVENT_LIFT };
 
 enum {
-    ODE_EVENT_ZONE = SCENE_ANY_TURNING ? 5 : 2,
+    ODE_EVENT_ZONE = SCENE_ANY_TURNING ? ODE_EVENT_LIFT + OPPOSED : 2,
     ODE_EVENTS_EACH = ODE_EVENT_ZONE + SCENE_ANY_CAPS,
     ODE_EVENTS = ODE_EVENTS_EACH * SCENE_CONTACTS
 };
+
+/* Returns the event at which an opposed motion (contact/friction.h) sticks or breaks away. ode_event_part
+ * returns the motion of such an event, and the slip for any other event. */
+static inline enum ode_event ode_stick_event(int part)
+{
+    return part == OPPOSED_SLIP ? ODE_EVENT_STICK : (enum ode_event)((int)ODE_EVENT_LIFT + part);
+}
+static inline int ode_event_part(enum ode_event event)
+{
+    return OPPOSED > 1 && event > ODE_EVENT_LIFT ? (int)event - (int)ODE_EVENT_LIFT : OPPOSED_SLIP;
+}
 
 struct scene_ode {
     const struct scene_values *values;
     const struct scene_state *state;      /* regimes, paths; its body states are not read */
     double gap_offset[SCENE_CONTACTS];    /* is added to event function 0 [m] */
     double margin_offset[SCENE_CONTACTS]; /* is added to event function 1, in the unit of that function */
-    /* are added to the event functions 2, 3 and 4, in the units of these functions */
-    double stick_offset[SCENE_CONTACTS], cap_offset[SCENE_CONTACTS], lift_offset[SCENE_CONTACTS];
+    /* are added to the event functions of sticking, 3 and 4, in the units of these functions */
+    double stick_offset[SCENE_CONTACTS][OPPOSED], cap_offset[SCENE_CONTACTS], lift_offset[SCENE_CONTACTS];
     double zone_offset[SCENE_CONTACTS];  /* is added to the event function ODE_EVENT_ZONE [m] */
     double energy_scale, momentum_scale; /* sizes at the start of the phase [J], [N s] */
 };
@@ -115,7 +128,7 @@ void ode_instant(const struct scene_ode *ode, double clock, const double *y, str
 struct turning_layout {
     int spin[SCENE_BODIES];        /* L / I_1 */
     int orientation[SCENE_BODIES]; /* w, x, y, z */
-    int spring[SCENE_CONTACTS];
+    int spring[SCENE_CONTACTS][OPPOSED];
     int coupled, integrals; /* see ode_coupled, ode_integrals */
 };
 
@@ -137,10 +150,12 @@ void ode_rates_without_contact(const struct scene_ode *ode, const struct turning
 void ode_rates_under(const struct scene_ode *ode, double clock, const double *y, const struct vec3 *force,
                      struct scene_instant *at, double *rates);
 
-/* Computes the event functions of friction at `at`, the present instant of ode->state. Each is raised by
- * twice its error by rounding and by an error of the speeds of `tolerated` [m/s]. */
+/* Computes the event functions of friction and both resistances at `at`, the present instant of ode->state.
+ * Each is raised by twice its error by rounding and by errors of the opposed motions: the slip has one of
+ * `tolerated` [m/s], the parts of omega have those of the tolerances. */
 void turning_friction_events(struct scene_ode *ode, const struct scene_instant *at, int contact,
-                             double tolerated, double events[ODE_EVENTS_EACH]);
+                             double tolerated, double relative, double absolute,
+                             double events[ODE_EVENTS_EACH]);
 
 /*
  * Invariants at the end of a contact phase (projection methods: Hairer, Lubich, Wanner, Geometric Numerical

@@ -144,46 +144,58 @@ static void put_slip(const struct contact_shape *shape, const struct contact_pat
     }
 }
 
-static void put_friction(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_jet *along, int contact, struct contact_jet *jet,
+/* Returns the change of a spring by a jump of n: the spring before the jump is laid anew. */
+static struct vec3 laid_change(enum opposed part, struct vec3 before, const struct contact_jet *jet)
+{
+    const struct vec3 n = jet->normal[0];
+    const struct vec3 by_normal = vec3_scale(vec3_dot(before, n), jet->normal[1]);
+    const struct vec3 along = vec3_axpy(by_normal, vec3_dot(before, jet->normal[1]), n);
+    return part == OPPOSED_SPINNING ? along : vec3_scale(-1.0, along);
+}
+
+/* Sets the terms of the force or torque that opposes a motion and of the energy that its spring stores. */
+static void put_opposing(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_jet *along, int contact, int part, struct contact_jet *jet,
                          struct turning_jet *turning)
 {
-    if (!contact_rubs(v, contact) || q->contact[contact].regime == (int32_t)REGIME_APART) {
-        return;
-    }
-    const struct turning_laws laws = turning_laws_of(v, q, contact);
-    struct friction_path path = {.slip_velocity_slope = along->slip_velocity_slope[contact]};
+    const struct friction_law law = scene_friction_law(v, q, contact, part);
+    const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
+    const bool slips = part == OPPOSED_SLIP;
+    struct friction_path path = {.slip_velocity_slope = slips ? along->slip_velocity_slope[contact] : 0.0};
     memcpy(path.normal_force, jet->normal_force, sizeof path.normal_force);
-    memcpy(path.slip, turning->slip, sizeof path.slip);
+    memcpy(path.slip, turning->motion[part], sizeof path.slip);
+    memcpy(path.spring, along->spring[contact][part], sizeof path.spring);
+    path.spring[0] = q->turning.spring[contact][part];
     for (int i = 0; i < JET_TERMS; ++i) {
         path.depth[i] = -jet->gap[i];
     }
-    if (SCENE_ANY_FRICTION) {
-        memcpy(path.spring, along->spring[contact], sizeof path.spring);
-        path.spring[0] = q->turning.spring[contact];
-        if (along->jumps) {
-            path.spring[1] =
-                vec3_axpy(path.spring[1], -vec3_dot(path.spring[0], jet->normal[1]), jet->normal[0]);
-            path.spring[1] = vec3_axpy(path.spring[1], -along->spring_lift[contact], jet->normal[1]);
-        }
+    if (along->jumps) {
+        path.spring[1] = vec3_add(path.spring[1],
+                                  laid_change((enum opposed)part, along->spring_before[contact][part], jet));
     }
     for (int i = 0; i < JET_TERMS; ++i) {
-        turning->friction_force[i] = friction_force_term(&laws.friction, laws.friction_regime, &path, i);
-        turning->stored[i] = friction_stored_term(&laws.friction, laws.friction_regime, &path, i);
-        jet->source_force[i] = vec3_add(jet->source_force[i], turning->friction_force[i]);
+        struct vec3 *sum = slips ? turning->friction_force : turning->resistance;
+        const struct vec3 term = friction_force_term(&law, regime, &path, i);
+        sum[i] = vec3_add(sum[i], term);
+        turning->stored[i] += friction_stored_term(&law, regime, &path, i);
+        jet->source_force[i] = slips ? vec3_add(jet->source_force[i], term) : jet->source_force[i];
     }
 }
 
-static void put_resistance(const struct scene_values *v, const struct scene_state *q,
-                           const struct contact_path *path, int contact, const struct contact_jet *jet,
-                           struct turning_jet *turning)
+/* Sets the terms of omega and of the opposed motions, and of what opposes them. */
+static void put_friction(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_jet *along, const struct contact_path *path, int contact,
+                         struct contact_jet *jet, struct turning_jet *turning)
 {
+    const bool rubs = contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
     for (int i = 0; i < JET_TERMS; ++i) {
         turning->spin[i] = vec3_sub(path->source[i], path->destination[i]);
     }
-    if (contact_resists(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART) {
-        const struct turning_laws laws = turning_laws_of(v, q, contact);
-        resistance_terms(&laws.resistance, laws.friction_regime, jet, turning->spin, turning->resistance);
+    for (int part = 0; part < contact_opposed(v, contact); ++part) {
+        opposed_terms((enum opposed)part, turning->slip, turning->spin, jet->normal, turning->motion[part]);
+        if (SCENE_ANY_FRICTION && rubs) {
+            put_opposing(v, q, along, contact, part, jet, turning);
+        }
     }
 }
 
@@ -204,10 +216,7 @@ static void turning_jet_of_contact(const struct scene_values *v, const struct sc
                          (enum contact_regime)q->contact[contact].regime, jet);
     }
     put_slip(&shape, &path, jet, turning);
-    put_friction(v, q, along, contact, jet, turning);
-    if (SCENE_ANY_ROLLING) {
-        put_resistance(v, q, &path, contact, jet, turning);
-    }
+    put_friction(v, q, along, &path, contact, jet, turning);
     for (int i = 0; i < JET_TERMS; ++i) {
         turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
         turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
@@ -312,9 +321,11 @@ static void put_turning_bodies(const struct scene_values *v, const struct scene_
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_rubs_elastically(v, j)) {
-            along->spring[j][0] = q->turning.spring[j];
-            along->spring[j][1] = turning_spring_rate(v, q, &q->turning, at, j);
+        for (int i = 0; i < OPPOSED; ++i) {
+            if (contact_has_spring(v, j, i)) {
+                along->spring[j][i][0] = q->turning.spring[j][i];
+                along->spring[j][i][1] = turning_spring_rate(v, q, &q->turning, at, j, i);
+            }
         }
     }
 }
@@ -448,25 +459,24 @@ static struct vec3 half_spin_jerk(const struct scene_values *v, const struct sce
     return vec3_scale(0.5 / inertia.transverse, vec3_axpy(torque[1], -more, gyration));
 }
 
-/* Returns half the spring's second derivative xi'', where xi' = f(F_n, v_t, xi) - n (xi.n'). */
+/* Returns half a spring's second derivative xi'', where xi' is the sum of the law's rate f(F_n, v_t, xi) and
+ * opposed_turned. */
 static struct vec3 half_spring_change(const struct scene_values *v, const struct scene_state *q,
                                       const struct scene_instant *at, const struct scene_jet *along,
-                                      int contact)
+                                      int contact, int part)
 {
-    const struct turning_laws laws = turning_laws_of(v, q, contact);
-    const struct friction_state rubbing = turning_rubbing(&q->turning, at, contact);
-    const struct friction_slopes slopes =
-        friction_spring_rate_slopes(&laws.friction, laws.friction_regime, rubbing);
+    const struct friction_law law = scene_friction_law(v, q, contact, part);
+    const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
+    const struct friction_state rubbing = turning_rubbing(&q->turning, at, contact, part);
+    const struct friction_slopes slopes = friction_spring_rate_slopes(&law, regime, rubbing);
     const struct contact_jet *geometry = &along->contact[contact];
-    const struct vec3 *spring = along->spring[contact];
-    const struct vec3 bend[2] = {geometry->normal[1], vec3_scale(2.0, geometry->normal[2])};
-    const double tilted[2] = {vec3_dot(spring[0], bend[0]),
-                              vec3_dot(spring[1], bend[0]) + vec3_dot(spring[0], bend[1])};
-    const double stiffened = friction_stiffening(&laws.friction, rubbing.depth) * rubbing.depth_rate;
-    const struct vec3 sum =
-        friction_slopes_along(&slopes, geometry->normal_force[1], along->turning[contact].slip[1],
-                              vec3_axpy(spring[1], stiffened, spring[0])); /* see friction.h */
-    return vec3_scale(0.5, vec3_sub(sum, jet_scale(tilted, geometry->normal, 1)));
+    const struct vec3 *spring = along->spring[contact][part];
+    const double stiffened = friction_stiffening(&law, rubbing.depth) * rubbing.depth_rate;
+    const struct vec3 sum = friction_slopes_along(&slopes, geometry->normal_force[1],
+                                                  along->turning[contact].motion[part][1],
+                                                  vec3_axpy(spring[1], stiffened, spring[0])); /* friction.h */
+    return vec3_scale(0.5,
+                      vec3_add(sum, opposed_turned_term((enum opposed)part, spring, geometry->normal, 1)));
 }
 
 /* Sets the second-order terms of rotations and springs from contacts known to the first order. */
@@ -479,8 +489,10 @@ static void put_turning_changes(const struct scene_values *v, const struct scene
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_rubs_elastically(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
-            along->spring[j][2] = half_spring_change(v, q, at, along, j);
+        for (int i = 0; i < OPPOSED && q->contact[j].regime != (int32_t)REGIME_APART; ++i) {
+            if (contact_has_spring(v, j, i)) {
+                along->spring[j][i][2] = half_spring_change(v, q, at, along, j, i);
+            }
         }
     }
 }
@@ -592,7 +604,7 @@ struct jet_energies jet_energies_of(const struct scene_values *v, const struct s
         const struct contact_law law = scene_contact_law(v, q, j);
         const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
         sum.stored += contact_stored_term(&law, &along->law_slope[j], regime, along->contact[j].gap, order);
-        if (SCENE_ANY_TURNING && contact_rubs_elastically(v, j) && regime != REGIME_APART) {
+        if (SCENE_ANY_TURNING && contact_has_springs(v, j) && regime != REGIME_APART) {
             sum.tangential += along->turning[j].stored[order];
         }
     }

@@ -10,12 +10,13 @@
 #include "math/compiler.h"
 #include "scene/evaluate.h"
 
-/* The jet of one contact's entries in struct turning_instant, and of the energy that its spring stores. */
+/* The jet of one contact's entries in struct turning_instant, and of the energy that its springs store. */
 struct turning_jet {
     struct vec3 source_arm[JET_TERMS], destination_arm[JET_TERMS], slip[JET_TERMS];
     struct vec3 friction_force[JET_TERMS], source_torque[JET_TERMS], destination_torque[JET_TERMS];
-    double stored[JET_TERMS];
-    struct vec3 spin[JET_TERMS], resistance[JET_TERMS]; /* omega and M; only where SCENE_ANY_ROLLING */
+    double stored[JET_TERMS]; /* energy of the springs of friction, rolling and spinning [J] */
+    struct vec3 spin[JET_TERMS], resistance[JET_TERMS]; /* omega and M; M only where SCENE_ANY_ROLLING */
+    struct vec3 motion[OPPOSED][JET_TERMS];             /* the opposed motions (contact/friction.h) */
 };
 
 struct scene_jet {
@@ -31,11 +32,11 @@ struct scene_jet {
     /* d/ds of the orientation that an importer's integrator sets, a quaternion of any length */
     struct quaternion given_orientation[SCENE_BODIES];
     struct vec3 torque[SCENE_BODIES]; /* d/ds of the external torques on bodies that turn freely */
-    struct vec3 spring[SCENE_CONTACTS][JET_TERMS];
+    struct vec3 spring[SCENE_CONTACTS][OPPOSED][JET_TERMS];
     double slip_velocity_slope[SCENE_CONTACTS]; /* d/ds of v_0 */
     struct turning_jet turning[SCENE_CONTACTS];
-    bool jumps; /* the inputs jump: springs of contacts without a free body turn into the tangent plane */
-    double spring_lift[SCENE_CONTACTS]; /* part of the springs along the normals before the jump [m] */
+    bool jumps; /* the inputs jump: springs of contacts without a free body are laid (opposed_laid) */
+    struct vec3 spring_before[SCENE_CONTACTS][OPPOSED]; /* the springs before the jump [m, rad] */
     double friction[JET_TERMS]; /* energy that friction and its springs take; the first term is zero */
     /* only in scenes with free bodies; the first terms are zero */
     double time[JET_TERMS], dissipated[JET_TERMS], external_work[JET_TERMS];

@@ -122,9 +122,27 @@ bool contact_resists(const struct scene_values *v, int contact)
            (body_turns(v, contact_source(contact)) || body_turns(v, contact_destination(contact)));
 }
 
-bool contact_rubs_elastically(const struct scene_values *v, int contact)
+int contact_opposed(const struct scene_values *v, int contact)
 {
-    return SCENE_ANY_ELASTIC_FRICTION && contact_friction(v, contact) == FRICTION_ELASTIC;
+    return contact_resists(v, contact) ? OPPOSED : 1;
+}
+
+bool contact_has_spring(const struct scene_values *v, int contact, int part)
+{
+    if (part == OPPOSED_SLIP) {
+        return SCENE_ANY_ELASTIC_FRICTION && contact_friction(v, contact) == FRICTION_ELASTIC;
+    }
+    const int kind = part == OPPOSED_ROLLING ? contact_rolling(v, contact) : contact_spinning(v, contact);
+    return SCENE_ANY_ELASTIC_ROLLING && kind == RESISTANCE_ELASTIC && contact_resists(v, contact);
+}
+
+bool contact_has_springs(const struct scene_values *v, int contact)
+{
+    return contact_has_spring(v, contact, OPPOSED_SLIP) ||
+           (SCENE_ANY_ELASTIC_ROLLING &&
+            (contact_rolling(v, contact) == RESISTANCE_ELASTIC ||
+             contact_spinning(v, contact) == RESISTANCE_ELASTIC) &&
+            contact_resists(v, contact));
 }
 
 /* Returns the bitwise OR of all choices. It is called so often that it avoids a branch for each choice. */

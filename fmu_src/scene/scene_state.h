@@ -43,7 +43,8 @@ struct body_turn {
 struct turning_state {
     /* of bodies whose rotation is free; a prescribed rotation follows its path from turn_origin */
     struct body_turn body[SCENE_BODIES];
-    struct vec3 spring[SCENE_CONTACTS]; /* xi of elastic friction, zero where it is none [m] */
+    /* xi of elastic friction [m], theta of elastic rolling and spinning [rad]; zero where it is none */
+    struct vec3 spring[SCENE_CONTACTS][OPPOSED];
 };
 
 /* The inputs that a prescribed rotation follows. */
@@ -140,9 +141,10 @@ struct contact_state {
     struct contact_physics physics;
     struct contact_record record;
     struct contact_schedule schedule;
-    int32_t regime;          /* enum contact_regime */
-    int32_t side;            /* +1 outside, -1 inside: the location in force */
-    int32_t friction_regime; /* enum friction_regime; of no meaning while the bodies are apart */
+    int32_t regime; /* enum contact_regime */
+    int32_t side;   /* +1 outside, -1 inside: the location in force */
+    /* enum friction_regime of friction, rolling and spinning; of no meaning while the bodies are apart */
+    int32_t friction_regime[OPPOSED];
     /* of a capped cylinder in contact, as in struct contact_solid; 0: whichever is nearest */
     int32_t zone;
 };
@@ -154,9 +156,9 @@ struct contact_state {
  * saved.
  */
 enum {
-    /* states at most: 6 of motion and 7 of rotation for each body, 3 of the spring and 9 impulses for each
+    /* states at most: 6 of motion and 7 of rotation for each body, 3 of each spring and 9 impulses for each
      * contact, 3 energies; without rotation 6, 3 and 2 */
-    ODE_MOST_STATES = SCENE_ANY_TURNING ? 13 * SCENE_BODIES + 12 * SCENE_CONTACTS + 3
+    ODE_MOST_STATES = SCENE_ANY_TURNING ? 13 * SCENE_BODIES + (9 + 3 * OPPOSED) * SCENE_CONTACTS + 3
                                         : 6 * SCENE_BODIES + 3 * SCENE_CONTACTS + 2,
     /* only scenes with free bodies that turn or rub keep a step */
     UNFINISHED_STATES = SCENE_ANY_TURNING && SCENE_ANY_FREE ? ODE_MOST_STATES : 1
@@ -282,11 +284,16 @@ bool body_tips(const struct scene_values *v, int body);
  * is a torus. */
 bool contact_advances(const struct scene_values *v, int contact);
 
-/* Whether a contact may have a friction force or resist rolling and spinning; whether it resists them;
- * whether it stores energy in a tangential spring. */
+/* Whether a contact may have a friction force or resist rolling and spinning; whether it resists them. */
 bool contact_rubs(const struct scene_values *v, int contact);
 bool contact_resists(const struct scene_values *v, int contact);
-bool contact_rubs_elastically(const struct scene_values *v, int contact);
+
+/* Returns the number of opposed motions of a contact (contact/friction.h) that may have a law. */
+int contact_opposed(const struct scene_values *v, int contact);
+
+/* Whether an opposed motion of a contact has a spring; whether any has one. */
+bool contact_has_spring(const struct scene_values *v, int contact, int part);
+bool contact_has_springs(const struct scene_values *v, int contact);
 
 /* Whether any body turns, any contact rubs or any shape is a torus, which has no closed forms. Else the scene
  * is computed as one without rotation. */

@@ -65,23 +65,31 @@ enum contact_regime regime_by_margins(const struct scene_values *v, const struct
     return within || !contact_has_events(&law) ? regime : contact_regime_after(&law, regime);
 }
 
+static enum friction_regime friction_regime_of(const struct scene_state *q, int contact, int part)
+{
+    return (enum friction_regime)q->contact[contact].friction_regime[part];
+}
+
 /* Whether a regime of friction lies beyond the change of an event, so that its margin is negative. */
 static bool is_beyond(enum friction_regime regime, enum ode_event event)
 {
     switch (event) {
-    case ODE_EVENT_STICK:
-        return regime != FRICTION_STICKING;
     case ODE_EVENT_CAP:
         return regime == FRICTION_CAPPED;
-    default:
+    case ODE_EVENT_LIFT:
         return regime == FRICTION_LIFTED;
+    default: /* ode_stick_event */
+        return regime != FRICTION_STICKING;
     }
 }
 
-/* Returns the error of the slip that the solver's tolerances allow [m/s]. */
-static double tolerated_slip(const struct scene_values *v, const struct scene_instant *at, int contact)
+/* Returns the error of an opposed motion that the solver's tolerances allow [m/s, rad/s]. */
+static double tolerated_motion(const struct scene_values *v, const struct scene_instant *at, int contact,
+                               int part)
 {
-    return solver_relative_tolerance(v) * vec3_norm(at->turning.slip[contact]) + solver_absolute_tolerance(v);
+    const double size =
+        part == OPPOSED_SLIP ? vec3_norm(at->turning.slip[contact]) : turning_spin_size(at, contact);
+    return solver_relative_tolerance(v) * size + solver_absolute_tolerance(v);
 }
 
 /* Returns an event function of friction. It is raised by its rounding error and by the error that the
@@ -91,7 +99,8 @@ static double raised_friction_event(const struct scene_values *v, const struct s
 {
     struct scene_ode ode = {.values = v, .state = q};
     double events[ODE_EVENTS_EACH];
-    turning_friction_events(&ode, at, contact, tolerated_slip(v, at, contact), events);
+    turning_friction_events(&ode, at, contact, tolerated_motion(v, at, contact, OPPOSED_SLIP),
+                            solver_relative_tolerance(v), solver_absolute_tolerance(v), events);
     return events[event];
 }
 
@@ -102,14 +111,14 @@ double regime_friction_margin(const struct scene_values *v, const struct scene_s
         return 1.0;
     }
     const double margin = raised_friction_event(v, q, at, contact, event);
-    return is_beyond((enum friction_regime)q->contact[contact].friction_regime, event) ? -margin : margin;
+    return is_beyond(friction_regime_of(q, contact, ode_event_part(event)), event) ? -margin : margin;
 }
 
 enum ode_event regime_friction_event(const struct scene_values *v, const struct scene_state *q,
                                      const struct scene_instant *at, int contact)
 {
     const bool rubs = contact_rubs(v, contact) && contact_transmits(q, contact);
-    for (int event = ODE_EVENT_STICK; rubs && event <= ODE_EVENT_LIFT; ++event) {
+    for (int event = ODE_EVENT_STICK; rubs && event < ODE_EVENT_ZONE; ++event) {
         const double margin = raised_friction_event(v, q, at, contact, (enum ode_event)event);
         if (margin < 0.0 ||
             (margin == 0.0 && at->normal_force[contact] > 0.0)) { /* at zero force friction has just begun */
@@ -119,18 +128,45 @@ enum ode_event regime_friction_event(const struct scene_values *v, const struct 
     return ODE_EVENT_GAP;
 }
 
-static void set_friction_regime(struct scene_state *q, int contact, enum friction_regime regime)
+/* An opposed motion of a contact (contact/friction.h), whose regime and spring change with events. */
+struct rubbed {
+    const struct scene_values *v;
+    struct scene_state *q;
+    int contact, part;
+    struct friction_law law;
+};
+
+static struct rubbed rubbed_of(const struct scene_values *v, struct scene_state *q, int contact, int part)
 {
-    q->contact[contact].friction_regime = (int32_t)regime;
+    return (struct rubbed){v, q, contact, part, scene_friction_law(v, q, contact, part)};
+}
+
+static void set_friction_regime(const struct rubbed *r, enum friction_regime regime)
+{
+    r->q->contact[r->contact].friction_regime[r->part] = (int32_t)regime;
+}
+
+static void set_spring(const struct rubbed *r, struct vec3 spring)
+{
+    r->q->turning.spring[r->contact][r->part] = spring;
+}
+
+static struct friction_state rubbing_now(const struct rubbed *r, const struct scene_instant *at)
+{
+    return turning_rubbing(&r->q->turning, at, r->contact, r->part);
+}
+
+static double normal_force_rate(const struct rubbed *r, const struct scene_instant *at)
+{
+    return turning_normal_force_rate(r->v, r->q, r->q->clock, at, r->contact);
 }
 
 /* Whether the dashpot pulls. The push decides, as in the lift event, so that friction which is lifted has an
  * event that ends this regime. */
-static bool is_lifted(const struct scene_values *v, const struct scene_state *q,
-                      const struct scene_instant *at, int contact)
+static bool is_lifted(const struct rubbed *r, const struct scene_instant *at)
 {
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const struct contact_geometry *g = &at->geometry[contact];
+    const struct contact_law law = scene_contact_law(r->v, r->q, r->contact);
+    const struct contact_geometry *g = &at->geometry[r->contact];
     return contact_may_pull(&law) && contact_push(&law, g->gap, g->gap_rate) < 0.0;
 }
 
@@ -143,20 +179,20 @@ static enum friction_regime sliding_regime(const struct friction_law *law, doubl
 
 /* Ends friction and relaxes its spring. The energy of the spring counts as dissipated from now on
  * (energy.friction). */
-static void end_friction(struct scene_state *q, int contact)
+static void end_friction(const struct rubbed *r)
 {
-    set_friction_regime(q, contact, FRICTION_LIFTED);
-    q->turning.spring[contact] = vec3_make(0.0, 0.0, 0.0);
+    set_friction_regime(r, FRICTION_LIFTED);
+    set_spring(r, vec3_make(0.0, 0.0, 0.0));
 }
 
 /* Lifts friction while the dashpot pulls. A spring with a dashpot relaxes through it, as where a contact
  * slides with L = 0; another one is at rest at once. */
-static void lift_friction(const struct scene_values *v, struct scene_state *q, int contact)
+static void lift_friction(const struct rubbed *r)
 {
-    const struct vec3 spring = q->turning.spring[contact];
-    end_friction(q, contact);
-    if (scene_friction_law(v, q, contact).damping > 0.0) {
-        q->turning.spring[contact] = spring;
+    const struct vec3 spring = r->q->turning.spring[r->contact][r->part];
+    end_friction(r);
+    if (r->law.damping > 0.0) {
+        set_spring(r, spring);
     }
 }
 
@@ -179,23 +215,34 @@ static double impact_depth(const struct scene_values *v, const struct scene_stat
     return pow(part, contact_is_hertz(&law) ? 0.4 : 0.5);
 }
 
-/* Length of a friction spring as a fraction of the source's radius, where no force gives the length. */
+/* Lifts all opposed motions of a contact, since the normal force lifts them together. */
+static void lift_all(const struct scene_values *v, struct scene_state *q, int contact)
+{
+    for (int i = 0; i < contact_opposed(v, contact); ++i) {
+        const struct rubbed r = rubbed_of(v, q, contact, i);
+        lift_friction(&r);
+    }
+}
+
+/* Length of a friction spring as a fraction of the source's radius, and angle of another spring in radians,
+ * where no force gives it. */
 static const double TYPICAL_LENGTH = 1e-4;
 
 /* Returns the spring of a contact that begins to slide along `along` without a dashpot. Only the direction of
  * this spring has a meaning. The length does not matter for the force; it is so large that errors of the
  * spring are small beside it. */
-static struct vec3 direction_to_slide(const struct scene_values *v, const struct scene_state *q,
-                                      const struct scene_instant *at, const struct friction_law *law,
-                                      int contact, struct vec3 along)
+static struct vec3 direction_to_slide(const struct rubbed *r, const struct scene_instant *at,
+                                      struct vec3 along)
 {
+    const struct friction_law *law = &r->law;
     const double size = vec3_norm(along);
-    const struct contact_law normal = scene_contact_law(v, q, contact);
-    const double depth = fmax(-at->geometry[contact].gap, impact_depth(v, q, at, contact));
+    const double depth = fmax(-at->geometry[r->contact].gap, impact_depth(r->v, r->q, at, r->contact));
+    const struct contact_law normal = scene_contact_law(r->v, r->q, r->contact);
     const double spring_force = -contact_stored_slope(&normal, REGIME_COMPRESSION, -depth);
-    const double force = fmax(at->normal_force[contact], spring_force);
+    const double force = fmax(at->normal_force[r->contact], spring_force);
     const double length = fmin(law->coefficient * force, law->largest) / friction_stiffness(law, depth);
-    const double typical = length > 0.0 ? length : TYPICAL_LENGTH * body_radius(v, contact_source(contact));
+    const double unit = r->part == OPPOSED_SLIP ? body_radius(r->v, contact_source(r->contact)) : 1.0;
+    const double typical = length > 0.0 ? length : TYPICAL_LENGTH * unit;
     return size > 0.0 ? vec3_scale(typical / size, along) : along;
 }
 
@@ -209,115 +256,115 @@ static double onset_force(const struct scene_values *v, const struct scene_state
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
     const double by_rate = contact_force_slopes(&law, regime, g->gap, g->gap_rate).by_rate;
     const double error =
-        rounding_of_force(v, q, at, contact) + fabs(by_rate) * tolerated_slip(v, at, contact);
+        rounding_of_force(v, q, at, contact) + fabs(by_rate) * tolerated_motion(v, at, contact, OPPOSED_SLIP);
     const double force = at->normal_force[contact];
     return force > MARGIN_ROUNDINGS * error ? force : 0.0;
 }
 
 /* Begins friction with a spring at rest. */
-static void begin_friction(const struct scene_values *v, struct scene_state *q, int contact)
+static void begin_friction(const struct rubbed *r)
 {
     struct scene_instant at;
-    end_friction(q, contact);
-    scene_now(v, q, &at);
-    const struct friction_law law = scene_friction_law(v, q, contact);
-    const double force_rate = turning_normal_force_rate(v, q, q->clock, &at, contact);
-    struct friction_state rubbing = turning_rubbing(&q->turning, &at, contact);
-    rubbing.normal_force = onset_force(v, q, &at, contact);
-    const enum friction_regime next = friction_onset_regime(&law, rubbing, force_rate);
-    set_friction_regime(q, contact, next);
-    if (law.kind == FRICTION_ELASTIC && law.damping == 0.0 && next != FRICTION_STICKING) {
-        q->turning.spring[contact] = direction_to_slide(v, q, &at, &law, contact, rubbing.slip);
+    end_friction(r);
+    scene_now(r->v, r->q, &at);
+    struct friction_state rubbing = rubbing_now(r, &at);
+    rubbing.normal_force = onset_force(r->v, r->q, &at, r->contact);
+    const enum friction_regime next = friction_onset_regime(&r->law, rubbing, normal_force_rate(r, &at));
+    set_friction_regime(r, next);
+    if (r->law.kind == FRICTION_ELASTIC && r->law.damping == 0.0 && next != FRICTION_STICKING) {
+        set_spring(r, direction_to_slide(r, &at, rubbing.slip));
     }
 }
 
 /* Puts a contact that slides into sticking, with the spring that holds the friction force. */
-static void stick(const struct friction_law *law, enum friction_regime regime, struct friction_state rubbing,
-                  struct scene_state *q, int contact)
+static void stick(const struct rubbed *r, enum friction_regime regime, struct friction_state rubbing)
 {
-    q->turning.spring[contact] = friction_spring(law, regime, rubbing);
-    set_friction_regime(q, contact, FRICTION_STICKING);
+    set_spring(r, friction_spring(&r->law, regime, rubbing));
+    set_friction_regime(r, FRICTION_STICKING);
 }
 
 /* Ends sticking. Without a dashpot a contact slides only while the slip stretches the spring further; else it
  * sticks again at once. It does so with mu_s > mu, where the spring jumps back as the contact breaks away,
  * and where errors have put F* beyond its limit although F* falls. */
-static void break_away(const struct scene_values *v, struct scene_state *q, int contact)
+static void break_away(const struct rubbed *r)
 {
     struct scene_instant at;
-    const struct friction_law law = scene_friction_law(v, q, contact);
-    scene_now(v, q, &at);
-    const enum friction_regime next = sliding_regime(&law, at.normal_force[contact]);
-    if (is_lifted(v, q, &at, contact)) {
-        lift_friction(v, q, contact);
+    const struct friction_law *law = &r->law;
+    scene_now(r->v, r->q, &at);
+    const enum friction_regime next = sliding_regime(law, at.normal_force[r->contact]);
+    if (is_lifted(r, &at)) {
+        lift_all(r->v, r->q, r->contact);
         return;
     }
-    set_friction_regime(q, contact, next);
-    scene_now(v, q, &at);
-    const struct friction_state rubbing = turning_rubbing(&q->turning, &at, contact);
-    const double force_rate = turning_normal_force_rate(v, q, q->clock, &at, contact);
-    const bool jumps = law.static_coefficient > law.coefficient;
-    const double least = jumps ? 0.0 : -tolerated_slip(v, &at, contact); /* a value below this is no error */
-    if (law.damping == 0.0 && friction_stick_event(&law, next, rubbing, force_rate) < least) {
-        stick(&law, next, rubbing, q, contact);
-    } else if (law.damping == 0.0) {
-        q->turning.spring[contact] = direction_to_slide(v, q, &at, &law, contact, rubbing.spring);
+    set_friction_regime(r, next);
+    scene_now(r->v, r->q, &at);
+    const struct friction_state rubbing = rubbing_now(r, &at);
+    const bool jumps = law->static_coefficient > law->coefficient;
+    /* a value below this is no error */
+    const double least = jumps ? 0.0 : -tolerated_motion(r->v, &at, r->contact, r->part);
+    if (law->damping == 0.0 && friction_stick_event(law, next, rubbing, normal_force_rate(r, &at)) < least) {
+        stick(r, next, rubbing);
+    } else if (law->damping == 0.0) {
+        set_spring(r, direction_to_slide(r, &at, rubbing.spring));
     }
 }
 
-static void stop_sliding(const struct scene_values *v, struct scene_state *q, int contact)
+static void stop_sliding(const struct rubbed *r)
 {
     struct scene_instant at;
-    const struct friction_law law = scene_friction_law(v, q, contact);
-    scene_now(v, q, &at);
-    stick(&law, (enum friction_regime)q->contact[contact].friction_regime,
-          turning_rubbing(&q->turning, &at, contact), q, contact);
+    scene_now(r->v, r->q, &at);
+    stick(r, friction_regime_of(r->q, r->contact, r->part), rubbing_now(r, &at));
 }
 
 /* Lets a contact go on sliding unless it sticks. The slip may no longer stretch the spring after a corner of
  * the law, from where on the force falls more slowly or rises, and after a prescribed velocity has jumped. */
-static void keep_sliding(const struct scene_values *v, struct scene_state *q, int contact)
+static void keep_sliding(const struct rubbed *r)
 {
     struct scene_instant at;
-    const struct friction_law law = scene_friction_law(v, q, contact);
-    scene_now(v, q, &at);
-    const enum friction_regime next = sliding_regime(&law, at.normal_force[contact]);
-    const struct friction_state rubbing = turning_rubbing(&q->turning, &at, contact);
-    const double force_rate = turning_normal_force_rate(v, q, q->clock, &at, contact);
-    set_friction_regime(q, contact, next);
-    if (friction_stick_event(&law, next, rubbing, force_rate) < 0.0) {
-        stick(&law, next, rubbing, q, contact);
+    scene_now(r->v, r->q, &at);
+    const enum friction_regime next = sliding_regime(&r->law, at.normal_force[r->contact]);
+    const struct friction_state rubbing = rubbing_now(r, &at);
+    const double force_rate = normal_force_rate(r, &at);
+    set_friction_regime(r, next);
+    if (friction_stick_event(&r->law, next, rubbing, force_rate) < 0.0) {
+        stick(r, next, rubbing);
     }
 }
 
 /* Begins friction, or goes on with a spring that has not relaxed. */
-static void end_lifting(const struct scene_values *v, struct scene_state *q, int contact)
+static void end_lifting(const struct rubbed *r)
 {
-    if (vec3_max_abs(q->turning.spring[contact]) > 0.0) {
-        keep_sliding(v, q, contact);
+    if (vec3_max_abs(r->q->turning.spring[r->contact][r->part]) > 0.0) {
+        keep_sliding(r);
     } else {
-        begin_friction(v, q, contact);
+        begin_friction(r);
+    }
+}
+
+static void end_all_lifting(const struct scene_values *v, struct scene_state *q, int contact)
+{
+    for (int i = 0; i < contact_opposed(v, contact); ++i) {
+        const struct rubbed r = rubbed_of(v, q, contact, i);
+        end_lifting(&r);
     }
 }
 
 /* Puts friction into the regime that the present normal force asks for. */
-static void reconsider(const struct scene_values *v, struct scene_state *q, int contact)
+static void reconsider(const struct rubbed *r)
 {
     struct scene_instant at;
-    const struct friction_law law = scene_friction_law(v, q, contact);
-    const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime;
-    scene_now(v, q, &at);
-    if (is_lifted(v, q, &at, contact)) {
-        lift_friction(v, q, contact);
+    const enum friction_regime regime = friction_regime_of(r->q, r->contact, r->part);
+    scene_now(r->v, r->q, &at);
+    if (is_lifted(r, &at)) {
+        lift_friction(r);
     } else if (regime == FRICTION_LIFTED) {
-        end_lifting(v, q, contact);
+        end_lifting(r);
     } else if (regime == FRICTION_STICKING) {
-        const struct friction_state rubbing = turning_rubbing(&q->turning, &at, contact);
-        if (friction_stick_event(&law, regime, rubbing, 0.0) < 0.0) {
-            break_away(v, q, contact);
+        if (friction_stick_event(&r->law, regime, rubbing_now(r, &at), 0.0) < 0.0) {
+            break_away(r);
         }
     } else {
-        keep_sliding(v, q, contact);
+        keep_sliding(r);
     }
 }
 
@@ -329,28 +376,33 @@ void turning_take_regime(const struct scene_values *v, struct scene_state *q, in
     }
     const bool rubbed = before == REGIME_COMPRESSION || before == REGIME_RESTITUTION;
     const bool rubs = contact_transmits(q, contact);
-    if (!rubs || !rubbed) {
-        end_friction(q, contact);
-    }
-    if (rubs) {
-        reconsider(v, q, contact);
+    for (int i = 0; i < contact_opposed(v, contact); ++i) {
+        const struct rubbed r = rubbed_of(v, q, contact, i);
+        if (!rubs || !rubbed) {
+            end_friction(&r);
+        }
+        if (rubs) {
+            reconsider(&r);
+        }
     }
 }
 
 void turning_take_event(const struct scene_values *v, struct scene_state *q, int contact,
                         enum ode_event event)
 {
-    const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime;
-    if (regime == FRICTION_STICKING && (event == ODE_EVENT_STICK || event == ODE_EVENT_CAP)) {
-        break_away(v, q, contact);
-    } else if (event == ODE_EVENT_STICK) {
-        stop_sliding(v, q, contact);
+    const struct rubbed r = rubbed_of(v, q, contact, ode_event_part(event));
+    const enum friction_regime regime = friction_regime_of(q, contact, r.part);
+    const bool sticks = event == ode_stick_event(r.part);
+    if (regime == FRICTION_STICKING && (sticks || event == ODE_EVENT_CAP)) {
+        break_away(&r);
+    } else if (sticks) {
+        stop_sliding(&r);
     } else if (event == ODE_EVENT_CAP) {
-        set_friction_regime(q, contact, regime == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED);
+        set_friction_regime(&r, regime == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED);
     } else if (regime == FRICTION_LIFTED) {
-        end_lifting(v, q, contact);
+        end_all_lifting(v, q, contact);
     } else {
-        lift_friction(v, q, contact);
+        lift_all(v, q, contact);
     }
 }
 
@@ -458,8 +510,9 @@ static enum contact_regime regime_at_jump(const struct scene_values *v, struct s
 {
     q->contact[contact].physics.accumulated_gap = DBL_MAX;
     scene_kinematics_now(v, q, at);
-    if (SCENE_ANY_FRICTION && contact_rubs(v, contact)) {
-        end_friction(q, contact);
+    for (int i = 0; SCENE_ANY_FRICTION && contact_rubs(v, contact) && i < contact_opposed(v, contact); ++i) {
+        const struct rubbed r = rubbed_of(v, q, contact, i);
+        end_friction(&r);
     }
     return scene_regime_of_touching(v, q, at, contact);
 }

@@ -75,10 +75,10 @@ bool rubbing_is_solvable(const struct scene_values *v, const struct scene_state 
     if (contact_resists(v, contact)) {
         return false;
     }
-    return body_shape(destination) == SHAPE_PLANE && !contact_rubs_elastically(v, contact) &&
-           q->contact[contact].friction_regime != (int32_t)FRICTION_CAPPED && body_is_free(v, source) &&
-           !body_turn_is_prescribed(v, source) && path_rests(q->path[source].torque) &&
-           loads_are_normal(v, q, contact);
+    return body_shape(destination) == SHAPE_PLANE && !contact_has_springs(v, contact) &&
+           q->contact[contact].friction_regime[OPPOSED_SLIP] != (int32_t)FRICTION_CAPPED &&
+           body_is_free(v, source) && !body_turn_is_prescribed(v, source) &&
+           path_rests(q->path[source].torque) && loads_are_normal(v, q, contact);
 }
 
 /* The slip at the start of a segment, and what friction makes of it. */
@@ -100,7 +100,7 @@ static struct slide slide_of(const struct segment *p, const struct scene_values 
     const struct contact_pair *pair = &p->pair;
     const int source = contact_source(contact);
     const bool turns = body_turns_freely(v, source);
-    const struct friction_law law = scene_friction_law(v, q, contact);
+    const struct friction_law law = scene_friction_law(v, q, contact, OPPOSED_SLIP);
     struct slide f = {.segment = p, .unit = law.slip_velocity};
     f.arm = vec3_scale(pair->shape.side * pair->shape.source_radius, pair->normal);
     f.rotation = turns ? q->turning.body[source].angular_velocity : f.rotation;
@@ -121,7 +121,7 @@ static struct slide slide_of(const struct segment *p, const struct scene_values 
     }
     f.along = vec3_scale(1.0 / f.slip, slip);
     f.spun = vec3_scale(-per_inertia / f.admittance, vec3_cross(f.arm, f.along));
-    if (q->contact[contact].friction_regime != (int32_t)FRICTION_LIFTED) {
+    if (q->contact[contact].friction_regime[OPPOSED_SLIP] != (int32_t)FRICTION_LIFTED) {
         f.per_impulse = law.coefficient * f.admittance / f.unit;
     }
     return f;
@@ -533,7 +533,7 @@ static const double MOST_RADIANS = 400.0;
 
 bool rubbing_allows(struct segment *p, const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    const struct friction_law law = scene_friction_law(v, q, contact);
+    const struct friction_law law = scene_friction_law(v, q, contact, OPPOSED_SLIP);
     if (cap_may_act(p, &law)) {
         return false;
     }

@@ -1509,7 +1509,8 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
     p->tolerance = tolerance;
     p->rubs = contact_rubs(v, contact);
     p->may_pull = p->rubs && contact_may_pull(&p->pair.law);
-    p->is_lifted = p->may_pull && q->contact[contact].friction_regime == (int32_t)FRICTION_LIFTED;
+    p->is_lifted =
+        p->may_pull && q->contact[contact].friction_regime[OPPOSED_SLIP] == (int32_t)FRICTION_LIFTED;
     make_up_to(p, longest);
     if (SCENE_ANY_CAPS) {
         const double inside = zone_longest_inside(p);

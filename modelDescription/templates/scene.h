@@ -47,7 +47,7 @@
 #define SCENE_HASH {{ hash }} /* the first 32 bits of SCENE_GUID */
 #define SCENE_BODIES {{ scene.bodies | length }}
 #define SCENE_CONTACTS {{ scene.contacts | length }}
-#define SCENE_REFERENCES {{ variables | map(attribute="reference") | max + 1 }} /* one more than the largest */
+#define SCENE_REFERENCES {{ near_references }} /* one more than the largest within the blocks */
 #define SCENE_VARIABLES {{ variables | length }}
 #define SCENE_STATES {{ positions.states | length }} /* continuous states, for an integrator outside */
 #define SCENE_INDICATORS {{ positions.indicators | length }} /* event indicators */
@@ -67,6 +67,8 @@
 #define SCENE_ANY_ROLLING {{ any_rolling | int }} /* the latter? */
 #define SCENE_ANY_ELASTIC_FRICTION {{ any_elastic_friction | int }} /* with tangential springs? */
 #define SCENE_ANY_MINDLIN {{ any_mindlin | int }} /* whose stiffness follows the normal one? */
+#define SCENE_ANY_ELASTIC_ROLLING {{ any_elastic_rolling | int }} /* with springs of rolling or spinning? */
+#define SCENE_ANY_SPRINGS {{ (any_elastic_friction or any_elastic_rolling) | int }} /* either? */
 #define SCENE_ANY_TORUS {{ any_torus | int }}
 #define SCENE_ANY_AXIS {{ (any_cylinder or any_plane or any_torus) | int }}    /* has any shape an axis? */
 #define SCENE_ANY_KEPT_AXIS {{ (scene.bodies | selectattr("keeps_axis") | list | length > 0) | int }} /* body_keeps_axis? */

@@ -144,6 +144,8 @@ SENSELESS = {
     "contact.tangential_stiffness": [0.0],
     "contact.tangential_ratio": [0.0],
     "contact.tangential_damping": [-1.0],
+    "contact.rolling_stiffness": [0.0],
+    "contact.spinning_damping": [-1.0],
     "contact.restitution": [1.01, -0.01],
     "source.poissons_ratio": [0.51, -1.0],
     "source.youngs_modulus": [0.0],

@@ -172,6 +172,26 @@ static void choose_friction(fmi2Component c, struct bytes *b, int contact)
     }
 }
 
+/* Rows of a resistance: the choice, coefficient, characteristic rate, stiffness and damping. */
+static const int RESISTANCES[2][5] = {
+    {ROW_contact_rolling, ROW_contact_rolling_coefficient, ROW_contact_characteristic_rolling_rate,
+     ROW_contact_rolling_stiffness, ROW_contact_rolling_damping},
+    {ROW_contact_spinning, ROW_contact_spinning_coefficient, ROW_contact_characteristic_spinning_rate,
+     ROW_contact_spinning_stiffness, ROW_contact_spinning_damping}};
+
+static void choose_resistance(fmi2Component c, struct bytes *b, int contact, const int row[5])
+{
+    const int resistance = 1 + (int)bytes_choice(b, 3);
+    if (resistance == 1 || host_variable(row[0], contact, 0) == NULL) {
+        return;
+    }
+    (void)host_set_integer(c, row[0], contact, resistance);
+    (void)host_set_real(c, row[1], contact, 0, bytes_between(b, 0.0, 1.5));
+    (void)host_set_real(c, row[2], contact, 0, bytes_power(b, -4.0, 2.0));
+    (void)host_set_real(c, row[3], contact, 0, bytes_power(b, -2.0, 6.0));
+    (void)host_set_real(c, row[4], contact, 0, bytes_choice(b, 2) ? bytes_power(b, -4.0, 2.0) : 0.0);
+}
+
 struct plan plan_choose(fmi2Component c, struct bytes *b)
 {
     struct plan plan = {.method = 1 + (int)bytes_choice(b, 3)};
@@ -193,12 +213,15 @@ struct plan plan_choose(fmi2Component c, struct bytes *b)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         choose_law(c, b, j);
     }
-    /* These came last: inputs without them have bodies that do not turn, and no friction. */
+    /* These came last: inputs without them have bodies that do not turn, no friction, no resistance. */
     for (int i = 0; i < SCENE_BODIES; ++i) {
         choose_rotation(c, b, &plan, i);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         choose_friction(c, b, j);
+    }
+    for (int k = 0; k < 2 * SCENE_CONTACTS; ++k) {
+        choose_resistance(c, b, k / 2, RESISTANCES[k % 2]);
     }
     return plan;
 }

@@ -65,7 +65,7 @@ static void put_state(struct scene_state *q, double gap, struct vec3 velocity, s
     q->body[SOURCE].moved = vec3_make(gap + 0.01, 0.0, 0.0);
     q->body[SOURCE].velocity = velocity;
     q->contact[0].physics.accumulated_gap = gap;
-    q->turning.spring[0] = spring;
+    q->turning.spring[0][OPPOSED_SLIP] = spring;
 }
 
 /* Deep, shallow, and where a regime changes but for a few roundings, on either side. */
@@ -119,7 +119,7 @@ static bool sliding_is_wrong(struct choice choice, enum friction_regime regime, 
     const double largest = choice.has_largest ? 2.0 : 1e6;
     const double c_t = choice.tangentially_damped ? 3.0 : 0.0;
     const struct vec3 slip = vec3_make(0.0, q->body[SOURCE].velocity.y, q->body[SOURCE].velocity.z);
-    const struct vec3 spring = q->turning.spring[0];
+    const struct vec3 spring = q->turning.spring[0][OPPOSED_SLIP];
     const double carried = vec3_norm(vec3_axpy(vec3_scale(k_t, spring), c_t, slip));
     const double mu_s = choice.breaks_away_late ? 0.7 : 0.5;
     if (regime == FRICTION_STICKING) {
@@ -144,7 +144,7 @@ static bool friction_is_wrong(struct choice choice, const struct scene_values *v
 {
     struct scene_instant at;
     const enum contact_regime regime = (enum contact_regime)q->contact[0].regime;
-    const enum friction_regime friction = (enum friction_regime)q->contact[0].friction_regime;
+    const enum friction_regime friction = (enum friction_regime)q->contact[0].friction_regime[OPPOSED_SLIP];
     const double force = normal_force(choice, regime, gap, rate);
     const bool may_pull = choice.damped && choice.dashpot == DASHPOT_UNCLAMPED;
     if (friction == FRICTION_LIFTED) {
@@ -242,7 +242,8 @@ static void check_regime(struct random *r, struct choice choice, struct model *m
 {
     struct scene_state *q = &m->state.motion;
     put_any_state(r, q);
-    q->contact[0].friction_regime = (int32_t)(before == REGIME_APART ? random_index(r, 4) : FRICTION_SLIDING);
+    q->contact[0].friction_regime[OPPOSED_SLIP] =
+        (int32_t)(before == REGIME_APART ? random_index(r, 4) : FRICTION_SLIDING);
     q->contact[0].regime = (int32_t)regime;
     turning_take_regime(&m->state.values, q, 0, before);
     check_pair(r, choice, m);
@@ -275,7 +276,7 @@ TEST(nothing_lifts_friction_where_nothing_pulls)
             put_any_state(&r, q);
             q->contact[0].regime = (int32_t)REGIME_COMPRESSION;
             turning_take_regime(&m.state.values, q, 0, k % 2 ? REGIME_APART : REGIME_SEPARATING);
-            CHECK(q->contact[0].friction_regime != (int32_t)FRICTION_LIFTED);
+            CHECK(q->contact[0].friction_regime[OPPOSED_SLIP] != (int32_t)FRICTION_LIFTED);
         }
     }
 }

@@ -9,6 +9,7 @@ from support.checks import METHODS, check_close, run
 from support.fmi2 import raw
 from support.outside import Outside
 from support.scenes.agreement import Scene, check_agreement, seeds
+from support.scenes.turning_scenes import any_resistance
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12)
 
@@ -152,6 +153,19 @@ def test_so_does_a_tangential_stiffness_that_follows_the_normal_one(opened, seed
     check_agreement(opened, scene, seed)
 
 
+def yielding(random):
+    """The same, turning, with elastic or regularized resistance to rolling and spinning."""
+    scene = elastic(random)
+    values = scene.values | {"source.rotation": "free"}
+    values |= any_resistance(random, "contact", 1e-3 * values["contact.penalty_factor"])
+    return Scene(scene.fmu, values, end=scene.end)
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_resistance_sticks_and_slides_the_same_at_every_tolerance(opened, seed):
+    check_agreement(opened, yielding(np.random.default_rng(seed)), seed)
+
+
 def largest_force_of_a_ball_set_down(rate, decay):
     """The first top of k x + c x' for x'' = g - k x - c x', by mass, from rest at the touch."""
     swing = np.sqrt(rate**2 - decay**2)
@@ -226,9 +240,10 @@ def test_an_importer_that_locates_the_end_of_sticking_at_exactly_zero_sees_it_sl
 
 
 @pytest.mark.parametrize("seed", seeds(12))
-def test_elastic_friction_is_the_same_in_model_exchange(seed):
+@pytest.mark.parametrize("family", [elastic, yielding])
+def test_elastic_friction_is_the_same_in_model_exchange(seed, family):
     """What fmpy's CVODE leaves of events is below 1e-3; a change that is missed costs 0.1 to 1."""
-    scene = elastic(np.random.default_rng(seed))
+    scene = family(np.random.default_rng(seed))
     names = [f"source.{what}[{k}]" for what in ("velocity", "angular_velocity") for k in (1, 2, 3)]
     outside, inside = (
         exchange_runs.simulate(fmu_file(scene.fmu), scene.values, scene.end, names, kind)

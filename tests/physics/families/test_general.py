@@ -5,6 +5,7 @@ import pytest
 
 from support.checks import check_close, start
 from support.scenes.agreement import SUMS, Scene, answer, check_agreement, pick, seeds
+from support.scenes.turning_scenes import any_resistance
 
 CORNER = {"bodies": ("ball",), "contacts": ("at_wall", "at_side", "at_floor")}
 ROW = {"bodies": ("left", "middle", "right"), "contacts": ("first", "second")}
@@ -93,7 +94,10 @@ def rubbed_in_a_corner(random):
         }
     if random.integers(3) == 0:
         values["gravity"] = [0.0, 0.0, -10.0]
-    return Scene("BallInCorner", values, pick(random, 0.055, 0.11, 0.22), **CORNER)
+    end = pick(random, 0.055, 0.11, 0.22)
+    for contact in CORNER["contacts"] if values["ball.rotation"] == "free" else ():
+        values |= any_resistance(random, contact, 1.0)
+    return Scene("BallInCorner", values, end, **CORNER)
 
 
 @pytest.mark.parametrize("seed", seeds(12))

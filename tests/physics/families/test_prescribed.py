@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from support.checks import check_close, start
 from support.scenes.agreement import Scene, answer, check_agreement, pick, seeds
+from support.scenes.turning_scenes import any_resistance
 
 DASHPOTS = ("non_adhesive", "unclamped", "approach_only")
 UNITS = [np.array(e, float) for e in np.vstack([np.eye(3), -np.eye(3)])]
@@ -140,6 +141,7 @@ def turning_and_rubbing(random):
             "contact.static_friction_coefficient": 0.5,
         }
     values["contact.friction_coefficient"] = pick(random, 0.0, 0.5)
+    values |= any_resistance(random, "contact", 1e-3 * stiffness)
     if fmu.startswith("Turning"):
         pinned = ("source.motion", "destination.motion", "source.rotation", "destination.rotation")
         values = {name: value for name, value in values.items() if name not in pinned}

@@ -81,6 +81,16 @@ RESISTING = {
         (f"characteristic_{kind}_rate", 2.0),
     )
 }
+YIELDING = {
+    f"contact.{name}": value
+    for kind in ("rolling", "spinning")
+    for name, value in (
+        (kind, "elastic"),
+        (f"{kind}_coefficient", 0.2),
+        (f"{kind}_stiffness", 20.0),
+        (f"{kind}_damping", 0.3),
+    )
+}
 ALL_GIVEN = {f"{body}.{kind}": "prescribed" for body in BODIES for kind in ("motion", "rotation")}
 TILTED = [0.1, 0.2, 1.0]
 WEIGHTLESS = {"destination.motion": "free", "gravity": [0, 0, 0]}
@@ -122,6 +132,13 @@ _OF_SPHERES = {
     "spinning off a sphere, the tangential stiffness follows": (
         {**FOLLOWING, **SPINNING, **_at(0.05, 0.0, 0.62),
          "source.initial_angular_velocity": [3.0, -8.0, 1.0]}, 12, True,
+    ),
+    "both prescribed, turning and yielding": (
+        {**ALL_GIVEN, **RUBBING, **YIELDING, **_at(0, 0, 0)}, 15, True, _fed_and_turned,
+    ),
+    "spinning on springs": (
+        {**SOFT, **RUBBING, **SPINNING, **YIELDING, **_at(0.05, 0.0, 0.62),
+         "source.initial_angular_velocity": [3.0, -8.0, 2.0]}, 12, True,
     ),
     "spinning off a sphere": (
         {**SOFT, **RUBBING, **SPINNING, **_at(0.05, 0.0, 0.62),
@@ -216,6 +233,7 @@ RUNS = {name: Run("SphereSphere", *run) for name, run in _OF_SPHERES.items()} | 
             **SOFT,
             **RUBBING,
             **SPINNING,
+            **YIELDING,
             **WEIGHTLESS,
             **_at(1.1, 0.2, 0.1, location="inside"),
             "destination.side": "outer_race",

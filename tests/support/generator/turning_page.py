@@ -22,6 +22,8 @@ def assert_the_page_explains_turning(page, scene):
     friction = _allowed(scene, "contact.friction") - {"none"}
     turns, moves = any(free) or prescribed, "energy.total" in describe(scene)
     resists = "contact.rolling" in describe(scene)
+    yields = "contact.rolling_stiffness" in describe(scene)
+    springs = "elastic" in friction or yields
     assert ("<h3>Rotation</h3>" in page) == turns
     assert ("is the unit quaternion" in page) == turns
     assert ("(Newton and Euler)" in page) == any(free)
@@ -36,10 +38,14 @@ def assert_the_page_explains_turning(page, scene):
     assert ("regularized: <i>F</i><sub>t</sub>" in page) == ("regularized" in friction)
     assert ("elastic: <i>F</i>*" in page) == ("elastic" in friction)
     assert ("<i>E</i><sub>r</sub> = " in page) == (any(free) and moves)
-    assert ("<i>E</i><sub>t</sub> = " in page) == ("elastic" in friction and moves)
+    assert ("<i>E</i><sub>t</sub> = " in page) == (springs and moves)
     assert ("Power dissipated by friction" in page) == ((bool(friction) or resists) and moves)
     assert ("<h3>Resistance to rolling" in page) == resists
+    assert ("elastic: <i>M</i>*" in page) == yields
     states = {name.partition("[")[0].rpartition(".")[2] for name in describe(scene)}
-    for state in ("orientation_state", "angular_velocity_state", "spring_state", "friction_state"):
+    for state in (
+        *("orientation_state", "angular_velocity_state", "spring_state", "friction_state"),
+        *("rolling_spring_state", "spinning_spring_state"),
+    ):
         assert (f"<code>{state}</code>" in page) == (state in states), state
     assert ("the spring of elastic friction is never drawn" in page) == ("elastic" in friction and not moves)

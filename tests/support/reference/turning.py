@@ -3,8 +3,10 @@ DESIGN sections 1, 6 and 7 write them.
 
 One sphere against a sphere, a cylinder or a plane. The state is a flat list: of each body position,
 velocity, orientation and spin (its angular momentum where it turns freely, else its angular velocity), then
-the tangential spring, then what is summed up: impulse and torque impulses, dissipated energy, friction's
-work, external work. Everything is in the world frame. turning_run.py integrates it.
+the springs of friction, rolling and spinning, then what is summed up: impulse and torque impulses, dissipated
+energy, friction's work, external work. Everything is in the world frame, but for spinning: its motion, its
+torque and its spring are numbers along the normal, written as the first component of a vector.
+turning_run.py integrates it.
 """
 
 import math
@@ -25,7 +27,9 @@ from support.reference.turning_vectors import (
 BODIES = ("source", "destination")
 EACH = 13  # numbers of a body
 SPRING = 2 * EACH
-SUMS = SPRING + 3
+KINDS = ("slip", "rolling", "spinning")  # the motions that a contact may oppose, each with its spring
+SPRINGS = {kind: slice(SPRING + 3 * k, SPRING + 3 * k + 3) for k, kind in enumerate(KINDS)}
+SUMS = SPRING + 3 * len(KINDS)
 DISSIPATED, FRICTION, WORK = SUMS + 9, SUMS + 10, SUMS + 11
 SIZE = SUMS + 12
 TINY = 1e-30  # step of derivatives by the imaginary part: no rounding enters, only its square is lost
@@ -57,9 +61,13 @@ START = {  # start values of variables.toml
     "contact.rolling": "none",
     "contact.rolling_coefficient": 0.01,
     "contact.characteristic_rolling_rate": 1e-3,
+    "contact.rolling_stiffness": 2.25,
+    "contact.rolling_damping": 0.0,
     "contact.spinning": "none",
     "contact.spinning_coefficient": 0.01,
     "contact.characteristic_spinning_rate": 1e-3,
+    "contact.spinning_stiffness": 2.25,
+    "contact.spinning_damping": 0.0,
     "contact.hertz_stiffness": 1e9,
     "contact.hunt_crossley_factor": 0.0,
 }
@@ -123,22 +131,33 @@ class TurningPair:
             self.stiffness = self.of("contact.penalty_factor")
             self.viscous = self.of("contact.viscous_penalty_factor") if damped else 0.0
         self.dashpot = self.of("contact.dashpot")
-        self.friction = self.of("contact.friction")
-        self.mu = self.of("contact.friction_coefficient")
-        self.mu_static = self.of("contact.static_friction_coefficient")
-        self.largest = self.of("contact.maximum_friction_force")
-        self.v_0 = self.values.get("contact.characteristic_slip_velocity")
-        self.follows = self.hertz and self.of("contact.tangential_law") == "mindlin"
-        self.c_t = self.of("contact.tangential_damping")
-        curvature = 1 / self.r_s + (self.side / self.r_d if self.r_d else 0.0)
-        self.resisted = {
-            kind: (
-                self.of(f"contact.{kind}_coefficient") / curvature,
-                self.of(f"contact.characteristic_{kind}_rate"),
-            )
-            for kind in ("rolling", "spinning")
-            if self.of(f"contact.{kind}") == "regularized"
-        }
+        slip = SimpleNamespace(
+            law=self.of("contact.friction"),
+            mu=self.of("contact.friction_coefficient"),
+            mu_static=self.of("contact.static_friction_coefficient"),
+            largest=self.of("contact.maximum_friction_force"),
+            v_0=self.values.get("contact.characteristic_slip_velocity"),
+            k=self.of("contact.tangential_stiffness"),
+            c=self.of("contact.tangential_damping"),
+            follows=self.hertz and self.of("contact.tangential_law") == "mindlin",
+        )
+        self.opposed = {"slip": slip} | {kind: self._resistance(kind) for kind in KINDS[1:]}
+
+    def _resistance(self, kind):
+        """The same numbers for the torque: mu_r R_r in place of mu, radians in place of metres."""
+        turns = any(body.rotation != "none" for body in self.bodies)
+        lever = 1 / (1 / self.r_s + (self.side / self.r_d if self.r_d else 0.0))
+        mu = lever * self.of(f"contact.{kind}_coefficient")
+        return SimpleNamespace(
+            law=self.of(f"contact.{kind}") if turns else "none",
+            mu=mu,
+            mu_static=mu,
+            largest=math.inf,
+            v_0=self.of(f"contact.characteristic_{kind}_rate"),
+            k=self.of(f"contact.{kind}_stiffness"),
+            c=self.of(f"contact.{kind}_damping"),
+            follows=False,
+        )
 
     def first_state(self):
         y = []
@@ -212,9 +231,10 @@ class TurningPair:
         depth = max(-gap, 0.0)
         return 0.4 * self.stiffness * depth**2.5 if self.hertz else 0.5 * self.stiffness * depth**2
 
-    def limit(self, force, static=False):
-        limit = (self.mu_static if static else self.mu) * force
-        return 0.0 if limit.real < 0.0 else self.largest if limit.real > self.largest else limit
+    def limit(self, one, force, static=False):
+        """The largest force, or torque, by the law `one` of self.opposed."""
+        limit = (one.mu_static if static else one.mu) * force
+        return 0.0 if limit.real < 0.0 else one.largest if limit.real > one.largest else limit
 
     def slip(self, place):
         """Of the source's surface on that of the destination, across n; and the lever arms of both."""
@@ -224,19 +244,29 @@ class TurningPair:
         v = minus(add(src.v, cross(src.omega, arm)), add(dst.v, cross(dst.omega, other)))
         return minus(v, times(dot(v, place.n), place.n)), arm, other
 
-    def k_t(self, gap):
-        """Stiffness of the tangential spring: given, or in proportion to dF_n/d delta of Hertz's spring."""
-        if not self.follows:
-            return self.of("contact.tangential_stiffness")
+    def stiffness_of(self, one, gap):
+        """Of a spring: given, or in proportion to dF_n/d delta of Hertz's spring."""
+        if not one.follows:
+            return one.k
         # Near the release the root bends so sharply that a damped spring would take ever smaller steps.
-        least = 1e-12 if self.c_t > 0 else 0.0
+        least = 1e-12 if one.c > 0 else 0.0
         depth = -gap if gap.real < -least else least
         return self.of("contact.tangential_ratio") * 1.5 * self.stiffness * depth**0.5
 
-    def held(self, place, spring):
-        """The energy in the tangential spring."""
-        return 0.5 * self.k_t(place.gap) * dot(spring, spring)
+    def held(self, kind, place, spring):
+        """The energy in a spring."""
+        return 0.5 * self.stiffness_of(self.opposed[kind], place.gap) * dot(spring, spring)
 
-    def trial(self, place, spring):
+    def motions(self, place):
+        """The opposed motions by their kinds."""
+        spin = minus(place.src.omega, place.dst.omega)
+        along = dot(spin, place.n)
+        rolling = minus(spin, times(along, place.n))
+        return {"slip": self.slip(place)[0], "rolling": rolling, "spinning": [along, 0.0, 0.0]}
+
+    def elastic(self):
+        return [kind for kind in KINDS if self.opposed[kind].law == "elastic"]
+
+    def trial(self, one, place, motion, spring):
         """F* of the elastic law: what the spring and the dashpot would pull with."""
-        return add(times(self.k_t(place.gap), spring), times(self.c_t, self.slip(place)[0]))
+        return add(times(self.stiffness_of(one, place.gap), spring), times(one.c, motion))

@@ -18,9 +18,9 @@ def outputs(pair, m):
         axis = unit(m["axis"]) if has_axis else (0.0, 0.0, 1.0)
         y += [*(m[f"{body}.center"] + m[f"{body}.displacement"]), *m[f"{body}.velocity"]]
         y += [*first_orientation(axis), *m[f"{body}.omega"]]
-    y += [0.0] * 3
+    y += [0.0] * 9
     place = pair.geometry(y)
-    now = forces(pair, y, place.gap.real < 0.0, sticking=False)
+    now = forces(pair, y, place.gap.real < 0.0, sticking=())
     slip, arm, _ = pair.slip(place)
     n, point = np.array(place.n), np.add(place.src.x, arm)
     spin = np.subtract(place.src.omega, place.dst.omega)

@@ -17,6 +17,7 @@ from support.reference.turning import (
     FRICTION,
     SIZE,
     SPRING,
+    SPRINGS,
     SUMS,
     WORK,
     TurningPair,
@@ -36,7 +37,7 @@ class TurningRun:
         self.pair, self.time, self.longest, self.relative = TurningPair(values, shape), 0.0, longest, relative
         self.y = np.array(self.pair.first_state())
         self.onset_times, self.durations, self.events = [], [], []
-        self.touching = self.sticking = False
+        self.touching, self.sticking = False, set()  # the opposed motions that stick
         self.ends = 0.0  # to energy.dissipated by the ends of a cylinder
         place = self.pair.geometry(list(self.y))
         self.within = abs(place.along) <= self.pair.half_length
@@ -49,25 +50,25 @@ class TurningRun:
         self.touching = True
         self.onset_times.append(self.time)
         self.y[SPRING:SUMS] = 0.0
-        self.sticking = False
-        if pair.friction != "elastic":
-            return
-        y = list(self.y)
-        place = pair.geometry(y)
-        slip = norm(pair.slip(place)[0])
+        place = pair.geometry(list(self.y))
         force = pair.normal_force(min(place.gap, 0.0), place.rate)
-        if force > 1e-12 * pair.stiffness * pair.r_s or pair.c_t > 0 or slip == 0.0:
-            self.sticking = pair.c_t * slip <= pair.limit(force, True)
-        elif (
-            not pair.hertz or pair.follows
-        ):  # both grow from zero, with the same power of time: which one faster
-            ratio = pair.k_t(-1.0) / pair.stiffness
-            damped = 1 - pair.viscous * place.rate if pair.hertz else 1.0
-            self.sticking = ratio * slip <= pair.mu_static * damped * -place.rate
+        self.sticking = {kind for kind in pair.elastic() if self._begins_to_stick(kind, place, force)}
+
+    def _begins_to_stick(self, kind, place, force):
+        pair, one = self.pair, self.pair.opposed[kind]
+        speed = norm(pair.motions(place)[kind])
+        if force > 1e-12 * pair.stiffness * pair.r_s or one.c > 0 or speed == 0.0:
+            return one.c * speed <= pair.limit(one, force, True)
+        if pair.hertz and not one.follows:
+            return False
+        # both grow from zero, with the same power of time: which one faster
+        ratio = pair.stiffness_of(one, -1.0) / pair.stiffness
+        damped = 1 - pair.viscous * place.rate if pair.hertz else 1.0
+        return ratio * speed <= one.mu_static * damped * -place.rate
 
     def _release(self):
         self.y[SPRING:SUMS] = 0.0
-        self.touching = self.sticking = False
+        self.touching, self.sticking = False, set()
         self.durations.append(self.time - self.onset_times[-1])
 
     def _functions(self):
@@ -84,10 +85,11 @@ class TurningRun:
             found["corner"] = lambda y: pair.geometry(y).rate, BOTH
         elif pair.viscous > 0:
             found["corner"] = lambda y: self._law(y), BOTH
-        if pair.friction != "none" and pair.largest < 1e299:
-            found["largest"] = lambda y: pair.mu * self._law(y) - pair.largest, BOTH
-        if pair.friction == "elastic":
-            found |= self._stick_and_slip()
+        slip = pair.opposed["slip"]
+        if slip.law != "none" and slip.largest < 1e299:
+            found["largest"] = lambda y: slip.mu * self._law(y) - slip.largest, BOTH
+        for kind in pair.elastic():
+            found |= self._stick_and_slip(kind)
         return found
 
     def _law(self, y):
@@ -96,18 +98,18 @@ class TurningRun:
             return 1 - self.pair.viscous * place.rate
         return self.pair.law_force(place.gap, place.rate)
 
-    def _over(self, y, static):
-        pair = self.pair
+    def _over(self, kind, y, static):
+        pair, one = self.pair, self.pair.opposed[kind]
         place = pair.geometry(y)
-        trial = norm(pair.trial(place, y[SPRING:SUMS]))
-        return trial - pair.limit(pair.normal_force(place.gap, place.rate), static)
+        trial = norm(pair.trial(one, place, pair.motions(place)[kind], y[SPRINGS[kind]]))
+        return trial - pair.limit(one, pair.normal_force(place.gap, place.rate), static)
 
-    def _stick_and_slip(self):
-        if self.sticking:
-            return {"slip": (lambda y: self._over(y, True), RISES)}
-        if self.pair.c_t > 0:
-            return {"stick": (lambda y: self._over(y, False), FALLS)}
-        return {"stick": (lambda y: sliding_rate(self.pair, y), FALLS)}
+    def _stick_and_slip(self, kind):
+        if kind in self.sticking:
+            return {f"{kind} slips": (lambda y: self._over(kind, y, True), RISES)}
+        if self.pair.opposed[kind].c > 0:
+            return {f"{kind} sticks": (lambda y: self._over(kind, y, False), FALLS)}
+        return {f"{kind} sticks": (lambda y: sliding_rate(self.pair, kind, y, self.sticking), FALLS)}
 
     def _happen(self, name):
         self.events.append((self.time, name))
@@ -116,35 +118,49 @@ class TurningRun:
             self._touch()
         elif name == "release":
             self._release()
-        elif name == "stick":
-            self.sticking = True
-        elif name == "slip":
-            self.sticking = False
-            if pair.c_t == 0.0:
-                place = pair.geometry(y)
-                spring = y[SPRING:SUMS]
-                longest = pair.limit(pair.normal_force(place.gap, place.rate)) / pair.k_t(place.gap)
-                size = norm(spring)
-                if longest < size:
-                    self.y[SPRING:SUMS] = times(longest / size, spring)
-                    # Where the slip does not stretch it on from there it sticks again at once.
-                    self.sticking = sliding_rate(pair, list(self.y)) < 0.0
-        elif name == "corner" and pair.friction == "elastic" and pair.c_t == 0.0:
-            self._rub_again(y)
+        elif name.endswith(" sticks"):
+            self.sticking.add(name.split()[0])
+        elif name.endswith(" slips"):
+            self._begin_to_slip(name.split()[0], y)
+        elif name == "corner":
+            for kind in pair.elastic():
+                if pair.opposed[kind].c == 0.0:
+                    self._rub_again(kind, y)
         elif name == "end":
             self._pass_end(pair.geometry(y))
 
-    def _rub_again(self, y):
+    def _begin_to_slip(self, kind, y):
+        pair, one = self.pair, self.pair.opposed[kind]
+        self.sticking.discard(kind)
+        if one.c == 0.0:
+            place = pair.geometry(y)
+            spring = y[SPRINGS[kind]]
+            longest = pair.limit(one, pair.normal_force(place.gap, place.rate))
+            longest /= pair.stiffness_of(one, place.gap)
+            size = norm(spring)
+            if longest < size:
+                self.y[SPRINGS[kind]] = times(longest / size, spring)
+                # Where the slip does not stretch it on from there it sticks again at once.
+                if sliding_rate(pair, kind, list(self.y), self.sticking) < 0.0:
+                    self.sticking.add(kind)
+
+    def _rub_again(self, kind, y):
         """A normal force that ends leaves no spring; one that begins again finds none."""
-        place = self.pair.geometry(y)
-        if self.pair.dashpot == "approach_only":  # behind the corner slip may no longer stretch the spring
-            self.sticking = self.sticking or sliding_rate(self.pair, y) < 0.0
-        if self.pair.dashpot == "approach_only" or (self.pair.hertz and place.gap >= 0):
+        pair, one = self.pair, self.pair.opposed[kind]
+        place = pair.geometry(y)
+        if pair.dashpot == "approach_only":  # behind the corner slip may no longer stretch the spring
+            if sliding_rate(pair, kind, y, self.sticking) < 0.0:
+                self.sticking.add(kind)
             return
-        self.y[SPRING:SUMS] = 0.0
-        y[SPRING:SUMS] = [0.0] * 3
-        slip = norm(self.pair.slip(place)[0])
-        self.sticking = self.pair.k_t(place.gap) * slip <= growth_of_limit(self.pair, y)
+        if pair.hertz and place.gap >= 0:
+            return
+        self.y[SPRINGS[kind]] = 0.0
+        y[SPRINGS[kind]] = [0.0] * 3
+        speed = norm(pair.motions(place)[kind])
+        if pair.stiffness_of(one, place.gap) * speed <= growth_of_limit(pair, one, y):
+            self.sticking.add(kind)
+        else:
+            self.sticking.discard(kind)
 
     def _pass_end(self, place):
         self.within = not self.within
@@ -244,7 +260,9 @@ class TurningRun:
                 found["rotational"] += 0.5 * dot(here.omega, y[at : at + 3])
         if self.touching:
             found["contact"] = pair.stored(place.gap)
-            found["tangential"] = pair.held(place, y[SPRING:SUMS])
+            found["tangential"] = sum(
+                pair.held(kind, place, y[SPRINGS[kind]]) for kind in pair.elastic()
+            )
         found["dissipated"] = y[DISSIPATED] + self.ends
         found["friction"] = y[FRICTION] - found["tangential"]  # friction's work less what it stores
         found["external_work"] = y[WORK]
@@ -285,7 +303,7 @@ class TurningRun:
             "impulse": self.y[SUMS : SUMS + 3].copy(),
             "source_torque_impulse": self.y[SUMS + 3 : SUMS + 6].copy(),
             "destination_torque_impulse": self.y[SUMS + 6 : SUMS + 9].copy(),
-            "spring": self.y[SPRING:SUMS].copy(),
+            "spring": self.y[SPRINGS["slip"]].copy(),
         }
         if self.onset_times:
             lasting = self.time - self.onset_times[-1]

@@ -190,15 +190,29 @@ def following(random, seed, values):
     return {"contact.tangential_law": "mindlin", "contact.tangential_ratio": ratio}
 
 
-def resistance(random):
-    """Against rolling, against spinning, or both"""
+def any_resistance(random, contact, torque):
+    """Either law or none against each motion of a contact whose torques are of this size [N m]."""
+    found = {}
+    for kind in ("rolling", "spinning"):
+        found |= {
+            f"{contact}.{kind}": chosen(random, ["none", "regularized", "elastic", "elastic"]),
+            f"{contact}.{kind}_coefficient": chosen(random, [0.0, 0.05, 0.5]),
+            f"{contact}.characteristic_{kind}_rate": 0.1,
+            f"{contact}.{kind}_stiffness": torque * chosen(random, [1.0, 10.0]),
+            f"{contact}.{kind}_damping": torque * chosen(random, [0.0, 0.01]),
+        }
+    return found
+
+
+def resistance(random, law="regularized"):
+    """Against rolling, against spinning, or both; elastic with a dashpot or without"""
     kinds = chosen(random, [("rolling",), ("spinning",), ("rolling", "spinning")])
-    return {
-        f"contact.{name}": value
-        for kind in kinds
-        for name, value in (
-            (kind, "regularized"),
-            (f"{kind}_coefficient", 10 ** random.uniform(-2, 0)),
-            (f"characteristic_{kind}_rate", 10 ** random.uniform(-1, 0.5)),
-        )
-    }
+    found = {}
+    for kind in kinds:
+        found |= {f"contact.{kind}": law, f"contact.{kind}_coefficient": 10 ** random.uniform(-2, 0)}
+        if law == "regularized":
+            found[f"contact.characteristic_{kind}_rate"] = 10 ** random.uniform(-1, 0.5)
+        else:  # periods and angles of about those of an impact
+            found[f"contact.{kind}_stiffness"] = 10 ** random.uniform(1, 3)
+            found[f"contact.{kind}_damping"] = chosen(random, [0.0, 10 ** random.uniform(-2, 0)])
+    return found
