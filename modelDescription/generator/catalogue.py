@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+BEHIND_BLOCKS = 1_000_000  # value references from here on are behind the blocks of bodies and contacts
+
 
 @dataclass(frozen=True)
 class Item:

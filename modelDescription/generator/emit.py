@@ -9,7 +9,7 @@ import jinja2
 
 from . import arrays, c_code, page, terminals
 from . import guide as scene_guide
-from .catalogue import Catalogue
+from .catalogue import BEHIND_BLOCKS, Catalogue
 from .resolve import Resolved
 
 # Namespace of the guids; a guid is the version-5 UUID of what the FMU is: equal FMUs have equal guids.
@@ -141,6 +141,7 @@ def _context(resolved: Resolved) -> dict:
     variables = resolved.variables
     types = _types(resolved)
     units, used = resolved.catalogue.units, {t.unit for t in types}
+    near = max(v.reference for v in variables if v.reference < BEHIND_BLOCKS) + 1
     return {
         "scene": resolved.scene,
         "project": resolved.catalogue.project,
@@ -177,7 +178,12 @@ def _context(resolved: Resolved) -> dict:
         "positions": c_code.positions(resolved),
         "nominals": c_code.nominals(resolved),
         "state_of": _state_of(resolved),
-        "references": [(variable.reference, i) for i, variable in enumerate(variables, 1)],
+        "near_references": near,
+        "far_references": BEHIND_BLOCKS if any(v.reference >= BEHIND_BLOCKS for v in variables) else 0,
+        "references": [
+            (v.reference if v.reference < BEHIND_BLOCKS else v.reference - BEHIND_BLOCKS + near, i)
+            for i, v in enumerate(variables, 1)
+        ],
         "page": page.context(resolved),
         "contacts_of_bodies": _contacts_of_bodies(resolved),
     }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
-from .catalogue import Catalogue, Item, Row, Type
+from .catalogue import BEHIND_BLOCKS, Catalogue, Item, Row, Type
 from .conditions import SCENE_CVODE, SCENE_GENERAL, SCENE_SEVERAL
 from .errors import InputError, allowed
 
@@ -129,8 +129,8 @@ def _check_references(catalogue: Catalogue, shown: str) -> None:
             other = used.setdefault((row.owner, vr), row.key)
             next_block = row.owner == "contact" and 100 <= vr < 200  # one of a body
             other = of_bodies.get(vr - 100, other) if next_block else other
-            second = row.owner == "contact" and 1000000 < vr < 1000100  # beyond all blocks
-            if other != row.key or not (0 < vr < 100 or next_block or second):
+            behind = row.owner == "contact" and BEHIND_BLOCKS < vr < BEHIND_BLOCKS + 100
+            if other != row.key or not (0 < vr < 100 or next_block or behind):
                 raise InputError(
                     shown, f'[variable."{row.key}"]: value reference {vr} is out of 1..99 or that of {other}'
                 )

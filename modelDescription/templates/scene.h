@@ -47,7 +47,7 @@
 #define SCENE_HASH {{ hash }} /* the first 32 bits of SCENE_GUID */
 #define SCENE_BODIES {{ scene.bodies | length }}
 #define SCENE_CONTACTS {{ scene.contacts | length }}
-#define SCENE_REFERENCES {{ variables | map(attribute="reference") | max + 1 }} /* one more than the largest */
+#define SCENE_REFERENCES {{ near_references }} /* one more than the largest within the blocks */
 #define SCENE_VARIABLES {{ variables | length }}
 #define SCENE_STATES {{ positions.states | length }} /* continuous states, for an integrator outside */
 #define SCENE_INDICATORS {{ positions.indicators | length }} /* event indicators */

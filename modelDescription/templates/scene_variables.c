@@ -17,14 +17,15 @@ const struct variable scene_variables[SCENE_VARIABLES] = {
 {% endfor %}
 };
 
-/* Position in the table, counted from 1, of each value reference. */
+/* Position in the table, counted from 1, of each value reference{% if far_references %}; those behind the blocks, from {{ far_references }}
+ * on, follow those within{% endif %}. */
 static const uint16_t position_of[] = {
 {% for reference, position in references %}
     [{{ reference }}] = {{ position }},
 {% endfor %}
 };
 
-/* All value references up to the largest; those of no Real variable are left zero. */
+/* All value references within the blocks; those of no Real variable are left zero. */
 const uint32_t scene_reals[SCENE_REFERENCES] = {
 {% for line in reals %}
     {{ line }}
@@ -60,6 +61,13 @@ const double scene_state_nominals[] = { {{- nominals | join(", ") or "0.0" -}} }
 
 const struct variable *scene_variable(uint32_t reference)
 {
+{% if far_references %}
+    const bool is_far = reference >= {{ far_references }};
+    if (!is_far && reference >= SCENE_REFERENCES) {
+        return NULL;
+    }
+    reference -= is_far ? {{ far_references }} - SCENE_REFERENCES : 0;
+{% endif %}
     if (reference >= sizeof position_of / sizeof position_of[0] || position_of[reference] == 0) {
         return NULL;
     }

@@ -148,7 +148,9 @@ def test_reals_are_read_where_the_table_has_them(scene_folder, scene):
     table = {entry.reference: entry for entry in (Variable * count).in_dll(loaded, "scene_variables")}
     wanted = describe(scene)
     motion = re.compile(r"\.(displacement|position|velocity)\[[123]\]$")
-    reals = (ctypes.c_uint32 * (max(table) + 1)).in_dll(loaded, "scene_reals")
+    reals = (ctypes.c_uint32 * (max(one for one in table if one < 1_000_000) + 1)).in_dll(
+        loaded, "scene_reals"
+    )
     for reference, real in enumerate(reals):
         said = wanted[table[reference].name.decode()] if reference in table else None
         if said is None or said["base"] != "Real" or said["causality"] == "local":
