@@ -101,7 +101,7 @@ static void choose_contact(fmi2Component c, struct bytes *b, int contact)
 }
 
 /* The law and what it takes its factors from. These bytes came after all others: inputs without them have the
- * linear law with the damping chosen above, and a constant tangential stiffness. */
+ * linear law with the damping chosen above. */
 static void choose_law(fmi2Component c, struct bytes *b, int contact)
 {
     const bool hertz = bytes_choice(b, 2) == 1;
@@ -119,10 +119,6 @@ static void choose_law(fmi2Component c, struct bytes *b, int contact)
     for (int i = 0; i < SCENE_BODIES; ++i) {
         (void)host_set_real(c, ROW_body_youngs_modulus, i, 0, bytes_power(b, 5.0, 13.0));
         (void)host_set_real(c, ROW_body_poissons_ratio, i, 0, bytes_between(b, -0.9, 0.5));
-    }
-    if (bytes_choice(b, 2)) {
-        (void)host_set_integer(c, ROW_contact_tangential_law, contact, 2);
-        (void)host_set_real(c, ROW_contact_tangential_ratio, contact, 0, bytes_power(b, -2.0, 1.0));
     }
 }
 
@@ -172,6 +168,14 @@ static void choose_friction(fmi2Component c, struct bytes *b, int contact)
     }
 }
 
+static void choose_tangential_law(fmi2Component c, struct bytes *b, int contact)
+{
+    if (bytes_choice(b, 2) && host_integer(c, ROW_contact_law, contact) == 2) {
+        (void)host_set_integer(c, ROW_contact_tangential_law, contact, 2);
+        (void)host_set_real(c, ROW_contact_tangential_ratio, contact, 0, bytes_power(b, -2.0, 1.0));
+    }
+}
+
 struct plan plan_choose(fmi2Component c, struct bytes *b)
 {
     struct plan plan = {.method = 1 + (int)bytes_choice(b, 3)};
@@ -199,6 +203,10 @@ struct plan plan_choose(fmi2Component c, struct bytes *b)
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         choose_friction(c, b, j);
+    }
+    /* These came after those: inputs without them have a constant tangential stiffness. */
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        choose_tangential_law(c, b, j);
     }
     return plan;
 }

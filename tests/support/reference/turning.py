@@ -228,7 +228,8 @@ class TurningPair:
         """Stiffness of the tangential spring: given, or in proportion to dF_n/d delta of Hertz's spring."""
         if not self.follows:
             return self.of("contact.tangential_stiffness")
-        # Near the release the root bends so sharply that a damped spring would take ever smaller steps.
+        # The stiffness goes with the root of the depth, which is so steep near the release that integrating
+        # a damped spring would take ever smaller steps. The depth counts as `least` there.
         least = 1e-12 if self.c_t > 0 else 0.0
         depth = -gap if gap.real < -least else least
         return self.of("contact.tangential_ratio") * 1.5 * self.stiffness * depth**0.5
