@@ -244,7 +244,8 @@ static bool enclose_dip(struct general *g, int event, const double *of, double f
     return !(event_within(g, event, ends[1]) > 0.0);
 }
 
-/* Returns the place of the event function's own root along the polynomial of the states; INFINITY: none.
+/* Returns the place in the step at which the event function, evaluated along the polynomial of the states,
+ * falls through zero. INFINITY: it does not.
  * The root is found by bisection and secants in turn; the polynomial of the event function gives the first
  * guess. These roots decide which event comes first. */
 static double root_within(struct general *g, int event, const double *of, double guess)
@@ -485,7 +486,8 @@ static void add_torque(const struct general *g, struct scene_state *q, const str
     const double half = 0.5 * (last - first) / panels;
     for (int i = 0; i < panels * GAUSS_NODES && scene_output_has_torque(output); ++i) {
         const int node = i % GAUSS_NODES;
-        const double place = first + half * (2.0 * (i / GAUSS_NODES) + 1.0 + GAUSS_NODE[node]);
+        const int panel = i / GAUSS_NODES;
+        const double place = first + half * (2.0 * panel + 1.0 + GAUSS_NODE[node]);
         const double weight = half * GAUSS_WEIGHT[node] * radau_slope(p->stages, place) * p->length;
         scene_output_add_torque(output, p->start + radau_part(p->stages, place) * p->length, weight, q);
     }
@@ -556,6 +558,7 @@ void general_keep_step(const struct general *g, struct scene_state *q)
     kept->simple = g->simple;
     kept->release_clock = g->release_clock;
     kept->release_rest = g->release_rest;
+    kept->steps_to_release = g->steps_to_release;
     kept->stages = p->stages->stages;
     kept->pace = (int32_t)p->stages->pace;
     kept->event = g->end.event.event;
@@ -582,8 +585,9 @@ bool general_take_up(struct general *g, const struct scene_values *v, struct sce
     g->simple = kept->simple;
     g->release_clock = kept->release_clock;
     g->release_rest = kept->release_rest;
+    g->steps_to_release = kept->steps_to_release;
     g->end.clock = kept->end;
-    g->end.event = (struct general_event){1.0, (int)kept->event};
+    g->end.event = (struct general_event){1.0, kept->event};
     memcpy(g->end.y, kept->at_end, bytes);
     memcpy(g->step.weight, kept->weight, bytes);
     memcpy(g->peaks, kept->peaks, sizeof g->peaks);
@@ -704,6 +708,7 @@ void general_attach(struct general *g, const struct scene_values *v, struct scen
     g->read_share = g->relative / (READ_PART * solver_relative_tolerance(v));
     g->release_clock = (double)INFINITY;
     g->release_rest = 0.0;
+    g->steps_to_release = 0;
     g->longest = q->general_length; /* kept in the state, so that a restored state continues bit for bit */
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         g->output[j] = (struct scene_output){

@@ -9,8 +9,11 @@
 #include "scene/scene_jet.h"
 
 /* Length of a first step in radians of the fastest oscillation. An impact takes pi radians with a linear
- * spring, and four with Hertz's law, of which a step from the touch covers a third accurately. */
+ * spring, and four with Hertz's law. */
 static const double FIRST_STEP = 4.0;
+
+/* Length of a first step that begins at a touch under Hertz's law, in the same radians. A step from the touch
+ * is accurate over a third of the impact. */
 static const double FIRST_STEP_FROM_TOUCH = 1.3;
 
 double general_length_of_springs(const struct general *g)
@@ -641,34 +644,56 @@ static double factor_after(const struct attempt *before, const struct attempt *n
  */
 #define BENDS_APART 3.0
 
-/* A step that was to end BENDS_APART before a release is made again only if it comes nearer than this. */
+/* A step is made again if it is longer than this number of times that it leaves before the release. The
+ * number exceeds BENDS_APART, because the clock of the release becomes better known in each trial. */
 static const double MUCH_TOO_NEAR = 2.0 * BENDS_APART;
 
-/* A step that begins within this part of its length after the touch begins at the touch. What the force was
- * until then is the power 5/2 of this part, 3e-13, of what it is in the step. */
-static const double AT_TOUCH = 1e-5;
+/* A touch or a release that is nearer to the start of a step than this part of its length does not matter:
+ * the impulse in between is the power 5/2 of this part, 3e-13, of that in the step. */
+static const double NO_IMPULSE = 1e-5;
 
-/* A release that is known this well, as a part of the time that a step leaves before it, is known. */
+/* The clock of a release is known well enough if the last two estimates differ by less than this part of the
+ * time that the step to the release leaves before it. */
 static const double RELEASE_KNOWN = 0.1;
 
 /* The last step before a release is longer than the time to it by this factor, so that the release is found
  * within it. */
 static const double BEYOND_RELEASE = 1.02;
 
-/* After so many changes of the release's clock within a step, the step is made as others are, so that the
- * search ends. */
+/* A step is tried for at most so many other clocks of the release. After that the error alone decides whether
+ * the step is accepted, so that the search ends. */
 enum { RELEASE_TRIES = 16 };
 
-/* Times from here on are rounding if they are shorter than this [s]. */
+/* Returns the time after the start of the step below which a time is rounding of the clock [s]. */
 static double clock_rounding(const struct general *g)
 {
     return 64.0 * DBL_EPSILON * fabs(g->step.start);
 }
 
-/* Whether only the last steps before a known release are left. */
+/* Returns the number of steps to a release that are made one after the other. Hertz's force leaves the power
+ * 5/2 of RADAU_REST, 3e-8, of its impulse for the last piece. A tangential force whose stiffness follows the
+ * depth goes with the root of the time to the release, and one step would leave the power 3/2. */
+static int release_steps(const struct general *g)
+{
+    int steps = 1;
+    for (int j = 0; SCENE_ANY_MINDLIN && j < SCENE_CONTACTS; ++j) {
+        steps = contact_transmits(g->state, j) && scene_stiffens(g->ode.values, j) ? 2 : steps;
+    }
+    return steps;
+}
+
+/* Whether the step begins where the steps to the release have ended, so that only the last piece is left. */
 static bool is_at_release(const struct general *g)
 {
-    return g->release_clock - g->step.start <= 2.0 * g->release_rest;
+    return g->steps_to_release > 0 && g->steps_to_release >= release_steps(g) &&
+           g->release_clock - g->step.start <= 2.0 * g->release_rest;
+}
+
+static void forget_release(struct general *g)
+{
+    g->release_clock = (double)INFINITY;
+    g->release_rest = 0.0;
+    g->steps_to_release = 0;
 }
 
 /* Whether the step begins at a touch. A touch shortly before limits its length. */
@@ -676,7 +701,7 @@ static bool is_at_touch(const struct general *g, double *length)
 {
     bool found = false;
     for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
-        if (g->since_touch[j] <= fmax(AT_TOUCH * *length, clock_rounding(g))) {
+        if (g->since_touch[j] <= fmax(NO_IMPULSE * *length, clock_rounding(g))) {
             found = true;
         } else {
             *length = fmin(*length, BENDS_APART * g->since_touch[j]);
@@ -685,7 +710,7 @@ static bool is_at_touch(const struct general *g, double *length)
     return found;
 }
 
-/* Chooses the length and the method of the next attempt. */
+/* Returns the next attempt at a step, with its length and its method. The step lasts `limit` [s] at most. */
 static struct attempt plan_attempt(const struct general *g, double limit)
 {
     struct attempt next = {.length = fmin(limit, g->longest), .error = (double)INFINITY};
@@ -710,8 +735,8 @@ static struct attempt plan_attempt(const struct general *g, double limit)
     return next;
 }
 
-/* Returns the clock of the release after a step to it, from the gaps at the end: the force is negligible for
- * what the step has left. INFINITY: no contact is about to end. */
+/* Returns the clock of the first release after the end of the step, by the gaps and gap rates at the end. It
+ * is accurate where the step ends close to the release. INFINITY: no contact opens at the end. */
 static double release_after(struct general *g)
 {
     struct scene_instant at;
@@ -729,8 +754,8 @@ static double release_after(struct general *g)
     return least;
 }
 
-/* Whether a solved attempt shows another release than the one that it was made for: within the step, or so
- * soon after it that the step is too long. */
+/* Whether a solved attempt shows a release under Hertz's law that the attempt was not made for. The release
+ * lies within the step, or so soon after its end that the step is too long. */
 static bool finds_release(struct general *g, double (*release_within)(struct general *g))
 {
     const double known = g->release_clock;
@@ -739,6 +764,10 @@ static bool finds_release(struct general *g, double (*release_within)(struct gen
         return false;
     }
     const double found = fmin(release_within(g), release_after(g));
+    if (found - g->step.start <= fmax(NO_IMPULSE * g->step.length, clock_rounding(g))) {
+        forget_release(g);
+        return false;
+    }
     const bool is_near = MUCH_TOO_NEAR * (found - end) < g->step.length;
     if (g->step.stages->pace == RADAU_TO_RELEASE) {
         g->release_rest = is_near ? RADAU_REST * g->step.length : 0.0;
@@ -767,7 +796,7 @@ static void lengthen(struct general *g, const struct attempt *now)
 {
     const double paced = now->stages->pace == RADAU_FROM_TOUCH ? AFTER_TOUCH : 1.0;
     const double next = now->length / reach_of(now->stages) * paced * factor_of(g, now->error, now->stages);
-    /* touches and releases shorten steps that could be longer */
+    /* a step that a touch or a release has shortened says little about the longest step */
     g->longest = now->length < g->longest && any_force_bends(g)
                      ? fmax(next, g->longest)
                      : fmin(next, GROWTH * fmax(g->longest, now->length));
@@ -789,8 +818,7 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
     bool again = false;
     struct attempt before = {.stages = NULL};
     if (SCENE_ANY_HERTZ && !(g->release_clock - g->step.start > clock_rounding(g))) {
-        g->release_clock = (double)INFINITY;
-        g->release_rest = 0.0;
+        forget_release(g);
     }
     for (int tries = 0;; ++tries) {
         if (*budget <= 0) {
@@ -809,6 +837,7 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
             }
         }
         if (now.error <= 1.0) {
+            g->steps_to_release += now.stages->pace == RADAU_TO_RELEASE && g->release_rest > 0.0 ? 1 : 0;
             lengthen(g, &now);
             *budget -= 1;
             return true;

@@ -49,10 +49,11 @@ struct general {
     double longest;           /* estimate of the longest accurate step of twelve stages [s] */
     double since_touch[SCENE_CONTACTS]; /* time since the touch under Hertz's law [s]; INFINITY: long ago */
     double release_clock;               /* when a contact under Hertz's law ends; INFINITY: not known */
-    double release_rest; /* what a step to that release leaves for the last steps before it [s] */
-    double within_share; /* factor of error_within when it is compared with error_at_end */
-    double read_share;   /* within_share where outputs are read within the step; above 1: none is read */
-    bool is_sampled;     /* whether `events` and `loads` are those of the solved step */
+    double release_rest;                /* what a step to that release leaves for the steps after it [s] */
+    int steps_to_release;               /* number of steps made to that release */
+    double within_share;                /* factor of error_within when it is compared with error_at_end */
+    double read_share; /* within_share where outputs are read within the step; above 1: none is read */
+    bool is_sampled;   /* whether `events` and `loads` are those of the solved step */
     double *y, *size_of, *end_size; /* [size]: a state; sizes of the states at both ends of the step */
     /* [size], noted at the start of the step: change of integrals by an impulse of a contact, divided by that
      * impulse; largest errors allowed */

@@ -120,9 +120,10 @@ double radau_step_start_error(struct radau_step *p);
 void radau_step_take_over(struct radau_step *p, double start, double length, const double *y,
                           const struct radau_stages *stages, const double *chebyshev, int stride);
 
-/* radau_stages_of returns the method with these stages and this pace. radau_place returns the place of a step
- * at a part 0 to 1 of its length, radau_part that part at a place, and radau_slope its derivative. Parts
- * beyond the step have places too; of a step to a release they end at the release. */
+/* radau_stages_of returns the method with this number of stages and this pace. The time of a step is a
+ * function of its place: radau_place returns the place at which a part, 0 to 1, of the step's length has
+ * passed. radau_part returns the part that has passed at a place, and radau_slope the derivative of this part
+ * by the place. Parts above 1 have places too, in a step to a release only up to the release. */
 const struct radau_stages *radau_stages_of(int stages, enum radau_pace pace);
 double radau_place(const struct radau_stages *stages, double part);
 double radau_part(const struct radau_stages *stages, double place);

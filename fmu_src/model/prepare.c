@@ -143,7 +143,7 @@ static enum model_status check_friction(struct model *m, int contact)
                             name, shortest_digits(static_coefficient).text, name,
                             shortest_digits(coefficient).text);
     }
-    if (SCENE_ANY_MINDLIN && contact_rubs_elastically(v, contact) && !scene_is_hertz(v, contact) &&
+    if (SCENE_ANY_MINDLIN && contact_has_spring(v, contact, OPPOSED_SLIP) && !scene_is_hertz(v, contact) &&
         contact_tangential_law(v, contact) == TANGENTIAL_LAW_MINDLIN) {
         return model_report(m, MODEL_ERROR,
                             "%s.tangential_law = mindlin contradicts %s.law = linear, whose stiffness is "

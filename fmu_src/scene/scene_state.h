@@ -174,8 +174,9 @@ struct unfinished_step {
     double weight[UNFINISHED_STATES];                           /* 1 divided by the error allowed */
     double chebyshev[RADAU_MOST_STAGES + 1][UNFINISHED_STATES]; /* as in struct radau_step */
     double peaks[SCENE_CONTACTS][2][RADAU_MOST_STAGES + 1];     /* as in struct general */
-    int32_t stages, pace;                                       /* of its method */
-    int64_t event; /* the index of the event function of scene/ode.h that ends the step; -1: none */
+    int32_t stages, pace;     /* of the method of the step (math/node_tables.h) */
+    int32_t steps_to_release; /* as in struct general */
+    int32_t event; /* the index of the event function of scene/ode.h that ends the step; -1: none */
 };
 
 struct solver_counters {

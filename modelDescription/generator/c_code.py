@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 
-from .catalogue import Row
+from .catalogue import BEHIND_BLOCKS, Row
 from .cell import COMPONENTS
 from .conditions import number_of
 from .resolve import Cell, Resolved
@@ -179,11 +179,11 @@ def _offset(variable) -> str:
 
 
 def reals(resolved: Resolved) -> list[str]:
-    """Initializers of scene_reals, by value reference."""
+    """Initializers of scene_reals, by value reference within the blocks."""
     lines = []
     for variable in resolved.variables:
         row = variable.cell.row
-        if C_BASE[row.type.base] == "REAL" and not row.role:
+        if C_BASE[row.type.base] == "REAL" and not row.role and variable.reference < BEHIND_BLOCKS:
             given = row.causality in ("parameter", "input")
             source = "GIVEN" if given else "BODY" if row.c_name in BODY_MOTION else "COMPUTED"
             vector = " | VARIABLE_VECTOR" if row.dim == 3 and variable.component == 0 else ""

@@ -203,6 +203,7 @@ def _contacts_of_bodies(resolved: Resolved) -> dict[str, list[int]]:
 
 def _facts(resolved: Resolved) -> dict:
     """What a scene may have: the macros SCENE_ANY_... and SCENE_HAS_... of scene.h"""
+    resistances = resolved.of("contact.rolling") + resolved.of("contact.spinning")
     return {
         "any_free": resolved.may("body.motion", "free") or resolved.may("body.rotation", "free"),
         "any_prescribed": resolved.may("body.motion", "prescribed"),
@@ -226,17 +227,8 @@ def _facts(resolved: Resolved) -> dict:
         ),
         "any_elastic_friction": resolved.may("contact.friction", "elastic"),
         "any_mindlin": any(cell.may_be("mindlin") for cell in resolved.of("contact.tangential_law")),
-        "any_rolling": any(
-            _resists(cell, law)
-            for law in ("regularized", "elastic")
-            for kind in ("rolling", "spinning")
-            for cell in resolved.of(f"contact.{kind}")
-        ),
-        "any_elastic_rolling": any(
-            _resists(cell, "elastic")
-            for kind in ("rolling", "spinning")
-            for cell in resolved.of(f"contact.{kind}")
-        ),
+        "any_rolling": any(cell.may_be("regularized") or cell.may_be("elastic") for cell in resistances),
+        "any_elastic_rolling": any(cell.may_be("elastic") for cell in resistances),
         "any_turning": rotation or friction,
         "any_caps": resolved.may("body.ends", "capped"),
         "any_plane": any(body.shape == "plane" for body in resolved.scene.bodies),
@@ -253,11 +245,6 @@ def _facts(resolved: Resolved) -> dict:
         "has_cvode": resolved.may_need_cvode,
         "has_general": resolved.may_need_general,
     }
-
-
-def _resists(cell, law: str) -> bool:
-    """Whether a contact.rolling or contact.spinning may be this law."""
-    return cell.value_name == law if cell.pinned else cell.open and cell.offers(law)
 
 
 def _types(resolved: Resolved) -> list:

@@ -101,7 +101,7 @@ static void choose_contact(fmi2Component c, struct bytes *b, int contact)
 }
 
 /* The law and what it takes its factors from. These bytes came after all others: inputs without them have the
- * linear law with the damping chosen above, and a constant tangential stiffness. */
+ * linear law with the damping chosen above. */
 static void choose_law(fmi2Component c, struct bytes *b, int contact)
 {
     const bool hertz = bytes_choice(b, 2) == 1;
@@ -119,10 +119,6 @@ static void choose_law(fmi2Component c, struct bytes *b, int contact)
     for (int i = 0; i < SCENE_BODIES; ++i) {
         (void)host_set_real(c, ROW_body_youngs_modulus, i, 0, bytes_power(b, 5.0, 13.0));
         (void)host_set_real(c, ROW_body_poissons_ratio, i, 0, bytes_between(b, -0.9, 0.5));
-    }
-    if (bytes_choice(b, 2)) {
-        (void)host_set_integer(c, ROW_contact_tangential_law, contact, 2);
-        (void)host_set_real(c, ROW_contact_tangential_ratio, contact, 0, bytes_power(b, -2.0, 1.0));
     }
 }
 
@@ -192,6 +188,14 @@ static void choose_resistance(fmi2Component c, struct bytes *b, int contact, con
     (void)host_set_real(c, row[4], contact, 0, bytes_choice(b, 2) ? bytes_power(b, -4.0, 2.0) : 0.0);
 }
 
+static void choose_tangential_law(fmi2Component c, struct bytes *b, int contact)
+{
+    if (bytes_choice(b, 2) && host_integer(c, ROW_contact_law, contact) == 2) {
+        (void)host_set_integer(c, ROW_contact_tangential_law, contact, 2);
+        (void)host_set_real(c, ROW_contact_tangential_ratio, contact, 0, bytes_power(b, -2.0, 1.0));
+    }
+}
+
 struct plan plan_choose(fmi2Component c, struct bytes *b)
 {
     struct plan plan = {.method = 1 + (int)bytes_choice(b, 3)};
@@ -213,12 +217,16 @@ struct plan plan_choose(fmi2Component c, struct bytes *b)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         choose_law(c, b, j);
     }
-    /* These came last: inputs without them have bodies that do not turn, no friction, no resistance. */
+    /* These came last: inputs without them have bodies that do not turn, and no friction. */
     for (int i = 0; i < SCENE_BODIES; ++i) {
         choose_rotation(c, b, &plan, i);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         choose_friction(c, b, j);
+    }
+    /* These came after those: inputs without them have a constant tangential stiffness and no resistance. */
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        choose_tangential_law(c, b, j);
     }
     for (int k = 0; k < 2 * SCENE_CONTACTS; ++k) {
         choose_resistance(c, b, k / 2, RESISTANCES[k % 2]);

@@ -186,6 +186,9 @@ class Islands:
             dense = solver.dense_output()
             places = np.linspace(solver.t_old, solver.t, SAMPLES + 1)
             samples = np.array([self.events(dense(place), regimes) for place in places])
+            overdue = np.argwhere((samples < 0.0).all(axis=0))  # the regime had ended before it began
+            if len(overdue):
+                return tuple(overdue[0]), solver.t_old, dense(solver.t_old)
             for k in range(SAMPLES):
                 falls = np.argwhere((samples[k] >= 0.0) & (samples[k + 1] < 0.0))
                 if len(falls):

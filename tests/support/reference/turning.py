@@ -245,10 +245,11 @@ class TurningPair:
         return minus(v, times(dot(v, place.n), place.n)), arm, other
 
     def stiffness_of(self, one, gap):
-        """Of a spring: given, or in proportion to dF_n/d delta of Hertz's spring."""
+        """Stiffness of a spring: given, or in proportion to dF_n/d delta of Hertz's spring."""
         if not one.follows:
             return one.k
-        # Near the release the root bends so sharply that a damped spring would take ever smaller steps.
+        # The stiffness goes with the root of the depth, which is so steep near the release that integrating
+        # a damped spring would take ever smaller steps. The depth counts as `least` there.
         least = 1e-12 if one.c > 0 else 0.0
         depth = -gap if gap.real < -least else least
         return self.of("contact.tangential_ratio") * 1.5 * self.stiffness * depth**0.5
