@@ -507,8 +507,9 @@ struct vec3 friction_slopes_along(const struct friction_slopes *slopes, double n
     return vec3_axpy(by_motion, normal_force, m.by_normal_force);
 }
 
-/* Returns the change of a spring's rate: of the law's part by the change `motion` of the opposed motion and by
- * the change `stretched` of the spring, which a change of k_t adds to; and of opposed_turned. */
+/* Returns the change of a spring's rate. The law's part changes by the change `motion` of the opposed motion
+ * and by `stretched`, the change of the spring with what a change of k_t adds. The part of opposed_turned
+ * changes with the spring and the normal. */
 static struct vec3 spring_rate_along(const struct turning_slopes *s, enum opposed part, double normal_force,
                                      struct vec3 motion, struct vec3 spring, struct vec3 stretched,
                                      struct vec3 normal, struct vec3 normal_rate)

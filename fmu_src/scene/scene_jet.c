@@ -471,10 +471,10 @@ static struct vec3 half_spring_change(const struct scene_values *v, const struct
     const struct friction_slopes slopes = friction_spring_rate_slopes(&law, regime, rubbing);
     const struct contact_jet *geometry = &along->contact[contact];
     const struct vec3 *spring = along->spring[contact][part];
-    const double stiffened = friction_stiffening(&law, rubbing.depth) * rubbing.depth_rate;
-    const struct vec3 sum = friction_slopes_along(&slopes, geometry->normal_force[1],
-                                                  along->turning[contact].motion[part][1],
-                                                  vec3_axpy(spring[1], stiffened, spring[0])); /* friction.h */
+    const double stiffened = friction_stiffening(&law, rubbing.depth) * rubbing.depth_rate; /* friction.h */
+    const struct vec3 sum =
+        friction_slopes_along(&slopes, geometry->normal_force[1], along->turning[contact].motion[part][1],
+                              vec3_axpy(spring[1], stiffened, spring[0]));
     return vec3_scale(0.5,
                       vec3_add(sum, opposed_turned_term((enum opposed)part, spring, geometry->normal, 1)));
 }

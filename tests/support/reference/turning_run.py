@@ -260,9 +260,7 @@ class TurningRun:
                 found["rotational"] += 0.5 * dot(here.omega, y[at : at + 3])
         if self.touching:
             found["contact"] = pair.stored(place.gap)
-            found["tangential"] = sum(
-                pair.held(kind, place, y[SPRINGS[kind]]) for kind in pair.elastic()
-            )
+            found["tangential"] = sum(pair.held(kind, place, y[SPRINGS[kind]]) for kind in pair.elastic())
         found["dissipated"] = y[DISSIPATED] + self.ends
         found["friction"] = y[FRICTION] - found["tangential"]  # friction's work less what it stores
         found["external_work"] = y[WORK]
