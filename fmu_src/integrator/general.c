@@ -431,48 +431,68 @@ bool general_end_at(struct general *g, struct general_event *found, double *cloc
 
 void general_set_peaks(struct general *g)
 {
-    for (int j = 0; j < SCENE_CONTACTS && g->step.problem.turns; ++j) {
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
         for (int i = 0; i < GENERAL_LOADS && g->state->contact[j].regime != REGIME_APART; ++i) {
             bernstein_of(g->step.stages, &g->loads[0][j][i], SCENE_CONTACTS * GENERAL_LOADS, g->peaks[j][i]);
         }
     }
 }
 
-/* Returns the largest Bernstein coefficient between two parts of the step, an upper bound of the quantity. */
-static double bound_between(const struct general *g, int contact, int quantity, double from, double to)
+/* Notes force and penetration at the tops of one of them between two places of the step, where it exceeds
+ * what is known. The scene itself is evaluated at each top of the polynomial, so that an error of the
+ * polynomial counts by its square only. Returns an upper bound of the quantity. */
+static double note_tops(struct general *g, int contact, int load, const double ends[2], double known)
 {
-    const int count = g->step.stages->stages + 1;
+    const struct radau_step *p = &g->step;
+    const int count = p->stages->stages + 1;
     double of[BERNSTEIN_MOST];
-    double most = -(double)INFINITY;
-    memcpy(of, g->peaks[contact][quantity], sizeof of);
-    bernstein_restrict(of, count, radau_place(g->step.stages, from), radau_place(g->step.stages, to));
+    double slope[BERNSTEIN_MOST] = {0.0};
+    double most = -(double)INFINITY; /* of the coefficients */
+    double from = ends[0];
+    memcpy(of, g->peaks[contact][load], sizeof of);
+    bernstein_restrict(of, count, ends[0], ends[1]);
     for (int i = 0; i < count; ++i) {
         most = fmax(most, of[i]);
+        slope[i] = i + 1 < count ? of[i + 1] - of[i] : 0.0;
+    }
+    for (int i = 0; i < count && most > known; ++i) {
+        const struct bernstein_fall fall = bernstein_first_fall(slope, count - 1, 0.0);
+        struct scene_instant at;
+        if (!(fall.low < (double)INFINITY)) {
+            break;
+        }
+        const double top = bernstein_root(slope, count - 1, fall);
+        from += top * (ends[1] - from);
+        const double part = radau_part(p->stages, from);
+        radau_step_at(p, part, g->y);
+        ode_instant(&g->ode, p->start + part * p->length, g->y, &at);
+        contact_peaks_note(&g->state->contact[contact].peaks, at.normal_force[contact],
+                           -at.geometry[contact].gap);
+        bernstein_restrict(slope, count - 1, top, 1.0);
+        slope[0] = fmin(slope[0], 0.0); /* rounding would find the same top again */
     }
     return most;
 }
 
-/* Whether normal force and penetration between the clock `from` and the present exceed the peaks noted by so
- * little that no search is worth it. */
-static bool is_known(const struct general *g, const struct scene_state *q, const struct scene_instant *at,
-                     int contact, double from)
+/* Notes tops that exceed the peaks noted by so much that the search is worth it. Returns false if the bodies
+ * may have passed each other's centre, where the force jumps and is no polynomial. */
+static bool search_tops(struct general *g, const struct scene_instant *at, int contact, const double ends[2])
 {
-    const struct radau_step *p = &g->step;
-    const struct contact_peaks *noted = &q->contact[contact].peaks;
+    const struct contact_peaks *noted = &g->state->contact[contact].peaks;
     const struct contact_geometry *now = &at->geometry[contact];
-    const struct contact_law law = scene_contact_law(g->ode.values, q, contact);
-    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    const struct contact_law law = scene_contact_law(g->ode.values, g->state, contact);
+    const enum contact_regime regime = (enum contact_regime)g->state->contact[contact].regime;
     const double by_gap = fabs(contact_force_slopes(&law, regime, now->gap, now->gap_rate).by_gap);
     const double rounding = rounding_of_gap(g->ode.values, at, contact);
-    const double first = (from - p->start) / p->length;
-    const double last = fmin((q->clock - p->start) / p->length, 1.0);
     const double worth = 1.0 + fmax(g->relative, DENSE_OUTPUT_WORTH_A_SEARCH);
-    const double force = worth * noted->force + by_gap * rounding;
+    const struct contact_shape shape = scene_contact_shape(g->ode.values, g->state, contact);
     const double depth = worth * noted->penetration + rounding;
-    const struct contact_shape shape = scene_contact_shape(g->ode.values, q, contact);
-    const bool may_pass_centre = shape.side > 0 && 2.0 * depth > contact_reach(&shape);
-    return !may_pass_centre && bound_between(g, contact, GENERAL_FORCE, first, last) <= force &&
-           bound_between(g, contact, GENERAL_DEPTH, first, last) <= depth;
+    const double deepest = fmax(note_tops(g, contact, GENERAL_DEPTH, ends, depth), depth);
+    if (shape.side > 0 && 2.0 * deepest > contact_reach(&shape)) {
+        return false;
+    }
+    (void)note_tops(g, contact, GENERAL_FORCE, ends, worth * noted->force + by_gap * rounding);
+    return true;
 }
 
 /* Adds the impulse of the torque on the destination from a clock to the present, by `panels` Gauss rules of
@@ -493,20 +513,23 @@ static void add_torque(const struct general *g, struct scene_state *q, const str
     }
 }
 
-/* Searches for peaks by parts of less than half an oscillation. A step of twelve stages lasts five radians at
- * most. */
-static void look_for_peaks(struct general *g, struct scene_state *q, int contact, double from)
+/* A step of twelve stages lasts five radians at most. Its parts are shorter than half an oscillation. */
+static void look_for_peaks(struct general *g, struct scene_state *q, const struct scene_instant *at,
+                           int contact, double from)
 {
+    const struct radau_step *p = &g->step;
     struct scene_output *output = &g->output[contact];
-    const double part = g->step.problem.turns ? fmin((q->clock - from) / g->step.length, 1.0) : 1.0;
-    const int parts = (int)ceil(part * g->step.stages->stages / 3);
-    if (g->step.problem.turns) {
-        output->output.count = 0; /* the last call may have skipped the search */
-        output->output.latest_s = -1.0;
-    }
+    const double first = fmax(from - p->start, 0.0) / p->length;
+    const double last = fmin((q->clock - p->start) / p->length, 1.0);
+    const int parts = (int)ceil((last - first) * p->stages->stages / 3);
+    const double ends[2] = {radau_place(p->stages, first), radau_place(p->stages, last)};
     output->values = g->ode.values;
     output->state = q;
-    scene_output_note_peaks(output, from, q->clock, parts, &q->contact[contact].peaks);
+    if (!search_tops(g, at, contact, ends)) {
+        output->output.count = 0; /* the last call may have found no need */
+        output->output.latest_s = -1.0;
+        scene_output_note_peaks(output, from, q->clock, parts, &q->contact[contact].peaks);
+    }
     add_torque(g, q, output, from, parts);
 }
 
@@ -514,22 +537,14 @@ static void look_for_peaks(struct general *g, struct scene_state *q, int contact
 static void note_peaks_within(struct general *g, struct scene_state *q, double from)
 {
     struct scene_instant at;
-    const bool turns = g->step.problem.turns;
     if (!(q->clock > from)) {
         return;
     }
-    if (turns) {
-        scene_now(g->ode.values, q, &at);
-    }
+    scene_now(g->ode.values, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime == REGIME_APART) {
-            continue;
-        }
-        if (turns) {
+        if (q->contact[j].regime != REGIME_APART) {
             contact_peaks_note(&q->contact[j].peaks, at.normal_force[j], -at.geometry[j].gap);
-        }
-        if (!turns || !is_known(g, q, &at, j, from)) {
-            look_for_peaks(g, q, j, from);
+            look_for_peaks(g, q, &at, j, from);
         }
     }
 }

@@ -110,7 +110,8 @@ def test_what_is_declared_of_model_exchange(fmu):
     jumping = {one.get("name") for one in root.find("ModelVariables") if one.get("reinit") == "true"}
     states = {one.get("name") for one in root.find("ModelVariables") if one.get("name").endswith("_state")}
     at_events = {"energy.dissipated_state", "energy.external_work_state", "energy.friction_state"}
-    assert jumping == states & (at_events | {"contact.spring_state"})
+    springs = {f"contact.{kind}spring_state" for kind in ("", "rolling_", "spinning_")}
+    assert jumping == states & (at_events | springs)
 
 
 def test_what_is_declared_of_steps(fmu):

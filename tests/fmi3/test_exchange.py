@@ -140,10 +140,10 @@ def test_arrays_are_the_states_and_their_rates():
     states = [entry.variable.derivative.name for entry in about.derivatives]
     assert states == [
         *(f"{body}.{state}_state" for body in ("source", "destination") for state in MOTION),
-        "contact.spring_state",
+        *(f"contact.{kind}spring_state" for kind in ("", "rolling_", "spinning_")),
         *("energy.dissipated_state", "energy.external_work_state", "energy.friction_state"),
     ]
-    assert [fmu.variables[name].length for name in states] == [3, 3, 4, 3, 3, 3, 4, 3, 3, 1, 1, 1]
+    assert [fmu.variables[name].length for name in states] == [3, 3, 4, 3, 3, 3, 4, 3, 3, 3, 3, 1, 1, 1]
     with raw.Instance(fmu, exchange=True) as instance:
         start = {"destination.motion": "free", "source.initial_velocity": [1.0, 2.0, 3.0]}
         outside = Outside(instance.initialize(start)).begin()

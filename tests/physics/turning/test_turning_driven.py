@@ -37,7 +37,7 @@ def incremental(values, shape, end):
     """Impulse on the source by Cundall and Strack's increments: the spring grows by the slip, stays tangent,
     and is cut back to where k_t times its length is mu F_n.
     """
-    pair = TurningPair(values | {"contact.friction": "none"}, shape)
+    pair, rubbing = TurningPair(values | {"contact.friction": "none"}, shape), TurningPair(values, shape)
     speed, bend = map(np.array, values["source.prescribed_displacement.derivatives"])
     omega = np.array(values["source.prescribed_angular_velocity"])
     m = {
@@ -52,7 +52,7 @@ def incremental(values, shape, end):
         m["source.displacement"], m["source.velocity"] = speed * t + bend * t**2 / 2, speed + bend * t
         now = outputs(pair, m)
         normal = now["direction"]
-        k_t = pair.k_t(now["gap"][0])
+        k_t = rubbing.stiffness_of(rubbing.opposed["slip"], now["gap"][0])
         spring = spring + step * now["slip_velocity"]
         spring = spring - (spring @ normal) * normal
         limit = values["contact.friction_coefficient"] * now["normal_force"][0]
