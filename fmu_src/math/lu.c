@@ -16,10 +16,13 @@ static inline struct column column_of(const struct lu_matrix *m, int k, bool is_
     return (struct column){m->re + k * m->stride, is_complex ? m->im + k * m->stride : NULL};
 }
 
-/* to -= (re + i im) from, of the elements [first, end). */
+/* to -= (re + i im) from, of the elements [first, end). Bodies that move along an axis leave many zeros. */
 static inline void subtract_column(struct column to, struct column from, double re, double im, int first,
                                    int end, bool is_complex)
 {
+    if (re == 0.0 && im == 0.0) {
+        return;
+    }
     for (int i = first; i < end; i += LANES) {
         const double2 a = double2_at(from.re, i);
         if (is_complex) {
@@ -118,10 +121,8 @@ static inline bool take_pivot(const struct lu_matrix *m, int k, bool is_complex)
 static inline void eliminate(const struct lu_matrix *m, int k, int j, bool is_complex)
 {
     const struct column other = column_of(m, j, is_complex);
-    if (other.re[k] != 0.0 || (is_complex && other.im[k] != 0.0)) {
-        subtract_column(other, column_of(m, k, is_complex), other.re[k], is_complex ? other.im[k] : 0.0,
-                        k + 1, m->rows, is_complex);
-    }
+    subtract_column(other, column_of(m, k, is_complex), other.re[k], is_complex ? other.im[k] : 0.0, k + 1,
+                    m->rows, is_complex);
 }
 
 static inline bool factor_complex(const struct lu_matrix *m)
