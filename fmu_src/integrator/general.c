@@ -58,7 +58,8 @@ static void sample_events_at(struct general *g, double clock, const struct scene
         g->loads[place][j][GENERAL_DEPTH] = -at->geometry[j].gap;
     }
     for (int e = 0; e < ODE_EVENTS; ++e) {
-        g->event_size[e] = fmax(g->event_size[e], fabs(events[e]));
+        const double size = fabs(events[e]);
+        g->event_size[e] = size > g->event_size[e] ? size : g->event_size[e];
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (g->state->contact[j].regime == (int32_t)REGIME_APART && SCENE_CONTACTS > 1) {
@@ -166,7 +167,8 @@ static bool may_fall(const struct general *g, int event, double of[BERNSTEIN_MOS
     bool falls = false;
     *largest = 0.0;
     for (int i = 0; i < count; ++i) {
-        *largest = fmax(*largest, fabs(g->events[i][event]));
+        const double size = fabs(g->events[i][event]);
+        *largest = size > *largest ? size : *largest;
     }
     bernstein_of(g->step.stages, &g->events[0][event], ODE_EVENTS, of);
     of[0] = g->events[0][event];
@@ -450,9 +452,11 @@ static double note_tops(struct general *g, int contact, int load, const double e
     double most = -(double)INFINITY; /* of the coefficients */
     double from = ends[0];
     memcpy(of, g->peaks[contact][load], sizeof of);
-    bernstein_restrict(of, count, ends[0], ends[1]);
+    if (ends[0] > 0.0 || ends[1] < 1.0) {
+        bernstein_restrict(of, count, ends[0], ends[1]);
+    }
     for (int i = 0; i < count; ++i) {
-        most = fmax(most, of[i]);
+        most = of[i] > most ? of[i] : most;
         slope[i] = i + 1 < count ? of[i + 1] - of[i] : 0.0;
     }
     for (int i = 0; i < count && most > known; ++i) {
@@ -592,7 +596,7 @@ bool general_take_up(struct general *g, const struct scene_values *v, struct sce
 {
     const struct unfinished_step *kept = &q->unfinished;
     const size_t bytes = (size_t)g->size * sizeof(double);
-    if (!SCENE_ANY_TURNING || !scene_turns(v) || q->integrator_fresh || q->clock != kept->present) {
+    if (!scene_keeps_steps(v) || q->integrator_fresh || q->clock != kept->present) {
         return false;
     }
     general_attach(g, v, q);
@@ -845,9 +849,8 @@ static enum advance_result make_step(struct general *g, const struct scene_state
 {
     struct general_end *end = &g->end;
     const double left = step->clock_end - q->clock;
-    /* a step goes beyond the end only where the scene turns or rubs and rounding allows accurate outputs */
-    const double most =
-        g->step.problem.turns && g->read_share <= 1.0 ? fmax(step->clock_limit - q->clock, left) : left;
+    /* a step goes beyond the end only where rounding allows accurate outputs */
+    const double most = g->read_share <= 1.0 ? fmax(step->clock_limit - q->clock, left) : left;
     double longest = (double)INFINITY;
     if (SCENE_ANY_FRICTION && g->step.problem.turns) {
         g->longest = fmin(g->longest, general_length_of_sliding(g->ode.values, q));
@@ -918,7 +921,7 @@ static enum advance_result make_steps(struct general *g, const struct scene_valu
         }
         result = end_step(g, v, q, step);
     }
-    if (result == ADVANCE_REACHED && g->step.problem.turns) {
+    if (result == ADVANCE_REACHED) {
         general_keep_step(g, q); /* the next call goes on from this step */
     }
     return result;

@@ -653,6 +653,9 @@ static enum advance_result advance_flight(struct integrator *s, const struct sce
                                           struct scene_state *q, struct advance *step)
 {
     (void)s;
+    if (!scene_turns(v)) {
+        q->integrator_fresh = 1; /* no step of the general segment goes on */
+    }
     note_depth_of_released(v, q, step);
     flight_advance(v, q, step->clock_end);
     return ADVANCE_REACHED;
@@ -831,7 +834,7 @@ static const long LEAST_WORK = 2000000;
 /* Whether the general segment keeps a step that goes on beyond the present. */
 static bool keeps_step(const struct scene_values *v, const struct scene_state *q)
 {
-    return SCENE_HAS_GENERAL && solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && scene_turns(v) &&
+    return SCENE_HAS_GENERAL && solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && scene_keeps_steps(v) &&
            !q->integrator_fresh;
 }
 
@@ -883,7 +886,7 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
     step.work = step.budget > LEAST_WORK ? step.budget : LEAST_WORK;
     transition_begin_step(v, q, &step.now);
     step.is_now = true;
-    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_turns(v)) {
+    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_keeps_steps(v)) {
         q->integrator_fresh = 1; /* CVODE's history is in no saved state: each step does without it */
     }
     const enum integrator_status status = run_phases(s, v, q, &step, request);
@@ -891,7 +894,7 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
     transition_end_step(v, q);
     q->deferrable_clock =
         status == INTEGRATOR_DONE && !scene_is_force_element(v) ? deferrable_until(v, q) : 0.0;
-    q->only_flies = !(q->phase.end > 0.0 || scene_turns(v));
+    q->only_flies = !(q->phase.end > 0.0 || scene_turns(v) || keeps_step(v, q));
     return status;
 }
 

@@ -318,7 +318,7 @@ static bool unfinished_is_sound(const struct scene_values *v, const struct scene
                          step->simple > 0.0 && step->release_clock > 0.0 && step->release_rest >= 0.0 &&
                          step->steps_to_release >= 0 && step->length > 0.0 && step->start <= step->present &&
                          step->present <= q->clock && step->end >= q->clock;
-    return !SCENE_ANY_FREE || !initialized || q->integrator_fresh == 1 || !scene_turns(v) ||
+    return !SCENE_ANY_FREE || !initialized || q->integrator_fresh == 1 || !scene_keeps_steps(v) ||
            (is_step && all_finite(step, &step->solvable) && all_finite(step->at_start, &step->stages));
 }
 

@@ -164,9 +164,33 @@ bool scene_turns(const struct scene_values *v)
     return SCENE_ANY_TORUS || (SCENE_ANY_TURNING && turning_choices(v) != 1); /* 1: every choice is none */
 }
 
+/* Whether any free body is in more than one contact, so that contacts may act on each other through it. */
+static bool scene_shares_free_body(const struct scene_values *v)
+{
+    for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
+        int contacts = 0;
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            contacts += contact_source(j) == i || contact_destination(j) == i;
+        }
+        if (body_is_free(v, i) && contacts > 1) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool scene_keeps_steps(const struct scene_values *v)
+{
+    return SCENE_HAS_GENERAL && (scene_turns(v) || scene_shares_free_body(v));
+}
+
 void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to)
 {
-    memcpy(to, from, scene_turns(v) ? sizeof *to : offsetof(struct scene_state, turning));
+    const bool goes_on = !from->integrator_fresh && scene_keeps_steps(v);
+    memcpy(to, from,
+           goes_on          ? sizeof *to
+           : scene_turns(v) ? offsetof(struct scene_state, unfinished)
+                            : offsetof(struct scene_state, turning));
 }
 
 bool contact_is_prescribed(const struct scene_values *v, int contact)
@@ -190,24 +214,9 @@ bool scene_is_force_element(const struct scene_values *v)
     return true;
 }
 
-/* Whether any free body is in more than one contact, so that contacts may act on each other through it. */
-static bool scene_shares_free_body(const struct scene_values *v)
-{
-    for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
-        int contacts = 0;
-        for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            contacts += contact_source(j) == i || contact_destination(j) == i;
-        }
-        if (body_is_free(v, i) && contacts > 1) {
-            return true;
-        }
-    }
-    return false;
-}
-
 bool scene_uses_ode(const struct scene_values *v)
 {
-    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || scene_shares_free_body(v) || scene_turns(v);
+    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || scene_keeps_steps(v);
 }
 
 bool contact_transmits(const struct scene_state *q, int contact)

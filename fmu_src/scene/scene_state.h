@@ -160,8 +160,8 @@ enum {
      * contact, 3 energies; without rotation 6, 3 and 2 */
     ODE_MOST_STATES = SCENE_ANY_TURNING ? 13 * SCENE_BODIES + (9 + 3 * OPPOSED) * SCENE_CONTACTS + 3
                                         : 6 * SCENE_BODIES + 3 * SCENE_CONTACTS + 2,
-    /* only scenes with free bodies that turn or rub keep a step */
-    UNFINISHED_STATES = SCENE_ANY_TURNING && SCENE_ANY_FREE ? ODE_MOST_STATES : 1
+    /* only scenes keep a step in which scene_keeps_steps may be true */
+    UNFINISHED_STATES = SCENE_HAS_GENERAL && SCENE_ANY_FREE ? ODE_MOST_STATES : 1
 };
 
 struct unfinished_step {
@@ -230,7 +230,8 @@ struct scene_state {
     int32_t only_flies;   /* 1: the deferred steps are flights in which nothing turns; see foresee_reading */
     double deferred_from; /* the clock at which the last deferred step began [s] */
     struct phase_start phase; /* used by event_driven */
-    /* the fields from here on have no meaning where nothing turns or rubs, see scene_state_copy */
+    /* the fields from here on have no meaning where nothing turns or rubs and no step is kept, see
+     * scene_state_copy */
     struct turning_state turning;
     struct body_turn turn_origin[SCENE_BODIES]; /* at clock 0, of bodies that turn */
     /* event_driven goes on with this step unless `integrator_fresh`; last, see scene_state_look */
@@ -300,7 +301,12 @@ bool contact_has_springs(const struct scene_values *v, int contact);
  * is computed as one without rotation. */
 bool scene_turns(const struct scene_values *v);
 
-/* Copies a state, without the fields from `turning` on where nothing turns or rubs. */
+/* Whether a step of the general segment may go on beyond a communication point: in scenes that turn, and
+ * where contacts share a free body. */
+bool scene_keeps_steps(const struct scene_values *v);
+
+/* Copies a state, without the fields that have no meaning in it: an unfinished step that nothing goes on with,
+ * and the turning where nothing turns or rubs. */
 void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to);
 
 /* Whether the motion of a contact is prescribed: neither body is free or turns freely. */
