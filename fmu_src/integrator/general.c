@@ -105,11 +105,14 @@ static void smooth_limit(struct general *g, int contact, const struct friction_l
 
 static void smooth_friction(struct general *g, int contact, int part)
 {
-    const struct friction_law law = scene_friction_law(g->ode.values, g->state, contact, part);
     const enum friction_regime regime =
         (enum friction_regime)g->state->contact[contact].friction_regime[part];
-    if (law.kind != FRICTION_ELASTIC || regime == FRICTION_LIFTED || !contact_transmits(g->state, contact) ||
-        !friction_compares_forces(&law, regime)) {
+    if (!contact_has_spring(g->ode.values, contact, part) || regime == FRICTION_LIFTED ||
+        !contact_transmits(g->state, contact)) {
+        return;
+    }
+    const struct friction_law law = scene_friction_law(g->ode.values, g->state, contact, part);
+    if (!friction_compares_forces(&law, regime)) {
         return;
     }
     smooth_limit(g, contact, &law, ode_stick_event(part), g->ode.stick_offset[contact][part]);
@@ -440,6 +443,15 @@ void general_set_peaks(struct general *g)
     }
 }
 
+static double largest_coefficient(const double *of, int count)
+{
+    double most = of[0];
+    for (int i = 1; i < count; ++i) {
+        most = of[i] > most ? of[i] : most;
+    }
+    return most;
+}
+
 /* Notes force and penetration at the tops of one of them between two places of the step, where it exceeds
  * what is known. The scene itself is evaluated at each top of the polynomial, so that an error of the
  * polynomial counts by its square only. Returns an upper bound of the quantity. */
@@ -449,15 +461,15 @@ static double note_tops(struct general *g, int contact, int load, const double e
     const int count = p->stages->stages + 1;
     double of[BERNSTEIN_MOST];
     double slope[BERNSTEIN_MOST] = {0.0};
-    double most = -(double)INFINITY; /* of the coefficients */
     double from = ends[0];
     memcpy(of, g->peaks[contact][load], sizeof of);
-    if (ends[0] > 0.0 || ends[1] < 1.0) {
+    double most = largest_coefficient(of, count); /* the largest coefficient is an upper bound */
+    if (most > known && (ends[0] > 0.0 || ends[1] < 1.0)) {
         bernstein_restrict(of, count, ends[0], ends[1]);
+        most = largest_coefficient(of, count);
     }
-    for (int i = 0; i < count; ++i) {
-        most = of[i] > most ? of[i] : most;
-        slope[i] = i + 1 < count ? of[i + 1] - of[i] : 0.0;
+    for (int i = 0; i + 1 < count; ++i) {
+        slope[i] = of[i + 1] - of[i];
     }
     for (int i = 0; i < count && most > known; ++i) {
         const struct bernstein_fall fall = bernstein_first_fall(slope, count - 1, 0.0);

@@ -653,7 +653,7 @@ static enum advance_result advance_flight(struct integrator *s, const struct sce
                                           struct scene_state *q, struct advance *step)
 {
     (void)s;
-    if (!scene_turns(v)) {
+    if (SCENE_CONTACTS > 1 && !scene_turns(v)) {
         q->integrator_fresh = 1; /* no step of the general segment goes on */
     }
     note_depth_of_released(v, q, step);
@@ -834,8 +834,8 @@ static const long LEAST_WORK = 2000000;
 /* Whether the general segment keeps a step that goes on beyond the present. */
 static bool keeps_step(const struct scene_values *v, const struct scene_state *q)
 {
-    return SCENE_HAS_GENERAL && solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && scene_keeps_steps(v) &&
-           !q->integrator_fresh;
+    return SCENE_HAS_GENERAL && !q->integrator_fresh && solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN &&
+           scene_keeps_steps(v);
 }
 
 /* Moves the scene along the present phase to a clock, and notes the peaks since the clock `noted`. */
