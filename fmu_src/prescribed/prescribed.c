@@ -991,7 +991,7 @@ static bool finds_passage(const struct span *s, double clock, double to, struct 
     if (!comes_near(s, clock, &first)) {
         const struct vec3 normal = first.geometry[j].normal;
         const bool ends_near = comes_near(s, to, &last);
-        if ((SCENE_ANY_CAPS && first.geometry[j].zone != last.geometry[j].zone) ||
+        if ((SCENE_ANY_ZONES && first.geometry[j].zone != last.geometry[j].zone) ||
             (!ends_near && vec3_dot(normal, last.geometry[j].normal) > 0.0)) {
             return false;
         }

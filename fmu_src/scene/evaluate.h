@@ -304,7 +304,7 @@ bool singularity_is_reached(const struct scene_values *v, const struct scene_ins
 struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 rate, struct vec3 acceleration,
                                struct vec3 held);
 
-/* The zone of a capped cylinder that a contact is in (shape.h) is set when the contact begins, changed at the
+/* The zone of a capped cylinder or of skew cylinders that a contact is in (shape.h) is set when the contact begins, changed at the
  * zone's edges, and forgotten when the contact ends. Other scenes have no zones. */
 
 /* Margin [m] of a contact that has no zone. */

@@ -280,8 +280,14 @@ bool body_turns(const struct scene_values *v, int body);
 bool body_tips(const struct scene_values *v, int body);
 
 /* Whether only conservative advancement finds a change of the contact: the destination's axis may turn, or it
- * is a torus. */
+ * is a torus, or the axes of both cylinders are skew. */
 bool contact_advances(const struct scene_values *v, int contact);
+
+/* Whether a contact is one of cylinders with skew axes. */
+bool contact_has_skew_axes(const struct scene_values *v, int contact);
+
+/* Returns the unit vector along the axis that a body has at the start. */
+struct vec3 body_unit_axis(const struct scene_values *v, int body);
 
 /* Whether a contact may have a friction force or resist rolling and spinning; whether it resists them;
  * whether it stores energy in a tangential spring. */
@@ -289,8 +295,8 @@ bool contact_rubs(const struct scene_values *v, int contact);
 bool contact_resists(const struct scene_values *v, int contact);
 bool contact_rubs_elastically(const struct scene_values *v, int contact);
 
-/* Whether any body turns, any contact rubs or any shape is a torus, which has no closed forms. Else the scene
- * is computed as one without rotation. */
+/* Whether any body turns, any contact rubs, any shape is a torus or any axes are skew, which have no closed
+ * forms. Else the scene is computed as one without rotation. */
 bool scene_turns(const struct scene_values *v);
 
 /* Copies a state, without the fields from `turning` on where nothing turns or rubs. */

@@ -472,7 +472,7 @@ static enum contact_regime pass_zone(const struct scene_values *v, struct scene_
     if (zones_pass(v, q, at, contact)) {
         return regime_at_jump(v, q, at, contact);
     }
-    if (SCENE_ANY_CAPS) {
+    if (SCENE_ANY_ZONES) {
         scene_kinematics_now(v, q, at);
     }
     return (enum contact_regime)q->contact[contact].regime;
@@ -527,7 +527,7 @@ void transition_switch_regime(const struct scene_values *v, struct scene_state *
     scene_rebase(v, q);
     scene_kinematics_now(v, q, &at);
     const double before = energy_stored(v, q, &at);
-    if (SCENE_ANY_CAPS) {
+    if (SCENE_ANY_ZONES) {
         zones_settle(v, q, &at, contact);
         scene_kinematics_now(v, q, &at);
     }
@@ -543,7 +543,7 @@ void transition_settle_regimes(const struct scene_values *v, struct scene_state 
 {
     struct scene_instant at;
     scene_now(v, q, &at);
-    for (int j = 0; SCENE_ANY_CAPS && j < SCENE_CONTACTS; ++j) {
+    for (int j = 0; SCENE_ANY_ZONES && j < SCENE_CONTACTS; ++j) {
         zones_settle(v, q, &at, j);
         scene_now(v, q, &at);
     }

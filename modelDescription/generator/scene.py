@@ -71,7 +71,8 @@ class Body:
 
     def has(self, row: Row) -> bool:
         """Whether a body of this kind, or a contact with it, has the row."""
-        return (not row.shape or self.shape in row.shape) and not (row.tilts and self.keeps_axis)
+        kinds = not row.shape or self.shape in row.shape
+        return kinds and not (row.tilts if self.keeps_axis else row.kept)
 
 
 @dataclass(frozen=True)
