@@ -1020,10 +1020,12 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
     return contact_escape_direction(shape, rate, at_rest);
 }
 
-void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact)
+void zones_follow(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
+                  int contact)
 {
     struct contact_state *state = &q->contact[contact];
-    if (state->regime == (int32_t)REGIME_APART) {
+    const bool is_located = SCENE_ANY_ZONES && scene_turns(v) && contact_is_prescribed(v, contact);
+    if (state->regime == (int32_t)REGIME_APART || is_located) {
         state->zone = 0;
     } else if (SCENE_ANY_ZONES && state->zone == 0) {
         state->zone = at->geometry[contact].zone;

@@ -311,8 +311,10 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
 #define NO_ZONE_MARGIN 1.0
 
 /* Sets the zone after a change of regime: a new contact takes the zone of the instant; one that has ended
- * loses its zone. */
-void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact);
+ * loses its zone. Where the motion is prescribed and something turns, the nearest zone always holds, because
+ * quadrature needs no limits of zones. */
+void zones_follow(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
+                  int contact);
 
 /* Sets the next zone of the contact. Returns whether n jumps at its edge: it does where the centre is inside
  * the solid or at the circle of the rim. */

@@ -496,7 +496,7 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
     }
     regime = onset_note(v, q, at, contact, regime);
     set_regime(v, q, contact, regime);
-    zones_follow(q, at, contact);
+    zones_follow(v, q, at, contact);
     q->dissipated += before - energy_stored(v, q, at);
     counter_add(&q->counters.events, 1);
     begin_phase(v, q, at);
@@ -533,7 +533,7 @@ void transition_switch_regime(const struct scene_values *v, struct scene_state *
     }
     regime = onset_note(v, q, &at, contact, regime);
     set_regime(v, q, contact, regime);
-    zones_follow(q, &at, contact);
+    zones_follow(v, q, &at, contact);
     q->dissipated += before - energy_stored(v, q, &at);
     counter_add(&q->counters.events, 1);
 }
@@ -550,7 +550,7 @@ void transition_settle_regimes(const struct scene_values *v, struct scene_state 
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (starting || fabs(at.geometry[j].gap) > rounding_of_gap(v, &at, j)) {
             set_regime(v, q, j, onset_note(v, q, &at, j, scene_regime(v, q, &at, j)));
-            zones_follow(q, &at, j);
+            zones_follow(v, q, &at, j);
         }
     }
     if (!starting) {
