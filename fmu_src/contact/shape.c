@@ -239,9 +239,8 @@ static double skew_margin(const struct skew_frame *frame, int zone, struct vec3 
         (at.destination != 0 && !isfinite(axes->destination_half))) {
         return -(double)INFINITY;
     }
-    const double a =
-        vec3_dot(c, axes->source) +
-        (at.destination != 0 ? frame->cosine * at.destination * axes->destination_half : 0.0);
+    const double a = vec3_dot(c, axes->source) +
+                     (at.destination != 0 ? frame->cosine * at.destination * axes->destination_half : 0.0);
     const double b = (at.source != 0 ? frame->cosine * at.source * axes->source_half : 0.0) -
                      vec3_dot(c, axes->destination);
     if (at.destination == 0) {
@@ -255,7 +254,7 @@ static double skew_margin(const struct skew_frame *frame, int zone, struct vec3 
     return fmin(at.source * a - axes->source_half, at.destination * b - axes->destination_half);
 }
 
-/* Returns the place of the edge or the corner of the parallelogram that a zone is at, zero at its face [m]. */
+/* Returns the place of the edge or corner of the parallelogram that a zone is at, zero at its face [m]. */
 static struct vec3 skew_corner(const struct contact_solid *solid)
 {
     const struct skew_axes axes = skew_axes_of(solid);
@@ -272,10 +271,10 @@ static struct contact_shape skew_shape_in(struct contact_shape in)
 {
     const struct skew_axes axes = skew_axes_of(&in.solid);
     const struct skew_ends at = skew_ends_of(in.solid.zone);
-    in.destination = in.solid.zone == 0                         ? SHAPE_SKEW
-                     : at.source != 0 && at.destination != 0    ? SHAPE_SPHERE
-                     : at.source == 0 && at.destination == 0    ? SHAPE_PLANE
-                                                                : SHAPE_CYLINDER;
+    in.destination = in.solid.zone == 0                      ? SHAPE_SKEW
+                     : at.source != 0 && at.destination != 0 ? SHAPE_SPHERE
+                     : at.source == 0 && at.destination == 0 ? SHAPE_PLANE
+                                                             : SHAPE_CYLINDER;
     in.axis = at.destination != 0 ? axes.source : axes.destination;
     if (in.destination == SHAPE_PLANE) { /* its outward normal is -n */
         in.axis = vec3_scale(in.solid.zone < 0 ? 1.0 : -1.0, skew_frame_of(&in.solid).normal);

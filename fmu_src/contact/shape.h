@@ -44,8 +44,8 @@ struct skew_axes {
 struct contact_solid {
     struct vec3 axis;           /* e_d, unit length */
     double radius, half_height; /* r_d, L / 2 [m]; half_height 0: not a capped cylinder */
-    /* The enum zone that holds, negative at the end to which -e_d points; or one of skew cylinders. With 0 the
-     * nearest zone holds. */
+    /* The enum zone that holds, negative at the end to which -e_d points; or the zone of skew cylinders, as
+     * below. With 0 the nearest zone holds. */
     int zone;
     int race; /* of a torus: +1 only rho <= R is touched, -1 only rho >= R, 0 all of it */
 #if CONTACT_ANY_SKEW

@@ -495,9 +495,8 @@ static struct geometry_change geometry_along(const struct turning_slopes *s,
 static struct vec3 normal_rate_along(const struct turning_slopes *s, const struct turning_motion *change,
                                      const struct geometry_change *d)
 {
-    const struct vec3 turned =
-        vec3_add(vec3_cross(shape_rotation(&s->shape, change), s->geometry.normal),
-                 vec3_cross(shape_rotation(&s->shape, &s->motion), d->normal));
+    const struct vec3 turned = vec3_add(vec3_cross(shape_rotation(&s->shape, change), s->geometry.normal),
+                                        vec3_cross(shape_rotation(&s->shape, &s->motion), d->normal));
     if (contact_is_plane(&s->shape)) {
         return turned;
     }
@@ -525,9 +524,8 @@ static struct vec3 skew_passing_along(const struct turning_slopes *s, const stru
     const struct vec3 by_feet =
         vec3_add(vec3_cross(more_spin, contact_foot(&s->shape, c)),
                  vec3_cross(s->spin, contact_foot_along(&s->shape, change->separation)));
-    const struct vec3 by_rotation =
-        vec3_add(vec3_cross(change->destination_rotation, c),
-                 vec3_cross(s->motion.destination_rotation, change->separation));
+    const struct vec3 by_rotation = vec3_add(vec3_cross(change->destination_rotation, c),
+                                             vec3_cross(s->motion.destination_rotation, change->separation));
     const struct vec3 across = across_normal(n, vec3_add(by_feet, by_rotation));
     return vec3_axpy(vec3_axpy(across, -vec3_dot(n, passing), d->normal), -vec3_dot(d->normal, passing), n);
 }

@@ -108,8 +108,8 @@ CONTACT_COLD void jet_of_axis_distance(const struct vec3 c[JET_TERMS], const str
  *   tau_src = r_s side n x F_src + M,   tau_dst = -(r_s side n - c) x F_src - M
  *   xi' = friction_spring_rate - n (xi.n')
  *
- * The shape of skew cylinders does not turn, so that w_g = w, and the source's nearest point a e_s adds to the
- * arm r_s n.
+ * The shape of skew cylinders does not turn, so that w_g = w. The place a e_s of the source's nearest point
+ * adds to the arm r_s n.
  */
 
 /* Returns the change of F_t or of the spring's rate for given changes of F_n, slip and spring. */

@@ -195,8 +195,7 @@ static enum model_status check_skew(struct model *m, int contact)
                             "from outside (allowed: automatic, outside; inside with axes = parallel).",
                             name, name);
     }
-    const double sine =
-        vec3_norm(vec3_cross(body_unit_axis(v, source), body_unit_axis(v, destination)));
+    const double sine = vec3_norm(vec3_cross(body_unit_axis(v, source), body_unit_axis(v, destination)));
     const struct vec3 axis = body_axis(v, destination);
     return sine >= LEAST_SKEW
                ? MODEL_OK

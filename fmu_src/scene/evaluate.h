@@ -43,8 +43,8 @@ struct body_instant {
     struct vec3 velocity;     /* v [m/s] */
 };
 
-/* scene_contact_shape returns the shape of a contact; for a capped cylinder in contact it is the shape of the
- * present zone (shape.h). scene_whole_shape returns the shape without zones. */
+/* scene_contact_shape returns the shape of a contact; where the shape is divided into zones and the bodies
+ * are in contact it is the shape of the present zone (shape.h). scene_whole_shape returns the shape without zones. */
 struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
                                          int contact);
 struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q,
@@ -304,8 +304,8 @@ bool singularity_is_reached(const struct scene_values *v, const struct scene_ins
 struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 rate, struct vec3 acceleration,
                                struct vec3 held);
 
-/* The zone of a capped cylinder or of skew cylinders that a contact is in (shape.h) is set when the contact begins, changed at the
- * zone's edges, and forgotten when the contact ends. Other scenes have no zones. */
+/* The zone of a capped cylinder or of skew cylinders that a contact is in (shape.h) is set when the contact
+ * begins, changed at the zone's edges, and forgotten when the contact ends. Other scenes have no zones. */
 
 /* Margin [m] of a contact that has no zone. */
 #define NO_ZONE_MARGIN 1.0

@@ -29,7 +29,7 @@
  *   2   friction_stick_event   sticking and sliding change
  *   3   friction_cap_event     mu F_n passes F_max; in elastic friction that sticks: F* passes F_max
  *   4   friction_lift_event    F_n changes its sign while the bodies overlap
- * and last where cylinders may be capped
+ * and last where contacts may be divided into zones
  *       zones_margin           the contact leaves its zone
  * An offset is added to each function, so that it starts above zero in spite of rounding. While the bodies
  * are apart, 0 and 1 are the constant 1. If another contact loads one of the bodies, 0 is instead the

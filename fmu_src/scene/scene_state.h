@@ -143,7 +143,7 @@ struct contact_state {
     int32_t regime;          /* enum contact_regime */
     int32_t side;            /* +1 outside, -1 inside: the location in force */
     int32_t friction_regime; /* enum friction_regime; of no meaning while the bodies are apart */
-    /* of a capped cylinder in contact, as in struct contact_solid; 0: whichever is nearest */
+    /* of a contact that is divided into zones, as in struct contact_solid; 0: whichever is nearest */
     int32_t zone;
 };
 

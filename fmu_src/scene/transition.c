@@ -464,8 +464,7 @@ static enum contact_regime regime_at_jump(const struct scene_values *v, struct s
     return scene_regime_of_touching(v, q, at, contact);
 }
 
-/* Passes into the next zone of a capped cylinder and returns the regime there. Outside the solid the known
- * gap is kept. */
+/* Passes into the contact's next zone and returns the regime there. The known gap is kept unless n jumps. */
 static enum contact_regime pass_zone(const struct scene_values *v, struct scene_state *q,
                                      struct scene_instant *at, int contact)
 {

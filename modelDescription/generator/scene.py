@@ -40,8 +40,7 @@ BODY_KEYS = {
 }
 CONTACT_KEYS = {
     "name": "as of a body, and not that of a body: `touch.normal_force`. Required",
-    "source": "name of the body that touches: a sphere, or a cylinder on a cylinder with a parallel axis. "
-    "Required",
+    "source": "name of the body that touches: a sphere, or a cylinder on a cylinder. Required",
     "destination": "name of the body that is touched, of any shape. Required",
     "count": f"how many such contacts there are, 1 to {MOST:,}; the names have a `{{i}}` or `{{i+1}}`",
 }
