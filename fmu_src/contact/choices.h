@@ -25,6 +25,11 @@
 #else
 #define CONTACT_ANY_TORUS 1
 #endif
+#ifdef CONTACT_NO_SKEW /* no cylinders touch with skew axes */
+#define CONTACT_ANY_SKEW 0
+#else
+#define CONTACT_ANY_SKEW 1
+#endif
 #ifdef CONTACT_NO_CURVED /* every destination is a plane */
 #define CONTACT_ANY_CURVED 0
 #else
@@ -56,9 +61,10 @@
 #define CONTACT_ANY_MINDLIN 1
 #endif
 
-/* No body has the shape SHAPE_RIM: the rim is the circular edge of a capped cylinder, which a sphere meets
- * from beyond both the side and the cap (shape.h). */
-enum shape { SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_PLANE, SHAPE_RIM, SHAPE_TORUS };
+/* No body has the shapes SHAPE_RIM and SHAPE_SKEW: the rim is the circular edge of a capped cylinder, which a
+ * sphere meets from beyond both the side and the cap; SHAPE_SKEW is what two skew cylinders are to each other
+ * (shape.h). */
+enum shape { SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_PLANE, SHAPE_RIM, SHAPE_TORUS, SHAPE_SKEW };
 
 enum ends { ENDS_OPEN = 1, ENDS_CAPPED };
 
@@ -69,6 +75,8 @@ enum tube_side { TUBE_SIDE_WHOLE = 1, TUBE_SIDE_INNER_RACE, TUBE_SIDE_OUTER_RACE
 enum motion_kind { MOTION_FIXED = 1, MOTION_PRESCRIBED, MOTION_FREE };
 
 enum location { LOCATION_AUTOMATIC = 1, LOCATION_OUTSIDE, LOCATION_INSIDE };
+
+enum axes { AXES_PARALLEL = 1, AXES_SKEW }; /* of two cylinders */
 
 enum method { METHOD_PENALTY = 1, METHOD_PENALTY_DYNAMIC };
 

@@ -163,6 +163,19 @@ double hertz_elliptic_stiffness(double modulus, double a, double b)
     return 2.0 / 3.0 * PI * modulus * sqrt(at.part / a) / at.k;
 }
 
+/* Returns the stiffness of two cylinders whose axes meet at an angle with this sine. The curvatures 1/r_s and
+ * 1/r_d at this angle give A + B = (1/r_s + 1/r_d)/2 and A B = sine^2/(4 r_s r_d) (K. L. Johnson, Contact
+ * Mechanics, 1985, eq. 4.4), and A = (A B)/B is accurate for axes that are nearly parallel too. */
+static double hertz_crossed_stiffness(double modulus, double r_s, double r_d, double sine)
+{
+    const double sum = 0.5 * (1.0 / r_s + 1.0 / r_d);
+    const double apart = 0.5 * (1.0 / r_s - 1.0 / r_d);
+    const double product = 0.25 * sine * sine / (r_s * r_d);
+    const double cosine2 = (1.0 - sine) * (1.0 + sine);
+    const double b = 0.5 * (sum + sqrt(apart * apart + cosine2 / (r_s * r_d)));
+    return hertz_elliptic_stiffness(modulus, fmin(product / b, b), b);
+}
+
 double hertz_stiffness(const struct contact_shape *shape, double modulus)
 {
     const double r_s = shape->source_radius;
@@ -170,6 +183,9 @@ double hertz_stiffness(const struct contact_shape *shape, double modulus)
     const double alone = 0.5 / r_s; /* both A and B on a plane, one of them along a cylinder [1/m] */
     if (contact_is_plane(shape)) {
         return hertz_elliptic_stiffness(modulus, alone, alone);
+    }
+    if (contact_is_skew(shape)) {
+        return hertz_crossed_stiffness(modulus, r_s, r_d, contact_skew_sine(shape));
     }
     /* the coefficient is half of 1/r_s + 1/r_d outside, half of 1/r_s - 1/r_d inside */
     const double curved = 0.5 * (r_d + shape->side * r_s) / r_s / r_d;

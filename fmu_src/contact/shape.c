@@ -1,3 +1,5 @@
+#include <stdlib.h>
+
 #include "contact/shape.h"
 
 bool contact_is_cylinder(const struct contact_shape *shape)
@@ -28,6 +30,31 @@ bool contact_is_circle(const struct contact_shape *shape)
 bool contact_is_capped(const struct contact_shape *shape)
 {
     return CONTACT_ANY_CAPS && shape->solid.half_height > 0.0;
+}
+
+static struct skew_axes skew_axes_of(const struct contact_solid *solid)
+{
+#if CONTACT_ANY_SKEW
+    return solid->skew;
+#else
+    (void)solid;
+    return (struct skew_axes){.source_half = 0.0};
+#endif
+}
+
+static bool solid_is_skew(const struct contact_solid *solid)
+{
+    return CONTACT_ANY_SKEW && skew_axes_of(solid).source_half > 0.0;
+}
+
+bool contact_is_skew(const struct contact_shape *shape)
+{
+    return CONTACT_ANY_SKEW && solid_is_skew(&shape->solid);
+}
+
+bool contact_is_zoned(const struct contact_shape *shape)
+{
+    return contact_is_capped(shape) || contact_is_skew(shape);
 }
 
 bool contact_is_upside_down(const struct contact_shape *shape)
@@ -158,6 +185,103 @@ static struct contact_geometry geometry_in(const struct contact_shape *shape, st
     return at;
 }
 
+/* The plane of the parallelogram of skew cylinders. */
+struct skew_frame {
+    struct skew_axes axes;
+    struct vec3 normal; /* along e_s x e_d */
+    /* unit vectors in the plane, across e_s and across e_d: e_d = cosine e_s + sine across_source, e_s =
+     * cosine e_d + sine across_destination */
+    struct vec3 across_source, across_destination;
+    double cosine, sine; /* of the angle between the axes */
+};
+
+/* The part of e_d across e_s is projected twice, so that the normal is perpendicular to both axes to rounding
+ * where they are nearly parallel too. */
+static struct skew_frame skew_frame_of(const struct contact_solid *solid)
+{
+    struct skew_frame frame = {.axes = skew_axes_of(solid)};
+    const struct vec3 e = frame.axes.source;
+    frame.cosine = vec3_dot(frame.axes.destination, e);
+    const struct vec3 once = vec3_axpy(frame.axes.destination, -frame.cosine, e);
+    const struct vec3 across = vec3_axpy(once, -vec3_dot(once, e), e);
+    frame.sine = vec3_norm(across);
+    frame.across_source = vec3_scale(1.0 / frame.sine, across);
+    frame.across_destination = vec3_axpy(vec3_scale(frame.sine, e), -frame.cosine, frame.across_source);
+    frame.normal = vec3_cross(e, frame.across_source);
+    return frame;
+}
+
+/* Which ends of both axes a zone of skew cylinders is at: -1, +1, or 0 within. */
+struct skew_ends {
+    int source, destination;
+};
+
+static struct skew_ends skew_ends_of(int zone)
+{
+    const int place = abs(zone) - SKEW_ZONE;
+    return (struct skew_ends){place / 3 - 1, place % 3 - 1};
+}
+
+/* Returns the distance of c from the nearest plane that bounds a zone of skew cylinders [m], negative beyond
+ * it. `a` and `b` are the places of the nearest points if the other axis is at its end. */
+static double skew_margin(const struct skew_frame *frame, int zone, struct vec3 c)
+{
+    const struct skew_axes *axes = &frame->axes;
+    const struct skew_ends at = skew_ends_of(zone);
+    const double source_side = vec3_dot(c, frame->across_destination); /* sine a, both within */
+    const double destination_side = -vec3_dot(c, frame->across_source);
+    if (at.source == 0 && at.destination == 0) {
+        const double height = (zone < 0 ? -1.0 : 1.0) * vec3_dot(c, frame->normal);
+        return fmin(height, fmin(frame->sine * axes->source_half - fabs(source_side),
+                                 frame->sine * axes->destination_half - fabs(destination_side)));
+    }
+    if ((at.source != 0 && !isfinite(axes->source_half)) ||
+        (at.destination != 0 && !isfinite(axes->destination_half))) {
+        return -(double)INFINITY;
+    }
+    const double a = vec3_dot(c, axes->source) +
+                     (at.destination != 0 ? frame->cosine * at.destination * axes->destination_half : 0.0);
+    const double b = (at.source != 0 ? frame->cosine * at.source * axes->source_half : 0.0) -
+                     vec3_dot(c, axes->destination);
+    if (at.destination == 0) {
+        return fmin(at.source * source_side - frame->sine * axes->source_half,
+                    axes->destination_half - fabs(b));
+    }
+    if (at.source == 0) {
+        return fmin(at.destination * destination_side - frame->sine * axes->destination_half,
+                    axes->source_half - fabs(a));
+    }
+    return fmin(at.source * a - axes->source_half, at.destination * b - axes->destination_half);
+}
+
+/* Returns the place of the edge or corner of the parallelogram that a zone is at, zero at its face [m]. */
+static struct vec3 skew_corner(const struct contact_solid *solid)
+{
+    const struct skew_axes axes = skew_axes_of(solid);
+    const struct skew_ends at = skew_ends_of(solid->zone);
+    const struct vec3 along_source =
+        at.source != 0 ? vec3_scale(at.source * axes.source_half, axes.source) : vec3_make(0.0, 0.0, 0.0);
+    return at.destination != 0
+               ? vec3_axpy(along_source, -at.destination * axes.destination_half, axes.destination)
+               : along_source;
+}
+
+/* Returns a pair of skew cylinders as c meets it in its zone. */
+static struct contact_shape skew_shape_in(struct contact_shape in)
+{
+    const struct skew_axes axes = skew_axes_of(&in.solid);
+    const struct skew_ends at = skew_ends_of(in.solid.zone);
+    in.destination = in.solid.zone == 0                      ? SHAPE_SKEW
+                     : at.source != 0 && at.destination != 0 ? SHAPE_SPHERE
+                     : at.source == 0 && at.destination == 0 ? SHAPE_PLANE
+                                                             : SHAPE_CYLINDER;
+    in.axis = at.destination != 0 ? axes.source : axes.destination;
+    if (in.destination == SHAPE_PLANE) { /* its outward normal is -n */
+        in.axis = vec3_scale(in.solid.zone < 0 ? 1.0 : -1.0, skew_frame_of(&in.solid).normal);
+    }
+    return in;
+}
+
 /* Returns the geometry of a circle, where n points to the circle's nearest point. Let a be the unit vector
  * from the source's centre to the axis, perpendicular to the axis, and e the axis. Relative to the source's
  * centre, the centre of the circle is at rho a - beyond e; the nearest point of the circle is its radius R
@@ -206,20 +330,22 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     if (contact_is_torus(shape)) {
         return geometry_of_circle(shape, c, w, fallback);
     }
-    if (!contact_is_capped(shape)) {
+    if (!contact_is_zoned(shape)) {
         return geometry_in(shape, c, w, fallback);
     }
     struct contact_shape in = *shape;
     if (in.solid.zone == 0) {
-        const struct solid_place place = contact_place_at(&shape->solid, c);
-        in = contact_shape_in(shape, contact_zone_by(&place));
+        in = contact_shape_in(shape, contact_zone_at(&shape->solid, c));
     }
+    const struct vec3 corner = contact_is_skew(&in) ? skew_corner(&in.solid) : vec3_make(0.0, 0.0, 0.0);
+    c = contact_is_skew(&in) ? vec3_sub(c, corner) : c;
     struct contact_geometry at =
         contact_is_rim(&in) ? geometry_of_circle(&in, c, w, fallback) : geometry_in(&in, c, w, fallback);
     if (at.degenerate && contact_is_cylinder(&in)) {
         contact_hold_across(&in, w, &at);
     }
     at.zone = in.solid.zone;
+    at.gap_terms += contact_is_skew(&in) ? vec3_max_abs(corner) : 0.0;
     return at;
 }
 
@@ -306,6 +432,9 @@ struct contact_shape contact_shape_in(const struct contact_shape *shape, int zon
     struct contact_shape in = *shape;
     const int end = zone < 0 ? -1 : 1;
     in.solid.zone = zone;
+    if (contact_is_skew(shape)) {
+        return skew_shape_in(in);
+    }
     in.axis = vec3_scale(end, shape->solid.axis);
     switch (end * zone) {
     case ZONE_CAP:
@@ -326,6 +455,10 @@ struct contact_shape contact_shape_in(const struct contact_shape *shape, int zon
 
 double contact_zone_margin(const struct contact_solid *solid, int zone, struct vec3 c)
 {
+    if (solid_is_skew(solid)) {
+        const struct skew_frame frame = skew_frame_of(solid);
+        return skew_margin(&frame, zone, c);
+    }
     const struct solid_place at = contact_place_at(solid, c);
     if (zone == ZONE_SIDE) {
         return fmin(at.radial, 0.0) - at.axial;
@@ -356,6 +489,11 @@ static double beyond_ahead(struct beyond at, double rounding, double rate_roundi
 int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c, struct vec3 rate,
                       double rounding)
 {
+    if (solid_is_skew(solid)) {
+        /* 16 roundings ahead the zone is clear, unless c moves along the edge of two */
+        const double speed = vec3_norm(rate);
+        return contact_zone_at(solid, speed > 0.0 ? vec3_axpy(c, 16.0 * rounding / speed, rate) : c);
+    }
     const double noise = 8.0 * DBL_EPSILON * vec3_norm(rate);
     const double axial = vec3_dot(c, solid->axis);
     const double along = vec3_dot(rate, solid->axis);
@@ -388,6 +526,86 @@ int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c
         }
     }
     return next;
+}
+
+int contact_zone_at(const struct contact_solid *solid, struct vec3 c)
+{
+    if (!solid_is_skew(solid)) {
+        const struct solid_place place = contact_place_at(solid, c);
+        return contact_zone_by(&place);
+    }
+    const struct skew_frame frame = skew_frame_of(solid);
+    int nearest = -SKEW_FACE;
+    double most = skew_margin(&frame, nearest, c);
+    for (int zone = SKEW_ZONE; zone <= SKEW_LAST; ++zone) {
+        const double margin = skew_margin(&frame, zone, c);
+        if (margin > most) {
+            nearest = zone;
+            most = margin;
+        }
+    }
+    return nearest;
+}
+
+bool contact_zone_jumps(const struct contact_solid *solid, int zone, int next, struct vec3 c, double distance,
+                        double rounding)
+{
+    if (solid_is_skew(solid)) {
+        return zone == -next || distance <= rounding;
+    }
+    const struct solid_place place = contact_place_at(solid, c);
+    return (abs(zone) != ZONE_RIM && abs(next) != ZONE_RIM) ||
+           fmax(fabs(place.radial), fabs(place.axial)) <= rounding;
+}
+
+void contact_make_skew(struct contact_shape *shape, struct skew_axes axes)
+{
+#if CONTACT_ANY_SKEW
+    shape->destination = SHAPE_SKEW;
+    shape->solid.skew = axes;
+#else
+    (void)shape;
+    (void)axes;
+#endif
+}
+
+double contact_skew_sine(const struct contact_shape *shape)
+{
+    return skew_frame_of(&shape->solid).sine;
+}
+
+/* Returns the factor of c in a, the place of the nearest point along e_s, within a zone; a is linear in c. */
+static struct vec3 skew_slope(const struct contact_solid *solid)
+{
+    const struct skew_frame frame = skew_frame_of(solid);
+    const struct skew_ends ends = skew_ends_of(solid->zone);
+    if (ends.source != 0) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    return ends.destination != 0 ? frame.axes.source : vec3_scale(1.0 / frame.sine, frame.across_destination);
+}
+
+struct vec3 contact_foot_along(const struct contact_shape *shape, struct vec3 change)
+{
+    if (!contact_is_skew(shape)) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    const struct skew_axes axes = skew_axes_of(&shape->solid);
+    return vec3_scale(vec3_dot(skew_slope(&shape->solid), change), axes.source);
+}
+
+struct vec3 contact_foot(const struct contact_shape *shape, struct vec3 c)
+{
+    if (!contact_is_skew(shape)) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    const struct contact_shape in =
+        shape->solid.zone != 0 ? *shape : contact_shape_in(shape, contact_zone_at(&shape->solid, c));
+    const struct skew_axes axes = skew_axes_of(&in.solid);
+    const struct skew_ends ends = skew_ends_of(in.solid.zone);
+    const struct vec3 corner = skew_corner(&in.solid);
+    const double end = ends.source != 0 ? ends.source * axes.source_half : 0.0;
+    return vec3_axpy(contact_foot_along(&in, vec3_sub(c, corner)), end, axes.source);
 }
 
 static struct bounding_box around(struct vec3 centre, struct vec3 half)

@@ -17,6 +17,9 @@
  * is r_s + r_d outside and r_d - r_s inside. A plane and a rim have r_d = 0 and no inside. The gradient of d
  * with respect to c is n for all shapes; n is perpendicular to e_d for a cylinder and constant for a plane.
  * On the axis of a torus all points of the circle are equally near, and n jumps to the other side.
+ *
+ * Skew cylinders: d is the distance of the axes, which are segments where the cylinders are finite, and n
+ * points from the nearest point of the source's axis to that of the destination's (see skew_axes).
  */
 #ifndef CONTACT_CONTACT_SHAPE_H
 #define CONTACT_CONTACT_SHAPE_H
@@ -28,15 +31,26 @@
 #include "math/compiler.h"
 #include "math/vec3.h"
 
+/* The axes of two skew cylinders: e_s and e_d, unit vectors, and half of both lengths [m], which may be
+ * INFINITY. Both are 0 where the shape is no pair of skew cylinders. */
+struct skew_axes {
+    struct vec3 source, destination;
+    double source_half, destination_half;
+};
+
 /* A capped cylinder, of which the struct contact_shape below is the zone (side, cap, rim) that the source
  * meets; or a torus, whose radius here is that of the circle in the middle of its tube. A torus has no height
  * and no zone. */
 struct contact_solid {
     struct vec3 axis;           /* e_d, unit length */
     double radius, half_height; /* r_d, L / 2 [m]; half_height 0: not a capped cylinder */
-    /* The enum zone that holds, negative at the end to which -e_d points. With 0 the nearest zone holds. */
+    /* The enum zone that holds, negative at the end to which -e_d points; or the zone of skew cylinders, as
+     * below. With 0 the nearest zone holds. */
     int zone;
     int race; /* of a torus: +1 only rho <= R is touched, -1 only rho >= R, 0 all of it */
+#if CONTACT_ANY_SKEW
+    struct skew_axes skew;
+#endif
 };
 
 /* The data that are constant during a contact, or while the contact stays in one zone. */
@@ -84,6 +98,11 @@ bool contact_is_capped(const struct contact_shape *shape);
 bool contact_is_torus(const struct contact_shape *shape);
 
 bool contact_is_circle(const struct contact_shape *shape);
+
+/* Whether the shape is a pair of skew cylinders, or a zone of one; whether it is divided into zones. */
+bool contact_is_skew(const struct contact_shape *shape);
+
+bool contact_is_zoned(const struct contact_shape *shape);
 
 /* Whether the shape's axis is opposite to the body's, as at a capped cylinder's end to which -e_d points. */
 bool contact_is_upside_down(const struct contact_shape *shape);
@@ -195,6 +214,45 @@ double contact_zone_margin(const struct contact_solid *solid, int zone, struct v
  */
 int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c, struct vec3 rate,
                       double rounding);
+
+/* Returns the zone that is nearest to c, whatever divides the shape into zones. */
+int contact_zone_at(const struct contact_solid *solid, struct vec3 c);
+
+/* Whether n jumps as c passes from one zone into the next; `distance` is d [m]. */
+bool contact_zone_jumps(const struct contact_solid *solid, int zone, int next, struct vec3 c, double distance,
+                        double rounding);
+
+/*
+ * Skew cylinders. The point of the source's axis at a e_s and that of the destination's at b e_d, from their
+ * centres, are apart by c + b e_d - a e_s. So d is the distance of c from the parallelogram of all a e_s - b
+ * e_d with |a| <= L_s / 2 and |b| <= L_d / 2, a strip or a plane where lengths are infinite. This set is
+ * convex, so that d is convex, and n is continuous where d > 0. The nearest point of the parallelogram gives
+ * ten zones:
+ *
+ *   zone     a, b                      what c meets
+ *   face     both within               a plane; one zone for each side of it, since n jumps where axes meet
+ *   edge     one at an end             an endless cylinder about the other axis, through that end
+ *   corner   both at an end            a sphere about both ends
+ *
+ * A zone is +-(SKEW_ZONE + 3 (i + 1) + j + 1). i and j are -1, 0 or +1 where a and b are at the lower end,
+ * within, or at the upper end. The sign is that of c.(e_s x e_d) at the face, else +1. All zones are bounded
+ * by planes, and the margin of a zone is the distance from the nearest of them.
+ *
+ * Reference: C. Ericson, Real-Time Collision Detection (2005), section 5.1.9.
+ */
+enum { SKEW_ZONE = 8, SKEW_FACE = SKEW_ZONE + 4, SKEW_LAST = SKEW_ZONE + 8 };
+
+/* Makes the shape a pair of skew cylinders. */
+void contact_make_skew(struct contact_shape *shape, struct skew_axes axes);
+
+/* Returns the sine of the angle between the axes of skew cylinders. */
+double contact_skew_sine(const struct contact_shape *shape);
+
+/* Returns the point of the source's axis that is nearest to the destination's, from the source's centre [m],
+ * and its change with a change of c within the zone. Both are zero for shapes other than skew cylinders,
+ * where contact is opposite to the source's centre. */
+struct vec3 contact_foot(const struct contact_shape *shape, struct vec3 c);
+struct vec3 contact_foot_along(const struct contact_shape *shape, struct vec3 change);
 
 /* The axis-aligned box around bodies in the world frame [m]. The diagonal of the box scales the automatic
  * penalty factors. */

@@ -364,19 +364,43 @@ static void put_opposed_slopes(const struct turning_laws *laws, struct vec3 slip
     }
 }
 
+/* Returns the angular velocity with which the shape turns: omega_d, but zero for skew cylinders. */
+static struct vec3 shape_rotation(const struct contact_shape *shape, const struct turning_motion *motion)
+{
+    return contact_is_skew(shape) ? vec3_make(0.0, 0.0, 0.0) : motion->destination_rotation;
+}
+
+/* Returns the part of a vector across n. */
+static struct vec3 across_normal(struct vec3 n, struct vec3 a)
+{
+    return vec3_axpy(a, -vec3_dot(n, a), n);
+}
+
+/* Returns what rotation adds to the slip of skew cylinders besides r_s omega x n: omega_d x c + omega x foot,
+ * also along n, which the caller takes away. */
+static struct vec3 skew_passing(const struct turning_slopes *s)
+{
+    return vec3_add(vec3_cross(s->motion.destination_rotation, s->motion.separation),
+                    vec3_cross(s->spin, contact_foot(&s->shape, s->motion.separation)));
+}
+
 struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const struct contact_geometry *at,
                                         const struct turning_motion *motion, const struct turning_laws *laws)
 {
     struct turning_slopes s = {.shape = *shape, .geometry = *at, .motion = *motion};
     const struct vec3 n = at->normal;
     const double lever = shape->source_radius * shape->side;
-    s.seen_rate = vec3_sub(motion->rate, vec3_cross(motion->destination_rotation, motion->separation));
+    const struct vec3 turn = shape_rotation(shape, motion);
+    s.seen_rate = vec3_sub(motion->rate, vec3_cross(turn, motion->separation));
     s.across = contact_turning_part(shape, at, s.seen_rate);
     s.inverse_distance = contact_turns(shape, at) ? 1.0 / at->distance : 0.0;
-    s.normal_rate = vec3_axpy(vec3_cross(motion->destination_rotation, n), s.inverse_distance, s.across);
+    s.normal_rate = vec3_axpy(vec3_cross(turn, n), s.inverse_distance, s.across);
     s.spin = vec3_sub(motion->source_rotation, motion->destination_rotation);
     const struct vec3 tangential = vec3_axpy(s.seen_rate, -vec3_dot(n, s.seen_rate), n);
-    const struct vec3 slip = vec3_sub(vec3_scale(lever, vec3_cross(s.spin, n)), tangential);
+    struct vec3 slip = vec3_sub(vec3_scale(lever, vec3_cross(s.spin, n)), tangential);
+    if (contact_is_skew(shape)) {
+        slip = vec3_add(slip, across_normal(n, skew_passing(&s)));
+    }
 
     s.normal_force = contact_force(&laws->normal, laws->regime, at->gap, at->gap_rate);
     s.normal_slopes = contact_force_slopes(&laws->normal, laws->regime, at->gap, at->gap_rate);
@@ -459,8 +483,9 @@ static struct geometry_change geometry_along(const struct turning_slopes *s,
         d.distance = vec3_dot(n, offset);
         d.normal = vec3_scale(s->inverse_distance, vec3_axpy(offset, -d.distance, n));
     }
-    d.seen_rate = vec3_sub(vec3_sub(change->rate, vec3_cross(change->destination_rotation, at->separation)),
-                           vec3_cross(at->destination_rotation, change->separation));
+    d.seen_rate =
+        vec3_sub(vec3_sub(change->rate, vec3_cross(shape_rotation(&s->shape, change), at->separation)),
+                 vec3_cross(shape_rotation(&s->shape, at), change->separation));
     d.along = vec3_dot(d.normal, s->seen_rate) + vec3_dot(n, d.seen_rate);
     d.tangential = vec3_axpy(vec3_axpy(d.seen_rate, -vec3_dot(n, s->seen_rate), d.normal), -d.along, n);
     return d;
@@ -470,8 +495,8 @@ static struct geometry_change geometry_along(const struct turning_slopes *s,
 static struct vec3 normal_rate_along(const struct turning_slopes *s, const struct turning_motion *change,
                                      const struct geometry_change *d)
 {
-    const struct vec3 turned = vec3_add(vec3_cross(change->destination_rotation, s->geometry.normal),
-                                        vec3_cross(s->motion.destination_rotation, d->normal));
+    const struct vec3 turned = vec3_add(vec3_cross(shape_rotation(&s->shape, change), s->geometry.normal),
+                                        vec3_cross(shape_rotation(&s->shape, &s->motion), d->normal));
     if (contact_is_plane(&s->shape)) {
         return turned;
     }
@@ -488,6 +513,23 @@ static struct vec3 normal_rate_along(const struct turning_slopes *s, const struc
     return vec3_axpy(turned, s->inverse_distance, across);
 }
 
+/* Returns the change of the part of skew_passing across n. */
+static struct vec3 skew_passing_along(const struct turning_slopes *s, const struct turning_motion *change,
+                                      const struct geometry_change *d)
+{
+    const struct vec3 n = s->geometry.normal;
+    const struct vec3 c = s->motion.separation;
+    const struct vec3 passing = skew_passing(s);
+    const struct vec3 more_spin = vec3_sub(change->source_rotation, change->destination_rotation);
+    const struct vec3 by_feet =
+        vec3_add(vec3_cross(more_spin, contact_foot(&s->shape, c)),
+                 vec3_cross(s->spin, contact_foot_along(&s->shape, change->separation)));
+    const struct vec3 by_rotation = vec3_add(vec3_cross(change->destination_rotation, c),
+                                             vec3_cross(s->motion.destination_rotation, change->separation));
+    const struct vec3 across = across_normal(n, vec3_add(by_feet, by_rotation));
+    return vec3_axpy(vec3_axpy(across, -vec3_dot(n, passing), d->normal), -vec3_dot(d->normal, passing), n);
+}
+
 static struct vec3 slip_along(const struct turning_slopes *s, const struct turning_motion *change,
                               const struct geometry_change *d)
 {
@@ -496,7 +538,8 @@ static struct vec3 slip_along(const struct turning_slopes *s, const struct turni
     const struct vec3 more_spin = vec3_sub(change->source_rotation, change->destination_rotation);
     const struct vec3 rolled =
         vec3_add(vec3_cross(more_spin, s->geometry.normal), vec3_cross(spin, d->normal));
-    return vec3_sub(vec3_scale(lever, rolled), d->tangential);
+    const struct vec3 slip = vec3_sub(vec3_scale(lever, rolled), d->tangential);
+    return contact_is_skew(&s->shape) ? vec3_add(slip, skew_passing_along(s, change, d)) : slip;
 }
 
 struct vec3 friction_slopes_along(const struct friction_slopes *slopes, double normal_force, struct vec3 slip,
@@ -565,8 +608,9 @@ struct turning_change turning_slopes_along(const struct turning_slopes *s,
     out.force = vec3_axpy(vec3_axpy(friction, -side * normal_force, n), -side * s->normal_force, d.normal);
 
     const double lever = s->shape.source_radius * side;
-    const struct vec3 arm = vec3_scale(lever, n);
-    const struct vec3 more_arm = vec3_scale(lever, d.normal);
+    const struct vec3 arm = vec3_axpy(contact_foot(&s->shape, s->motion.separation), lever, n);
+    const struct vec3 more_arm =
+        vec3_axpy(contact_foot_along(&s->shape, change->separation), lever, d.normal);
     out.source_torque = vec3_add(vec3_cross(more_arm, s->force), vec3_cross(arm, out.force));
     out.destination_torque = vec3_add(vec3_cross(vec3_sub(change->separation, more_arm), s->force),
                                       vec3_cross(vec3_sub(s->motion.separation, arm), out.force));

@@ -111,6 +111,9 @@ CONTACT_COLD void jet_of_axis_distance(const struct vec3 c[JET_TERMS], const str
  *   F_src = -side F_n n + F_t
  *   tau_src = r_s side n x F_src + M,   tau_dst = -(r_s side n - c) x F_src - M
  *   xi' = friction_spring_rate + opposed_turned, and likewise theta'
+ *
+ * The shape of skew cylinders does not turn, so that w_g = w. The place a e_s of the source's nearest point
+ * adds to the arm r_s n.
  */
 
 /* Returns the change of F_t or of the spring's rate for given changes of F_n, slip and spring. */

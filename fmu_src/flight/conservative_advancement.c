@@ -176,16 +176,15 @@ static void separation_at(const struct advancement_path *path, double time, stru
     }
 }
 
-/* Returns the shape with another axis; a capped cylinder becomes the whole solid, whatever its zone. */
+/* Returns the shape with another axis; one that is divided into zones becomes whole, whatever its zone. */
 static struct contact_shape shape_with(const struct advancement_path *path, struct vec3 axis)
 {
     struct contact_shape shape = path->shape;
     shape.axis = axis;
     if (contact_is_capped(&shape)) {
         shape.solid.axis = axis;
-        shape = contact_shape_in(&shape, 0);
     }
-    return shape;
+    return contact_is_zoned(&shape) ? contact_shape_in(&shape, 0) : shape;
 }
 
 /* Whether d grows through the reach at the change: a touch inside a shell, or a parting outside. */

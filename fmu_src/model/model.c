@@ -279,7 +279,8 @@ static bool known_regime(int32_t regime)
 static bool known_zone(int32_t zone)
 {
     const int32_t part = zone < 0 ? -zone : zone;
-    return zone == 0 || zone == ZONE_SIDE || part == ZONE_CAP || part == ZONE_RIM;
+    const bool is_skew = SCENE_ANY_SKEW && ((zone >= SKEW_ZONE && zone <= SKEW_LAST) || zone == -SKEW_FACE);
+    return zone == 0 || zone == ZONE_SIDE || part == ZONE_CAP || part == ZONE_RIM || is_skew;
 }
 
 /* Whether a vector has unit length, to rounding. */

@@ -131,7 +131,7 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
  *   states of a body that is not free are constant.
  * - Rates are the time derivatives of the states in the regimes in force.
  * - Indicators of each contact: the larger of the gap and the distance beyond a cylinder's ends; the force at
- *   which the dashpot changes the law; the distance from the edge of a capped cylinder's zone; three event
+ *   which the dashpot changes the law; the distance from the edge of the contact's zone; three event
  *   functions of friction, for stick and slip, the largest force, and a dashpot that pulls.
  *
  * Regimes change in event mode only, where an indicator has passed zero by more than rounding. The importer

@@ -299,7 +299,7 @@ static bool change_regimes(const struct scene_values *v, struct scene_state *q)
         struct scene_instant at;
         scene_now(v, q, &at);
         const enum contact_regime next = regime_by_margins(v, q, &at, j);
-        const bool passes = SCENE_ANY_CAPS && regime_zone_margin(v, q, &at, j) <= 0.0;
+        const bool passes = SCENE_ANY_ZONES && regime_zone_margin(v, q, &at, j) <= 0.0;
         if (passes || next != (enum contact_regime)q->contact[j].regime) {
             transition_switch_regime(v, q, j, next);
             changed = true;

@@ -314,6 +314,17 @@ static double distance_term(const struct scene_values *v, const struct contact_s
     return along->contact[contact].distance[order];
 }
 
+/* Returns coefficient `order` of the place of the source's nearest point (contact_foot). */
+static struct vec3 foot_term(const struct contact_shape *shape, const struct scene_instant *at,
+                             const struct scene_jet *along, int contact, int order)
+{
+    if (order == 0) {
+        return contact_foot(shape, at->separation[contact]);
+    }
+    return contact_foot_along(shape, vec3_sub(along->displacement[contact_destination(contact)][order],
+                                              along->displacement[contact_source(contact)][order]));
+}
+
 static double contact_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
                            const struct scene_jet *along, const struct variable *variable, int order)
 {
@@ -346,6 +357,9 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
         vector = vec3_add(along->displacement[contact_source(j)][order],
                           jet_scale(contact->distance, contact->normal, order));
         vector = vec3_axpy(vector, -shape.other_radius, contact->normal[order]);
+        if (contact_is_skew(&shape)) { /* source's centre + a e_s + (d - r_d) n */
+            vector = vec3_add(vector, foot_term(&shape, at, along, j, order));
+        }
         break;
     default:
         if (SCENE_ANY_TURNING) {
@@ -443,7 +457,9 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     put_contact_gap_rate(v, contact, within ? g->gap_rate : 0.0);
     put_contact_distance(v, contact, distance);
     put_contact_direction(v, contact, contact_direction_of(&shape, g));
-    put_contact_point(v, contact, vec3_axpy(centre, g->distance - shape.other_radius, g->normal));
+    put_contact_point(v, contact,
+                      vec3_axpy(vec3_add(centre, contact_foot(&shape, at->separation[contact])),
+                                g->distance - shape.other_radius, g->normal));
     put_contact_active(v, contact, regime != REGIME_APART);
     put_contact_within_extents(v, contact, within);
     put_contact_zone(v, contact, (int32_t)zones_shown(v, q, at, contact));

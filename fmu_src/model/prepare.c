@@ -84,6 +84,7 @@ static enum model_status check_law(struct model *m, int contact)
                             name, name);
     }
     if (scene_is_hertz(v, contact) && body_keeps_axis(contact_source(contact)) &&
+        !contact_has_skew_axes(v, contact) &&
         contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC) {
         return model_report(
             m, MODEL_ERROR,
@@ -178,7 +179,34 @@ static enum model_status check_ends(struct model *m, int contact)
     return check_law(m, contact);
 }
 
-/* Checks that axes have directions, and that those of two cylinders are parallel. */
+/* Least sine of the angle between skew axes. The place of contact keeps ten digits beyond it. */
+static const double LEAST_SKEW = 1e-6;
+
+/* Checks cylinders with skew axes, which touch from outside and are not nearly parallel. */
+static enum model_status check_skew(struct model *m, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const char *name = scene_contact_name(contact);
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    if (contact_location(v, contact) == LOCATION_INSIDE) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.location = inside contradicts %s.axes = skew: cylinders with skew axes touch "
+                            "from outside (allowed: automatic, outside; inside with axes = parallel).",
+                            name, name);
+    }
+    const double sine = vec3_norm(vec3_cross(body_unit_axis(v, source), body_unit_axis(v, destination)));
+    const struct vec3 axis = body_axis(v, destination);
+    return sine >= LEAST_SKEW
+               ? MODEL_OK
+               : model_report(m, MODEL_ERROR,
+                              "%s.axis = (%g, %g, %g) contradicts %s.axes = skew: it is parallel to %s.axis, "
+                              "to an angle of %g rad (allowed: 1e-6 rad at least, or axes = parallel).",
+                              scene_body_name(destination), axis.x, axis.y, axis.z, name,
+                              scene_body_name(source), sine);
+}
+
+/* Checks that axes have directions, and that those of two cylinders are parallel, or skew by choice. */
 static enum model_status check_axes(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
@@ -192,6 +220,9 @@ static enum model_status check_axes(struct model *m, int contact)
                                 none, none, none);
         }
     }
+    if (contact_has_skew_axes(v, contact)) {
+        return check_skew(m, contact);
+    }
     if (!SCENE_ANY_KEPT_AXIS || !model_tilts_axis(v, bodies[1], body_axis(v, bodies[0]))) {
         return MODEL_OK;
     }
@@ -199,8 +230,8 @@ static enum model_status check_axes(struct model *m, int contact)
     const struct vec3 axis = body_axis(v, bodies[0]);
     return model_report(m, MODEL_ERROR,
                         "%s.axis = (%g, %g, %g) contradicts %s.axis: contact of two cylinders takes parallel "
-                        "axes (allowed: multiples of %s.axis).",
-                        names[0], axis.x, axis.y, axis.z, names[1], names[1]);
+                        "axes where %s.axes is parallel (allowed: multiples of %s.axis, or axes = skew).",
+                        names[0], axis.x, axis.y, axis.z, names[1], scene_contact_name(contact), names[1]);
 }
 
 /* Checks that a torus has a hole, and that a source that may touch it from within passes through: where one
@@ -494,12 +525,6 @@ static struct vec3 start_displacement(const struct scene_values *v, const struct
     return body_is_prescribed(v, body) ? q->path[body].displacement[0] : vec3_make(0.0, 0.0, 0.0);
 }
 
-static struct vec3 unit_axis(const struct scene_values *v, int body)
-{
-    const struct vec3 axis = body_axis(v, body);
-    return vec3_scale(1.0 / vec3_norm(axis), axis);
-}
-
 /* Returns the bounding box of a body. A plane has no box of its own and gets that of the other body, so that
  * the common box is the other body's. */
 static struct bounding_box body_box(const struct scene_values *v, int body, struct vec3 centre,
@@ -510,10 +535,10 @@ static struct bounding_box body_box(const struct scene_values *v, int body, stru
     }
     if (SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER) {
         const double half_length = body_finite_length(v, body) ? 0.5 * body_length(v, body) : 0.0;
-        return bounding_box_cylinder(centre, body_radius(v, body), unit_axis(v, body), half_length);
+        return bounding_box_cylinder(centre, body_radius(v, body), body_unit_axis(v, body), half_length);
     }
     if (SCENE_ANY_TORUS && body_shape(body) == SHAPE_TORUS) {
-        return bounding_box_torus(centre, body_radius(v, body), unit_axis(v, body),
+        return bounding_box_torus(centre, body_radius(v, body), body_unit_axis(v, body),
                                   body_ring_radius(v, body));
     }
     return bounding_box_sphere(centre, body_radius(v, body));
@@ -554,14 +579,14 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
                 : contact_characteristic_slip_velocity(v, contact);
     }
     if (SCENE_ANY_AXIS && body_shape(contact_destination(contact)) != SHAPE_SPHERE) {
-        state->parameters.axis = unit_axis(v, contact_destination(contact));
+        state->parameters.axis = body_unit_axis(v, contact_destination(contact));
     }
     struct contact_shape shape = scene_contact_shape(v, q, contact);
     state->normal = contact_default_normal(&shape);
     struct scene_instant at;
     scene_now(v, q, &at);
     state->side = shape.side;
-    if (contact_location(v, contact) == LOCATION_AUTOMATIC && !contact_is_capped(&shape)) {
+    if (contact_location(v, contact) == LOCATION_AUTOMATIC && !contact_is_zoned(&shape)) {
         /* The source is inside when its centre is closer than r_d to the centre or axis, and it fits in. */
         state->side =
             at.geometry[contact].distance < shape.other_radius && shape.source_radius < shape.other_radius

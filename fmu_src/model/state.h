@@ -11,7 +11,7 @@
 
 /* The version is raised when struct model_state, struct scene_state or struct scene_values change their
  * meaning. */
-#define MODEL_STATE_VERSION 18u
+#define MODEL_STATE_VERSION 19u
 #define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
 
 /* Who integrates: the model itself, or the importer, in event mode or in continuous-time mode. */

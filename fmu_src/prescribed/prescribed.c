@@ -1092,7 +1092,8 @@ static bool finds_passage(const struct span *s, double clock, double to, struct 
     if (!comes_near(s, clock, &first)) {
         const struct vec3 normal = first.geometry[j].normal;
         const bool ends_near = comes_near(s, to, &last);
-        if ((SCENE_ANY_CAPS && first.geometry[j].zone != last.geometry[j].zone) ||
+        const int zones[2] = {first.geometry[j].zone, last.geometry[j].zone};
+        if ((SCENE_ANY_ZONES && zones[0] != zones[1] && zones[0] != -zones[1]) ||
             (!ends_near && vec3_dot(normal, last.geometry[j].normal) > 0.0)) {
             return false;
         }
@@ -1109,6 +1110,35 @@ static bool finds_passage(const struct span *s, double clock, double to, struct 
     }
     passage->to = centre_left(s, passage->centre);
     return passage->to < (double)INFINITY;
+}
+
+static int zone_at(const struct span *s, double clock)
+{
+    struct scene_instant at;
+    kinematics_at(&s->c, clock, &at);
+    return at.geometry[s->c.contact].zone;
+}
+
+/* Returns the clock at which a panel from `clock` to `to` has to end, so that the source stays in one zone:
+ * the curvature of the gap's path jumps at the edge of two. */
+static double zone_left(const struct span *s, double clock, double to)
+{
+    double before = 0.5 * (clock + to);
+    double after = to;
+    const int zone = zone_at(s, before);
+    if (zone_at(s, to) == zone) {
+        if (zone_at(s, clock) == zone) {
+            return to;
+        }
+        after = before;
+        before = clock;
+    }
+    const int from = zone_at(s, before);
+    while (after - before > 4.0 * DBL_EPSILON * fabs(after)) {
+        const double middle = 0.5 * (before + after);
+        *(zone_at(s, middle) == from ? &before : &after) = middle;
+    }
+    return before > clock ? after : to; /* a panel that begins at the edge has it behind itself */
 }
 
 /* Adds the integrals over a time so short that forces and speeds are those at a clock at one of its ends. */
@@ -1167,6 +1197,9 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
         *s->panels -= s->panel_cost;
         double to = width < end - clock ? clock + width : end;
         struct passage passage;
+        if (SCENE_ANY_ZONES && scene_turns(s->c.v)) {
+            to = zone_left(s, clock, to);
+        }
         if (scene_turns(s->c.v) && finds_passage(s, clock, to, &passage)) {
             if (!(passage.from - clock > passage.centre - passage.from)) {
                 pass_centre(s, clock, end, &passage);

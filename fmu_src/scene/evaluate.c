@@ -328,8 +328,9 @@ void turning_slip_of_contact(const struct scene_values *v, const struct scene_st
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const struct vec3 arm = vec3_scale(shape.side * shape.source_radius, g->normal);
+    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const struct vec3 foot = contact_foot(&shape, at->separation[contact]);
+    const struct vec3 arm = vec3_axpy(foot, shape.side * shape.source_radius, g->normal);
     turning->source_arm[contact] = arm;
     turning->destination_arm[contact] = vec3_sub(arm, at->separation[contact]);
     const struct vec3 past =
@@ -439,14 +440,21 @@ struct body_instant scene_body_now(const struct scene_values *v, const struct sc
     return body_at(v, q, q->clock, q->body, body);
 }
 
-/* Returns the rate of the separation c in the frame of the destination, which may turn [m/s]. */
+/* Whether the shape of the contact turns with the destination. That of skew cylinders does not, because both
+ * turn about their own axes only. */
+static bool shape_turns(const struct scene_values *v, int contact)
+{
+    return body_turns(v, contact_destination(contact)) && !contact_has_skew_axes(v, contact);
+}
+
+/* Returns the rate of the separation c in the frame of the contact's shape, which may turn with the
+ * destination [m/s]. */
 static struct vec3 rate_in_destination(const struct scene_values *v, const struct scene_instant *at,
                                        int contact)
 {
-    const int destination = contact_destination(contact);
-    if (body_turns(v, destination)) {
-        return vec3_sub(at->rate[contact],
-                        vec3_cross(at->turning.body[destination].angular_velocity, at->separation[contact]));
+    if (shape_turns(v, contact)) {
+        const struct vec3 omega = at->turning.body[contact_destination(contact)].angular_velocity;
+        return vec3_sub(at->rate[contact], vec3_cross(omega, at->separation[contact]));
     }
     return at->rate[contact];
 }
@@ -920,7 +928,8 @@ struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene
     const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const struct vec3 omega = at->turning.body[contact_destination(contact)].angular_velocity;
-    const struct vec3 turned = vec3_cross(omega, g->normal);
+    const struct vec3 turned =
+        contact_is_skew(&shape) ? vec3_make(0.0, 0.0, 0.0) : vec3_cross(omega, g->normal);
     if (!contact_turns(&shape, g)) {
         return turned;
     }
@@ -956,7 +965,7 @@ static double gap_acceleration(const struct scene_values *v, const struct scene_
     const struct vec3 seen = rate_in_destination(v, at, contact);
     struct vec3 change = vec3_sub(at->acceleration[destination], at->acceleration[contact_source(contact)]);
     double turned = 0.0;
-    if (scene_turns(v)) {
+    if (scene_turns(v) && !contact_is_skew(&shape)) {
         const struct vec3 c = at->separation[contact];
         const struct vec3 omega = at->turning.body[destination].angular_velocity;
         const struct vec3 faster = turning_acceleration(v, q, clock, at, destination);
@@ -1043,12 +1052,14 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
     return contact_escape_direction(shape, rate, at_rest);
 }
 
-void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact)
+void zones_follow(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
+                  int contact)
 {
     struct contact_state *state = &q->contact[contact];
-    if (state->regime == (int32_t)REGIME_APART) {
+    const bool is_located = SCENE_ANY_ZONES && scene_turns(v) && contact_is_prescribed(v, contact);
+    if (state->regime == (int32_t)REGIME_APART || is_located) {
         state->zone = 0;
-    } else if (SCENE_ANY_CAPS && state->zone == 0) {
+    } else if (SCENE_ANY_ZONES && state->zone == 0) {
         state->zone = at->geometry[contact].zone;
     }
 }
@@ -1057,26 +1068,23 @@ bool zones_pass(const struct scene_values *v, struct scene_state *q, const struc
                 int contact)
 {
     const int zone = q->contact[contact].zone;
-    if (!SCENE_ANY_CAPS || zone == 0) {
+    if (!SCENE_ANY_ZONES || zone == 0) {
         return false;
     }
     const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
     const struct vec3 c = at->separation[contact];
     const double rounding = fmax(rounding_of_gap(v, at, contact), fabs(zones_margin(v, q, at, contact)));
     const int next = contact_zone_next(&shape.solid, zone, c, rate_in_destination(v, at, contact), rounding);
-    const struct solid_place place = contact_place_at(&shape.solid, c);
     q->contact[contact].zone = next;
-    return (abs(zone) != ZONE_RIM && abs(next) != ZONE_RIM) ||
-           fmax(fabs(place.radial), fabs(place.axial)) <= rounding;
+    return contact_zone_jumps(&shape.solid, zone, next, c, at->geometry[contact].distance, rounding);
 }
 
 void zones_settle(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
                   int contact)
 {
-    if (SCENE_ANY_CAPS && zones_margin(v, q, at, contact) < -rounding_of_gap(v, at, contact)) {
+    if (SCENE_ANY_ZONES && zones_margin(v, q, at, contact) < -rounding_of_gap(v, at, contact)) {
         const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
-        const struct solid_place place = contact_place_at(&shape.solid, at->separation[contact]);
-        q->contact[contact].zone = contact_zone_by(&place);
+        q->contact[contact].zone = contact_zone_at(&shape.solid, at->separation[contact]);
     }
 }
 
@@ -1084,7 +1092,7 @@ double zones_margin(const struct scene_values *v, const struct scene_state *q, c
                     int contact)
 {
     const int zone = q->contact[contact].zone;
-    if (!SCENE_ANY_CAPS || zone == 0) {
+    if (!SCENE_ANY_ZONES || zone == 0) {
         return NO_ZONE_MARGIN;
     }
     const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);

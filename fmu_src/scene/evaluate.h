@@ -45,8 +45,8 @@ struct body_instant {
     struct vec3 velocity;     /* v [m/s] */
 };
 
-/* scene_contact_shape returns the shape of a contact; for a capped cylinder in contact it is the shape of the
- * present zone (shape.h). scene_whole_shape returns the shape without zones. */
+/* scene_contact_shape returns the shape of a contact; where the shape is divided into zones and the bodies
+ * are in contact it is the shape of the present zone (shape.h). scene_whole_shape returns the shape without zones. */
 struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
                                          int contact);
 struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q,
@@ -300,15 +300,17 @@ bool singularity_is_reached(const struct scene_values *v, const struct scene_ins
 struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 rate, struct vec3 acceleration,
                                struct vec3 held);
 
-/* The zone of a capped cylinder that a contact is in (shape.h) is set when the contact begins, changed at the
- * zone's edges, and forgotten when the contact ends. Other scenes have no zones. */
+/* The zone of a capped cylinder or of skew cylinders that a contact is in (shape.h) is set when the contact
+ * begins, changed at the zone's edges, and forgotten when the contact ends. Other scenes have no zones. */
 
 /* Margin [m] of a contact that has no zone. */
 #define NO_ZONE_MARGIN 1.0
 
 /* Sets the zone after a change of regime: a new contact takes the zone of the instant; one that has ended
- * loses its zone. */
-void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact);
+ * loses its zone. Where the motion is prescribed and something turns, the nearest zone always holds, because
+ * quadrature needs no limits of zones. */
+void zones_follow(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
+                  int contact);
 
 /* Sets the next zone of the contact. Returns whether n jumps at its edge: it does where the centre is inside
  * the solid or at the circle of the rim. */

@@ -836,7 +836,7 @@ static void coupled_events(const struct scene_ode *ode, const struct contact_sha
 
 static void put_zone(const struct scene_ode *ode, const struct scene_instant *at, int contact, double *out)
 {
-    if (SCENE_ANY_CAPS) {
+    if (SCENE_ANY_ZONES) {
         out[ODE_EVENTS_EACH - 1] =
             not_zero(ode->zone_offset[contact] + zones_margin(ode->values, ode->state, at, contact));
     }

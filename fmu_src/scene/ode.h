@@ -31,7 +31,7 @@
  *   3   friction_cap_event     mu F_n passes F_max; in elastic friction that sticks: F* passes F_max
  *   4   friction_lift_event    F_n changes its sign while the bodies overlap
  *   5, 6  friction_stick_event of rolling and of spinning, where contacts may resist them
- * and last where cylinders may be capped
+ * and last where contacts may be divided into zones
  *       zones_margin           the contact leaves its zone
  * An offset is added to each function, so that it starts above zero in spite of rounding. While the bodies
  * are apart, 0 and 1 are the constant 1. If another contact loads one of the bodies, 0 is instead the
@@ -47,7 +47,7 @@ enum ode_event { ODE_EVENT_GAP, ODE_EVENT_LAW, ODE_EVENT_STICK, ODE_EVENT_CAP, O
 
 enum {
     ODE_EVENT_ZONE = SCENE_ANY_TURNING ? ODE_EVENT_LIFT + OPPOSED : 2,
-    ODE_EVENTS_EACH = ODE_EVENT_ZONE + SCENE_ANY_CAPS,
+    ODE_EVENTS_EACH = ODE_EVENT_ZONE + SCENE_ANY_ZONES,
     ODE_EVENTS = ODE_EVENTS_EACH * SCENE_CONTACTS
 };
 

@@ -42,7 +42,7 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
     path.w[0] = at->rate[contact];
     path.source[0] = at->turning.body[from].angular_velocity;
     path.destination[0] = at->turning.body[to].angular_velocity;
-    path.axis[0] = at->turning.axis[contact];
+    path.axis[0] = contact_is_skew(shape) ? shape->axis : at->turning.axis[contact];
     for (int i = 0; i < JET_TERMS && contact_is_upside_down(shape); ++i) {
         path.axis[i] = vec3_scale(-1.0, path.axis[i]);
     }
@@ -117,7 +117,9 @@ static void put_normal_force(const struct contact_shape *shape, const struct con
 {
     struct vec3 seen[JET_TERMS];
     for (int i = 0; i < JET_TERMS; ++i) {
-        seen[i] = vec3_sub(path->w[i], turning_jet_cross(path->destination, path->c, i));
+        seen[i] = contact_is_skew(shape)
+                      ? path->w[i]
+                      : vec3_sub(path->w[i], turning_jet_cross(path->destination, path->c, i));
         jet->gap[i] = i > 0 ? shape->side * jet->distance[i] : g->gap;
         jet->gap_rate[i] = i > 0 ? shape->side * jet_dot(jet->normal, seen, i) : g->gap_rate;
         jet->normal_force[i] = contact_force_term(law, change, regime, jet->gap, jet->gap_rate, i);
@@ -133,7 +135,9 @@ static void put_slip(const struct contact_shape *shape, const struct contact_pat
     struct vec3 all[JET_TERMS];
     double along_normal[JET_TERMS];
     for (int i = 0; i < JET_TERMS; ++i) {
-        turning->source_arm[i] = vec3_scale(shape->side * shape->source_radius, jet->normal[i]);
+        const struct vec3 foot =
+            i == 0 ? contact_foot(shape, path->c[0]) : contact_foot_along(shape, path->c[i]);
+        turning->source_arm[i] = vec3_axpy(foot, shape->side * shape->source_radius, jet->normal[i]);
         far[i] = vec3_sub(turning->source_arm[i], path->c[i]);
         turning->destination_arm[i] = far[i];
         const struct vec3 past = vec3_sub(turning_jet_cross(path->source, turning->source_arm, i),

@@ -105,7 +105,13 @@ bool body_tips(const struct scene_values *v, int body)
 bool contact_advances(const struct scene_values *v, int contact)
 {
     const int destination = contact_destination(contact);
-    return body_tips(v, destination) || (SCENE_ANY_TORUS && body_shape(destination) == SHAPE_TORUS);
+    return body_tips(v, destination) || (SCENE_ANY_TORUS && body_shape(destination) == SHAPE_TORUS) ||
+           contact_has_skew_axes(v, contact);
+}
+
+bool contact_has_skew_axes(const struct scene_values *v, int contact)
+{
+    return SCENE_ANY_SKEW && contact_axes(v, contact) == AXES_SKEW;
 }
 
 bool contact_rubs(const struct scene_values *v, int contact)
@@ -148,8 +154,12 @@ bool contact_has_springs(const struct scene_values *v, int contact)
 /* Returns the bitwise OR of all choices. It is called so often that it avoids a branch for each choice. */
 static int turning_choices(const struct scene_values *v)
 {
-    _Static_assert((int)ROTATION_NONE == 1 && (int)FRICTION_NONE == 1, "another choice has another bit");
+    _Static_assert((int)ROTATION_NONE == 1 && (int)FRICTION_NONE == 1 && (int)AXES_PARALLEL == 1,
+                   "another choice has another bit");
     int choices = 1;
+    for (int j = 0; SCENE_ANY_SKEW && j < SCENE_CONTACTS; ++j) {
+        choices |= contact_axes(v, j);
+    }
     for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS; ++j) {
         choices |= contact_friction(v, j);
     }
@@ -317,7 +327,7 @@ static bool has_caps(const struct scene_values *v, int body)
 
 int scene_contact_side(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    if (has_caps(v, contact_destination(contact))) {
+    if (has_caps(v, contact_destination(contact)) || contact_has_skew_axes(v, contact)) {
         return 1;
     }
     if (contact_location(v, contact) != LOCATION_AUTOMATIC) {
@@ -335,21 +345,34 @@ static int race_of(const struct scene_values *v, int body)
     return (body_side(v, body) == TUBE_SIDE_INNER_RACE) - (body_side(v, body) == TUBE_SIDE_OUTER_RACE);
 }
 
-/* Returns the distance of the centres along the axis at which contact with a cylinder ends [m], INFINITY
- * where it never does: L/2, and half of both lengths where the source is a cylinder too; R of a race. */
+struct vec3 body_unit_axis(const struct scene_values *v, int body)
+{
+    const struct vec3 axis = body_axis(v, body);
+    return vec3_scale(1.0 / vec3_norm(axis), axis);
+}
+
+/* Returns half of the length of a cylinder [m]. */
+static double half_of(const struct scene_values *v, int body)
+{
+    return body_finite_length(v, body) ? 0.5 * body_length(v, body) : (double)INFINITY;
+}
+
+/* Returns the distance of the centres along the axis at which contact with a cylinder ends suddenly [m],
+ * INFINITY where it never does: L/2, and half of both lengths where the source is a cylinder with a parallel
+ * axis; R of a race. */
 static double half_length_of(const struct scene_values *v, int contact)
 {
     double sum = 0.0;
     if (race_of(v, contact_destination(contact)) != 0) {
         return body_ring_radius(v, contact_destination(contact));
     }
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < 2 && !contact_has_skew_axes(v, contact); ++i) {
         const int body = i == 0 ? contact_destination(contact) : contact_source(contact);
         if (SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER) {
-            sum += body_finite_length(v, body) ? body_length(v, body) : (double)INFINITY;
+            sum += half_of(v, body);
         }
     }
-    return sum > 0.0 ? 0.5 * sum : (double)INFINITY;
+    return sum > 0.0 ? sum : (double)INFINITY;
 }
 
 bool scene_ends_suddenly(const struct scene_values *v, int contact)
@@ -377,8 +400,14 @@ struct contact_shape scene_whole_shape(const struct scene_values *v, const struc
         shape.solid.race = race_of(v, destination);
     }
     if (SCENE_ANY_CAPS && has_caps(v, destination)) {
-        shape.solid = (struct contact_solid){shape.axis, shape.other_radius, shape.half_length, 0, 0};
+        shape.solid = (struct contact_solid){
+            .axis = shape.axis, .radius = shape.other_radius, .half_height = shape.half_length};
         shape.half_length = (double)INFINITY; /* the gap goes on beyond the ends */
+    }
+    if (contact_has_skew_axes(v, contact)) {
+        const int source = contact_source(contact);
+        contact_make_skew(&shape, (struct skew_axes){body_unit_axis(v, source), shape.axis,
+                                                     half_of(v, source), half_of(v, destination)});
     }
     return shape;
 }
@@ -388,7 +417,7 @@ struct contact_shape scene_contact_shape(const struct scene_values *v, const str
 {
     const int zone = q->contact[contact].zone;
     const struct contact_shape whole = scene_whole_shape(v, q, contact);
-    return SCENE_ANY_CAPS && zone != 0 ? contact_shape_in(&whole, zone) : whole;
+    return SCENE_ANY_ZONES && zone != 0 ? contact_shape_in(&whole, zone) : whole;
 }
 
 struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,
@@ -396,7 +425,7 @@ struct contact_shape scene_shape_met(const struct scene_values *v, const struct 
 {
     const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
     const int zone = at->geometry[contact].zone;
-    return SCENE_ANY_CAPS && zone != 0 ? contact_shape_in(&shape, zone) : shape;
+    return SCENE_ANY_ZONES && zone != 0 ? contact_shape_in(&shape, zone) : shape;
 }
 
 struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,

@@ -145,7 +145,7 @@ struct contact_state {
     int32_t side;   /* +1 outside, -1 inside: the location in force */
     /* enum friction_regime of friction, rolling and spinning; of no meaning while the bodies are apart */
     int32_t friction_regime[OPPOSED];
-    /* of a capped cylinder in contact, as in struct contact_solid; 0: whichever is nearest */
+    /* of a contact that is divided into zones, as in struct contact_solid; 0: whichever is nearest */
     int32_t zone;
 };
 
@@ -283,8 +283,14 @@ bool body_turns(const struct scene_values *v, int body);
 bool body_tips(const struct scene_values *v, int body);
 
 /* Whether only conservative advancement finds a change of the contact: the destination's axis may turn, or it
- * is a torus. */
+ * is a torus, or the axes of both cylinders are skew. */
 bool contact_advances(const struct scene_values *v, int contact);
+
+/* Whether a contact is one of cylinders with skew axes. */
+bool contact_has_skew_axes(const struct scene_values *v, int contact);
+
+/* Returns the unit vector along the axis that a body has at the start. */
+struct vec3 body_unit_axis(const struct scene_values *v, int body);
 
 /* Whether a contact may have a friction force or resist rolling and spinning; whether it resists them. */
 bool contact_rubs(const struct scene_values *v, int contact);
@@ -297,8 +303,8 @@ int contact_opposed(const struct scene_values *v, int contact);
 bool contact_has_spring(const struct scene_values *v, int contact, int part);
 bool contact_has_springs(const struct scene_values *v, int contact);
 
-/* Whether any body turns, any contact rubs or any shape is a torus, which has no closed forms. Else the scene
- * is computed as one without rotation. */
+/* Whether any body turns, any contact rubs, any shape is a torus or any axes are skew, which have no closed
+ * forms. Else the scene is computed as one without rotation. */
 bool scene_turns(const struct scene_values *v);
 
 /* Whether a step of the general segment may go on beyond a communication point: in scenes that turn, and

@@ -517,15 +517,14 @@ static enum contact_regime regime_at_jump(const struct scene_values *v, struct s
     return scene_regime_of_touching(v, q, at, contact);
 }
 
-/* Passes into the next zone of a capped cylinder and returns the regime there. Outside the solid the known
- * gap is kept. */
+/* Passes into the contact's next zone and returns the regime there. The known gap is kept unless n jumps. */
 static enum contact_regime pass_zone(const struct scene_values *v, struct scene_state *q,
                                      struct scene_instant *at, int contact)
 {
     if (zones_pass(v, q, at, contact)) {
         return regime_at_jump(v, q, at, contact);
     }
-    if (SCENE_ANY_CAPS) {
+    if (SCENE_ANY_ZONES) {
         scene_kinematics_now(v, q, at);
     }
     return (enum contact_regime)q->contact[contact].regime;
@@ -549,7 +548,7 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
     }
     regime = onset_note(v, q, at, contact, regime);
     set_regime(v, q, contact, regime);
-    zones_follow(q, at, contact);
+    zones_follow(v, q, at, contact);
     q->dissipated += before - energy_stored(v, q, at);
     counter_add(&q->counters.events, 1);
     begin_phase(v, q, at);
@@ -580,13 +579,13 @@ void transition_switch_regime(const struct scene_values *v, struct scene_state *
     scene_rebase(v, q);
     scene_kinematics_now(v, q, &at);
     const double before = energy_stored(v, q, &at);
-    if (SCENE_ANY_CAPS) {
+    if (SCENE_ANY_ZONES) {
         zones_settle(v, q, &at, contact);
         scene_kinematics_now(v, q, &at);
     }
     regime = onset_note(v, q, &at, contact, regime);
     set_regime(v, q, contact, regime);
-    zones_follow(q, &at, contact);
+    zones_follow(v, q, &at, contact);
     q->dissipated += before - energy_stored(v, q, &at);
     counter_add(&q->counters.events, 1);
 }
@@ -596,14 +595,14 @@ void transition_settle_regimes(const struct scene_values *v, struct scene_state 
 {
     struct scene_instant at;
     scene_now(v, q, &at);
-    for (int j = 0; SCENE_ANY_CAPS && j < SCENE_CONTACTS; ++j) {
+    for (int j = 0; SCENE_ANY_ZONES && j < SCENE_CONTACTS; ++j) {
         zones_settle(v, q, &at, j);
         scene_now(v, q, &at);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (starting || fabs(at.geometry[j].gap) > rounding_of_gap(v, &at, j)) {
             set_regime(v, q, j, onset_note(v, q, &at, j, scene_regime(v, q, &at, j)));
-            zones_follow(q, &at, j);
+            zones_follow(v, q, &at, j);
         }
     }
     if (!starting) {

@@ -21,8 +21,8 @@ double regime_touch_margin(const struct scene_values *v, const struct scene_stat
 double regime_dashpot_margin(const struct scene_values *v, const struct scene_state *q,
                              const struct scene_instant *at, int contact);
 
-/* Returns the distance of the source's centre from the edges of the contact's zone of a capped cylinder [m];
- * 1 m where the contact has no zone. */
+/* Returns the distance of the source's centre from the edges of the contact's zone [m]; 1 m where the
+ * contact has no zone. */
 double regime_zone_margin(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at, int contact);
 
@@ -59,7 +59,7 @@ void turning_take_event(const struct scene_values *v, struct scene_state *q, int
  * closes the duration when they cease to. Books a jump of the stored energy, as where a finite cylinder's end
  * switches the force off, as dissipated. Counts an event, and moves the origin of the clock to the present.
  * `at` becomes the instant of scene_kinematics_now afterwards. If the new regime is the present one, the
- * contact passes into the next zone of a capped cylinder.
+ * contact passes into its next zone.
  */
 void transition_change_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime, struct scene_instant *at);

@@ -74,6 +74,7 @@ def other_shape(scene, catalogue: Catalogue, name: str) -> str:
     if row is None or bodies[owner].has(row):
         return ""
     kept = " that touches a cylinder" if bodies[owner].keeps_axis and row.tilts else ""
+    kept = " that touches no cylinder" if not bodies[owner].keeps_axis and row.kept else kept
     return f"a {bodies[owner].shape}{kept} has no {row.field}"
 
 

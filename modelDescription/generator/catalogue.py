@@ -50,6 +50,7 @@ class Row:
     symbol: str | None = None
     shape: tuple[str, ...] = ()  # of the body or of the contact's destination; of all where empty
     tilts: bool = False  # no cylinder has it that touches a cylinder, because it keeps its axis
+    kept: bool = False  # only such a cylinder has it
     absent: object = None  # what the code takes where a body of another shape has no such row
     of_plane: dict = field(default_factory=dict)  # what differs where body or destination is a plane
     of_torus: dict = field(default_factory=dict)

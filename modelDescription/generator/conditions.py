@@ -96,7 +96,8 @@ class Conditions:
             for i in range(len(self.scene.contacts))
         )
         tori = any(body.shape == "torus" for body in self.scene.bodies)
-        return tori or any(ends.count(body) > 1 for body in self._free) or turns or rubs
+        skew = any(self._may_be("contact.axes", "skew", i) for i in range(len(self.scene.contacts)))
+        return tori or skew or any(ends.count(body) > 1 for body in self._free) or turns or rubs
 
     @cached_property
     def _free(self) -> list[int]:

@@ -232,8 +232,10 @@ def _facts(resolved: Resolved) -> dict:
         "any_turning": rotation or friction,
         "any_caps": resolved.may("body.ends", "capped"),
         "any_plane": any(body.shape == "plane" for body in resolved.scene.bodies),
+        "any_skew": (skew := resolved.may("contact.axes", "skew")),
         "any_torus": any(body.shape == "torus" for body in resolved.scene.bodies),
-        "any_endless": resolved.may("body.finite_length", "false")
+        "any_endless": skew
+        or resolved.may("body.finite_length", "false")
         or resolved.may("body.ends", "capped")
         or any(
             resolved.scene.bodies[contact.destination].shape != "cylinder"

@@ -37,7 +37,8 @@ def _setting(row: Row) -> dict[str, str]:
     start = _toml(row, row.start)
     if row.start_destination is not None:
         start += f"; {_toml(row, row.start_destination)} where it is only hit"
-    own = bool(row.shape)
+    own = f" ({'a' if row.owner == 'body' else 'with a'} {' or '.join(row.shape)} only)" if row.shape else ""
+    own = " (of two cylinders only)" if row.kept else own
     names = {"body": "the body", "source": "the source", "destination": "the destination"}
     text = row.description.format(**names)
     for shape, other in (("plane", row.of_plane), ("torus", row.of_torus)):
@@ -47,8 +48,7 @@ def _setting(row: Row) -> dict[str, str]:
         "name": _name(row),
         "start": start,
         "allowed": _allowed(row),
-        "text": text
-        + (f" ({'a' if row.owner == 'body' else 'with a'} {' or '.join(row.shape)} only)" if own else ""),
+        "text": text + own,
         "input": "input" if row.causality == "input" else "parameter",
     }
 
@@ -86,10 +86,10 @@ def _choice(catalogue: Catalogue, row: Row) -> dict:
     names = [f"{owner}.{row.field}" if owner else row.key for owner in owners]
     lines = []
     for shown, item, text in items:
-        one = _left_out(catalogue, shape, {names[0]: item})
+        one = _left_out(catalogue, shape, row.kept, {names[0]: item})
         lines.append({"pin": f"{names[0]} = {shown}", "text": text, "gone": one})
         if len(names) > 1:
-            every = _left_out(catalogue, shape, dict.fromkeys(names, item))
+            every = _left_out(catalogue, shape, row.kept, dict.fromkeys(names, item))
             more = [name for name in every if name.partition(".")[0] not in owners]
             if more:
                 lines.append({"pin": f"every body's {row.field} = {shown}", "text": "", "gone": more})
@@ -97,15 +97,16 @@ def _choice(catalogue: Catalogue, row: Row) -> dict:
         body="the body", source="the source", destination="the destination"), "lines": lines}  # fmt: skip
 
 
-def _pair(catalogue: Catalogue, shape: str, pinned: dict) -> Resolved:
-    bodies = (Body("source", "sphere", 0), Body("destination", shape, 1))
+def _pair(catalogue: Catalogue, shape: str, kept: bool, pinned: dict) -> Resolved:
+    """kept: two cylinders, else a sphere and the shape"""
+    bodies = (Body("source", shape if kept else "sphere", 0, kept), Body("destination", shape, 1, kept))
     contacts = (Contact("contact", 0, 1, 0),)
     return resolve(Scene("scenes.md", "Pair", "Pair", "Pair", bodies, contacts, {}, pinned), catalogue)
 
 
-def _left_out(catalogue: Catalogue, shape: str, pinned: dict) -> list[str]:
+def _left_out(catalogue: Catalogue, shape: str, kept: bool, pinned: dict) -> list[str]:
     """Variables, in the order of the catalogue, that the pins take away besides themselves; CVODE last."""
-    before, after = _pair(catalogue, shape, {}), _pair(catalogue, shape, pinned)
+    before, after = (_pair(catalogue, shape, kept, pins) for pins in ({}, pinned))
     present = {cell.name for cell in after.cells if cell.open}
     gone = [cell.name for cell in before.cells if cell.open and cell.name not in present]
     gone = [name for name in gone if name not in pinned]

@@ -93,7 +93,7 @@ def _example(resolved: Resolved) -> dict:
 # The conditions under which the page explains something.
 CHOICES = (
     "contact.location=automatic", "contact.location=outside", "contact.location=inside",
-    "contact.method=penalty", "contact.method=penalty_dynamic",
+    "contact.axes=parallel", "contact.axes=skew", "contact.method=penalty", "contact.method=penalty_dynamic",
     "contact.penalty_control=automatic", "contact.penalty_control=user_defined",
     "contact.penalty_control=viscous_only",
     "contact.viscous_control=automatic", "contact.viscous_control=user_defined",

@@ -40,8 +40,7 @@ BODY_KEYS = {
 }
 CONTACT_KEYS = {
     "name": "as of a body, and not that of a body: `touch.normal_force`. Required",
-    "source": "name of the body that touches: a sphere, or a cylinder on a cylinder with a parallel axis. "
-    "Required",
+    "source": "name of the body that touches: a sphere, or a cylinder on a cylinder. Required",
     "destination": "name of the body that is touched, of any shape. Required",
     "count": f"how many such contacts there are, 1 to {MOST:,}; the names have a `{{i}}` or `{{i+1}}`",
 }
@@ -71,7 +70,8 @@ class Body:
 
     def has(self, row: Row) -> bool:
         """Whether a body of this kind, or a contact with it, has the row."""
-        return (not row.shape or self.shape in row.shape) and not (row.tilts and self.keeps_axis)
+        kinds = not row.shape or self.shape in row.shape
+        return kinds and not (row.tilts if self.keeps_axis else row.kept)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ ROW_KEYS = {
     "vr", "type", "causality", "start", "start_destination", "min", "max", "dim", "symbol", "description",
     "shape", "absent", "of_plane", "of_torus",
     "when", "tolerance", "depends", "discrete", "role", "rate_of", "reinit",
-    "tilts", "tunable",
+    "tilts", "kept", "tunable",
 }  # fmt: skip
 TYPE_KEYS = {"base", "quantity", "unit", "display", "min", "max", "nominal", "description", "items"}
 CAUSALITIES = ("parameter", "calculatedParameter", "input", "output", "local")

@@ -59,7 +59,9 @@
 #define SCENE_ANY_HERTZ {{ any_hertz | int }}  /* may it be Hertz's? */
 #define SCENE_ANY_RESTITUTION {{ any_restitution | int }} /* may damping be given by a coefficient of restitution? */
 #define SCENE_ANY_CAPS {{ any_caps | int }} /* may the ends of any cylinder be capped? */
-#define SCENE_ANY_PLANE {{ (any_plane or any_caps) | int }} /* caps are planes to who touches them */
+#define SCENE_ANY_SKEW {{ any_skew | int }} /* may the axes of any two cylinders be skew? */
+#define SCENE_ANY_ZONES {{ (any_caps or any_skew) | int }} /* may any contact be divided into zones? */
+#define SCENE_ANY_PLANE {{ (any_plane or any_caps or any_skew) | int }} /* caps are planes to who touches them, as the face of skew axes is */
 #define SCENE_ANY_CURVED {{ any_curved | int }} /* may any contact be with a sphere or a cylinder, not a plane? */
 #define SCENE_ANY_ROTATION {{ any_rotation | int }}   /* may any body turn? */
 #define SCENE_ANY_FREE_ROTATION {{ any_free_rotation | int }} /* by Euler's equations? */
@@ -74,7 +76,7 @@
 #define SCENE_ANY_KEPT_AXIS {{ (scene.bodies | selectattr("keeps_axis") | list | length > 0) | int }} /* body_keeps_axis? */
 #define SCENE_ANY_ENDS {{ (any_cylinder or any_torus) | int }}    /* may a shape end suddenly? */
 #define SCENE_ANY_ENDLESS {{ any_endless | int }} /* may any contact be without ends along an axis, or with caps? */
-#define SCENE_ANY_TURNING {{ (any_turning or any_torus) | int }}    /* either, or what has no closed form without them */
+#define SCENE_ANY_TURNING {{ (any_turning or any_torus or any_skew) | int }}    /* either, or what has no closed form without them */
 {% set lever = any_turning and (any_cylinder or any_plane or any_caps or any_torus) %}
 #define SCENE_HAS_TORQUES {{ lever | int }} /* may a normal force have a torque? never about a sphere's centre */
 #define SCENE_HAS_CVODE {{ has_cvode | int }} /* may CVODE be needed? else SUNDIALS is not linked */

@@ -106,6 +106,10 @@ FALLING = {**SOFT, **_at(0.05, 0.0, 1.1)}
 ADAMS, EVENT_DRIVEN = ({"solver.method": method} for method in ("cvode_adams", "event_driven"))
 AUTOMATIC = _at(0, 0, 0.65, penalty_control="automatic", viscous_control="automatic", reference_modulus=2e3)
 VISCOUS = _at(0.0, 0.0, 0.65, penalty_control="viscous_only", viscous_penalty_factor=300.0)
+CROSSED = {**SOFT, **_at(0.05, 0.02, 0.62, axes="skew"), "source.length": 0.8, "destination.length": 0.9}
+CROSSED |= {f"{body}.finite_length": 1 for body in BODIES} | {f"{body}.rotation": "free" for body in BODIES}
+CROSSED |= {"source.axis": [1.0, 0.3, 0.1], "destination.axis": [0.0, 1.0, 0.0]}
+CROSSED |= {"source.initial_angular_velocity": [10.0, 3.0, 1.0]}
 HIT = {"source.center": [-0.62, 0.2, 0.03], "source.initial_velocity": [2.0, 0.1, 0.2]}
 HIT |= {"destination.axis": [0.0, 1.0, 0.0], "destination.rotation": "free", "destination.finite_length": 1}
 
@@ -197,6 +201,26 @@ RUNS = {name: Run("SphereSphere", *run) for name, run in _OF_SPHERES.items()} | 
             "source.initial_angular_velocity": [0.0, 7.0, 0.0],
         },
         *(12, True, lambda time: {"destination.external_torque": [0.3, 3.0 - time, 0.2]}),
+    ),
+    "across another roller": Run(
+        "CylinderCylinder",
+        {**CROSSED, **RUBBING, "source.initial_velocity": [0.1, 0.3, -0.2]},
+        *(12, True, lambda time: {"destination.external_torque": [0.3, 3.0 - time, 0.2]}),
+    ),
+    "across the end of another roller": Run(
+        "CylinderCylinder",
+        {**CROSSED, **ROLLING, **_at(0.05, 0.47, 0.6), "source.initial_velocity": [0.1, 0.8, -0.4]},
+        *(9, True),
+    ),
+    "end to end with another roller": Run(
+        "CylinderCylinder",
+        {**CROSSED, **RUBBING, **_at(0.47, 0.6, 0.6), "source.initial_velocity": [0.5, 0.2, -0.4]},
+        *(4, True),
+    ),
+    "moved across another roller": Run(
+        "CylinderCylinder",
+        {**CROSSED, **ALL_GIVEN, **RUBBING, **_at(0, 0, 0), **{f"{one}.rotation": "none" for one in BODIES}},
+        *(15, True, _fed),
     ),
     "both turning and rubbing on a torus": Run(
         "SphereTorus",
