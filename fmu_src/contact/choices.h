@@ -25,6 +25,11 @@
 #else
 #define CONTACT_ANY_TORUS 1
 #endif
+#ifdef CONTACT_NO_COMPOUND
+#define CONTACT_ANY_COMPOUND 0
+#else
+#define CONTACT_ANY_COMPOUND 1
+#endif
 #ifdef CONTACT_NO_CURVED /* every destination is a plane */
 #define CONTACT_ANY_CURVED 0
 #else
@@ -57,8 +62,9 @@
 #endif
 
 /* No body has the shape SHAPE_RIM: the rim is the circular edge of a capped cylinder, which a sphere meets
- * from beyond both the side and the cap (shape.h). */
-enum shape { SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_PLANE, SHAPE_RIM, SHAPE_TORUS };
+ * from beyond both the side and the cap (shape.h). No contact has the shape SHAPE_COMPOUND: the parts of a
+ * compound body are met as spheres. */
+enum shape { SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_PLANE, SHAPE_RIM, SHAPE_TORUS, SHAPE_COMPOUND };
 
 enum ends { ENDS_OPEN = 1, ENDS_CAPPED };
 

@@ -97,6 +97,16 @@ bool body_turns(const struct scene_values *v, int body)
     return SCENE_ANY_ROTATION && body_rotation(v, body) != ROTATION_NONE;
 }
 
+bool body_is_compound(int body)
+{
+    return SCENE_ANY_COMPOUND && body_shape(body) == SHAPE_COMPOUND;
+}
+
+bool body_has_axis(int body)
+{
+    return body_shape(body) != SHAPE_SPHERE && !body_is_compound(body);
+}
+
 bool body_tips(const struct scene_values *v, int body)
 {
     return body_turns(v, body) && body_shape(body) != SHAPE_SPHERE && !body_keeps_axis(body);
@@ -105,7 +115,13 @@ bool body_tips(const struct scene_values *v, int body)
 bool contact_advances(const struct scene_values *v, int contact)
 {
     const int destination = contact_destination(contact);
-    return body_tips(v, destination) || (SCENE_ANY_TORUS && body_shape(destination) == SHAPE_TORUS);
+    return body_tips(v, destination) || (SCENE_ANY_TORUS && body_shape(destination) == SHAPE_TORUS) ||
+           body_is_compound(contact_source(contact)) || body_is_compound(destination);
+}
+
+bool contact_tips(const struct scene_values *v, int contact)
+{
+    return body_tips(v, contact_destination(contact)) && !body_is_compound(contact_destination(contact));
 }
 
 bool contact_rubs(const struct scene_values *v, int contact)
@@ -143,7 +159,7 @@ static int turning_choices(const struct scene_values *v)
 
 bool scene_turns(const struct scene_values *v)
 {
-    return SCENE_ANY_TORUS || (SCENE_ANY_TURNING && turning_choices(v) != 1); /* 1: every choice is none */
+    return SCENE_ANY_TORUS || SCENE_ANY_COMPOUND || (SCENE_ANY_TURNING && turning_choices(v) != 1); /* 1: every choice is none */
 }
 
 void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to)
@@ -333,11 +349,11 @@ bool scene_ends_suddenly(const struct scene_values *v, int contact)
 struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     const int destination = contact_destination(contact);
-    struct contact_shape shape = {.source_radius = body_radius(v, contact_source(contact)),
-                                  .other_radius = body_radius(v, destination),
+    struct contact_shape shape = {.source_radius = contact_source_radius(v, contact),
+                                  .other_radius = contact_destination_radius(v, contact),
                                   .half_length = half_length_of(v, contact),
                                   .side = scene_contact_side(v, q, contact),
-                                  .destination = body_shape(destination)};
+                                  .destination = contact_destination_shape(contact)};
     if (SCENE_ANY_CYLINDER && shape.destination == SHAPE_CYLINDER) {
         shape.axis = q->contact[contact].parameters.axis;
     }
@@ -376,7 +392,7 @@ struct contact_shape scene_contact_shape_at(const struct scene_values *v, const 
                                             const struct scene_instant *at, int contact)
 {
     struct contact_shape shape = scene_contact_shape(v, q, contact);
-    if (body_tips(v, contact_destination(contact))) {
+    if (contact_tips(v, contact)) {
         shape.axis = at->turning.axis[contact];
         if (contact_is_capped(&shape)) {
             shape.solid.axis = at->turning.axis[contact];

@@ -195,7 +195,7 @@ static struct vec3 direction_to_slide(const struct scene_values *v, const struct
     const double spring_force = -contact_stored_slope(&normal, REGIME_COMPRESSION, -depth);
     const double force = fmax(at->normal_force[contact], spring_force);
     const double length = fmin(law->coefficient * force, law->largest) / friction_stiffness(law, depth);
-    const double typical = length > 0.0 ? length : TYPICAL_LENGTH * body_radius(v, contact_source(contact));
+    const double typical = length > 0.0 ? length : TYPICAL_LENGTH * contact_source_radius(v, contact);
     return size > 0.0 ? vec3_scale(typical / size, along) : along;
 }
 

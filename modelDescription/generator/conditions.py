@@ -95,8 +95,8 @@ class Conditions:
             for law in ("regularized", "elastic")
             for i in range(len(self.scene.contacts))
         )
-        tori = any(body.shape == "torus" for body in self.scene.bodies)
-        return tori or any(ends.count(body) > 1 for body in self._free) or turns or rubs
+        series = any(body.shape in ("torus", "compound") for body in self.scene.bodies)
+        return series or any(ends.count(body) > 1 for body in self._free) or turns or rubs
 
     @cached_property
     def _free(self) -> list[int]:

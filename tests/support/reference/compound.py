@@ -1,0 +1,117 @@
+"""A compound body on a plane from first principles, apart from the FMU: numpy alone, with rotation matrices, and scipy's
+integration of the six degrees of freedom.
+
+Each part is a sphere of radius r at R o from the centre of mass x. On a plane with the outward normal n through the origin
+
+    g = n.(x + R o) - r,   g' = n.(v + omega x R o),   p = x + R o - r n
+    u = v + omega x (p - x), its part across n is the slip
+    F_n = max(-p_n g - p_nv g', 0) while g < 0,   F_t = -mu F_n (1 - exp(-|u_t|/v_0)) u_t/|u_t|
+    F = F_n n + F_t,   tau = (p - x) x F
+
+The functions are analytic where they are not cut off, so that a complex step gives their derivatives to rounding.
+"""
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+
+def matrix(q):
+    """The rotation matrix of a quaternion w, x, y, z of any length"""
+    w, x, y, z = q / np.sqrt(np.sum(q * q))
+    return np.array(
+        [
+            [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+        ]
+    )
+
+
+class Foot:
+    """Parts as (radius, centre in the body's frame), and one law for all of them"""
+
+    def __init__(self, parts, p_n, p_nv=0.0, mu=0.0, v_0=1.0, normal=(0.0, 0.0, 1.0)):
+        self.parts = [(radius, np.array(center)) for radius, center in parts]
+        self.p_n, self.p_nv, self.mu, self.v_0, self.normal = p_n, p_nv, mu, v_0, np.array(normal)
+
+    def gap(self, k, x, rotation):
+        radius, center = self.parts[k]
+        return self.normal @ (x + rotation @ center) - radius
+
+    def contact(self, k, x, v, q, omega):
+        """Gap, force and torque about the centre of mass"""
+        radius, center = self.parts[k]
+        n, rotation = self.normal, matrix(q)
+        gap = self.gap(k, x, rotation)
+        gap_rate = n @ (v + np.cross(omega, rotation @ center))
+        arm = rotation @ center - radius * n
+        slip = v + np.cross(omega, arm)
+        slip = slip - (n @ slip) * n
+        force = -self.p_n * gap - self.p_nv * gap_rate
+        if np.real(gap) >= 0.0 or np.real(force) <= 0.0:
+            return gap, np.zeros(3), np.zeros(3)
+        speed = np.sqrt(np.sum(slip * slip))
+        rubbing = 0.0 * slip
+        if np.real(speed) > 0.0:
+            rubbing = -self.mu * force * (1.0 - np.exp(-speed / self.v_0)) * slip / speed
+        total = force * n + rubbing
+        return gap, total, np.cross(arm, total)
+
+    def total(self, x, v, q, omega):
+        """Force and torque of all parts"""
+        all_of_them = [self.contact(k, x, v, q, omega)[1:] for k in range(len(self.parts))]
+        return sum(force for force, _ in all_of_them), sum(torque for _, torque in all_of_them)
+
+
+class FreeBody:
+    """Newton's and Euler's equations of a body with the mass m and three moments of inertia on `foot`"""
+
+    def __init__(self, foot, mass, inertia, gravity=(0.0, 0.0, -9.81)):
+        self.foot, self.mass, self.inertia, self.gravity = foot, mass, np.array(inertia), np.array(gravity)
+
+    def rates(self, _t, y):
+        x, v, q, omega = y[:3], y[3:6], y[6:10], y[10:]
+        force, torque = self.foot.total(x, v, q, omega)
+        rotation = matrix(q)
+        inverse = rotation @ np.diag(1.0 / self.inertia) @ rotation.T
+        momentum = rotation @ (self.inertia * (rotation.T @ omega))
+        w, p = q[0], q[1:]
+        turned = np.array([-omega @ p, *(w * omega + np.cross(omega, p))]) / 2.0
+        return np.concatenate(
+            [
+                v,
+                self.gravity + force / self.mass,
+                turned,
+                inverse @ (torque - np.cross(omega, momentum)),
+            ]
+        )
+
+    def run(self, y, end, tolerance=1e-12):
+        """The states at `end`, integrated from touch to touch, so that no step crosses a change of the law"""
+        y, time = np.array(y, float), 0.0
+
+        def gap_of(k):
+            def gap(_t, y):
+                return self.foot.gap(k, y[:3], matrix(y[6:10]))
+
+            gap.terminal = True
+            return gap
+
+        events = [gap_of(k) for k in range(len(self.foot.parts))]
+        while time < end:
+            found = solve_ivp(
+                self.rates, (time, end), y, method="DOP853", rtol=tolerance, atol=1e-14, events=events,
+                max_step=1e-2,
+            )  # fmt: skip
+            time, y = found.t[-1], found.y[:, -1]
+            if time < end:  # past the event by a time so small that it changes nothing
+                beyond = 1e-13 * max(time, 1e-3)
+                y, time = y + beyond * self.rates(time, y), time + beyond
+        return y
+
+    def energy(self, y):
+        rotation = matrix(y[6:10])
+        turning = 0.5 * np.sum(self.inertia * (rotation.T @ y[10:]) ** 2)
+        height = self.mass * (self.gravity @ y[:3])
+        gaps = [min(self.foot.gap(k, y[:3], rotation), 0.0) for k in range(len(self.foot.parts))]
+        return 0.5 * self.mass * (y[3:6] @ y[3:6]) + turning - height + 0.5 * self.foot.p_n * (np.array(gaps) @ gaps)
