@@ -204,12 +204,18 @@ static inline const char *scene_source_name(int contact)
 
 static inline double contact_{{ role }}_radius(const struct scene_values *v, int contact)
 {
-{% for one in scene.contacts if one[role ~ "_part"] %}
-    if (contact == {{ scene.contacts.index(one) }}) {
-        return {{ one[role ~ "_part"].radius | number }};
-    }
-{% endfor %}
-    return body_radius(v, contact_{{ role }}(contact));
+{% set parts = scene.contacts | selectattr(role ~ "_part") | list | length %}
+{% if parts %}
+    static const double radius[SCENE_CONTACTS] = {
+{%- for one in scene.contacts %}{{ (one[role ~ "_part"].radius if one[role ~ "_part"] else 0.0) | number }}{{ ", " if not loop.last }}{% endfor -%}
+    };
+{% endif %}
+{% if parts == scene.contacts | length %}
+    (void)v;
+    return radius[contact];
+{% else %}
+    return {{ "radius[contact] > 0.0 ? radius[contact] : " if parts }}body_radius(v, contact_{{ role }}(contact));
+{% endif %}
 }
 
 static inline struct vec3 contact_{{ role }}_part(int contact)

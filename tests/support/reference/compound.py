@@ -86,9 +86,9 @@ class FreeBody:
             ]
         )
 
-    def run(self, y, end, tolerance=1e-12):
-        """The states at `end`, integrated from touch to touch, so that no step crosses a change of the law"""
-        y, time = np.array(y, float), 0.0
+    def run(self, y, end):
+        """The state at `end`, integrated from touch to touch, so that no step crosses a change of the law. The dense output
+        that finds a touch is coarser than a step: a step of its own goes there, and Newton's method corrects it."""
 
         def gap_of(k):
             def gap(_t, y):
@@ -97,16 +97,25 @@ class FreeBody:
             gap.terminal = True
             return gap
 
-        events = [gap_of(k) for k in range(len(self.foot.parts))]
+        def integrated(y, start, to, events=None):
+            return solve_ivp(
+                self.rates, (start, to), y, method="DOP853", rtol=1e-13, atol=1e-15, max_step=1e-3, events=events
+            )
+
+        gaps = [gap_of(k) for k in range(len(self.foot.parts))]
+        y, time = np.array(y, float), 0.0
         while time < end:
-            found = solve_ivp(
-                self.rates, (time, end), y, method="DOP853", rtol=tolerance, atol=1e-14, events=events,
-                max_step=1e-2,
-            )  # fmt: skip
-            time, y = found.t[-1], found.y[:, -1]
-            if time < end:  # past the event by a time so small that it changes nothing
-                beyond = 1e-13 * max(time, 1e-3)
-                y, time = y + beyond * self.rates(time, y), time + beyond
+            found = integrated(y, time, end, gaps)
+            if not any(map(len, found.t_events)):
+                return found.y[:, -1]
+            gap = next(gap for gap, times in zip(gaps, found.t_events, strict=True) if len(times))
+            y, touch = integrated(y, time, found.t[-1]).y[:, -1], found.t[-1]
+            for _ in range(3):
+                rates = self.rates(touch, y)
+                late = 1e-7 * gap(0.0, y) / (gap(0.0, y + 1e-7 * rates) - gap(0.0, y))
+                y, touch = y - late * rates, touch - late
+            beyond = 1e-13 * max(touch, 1e-3)  # so short that it changes nothing
+            y, time = y + beyond * self.rates(touch, y), touch + beyond
         return y
 
     def energy(self, y):
