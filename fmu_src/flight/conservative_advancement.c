@@ -85,8 +85,7 @@ static struct rotor_axis prescribed_axis_at(const struct axis_motion *motion, do
 struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct rotor_state *body, struct vec3 inertia,
                                         const struct vec3 torque[ROTOR_TORQUES])
 {
-    struct axis_motion motion = {
-        .kind = AXIS_TUMBLES, .axis = axis, .body = *body, .inertia = inertia};
+    struct axis_motion motion = {.kind = AXIS_TUMBLES, .axis = axis, .body = *body, .inertia = inertia};
     memcpy(motion.coefficient, torque, ROTOR_TORQUES * sizeof *torque);
     return motion;
 }
@@ -127,8 +126,8 @@ void axis_motion_move_on(struct axis_motion *motion, double time)
         motion->from = time;
     }
     if (CONTACT_ANY_COMPOUND && motion->kind == AXIS_TUMBLES && time > motion->from) {
-        motion->body = rotor_of_three_after(&motion->body, motion->inertia, motion->coefficient,
-                                            time - motion->from);
+        motion->body =
+            rotor_of_three_after(&motion->body, motion->inertia, motion->coefficient, time - motion->from);
         rotor_rates_shift(motion->coefficient, ROTOR_TORQUES, time - motion->from);
         motion->from = time;
     }
@@ -158,15 +157,16 @@ static struct vector_sizes sizes_within(const struct vec3 coefficient[AXIS_TERMS
     return (struct vector_sizes){start - first * length, start + first * length, first, second};
 }
 
-/* Bounds for a tumbling body: |omega| <= |L| / I_least, and I omega' = tau - omega x I omega gives |omega'| <=
- * |tau| / I_least + |omega|^2 max |I_j - I_k| / I_least. */
+/* Bounds for a tumbling body: |omega| <= |L| / I_least, and from I omega' = tau - omega x I omega follows
+ * |omega'| <= |tau| / I_least + |omega|^2 max |I_j - I_k| / I_least. */
 static struct axis_bounds tumbling_bounds(const struct axis_motion *motion, double time, double length)
 {
     const struct vec3 i = motion->inertia;
     const double least = fmin(i.x, fmin(i.y, i.z));
     const double spread = fmax(fabs(i.x - i.y), fmax(fabs(i.y - i.z), fabs(i.z - i.x))) / least;
     const struct rotor_state *body = &motion->body;
-    const struct vec3 omega = quaternion_rotate(quaternion_inverse(body->orientation), body->angular_velocity);
+    const struct vec3 omega =
+        quaternion_rotate(quaternion_inverse(body->orientation), body->angular_velocity);
     const double until = time + length - motion->from;
     double torque = 0.0;
     for (int k = ROTOR_TORQUES - 1; k >= 0; --k) {

@@ -27,8 +27,8 @@ struct axis_motion {
     /* coefficients of a polynomial of the time since `from`: of lambda in e' = lambda x e for
      * AXIS_PRESCRIBED, of the direction of e for AXIS_FOLLOWS */
     struct vec3 coefficient[AXIS_TERMS];
-    /* for AXIS_TUMBLES: the body at `from`, in whose frame the axis is `axis`, its moments of inertia, and the
-     * torque by powers of the time since `from` in `coefficient` */
+    /* for AXIS_TUMBLES: the body at `from`, in whose frame the axis is `axis`, and its moments of inertia;
+     * `coefficient` has the torque by powers of the time since `from` */
     struct rotor_state body;
     struct vec3 inertia;
 };

@@ -53,8 +53,7 @@ void relative_path_put_levers(const struct scene_values *v, const struct scene_s
 {
     for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
         const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
-        const struct vec3 part =
-            end == 0 ? contact_source_part(contact) : contact_destination_part(contact);
+        const struct vec3 part = end == 0 ? contact_source_part(contact) : contact_destination_part(contact);
         const double length = vec3_norm(part);
         if (!(length > 0.0)) {
             continue;

@@ -47,8 +47,8 @@ static inline bool relative_path_is_flat(const struct relative_path *path)
     return SCENE_ANY_PLANE && (!SCENE_ANY_CURVED || path->flat);
 }
 
-/* Sets the lever arms of the compound bodies of a contact from a clock on, where `at` is the instant, and takes
- * them off c, which then leads from centre of mass to centre of mass. */
+/* Sets the lever arms of the compound bodies of a contact from a clock on, where `at` is the instant, and
+ * takes them off c, which then leads from centre of mass to centre of mass. */
 void relative_path_put_levers(const struct scene_values *v, const struct scene_state *q,
                               const struct scene_instant *at, double clock, int contact,
                               struct advancement_path *path);

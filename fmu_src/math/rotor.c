@@ -324,8 +324,7 @@ static void put_three_terms(struct three_terms *t, struct vec3 inertia,
         t->u[n] = turned;
         for (int i = 0; i < ROTOR_TORQUES && i <= n; ++i) {
             const struct quaternion tau = quaternion_make(0.0, vec3_scale(power, torque[i]));
-            t->u[n] = quaternion_axpy(t->u[n], 1.0,
-                                      quaternion_product(quaternion_inverse(t->q[n - i]), tau));
+            t->u[n] = quaternion_axpy(t->u[n], 1.0, quaternion_product(quaternion_inverse(t->q[n - i]), tau));
             power *= unit;
         }
         for (int i = 0; i <= n; ++i) {

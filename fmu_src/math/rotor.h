@@ -75,8 +75,8 @@ struct rotor_state rotor_under_torque(const struct rotor_state *start, double tr
                                       double time);
 
 /*
- * The rigid body with three moments of inertia I under a torque, by power series of time. With the momentum L,
- * the integral of the torque, its components l in the body's frame and the orientation q
+ * The rigid body with three moments of inertia I under a torque, by power series of time. L is the angular
+ * momentum, the integral of the torque; l has its components in the body's frame, and q is the orientation:
  *
  *   l' = l x omega + q* tau q,   omega = l / I by components,   q' = q (0, omega) / 2
  *

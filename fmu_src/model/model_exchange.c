@@ -199,14 +199,13 @@ static struct turning_motion motion_along(const struct scene_jet *along, int con
     struct vec3 c[JET_TERMS] = {{0.0, 0.0, 0.0}};
     struct vec3 w[JET_TERMS] = {{0.0, 0.0, 0.0}};
     jet_add_levers(along, contact, c, w);
-    return (struct turning_motion){.separation = vec3_add(c[1], vec3_sub(along->displacement[to][1],
-                                                                         along->displacement[from][1])),
-                                   .rate = vec3_add(w[1], vec3_sub(along->velocity[to][1],
-                                                                   along->velocity[from][1])),
-                                   .source_rotation = along->angular_velocity[from][1],
-                                   .destination_rotation = along->angular_velocity[to][1],
-                                   .axis = along->axis[to][1],
-                                   .spring = along->spring[contact][1]};
+    return (struct turning_motion){
+        .separation = vec3_add(c[1], vec3_sub(along->displacement[to][1], along->displacement[from][1])),
+        .rate = vec3_add(w[1], vec3_sub(along->velocity[to][1], along->velocity[from][1])),
+        .source_rotation = along->angular_velocity[from][1],
+        .destination_rotation = along->angular_velocity[to][1],
+        .axis = along->axis[to][1],
+        .spring = along->spring[contact][1]};
 }
 
 static double spring_rate_slope(const struct scene_values *v, const struct scene_state *q,

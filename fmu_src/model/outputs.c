@@ -296,7 +296,8 @@ static struct vec3 contact_sum_term(const struct scene_jet *along, const struct 
             sum = vec3_add(sum, torque ? along->turning[j].source_torque[order] : force);
         }
         if (contact_destination(j) == body) {
-            sum = vec3_add(sum, torque ? along->turning[j].destination_torque[order] : vec3_scale(-1.0, force));
+            sum =
+                vec3_add(sum, torque ? along->turning[j].destination_torque[order] : vec3_scale(-1.0, force));
         }
     }
     return sum;
@@ -355,8 +356,8 @@ static double distance_term(const struct scene_values *v, const struct contact_s
         double axial[JET_TERMS];
         double rho[JET_TERMS];
         for (int i = 1; i < JET_TERMS; ++i) {
-            c[i] = vec3_sub(along->displacement[destination][i],
-                            source_centre_term(along, shape, contact, i));
+            c[i] =
+                vec3_sub(along->displacement[destination][i], source_centre_term(along, shape, contact, i));
             if (SCENE_ANY_TURNING) {
                 axis[i] = body_turns(v, destination) ? along->axis[destination][i] : axis[i];
             }
@@ -480,8 +481,8 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_shape shape = scene_shape_met(v, q, at, contact);
     const int source = contact_source(contact);
-    const struct vec3 centre = vec3_add(vec3_add(body_center(v, source), at->displacement[source]),
-                                        scene_lever(at, contact, 0));
+    const struct vec3 centre =
+        vec3_add(vec3_add(body_center(v, source), at->displacement[source]), scene_lever(at, contact, 0));
     const double distance = distance_of(&shape, at, contact);
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_state *state = &q->contact[contact];

@@ -31,10 +31,11 @@ static enum model_status check_inertia(struct model *m, int body)
         const double largest = vec3_max_abs(of);
         return largest <= (of.x + of.y + of.z - largest) * (1.0 + INERTIA_ROUNDING)
                    ? MODEL_OK
-                   : model_report(m, MODEL_ERROR,
-                                  "%s.principal_inertia = (%g, %g, %g) kg m^2 contradicts itself: no body has "
-                                  "one larger than the sum of the others (allowed: at most that sum).",
-                                  name, of.x, of.y, of.z);
+                   : model_report(
+                         m, MODEL_ERROR,
+                         "%s.principal_inertia = (%g, %g, %g) kg m^2 contradicts itself: no body has "
+                         "one larger than the sum of the others (allowed: at most that sum).",
+                         name, of.x, of.y, of.z);
     }
     const double axial = body_axial_inertia(v, body);
     const double transverse = body_transverse_inertia(v, body);
@@ -538,8 +539,8 @@ static struct bounding_box body_box(const struct scene_values *v, int body, doub
     return bounding_box_sphere(centre, radius);
 }
 
-/* Finds the boxes of both bodies, of a compound that of the part that the contact meets, at the start relative to the source's centre, so that a common offset of the
- * bodies costs no digits. */
+/* Finds the boxes of both bodies, or of the parts of compounds that meet, at the start relative to the
+ * source's centre, so that a common offset of the bodies costs no digits. */
 static void start_boxes(const struct scene_values *v, const struct scene_state *q, int contact,
                         struct bounding_box boxes[2])
 {
@@ -554,8 +555,7 @@ static void start_boxes(const struct scene_values *v, const struct scene_state *
             quaternion_rotate(q->turn_origin[to].orientation, contact_destination_part(contact));
         moved = vec3_add(moved, vec3_sub(end, start));
     }
-    boxes[0] =
-        body_box(v, from, contact_source_radius(v, contact), vec3_make(0.0, 0.0, 0.0), NULL);
+    boxes[0] = body_box(v, from, contact_source_radius(v, contact), vec3_make(0.0, 0.0, 0.0), NULL);
     boxes[1] = body_box(v, to, contact_destination_radius(v, contact), vec3_add(apart, moved), &boxes[0]);
 }
 

@@ -69,8 +69,7 @@ enum model_status model_get_output_derivatives(struct model *m, const struct var
 
 /* Moves one component of a prescribed orientation, whose sign may be opposite to that of the output. */
 static void move_prescribed_orientation(const struct scene_values *v, const struct scene_instant *at,
-                                        const struct variable *known, double change,
-                                        struct scene_jet *along)
+                                        const struct variable *known, double change, struct scene_jet *along)
 {
     const struct quaternion given = body_prescribed_orientation(v, known->element);
     const struct quaternion unit = at->turning.body[known->element].orientation;
@@ -125,10 +124,9 @@ static double diagonal_slope(const struct model *m, const struct scene_jet *alon
     struct vec3 c[JET_TERMS] = {{0.0, 0.0, 0.0}};
     struct vec3 w[JET_TERMS] = {{0.0, 0.0, 0.0}};
     jet_add_levers(along, contact, c, w);
-    return model_diagonal_slope(
-        m, contact,
-        vec3_add(c[1], vec3_sub(along->displacement[contact_destination(contact)][1],
-                                along->displacement[contact_source(contact)][1])));
+    return model_diagonal_slope(m, contact,
+                                vec3_add(c[1], vec3_sub(along->displacement[contact_destination(contact)][1],
+                                                        along->displacement[contact_source(contact)][1])));
 }
 
 static void vary_factors(const struct model *m, struct scene_jet *along)

@@ -118,7 +118,7 @@ CONTACT_COLD enum model_status model_check_consistency(struct model *m);
  * would. */
 CONTACT_COLD void model_warn_of_idle(struct model *m);
 
-/* Whether a quaternion is zero and so is no rotation, and whether a body has such a prescribed orientation. */
+/* Whether a quaternion is zero and so is no rotation, and whether the prescribed orientation of a body is. */
 bool model_is_no_rotation(struct quaternion q);
 bool model_has_no_orientation(const struct scene_values *v, int body);
 

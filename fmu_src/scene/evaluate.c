@@ -181,7 +181,7 @@ struct quaternion turning_start_orientation(const struct scene_values *v, int bo
         return quaternion_unit(body_initial_orientation(v, body));
     }
     return body_has_axis(body) ? quaternion_between(vec3_make(0.0, 0.0, 1.0), unit(body_axis(v, body)))
-                          : quaternion_identity();
+                               : quaternion_identity();
 }
 
 /* Terms of the series of a rotation over one step, and the bound of the angle a [rad] by which the summed

@@ -115,8 +115,7 @@ static void turning_unpack(const struct scene_values *v, const double *y, struct
         if (layout.spin[i] >= 0) {
             struct body_turn *turn = &turning->body[i];
             turn->orientation = quaternion_unit(four_from(y + layout.orientation[i]));
-            turn->angular_velocity =
-                body_rotation_of(v, i, turn->orientation, vec3_from(y + layout.spin[i]));
+            turn->angular_velocity = body_rotation_of(v, i, turn->orientation, vec3_from(y + layout.spin[i]));
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -709,9 +708,9 @@ static void add_body_columns(const struct turning_linearization *l, const struct
         if (body_is_compound(body)) {
             turned = vec3_cross(turn_by_orientation(l, body, k), lever);
             motion.separation = vec3_scale(sign, turned);
-            motion.rate = vec3_scale(
-                sign, vec3_add(vec3_cross(*rotation, lever),
-                               vec3_cross(l->at.turning.body[body].angular_velocity, turned)));
+            motion.rate =
+                vec3_scale(sign, vec3_add(vec3_cross(*rotation, lever),
+                                          vec3_cross(l->at.turning.body[body].angular_velocity, turned)));
         } else {
             motion.axis = axis_by_orientation(l, body, k);
         }

@@ -159,7 +159,8 @@ static int turning_choices(const struct scene_values *v)
 
 bool scene_turns(const struct scene_values *v)
 {
-    return SCENE_ANY_TORUS || SCENE_ANY_COMPOUND || (SCENE_ANY_TURNING && turning_choices(v) != 1); /* 1: every choice is none */
+    return SCENE_ANY_TORUS || SCENE_ANY_COMPOUND ||
+           (SCENE_ANY_TURNING && turning_choices(v) != 1); /* 1: every choice is none */
 }
 
 void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to)

@@ -64,8 +64,8 @@ struct body_path {
     /* of a compound body of prescribed rotation at clock 0, of any length; from there it turns by its angular
      * velocity, in Model Exchange not at all */
     struct quaternion orientation;
-    struct vec3 torque[3];           /* external torque on a body of free rotation [N m, ...] */
-    double turn_follows;             /* enum turn_follows: what a body of prescribed rotation follows */
+    struct vec3 torque[3]; /* external torque on a body of free rotation [N m, ...] */
+    double turn_follows;   /* enum turn_follows: what a body of prescribed rotation follows */
 };
 
 /* Parameters of a contact that are fixed at the start. */
@@ -324,7 +324,7 @@ struct islands {
 
 struct islands scene_islands(const struct scene_values *v, const struct scene_state *q);
 
-/* Whether a body is a compound: one rigid body of several spheres, its parts, whose contacts have lever arms. */
+/* Whether a body is a compound: one rigid body of several spheres, its parts. */
 bool body_is_compound(int body);
 
 /* Whether a body has an axis of its own; spheres and compounds have none. */

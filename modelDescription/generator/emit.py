@@ -78,7 +78,8 @@ def _scene_for_viewers(resolved: Resolved) -> str:
         "name": scene.name,
         "title": scene.title,
         "bodies": [
-            {"name": body.name, "shape": body.shape} | ({"parts": list(map(asdict, body.parts))} if body.parts else {})
+            {"name": body.name, "shape": body.shape}
+            | ({"parts": list(map(asdict, body.parts))} if body.parts else {})
             for body in scene.bodies
         ],
         "contacts": [
@@ -233,8 +234,7 @@ def _facts(resolved: Resolved) -> dict:
         "any_hertz": resolved.may("contact.law", "hertz"),
         "any_restitution": resolved.may("contact.viscous_control", "restitution"),
         "any_rotation": (
-            rotation := compound
-            or any(resolved.may("body.rotation", how) for how in ("prescribed", "free"))
+            rotation := compound or any(resolved.may("body.rotation", how) for how in ("prescribed", "free"))
         ),
         "any_free_rotation": resolved.may("body.rotation", "free"),
         "any_friction": (

@@ -35,20 +35,21 @@ SCENE_KEYS = {
 BODY_KEYS = {
     "name": "small letters, digits and `_`, and perhaps an index as in `ball[3]`; variables begin with it: "
     "`marble.radius`. Required",
-    "shape": "`sphere`, `cylinder`, `plane`, `torus`, or `compound`: a rigid body of several spheres. Required",
+    "shape": "`sphere`, `cylinder`, `plane`, `torus` or `compound`, a rigid body of several spheres. "
+    "Required",
     "part": "`[[body.part]]`, a table for each sphere of a compound, which contacts name as in `foot.heel`",
     "count": f"how many such bodies there are, 1 to {MOST:,}; their `name` has a `{{i}}`, the number of each",
 }
 PART_KEYS = {
     "name": "as of a body, without an index. Required",
     "radius": "of the sphere, m, more than 0: a constant of the FMU. Required",
-    "center": "of the sphere from the compound's centre of mass, in the frame of its principal axes, m: a list "
-    "of three constants of the FMU. Required",
+    "center": "of the sphere from the compound's centre of mass, in the frame of its principal axes, m: a "
+    "list of three constants of the FMU. Required",
 }
 CONTACT_KEYS = {
     "name": "as of a body, and not that of a body: `touch.normal_force`. Required",
-    "source": "name of the body that touches: a sphere, a part of a compound as in `foot.heel`, or a cylinder on "
-    "a cylinder with a parallel axis. Required",
+    "source": "name of the body that touches: a sphere, a part of a compound as in `foot.heel`, or a "
+    "cylinder on a cylinder with a parallel axis. Required",
     "destination": "name of the body that is touched, of any shape; of a compound a part. Required",
     "count": f"how many such contacts there are, 1 to {MOST:,}; the names have a `{{i}}` or `{{i+1}}`",
 }
@@ -249,7 +250,10 @@ def _parts(reader: _Reader, where: str, body: dict) -> tuple[Part, ...]:
         here = f"{where} [[body.part]] {k}"
         reader.keys(here, table, PART_KEYS, PART_KEYS)
         reader.new_name(here, reader.text(here, table, "name", NAME), taken)
-        radius, center = _lengths(reader, here, table, "radius", 1), _lengths(reader, here, table, "center", 3)
+        radius, center = (
+            _lengths(reader, here, table, "radius", 1),
+            _lengths(reader, here, table, "center", 3),
+        )
         if not 1e-150 <= radius[0] <= 1e150:
             reader.fail(here, f"'radius' is {table['radius']!r} (allowed: from 1e-150 to 1e150 m)")
         parts.append(Part(table["name"], *radius, center))
@@ -271,9 +275,7 @@ def _lengths(reader: _Reader, where: str, table: dict, key: str, count: int) -> 
 def _contacts(
     reader: _Reader, entries: list[Entry], bodies: tuple[Body, ...], taken: dict
 ) -> tuple[Contact, ...]:
-    spheres = {
-        f"{body.name}.{part.name}": (i, part) for i, body in enumerate(bodies) for part in body.parts
-    }
+    spheres = {f"{body.name}.{part.name}": (i, part) for i, body in enumerate(bodies) for part in body.parts}
     index = {body.name: (i, None) for i, body in enumerate(bodies) if not body.parts} | spheres
     contacts, pairs = [], {}
     for entry in entries:

@@ -27,7 +27,8 @@ def check_start(resolved: Resolved) -> list[str]:
 
 
 def rotated(orientation, vector) -> tuple[float, ...]:
-    """A vector turned by a quaternion w, x, y, z of any length: q a q*/|q|^2 = 2 (u.a) u + (w^2 - u^2) a + 2 w u x a."""
+    """A vector turned by a quaternion q = (w, u) of any length: with unit length q a q* is
+    2 (u.a) u + (w^2 - u^2) a + 2 w u x a."""
     w, *u = (part / math.hypot(*orientation) for part in orientation)
     along, scale = 2.0 * sum(p * a for p, a in zip(u, vector, strict=True)), w * w - sum(p * p for p in u)
     cross = (
@@ -189,7 +190,10 @@ class Start:
     def overlap(self, index: int, contact: Contact) -> str:
         """'' where the bodies are apart or overlap a little."""
         source, destination = contact.source, contact.destination
-        r_s, r_d = self.radius(source, contact.source_part), self.radius(destination, contact.destination_part)
+        r_s, r_d = (
+            self.radius(source, contact.source_part),
+            self.radius(destination, contact.destination_part),
+        )
         distance = self.distance(contact)
         if distance is None:
             return ""

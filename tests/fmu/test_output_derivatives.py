@@ -13,7 +13,13 @@ from support.fmi2 import raw
 from support.fmi2.raw import DISCARD, OK, array
 from support.fmi2.runs import RUNS, SIZES, begin, go_on, time_after
 
-SUMMED_UP = (".mean_force", ".mean_source_torque", ".mean_destination_torque", ".peak_force", ".peak_penetration")
+SUMMED_UP = (
+    ".mean_force",
+    ".mean_source_torque",
+    ".mean_destination_torque",
+    ".peak_force",
+    ".peak_penetration",
+)
 STEP = 1e-4
 # Differences of values whose rounding and integration errors are some 1e-14 of their size.
 NOISE = 1e-14 / STEP
@@ -21,7 +27,9 @@ RELATIVE = 1e-6
 
 
 def provided(fmu: raw.Fmu) -> list[raw.Variable]:
-    return [one for one in fmu.select("output", kind="Real") if not any(part in one.name for part in SUMMED_UP)]
+    return [
+        one for one in fmu.select("output", kind="Real") if not any(part in one.name for part in SUMMED_UP)
+    ]
 
 
 def keep_promises(instance: raw.Instance) -> None:
@@ -31,7 +39,9 @@ def keep_promises(instance: raw.Instance) -> None:
     if given != [2, 2] and not instance.fmu.name.endswith("ForceElement"):
         return
     acceleration = np.array([0.7, -2.0, 1.1])
-    bodies = {"foot": 0.1} if instance.fmu.name == "FootForceElement" else {"source": 1.0, "destination": -0.5}
+    bodies = (
+        {"foot": 0.1} if instance.fmu.name == "FootForceElement" else {"source": 1.0, "destination": -0.5}
+    )
     for body, sign in bodies.items():
         given = f"{body}.prescribed"
         velocity = instance.get(f"{given}_velocity")

@@ -100,7 +100,6 @@ HIT = {"source.center": [-0.62, 0.2, 0.03], "source.initial_velocity": [2.0, 0.1
 HIT |= {"destination.axis": [0.0, 1.0, 0.0], "destination.rotation": "free", "destination.finite_length": 1}
 
 
-
 def _stepped(time: float) -> dict[str, Any]:
     """A foot that rolls over its balls, with its angular velocity along x"""
     return {
@@ -114,7 +113,11 @@ def _stepped(time: float) -> dict[str, Any]:
 FOOT = {f"{part}.friction": "regularized" for part in ("left_heel", "left_ball", "right_ball")}
 TRIPOD = {"tripod.initial_angular_velocity": [0.3, -0.2, 2.0]}
 for _foot in ("front", "left", "right"):
-    TRIPOD |= {name.replace("contact", _foot): value for name, value in (SOFT | ROLLING).items() if "friction" not in name}
+    TRIPOD |= {
+        name.replace("contact", _foot): value
+        for name, value in (SOFT | ROLLING).items()
+        if "friction" not in name
+    }
     TRIPOD[f"{_foot}.characteristic_slip_velocity"] = 0.1
 PINNED = {"lower.friction": "elastic", "lower.tangential_stiffness": 200.0, "lower.tangential_damping": 0.1}
 PINNED |= {f"{end}.penalty_factor": 500.0 for end in ("lower", "upper")} | {"hole.radius": 0.03}

@@ -234,7 +234,7 @@ def row_of(name: str, scene: dict) -> tuple[str, dict]:
     for contact in scene["contact"]:
         if contact["name"] == owner:
             plain = f"contact.{field}"
-            shapes[owner] = shapes[contact["destination"]]
+            shapes[owner] = shapes[contact["destination"].partition(".")[0]]
     row = CATALOGUE["variable"][plain]
     return plain, row | row.get(f"of_{shapes.get(owner)}", {})
 
@@ -259,7 +259,7 @@ def written_out(scene: dict) -> dict:
                 plain = {
                     key: text.replace("{i}", str(i)).replace("{i+1}", str(i + 1)).replace("*", str(i))
                     for key, text in table.items()
-                    if key != "count"
+                    if key not in ("count", "part")
                 }
                 result[kind].append(plain | {"block": parity + 2 * (k + stride * (i - 1))})
     for table in ("start", "pinned"):

@@ -1,14 +1,17 @@
-"""A compound body on a plane from first principles, apart from the FMU: numpy alone, with rotation matrices, and scipy's
-integration of the six degrees of freedom.
+"""A compound body on a plane or in a hole from first principles, apart from the FMU: numpy alone, with
+rotation matrices, and scipy's integration of the six degrees of freedom.
 
-Each part is a sphere of radius r at R o from the centre of mass x. On a plane with the outward normal n through the origin
+Each part is a sphere of radius r at R o from the centre of mass x. With the outward normal n of a plane
+through the origin, or the one to the axis z of a hole of radius r_d, from which the sphere's centre has the
+distance rho,
 
-    g = n.(x + R o) - r,   g' = n.(v + omega x R o),   p = x + R o - r n
+    plane: g = n.(x + R o) - r,   hole: g = r_d - r - rho,   g' = n.(v + omega x R o),   p = x + R o - r n
     u = v + omega x (p - x), its part across n is the slip
     F_n = max(-p_n g - p_nv g', 0) while g < 0,   F_t = -mu F_n (1 - exp(-|u_t|/v_0)) u_t/|u_t|
     F = F_n n + F_t,   tau = (p - x) x F
 
-The functions are analytic where they are not cut off, so that a complex step gives their derivatives to rounding.
+The functions are analytic where they are not cut off, so that a complex step gives their derivatives to
+rounding.
 """
 
 import numpy as np
@@ -34,15 +37,20 @@ class Foot:
         self.parts = [(radius, np.array(center)) for radius, center in parts]
         self.p_n, self.p_nv, self.mu, self.v_0, self.normal = p_n, p_nv, mu, v_0, np.array(normal)
 
+    def surface(self, place):
+        """The height of a sphere's centre above the surface, and the normal there"""
+        return self.normal @ place, self.normal
+
     def gap(self, k, x, rotation):
         radius, center = self.parts[k]
-        return self.normal @ (x + rotation @ center) - radius
+        return self.surface(x + rotation @ center)[0] - radius
 
     def contact(self, k, x, v, q, omega):
         """Gap, force and torque about the centre of mass"""
         radius, center = self.parts[k]
-        n, rotation = self.normal, matrix(q)
-        gap = self.gap(k, x, rotation)
+        rotation = matrix(q)
+        height, n = self.surface(x + rotation @ center)
+        gap = height - radius
         gap_rate = n @ (v + np.cross(omega, rotation @ center))
         arm = rotation @ center - radius * n
         slip = v + np.cross(omega, arm)
@@ -61,6 +69,18 @@ class Foot:
         """Force and torque of all parts"""
         all_of_them = [self.contact(k, x, v, q, omega)[1:] for k in range(len(self.parts))]
         return sum(force for force, _ in all_of_them), sum(torque for _, torque in all_of_them)
+
+
+class Pin(Foot):
+    """Parts in a hole of radius `hole` about z"""
+
+    def __init__(self, hole, *more):
+        super().__init__(*more)
+        self.hole = hole
+
+    def surface(self, place):
+        rho = np.sqrt(place[0] ** 2 + place[1] ** 2)
+        return self.hole - rho, -np.array([place[0], place[1], 0.0]) / rho
 
 
 class FreeBody:
@@ -87,8 +107,9 @@ class FreeBody:
         )
 
     def run(self, y, end):
-        """The state at `end`, integrated from touch to touch, so that no step crosses a change of the law. The dense output
-        that finds a touch is coarser than a step: a step of its own goes there, and Newton's method corrects it."""
+        """The state at `end`, integrated from touch to touch, so that no step crosses a change of the law.
+        The dense output that finds a touch is coarser than a step: a step of its own goes there, and Newton's
+        method corrects it."""
 
         def gap_of(k):
             def gap(_t, y):
@@ -99,7 +120,14 @@ class FreeBody:
 
         def integrated(y, start, to, events=None):
             return solve_ivp(
-                self.rates, (start, to), y, method="DOP853", rtol=1e-13, atol=1e-15, max_step=1e-3, events=events
+                self.rates,
+                (start, to),
+                y,
+                method="DOP853",
+                rtol=1e-13,
+                atol=1e-15,
+                max_step=1e-3,
+                events=events,
             )
 
         gaps = [gap_of(k) for k in range(len(self.foot.parts))]
@@ -123,4 +151,9 @@ class FreeBody:
         turning = 0.5 * np.sum(self.inertia * (rotation.T @ y[10:]) ** 2)
         height = self.mass * (self.gravity @ y[:3])
         gaps = [min(self.foot.gap(k, y[:3], rotation), 0.0) for k in range(len(self.foot.parts))]
-        return 0.5 * self.mass * (y[3:6] @ y[3:6]) + turning - height + 0.5 * self.foot.p_n * (np.array(gaps) @ gaps)
+        return (
+            0.5 * self.mass * (y[3:6] @ y[3:6])
+            + turning
+            - height
+            + 0.5 * self.foot.p_n * (np.array(gaps) @ gaps)
+        )
