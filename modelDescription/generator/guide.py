@@ -13,7 +13,7 @@ from .scene import (
     Body,
     Contact,
     Scene,
-)  # fmt: skip
+)
 
 OWNERS = {"body": "BODY", "contact": "CONTACT", "world": ""}  # how the page names what a scene names itself
 
