@@ -101,7 +101,7 @@ endfunction()
 
 # What the scene whose scene.cmake has been read does not need; the contact folder, which knows no scene, hears of it here.
 function(contact_leave_out_parts target)
-    foreach(what CYLINDER SKEW CAPS PLANE TORUS CURVED HERTZ PRESCRIBED RESTITUTION ROTATION FRICTION ROLLING MINDLIN)
+    foreach(what CYLINDER SKEW CAPS PLANE TORUS COMPOUND CURVED HERTZ PRESCRIBED RESTITUTION ROTATION FRICTION ROLLING MINDLIN)
         if(NOT SCENE_HAS_${what})
             target_compile_definitions(${target} PRIVATE CONTACT_NO_${what})
         endif()

@@ -16,7 +16,7 @@ from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file
 
 ROOT = Path(__file__).resolve().parents[1]
-SCENES = ("BallInCorner", "Chain", "Islands", "ThreeBalls", "TwoPairs")
+SCENES = ("BallInCorner", "Chain", "Islands", "ThreeBalls", "TripodReversed", "TwoBars", "TwoPairs")
 
 
 @pytest.fixture(scope="session")

@@ -82,6 +82,22 @@ static struct rotor_axis prescribed_axis_at(const struct axis_motion *motion, do
     return (struct rotor_axis){axis, vec3_cross(at[0], axis)};
 }
 
+struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct rotor_state *body, struct vec3 inertia,
+                                        const struct vec3 torque[ROTOR_TORQUES])
+{
+    struct axis_motion motion = {.kind = AXIS_TUMBLES, .axis = axis, .body = *body, .inertia = inertia};
+    memcpy(motion.coefficient, torque, ROTOR_TORQUES * sizeof *torque);
+    return motion;
+}
+
+static struct rotor_axis tumbling_axis_at(const struct axis_motion *motion, double time)
+{
+    const struct rotor_state then =
+        rotor_of_three_after(&motion->body, motion->inertia, motion->coefficient, time - motion->from);
+    const struct vec3 axis = quaternion_rotate(then.orientation, motion->axis);
+    return (struct rotor_axis){axis, vec3_cross(then.angular_velocity, axis)};
+}
+
 /* Returns e_d and its rate at a time no earlier than `from`. */
 static struct rotor_axis axis_motion_at(const struct axis_motion *motion, double time)
 {
@@ -92,6 +108,10 @@ static struct rotor_axis axis_motion_at(const struct axis_motion *motion, double
         return prescribed_axis_at(motion, time);
     case AXIS_FOLLOWS:
         return following_axis_at(motion, time);
+    case AXIS_TUMBLES:
+        if (CONTACT_ANY_COMPOUND) {
+            return tumbling_axis_at(motion, time);
+        } /* fall through */
     case AXIS_FIXED:
     default:
         return (struct rotor_axis){motion->axis, vec3_make(0.0, 0.0, 0.0)};
@@ -104,6 +124,20 @@ void axis_motion_move_on(struct axis_motion *motion, double time)
         motion->axis = prescribed_axis_at(motion, time).axis;
         rotor_rates_shift(motion->coefficient, AXIS_TERMS, time - motion->from);
         motion->from = time;
+    }
+    if (CONTACT_ANY_COMPOUND && motion->kind == AXIS_TUMBLES && time > motion->from) {
+        motion->body =
+            rotor_of_three_after(&motion->body, motion->inertia, motion->coefficient, time - motion->from);
+        rotor_rates_shift(motion->coefficient, ROTOR_TORQUES, time - motion->from);
+        motion->from = time;
+    }
+}
+
+void advancement_move_on(struct advancement_path *path, double time)
+{
+    axis_motion_move_on(&path->axis, time);
+    for (int end = 0; CONTACT_ANY_COMPOUND && end < 2; ++end) {
+        axis_motion_move_on(&path->lever[end], time);
     }
 }
 
@@ -123,6 +157,27 @@ static struct vector_sizes sizes_within(const struct vec3 coefficient[AXIS_TERMS
     return (struct vector_sizes){start - first * length, start + first * length, first, second};
 }
 
+/* Bounds for a tumbling body: |omega| <= |L| / I_least, and from I omega' = tau - omega x I omega follows
+ * |omega'| <= |tau| / I_least + |omega|^2 max |I_j - I_k| / I_least. */
+static struct axis_bounds tumbling_bounds(const struct axis_motion *motion, double time, double length)
+{
+    const struct vec3 i = motion->inertia;
+    const double least = fmin(i.x, fmin(i.y, i.z));
+    const double spread = fmax(fabs(i.x - i.y), fmax(fabs(i.y - i.z), fabs(i.z - i.x))) / least;
+    const struct rotor_state *body = &motion->body;
+    const struct vec3 omega =
+        quaternion_rotate(quaternion_inverse(body->orientation), body->angular_velocity);
+    const double until = time + length - motion->from;
+    double torque = 0.0;
+    for (int k = ROTOR_TORQUES - 1; k >= 0; --k) {
+        torque = vec3_norm(motion->coefficient[k]) + torque * until;
+    }
+    const double momentum =
+        vec3_norm(vec3_make(i.x * omega.x, i.y * omega.y, i.z * omega.z)) + torque * until;
+    const double speed = momentum / least;
+    return (struct axis_bounds){speed, torque / least + (spread + 0.5) * speed * speed};
+}
+
 struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double time, double length)
 {
     if (motion->kind == AXIS_PRECESSES) {
@@ -133,6 +188,9 @@ struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double t
     }
     if (motion->kind == AXIS_FIXED) {
         return (struct axis_bounds){0.0, 0.0};
+    }
+    if (CONTACT_ANY_COMPOUND && motion->kind == AXIS_TUMBLES) {
+        return tumbling_bounds(motion, time, length);
     }
     const struct vector_sizes size = sizes_within(motion->coefficient, time - motion->from, length);
     if (motion->kind == AXIS_PRESCRIBED) {
@@ -147,6 +205,27 @@ struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double t
     return (struct axis_bounds){speed, (size.second + 2.0 * size.first * speed) / size.least};
 }
 
+/* Returns an upper bound of the second derivatives of the lever arms [m/s^2]: for b = |b| e it is
+ * |b| (|e x e''| + |e'|^2). */
+static double bend_of_levers(const struct advancement_path *path, double time, double length)
+{
+    double bend = 0.0;
+    for (int end = 0; CONTACT_ANY_COMPOUND && end < 2; ++end) {
+        const struct axis_bounds turn = axis_motion_bounds(&path->lever[end], time, length);
+        bend += path->lever_length[end] * (turn.turn + turn.speed * turn.speed);
+    }
+    return bend;
+}
+
+double advancement_turning(const struct advancement_path *path, double time, double length)
+{
+    double speed = axis_motion_bounds(&path->axis, time, length).speed;
+    for (int end = 0; CONTACT_ANY_COMPOUND && end < 2; ++end) {
+        speed = fmax(speed, axis_motion_bounds(&path->lever[end], time, length).speed);
+    }
+    return speed;
+}
+
 /* Relative rounding of a gap, a sum of products of vectors, as in rounding_of_gap. */
 static const double ADVANCEMENT_ROUNDINGS = 8.0 * DBL_EPSILON;
 
@@ -157,7 +236,8 @@ static int functions_of(const struct advancement_path *path)
     return may_end && isfinite(path->shape.half_length) ? ADVANCEMENT_FUNCTIONS : 1;
 }
 
-/* Sets the separation and its time derivatives, by Horner's scheme. */
+/* Sets the separation and its time derivatives, by Horner's scheme. Lever arms, which are no polynomials, are
+ * added to the separation and to its rate alone. */
 static void separation_at(const struct advancement_path *path, double time, struct vec3 at[ADVANCEMENT_TERMS])
 {
     for (int k = 0; k < ADVANCEMENT_TERMS; ++k) {
@@ -173,6 +253,12 @@ static void separation_at(const struct advancement_path *path, double time, stru
     for (int k = 2; k < ADVANCEMENT_TERMS; ++k) {
         factorial *= k;
         at[k] = vec3_scale(factorial, at[k]);
+    }
+    for (int end = 0; CONTACT_ANY_COMPOUND && end < 2; ++end) {
+        const struct rotor_axis lever = axis_motion_at(&path->lever[end], time);
+        const double part = end == 0 ? -path->lever_length[end] : path->lever_length[end];
+        at[0] = vec3_axpy(at[0], part, lever.axis);
+        at[1] = vec3_axpy(at[1], part, lever.rate);
     }
 }
 
@@ -278,10 +364,11 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
                         double length, struct advancement_instant *at)
 {
     const struct axis_bounds axis = axis_motion_bounds(&path->axis, time, length);
-    double bend = size_within(at->c, 2, length);
-    double speed = size_within(at->c, 1, length);
+    const double of_levers = bend_of_levers(path, time, length);
+    double bend = size_within(at->c, 2, length) + of_levers;
+    double speed = size_within(at->c, 1, length) + of_levers * length;
     if (axis.speed > 0.0) {
-        const double separation = size_within(at->c, 0, length);
+        const double separation = size_within(at->c, 0, length) + 0.5 * of_levers * length * length;
         bend += 2.0 * axis.speed * speed + (axis.turn + axis.speed * axis.speed) * separation;
         speed += axis.speed * separation;
     }
@@ -299,8 +386,8 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
         for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
             across[i] = contact_across(&shape, at->c[i]);
         }
-        gap->bend = size_within(across, 2, length);
-        speed = size_within(across, 1, length);
+        gap->bend = size_within(across, 2, length) + of_levers;
+        speed = size_within(across, 1, length) + of_levers * length;
     }
     if (distance_grows(path, change) && !contact_is_plane(&shape)) {
         gap->bend += speed * speed / smooth_reach(&shape);
@@ -310,7 +397,7 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
 /* Returns how far the distance of the centres exceeds the largest distance of a touch [m], with the bend over
  * `length` seconds. The function is valid for any motion of the axis. */
 static struct falling beyond_reach(const struct advancement_path *path, const struct advancement_instant *at,
-                                   double length)
+                                   double time, double length)
 {
     const double distance = vec3_norm(at->c[0]);
     const struct contact_shape shape = shape_with(path, path->axis.axis);
@@ -320,7 +407,8 @@ static struct falling beyond_reach(const struct advancement_path *path, const st
         farthest = shape.solid.radius + shape.solid.half_height + shape.source_radius;
     }
     const double slope = distance > 0.0 ? vec3_dot(at->c[0], at->c[1]) / distance : 0.0;
-    return (struct falling){distance - farthest, slope, size_within(at->c, 2, length), 0.0};
+    return (struct falling){distance - farthest, slope,
+                            size_within(at->c, 2, length) + bend_of_levers(path, time, length), 0.0};
 }
 
 /* Returns a time during which a function surely stays above -noise [s]. */
@@ -411,7 +499,7 @@ static double step_from(const struct advancement_search *search, struct advancem
     const bool has_reach =
         shape->side > 0 && (search->count > 1 || contact_is_capped(shape) || contact_is_torus(shape));
     if (search->change == ADVANCEMENT_TOUCH && has_reach) {
-        const struct falling beyond = beyond_reach(search->path, at, rest);
+        const struct falling beyond = beyond_reach(search->path, at, time, rest);
         const double away = stays_above(&beyond, 0.0);
         if (away >= rest) {
             return rest;
@@ -472,7 +560,7 @@ struct advancement_result advancement_first(const struct advancement_path *path,
         } else if (time < horizon) {
             if (!(at.of[deciding(&search, &at)].value < 0.0)) {
                 before = time;
-                axis_motion_move_on(&moving.axis, time);
+                advancement_move_on(&moving, time);
             }
             step = step_from(&search, &at, time, horizon, &length);
             /* the step is halved until the deciding function has been >= 0: a value that rounding put below

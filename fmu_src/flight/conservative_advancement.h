@@ -6,7 +6,7 @@
  * The axis either stands still, or turns steadily about a fixed direction (the precession of a torque-free
  * body, a constant angular velocity), or turns with an angular velocity that is polynomial in time (a torque,
  * a prescribed angular velocity), or follows a polynomial of time, which need not have unit length but must
- * not be zero.
+ * not be zero. The lever arms of compound bodies turn in the same ways, or with a body that tumbles.
  */
 #ifndef CONTACT_FLIGHT_CONSERVATIVE_ADVANCEMENT_H
 #define CONTACT_FLIGHT_CONSERVATIVE_ADVANCEMENT_H
@@ -16,7 +16,7 @@
 
 enum { AXIS_TERMS = ROTOR_RATES };
 
-enum axis_motion_kind { AXIS_FIXED, AXIS_PRECESSES, AXIS_PRESCRIBED, AXIS_FOLLOWS };
+enum axis_motion_kind { AXIS_FIXED, AXIS_PRECESSES, AXIS_PRESCRIBED, AXIS_FOLLOWS, AXIS_TUMBLES };
 
 struct axis_motion {
     enum axis_motion_kind kind;
@@ -27,6 +27,10 @@ struct axis_motion {
     /* coefficients of a polynomial of the time since `from`: of lambda in e' = lambda x e for
      * AXIS_PRESCRIBED, of the direction of e for AXIS_FOLLOWS */
     struct vec3 coefficient[AXIS_TERMS];
+    /* for AXIS_TUMBLES: the body at `from`, in whose frame the axis is `axis`, and its moments of inertia;
+     * `coefficient` has the torque by powers of the time since `from` */
+    struct rotor_state body;
+    struct vec3 inertia;
 };
 
 struct axis_motion axis_motion_fixed(struct vec3 axis);
@@ -36,6 +40,10 @@ struct axis_motion axis_motion_of_rotor(const struct rotor *rotor);
  * makes a steady turn, and from those of a direction. */
 struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *rate, int count);
 struct axis_motion axis_motion_following(const struct vec3 *direction, int count);
+
+/* Returns the motion of a direction, given in the body's frame, of a body with three moments of inertia. */
+struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct rotor_state *body, struct vec3 inertia,
+                                        const struct vec3 torque[ROTOR_TORQUES]);
 
 /* Moves the origin `from` to `time`; later calls with earlier times are then not allowed. */
 void axis_motion_move_on(struct axis_motion *motion, double time);
@@ -65,7 +73,17 @@ struct advancement_path {
     struct vec3 c[ADVANCEMENT_TERMS]; /* separation by powers of the time since now [m, m/s, ...] */
     struct axis_motion axis;
     double rounding; /* rounding bound of c at the start [m] */
+    /* the lever arms of the parts of compound bodies that meet, 0: source, 1: destination: directions and
+     * lengths [m], the length is zero for other bodies. They are added to c. */
+    struct axis_motion lever[2];
+    double lever_length[2];
 };
+
+/* Returns an upper bound of the angular velocity [rad/s] of the axis and the lever arms. */
+double advancement_turning(const struct advancement_path *path, double time, double length);
+
+/* Moves the origins of the axis and the lever arms to `time`, as axis_motion_move_on does. */
+void advancement_move_on(struct advancement_path *path, double time);
 
 /* The change that the search looks for: the bodies come into contact, or contact ends. */
 enum advancement_change { ADVANCEMENT_TOUCH, ADVANCEMENT_PARTING };

@@ -28,7 +28,13 @@ static struct body_turn flight_turn_at(const struct scene_values *v, const struc
                                        double clock)
 {
     struct rotor_state then;
-    if (!path_rests(q->path[body].torque)) {
+    if (body_is_compound(body)) {
+        const struct body_turn *turn = &q->turning.body[body];
+        const struct rotor_state now = {turn->orientation, turn->angular_velocity};
+        struct vec3 torque[ROTOR_TORQUES];
+        torque_from_now(v, q, body, torque);
+        then = rotor_of_three_after(&now, body_principal_inertia(v, body), torque, clock - q->clock);
+    } else if (!path_rests(q->path[body].torque)) {
         const struct body_inertia inertia = body_inertia_of(v, body);
         const struct body_turn *turn = &q->turning.body[body];
         const struct rotor_state now = {turn->orientation, turn->angular_velocity};
@@ -374,7 +380,8 @@ static bool body_is_deferrable(const struct scene_values *v, const struct scene_
                                double clock)
 {
     const double speed = vec3_max_abs(q->origin[body].velocity) + vec3_max_abs(gravity(v)) * clock;
-    const bool turns_by_itself = !body_turns_freely(v, body) || path_rests(q->path[body].torque);
+    const bool turns_by_itself =
+        !body_turns_freely(v, body) || (path_rests(q->path[body].torque) && !body_is_compound(body));
     return path_rests(q->path[body].force) && turns_by_itself && speed < 1e70 && speed * clock < 1e70;
 }
 

@@ -47,6 +47,36 @@ struct separation_path separation_path_of(const struct scene_values *v, const st
     return path;
 }
 
+void relative_path_put_levers(const struct scene_values *v, const struct scene_state *q,
+                              const struct scene_instant *at, double clock, int contact,
+                              struct advancement_path *path)
+{
+    for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
+        const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+        const struct vec3 part = end == 0 ? contact_source_part(contact) : contact_destination_part(contact);
+        const double length = vec3_norm(part);
+        if (!(length > 0.0)) {
+            continue;
+        }
+        const struct vec3 lever = scene_lever(at, contact, end);
+        const struct vec3 axis = vec3_scale(1.0 / vec3_norm(lever), lever);
+        const struct body_turn *turn = &at->turning.body[body];
+        struct body_path follows = q->path[body];
+        path_shift(follows.angular_velocity, 3, clock);
+        path_shift(follows.torque, 3, clock);
+        path->lever_length[end] = length;
+        path->lever[end] = axis_motion_fixed(axis);
+        path->c[0] = vec3_axpy(path->c[0], end == 0 ? 1.0 : -1.0, lever); /* to the centres of mass */
+        if (body_turns_freely(v, body)) {
+            const struct rotor_state now = {turn->orientation, turn->angular_velocity};
+            path->lever[end] = axis_motion_tumbling(vec3_scale(1.0 / length, part), &now,
+                                                    body_principal_inertia(v, body), follows.torque);
+        } else if (body_turn_is_prescribed(v, body) && follows.turn_follows == TURN_FOLLOWS_VELOCITY) {
+            path->lever[end] = axis_motion_prescribed(axis, follows.angular_velocity, 3);
+        }
+    }
+}
+
 bool relative_path_has_ends(const struct contact_shape *shape)
 {
     return !SCENE_ANY_ENDLESS || (SCENE_ANY_CYLINDER && isfinite(shape->half_length));

@@ -231,8 +231,8 @@ static double largest_step_of(const struct scene_values *v, const struct scene_s
                  path_at(q->path[contact_destination(contact)].force, 3, q->clock));
     const double a = vec3_norm(gravity(v)) + vec3_norm(force_difference) / body_mass(v, source);
     const double speed = sqrt(vec3_dot(at->rate[contact], at->rate[contact]) + 4.0 * a * distance);
-    const double length =
-        contact_transmits(q, contact) ? fmax(distance, -at->geometry[contact].gap) : body_radius(v, source);
+    const double length = contact_transmits(q, contact) ? fmax(distance, -at->geometry[contact].gap)
+                                                        : contact_source_radius(v, contact);
     return LARGEST_ANGLE * length / speed;
 }
 

@@ -481,7 +481,8 @@ static bool has_converged(const struct radau_step *p, double size, double last, 
 
 bool node_forces_apply(const struct general *g)
 {
-    bool refused = false; /* the unknowns are forces, neither springs nor torques */
+    /* the unknowns are forces, neither springs nor torques; orientations move no place of a force */
+    bool refused = SCENE_ANY_COMPOUND;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         refused = refused || contact_has_springs(g->ode.values, j) || contact_resists(g->ode.values, j);
     }

@@ -267,7 +267,7 @@ static double others_apart_for(const struct scene_values *v, const struct scene_
         if (contact_transmits(q, j) || !contact_is_coupled(v, q, j)) {
             continue;
         }
-        const double room = at->geometry[j].gap - NEARBY * body_radius(v, contact_source(j));
+        const double room = at->geometry[j].gap - NEARBY * contact_source_radius(v, j);
         if (!(room > 0.0)) {
             return 0.0;
         }

@@ -599,7 +599,8 @@ static struct advancement_path advancement_path_of(const struct scene_values *v,
     for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
         path.c[i] = separation.c[i];
     }
-    path.axis = body_tips(v, destination)
+    relative_path_put_levers(v, q, at, q->clock, contact, &path);
+    path.axis = contact_tips(v, contact)
                     ? flight_axis_motion(v, q, &at->turning.body[destination], destination)
                     : axis_motion_fixed(path.shape.axis);
     return path;
@@ -631,8 +632,8 @@ static void look_for_law(const struct advancement_path *from_now, const struct c
                          enum contact_regime present, double until, long budget, struct prediction *found)
 {
     struct advancement_path path = *from_now;
-    const struct axis_bounds axis = axis_motion_bounds(&path.axis, 0.0, until);
-    const double wanted = LEAST_LAW_INSTANTS + LAW_INSTANTS_PER_RADIAN * axis.speed * until;
+    const double turning = advancement_turning(&path, 0.0, until);
+    const double wanted = LEAST_LAW_INSTANTS + LAW_INSTANTS_PER_RADIAN * turning * until;
     const long count = (long)fmin(wanted, fmin(MOST_LAW_INSTANTS, fmax(LEAST_LAW_INSTANTS, (double)budget)));
     double before = 0.0;
     for (long i = 1; i < count; ++i) {
@@ -647,7 +648,7 @@ static void look_for_law(const struct advancement_path *from_now, const struct c
             return;
         }
         before = time;
-        axis_motion_move_on(&path.axis, time);
+        advancement_move_on(&path, time);
     }
 }
 
@@ -738,7 +739,8 @@ static bool apart_is_known(const struct scene_values *v, const struct scene_stat
         body_is_prescribed(v, contact_destination(contact))) {
         return false;
     }
-    return shape.side > 0 && !contact_is_torus(&shape);
+    return shape.side > 0 && !contact_is_torus(&shape) && !body_is_compound(contact_source(contact)) &&
+           !body_is_compound(contact_destination(contact));
 }
 
 /* Returns the time [s] after the present instant `at` in which bodies that are apart cannot touch. A convex

@@ -301,3 +301,87 @@ struct rotor_state rotor_under_torque(const struct rotor_state *start, double tr
     now.angular_velocity = vec3_axpy(lambda[0], ratio * spin, axis);
     return now;
 }
+
+static struct vec3 quotient(struct vec3 a, struct vec3 by)
+{
+    return vec3_make(a.x / by.x, a.y / by.y, a.z / by.z);
+}
+
+/* Terms of l, of omega and of q in powers of time / unit, and of u = q* tau. */
+struct three_terms {
+    struct vec3 momentum[ROTOR_TERMS + 1], omega[ROTOR_TERMS + 1];
+    struct quaternion q[ROTOR_TERMS + 1], u[ROTOR_TERMS + 1];
+};
+
+/* Sets the terms after the first ones. */
+static void put_three_terms(struct three_terms *t, struct vec3 inertia,
+                            const struct vec3 torque[ROTOR_TORQUES], double unit)
+{
+    for (int n = 0; n < ROTOR_TERMS; ++n) {
+        struct vec3 grown = {0.0, 0.0, 0.0};
+        struct quaternion turned = {0.0, 0.0, 0.0, 0.0};
+        double power = 1.0;
+        t->u[n] = turned;
+        for (int i = 0; i < ROTOR_TORQUES && i <= n; ++i) {
+            const struct quaternion tau = quaternion_make(0.0, vec3_scale(power, torque[i]));
+            t->u[n] = quaternion_axpy(t->u[n], 1.0, quaternion_product(quaternion_inverse(t->q[n - i]), tau));
+            power *= unit;
+        }
+        for (int i = 0; i <= n; ++i) {
+            const struct quaternion by = quaternion_make(0.0, vec3_scale(0.5, t->omega[i]));
+            grown = vec3_add(grown, vec3_cross(t->momentum[n - i], t->omega[i]));
+            grown = vec3_add(grown, quaternion_vector(quaternion_product(t->u[n - i], t->q[i])));
+            turned = quaternion_axpy(turned, 1.0, quaternion_product(t->q[n - i], by));
+        }
+        t->momentum[n + 1] = vec3_scale(unit / (n + 1), grown);
+        t->omega[n + 1] = quotient(t->momentum[n + 1], inertia);
+        t->q[n + 1] = quaternion_scale(unit / (n + 1), turned);
+    }
+}
+
+/* The last terms of q may have this size at the end of a step, which is less than rounding. */
+static const double LAST_TERM = 1e-18;
+
+/* Returns the longest step, at most `left`, at whose end the last two terms of q are small. */
+static double three_step(const struct three_terms *t, double unit, double left)
+{
+    double step = left;
+    for (int n = ROTOR_TERMS - 1; n <= ROTOR_TERMS; ++n) {
+        const double size = sqrt(quaternion_dot(t->q[n], t->q[n]));
+        step = size > 0.0 ? fmin(step, unit * pow(LAST_TERM / size, 1.0 / n)) : step;
+    }
+    return step;
+}
+
+struct rotor_state rotor_of_three_after(const struct rotor_state *start, struct vec3 inertia,
+                                        const struct vec3 torque[ROTOR_TORQUES], double time)
+{
+    struct quaternion q = start->orientation;
+    struct vec3 moment[ROTOR_TORQUES] = {torque[0], torque[1], torque[2]};
+    struct vec3 omega = quaternion_rotate(quaternion_inverse(q), start->angular_velocity);
+    struct vec3 momentum = quaternion_rotate(
+        q, vec3_make(inertia.x * omega.x, inertia.y * omega.y, inertia.z * omega.z)); /* L, in the world */
+    const double least = fmin(inertia.x, fmin(inertia.y, inertia.z));
+    for (double left = time; left > 0.0;) {
+        const struct vec3 in_body = quaternion_rotate(quaternion_inverse(q), momentum);
+        const double rate = vec3_norm(in_body) / least + sqrt(vec3_norm(moment[0]) / least) +
+                            cbrt(vec3_norm(moment[1]) / least) + sqrt(sqrt(vec3_norm(moment[2]) / least));
+        const double unit = fmin(left, rate > 0.0 ? 1.0 / rate : left);
+        struct three_terms t = {.momentum = {in_body}, .omega = {quotient(in_body, inertia)}, .q = {q}};
+        put_three_terms(&t, inertia, moment, unit);
+        const double step = three_step(&t, unit, left);
+        const double part = step / unit;
+        q = t.q[ROTOR_TERMS];
+        for (int n = ROTOR_TERMS - 1; n >= 0; --n) {
+            q = quaternion_axpy(t.q[n], part, q);
+        }
+        q = quaternion_unit(q);
+        for (int i = ROTOR_TORQUES - 1; i >= 0; --i) {
+            momentum = vec3_axpy(momentum, pow(step, i + 1) / (i + 1), moment[i]);
+        }
+        rotor_rates_shift(moment, ROTOR_TORQUES, step);
+        left -= step;
+    }
+    omega = quotient(quaternion_rotate(quaternion_inverse(q), momentum), inertia);
+    return (struct rotor_state){q, quaternion_rotate(q, omega)};
+}

@@ -74,6 +74,17 @@ struct rotor_state rotor_under_torque(const struct rotor_state *start, double tr
                                       double axial_inertia, const struct vec3 torque[ROTOR_TORQUES],
                                       double time);
 
+/*
+ * The rigid body with three moments of inertia I under a torque, by power series of time. L is the angular
+ * momentum, the integral of the torque; l has its components in the body's frame, and q is the orientation:
+ *
+ *   l' = l x omega + q* tau q,   omega = l / I by components,   q' = q (0, omega) / 2
+ *
+ * Each step keeps L, so that errors are those of rounding only; the cost is in proportion to the turns.
+ */
+struct rotor_state rotor_of_three_after(const struct rotor_state *start, struct vec3 inertia,
+                                        const struct vec3 torque[ROTOR_TORQUES], double time);
+
 /* Moves the origin of a polynomial of time on by `time` [s], in place. */
 void rotor_rates_shift(struct vec3 *coefficient, int count, double time);
 

@@ -72,6 +72,13 @@ static void renew_turn(const struct model *m, int body, const uint8_t *marks, st
             put_signal(path->torque, k, vec3_get(torque, k), &signals[15 + k], marks[15 + k]);
         }
     }
+    if (SCENE_ANY_COMPOUND && prescribed) {
+        const struct quaternion given = body_prescribed_orientation(v, body);
+        path->orientation.w = marks[18] & SIGNAL_VALUE ? given.w : path->orientation.w;
+        path->orientation.x = marks[19] & SIGNAL_VALUE ? given.x : path->orientation.x;
+        path->orientation.y = marks[20] & SIGNAL_VALUE ? given.y : path->orientation.y;
+        path->orientation.z = marks[21] & SIGNAL_VALUE ? given.z : path->orientation.z;
+    }
     const bool has_rate = ((marks[12] | marks[13] | marks[14]) & SIGNAL_EXPLICIT) != 0;
     path->turn_follows = m->host.exchange ? TURN_FOLLOWS_AXIS_ALONE
                          : has_rate       ? TURN_FOLLOWS_AXIS
@@ -108,7 +115,13 @@ void model_start_paths(struct model *m)
             marks[k] = m->state.marks[i][k] | SIGNAL_VALUE;
         }
         input_path_renew(m, i, marks, &m->state.motion.path[i]);
-        if (SCENE_ANY_ROTATION && body_shape(i) != SHAPE_SPHERE) {
+        if (SCENE_ANY_COMPOUND) { /* until the input is set, the parameter gives the orientation */
+            const uint8_t *set = &m->state.marks[i][18];
+            if (!(set[0] | set[1] | set[2] | set[3])) {
+                m->state.motion.path[i].orientation = body_initial_orientation(&m->state.values, i);
+            }
+        }
+        if (SCENE_ANY_ROTATION && body_has_axis(i)) {
             const uint8_t *set = &m->state.marks[i][12];
             if (!(set[0] | set[1] | set[2])) { /* until the input is set, the parameter gives the axis */
                 m->state.motion.path[i].axis[0] = body_axis(&m->state.values, i);
@@ -127,13 +140,19 @@ static bool same_coefficients(const struct vec3 *a, const struct vec3 *b, int co
     return true;
 }
 
+static bool same_orientation(struct quaternion a, struct quaternion b)
+{
+    return a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
 static bool input_path_is_same(const struct body_path *a, const struct body_path *b)
 {
     const bool turn_is_same =
         !SCENE_ANY_ROTATION ||
         (same_coefficients(a->angular_velocity, b->angular_velocity, 3) &&
          same_coefficients(a->axis, b->axis, 3) && same_coefficients(a->torque, b->torque, 3) &&
-         a->turn_follows == b->turn_follows);
+         a->turn_follows == b->turn_follows &&
+         (!SCENE_ANY_COMPOUND || same_orientation(a->orientation, b->orientation)));
     return turn_is_same && same_coefficients(a->displacement, b->displacement, 4) &&
            same_coefficients(a->velocity, b->velocity, 3) && same_coefficients(a->force, b->force, 3);
 }
@@ -150,10 +169,11 @@ static void input_path_shift(const struct model *m, int body, struct body_path *
         path_shift(path->torque, 3, clock);
         if (path->turn_follows == TURN_FOLLOWS_VELOCITY && body_shape(body) != SHAPE_SPHERE &&
             body_turn_is_prescribed(&m->state.values, body)) {
-            /* the axis has followed the angular velocity; components that are not set go on from where it
-             * is */
+            /* the axis or the orientation has followed the angular velocity; components that are not set go
+             * on from where it is */
             const struct body_turn now = turning_prescribed_at(&m->state.motion, clock, body);
-            path->axis[0] = quaternion_third_axis(now.orientation);
+            path->axis[0] = body_is_compound(body) ? path->axis[0] : quaternion_third_axis(now.orientation);
+            path->orientation = now.orientation;
         }
     }
 }
@@ -297,7 +317,8 @@ static int signal_of(const struct variable *variable)
 {
     static const int rows[] = {ROW_body_prescribed_displacement, ROW_body_prescribed_velocity,
                                ROW_body_external_force,          ROW_body_prescribed_angular_velocity,
-                               ROW_body_prescribed_axis,         ROW_body_external_torque};
+                               ROW_body_prescribed_axis,         ROW_body_external_torque,
+                               ROW_body_prescribed_orientation};
     for (int i = 0; i < (int)(sizeof rows / sizeof rows[0]); ++i) {
         if (variable->row == rows[i]) {
             return 3 * i + variable->component;
@@ -402,8 +423,19 @@ static bool turn_tilts_axis(const struct model *m, int body)
 /* Whether a body's prescribed axis is zero and so has no direction. */
 static bool has_no_axis(const struct scene_values *v, int body)
 {
-    return body_shape(body) != SHAPE_SPHERE && body_turn_is_prescribed(v, body) &&
+    return body_has_axis(body) && body_turn_is_prescribed(v, body) &&
            vec3_is_zero(body_prescribed_axis(v, body));
+}
+
+bool model_has_no_orientation(const struct scene_values *v, int body)
+{
+    return body_is_compound(body) && body_turn_is_prescribed(v, body) &&
+           model_is_no_rotation(body_prescribed_orientation(v, body));
+}
+
+bool model_is_no_rotation(struct quaternion q)
+{
+    return same_orientation(q, (struct quaternion){0.0, 0.0, 0.0, 0.0});
 }
 
 enum model_status model_refuse_inputs(const struct model *m)
@@ -418,6 +450,12 @@ enum model_status model_refuse_inputs(const struct model *m)
                     "0 has no direction "
                     "and is not in force (allowed: at least one component other than zero).",
                     name, name, name);
+            }
+            if (model_has_no_orientation(&m->state.values, i)) {
+                return model_report(m, MODEL_DISCARD,
+                                    "%s.prescribed_orientation[1..4] = 0, 0, 0, 0 is no rotation and is not "
+                                    "in force (allowed: at least one component other than zero).",
+                                    name);
             }
             if (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)) {
                 return model_report(m, MODEL_DISCARD,
@@ -453,7 +491,8 @@ bool model_apply_inputs(struct model *m)
         const struct body_path before = next[i];
         input_path_renew(m, i, m->state.marks[i], &next[i]);
         if (SCENE_ANY_ROTATION &&
-            (has_no_axis(&m->state.values, i) || (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)))) {
+            (has_no_axis(&m->state.values, i) || model_has_no_orientation(&m->state.values, i) ||
+             (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)))) {
             return false;
         }
         same = same && input_path_is_same(&before, &next[i]);
@@ -504,7 +543,7 @@ static void warn_of_axis(struct model *m, int body)
     const struct scene_state *q = &m->state.motion;
     const struct body_path *path = &q->path[body];
     if (path->turn_follows != TURN_FOLLOWS_AXIS || (m->state.warned_of_rate[body] & WARNED_OF_AXIS) ||
-        body_shape(body) == SHAPE_SPHERE || !body_turn_is_prescribed(v, body)) {
+        !body_has_axis(body) || !body_turn_is_prescribed(v, body)) {
         return;
     }
     struct vec3 given[3];

@@ -155,24 +155,17 @@ static uint64_t booked_states(const struct scene_state *q)
     return SCENE_ANY_FRICTION ? checksum_of(mark, &q->friction_energy, sizeof(double)) : mark;
 }
 
-/* Changes one component of an orientation along a path. The importer's quaternion may have any length; the
- * change of its direction alone turns the body and its axis. */
+/* Changes one component of an orientation along a path. */
 static void move_orientation(const struct scene_state *q, const struct variable *state, double change,
                              struct scene_jet *along)
 {
     const int body = state->element;
     const struct quaternion raw = q->turning.body[body].orientation;
-    const struct quaternion unit = quaternion_unit(raw);
     struct quaternion by = {0.0, 0.0, 0.0, 0.0};
     *orientation_part(&by, state->component) = change;
     along->given_orientation[body] = quaternion_axpy(along->given_orientation[body], 1.0, by);
-    by = quaternion_scale(1.0 / sqrt(quaternion_dot(raw, raw)),
-                          quaternion_axpy(by, -quaternion_dot(by, unit), unit));
-    along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, by);
-    /* With by = 1/2 (0, r) unit, a quaternion product, the body turns by the rotation vector r. */
-    const struct vec3 turned =
-        vec3_scale(2.0, quaternion_vector(quaternion_product(by, quaternion_inverse(unit))));
-    along->axis[body][1] = vec3_add(along->axis[body][1], vec3_cross(turned, quaternion_third_axis(unit)));
+    turning_jet_move_orientation(body, quaternion_unit(raw), sqrt(quaternion_dot(raw, raw)), state->component,
+                                 change, along);
 }
 
 void model_exchange_move(const struct scene_values *v, const struct scene_state *q,
@@ -232,12 +225,15 @@ static struct turning_motion motion_along(const struct scene_jet *along, int con
 {
     const int from = contact_source(contact);
     const int to = contact_destination(contact);
-    struct turning_motion motion = {.separation =
-                                        vec3_sub(along->displacement[to][1], along->displacement[from][1]),
-                                    .rate = vec3_sub(along->velocity[to][1], along->velocity[from][1]),
-                                    .source_rotation = along->angular_velocity[from][1],
-                                    .destination_rotation = along->angular_velocity[to][1],
-                                    .axis = along->axis[to][1]};
+    struct vec3 c[JET_TERMS] = {{0.0, 0.0, 0.0}};
+    struct vec3 w[JET_TERMS] = {{0.0, 0.0, 0.0}};
+    jet_add_levers(along, contact, c, w);
+    struct turning_motion motion = {
+        .separation = vec3_add(c[1], vec3_sub(along->displacement[to][1], along->displacement[from][1])),
+        .rate = vec3_add(w[1], vec3_sub(along->velocity[to][1], along->velocity[from][1])),
+        .source_rotation = along->angular_velocity[from][1],
+        .destination_rotation = along->angular_velocity[to][1],
+        .axis = along->axis[to][1]};
     for (int i = 0; i < OPPOSED; ++i) {
         motion.spring[i] = along->spring[contact][i][1];
     }

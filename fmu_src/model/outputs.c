@@ -229,6 +229,25 @@ static double put_rubbing(struct scene_values *v, const struct scene_state *q, c
            vec3_norm(turning->source_torque[contact]) + vec3_norm(turning->destination_torque[contact]);
 }
 
+/* Sets the sums of the forces and torques of the contacts of a compound body about its centre of mass. */
+static void put_contact_sums(struct scene_values *v, const struct scene_instant *at, int body)
+{
+    struct vec3 force = {0.0, 0.0, 0.0};
+    struct vec3 torque = {0.0, 0.0, 0.0};
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_source(j) == body) {
+            force = vec3_add(force, at->source_force[j]);
+            torque = vec3_add(torque, at->turning.source_torque[j]);
+        }
+        if (contact_destination(j) == body) {
+            force = vec3_sub(force, at->source_force[j]);
+            torque = vec3_add(torque, at->turning.destination_torque[j]);
+        }
+    }
+    put_body_contact_force(v, body, force);
+    put_body_contact_torque(v, body, torque);
+}
+
 /* Sets the outputs of bodies that turn and contacts that rub. Returns a sum of them, which is finite only if
  * every output is. */
 static double show_turning(struct scene_values *v, const struct scene_state *q,
@@ -241,6 +260,9 @@ static double show_turning(struct scene_values *v, const struct scene_state *q,
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         put_turn(v, &known.turning, i);
+        if (body_is_compound(i)) {
+            put_contact_sums(v, &known, i);
+        }
         sum += vec3_norm(known.turning.body[i].angular_velocity);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -260,6 +282,38 @@ static struct vec3 resistance_term(double side, const struct turning_jet *turnin
     return row == ROW_contact_rolling_torque ? turning->resistance[order]
            : row == ROW_contact_rolling_rate ? vec3_sub(turning->spin[order], jet_scale(along, normal, order))
                                              : vec3_make(side * along[order], 0.0, 0.0);
+}
+
+/* Returns coefficient `order` of the sum of the forces or torques of the contacts of a compound body. */
+static struct vec3 contact_sum_term(const struct scene_jet *along, const struct variable *variable, int order)
+{
+    const int body = variable->element;
+    const bool torque = variable->row == ROW_body_contact_torque;
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct vec3 force = along->contact[j].source_force[order];
+        if (contact_source(j) == body) {
+            sum = vec3_add(sum, torque ? along->turning[j].source_torque[order] : force);
+        }
+        if (contact_destination(j) == body) {
+            sum =
+                vec3_add(sum, torque ? along->turning[j].destination_torque[order] : vec3_scale(-1.0, force));
+        }
+    }
+    return sum;
+}
+
+/* Returns coefficient `order` of the centre of a contact's source, where this is a compound of its part: the
+ * part's centre is r_s e before the point that the arm leads to. */
+static struct vec3 source_centre_term(const struct scene_jet *along, const struct contact_shape *shape,
+                                      int contact, int order)
+{
+    const struct vec3 centre = along->displacement[contact_source(contact)][order];
+    if (!SCENE_ANY_COMPOUND) {
+        return centre;
+    }
+    return vec3_axpy(vec3_add(centre, along->turning[contact].source_arm[order]),
+                     -shape->side * shape->source_radius, along->contact[contact].normal[order]);
 }
 
 /* Returns coefficient `order` of a vector output that only contacts with rotation or friction have. */
@@ -302,8 +356,8 @@ static double distance_term(const struct scene_values *v, const struct contact_s
         double axial[JET_TERMS];
         double rho[JET_TERMS];
         for (int i = 1; i < JET_TERMS; ++i) {
-            c[i] = vec3_sub(along->displacement[destination][i],
-                            along->displacement[contact_source(contact)][i]);
+            c[i] =
+                vec3_sub(along->displacement[destination][i], source_centre_term(along, shape, contact, i));
             if (SCENE_ANY_TURNING) {
                 axis[i] = body_turns(v, destination) ? along->axis[destination][i] : axis[i];
             }
@@ -354,7 +408,7 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
         vector = vec3_scale(-1.0, contact->source_force[order]);
         break;
     case ROW_contact_point: /* source's centre + (d - r_d) n */
-        vector = vec3_add(along->displacement[contact_source(j)][order],
+        vector = vec3_add(source_centre_term(along, &shape, j, order),
                           jet_scale(contact->distance, contact->normal, order));
         vector = vec3_axpy(vector, -shape.other_radius, contact->normal[order]);
         if (contact_is_skew(&shape)) { /* source's centre + a e_s + (d - r_d) n */
@@ -392,6 +446,9 @@ double output_term(const struct model *m, const struct scene_state *q, const str
         return vec3_get(along->angular_velocity[j][order], k);
     case ROW_body_current_axis:
         return vec3_get(along->axis[j][order], k);
+    case ROW_body_contact_force:
+    case ROW_body_contact_torque:
+        return SCENE_ANY_COMPOUND ? vec3_get(contact_sum_term(along, variable, order), k) : 0.0;
     case ROW_body_orientation:
         return quaternion_component(along->orientation[j][order], k);
     case ROW_contact_peak_force: /* until initialization ends, peaks are values at the start */
@@ -438,7 +495,8 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_shape shape = scene_shape_met(v, q, at, contact);
     const int source = contact_source(contact);
-    const struct vec3 centre = vec3_add(body_center(v, source), at->displacement[source]);
+    const struct vec3 centre =
+        vec3_add(vec3_add(body_center(v, source), at->displacement[source]), scene_lever(at, contact, 0));
     const double distance = distance_of(&shape, at, contact);
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_state *state = &q->contact[contact];

@@ -7,6 +7,9 @@
 #include "contact/shape.h"
 #include "model/state.h"
 
+/* Relative rounding of a sum of moments of inertia, which equals the third one of a flat body. */
+static const double INERTIA_ROUNDING = 1e-12;
+
 /* Checks the moments of inertia of a freely turning body. If the density is nowhere negative, the transverse
  * moment is at least half of the axial one. */
 static enum model_status check_inertia(struct model *m, int body)
@@ -23,6 +26,17 @@ static enum model_status check_inertia(struct model *m, int body)
                                   "%s.finite_length = true).",
                                   name, name, name);
     }
+    if (body_is_compound(body)) {
+        const struct vec3 of = body_principal_inertia(v, body);
+        const double largest = vec3_max_abs(of);
+        return largest <= (of.x + of.y + of.z - largest) * (1.0 + INERTIA_ROUNDING)
+                   ? MODEL_OK
+                   : model_report(
+                         m, MODEL_ERROR,
+                         "%s.principal_inertia = (%g, %g, %g) kg m^2 contradicts itself: no body has "
+                         "one larger than the sum of the others (allowed: at most that sum).",
+                         name, of.x, of.y, of.z);
+    }
     const double axial = body_axial_inertia(v, body);
     const double transverse = body_transverse_inertia(v, body);
     return !tilts || transverse >= 0.5 * axial
@@ -38,7 +52,14 @@ static enum model_status check_rotation(struct model *m, int body)
 {
     const struct scene_values *v = &m->state.values;
     const char *name = scene_body_name(body);
-    if (body_shape(body) != SHAPE_SPHERE && body_turn_is_prescribed(v, body) &&
+    if (model_has_no_orientation(v, body) ||
+        (body_is_compound(body) && model_is_no_rotation(body_initial_orientation(v, body)))) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.%s_orientation[1..4] = 0, 0, 0, 0 is no rotation (allowed: at least one "
+                            "component other than zero).",
+                            name, model_has_no_orientation(v, body) ? "prescribed" : "initial");
+    }
+    if (body_has_axis(body) && body_turn_is_prescribed(v, body) &&
         vec3_is_zero(body_prescribed_axis(v, body))) {
         return model_report(
             m, MODEL_ERROR,
@@ -213,7 +234,7 @@ static enum model_status check_axes(struct model *m, int contact)
     const int bodies[] = {contact_destination(contact), contact_source(contact)};
     for (int i = 0; i < 2; ++i) {
         const char *none = scene_body_name(bodies[i]);
-        if (body_shape(bodies[i]) != SHAPE_SPHERE && !(vec3_norm(body_axis(v, bodies[i])) > 0.0)) {
+        if (body_has_axis(bodies[i]) && !(vec3_norm(body_axis(v, bodies[i])) > 0.0)) {
             return model_report(m, MODEL_ERROR,
                                 "%s.axis[1], %s.axis[2], %s.axis[3] = 0, 0, 0 has no direction "
                                 "(allowed: at least one component other than zero).",
@@ -265,10 +286,10 @@ static enum model_status check_contact(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
     const char *name = scene_contact_name(contact);
-    const char *source = scene_body_name(contact_source(contact));
+    const char *source = scene_source_name(contact);
     const char *destination = scene_body_name(contact_destination(contact));
-    const double r_s = body_radius(v, contact_source(contact));
-    const double r_d = body_radius(v, contact_destination(contact));
+    const double r_s = contact_source_radius(v, contact);
+    const double r_d = contact_destination_radius(v, contact);
     if (contact_location(v, contact) == LOCATION_INSIDE && r_s >= r_d) {
         return model_report(m, MODEL_ERROR,
                             "%s.location = inside contradicts %s.radius = %s m >= %s.radius = %s m "
@@ -527,7 +548,7 @@ static struct vec3 start_displacement(const struct scene_values *v, const struct
 
 /* Returns the bounding box of a body. A plane has no box of its own and gets that of the other body, so that
  * the common box is the other body's. */
-static struct bounding_box body_box(const struct scene_values *v, int body, struct vec3 centre,
+static struct bounding_box body_box(const struct scene_values *v, int body, double radius, struct vec3 centre,
                                     const struct bounding_box *other)
 {
     if (SCENE_ANY_PLANE && body_shape(body) == SHAPE_PLANE) {
@@ -535,26 +556,32 @@ static struct bounding_box body_box(const struct scene_values *v, int body, stru
     }
     if (SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER) {
         const double half_length = body_finite_length(v, body) ? 0.5 * body_length(v, body) : 0.0;
-        return bounding_box_cylinder(centre, body_radius(v, body), body_unit_axis(v, body), half_length);
+        return bounding_box_cylinder(centre, radius, body_unit_axis(v, body), half_length);
     }
     if (SCENE_ANY_TORUS && body_shape(body) == SHAPE_TORUS) {
-        return bounding_box_torus(centre, body_radius(v, body), body_unit_axis(v, body),
-                                  body_ring_radius(v, body));
+        return bounding_box_torus(centre, radius, body_unit_axis(v, body), body_ring_radius(v, body));
     }
-    return bounding_box_sphere(centre, body_radius(v, body));
+    return bounding_box_sphere(centre, radius);
 }
 
-/* Finds the boxes of both bodies at the start relative to the source's centre, so that a common offset of the
- * bodies costs no digits. */
+/* Finds the boxes of both bodies, or of the parts of compounds that meet, at the start relative to the
+ * source's centre, so that a common offset of the bodies costs no digits. */
 static void start_boxes(const struct scene_values *v, const struct scene_state *q, int contact,
                         struct bounding_box boxes[2])
 {
     const int from = contact_source(contact);
     const int to = contact_destination(contact);
     const struct vec3 apart = vec3_sub(body_center(v, to), body_center(v, from));
-    const struct vec3 moved = vec3_sub(start_displacement(v, q, to), start_displacement(v, q, from));
-    boxes[0] = body_box(v, from, vec3_make(0.0, 0.0, 0.0), NULL);
-    boxes[1] = body_box(v, to, vec3_add(apart, moved), &boxes[0]);
+    struct vec3 moved = vec3_sub(start_displacement(v, q, to), start_displacement(v, q, from));
+    if (SCENE_ANY_COMPOUND) {
+        const struct vec3 start =
+            quaternion_rotate(q->turn_origin[from].orientation, contact_source_part(contact));
+        const struct vec3 end =
+            quaternion_rotate(q->turn_origin[to].orientation, contact_destination_part(contact));
+        moved = vec3_add(moved, vec3_sub(end, start));
+    }
+    boxes[0] = body_box(v, from, contact_source_radius(v, contact), vec3_make(0.0, 0.0, 0.0), NULL);
+    boxes[1] = body_box(v, to, contact_destination_radius(v, contact), vec3_add(apart, moved), &boxes[0]);
 }
 
 double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate)
@@ -578,7 +605,7 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
                 ? 1e-3 * state->parameters.diagonal
                 : contact_characteristic_slip_velocity(v, contact);
     }
-    if (SCENE_ANY_AXIS && body_shape(contact_destination(contact)) != SHAPE_SPHERE) {
+    if (SCENE_ANY_AXIS && body_has_axis(contact_destination(contact))) {
         state->parameters.axis = body_unit_axis(v, contact_destination(contact));
     }
     struct contact_shape shape = scene_contact_shape(v, q, contact);

@@ -67,6 +67,16 @@ enum model_status model_get_output_derivatives(struct model *m, const struct var
     return status;
 }
 
+/* Moves one component of a prescribed orientation, whose sign may be opposite to that of the output. */
+static void move_prescribed_orientation(const struct scene_values *v, const struct scene_instant *at,
+                                        const struct variable *known, double change, struct scene_jet *along)
+{
+    const struct quaternion given = body_prescribed_orientation(v, known->element);
+    const struct quaternion unit = at->turning.body[known->element].orientation;
+    const double length = copysign(sqrt(quaternion_dot(given, given)), quaternion_dot(given, unit));
+    turning_jet_move_orientation(known->element, unit, length, known->component, change, along);
+}
+
 /* Moves one known along the path. An input has an effect only where it is in use: the motion inputs of a
  * prescribed body, the force and torque on a free one. A state of Model Exchange may be a known too. */
 static void move_inputs(const struct scene_values *v, const struct scene_state *q,
@@ -86,6 +96,8 @@ static void move_inputs(const struct scene_values *v, const struct scene_state *
                 vec3_add_to(&along->angular_velocity[known->element][1], known->component, change);
             } else if (known->row == ROW_body_prescribed_axis) {
                 turning_jet_move_axis(v, at, known->element, known->component, change, along);
+            } else if (SCENE_ANY_COMPOUND && known->row == ROW_body_prescribed_orientation) {
+                move_prescribed_orientation(v, at, known, change, along);
             }
         }
         if (known->row == ROW_body_external_torque && body_turns_freely(v, known->element)) {
@@ -109,9 +121,12 @@ static double diagonal_slope(const struct model *m, const struct scene_jet *alon
     if (m->state.initialized) {
         return 0.0;
     }
+    struct vec3 c[JET_TERMS] = {{0.0, 0.0, 0.0}};
+    struct vec3 w[JET_TERMS] = {{0.0, 0.0, 0.0}};
+    jet_add_levers(along, contact, c, w);
     return model_diagonal_slope(m, contact,
-                                vec3_sub(along->displacement[contact_destination(contact)][1],
-                                         along->displacement[contact_source(contact)][1]));
+                                vec3_add(c[1], vec3_sub(along->displacement[contact_destination(contact)][1],
+                                                        along->displacement[contact_source(contact)][1])));
 }
 
 static void vary_factors(const struct model *m, struct scene_jet *along)
@@ -185,6 +200,7 @@ static void begin_path(const struct model *m, struct linear_model *l)
         l->along.velocity[i][0] = l->at.velocity[i];
         if (SCENE_ANY_TURNING) {
             l->along.angular_velocity[i][0] = l->at.turning.body[i].angular_velocity;
+            l->along.orientation[i][0] = l->at.turning.body[i].orientation;
             l->along.axis[i][0] = quaternion_third_axis(l->at.turning.body[i].orientation);
         }
     }

@@ -11,7 +11,7 @@
 
 /* The version is raised when struct model_state, struct scene_state or struct scene_values change their
  * meaning. */
-#define MODEL_STATE_VERSION 19u
+#define MODEL_STATE_VERSION 20u
 #define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
 
 /* Who integrates: the model itself, or the importer, in event mode or in continuous-time mode. */
@@ -31,8 +31,8 @@ struct input_signal {
 };
 
 /* Input components of a body: prescribed displacement, velocity and external force; where bodies may turn,
- * prescribed angular velocity, axis and external torque. */
-enum { SIGNALS_EACH = SCENE_ANY_ROTATION ? 18 : 9 };
+ * prescribed angular velocity, axis and external torque; where any is a compound, prescribed orientation. */
+enum { SIGNALS_EACH = SCENE_ANY_COMPOUND ? 22 : SCENE_ANY_ROTATION ? 18 : 9 };
 
 /* The values of those parameters that may be set between steps and of which the motion keeps no copy. */
 struct tunable_values {
@@ -117,6 +117,10 @@ CONTACT_COLD enum model_status model_check_consistency(struct model *m);
 /* Warns of each parameter that has been set and that nothing reads, naming the choice by which something
  * would. */
 CONTACT_COLD void model_warn_of_idle(struct model *m);
+
+/* Whether a quaternion is zero and so is no rotation, and whether the prescribed orientation of a body is. */
+bool model_is_no_rotation(struct quaternion q);
+bool model_has_no_orientation(const struct scene_values *v, int body);
 
 /* Whether the vector a, other than zero, has a part across the axis of a body that keeps its axis. */
 bool model_tilts_axis(const struct scene_values *v, int body, struct vec3 a);

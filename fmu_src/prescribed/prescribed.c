@@ -493,7 +493,7 @@ static struct vec3 first_spring(const struct prescribed_contact *c, int part, co
     const double limit = friction_limit(law, FRICTION_SLIDING, at->normal_force[c->contact]);
     const double stiffness = friction_stiffness(law, -at->geometry[c->contact].gap);
     const double length = fmin(limit, law->largest) / stiffness;
-    const double unit = part == OPPOSED_SLIP ? body_radius(c->v, contact_source(c->contact)) : 1.0;
+    const double unit = part == OPPOSED_SLIP ? contact_source_radius(c->v, c->contact) : 1.0;
     const double least = FIRST_LENGTH * unit;
     return vec3_scale(fmax(length, least) / speed, slip);
 }
@@ -1335,7 +1335,7 @@ static struct axis_motion axis_from(const struct span *s, const struct scene_ins
 {
     const int destination = contact_destination(s->c.contact);
     const struct vec3 axis = at->turning.axis[s->c.contact];
-    if (!body_turn_is_prescribed(s->c.v, destination) || !body_tips(s->c.v, destination)) {
+    if (!body_turn_is_prescribed(s->c.v, destination) || !contact_tips(s->c.v, s->c.contact)) {
         return axis_motion_fixed(axis);
     }
     struct body_path path = s->c.q->path[destination];
@@ -1357,6 +1357,7 @@ static struct advancement_path path_from(const struct span *s, double clock)
     for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
         path.c[i] = separation.c[i];
     }
+    relative_path_put_levers(s->c.v, s->c.q, &at, clock, s->c.contact, &path);
     return path;
 }
 

@@ -40,7 +40,53 @@ struct body_inertia body_inertia_of(const struct scene_values *v, int body)
         of = (struct body_inertia){body_axial_inertia(v, body), body_transverse_inertia(v, body)};
     }
     of.transverse = tilts ? of.transverse : of.axial;
+    if (body_is_compound(body)) {
+        of.axial = of.transverse = body_principal_inertia(v, body).x;
+    }
     return of;
+}
+
+/* Returns R diag(d) R^T a, where R turns the frame of a body into the world's. */
+static struct vec3 along_principal_axes(struct quaternion orientation, struct vec3 d, struct vec3 a)
+{
+    const struct vec3 in_body = quaternion_rotate(quaternion_inverse(orientation), a);
+    return quaternion_rotate(orientation, vec3_make(d.x * in_body.x, d.y * in_body.y, d.z * in_body.z));
+}
+
+struct vec3 body_spin_of(const struct scene_values *v, int body, const struct body_turn *turn)
+{
+    if (body_is_compound(body)) {
+        const struct vec3 inertia = body_principal_inertia(v, body);
+        const struct vec3 ratio = vec3_scale(1.0 / inertia.x, inertia);
+        return along_principal_axes(turn->orientation, ratio, turn->angular_velocity);
+    }
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    const struct vec3 e = quaternion_third_axis(turn->orientation);
+    const double more = (inertia.axial - inertia.transverse) / inertia.transverse;
+    return vec3_axpy(turn->angular_velocity, more * vec3_dot(turn->angular_velocity, e), e);
+}
+
+struct vec3 body_rotation_of(const struct scene_values *v, int body, struct quaternion orientation,
+                             struct vec3 spin)
+{
+    if (body_is_compound(body)) {
+        const struct vec3 inertia = body_principal_inertia(v, body);
+        return along_principal_axes(orientation, vec3_make(1.0, inertia.x / inertia.y, inertia.x / inertia.z),
+                                    spin);
+    }
+    const struct vec3 e = quaternion_third_axis(orientation);
+    const struct vec3 part = body_part_that_turns(v, body, spin);
+    return vec3_axpy(part, body_flatness(v, body) * vec3_dot(spin, e), e);
+}
+
+struct vec3 scene_lever(const struct scene_instant *at, int contact, int end)
+{
+    if (!SCENE_ANY_COMPOUND) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+    return quaternion_rotate(at->turning.body[body].orientation,
+                             end == 0 ? contact_source_part(contact) : contact_destination_part(contact));
 }
 
 double body_flatness(const struct scene_values *v, int body)
@@ -81,8 +127,8 @@ static double mindlin_stiffness(const struct scene_values *v, const struct scene
 static double rolling_radius(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     const int destination = contact_destination(contact);
-    const double r_s = body_radius(v, contact_source(contact));
-    const double r_d = scene_contact_side(v, q, contact) * body_radius(v, destination);
+    const double r_s = contact_source_radius(v, contact);
+    const double r_d = scene_contact_side(v, q, contact) * contact_destination_radius(v, contact);
     return body_shape(destination) == SHAPE_PLANE ? r_s : r_s * fabs(r_d) / fabs(r_s + r_d);
 }
 
@@ -130,11 +176,6 @@ struct friction_law scene_friction_law(const struct scene_values *v, const struc
         .slip_velocity = q->contact[contact].parameters.slip_velocity};
 }
 
-static bool has_axis(int body)
-{
-    return body_shape(body) != SHAPE_SPHERE;
-}
-
 static struct vec3 unit(struct vec3 a)
 {
     /* The largest component divides first: squares of small or large numbers leave the range of a double. */
@@ -154,8 +195,11 @@ static struct quaternion turned_to(struct quaternion orientation, struct vec3 ax
 
 struct quaternion turning_start_orientation(const struct scene_values *v, int body)
 {
-    return has_axis(body) ? quaternion_between(vec3_make(0.0, 0.0, 1.0), unit(body_axis(v, body)))
-                          : quaternion_identity();
+    if (body_is_compound(body)) {
+        return quaternion_unit(body_initial_orientation(v, body));
+    }
+    return body_has_axis(body) ? quaternion_between(vec3_make(0.0, 0.0, 1.0), unit(body_axis(v, body)))
+                               : quaternion_identity();
 }
 
 /* Terms of the series of a rotation over one step, and the bound of the angle a [rad] by which the summed
@@ -231,10 +275,12 @@ struct body_turn turning_prescribed_at(const struct scene_state *q, double clock
 {
     const struct body_path *path = &q->path[body];
     struct body_turn at = {quaternion_identity(), path_at(path->angular_velocity, 3, clock)};
-    if (path->turn_follows != TURN_FOLLOWS_AXIS_ALONE) {
+    if (body_is_compound(body) && path->turn_follows == TURN_FOLLOWS_AXIS_ALONE) {
+        at.orientation = quaternion_unit(path->orientation);
+    } else if (path->turn_follows != TURN_FOLLOWS_AXIS_ALONE) {
         at.orientation = turned_by(path->angular_velocity, clock, q->turn_origin[body].orientation);
     }
-    if (has_axis(body) && path->turn_follows != TURN_FOLLOWS_VELOCITY) {
+    if (body_has_axis(body) && path->turn_follows != TURN_FOLLOWS_VELOCITY) {
         at.orientation = turned_to(at.orientation, path_at(path->axis, 3, clock));
     }
     return at;
@@ -258,7 +304,11 @@ void turning_take_axes(const struct scene_values *v, struct scene_state *q)
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_turn_is_prescribed(v, i)) {
             struct body_turn *origin = &q->turn_origin[i];
-            if (has_axis(i)) {
+            if (body_is_compound(i)) { /* both signs are one orientation; outputs are continuous */
+                const struct quaternion given = quaternion_unit(q->path[i].orientation);
+                const double sign = quaternion_dot(given, origin->orientation) < 0.0 ? -1.0 : 1.0;
+                origin->orientation = quaternion_scale(sign, given);
+            } else if (body_has_axis(i)) {
                 origin->orientation = turned_to(origin->orientation, q->path[i].axis[0]);
             }
             origin->angular_velocity = q->path[i].angular_velocity[0];
@@ -292,8 +342,11 @@ void turning_place(const struct scene_values *v, struct scene_state *q)
         if (body_turns_freely(v, i)) {
             origin->angular_velocity = body_initial_angular_velocity(v, i);
         }
-        if (body_turn_is_prescribed(v, i) && has_axis(i)) {
+        if (body_turn_is_prescribed(v, i) && body_has_axis(i)) {
             origin->orientation = turned_to(quaternion_identity(), q->path[i].axis[0]);
+        }
+        if (body_turn_is_prescribed(v, i) && body_is_compound(i)) {
+            origin->orientation = quaternion_unit(q->path[i].orientation);
         }
         q->turning.body[i] = *origin;
     }
@@ -315,7 +368,7 @@ static void put_axis(const struct scene_values *v, const struct scene_state *q, 
     const int destination = contact_destination(contact);
     at->turning.axis[contact] = vec3_make(0.0, 0.0, 0.0);
     if (SCENE_ANY_AXIS) {
-        at->turning.axis[contact] = body_tips(v, destination)
+        at->turning.axis[contact] = contact_tips(v, contact)
                                         ? quaternion_third_axis(at->turning.body[destination].orientation)
                                         : q->contact[contact].parameters.axis;
     }
@@ -341,6 +394,11 @@ void turning_slip_of_contact(const struct scene_values *v, const struct scene_st
      * friction with a small v_0 would make a force of it. */
     const struct vec3 across = vec3_axpy(slip, -vec3_dot(slip, g->normal), g->normal);
     turning->slip[contact] = vec3_axpy(across, -vec3_dot(across, g->normal), g->normal);
+    if (SCENE_ANY_COMPOUND) { /* until here the arms are from the centres of the spheres */
+        turning->source_arm[contact] = vec3_add(arm, scene_lever(at, contact, 0));
+        turning->destination_arm[contact] =
+            vec3_add(turning->destination_arm[contact], scene_lever(at, contact, 1));
+    }
 }
 
 struct vec3 turning_spin(const struct scene_instant *at, int contact)
@@ -475,7 +533,8 @@ static void put_motions(const struct scene_values *v, const struct scene_state *
 
 /* Sets the separation of a contact and its rate. The undeformed locations are subtracted first, then the
  * displacements at clock 0, then the displacements since: large common parts cancel before small ones are
- * added. */
+ * added. Where a sphere is a part of a compound, its centre is at the end of a lever arm R o, which moves at
+ * omega x R o. */
 static void put_separation(const struct scene_values *v, const struct vec3 origin[SCENE_BODIES], int contact,
                            struct scene_instant *at)
 {
@@ -485,6 +544,13 @@ static void put_separation(const struct scene_values *v, const struct vec3 origi
     const struct vec3 start = vec3_add(apart, vec3_sub(origin[destination], origin[source]));
     at->separation[contact] = vec3_add(start, vec3_sub(at->moved[destination], at->moved[source]));
     at->rate[contact] = vec3_sub(at->velocity[destination], at->velocity[source]);
+    for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
+        const struct vec3 lever = scene_lever(at, contact, end);
+        const struct vec3 omega = at->turning.body[end == 0 ? source : destination].angular_velocity;
+        const double sign = end == 0 ? -1.0 : 1.0;
+        at->separation[contact] = vec3_axpy(at->separation[contact], sign, lever);
+        at->rate[contact] = vec3_axpy(at->rate[contact], sign, vec3_cross(omega, lever));
+    }
 }
 
 CONTACT_NOINLINE void scene_meet_turning(const struct scene_values *v, const struct scene_state *q,
@@ -693,6 +759,14 @@ static double size_along(struct vec3 axis, struct vec3 a)
     return fabs(axis.x * a.x) + fabs(axis.y * a.y) + fabs(axis.z * a.z);
 }
 
+/* Returns the sum of the lengths of the lever arms of a contact's spheres [m]. */
+static double size_of_levers(int contact)
+{
+    return SCENE_ANY_COMPOUND
+               ? vec3_norm(contact_source_part(contact)) + vec3_norm(contact_destination_part(contact))
+               : 0.0;
+}
+
 /* Returns the sum of the sizes of the terms of c along an axis [m]. */
 static double terms_along(const struct scene_values *v, const struct scene_instant *at, int contact,
                           struct vec3 axis)
@@ -701,7 +775,7 @@ static double terms_along(const struct scene_values *v, const struct scene_insta
     const int destination = contact_destination(contact);
     const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
     return size_along(axis, apart) + size_along(axis, at->displacement[source]) +
-           size_along(axis, at->displacement[destination]);
+           size_along(axis, at->displacement[destination]) + size_of_levers(contact);
 }
 
 double rounding_of_gap(const struct scene_values *v, const struct scene_instant *at, int contact)
@@ -716,7 +790,7 @@ double rounding_of_gap(const struct scene_values *v, const struct scene_instant 
     const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
     return 8.0 * DBL_EPSILON *
            (vec3_max_abs(apart) + vec3_max_abs(at->displacement[source]) +
-            vec3_max_abs(at->displacement[destination]) + g->gap_terms);
+            vec3_max_abs(at->displacement[destination]) + size_of_levers(contact) + g->gap_terms);
 }
 
 double rounding_of_axial(const struct scene_values *v, const struct scene_instant *at, int contact,
@@ -730,6 +804,12 @@ double rounding_of_rate(const struct scene_instant *at, int contact)
 {
     const double source = vec3_norm(at->velocity[contact_source(contact)]);
     const double destination = vec3_norm(at->velocity[contact_destination(contact)]);
+    if (SCENE_ANY_COMPOUND) {
+        const struct body_turn *turn = at->turning.body;
+        const double turning = vec3_norm(turn[contact_source(contact)].angular_velocity) +
+                               vec3_norm(turn[contact_destination(contact)].angular_velocity);
+        return 8.0 * DBL_EPSILON * (source + destination + size_of_levers(contact) * turning);
+    }
     return 8.0 * DBL_EPSILON * fmax(vec3_norm(at->rate[contact]), fmax(source, destination));
 }
 
@@ -868,6 +948,12 @@ struct vec3 turning_acceleration(const struct scene_values *v, const struct scen
         return vec3_make(0.0, 0.0, 0.0);
     }
     const struct vec3 torque = turning_torque_on(v, q, clock, at, body);
+    if (body_is_compound(body)) {
+        const struct body_turn *turn = &at->turning.body[body];
+        const struct vec3 gyration = vec3_cross(turn->angular_velocity, body_spin_of(v, body, turn));
+        const struct vec3 by_torque = vec3_scale(1.0 / body_inertia_of(v, body).transverse, torque);
+        return body_rotation_of(v, body, turn->orientation, vec3_sub(by_torque, gyration));
+    }
     const struct body_inertia inertia = body_inertia_of(v, body);
     const struct vec3 e = quaternion_third_axis(at->turning.body[body].orientation);
     const struct vec3 omega = at->turning.body[body].angular_velocity;
@@ -952,6 +1038,21 @@ struct vec3 turning_spring_rate(const struct scene_values *v, const struct scene
                                    turning_normal_rate(v, q, at, contact)));
 }
 
+/* Returns the acceleration of a body, or of the centre of its part that a contact meets [m/s^2]. */
+static struct vec3 acceleration_of_end(const struct scene_values *v, const struct scene_state *q,
+                                       double clock, const struct scene_instant *at, int contact, int end)
+{
+    const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+    if (!body_is_compound(body)) {
+        return at->acceleration[body];
+    }
+    const struct vec3 lever = scene_lever(at, contact, end);
+    const struct vec3 omega = at->turning.body[body].angular_velocity;
+    const struct vec3 faster = vec3_cross(turning_acceleration(v, q, clock, at, body), lever);
+    const struct vec3 inward = vec3_cross(omega, vec3_cross(omega, lever));
+    return vec3_add(at->acceleration[body], vec3_add(faster, inward));
+}
+
 /*
  * g'' = side (n'.w_g + n.w_g') with the rate w_g of c as the destination sees it, which turns with omega:
  *   w_g = w - omega x c,   w_g' = a_dst - a_src - omega' x c - omega x w,   n' = omega x n + T w_g / d
@@ -963,7 +1064,8 @@ static double gap_acceleration(const struct scene_values *v, const struct scene_
     const struct contact_shape shape = scene_shape_met(v, q, at, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const struct vec3 seen = rate_in_destination(v, at, contact);
-    struct vec3 change = vec3_sub(at->acceleration[destination], at->acceleration[contact_source(contact)]);
+    struct vec3 change = vec3_sub(acceleration_of_end(v, q, clock, at, contact, 1),
+                                  acceleration_of_end(v, q, clock, at, contact, 0));
     double turned = 0.0;
     if (scene_turns(v) && !contact_is_skew(&shape)) {
         const struct vec3 c = at->separation[contact];
@@ -990,6 +1092,10 @@ double scene_pressing_acceleration(const struct scene_values *v, const struct sc
     if (scene_turns(v)) {
         struct vec3 *torque = &without.turning.destination_torque[contact];
         *torque = vec3_sub(*torque, vec3_cross(own, at->turning.destination_arm[contact]));
+        if (SCENE_ANY_COMPOUND) {
+            torque = &without.turning.source_torque[contact];
+            *torque = vec3_sub(*torque, vec3_cross(at->turning.source_arm[contact], own));
+        }
     }
     return fmax(-gap_acceleration(v, q, clock, &without, contact), 0.0);
 }
@@ -1347,6 +1453,9 @@ double energy_potential(const struct scene_values *v, const struct scene_instant
 double body_rotational_energy(const struct scene_values *v, int body, const struct body_turn *turn)
 {
     const struct body_inertia inertia = body_inertia_of(v, body);
+    if (body_is_compound(body)) {
+        return 0.5 * inertia.transverse * vec3_dot(turn->angular_velocity, body_spin_of(v, body, turn));
+    }
     const double axial = vec3_dot(turn->angular_velocity, quaternion_third_axis(turn->orientation));
     return 0.5 * inertia.transverse * vec3_dot(turn->angular_velocity, turn->angular_velocity) +
            0.5 * (inertia.axial - inertia.transverse) * axial * axial;

@@ -15,7 +15,7 @@
 struct turning_instant {
     struct body_turn body[SCENE_BODIES];         /* identity and zero for a body that does not turn */
     struct vec3 axis[SCENE_CONTACTS];            /* e_d as it has turned; zero for a sphere */
-    struct vec3 source_arm[SCENE_CONTACTS];      /* p - x_src = r_s e [m] */
+    struct vec3 source_arm[SCENE_CONTACTS];      /* p - x_src = r_s e, of a compound R o + r_s e [m] */
     struct vec3 destination_arm[SCENE_CONTACTS]; /* p - x_dst [m] */
     struct vec3 slip[SCENE_CONTACTS];            /* v_t [m/s] */
     struct vec3 friction_force[SCENE_CONTACTS];  /* F_t, part of the force on the source [N] */
@@ -30,8 +30,9 @@ struct scene_instant {
     struct vec3 velocity[SCENE_BODIES];     /* v [m/s] */
     struct vec3 acceleration[SCENE_BODIES]; /* zero for a fixed body [m/s^2] */
     struct contact_geometry geometry[SCENE_CONTACTS];
-    struct vec3 separation[SCENE_CONTACTS];   /* c = x_dst - x_src [m] */
-    struct vec3 rate[SCENE_CONTACTS];         /* w = v_dst - v_src [m/s] */
+    /* c = x_dst - x_src and w = v_dst - v_src of the centres; where a body is a compound, of its part */
+    struct vec3 separation[SCENE_CONTACTS];   /* [m] */
+    struct vec3 rate[SCENE_CONTACTS];         /* [m/s] */
     double normal_force[SCENE_CONTACTS];      /* F_n of the smooth law of the regime [N] */
     struct vec3 source_force[SCENE_CONTACTS]; /* contact force, friction included [N] */
     struct turning_instant turning;
@@ -150,8 +151,21 @@ struct body_inertia {
     double axial, transverse;
 };
 
-/* Returns the moments of inertia of a body that turns freely. */
+/* Returns the moments of inertia of a body that turns freely. A compound has three, of which the first is
+ * returned twice: it is the unit of its spin below. */
 struct body_inertia body_inertia_of(const struct scene_values *v, int body);
+
+/* Return the spin L / I_1 of a body [rad/s] from its rotation, and its angular velocity from the spin. I_1 is
+ * the transverse moment of inertia of body_inertia_of. For the axis e and the axial moment I_3
+ *   L / I_1 = omega + (I_3/I_1 - 1) (omega.e) e
+ * and L = R diag(I) R^T omega for a compound, whose orientation has the matrix R. */
+struct vec3 body_spin_of(const struct scene_values *v, int body, const struct body_turn *turn);
+struct vec3 body_rotation_of(const struct scene_values *v, int body, struct quaternion orientation,
+                             struct vec3 spin);
+
+/* Returns R o [m], from the centre of mass of a compound body to the centre of the part that a contact meets
+ * at its source (end 0) or destination (end 1). The function returns zero for other bodies. */
+struct vec3 scene_lever(const struct scene_instant *at, int contact, int end);
 
 /* Returns I_1 / I_3 - 1 [1] of a body that turns freely. I_3 is its moment of inertia about its axis, I_1 the
  * one across. */

@@ -97,28 +97,6 @@ static void four_to(struct quaternion a, double *data)
     data[3] = a.z;
 }
 
-/* Returns omega from L / I_1 [rad/s]. */
-static struct vec3 rotation_of_spin(const struct scene_values *v, int body, struct vec3 e, struct vec3 spin)
-{
-    const struct vec3 part = body_part_that_turns(v, body, spin);
-    return vec3_axpy(part, body_flatness(v, body) * vec3_dot(spin, e), e);
-}
-
-/* Return L / I_1 = omega + (I_3/I_1 - 1) (omega.e) e from omega [rad/s], and omega from L / I_1. */
-static struct vec3 spin_of(const struct scene_values *v, const struct body_turn *turn, int body)
-{
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    const struct vec3 e = quaternion_third_axis(turn->orientation);
-    const double more = (inertia.axial - inertia.transverse) / inertia.transverse;
-    return vec3_axpy(turn->angular_velocity, more * vec3_dot(turn->angular_velocity, e), e);
-}
-
-static struct vec3 angular_velocity_of(const struct scene_values *v, struct quaternion orientation,
-                                       struct vec3 spin, int body)
-{
-    return rotation_of_spin(v, body, quaternion_third_axis(orientation), spin);
-}
-
 /* Writes the states that turning and rubbing add into y. */
 static void turning_pack(const struct scene_ode *ode, double *y)
 {
@@ -127,7 +105,7 @@ static void turning_pack(const struct scene_ode *ode, double *y)
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout.spin[i] >= 0) {
             const struct body_turn *turn = &ode->state->turning.body[i];
-            vec3_to(spin_of(v, turn, i), y + layout.spin[i]);
+            vec3_to(body_spin_of(v, i, turn), y + layout.spin[i]);
             four_to(turn->orientation, y + layout.orientation[i]);
         }
     }
@@ -152,8 +130,7 @@ static void turning_unpack(const struct scene_values *v, const double *y, struct
         if (layout.spin[i] >= 0) {
             struct body_turn *turn = &turning->body[i];
             turn->orientation = quaternion_unit(four_from(y + layout.orientation[i]));
-            turn->angular_velocity =
-                angular_velocity_of(v, turn->orientation, vec3_from(y + layout.spin[i]), i);
+            turn->angular_velocity = body_rotation_of(v, i, turn->orientation, vec3_from(y + layout.spin[i]));
         }
     }
     for (int k = 0; k < SCENE_CONTACTS * OPPOSED; ++k) {
@@ -218,7 +195,7 @@ static void turning_nominal(const struct scene_ode *ode, const double *y, double
                 set_three(sizes + spring, vec3_norm(vec3_from(y + spring)));
             }
         }
-        const double lever = body_radius(v, contact_source(j));
+        const double lever = contact_source_radius(v, j) + vec3_norm(contact_source_part(j));
         for (int k = 3; k < TURNING_IMPULSES; k += 3) {
             const int index = ode_impulse(v, j) + k;
             set_three(sizes + index, fmax(vec3_norm(vec3_from(y + index)), lever * ode->momentum_scale));
@@ -513,7 +490,7 @@ void ode_contact_motion(const struct scene_ode *ode, const struct turning_layout
             turn->angular_velocity = body_part_that_turns(v, i, vec3_from(y + layout->spin[i]));
             if (layout->orientation[i] < layout->coupled) { /* no contact sees how a sphere is turned */
                 turn->orientation = quaternion_unit(four_from(y + layout->orientation[i]));
-                turn->angular_velocity = angular_velocity_of(v, turn->orientation, turn->angular_velocity, i);
+                turn->angular_velocity = body_rotation_of(v, i, turn->orientation, turn->angular_velocity);
             }
         }
     }
@@ -642,11 +619,10 @@ static struct vec3 along_axis(int component)
     return a;
 }
 
-/* Returns the change of omega by component k of L / I_1: e_k + (I_1/I_3 - 1) e (e.e_k). */
+/* Returns the change of omega by component k of L / I_1, of which omega is a linear function. */
 static struct vec3 rotation_by_spin(const struct turning_linearization *l, int body, int k)
 {
-    const struct vec3 e = quaternion_third_axis(l->at.turning.body[body].orientation);
-    return rotation_of_spin(l->ode->values, body, e, along_axis(k));
+    return body_rotation_of(l->ode->values, body, l->at.turning.body[body].orientation, along_axis(k));
 }
 
 /* Returns the change of the axis e by component k of the orientation in y. This quaternion may have any
@@ -661,10 +637,29 @@ static struct vec3 axis_by_orientation(const struct turning_linearization *l, in
     return vec3_scale(2.0 / quaternion_dot(q, q), vec3_axpy(slopes[k], -data[k], e));
 }
 
-/* Returns the change of omega by a change of the axis e, at constant L / I_1. */
-static struct vec3 rotation_by_axis(const struct turning_linearization *l, int body, struct vec3 change)
+/* Returns the rotation vector r by which component k of the orientation in y turns the body. With the
+ * quaternion q of any length it is twice the vector part of e_k q* / |q|^2. */
+static struct vec3 turn_by_orientation(const struct turning_linearization *l, int body, int k)
+{
+    const struct quaternion q = four_from(l->y + l->layout.orientation[body]);
+    const struct quaternion along = {k == 0, k == 1, k == 2, k == 3};
+    return vec3_scale(2.0 / quaternion_dot(q, q),
+                      quaternion_vector(quaternion_product(along, quaternion_inverse(q))));
+}
+
+/* Returns the change of omega by component k of the orientation, at constant L / I_1. The axis e changes, or
+ * a compound body turns by r: with omega = M L / I_1 the change is r x omega - M (r x L / I_1). */
+static struct vec3 rotation_by_orientation(const struct turning_linearization *l, int body, int k)
 {
     const struct vec3 spin = vec3_from(l->y + l->layout.spin[body]);
+    if (body_is_compound(body)) {
+        const struct body_turn *turn = &l->at.turning.body[body];
+        const struct vec3 r = turn_by_orientation(l, body, k);
+        const struct vec3 held =
+            body_rotation_of(l->ode->values, body, turn->orientation, vec3_cross(r, spin));
+        return vec3_sub(vec3_cross(r, turn->angular_velocity), held);
+    }
+    const struct vec3 change = axis_by_orientation(l, body, k);
     const struct vec3 e = quaternion_third_axis(l->at.turning.body[body].orientation);
     const struct vec3 both = vec3_axpy(vec3_scale(vec3_dot(spin, change), e), vec3_dot(spin, e), change);
     return vec3_scale(body_flatness(l->ode->values, body), both);
@@ -688,12 +683,22 @@ static void add_to_body(const struct turning_linearization *l, int column, int b
     }
 }
 
-/* Adds the effects of a change of a contact's motion to one column. */
+/* Adds the effects of a change of a contact's motion to one column. `turned` is the change of the lever arm
+ * of a compound body at one end (sign -1: source, +1: destination) [m]. */
 static void add_change(const struct turning_linearization *l, const struct turning_slopes *slopes,
-                       int contact, int column, const struct turning_motion *motion)
+                       int contact, int column, const struct turning_motion *motion, double sign,
+                       struct vec3 turned)
 {
     const struct scene_values *v = l->ode->values;
-    const struct turning_change change = turning_slopes_along(slopes, motion);
+    struct turning_change change = turning_slopes_along(slopes, motion);
+    for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) { /* the torque R o x F of a lever arm */
+        struct vec3 *torque = end == 0 ? &change.source_torque : &change.destination_torque;
+        const double way = end == 0 ? 1.0 : -1.0; /* the destination gets the opposite force */
+        *torque = vec3_axpy(*torque, way, vec3_cross(scene_lever(&l->at, contact, end), change.force));
+        if (way != sign) {
+            *torque = vec3_axpy(*torque, way, vec3_cross(turned, slopes->force));
+        }
+    }
     add_to_body(l, column, contact_source(contact), 1.0, change.force, change.source_torque);
     add_to_body(l, column, contact_destination(contact), -1.0, change.force, change.destination_torque);
     for (int i = 0; i < OPPOSED; ++i) {
@@ -709,31 +714,45 @@ static void add_change(const struct turning_linearization *l, const struct turni
     add_entry(l->matrix, ode_dissipated(v) + 2, column, change.friction_power);
 }
 
-/* Adds the columns of the states of a body at one end of a contact (sign -1: source, +1: destination). */
+/* Adds the columns of the states of a body at one end of a contact (sign -1: source, +1: destination). A
+ * change r of how a compound is turned changes its lever arm b by r x b; the rate of c has omega x b. */
 static void add_body_columns(const struct turning_linearization *l, const struct turning_slopes *slopes,
                              int contact, int body, double sign)
 {
     const struct turning_motion none = {.separation = {0.0, 0.0, 0.0}};
+    const struct vec3 lever = scene_lever(&l->at, contact, sign < 0.0 ? 0 : 1);
     for (int k = 0; k < 3 && body_is_free(l->ode->values, body); ++k) {
         const int column = ode_body(l->ode->values, body) + k;
         struct turning_motion motion = none;
         motion.separation = vec3_scale(sign, along_axis(k));
-        add_change(l, slopes, contact, column, &motion);
+        add_change(l, slopes, contact, column, &motion, sign, none.axis);
         motion = none;
         motion.rate = vec3_scale(sign, along_axis(k));
-        add_change(l, slopes, contact, column + 3, &motion);
+        add_change(l, slopes, contact, column + 3, &motion, sign, none.axis);
     }
     for (int k = 0; k < 3 && l->layout.spin[body] >= 0; ++k) {
         struct turning_motion motion = none;
-        *(sign < 0.0 ? &motion.source_rotation : &motion.destination_rotation) = rotation_by_spin(l, body, k);
-        add_change(l, slopes, contact, l->layout.spin[body] + k, &motion);
+        struct vec3 *rotation = sign < 0.0 ? &motion.source_rotation : &motion.destination_rotation;
+        *rotation = rotation_by_spin(l, body, k);
+        motion.rate = vec3_scale(sign, vec3_cross(*rotation, lever));
+        add_change(l, slopes, contact, l->layout.spin[body] + k, &motion, sign, none.axis);
     }
     const bool tips = l->layout.orientation[body] >= 0 && l->layout.orientation[body] < l->layout.coupled;
-    for (int k = 0; k < 4 && tips; ++k) { /* of a destination only: a source is a sphere */
+    for (int k = 0; k < 4 && tips; ++k) { /* of a destination or a compound: other sources are spheres */
         struct turning_motion motion = none;
-        motion.axis = axis_by_orientation(l, body, k);
-        motion.destination_rotation = rotation_by_axis(l, body, motion.axis);
-        add_change(l, slopes, contact, l->layout.orientation[body] + k, &motion);
+        struct vec3 *rotation = sign < 0.0 ? &motion.source_rotation : &motion.destination_rotation;
+        struct vec3 turned = none.axis;
+        *rotation = rotation_by_orientation(l, body, k);
+        if (body_is_compound(body)) {
+            turned = vec3_cross(turn_by_orientation(l, body, k), lever);
+            motion.separation = vec3_scale(sign, turned);
+            motion.rate =
+                vec3_scale(sign, vec3_add(vec3_cross(*rotation, lever),
+                                          vec3_cross(l->at.turning.body[body].angular_velocity, turned)));
+        } else {
+            motion.axis = axis_by_orientation(l, body, k);
+        }
+        add_change(l, slopes, contact, l->layout.orientation[body] + k, &motion, sign, turned);
     }
 }
 
@@ -753,7 +772,7 @@ static void add_contact(const struct turning_linearization *l, int contact)
         if (spring >= 0) {
             struct turning_motion stretched = {.separation = {0.0, 0.0, 0.0}};
             stretched.spring[k / 3] = along_axis(k % 3);
-            add_change(l, &slopes, contact, spring + k % 3, &stretched);
+            add_change(l, &slopes, contact, spring + k % 3, &stretched, 1.0, stretched.axis);
         }
     }
 }
@@ -784,7 +803,7 @@ static void add_rotation(const struct turning_linearization *l, double clock, in
         add_entry(l->matrix, work, spin + k, vec3_dot(torque, change));
     }
     for (int k = 0; k < 4; ++k) {
-        const struct vec3 change = rotation_by_axis(l, body, axis_by_orientation(l, body, k));
+        const struct vec3 change = rotation_by_orientation(l, body, k);
         const struct vec3 omega = l->at.turning.body[body].angular_velocity;
         const struct quaternion along = {k == 0, k == 1, k == 2, k == 3};
         add_four(l->matrix, orientation, orientation + k,

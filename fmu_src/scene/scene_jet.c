@@ -15,6 +15,43 @@ static struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b,
     return sum;
 }
 
+/* Puts the terms of q a q*, the vector a as the quaternion q of unit length turns it. */
+static void put_turned(const struct quaternion q[JET_TERMS], struct vec3 a, struct vec3 turned[JET_TERMS])
+{
+    const struct quaternion pure = quaternion_make(0.0, a);
+    for (int i = 0; i < JET_TERMS; ++i) {
+        turned[i] = vec3_make(0.0, 0.0, 0.0);
+        for (int k = 0; k <= i; ++k) {
+            const struct quaternion part =
+                quaternion_product(quaternion_product(q[k], pure), quaternion_inverse(q[i - k]));
+            turned[i] = vec3_add(turned[i], quaternion_vector(part));
+        }
+    }
+}
+
+/* Puts the terms of the lever arm R o of a contact's end (0: source, 1: destination), as in scene_lever. */
+static void put_lever(const struct scene_jet *along, int contact, int end, struct vec3 lever[JET_TERMS])
+{
+    const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+    put_turned(along->orientation[body],
+               end == 0 ? contact_source_part(contact) : contact_destination_part(contact), lever);
+}
+
+void jet_add_levers(const struct scene_jet *along, int contact, struct vec3 c[JET_TERMS],
+                    struct vec3 w[JET_TERMS])
+{
+    for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
+        const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+        const double sign = end == 0 ? -1.0 : 1.0;
+        struct vec3 lever[JET_TERMS];
+        put_lever(along, contact, end, lever);
+        for (int i = 0; i < JET_TERMS; ++i) {
+            c[i] = vec3_axpy(c[i], sign, lever[i]);
+            w[i] = vec3_axpy(w[i], sign, turning_jet_cross(along->angular_velocity[body], lever, i));
+        }
+    }
+}
+
 /* The jets on which a contact's geometry depends: c, w, the rotations of both bodies, the axis of the
  * shape. */
 struct contact_path {
@@ -34,10 +71,11 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
         path.w[i] = vec3_sub(along->velocity[to][i], along->velocity[from][i]);
         path.source[i] = along->angular_velocity[from][i];
         path.destination[i] = along->angular_velocity[to][i];
-        if (body_tips(v, to)) {
+        if (contact_tips(v, contact)) {
             path.axis[i] = along->axis[to][i];
         }
     }
+    jet_add_levers(along, contact, path.c, path.w);
     path.c[0] = at->separation[contact];
     path.w[0] = at->rate[contact];
     path.source[0] = at->turning.body[from].angular_velocity;
@@ -148,6 +186,19 @@ static void put_slip(const struct contact_shape *shape, const struct contact_pat
     }
 }
 
+/* Adds the lever arms of compound bodies to those from the centres of the spheres. */
+static void add_levers_to_arms(const struct scene_jet *along, int contact, struct turning_jet *turning)
+{
+    for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
+        struct vec3 *arm = end == 0 ? turning->source_arm : turning->destination_arm;
+        struct vec3 lever[JET_TERMS];
+        put_lever(along, contact, end, lever);
+        for (int i = 0; i < JET_TERMS; ++i) {
+            arm[i] = vec3_add(arm[i], lever[i]);
+        }
+    }
+}
+
 /* Returns the change of a spring by a jump of n: the spring before the jump is laid anew. */
 static struct vec3 laid_change(enum opposed part, struct vec3 before, const struct contact_jet *jet)
 {
@@ -220,6 +271,7 @@ static void turning_jet_of_contact(const struct scene_values *v, const struct sc
                          (enum contact_regime)q->contact[contact].regime, jet);
     }
     put_slip(&shape, &path, jet, turning);
+    add_levers_to_arms(along, contact, turning);
     put_friction(v, q, along, &path, contact, jet, turning);
     for (int i = 0; i < JET_TERMS; ++i) {
         turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
@@ -291,7 +343,7 @@ static void put_prescribed(const struct scene_state *q, int body, struct scene_j
     omega[2] = path->angular_velocity[2];
     put_turning_axis(omega, e);
     struct vec3 seen[2] = {omega[0], omega[1]};
-    if (path->turn_follows != TURN_FOLLOWS_VELOCITY && body_shape(body) != SHAPE_SPHERE) {
+    if (path->turn_follows != TURN_FOLLOWS_VELOCITY && body_has_axis(body)) {
         put_given_axis(path, q->clock, e);
         const struct vec3 rate[2] = {e[1], vec3_scale(2.0, e[2])};
         const double spin[2] = {vec3_dot(omega[0], e[0]),
@@ -435,6 +487,45 @@ static void put_work(const struct scene_values *v, const struct scene_state *q, 
     }
 }
 
+/* Puts the terms of the principal axes of a compound body, and returns its moments of inertia. */
+static struct vec3 put_principal_axes(const struct scene_values *v, const struct scene_jet *along, int body,
+                                      struct vec3 axis[3][JET_TERMS])
+{
+    for (int k = 0; k < 3; ++k) {
+        struct vec3 a = {0.0, 0.0, 0.0};
+        vec3_set(&a, k, 1.0);
+        put_turned(along->orientation[body], a, axis[k]);
+    }
+    return body_principal_inertia(v, body);
+}
+
+/* Returns half the rate of omega' = sum e_k (e_k.(tau - omega x L)) / I_k of a compound body [rad/s^3], where
+ * L = sum I_k (e_k.omega) e_k with the principal axes e_k. */
+static struct vec3 half_spin_jerk_of_three(const struct scene_values *v, const struct scene_jet *along,
+                                           int body, const struct vec3 torque[2])
+{
+    struct vec3 axis[3][JET_TERMS];
+    struct vec3 momentum[2] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    struct vec3 by[2];
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    const struct vec3 *omega = along->angular_velocity[body];
+    const struct vec3 inertia = put_principal_axes(v, along, body, axis);
+    for (int k = 0; k < 3; ++k) {
+        const double part[2] = {jet_dot(omega, axis[k], 0), jet_dot(omega, axis[k], 1)};
+        for (int i = 0; i < 2; ++i) {
+            momentum[i] = vec3_axpy(momentum[i], vec3_get(inertia, k), jet_scale(part, axis[k], i));
+        }
+    }
+    for (int i = 0; i < 2; ++i) {
+        by[i] = vec3_sub(torque[i], turning_jet_cross(omega, momentum, i));
+    }
+    for (int k = 0; k < 3; ++k) {
+        const double part[2] = {jet_dot(by, axis[k], 0), jet_dot(by, axis[k], 1)};
+        sum = vec3_axpy(sum, 0.5 / vec3_get(inertia, k), jet_scale(part, axis[k], 1));
+    }
+    return sum;
+}
+
 /* Returns half the rate of the angular acceleration omega' of a body that turns freely [rad/s^3], where
  * I_1 omega' = tau - (I_3 - I_1) (tau_3 / I_3 e + omega_3 omega x e). */
 static struct vec3 half_spin_jerk(const struct scene_values *v, const struct scene_state *q,
@@ -454,6 +545,9 @@ static struct vec3 half_spin_jerk(const struct scene_values *v, const struct sce
         }
     }
     torque[1] = body_part_that_turns(v, body, torque[1]);
+    if (body_is_compound(body)) {
+        return half_spin_jerk_of_three(v, along, body, torque);
+    }
     const double tau[2] = {jet_dot(torque, e, 0), jet_dot(torque, e, 1)};
     const double spin[2] = {jet_dot(omega, e, 0), jet_dot(omega, e, 1)};
     const struct vec3 whirl[2] = {turning_jet_cross(omega, e, 0), turning_jet_cross(omega, e, 1)};
@@ -561,6 +655,18 @@ void turning_jet_move_axis(const struct scene_values *v, const struct scene_inst
     along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, turned);
 }
 
+void turning_jet_move_orientation(int body, struct quaternion unit, double length, int component,
+                                  double change, struct scene_jet *along)
+{
+    struct quaternion by = {component == 0, component == 1, component == 2, component == 3};
+    by = quaternion_scale(change / length, quaternion_axpy(by, -quaternion_dot(by, unit), unit));
+    along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, by);
+    /* With by = 1/2 (0, r) unit, a quaternion product, the body turns by the rotation vector r. */
+    const struct vec3 turned =
+        vec3_scale(2.0, quaternion_vector(quaternion_product(by, quaternion_inverse(unit))));
+    along->axis[body][1] = vec3_add(along->axis[body][1], vec3_cross(turned, quaternion_third_axis(unit)));
+}
+
 double turning_jet_friction_power(const struct scene_values *v, const struct scene_jet *along, int order)
 {
     double power = 0.0;
@@ -582,6 +688,18 @@ static double rotational_term(const struct scene_values *v, const struct scene_j
     const struct body_inertia inertia = body_inertia_of(v, body);
     const struct vec3 *omega = along->angular_velocity[body];
     double spin[JET_TERMS];
+    if (body_is_compound(body)) { /* the sum of I_k (omega.e_k)^2 / 2 over the principal axes */
+        struct vec3 axis[3][JET_TERMS];
+        const struct vec3 moments = put_principal_axes(v, along, body, axis);
+        double sum = 0.0;
+        for (int k = 0; k < 3; ++k) {
+            for (int i = 0; i <= order; ++i) {
+                spin[i] = jet_dot(omega, axis[k], i);
+            }
+            sum += 0.5 * vec3_get(moments, k) * taylor_multiply(spin, spin, order);
+        }
+        return sum;
+    }
     for (int k = 0; k <= order; ++k) {
         spin[k] = jet_dot(omega, along->axis[body], k);
     }

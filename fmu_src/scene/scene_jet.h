@@ -61,6 +61,16 @@ CONTACT_COLD struct vec3 turning_jet_spin_change(const struct scene_values *v, c
                                                  const struct scene_instant *at,
                                                  const struct scene_jet *along, int body);
 
+/* Adds the terms by which lever arms of compound bodies change the separation c and its rate w; w[i] takes
+ * those of omega x R o. The orientations and angular velocities of `along` must be set. */
+CONTACT_COLD void jet_add_levers(const struct scene_jet *along, int contact, struct vec3 c[JET_TERMS],
+                                 struct vec3 w[JET_TERMS]);
+
+/* Puts the change of an orientation by a change of one component of a quaternion q of any length, with `unit`
+ * = q / length. The change of its direction alone turns the body and its axis. */
+CONTACT_COLD void turning_jet_move_orientation(int body, struct quaternion unit, double length, int component,
+                                               double change, struct scene_jet *along);
+
 /* Puts the change of the axis of a body of prescribed rotation by a change of the input axis. */
 CONTACT_COLD void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at,
                                         int body, int component, double change, struct scene_jet *along);

@@ -97,6 +97,16 @@ bool body_turns(const struct scene_values *v, int body)
     return SCENE_ANY_ROTATION && body_rotation(v, body) != ROTATION_NONE;
 }
 
+bool body_is_compound(int body)
+{
+    return SCENE_ANY_COMPOUND && body_shape(body) == SHAPE_COMPOUND;
+}
+
+bool body_has_axis(int body)
+{
+    return body_shape(body) != SHAPE_SPHERE && !body_is_compound(body);
+}
+
 bool body_tips(const struct scene_values *v, int body)
 {
     return body_turns(v, body) && body_shape(body) != SHAPE_SPHERE && !body_keeps_axis(body);
@@ -106,12 +116,18 @@ bool contact_advances(const struct scene_values *v, int contact)
 {
     const int destination = contact_destination(contact);
     return body_tips(v, destination) || (SCENE_ANY_TORUS && body_shape(destination) == SHAPE_TORUS) ||
-           contact_has_skew_axes(v, contact);
+           contact_has_skew_axes(v, contact) || body_is_compound(contact_source(contact)) ||
+           body_is_compound(destination);
 }
 
 bool contact_has_skew_axes(const struct scene_values *v, int contact)
 {
     return SCENE_ANY_SKEW && contact_axes(v, contact) == AXES_SKEW;
+}
+
+bool contact_tips(const struct scene_values *v, int contact)
+{
+    return body_tips(v, contact_destination(contact)) && !body_is_compound(contact_destination(contact));
 }
 
 bool contact_rubs(const struct scene_values *v, int contact)
@@ -171,7 +187,8 @@ static int turning_choices(const struct scene_values *v)
 
 bool scene_turns(const struct scene_values *v)
 {
-    return SCENE_ANY_TORUS || (SCENE_ANY_TURNING && turning_choices(v) != 1); /* 1: every choice is none */
+    return SCENE_ANY_TORUS || SCENE_ANY_COMPOUND ||
+           (SCENE_ANY_TURNING && turning_choices(v) != 1); /* 1: every choice is none */
 }
 
 /* Whether any free body is in more than one contact, so that contacts may act on each other through it. */
@@ -383,11 +400,11 @@ bool scene_ends_suddenly(const struct scene_values *v, int contact)
 struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     const int destination = contact_destination(contact);
-    struct contact_shape shape = {.source_radius = body_radius(v, contact_source(contact)),
-                                  .other_radius = body_radius(v, destination),
+    struct contact_shape shape = {.source_radius = contact_source_radius(v, contact),
+                                  .other_radius = contact_destination_radius(v, contact),
                                   .half_length = half_length_of(v, contact),
                                   .side = scene_contact_side(v, q, contact),
-                                  .destination = body_shape(destination)};
+                                  .destination = contact_destination_shape(contact)};
     if (SCENE_ANY_CYLINDER && shape.destination == SHAPE_CYLINDER) {
         shape.axis = q->contact[contact].parameters.axis;
     }
@@ -432,7 +449,7 @@ struct contact_shape scene_contact_shape_at(const struct scene_values *v, const 
                                             const struct scene_instant *at, int contact)
 {
     struct contact_shape shape = scene_contact_shape(v, q, contact);
-    if (body_tips(v, contact_destination(contact))) {
+    if (contact_tips(v, contact)) {
         shape.axis = at->turning.axis[contact];
         if (contact_is_capped(&shape)) {
             shape.solid.axis = at->turning.axis[contact];

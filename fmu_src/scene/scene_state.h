@@ -62,8 +62,11 @@ struct body_path {
     struct vec3 force[3];            /* external force on a free body [N, N/s, ...] */
     struct vec3 angular_velocity[3]; /* of a body of prescribed rotation [rad/s, rad/s^2, ...] */
     struct vec3 axis[3];             /* axis of a body of prescribed rotation, of any length */
-    struct vec3 torque[3];           /* external torque on a body of free rotation [N m, ...] */
-    double turn_follows;             /* enum turn_follows: what a body of prescribed rotation follows */
+    /* of a compound body of prescribed rotation at clock 0, of any length; from there it turns by its angular
+     * velocity, in Model Exchange not at all */
+    struct quaternion orientation;
+    struct vec3 torque[3]; /* external torque on a body of free rotation [N m, ...] */
+    double turn_follows;   /* enum turn_follows: what a body of prescribed rotation follows */
 };
 
 /* Parameters of a contact that are fixed at the start. */
@@ -339,6 +342,15 @@ struct islands {
 };
 
 struct islands scene_islands(const struct scene_values *v, const struct scene_state *q);
+
+/* Whether a body is a compound: one rigid body of several spheres, its parts. */
+bool body_is_compound(int body);
+
+/* Whether a body has an axis of its own; spheres and compounds have none. */
+bool body_has_axis(int body);
+
+/* Whether the axis of a contact's destination tilts. */
+bool contact_tips(const struct scene_values *v, int contact);
 
 /* Whether another contact exerts a force on a free body of this contact, so that its motion is no polynomial
  * even while this one is apart. Constant false in scenes of one contact. */

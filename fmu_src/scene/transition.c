@@ -241,7 +241,7 @@ static struct vec3 direction_to_slide(const struct rubbed *r, const struct scene
     const double spring_force = -contact_stored_slope(&normal, REGIME_COMPRESSION, -depth);
     const double force = fmax(at->normal_force[r->contact], spring_force);
     const double length = fmin(law->coefficient * force, law->largest) / friction_stiffness(law, depth);
-    const double unit = r->part == OPPOSED_SLIP ? body_radius(r->v, contact_source(r->contact)) : 1.0;
+    const double unit = r->part == OPPOSED_SLIP ? contact_source_radius(r->v, r->contact) : 1.0;
     const double typical = length > 0.0 ? length : TYPICAL_LENGTH * unit;
     return size > 0.0 ? vec3_scale(typical / size, along) : along;
 }

@@ -46,10 +46,16 @@ class Struct:
     bytes: int
 
 
+def _of_parts(parts, dim: int) -> str:
+    """A vector or a quaternion of expressions for its components"""
+    text = ", ".join(parts)
+    return f"vec3_make({text})" if dim == 3 else f"(struct quaternion){{{text}}}"
+
+
 def constant(row: Row, value) -> str:
     """A value as a C expression."""
     if isinstance(value, tuple):
-        return f"vec3_make({', '.join(map(repr, value))})"
+        return _of_parts(map(repr, value), len(value))
     if row.type.items:
         item = next(item for item in row.type.items if item.value == value)
         prefix = re.sub(r"(?<!^)(?=[A-Z])", "_", row.type.name)
@@ -123,8 +129,8 @@ def readers(resolved: Resolved) -> list[Accessor]:
     result = []
     for row in (row for row in resolved.catalogue.rows.values() if row.has_start):
         value = f"v->{member(row, row.owner)}"
-        if row.dim == 3:  # no parameter or input is a quaternion
-            value = f"vec3_make({', '.join(f'{value}[{k}]' for k in range(row.dim))})"
+        if row.dim > 1:
+            value = _of_parts((f"{value}[{k}]" for k in range(row.dim)), row.dim)
         lines = {}
         for element, cell in _cells(resolved, row):
             fixed = cell.value if cell else _default(row)

@@ -95,9 +95,9 @@ class Conditions:
             for law in ("regularized", "elastic")
             for i in range(len(self.scene.contacts))
         )
-        tori = any(body.shape == "torus" for body in self.scene.bodies)
+        series = any(body.shape in ("torus", "compound") for body in self.scene.bodies)
         skew = any(self._may_be("contact.axes", "skew", i) for i in range(len(self.scene.contacts)))
-        return tori or skew or any(ends.count(body) > 1 for body in self._free) or turns or rubs
+        return series or skew or any(ends.count(body) > 1 for body in self._free) or turns or rubs
 
     @cached_property
     def _free(self) -> list[int]:

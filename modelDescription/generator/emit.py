@@ -2,7 +2,7 @@
 
 import json
 import uuid
-from dataclasses import replace
+from dataclasses import asdict, astuple, replace
 from pathlib import Path
 
 import jinja2
@@ -77,12 +77,17 @@ def _scene_for_viewers(resolved: Resolved) -> str:
         "format": 1,  # goes up where a reader of this file would misunderstand a newer one
         "name": scene.name,
         "title": scene.title,
-        "bodies": [{"name": body.name, "shape": body.shape} for body in scene.bodies],
+        "bodies": [
+            {"name": body.name, "shape": body.shape}
+            | ({"parts": list(map(asdict, body.parts))} if body.parts else {})
+            for body in scene.bodies
+        ],
         "contacts": [
             {
                 "name": contact.name,
                 "source": scene.bodies[contact.source].name,
                 "destination": scene.bodies[contact.destination].name,
+                **_parts_met(contact),
             }
             for contact in scene.contacts
         ],
@@ -93,6 +98,12 @@ def _scene_for_viewers(resolved: Resolved) -> str:
         },
     }
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def _parts_met(contact) -> dict[str, str]:
+    """The names of the parts of compounds that meet"""
+    ends = {"source_part": contact.source_part, "destination_part": contact.destination_part}
+    return {end: part.name for end, part in ends.items() if part}
 
 
 def guide(catalogue: Catalogue) -> str:
@@ -127,8 +138,11 @@ def _identity(resolved: Resolved, xml: str) -> uuid.UUID:
     """From the description and what it does not show: bodies, contacts and the values compiled in."""
     scene = resolved.scene
     hidden = {
-        "bodies": [(body.name, body.shape) for body in scene.bodies],
-        "contacts": [(contact.name, contact.source, contact.destination) for contact in scene.contacts],
+        "bodies": [(body.name, body.shape, *map(astuple, body.parts)) for body in scene.bodies],
+        "contacts": [
+            (contact.name, contact.source, contact.destination, *_parts_met(contact).items())
+            for contact in scene.contacts
+        ],
         "constants": {
             cell.name: cell.value for cell in resolved.cells if cell.row.has_start and not cell.open
         },
@@ -204,7 +218,9 @@ def _contacts_of_bodies(resolved: Resolved) -> dict[str, list[int]]:
 def _facts(resolved: Resolved) -> dict:
     """What a scene may have: the macros SCENE_ANY_... and SCENE_HAS_... of scene.h"""
     resistances = resolved.of("contact.rolling") + resolved.of("contact.spinning")
+    compound = any(body.parts for body in resolved.scene.bodies)
     return {
+        "any_compound": compound,
         "any_free": resolved.may("body.motion", "free") or resolved.may("body.rotation", "free"),
         "any_prescribed": resolved.may("body.motion", "prescribed"),
         "any_prescribed_contact": any(
@@ -219,7 +235,7 @@ def _facts(resolved: Resolved) -> dict:
         "any_hertz": resolved.may("contact.law", "hertz"),
         "any_restitution": resolved.may("contact.viscous_control", "restitution"),
         "any_rotation": (
-            rotation := any(resolved.may("body.rotation", how) for how in ("prescribed", "free"))
+            rotation := compound or any(resolved.may("body.rotation", how) for how in ("prescribed", "free"))
         ),
         "any_free_rotation": resolved.may("body.rotation", "free"),
         "any_friction": (

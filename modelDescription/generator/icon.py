@@ -118,7 +118,10 @@ class View:
             if self.start.is_plane(contact.destination):
                 normal = self._normal(contact.destination)
                 return _unit(_cross(normal, (1.0, 0.0, 0.0) if abs(normal[0]) < 0.9 else (0.0, 0.0, 1.0)))
-            places = self.start.centre(contact.destination), self.start.centre(contact.source)
+            places = (
+                self.start.centre(contact.destination, contact.destination_part),
+                self.start.centre(contact.source, contact.source_part),
+            )
             between = tuple(b - a for a, b in zip(*places, strict=True))
             along = axis or (0.0, 0.0, 1.0)
             across = _cross(along, between)
@@ -173,6 +176,18 @@ class View:
         half = self.scale * seen * self.start.value("body.length", body) / 2 if finite else 2.0 * SIZE
         return (e[0] / seen, e[1] / seen), half
 
+    def parts(self, body: int) -> list[tuple[tuple[float, float], float]]:
+        """Of a compound: centres and radii of its spheres, in pixels"""
+        return [(self.end(body, part), self.scale * part.radius) for part in self.scene.bodies[body].parts]
+
+    def end(self, body: int, part) -> tuple[float, float]:
+        """The centre of a body, or of a part of it, in pixels"""
+        if not part:
+            return self.at[body]
+        place = self.start.centre(body, part)
+        flat = _dot(place, self.right), -_dot(place, self.up)
+        return tuple(SIZE / 2 + self.scale * (flat[k] - self.middle[k]) for k in (0, 1))
+
     def half_space(self, body: int) -> tuple[tuple[float, float], tuple[float, float]] | None:
         """Of a plane, always seen from its side: a point of its surface and its normal, in pixels."""
         if not self.start.is_plane(body):
@@ -190,6 +205,9 @@ class View:
         if self.start.is_torus(body):
             middles, tube = self.tube(body)
             return lambda x, y: min(math.dist((x, y), one) for one in middles) - tube, (0, 0, SIZE, SIZE)
+        parts = self.parts(body)
+        if parts:
+            return lambda x, y: min(math.dist((x, y), at) - r for at, r in parts), (0, 0, SIZE, SIZE)
         side = self.side_view(body)
         if side:
             return _rectangle(x0, y0, side[0], side[1], radius), (0, 0, SIZE, SIZE)
@@ -199,13 +217,15 @@ class View:
     def arrow(self) -> tuple:
         """Tail, tip and direction: from the source's centre away from the surface that it touches."""
         contact = self.scene.contacts[0]
-        (x, y), (x0, y0) = self.at[contact.source], self.at[contact.destination]
+        x, y = self.end(contact.source, contact.source_part)
+        x0, y0 = self.end(contact.destination, contact.destination_part)
         if self.start.is_torus(contact.destination):
             x0, y0 = min(self.tube(contact.destination)[0], key=lambda one: math.dist(one, (x, y)))
         e = self._away(contact.destination, x - x0, y - y0)
         if self.start.inside(0):
             e = (-e[0], -e[1])
-        length = max(ARROW, self.radius[contact.source] + HEAD)  # its head is seen beyond the source
+        radius = self.scale * self.start.radius(contact.source, contact.source_part)
+        length = max(ARROW, max(radius, LEAST) + HEAD)  # its head is seen beyond the source
         return (x, y), (x + length * e[0], y + length * e[1]), e
 
     def _force(self):

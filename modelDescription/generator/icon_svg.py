@@ -47,6 +47,11 @@ def _body(view: View, body: int, fill: tuple, line: tuple) -> str:
         middles, radius = view.tube(body)
         circle = f'r="{radius - width / 2:.2f}" {style}/>'
         return "\n".join(f'<circle cx="{px:.2f}" cy="{py:.2f}" {circle}' for px, py in middles)
+    if view.parts(body):
+        return "\n".join(
+            f'<circle cx="{px:.2f}" cy="{py:.2f}" r="{r - width / 2:.2f}" {style}/>'
+            for (px, py), r in view.parts(body)
+        )
     side = view.side_view(body)
     inner = radius - width / 2  # the outline lies inside the edge
     if side is None:

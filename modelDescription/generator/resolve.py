@@ -58,8 +58,13 @@ class Resolved:
         """Inputs and states that an output feels: position in modelDescription.xml, dependenciesKind."""
         cell = variable.cell
         bodies = set(range(len(self.scene.bodies)))
+        contacts = {cell.element} if cell.row.owner == "contact" else range(len(self.scene.contacts))
         if cell.row.owner == "body":
             bodies = {cell.element}
+            if "contact.spring_state" in cell.row.depends:  # a sum over its contacts
+                ends = {j: {one.source, one.destination} for j, one in enumerate(self.scene.contacts)}
+                contacts = {j for j, pair in ends.items() if cell.element in pair}
+                bodies = bodies.union(*(ends[j] for j in contacts))
         elif cell.row.owner == "contact":
             contact = self.scene.contacts[cell.element]
             bodies = {contact.source, contact.destination}
@@ -67,11 +72,7 @@ class Resolved:
         for key, kind in cell.row.depends.items():
             for element, others in self._felt.get(key, {}).items():
                 owner = self.catalogue.rows[key].owner
-                if (
-                    element in bodies
-                    if owner != "contact"
-                    else cell.row.owner != "contact" or element == cell.element
-                ):
+                if element in (contacts if owner == "contact" else bodies):
                     found += [
                         (index, kind)
                         for index, component in others

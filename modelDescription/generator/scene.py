@@ -13,7 +13,7 @@ from .quantity import in_unit
 from .repeat import MOST, Entry, Repeats
 from .variables_file import read_toml
 
-SHAPES = ("sphere", "cylinder", "plane", "torus")
+SHAPES = ("sphere", "cylinder", "plane", "torus", "compound")
 # The keys of each table and what they mean: docs/scenes.md shows these words.
 SCENE_KEYS = {
     "name": "of the FMU: letters, digits and `_`, the first a letter; no name of a shipped scene or of a "
@@ -35,13 +35,22 @@ SCENE_KEYS = {
 BODY_KEYS = {
     "name": "small letters, digits and `_`, and perhaps an index as in `ball[3]`; variables begin with it: "
     "`marble.radius`. Required",
-    "shape": "`sphere`, `cylinder`, `plane` or `torus`. Required",
+    "shape": "`sphere`, `cylinder`, `plane`, `torus` or `compound`, a rigid body of several spheres. "
+    "Required",
+    "part": "`[[body.part]]`, a table for each sphere of a compound, which contacts name as in `foot.heel`",
     "count": f"how many such bodies there are, 1 to {MOST:,}; their `name` has a `{{i}}`, the number of each",
+}
+PART_KEYS = {
+    "name": "as of a body, without an index. Required",
+    "radius": "of the sphere, m, more than 0: a constant of the FMU. Required",
+    "center": "of the sphere from the compound's centre of mass, in the frame of its principal axes, m: a "
+    "list of three constants of the FMU. Required",
 }
 CONTACT_KEYS = {
     "name": "as of a body, and not that of a body: `touch.normal_force`. Required",
-    "source": "name of the body that touches: a sphere, or a cylinder on a cylinder. Required",
-    "destination": "name of the body that is touched, of any shape. Required",
+    "source": "name of the body that touches: a sphere, a part of a compound as in `foot.heel`, or a "
+    "cylinder on a cylinder. Required",
+    "destination": "name of the body that is touched, of any shape; of a compound a part. Required",
     "count": f"how many such contacts there are, 1 to {MOST:,}; the names have a `{{i}}` or `{{i+1}}`",
 }
 EXPERIMENT_KEYS = {
@@ -62,11 +71,21 @@ VALUES = ("start", "pinned")
 
 
 @dataclass(frozen=True)
+class Part:
+    """A sphere of a compound body."""
+
+    name: str
+    radius: float
+    center: tuple[float, float, float]  # in the body's frame
+
+
+@dataclass(frozen=True)
 class Body:
     name: str
     shape: str
     number: int  # of its value references
     keeps_axis: bool = False  # a cylinder that touches a cylinder: it turns about its own axis only
+    parts: tuple[Part, ...] = ()
 
     def has(self, row: Row) -> bool:
         """Whether a body of this kind, or a contact with it, has the row."""
@@ -80,6 +99,8 @@ class Contact:
     source: int
     destination: int
     number: int  # of its value references
+    source_part: Part | None = None  # of a compound
+    destination_part: Part | None = None
 
 
 @dataclass(frozen=True)
@@ -217,14 +238,46 @@ def _bodies(reader: _Reader, entries: list[Entry], taken: dict) -> tuple[Body, .
         reader.new_name(where, reader.text(where, table, "name", NAME), taken)
         if table["shape"] not in SHAPES:
             reader.fail(where, f"unknown shape {table['shape']!r} {allowed(SHAPES)}")
-        bodies.append(Body(table["name"], table["shape"], entry.number))
+        if (table["shape"] == "compound") != ("part" in table):
+            reader.fail(where, "[[body.part]] and shape 'compound' go together (allowed: both, or neither)")
+        parts = _parts(reader, where, table) if "part" in table else ()
+        bodies.append(Body(table["name"], table["shape"], entry.number, parts=parts))
     return tuple(bodies)
+
+
+def _parts(reader: _Reader, where: str, body: dict) -> tuple[Part, ...]:
+    parts, taken = [], {}
+    for k, table in enumerate(reader.tables(body, "part"), 1):
+        here = f"{where} [[body.part]] {k}"
+        reader.keys(here, table, PART_KEYS, PART_KEYS)
+        reader.new_name(here, reader.text(here, table, "name", NAME), taken)
+        radius, center = (
+            _lengths(reader, here, table, "radius", 1),
+            _lengths(reader, here, table, "center", 3),
+        )
+        if not 1e-150 <= radius[0] <= 1e150:
+            reader.fail(here, f"'radius' is {table['radius']!r} (allowed: from 1e-150 to 1e150 m)")
+        parts.append(Part(table["name"], *radius, center))
+    return tuple(parts)
+
+
+def _lengths(reader: _Reader, where: str, table: dict, key: str, count: int) -> tuple[float, ...]:
+    given = table[key] if isinstance(table[key], list) else [table[key]]
+    try:
+        values = [in_unit(one, "m") if isinstance(one, str) else one for one in given]
+    except ValueError as error:
+        reader.fail(where, f"'{key}' is {table[key]!r}, {error} (allowed: lengths in m)")
+    if len(values) != count or any(type(one) not in (int, float) or not abs(one) <= 1e150 for one in values):
+        form = "a length" if count == 1 else f"a list of {count} lengths"
+        reader.fail(where, f"'{key}' is {table[key]!r} (allowed: {form} in m from -1e150 to 1e150)")
+    return tuple(map(float, values))
 
 
 def _contacts(
     reader: _Reader, entries: list[Entry], bodies: tuple[Body, ...], taken: dict
 ) -> tuple[Contact, ...]:
-    index = {body.name: i for i, body in enumerate(bodies)}
+    spheres = {f"{body.name}.{part.name}": (i, part) for i, body in enumerate(bodies) for part in body.parts}
+    index = {body.name: (i, None) for i, body in enumerate(bodies) if not body.parts} | spheres
     contacts, pairs = [], {}
     for entry in entries:
         where, table = entry.where, entry.table
@@ -233,24 +286,25 @@ def _contacts(
         for key in ("source", "destination"):
             if reader.text(where, table, key) not in index:
                 reader.fail(where, f"{key} '{table[key]}' is no body {allowed(list(index))}")
-        source, destination = index[table["source"]], index[table["destination"]]
+        (source, part), (destination, other) = index[table["source"]], index[table["destination"]]
         if source == destination:
-            others = [body.name for body in bodies if body.name != table["source"]]
+            others = [name for name, (body, _) in index.items() if body != source]
             reader.fail(where, f"destination '{table['destination']}' is the source itself {allowed(others)}")
         fits = ("sphere", "cylinder") if bodies[destination].shape == "cylinder" else ("sphere",)
-        if bodies[source].shape not in fits:
+        if bodies[source].shape not in fits and not part:
             fitting = [
-                body.name for body in bodies if body.shape in fits and body.name != table["destination"]
-            ]
+                name for name, (body, of) in index.items()
+                if body != destination and (of or bodies[body].shape in fits)
+            ]  # fmt: skip
             reader.fail(
                 where, f"source '{table['source']}' must be a {' or a '.join(fits)} {allowed(fitting)}"
             )
-        pair = frozenset((source, destination))
+        pair = frozenset((table["source"], table["destination"]))
         if pair in pairs:
             ends = f"destination '{table['destination']}' and source '{table['source']}'"
             reader.fail(where, f"{ends} are already those of {pairs[pair]} (allowed: each pair once)")
         pairs[pair] = where
-        contacts.append(Contact(table["name"], source, destination, entry.number))
+        contacts.append(Contact(table["name"], source, destination, entry.number, part, other))
     return tuple(contacts)
 
 

@@ -8,7 +8,7 @@ import math
 from .cell import Cell, shortest
 from .conditions import number_of
 from .resolve import Resolved
-from .scene import Contact
+from .scene import Contact, Part
 
 # Overlaps deeper than this part of the smaller radius are warned of: penalty contacts stand for small
 # deformations.
@@ -18,10 +18,25 @@ DEEP = 0.1
 def check_start(resolved: Resolved) -> list[str]:
     """Raises InputError for what no FMU would accept; returns warnings, one line each."""
     start = Start(resolved)
+    for body, one in enumerate(resolved.scene.bodies):
+        start.check_orientation(body) if one.parts else None
     for index, contact in enumerate(resolved.scene.contacts):
         start.check(index, contact)
     warnings = (start.overlap(index, contact) for index, contact in enumerate(resolved.scene.contacts))
     return [text for text in warnings if text]
+
+
+def rotated(orientation, vector) -> tuple[float, ...]:
+    """A vector turned by a quaternion q = (w, u) of any length: with unit length q a q* is
+    2 (u.a) u + (w^2 - u^2) a + 2 w u x a."""
+    w, *u = (part / math.hypot(*orientation) for part in orientation)
+    along, scale = 2.0 * sum(p * a for p, a in zip(u, vector, strict=True)), w * w - sum(p * p for p in u)
+    cross = (
+        u[1] * vector[2] - u[2] * vector[1],
+        u[2] * vector[0] - u[0] * vector[2],
+        u[0] * vector[1] - u[1] * vector[0],
+    )
+    return tuple(along * p + scale * a + 2.0 * w * c for p, a, c in zip(u, vector, cross, strict=True))
 
 
 class Start:
@@ -47,18 +62,29 @@ class Start:
             self.check_axis(destination)
             self.check_method(index, contact)
             return
-        small, large = (self.cell("body.radius", body) for body in (source, destination))
-        inside = self.is_item("contact.location", index, "inside")
-        if inside and small.value >= large.value:
+        self.check_method(index, contact)
+        for body in (source, destination):
+            if self.scene.bodies[body].shape not in ("sphere", "compound"):
+                self.check_axis(body)
+        if contact.destination_part or not self.is_item("contact.location", index, "inside"):
+            return
+        large = self.cell("body.radius", destination)
+        small, part = self.radius(source, contact.source_part), contact.source_part
+        if small >= large.value:
+            first = f"{self.scene.bodies[source].name}{'.' + part.name if part else ''}.radius"
             raise self.scene.error(
-                f"{contact.name}.location = inside contradicts {small.name} = {shortest(small.value)} m >= "
+                f"{contact.name}.location = inside contradicts {first} = {shortest(small)} m >= "
                 f"{large.name} = {shortest(large.value)} m "
                 "(allowed: a source smaller than its hollow destination)"
             )
-        self.check_method(index, contact)
-        for body in (source, destination):
-            if self.scene.bodies[body].shape != "sphere":
-                self.check_axis(body)
+
+    def check_orientation(self, body: int) -> None:
+        cell = self.cell("body.initial_orientation", body)
+        if not any(cell.value):
+            raise self.scene.error(
+                f"'{cell.name}' is {list(cell.value)!r}, which is no rotation "
+                "(allowed: at least one component other than zero)"
+            )
 
     def is_torus(self, body: int) -> bool:
         return self.scene.bodies[body].shape == "torus"
@@ -123,39 +149,52 @@ class Start:
                 f"{said} {factor.name} = 0: without a spring there is no rebound (allowed: a factor above 0)"
             )
 
-    def centre(self, body: int) -> list[float]:
+    def centre(self, body: int, part: Part | None = None) -> list[float]:
+        """Of a body, or of a part of a compound"""
         moved = {"free": "body.initial_displacement", "prescribed": "body.prescribed_displacement"}
         place = self.value("body.center", body)
         for item, key in moved.items():
             if self.is_item("body.motion", body, item):
                 place = [x + u for x, u in zip(place, self.value(key, body), strict=True)]
+        if part:
+            turned = rotated(self.value("body.initial_orientation", body), part.center)
+            place = [x + o for x, o in zip(place, turned, strict=True)]
         return list(place)
 
+    def has_location(self, contact: Contact) -> bool:
+        return not self.is_plane(contact.destination) and not contact.destination_part
+
     def automatic(self, index: int) -> bool:
-        return not self.is_plane(self.scene.contacts[index].destination) and self.is_item(
+        return self.has_location(self.scene.contacts[index]) and self.is_item(
             "contact.location", index, "automatic"
         )
 
     def inside(self, index: int) -> bool:
         """Whether the source is in a hollow destination, by choice or by where it starts."""
-        if self.is_plane(self.scene.contacts[index].destination):
+        contact = self.scene.contacts[index]
+        if not self.has_location(contact):
             return False
         if not self.automatic(index):
             return self.is_item("contact.location", index, "inside")
-        contact = self.scene.contacts[index]
-        r_s, r_d = (self.value("body.radius", body) for body in (contact.source, contact.destination))
-        distance = self.distance(contact.source, contact.destination)
+        r_s, r_d = self.radius(contact.source, contact.source_part), self.radius(contact.destination)
+        distance = self.distance(contact)
         return distance is not None and distance < r_d and r_s < r_d
 
-    def radius(self, body: int) -> float:
-        """0 of a plane"""
+    def radius(self, body: int, part: Part | None = None) -> float:
+        """0 of a plane; of a compound without a part what reaches round it"""
+        parts = self.scene.bodies[body].parts
+        if part or parts:
+            return part.radius if part else max(math.hypot(*one.center) + one.radius for one in parts)
         return 0.0 if self.is_plane(body) else self.value("body.radius", body)
 
     def overlap(self, index: int, contact: Contact) -> str:
         """'' where the bodies are apart or overlap a little."""
         source, destination = contact.source, contact.destination
-        r_s, r_d = self.radius(source), self.radius(destination)
-        distance = self.distance(source, destination)
+        r_s, r_d = (
+            self.radius(source, contact.source_part),
+            self.radius(destination, contact.destination_part),
+        )
+        distance = self.distance(contact)
         if distance is None:
             return ""
         depth = r_s + distance - r_d if self.inside(index) else r_s + r_d - distance
@@ -168,12 +207,14 @@ class Start:
             + (f", or {contact.name}.location" if self.automatic(index) else "")
         )
 
-    def distance(self, source: int, destination: int) -> float | None:
+    def distance(self, contact: Contact) -> float | None:
         """From the source's centre to the destination's centre, axis or middle circle, None beyond ends of a
         cylinder and beside a race; the height above a plane, negative below it."""
-        places = zip(self.centre(destination), self.centre(source), strict=True)
-        between = [there - here for there, here in places]
-        if self.scene.bodies[destination].shape == "sphere":
+        destination = contact.destination
+        here = self.centre(contact.source, contact.source_part)
+        there = self.centre(destination, contact.destination_part)
+        between = [other - one for other, one in zip(there, here, strict=True)]
+        if self.scene.bodies[destination].shape in ("sphere", "compound"):
             return math.hypot(*between)
         axis = self.value("body.axis", destination)
         length = math.hypot(*axis)

@@ -129,7 +129,7 @@ def _check_references(catalogue: Catalogue, shown: str) -> None:
             other = used.setdefault((row.owner, vr), row.key)
             next_block = row.owner == "contact" and 100 <= vr < 200  # one of a body
             other = of_bodies.get(vr - 100, other) if next_block else other
-            behind = row.owner == "contact" and BEHIND_BLOCKS < vr < BEHIND_BLOCKS + 100
+            behind = row.owner != "world" and BEHIND_BLOCKS < vr < BEHIND_BLOCKS + 100
             if other != row.key or not (0 < vr < 100 or next_block or behind):
                 raise InputError(
                     shown, f'[variable."{row.key}"]: value reference {vr} is out of 1..99 or that of {other}'

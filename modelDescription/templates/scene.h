@@ -72,12 +72,13 @@
 #define SCENE_ANY_ELASTIC_ROLLING {{ any_elastic_rolling | int }} /* with springs of rolling or spinning? */
 #define SCENE_ANY_SPRINGS {{ (any_elastic_friction or any_elastic_rolling) | int }} /* either? */
 #define SCENE_ANY_TORUS {{ any_torus | int }}
+#define SCENE_ANY_COMPOUND {{ any_compound | int }}
 #define SCENE_ANY_AXIS {{ (any_cylinder or any_plane or any_torus) | int }}    /* has any shape an axis? */
 #define SCENE_ANY_KEPT_AXIS {{ (scene.bodies | selectattr("keeps_axis") | list | length > 0) | int }} /* body_keeps_axis? */
 #define SCENE_ANY_ENDS {{ (any_cylinder or any_torus) | int }}    /* may a shape end suddenly? */
 #define SCENE_ANY_ENDLESS {{ any_endless | int }} /* may any contact be without ends along an axis, or with caps? */
 #define SCENE_ANY_TURNING {{ (any_turning or any_torus or any_skew) | int }}    /* either, or what has no closed form without them */
-{% set lever = any_turning and (any_cylinder or any_plane or any_caps or any_torus) %}
+{% set lever = any_turning and (any_cylinder or any_plane or any_caps or any_torus or any_compound) %}
 #define SCENE_HAS_TORQUES {{ lever | int }} /* may a normal force have a torque? never about a sphere's centre */
 #define SCENE_HAS_CVODE {{ has_cvode | int }} /* may CVODE be needed? else SUNDIALS is not linked */
 #define SCENE_HAS_GENERAL {{ has_general | int }} /* may event_driven need the general segment? */
@@ -187,6 +188,60 @@ static inline const int16_t *body_contacts(int body)
 static inline {{ accessor.result }} {{ accessor.name }}(const struct scene_values *v{{ parameters(accessor) }})
 {{- "\n" }}{{ body(accessor, false) }}
 {%- endfor %}
+
+/* The body, or the part of a compound, that touches. */
+static inline const char *scene_source_name(int contact)
+{
+{% if any_compound %}
+    static const char *const names[SCENE_CONTACTS] = {
+{%- for one in scene.contacts %}"{{ scene.bodies[one.source].name }}{{ "." ~ one.source_part.name if one.source_part }}"{{ ", " if not loop.last }}{% endfor -%}
+    };
+    return names[contact];
+{% else %}
+    return scene_body_name(contact_source(contact));
+{% endif %}
+}
+
+/* The spheres that meet in a contact. A part of a compound body is a sphere; its radius [m] and its centre in
+ * the body's frame [m] are constants. Any other body has its centre at zero. */
+{% for role in ("source", "destination") %}
+
+static inline double contact_{{ role }}_radius(const struct scene_values *v, int contact)
+{
+{% set parts = scene.contacts | selectattr(role ~ "_part") | list | length %}
+{% if parts %}
+    static const double radius[SCENE_CONTACTS] = {
+{%- for one in scene.contacts %}{{ (one[role ~ "_part"].radius if one[role ~ "_part"] else 0.0) | number }}{{ ", " if not loop.last }}{% endfor -%}
+    };
+{% endif %}
+{% if parts == scene.contacts | length %}
+    (void)v;
+    return radius[contact];
+{% else %}
+    return {{ "radius[contact] > 0.0 ? radius[contact] : " if parts }}body_radius(v, contact_{{ role }}(contact));
+{% endif %}
+}
+
+static inline struct vec3 contact_{{ role }}_part(int contact)
+{
+{% if any_compound %}
+    static const struct vec3 part[SCENE_CONTACTS] = {
+{%- for one in scene.contacts %}{% set part = one[role ~ "_part"] %}{ {{- (part.center if part else (0.0, 0.0, 0.0)) | map("number") | join(", ") -}} }{{ ", " if not loop.last }}{% endfor -%}
+    };
+    return part[contact];
+{% else %}
+    (void)contact;
+    return vec3_make(0.0, 0.0, 0.0);
+{% endif %}
+}
+{% endfor %}
+
+/* A part of a compound body is met as a sphere. */
+static inline enum shape contact_destination_shape(int contact)
+{
+    const enum shape shape = body_shape(contact_destination(contact));
+    return SCENE_ANY_COMPOUND && shape == SHAPE_COMPOUND ? SHAPE_SPHERE : shape;
+}
 
 /* What the FMU computes; nothing happens where the scene has no such variable. */
 {% for accessor in writers %}

@@ -24,7 +24,7 @@ def bring(run: runs.Run) -> raw.Instance:
     """An instance where the run is to be saved, checked to be in the regime that the run is about"""
     instance = begin(run)
     go_on(instance, run, 0, run.saved_at)
-    assert bool(instance.get("contact.active")) == run.touching
+    assert runs.touches(instance) == run.touching
     return instance
 
 

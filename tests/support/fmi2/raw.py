@@ -48,8 +48,17 @@ def array(kind: Any, values: Iterable) -> Any:
 
 
 # All scenes, and those of a pair, whose variables a test can name
+SEVERAL = (
+    "BallBearing",
+    "FootForceElement",
+    "GaltonBoard",
+    "GroovedBearing",
+    "NewtonsCradle",
+    "PinInHole",
+    "Tripod",
+)
 ALL = sorted(path.stem for path in (repository() / "modelDescription" / "scenes").glob("*.toml"))
-SCENES = [one for one in ALL if one not in ("BallBearing", "GaltonBoard", "GroovedBearing", "NewtonsCradle")]
+SCENES = [one for one in ALL if one not in SEVERAL]
 # Every choice open; bodies that cannot move freely; everything pinned, and no CVODE.
 KINDS = ("SphereCylinder", "ForceElement", "PinnedEvent")
 # A body may move freely: every choice open, pinned, Hertz's law, friction, no CVODE.

@@ -113,6 +113,32 @@ CROSSED |= {"source.initial_angular_velocity": [10.0, 3.0, 1.0]}
 HIT = {"source.center": [-0.62, 0.2, 0.03], "source.initial_velocity": [2.0, 0.1, 0.2]}
 HIT |= {"destination.axis": [0.0, 1.0, 0.0], "destination.rotation": "free", "destination.finite_length": 1}
 
+
+def _stepped(time: float) -> dict[str, Any]:
+    """A foot that rolls over its balls, with its angular velocity along x"""
+    return {
+        "foot.prescribed_displacement": [0.1 * time, 0.0, 0.001 * math.sin(9 * time)],
+        "foot.prescribed_velocity": [0.1, 0.0, 0.009 * math.cos(9 * time)],
+        "foot.prescribed_orientation": [1.5, 0.03 * math.sin(4 * time), 0.0, 0.0],
+        "foot.prescribed_angular_velocity": [0.08 * math.cos(4 * time), 0.0, 0.0],
+    }
+
+
+FOOT = {f"{part}.friction": "regularized" for part in ("left_heel", "left_ball", "right_ball")}
+TRIPOD = {"tripod.initial_angular_velocity": [0.3, -0.2, 2.0]}
+for _foot in ("front", "left", "right"):
+    TRIPOD |= {
+        name.replace("contact", _foot): value
+        for name, value in (SOFT | ROLLING).items()
+        if "friction" not in name
+    }
+    TRIPOD[f"{_foot}.characteristic_slip_velocity"] = 0.1
+PINNED = {"lower.friction": "elastic", "lower.tangential_stiffness": 200.0, "lower.tangential_damping": 0.1}
+PINNED |= {f"{end}.penalty_factor": 500.0 for end in ("lower", "upper")} | {"hole.radius": 0.03}
+PINNED |= {f"{end}.viscous_penalty_factor": 1.0 for end in ("lower", "upper")}
+PINNED |= {"pin.principal_inertia": [9e-4, 9e-4, 9e-5], "pin.initial_velocity": [0.5, 0.05, 0.0]}
+PINNED |= {"pin.initial_displacement": [0.02, 0.0, 0.0]}
+
 _OF_SPHERES = {
     "sphere in flight": ({}, 20, False),
     "sphere in contact": (FALLING, 46, True),
@@ -268,6 +294,13 @@ RUNS = {name: Run("SphereSphere", *run) for name, run in _OF_SPHERES.items()} | 
         },
         *(9, True),
     ),
+    "a foot that is moved": Run("FootForceElement", FOOT, 15, True, _stepped),
+    "a tripod that slides": Run(
+        "Tripod",
+        TRIPOD,
+        *(12, True, lambda time: {"tripod.external_torque": [0.3, 3.0 - time, 0.2]}),
+    ),
+    "a pin in a hole": Run("PinInHole", PINNED, 19, True),
     "bouncing ball": Run("BouncingBall", _at(0.0, 0.0, 0.11), 30, False),
     "ball on sphere": Run("BallOnSphere", {**_at(0.03, 0.04, 0.7), **SOFT}, 24, True),
     "ball in shell": Run("BallInShell", SOFT, 45, True),
@@ -280,6 +313,11 @@ RUNS = {name: Run("SphereSphere", *run) for name, run in _OF_SPHERES.items()} | 
     ),
 }
 RUNS["adams in contact"] = RUNS["adams in contact"]._replace(tolerance=1e-10)
+
+
+def touches(instance: raw.Instance) -> bool:
+    """Whether any contact does"""
+    return any(instance.get(name) for name in instance.fmu.variables if name.endswith(".active"))
 
 
 def time_after(count: int) -> float:

@@ -18,8 +18,11 @@ import generate as program
 ROOT = Path(__file__).resolve().parents[3]
 FOLDER = ROOT / "modelDescription"
 SCENES = sorted(path.stem for path in (FOLDER / "scenes").glob("*.toml"))
-PAIRS = [
-    scene for scene in SCENES if (FOLDER / "scenes" / f"{scene}.toml").read_text().count("[[body]]") == 2
+PAIRS = [  # with one contact
+    scene
+    for scene in SCENES
+    if (FOLDER / "scenes" / f"{scene}.toml").read_text().count("[[body]]") == 2
+    and (FOLDER / "scenes" / f"{scene}.toml").read_text().count("[[contact]]") == 1
 ]
 CATALOGUE = tomllib.loads((FOLDER / "variables.toml").read_text(encoding="utf-8"))
 LARGEST = sys.float_info.max
@@ -234,7 +237,7 @@ def row_of(name: str, scene: dict) -> tuple[str, dict]:
     for contact in scene["contact"]:
         if contact["name"] == owner:
             plain = f"contact.{field}"
-            shapes[owner] = shapes[contact["destination"]]
+            shapes[owner] = shapes[contact["destination"].partition(".")[0]]
     row = CATALOGUE["variable"][plain]
     return plain, row | row.get(f"of_{shapes.get(owner)}", {})
 
@@ -258,6 +261,8 @@ def written_out(scene: dict) -> dict:
             for i in range(1, number + 1):
                 plain = {
                     key: text.replace("{i}", str(i)).replace("{i+1}", str(i + 1)).replace("*", str(i))
+                    if isinstance(text, str)
+                    else text
                     for key, text in table.items()
                     if key != "count"
                 }
