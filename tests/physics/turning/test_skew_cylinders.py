@@ -422,8 +422,8 @@ def test_axes_that_are_nearly_parallel_bounce_back(opened, angle):
 
 
 def test_a_driven_roller_drives_another_across_it(opened):
-    """As the slip ends the upper roller has all of the velocity of the lower surface along its own axis. It has a
-    third of it across, as its own surface has the other two thirds (m r^2/2), whatever way the slip took."""
+    """As the slip ends the upper roller has all of the velocity of the lower surface along its own axis, and
+    a third of it across: its own surface has two thirds (m r^2/2), whatever way the slip took."""
     fmu = start(opened("CrossedRollers"), {}, 1e-10)
     rate = fmu["destination.prescribed_angular_velocity"]
     fmu.step(0.3)
