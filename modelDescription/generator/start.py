@@ -170,7 +170,7 @@ class Start:
 
     def distance(self, source: int, destination: int) -> float | None:
         """From the source's centre to the destination's centre, axis or middle circle, None beyond ends of a
-        cylinder, beside a race and of cylinders with skew axes; the height above a plane, negative below it."""
+        cylinder, beside a race and of skew cylinders; the height above a plane, negative below it."""
         places = zip(self.centre(destination), self.centre(source), strict=True)
         between = [there - here for there, here in places]
         if self.scene.bodies[destination].shape == "sphere":
