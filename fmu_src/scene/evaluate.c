@@ -893,7 +893,7 @@ struct friction_state turning_rubbing(const struct turning_state *turning, const
 struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, int contact)
 {
-    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
+    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const struct vec3 omega = at->turning.body[contact_destination(contact)].angular_velocity;
     const struct vec3 turned =
