@@ -337,15 +337,16 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     if (in.solid.zone == 0) {
         in = contact_shape_in(shape, contact_zone_at(&shape->solid, c));
     }
-    const struct vec3 corner = contact_is_skew(&in) ? skew_corner(&in.solid) : vec3_make(0.0, 0.0, 0.0);
-    c = contact_is_skew(&in) ? vec3_sub(c, corner) : c;
+    c = contact_is_skew(&in) ? vec3_sub(c, skew_corner(&in.solid)) : c;
     struct contact_geometry at =
         contact_is_rim(&in) ? geometry_of_circle(&in, c, w, fallback) : geometry_in(&in, c, w, fallback);
     if (at.degenerate && contact_is_cylinder(&in)) {
         contact_hold_across(&in, w, &at);
     }
     at.zone = in.solid.zone;
-    at.gap_terms += contact_is_skew(&in) ? vec3_max_abs(corner) : 0.0;
+    if (contact_is_skew(&in)) {
+        at.gap_terms += vec3_max_abs(skew_corner(&in.solid));
+    }
     return at;
 }
 
@@ -606,6 +607,12 @@ struct vec3 contact_foot(const struct contact_shape *shape, struct vec3 c)
     const struct vec3 corner = skew_corner(&in.solid);
     const double end = ends.source != 0 ? ends.source * axes.source_half : 0.0;
     return vec3_axpy(contact_foot_along(&in, vec3_sub(c, corner)), end, axes.source);
+}
+
+struct vec3 contact_source_arm(const struct contact_shape *shape, struct vec3 normal, struct vec3 foot)
+{
+    const struct vec3 radial = vec3_scale(shape->side * shape->source_radius, normal);
+    return contact_is_skew(shape) ? vec3_add(foot, radial) : radial;
 }
 
 static struct bounding_box around(struct vec3 centre, struct vec3 half)

@@ -254,6 +254,10 @@ double contact_skew_sine(const struct contact_shape *shape);
 struct vec3 contact_foot(const struct contact_shape *shape, struct vec3 c);
 struct vec3 contact_foot_along(const struct contact_shape *shape, struct vec3 change);
 
+/* Returns the arm from the source's centre to the point of contact [m], or its change if `normal` and `foot`
+ * are changes. */
+struct vec3 contact_source_arm(const struct contact_shape *shape, struct vec3 normal, struct vec3 foot);
+
 /* The axis-aligned box around bodies in the world frame [m]. The diagonal of the box scales the automatic
  * penalty factors. */
 

@@ -607,10 +607,9 @@ struct turning_change turning_slopes_along(const struct turning_slopes *s,
     const struct vec3 n = s->geometry.normal;
     out.force = vec3_axpy(vec3_axpy(friction, -side * normal_force, n), -side * s->normal_force, d.normal);
 
-    const double lever = s->shape.source_radius * side;
-    const struct vec3 arm = vec3_axpy(contact_foot(&s->shape, s->motion.separation), lever, n);
+    const struct vec3 arm = contact_source_arm(&s->shape, n, contact_foot(&s->shape, s->motion.separation));
     const struct vec3 more_arm =
-        vec3_axpy(contact_foot_along(&s->shape, change->separation), lever, d.normal);
+        contact_source_arm(&s->shape, d.normal, contact_foot_along(&s->shape, change->separation));
     out.source_torque = vec3_add(vec3_cross(more_arm, s->force), vec3_cross(arm, out.force));
     out.destination_torque = vec3_add(vec3_cross(vec3_sub(change->separation, more_arm), s->force),
                                       vec3_cross(vec3_sub(s->motion.separation, arm), out.force));

@@ -689,7 +689,7 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
         if (contact_transmits(q, contact) && !contact_is_prescribed(v, contact)) {
             return nothing;
         }
-        if ((SCENE_ANY_ROTATION || SCENE_ANY_TORUS || SCENE_ANY_SKEW) && contact_advances(v, contact)) {
+        if (SCENE_ANY_ADVANCEMENT && contact_advances(v, contact)) {
             return is_loaded(v, q, contact) ? nothing
                                             : advancement_prediction(v, q, at, contact, horizon, budget);
         }

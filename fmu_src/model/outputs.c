@@ -515,9 +515,9 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     put_contact_gap_rate(v, contact, within ? g->gap_rate : 0.0);
     put_contact_distance(v, contact, distance);
     put_contact_direction(v, contact, contact_direction_of(&shape, g));
-    put_contact_point(v, contact,
-                      vec3_axpy(vec3_add(centre, contact_foot(&shape, at->separation[contact])),
-                                g->distance - shape.other_radius, g->normal));
+    const struct vec3 foot =
+        contact_is_skew(&shape) ? vec3_add(centre, contact_foot(&shape, at->separation[contact])) : centre;
+    put_contact_point(v, contact, vec3_axpy(foot, g->distance - shape.other_radius, g->normal));
     put_contact_active(v, contact, regime != REGIME_APART);
     put_contact_within_extents(v, contact, within);
     put_contact_zone(v, contact, (int32_t)zones_shown(v, q, at, contact));

@@ -381,9 +381,10 @@ void turning_slip_of_contact(const struct scene_values *v, const struct scene_st
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
-    const struct vec3 foot = contact_foot(&shape, at->separation[contact]);
-    const struct vec3 arm = vec3_axpy(foot, shape.side * shape.source_radius, g->normal);
+    const struct contact_shape shape = contact_has_skew_axes(v, contact) ? scene_shape_met(v, q, at, contact)
+                                                                         : scene_contact_shape(v, q, contact);
+    const struct vec3 arm =
+        contact_source_arm(&shape, g->normal, contact_foot(&shape, at->separation[contact]));
     turning->source_arm[contact] = arm;
     turning->destination_arm[contact] = vec3_sub(arm, at->separation[contact]);
     const struct vec3 past =
@@ -1011,7 +1012,7 @@ struct friction_state turning_rubbing(const struct turning_state *turning, const
 struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, int contact)
 {
-    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
+    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const struct vec3 omega = at->turning.body[contact_destination(contact)].angular_velocity;
     const struct vec3 turned =

@@ -47,7 +47,8 @@ struct body_instant {
 };
 
 /* scene_contact_shape returns the shape of a contact; where the shape is divided into zones and the bodies
- * are in contact it is the shape of the present zone (shape.h). scene_whole_shape returns the shape without zones. */
+ * are in contact it is the shape of the present zone (shape.h). scene_whole_shape returns the shape without
+ * zones. */
 struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
                                          int contact);
 struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q,

@@ -175,7 +175,7 @@ static void put_slip(const struct contact_shape *shape, const struct contact_pat
     for (int i = 0; i < JET_TERMS; ++i) {
         const struct vec3 foot =
             i == 0 ? contact_foot(shape, path->c[0]) : contact_foot_along(shape, path->c[i]);
-        turning->source_arm[i] = vec3_axpy(foot, shape->side * shape->source_radius, jet->normal[i]);
+        turning->source_arm[i] = contact_source_arm(shape, jet->normal[i], foot);
         far[i] = vec3_sub(turning->source_arm[i], path->c[i]);
         turning->destination_arm[i] = far[i];
         const struct vec3 past = vec3_sub(turning_jet_cross(path->source, turning->source_arm, i),

@@ -209,7 +209,7 @@ class Start:
 
     def distance(self, contact: Contact) -> float | None:
         """From the source's centre to the destination's centre, axis or middle circle, None beyond ends of a
-        cylinder and beside a race; the height above a plane, negative below it."""
+        cylinder, beside a race and of skew cylinders; the height above a plane, negative below it."""
         destination = contact.destination
         here = self.centre(contact.source, contact.source_part)
         there = self.centre(destination, contact.destination_part)
@@ -222,6 +222,10 @@ class Start:
         along = sum(c * e for c, e in zip(between, unit, strict=True))
         if self.is_plane(destination):
             return -along
+        if self.scene.bodies[source].shape == "cylinder":
+            other = self.value("body.axis", source)
+            if abs(sum(a * e for a, e in zip(other, unit, strict=True))) < (1.0 - 1e-12) * math.hypot(*other):
+                return None
         rho = math.hypot(*(c - along * e for c, e in zip(between, unit, strict=True)))
         if self.is_torus(destination):
             beyond = rho - self.value("body.ring_radius", destination)

@@ -12,6 +12,8 @@ from scipy.special import ellipe, ellipk
 
 from contact_fmus.fmu.contact_fmu import FmuError
 from support.checks import check_close, check_relative, start
+from support.exchange_runs import simulate
+from support.fmi3 import raw
 from support.scenes.scene_parts import touching_values
 
 COUNT = int(os.environ.get("CONTACT_SCENES", "12"))
@@ -201,6 +203,20 @@ def test_skew_cylinders_move_as_by_the_distance_of_their_axes(opened, kind, seed
         check_close(f"{method}: state", state_of(fmu, scene.axes), reference(kind, seed), 1e-7)
         terms = max(1.0, abs(before), fmu["energy.kinetic"])
         check_close(f"{method}: energy", fmu["energy.total"], before, 1e-9 * terms)
+
+
+@pytest.mark.parametrize("seed", [0, 9])
+def test_an_integrator_outside_passes_the_ends_too(fmu_path, seed):
+    """Model Exchange of FMI 2.0 and of FMI 3.0, by fmpy's CVODE."""
+    scene = lying(seed)
+    values = {name: np.array(one).tolist() for name, one in scene.values().items()}
+    vectors = ("source.position", "source.velocity")
+    names = [f"{name}[{k}]" for name in vectors for k in (1, 2, 3)]
+    second = simulate(fmu_path("CylinderCylinder"), values, scene.end, names)
+    third = simulate(raw.FMUS / "CylinderCylinder.fmu", values, scene.end, list(vectors))
+    found = [second[name][-1] for name in names]
+    check_close("FMI 2.0", found, reference("lying", seed)[:6], 1e-7)
+    check_close("FMI 3.0", np.concatenate([third[name][-1] for name in vectors]), found, 1e-12)
 
 
 def zones_met(scene: Pair) -> list[tuple[bool, bool]]:
@@ -422,15 +438,24 @@ def test_axes_that_are_nearly_parallel_bounce_back(opened, angle):
 
 
 def test_a_driven_roller_drives_another_across_it(opened):
-    """As the slip ends the upper roller has all of the velocity of the lower surface along its own axis. It has a
-    third of it across, as its own surface has the other two thirds (m r^2/2), whatever way the slip took."""
+    """The impulse J of friction ends the slip, whatever way it took, by a linear equation. The upper roller
+    moves by J/m and turns by J across its axis, with m r^2/2; the lower one turns more slowly, by J too."""
     fmu = start(opened("CrossedRollers"), {}, 1e-10)
-    rate = fmu["destination.prescribed_angular_velocity"]
+    m, inertia, rate = (
+        fmu["source.mass"],
+        fmu["destination.axial_inertia"],
+        fmu["destination.angular_velocity"],
+    )
+    e, up = unit(rate), np.array([0.0, 0.0, 1.0])
     fmu.step(0.3)
     lever = fmu["source.position"][2] - fmu["source.radius"]  # the force acts at the surface of the source
-    surface = np.cross(rate, [0.0, 0.0, lever])
-    check_close("velocity", fmu["source.velocity"], [surface[0], surface[1] / 3.0, 0.0], 1e-9)
-    check_close("rate", fmu["source.angular_velocity"], [2.0 / 3.0 * surface[1] / 0.02, 0.0, 0.0], 1e-7)
+    lower, across = np.cross(e, lever * up)[:2], np.array([0.0, 1.0])
+    slows = np.eye(2) / m + 2.0 * np.outer(across, across) / m + np.outer(lower, lower) / inertia
+    impulse = np.linalg.solve(slows, lower * np.linalg.norm(rate))
+    check_close("velocity", fmu["source.velocity"], [*impulse / m, 0.0], 1e-9)
+    turned = [2.0 * impulse[1] / (m * fmu["source.radius"]), 0.0, 0.0]
+    check_close("rate", fmu["source.angular_velocity"], turned, 1e-7)
+    check_close("lower rate", fmu["destination.angular_velocity"], rate - lower @ impulse / inertia * e, 1e-9)
     check_close("slip", fmu["contact.slip_velocity"], np.zeros(3), 1e-9)
     assert fmu["contact.active"]
     fmu.step(0.4)
