@@ -894,7 +894,7 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
     transition_end_step(v, q);
     q->deferrable_clock =
         status == INTEGRATOR_DONE && !scene_is_force_element(v) ? deferrable_until(v, q) : 0.0;
-    q->only_flies = !(q->phase.end > 0.0 || scene_turns(v) || keeps_step(v, q));
+    q->only_flies = !(q->phase.end > 0.0 || scene_turns(v) || (SCENE_CONTACTS > 1 && keeps_step(v, q)));
     return status;
 }
 
