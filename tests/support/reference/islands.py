@@ -199,7 +199,9 @@ class Islands:
         return None, end, solver.y
 
     def root(self, dense, regimes, at, ends):
-        return brentq(lambda time: self.events(dense(time), regimes)[at], *ends, xtol=1e-300, rtol=1e-15)
+        return brentq(
+            lambda time: self.events(dense(time), regimes)[at], *ends, xtol=1e-300, rtol=4e-15, maxiter=1000
+        )
 
 
 def dots(a, b):
