@@ -3,7 +3,17 @@
 from .catalogue import Catalogue, Row
 from .cell import shortest
 from .resolve import Resolved, resolve
-from .scene import BODY_KEYS, CONTACT_KEYS, EXPERIMENT, EXPERIMENT_KEYS, SCENE_KEYS, Body, Contact, Scene
+from .scene import (
+    BODY_KEYS,
+    CONTACT_KEYS,
+    EXPERIMENT,
+    EXPERIMENT_KEYS,
+    PART_KEYS,
+    SCENE_KEYS,
+    Body,
+    Contact,
+    Scene,
+)
 
 OWNERS = {"body": "BODY", "contact": "CONTACT", "world": ""}  # how the page names what a scene names itself
 
@@ -12,7 +22,7 @@ def context(catalogue: Catalogue) -> dict:
     """What the template scenes.md needs."""
     rows = catalogue.rows.values()
     return {
-        "keys": {"scene": SCENE_KEYS, "body": BODY_KEYS, "contact": CONTACT_KEYS},
+        "keys": {"scene": SCENE_KEYS, "body": BODY_KEYS, "part": PART_KEYS, "contact": CONTACT_KEYS},
         "experiment": [(key, shortest(EXPERIMENT[key]), text) for key, text in EXPERIMENT_KEYS.items()],
         "settings_of": {owner: [_setting(row) for row in rows if _is_of(row, owner)] for owner in OWNERS},
         "choices": [_choice(catalogue, row) for row in catalogue.choices().values()],

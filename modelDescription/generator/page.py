@@ -49,13 +49,14 @@ def _turning(resolved: Resolved) -> dict:
     return {
         "free": shapes("body.rotation", "free") - {"plane"},  # which is refused: it has no inertia
         "prescribed": (prescribed := shapes("body.rotation", "prescribed")),
-        "prescribed_axes": sorted(prescribed - {"sphere", "roller"}),
+        "prescribed_axes": sorted(prescribed - {"sphere", "roller", "compound"}),
         "automatic": shapes("body.inertia_control", "automatic"),
         "user_defined": shapes("body.inertia_control", "user_defined"),
         "destinations": [
             cell
             for cell in turned
-            if scene.bodies[cell.element].shape != "sphere" and not scene.bodies[cell.element].keeps_axis
+            if scene.bodies[cell.element].shape not in ("sphere", "compound")
+            and not scene.bodies[cell.element].keeps_axis
         ],
         "hollow_sphere": any(
             scene.bodies[scene.contacts[cell.element].destination].shape == "sphere"

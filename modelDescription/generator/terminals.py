@@ -18,6 +18,7 @@ MEMBERS = {
     "prescribed_displacement": "body.prescribed_displacement",
     "prescribed_velocity": "body.prescribed_velocity",
     "prescribed_axis": "body.prescribed_axis",
+    "prescribed_orientation": "body.prescribed_orientation",
     "prescribed_angular_velocity": "body.prescribed_angular_velocity",
     "external_force": "body.external_force",
     "external_torque": "body.external_torque",
@@ -27,6 +28,8 @@ MEMBERS = {
     "orientation": "body.orientation",
     "axis": "body.current_axis",
     "angular_velocity": "body.angular_velocity",
+    "contact_force": "body.contact_force",
+    "contact_torque": "body.contact_torque",
 }
 # Of a contact, on its two bodies: the members are "force" and "torque", numbered where a body is in several
 # contacts.

@@ -121,17 +121,24 @@ def felt_at_once(output, scene):
     """Input or state -> dependenciesKind of an output, from the names and the rows of variables.toml alone"""
     _, row = row_of(output, scene_file(scene))
     owner, component = output.partition(".")[0], output.removeprefix(whole(output))
-    pairs = {one["name"]: [one["source"], one["destination"]] for one in scene_file(scene)["contact"]}
+    pairs = {  # of compounds a contact names the part, as in foot.heel
+        one["name"]: [one[end].partition(".")[0] for end in ("source", "destination")]
+        for one in scene_file(scene)["contact"]
+    }
     names = [body["name"] for body in scene_file(scene)["body"]]
     bodies = [owner] if owner in names else pairs.get(owner, names)
+    met = pairs if owner not in pairs else [owner]  # contacts whose springs it feels
+    if owner in names and "contact.spring_state" in row.get("depends", {}):  # a sum over its contacts
+        met = [contact for contact, pair in pairs.items() if owner in pair]
+        bodies = sorted({body for contact in met for body in pairs[contact]})
     found = {}
     for key, kind in row.get("depends", {}).items():
-        for body in bodies:
-            stem = key.replace("body", body) if key.startswith("body.") else key
-            names = [name for name in describe(scene) if whole(name) == stem]
-            if key.startswith("body.") and len(bodies) == 1 and kind == "fixed":
-                names = [name for name in names if name.endswith(component)]
-            found |= dict.fromkeys(names, kind)
+        group, _, field = key.partition(".")
+        for one in {"body": bodies, "contact": met}.get(group, [group]):
+            felt = [name for name in describe(scene) if whole(name) == f"{one}.{field}"]
+            if group == "body" and len(bodies) == 1 and kind == "fixed":
+                felt = [name for name in felt if name.endswith(component)]
+            found |= dict.fromkeys(felt, kind)
     return found
 
 

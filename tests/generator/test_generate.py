@@ -16,6 +16,12 @@ def test_a_viewer_is_told_what_the_scene_file_says(file, tmp_path):
     files = generate(file, tmp_path) if file == EXTRA else files_of(file.stem)
     told = json.loads(files["resources/scene.json"])
     scene = written_out(tomllib.loads(file.read_text(encoding="utf-8")))
+    for body in told["bodies"]:  # the words of the file
+        body |= {"part": body.pop("parts")} if "parts" in body else {}
+    for contact in told["contacts"]:
+        for end in ("source", "destination"):
+            part = contact.pop(f"{end}_part", None)
+            contact[end] += f".{part}" if part else ""
     for kind, tables in (("body", told["bodies"]), ("contact", told["contacts"])):
         assert tables == [{key: text for key, text in one.items() if key != "block"} for one in scene[kind]]
     constants = {

@@ -34,7 +34,7 @@ def test_every_scene_has_an_icon_with_its_bodies_and_a_force(scene):
     assert pixels.shape == (200, 200, 4)
     assert where(pixels, SOURCE).size > 100
     assert where(pixels, FORCE).size > 100
-    hollow = scene in ("BallInShell", "GolfersDilemma", "GroovedBearing", "PinJoint")
+    hollow = scene in ("BallInShell", "GolfersDilemma", "GroovedBearing", "PinInHole", "PinJoint")
     assert (where(pixels, DESTINATION).size == 0) == hollow
     assert pixels[0, 0, 3] == 0 or scene in (
         "SphereCylinder",

@@ -18,8 +18,11 @@ import generate as program
 ROOT = Path(__file__).resolve().parents[3]
 FOLDER = ROOT / "modelDescription"
 SCENES = sorted(path.stem for path in (FOLDER / "scenes").glob("*.toml"))
-PAIRS = [
-    scene for scene in SCENES if (FOLDER / "scenes" / f"{scene}.toml").read_text().count("[[body]]") == 2
+PAIRS = [  # with one contact
+    scene
+    for scene in SCENES
+    if (FOLDER / "scenes" / f"{scene}.toml").read_text().count("[[body]]") == 2
+    and (FOLDER / "scenes" / f"{scene}.toml").read_text().count("[[contact]]") == 1
 ]
 CATALOGUE = tomllib.loads((FOLDER / "variables.toml").read_text(encoding="utf-8"))
 LARGEST = sys.float_info.max
@@ -258,8 +261,10 @@ def written_out(scene: dict) -> dict:
             for i in range(1, number + 1):
                 plain = {
                     key: text.replace("{i}", str(i)).replace("{i+1}", str(i + 1)).replace("*", str(i))
+                    if isinstance(text, str)
+                    else text
                     for key, text in table.items()
-                    if key not in ("count", "part")
+                    if key != "count"
                 }
                 result[kind].append(plain | {"block": parity + 2 * (k + stride * (i - 1))})
     for table in ("start", "pinned"):
