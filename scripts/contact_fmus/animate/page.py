@@ -19,7 +19,6 @@ from contact_fmus.scenarios.scenario import ANY, find
 
 # three.js, in one file that scripts/build_backend.py makes of its npm package when the project is set up or
 # the wheel is built; it is no part of the repository.
-
 FILE = Path(__file__).parent / "three.bundle.js"
 
 
@@ -85,6 +84,7 @@ def _body(motion: Motion, name: str, shape: str) -> dict[str, Any]:
         "shape": shape,
         "radius": motion.radius(name),
         "ring": motion.ring(name),
+        "parts": motion.parts(name),
         "axis": None if axis is None else axis.tolist(),
         "length": motion.length(name),
         "reach": _gone_along(motion, name),
@@ -107,9 +107,6 @@ def _gone_along(motion: Motion, body: str) -> float | None:
     pairs = [{one.source, one.destination} - {body} for one in motion.contacts_of(body)]
     away = [motion.position(other) - motion.position(body) for pair in pairs for other in pair]
     return max((float(np.max(np.abs(one @ axis))) for one in away), default=0.0)
-
-
-# where to look
 
 
 def view(motion: Motion) -> tuple[np.ndarray, float]:
@@ -158,11 +155,9 @@ def _box(motion: Motion, body: str) -> tuple[np.ndarray, np.ndarray]:
         return np.min(places, axis=0), np.max(places, axis=0)
     centers, axis = motion.position(body), motion.axis(body)
     radius = (motion.radius(body) or 0.0) + motion.ring(body)
-    extent = (
-        np.full(3, radius)
-        if axis is None or motion.ring(body)
-        else cylinder_extent(radius, axis, motion.length(body) or 0.0)
-    )
+    extent = np.full(3, radius)
+    if axis is not None and not motion.ring(body):
+        extent = cylinder_extent(radius, axis, motion.length(body) or 0.0)
     return np.min(centers, axis=0) - extent, np.max(centers, axis=0) + extent
 
 
@@ -214,8 +209,7 @@ def main(arguments: list[str] | None = None) -> int:
     """0: written"""
     options = parse("animate", arguments)
     output = output_file(options.output, find(options.source, ANY).stem + ".html", (".html",))
-    runs = open_runs(options.source, options.set, options.stop, options.fmu)
-    write_page(_chosen(runs, options.variant), output)
+    write_page(_chosen(open_runs(options.source, options.set, options.stop, options.fmu), options.variant), output)
     print(output)
     return 0
 

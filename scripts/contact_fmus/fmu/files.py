@@ -129,6 +129,7 @@ FORMAT = 1
 class Body:
     name: str
     shape: str  # sphere, cylinder, plane; others later
+    parts: tuple = ()  # of a compound: name, radius, center in its frame
 
 
 @dataclass(frozen=True)
@@ -163,7 +164,7 @@ def read_scene(fmu: str | os.PathLike) -> Scene:
         return Scene(
             content["name"],
             content["title"],
-            tuple(Body(body["name"], body["shape"]) for body in content["bodies"]),
+            tuple(Body(body["name"], body["shape"], tuple(body.get("parts", ()))) for body in content["bodies"]),
             tuple(Contact(one["name"], one["source"], one["destination"]) for one in content["contacts"]),
             dict(content["pinned"]),
         )

@@ -115,9 +115,14 @@ class Motion:
         driven = self.value(f"{body}.motion") == "prescribed"
         return self.series(f"{body}.prescribed_velocity") if found is None and driven else found
 
+    def parts(self, body: str) -> tuple:
+        """Radii and centres of the spheres of a compound; none of other bodies"""
+        return next(one.parts for one in self.scene.bodies if one.name == body)
+
     def radius(self, body: str) -> float | None:
-        """None for a shape without one"""
-        radius = self.value(f"{body}.radius")
+        """None for a shape without one; of a compound what reaches round it"""
+        around = [part["radius"] + float(np.linalg.norm(part["center"])) for part in self.parts(body)]
+        radius = max(around) if around else self.value(f"{body}.radius")
         return None if radius is None else float(radius)
 
     def ring(self, body: str) -> float:
@@ -139,9 +144,7 @@ class Motion:
 
     def length(self, body: str) -> float | None:
         """None for a sphere and for an infinite cylinder"""
-        if not self.value(f"{body}.finite_length"):
-            return None
-        return float(self.value(f"{body}.length"))
+        return float(self.value(f"{body}.length")) if self.value(f"{body}.finite_length") else None
 
     def orientation(self, body: str) -> np.ndarray | None:
         """Unit quaternions w, x, y, z from the body to the world; None for bodies that do not turn"""

@@ -104,11 +104,27 @@ class World {
     if (body.hollow) Object.assign(material, { transparent: true, opacity: 0.3, side: THREE.BackSide, depthWrite: false });
     const open = body.hollow || body.length === null;
     const rings = body.reach === null ? 1 : RINGS;
-    const shape = axis ? new THREE.CylinderGeometry(1, 1, 2, SEGMENTS, rings, open) : new THREE.SphereGeometry(1, SEGMENTS, SEGMENTS / 2);
+    const shape = axis ? new THREE.CylinderGeometry(1, 1, 2, SEGMENTS, rings, open) : this.ballsOf(body);
     const mesh = new THREE.Mesh(shape, material);
     mesh.renderOrder = body.hollow ? 2 : 0;
     body.materials.push(material);
     return mesh;
+  }
+
+  /** A ball of radius 1, or those of a compound, around which a ball of radius 1 reaches. */
+  ballsOf(body) {
+    const ball = () => new THREE.SphereGeometry(1, SEGMENTS, SEGMENTS / 2);
+    if (!body.parts.length) return ball();
+    const balls = body.parts.map((part) => {
+      const size = part.radius / body.radius;
+      return ball().scale(size, size, size).translate(...part.center.map((x) => x / body.radius)).toNonIndexed();
+    });
+    const shape = new THREE.BufferGeometry();
+    for (const name of ["position", "normal"]) {
+      const values = balls.flatMap((one) => [...one.getAttribute(name).array]);
+      shape.setAttribute(name, new THREE.BufferAttribute(new Float32Array(values), 3));
+    }
+    return shape;
   }
 
   /** Stripes between meridians of the shape's own axis, y; on a sphere the other way round on its other half, so that
@@ -206,7 +222,7 @@ class World {
         const [x, z] = [out * Math.cos((k * Math.PI) / 4), out * Math.sin((k * Math.PI) / 4)];
         for (let part = 1; part < along.length; part++) points.push(x, along[part - 1], z, x, along[part], z);
       }
-    } else {
+    } else if (!body.parts.length) {
       circle((a) => [out * Math.cos(a), out * Math.sin(a), 0]);
       for (let k = 0; k < 3; k++) {
         const turn = (k * Math.PI) / 3;
