@@ -180,3 +180,42 @@ TEST(the_result_does_not_depend_on_how_it_is_cut)
         check_states(&now, &whole, (200.0L + 10.0L * speed) * DBL_EPSILON, speed); /* of so many radians */
     }
 }
+
+/* Two equal moments of inertia are the case that has a series of its own, whatever the third axis is. */
+TEST(three_moments_of_which_two_are_equal_turn_as_the_symmetric_top)
+{
+    struct random r = {5};
+    for (int i = 0; i < 200; ++i) {
+        const struct rotor_state start = slow_start(&r);
+        const double axial = random_between(&r, 0.1, 2.0);
+        const struct vec3 torque[ROTOR_TORQUES] = {random_vector(&r, 1.0), random_vector(&r, 1.0),
+                                                   random_vector(&r, 1.0)};
+        const struct rotor_state got = rotor_of_three_after(&start, vec3_make(1.0, 1.0, axial), torque, 2.0);
+        const struct rotor_state expected = rotor_under_torque(&start, 1.0, axial, torque, 2.0);
+        const double speed = 1.0 + vec3_norm(expected.angular_velocity);
+        check_states(&got, &expected, (200.0L + 20.0L * speed) * DBL_EPSILON, speed);
+    }
+}
+
+/* Without a torque the energy lasts besides the angular momentum, although the step is not made to keep it. */
+TEST(three_moments_keep_momentum_and_energy)
+{
+    struct random r = {6};
+    for (int i = 0; i < 200; ++i) {
+        const struct rotor_state start = slow_start(&r);
+        const struct vec3 inertia = {1.0, random_between(&r, 0.6, 1.0), random_between(&r, 0.45, 0.6)};
+        const struct rotor_state end = rotor_of_three_after(&start, inertia, NO_TORQUE, 20.0);
+        struct vec3 momentum[2];
+        double energy[2];
+        for (int k = 0; k < 2; ++k) {
+            const struct rotor_state *at = k == 0 ? &start : &end;
+            const struct vec3 w =
+                quaternion_rotate(quaternion_inverse(at->orientation), at->angular_velocity);
+            const struct vec3 l = {inertia.x * w.x, inertia.y * w.y, inertia.z * w.z};
+            momentum[k] = quaternion_rotate(at->orientation, l);
+            energy[k] = vec3_dot(l, w);
+        }
+        CHECK_VECTOR("momentum", momentum[1], momentum[0], 32.0L * DBL_EPSILON * vec3_norm(momentum[0]));
+        CHECK_CLOSE("energy", energy[1], energy[0], 2000.0L * DBL_EPSILON * energy[0]);
+    }
+}
