@@ -197,7 +197,7 @@ TEST(three_moments_of_which_two_are_equal_turn_as_the_symmetric_top)
     }
 }
 
-/* Without a torque the energy lasts besides the angular momentum, although the step is not made to keep it. */
+/* Without a torque the energy lasts as the angular momentum does, which alone each step is made to keep. */
 TEST(three_moments_keep_momentum_and_energy)
 {
     struct random r = {6};
