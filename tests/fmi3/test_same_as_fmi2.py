@@ -69,7 +69,7 @@ def test_inputs_that_change_give_the_same_bits(scene):
         third.initialize()
         for _ in range(12):
             for variable in third.fmu.select("input"):
-                value = random.uniform(-0.1, 0.1, 3).tolist()
+                value = random.uniform(-0.1, 0.1, variable.length).tolist()
                 second[variable.name] = value
                 third.set({variable.name: value})
             time = second.time
