@@ -222,8 +222,8 @@ class Start:
         along = sum(c * e for c, e in zip(between, unit, strict=True))
         if self.is_plane(destination):
             return -along
-        if self.scene.bodies[source].shape == "cylinder":
-            other = self.value("body.axis", source)
+        if self.scene.bodies[contact.source].shape == "cylinder":
+            other = self.value("body.axis", contact.source)
             if abs(sum(a * e for a, e in zip(other, unit, strict=True))) < (1.0 - 1e-12) * math.hypot(*other):
                 return None
         rho = math.hypot(*(c - along * e for c, e in zip(between, unit, strict=True)))

@@ -329,3 +329,13 @@ def test_momenta_and_energy_of_bodies_that_meet_by_their_parts_last(opened_sever
 def test_moments_of_inertia_that_no_body_has_are_refused(opened):
     with pytest.raises(Exception, match=r"tripod.principal_inertia = .* contradicts itself"):
         start(opened("Tripod"), {"tripod.principal_inertia": [1.0, 0.1, 0.2]})
+
+
+def test_moments_of_inertia_that_nothing_reads_are_warned_of(opened_several):
+    fmu = opened_several("TwoBars")
+    fmu.reset()
+    fmu.messages.clear()
+    fmu.start({"one.rotation": "none", "one.principal_inertia": [0.1, 0.1, 0.1]})
+    assert any(
+        "one.principal_inertia[1] = 0.1 was set and is not in force" in one.text for one in fmu.messages
+    )
