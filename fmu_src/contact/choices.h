@@ -69,15 +69,7 @@
 /* No body has the shapes SHAPE_RIM and SHAPE_SKEW: the rim is the circular edge of a capped cylinder, which a
  * sphere meets from beyond both the side and the cap; SHAPE_SKEW is what two skew cylinders are to each other
  * (shape.h). No contact has the shape SHAPE_COMPOUND: the parts of a compound body are met as spheres. */
-enum shape {
-    SHAPE_SPHERE,
-    SHAPE_CYLINDER,
-    SHAPE_PLANE,
-    SHAPE_RIM,
-    SHAPE_TORUS,
-    SHAPE_SKEW,
-    SHAPE_COMPOUND
-};
+enum shape { SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_PLANE, SHAPE_RIM, SHAPE_TORUS, SHAPE_SKEW, SHAPE_COMPOUND };
 
 enum ends { ENDS_OPEN = 1, ENDS_CAPPED };
 
