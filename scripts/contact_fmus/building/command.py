@@ -26,7 +26,7 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 # The scene files that `contact-fmus new` writes: a free ball that bounces, or one of SCENES
 SHAPES = tomllib.loads(Path(__file__).with_name("shapes.toml").read_text(encoding="utf-8"))
 TEMPLATE = Path(__file__).with_name("scene.toml")
-SCENES = {"bearing": "BallBearing", "cradle": "NewtonsCradle", "galton": "GaltonBoard", "grooved": "GroovedBearing"}
+SCENES = SHAPES["scenes"]
 
 
 def scene_text(name: str, scene: str | None, shape: str, inside: bool, pinned: list[str]) -> str:
