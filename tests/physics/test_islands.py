@@ -55,6 +55,41 @@ def test_steps_under_hertz_law_end_at_releases(fmu_path):
         assert fmu["solver.force_evaluations"] < 1400
 
 
+@pytest.mark.parametrize("law", ["linear", "hertz"])
+def test_communication_points_and_saved_states_end_no_step_of_an_island(fmu_path, law):
+    """Where each communication point begins a new step, 997 of them cost ten times as much."""
+    start = {f"touch[{i}].law": law for i in range(1, 5)}
+
+    def run(fmu, steps, first=0, last=1.0):
+        for _ in range(first, round(last * steps)):
+            fmu.step(0.03 / steps)
+        names = [f"ball[{i}].{one}" for i in range(1, 6) for one in ("velocity", "position")]
+        names += [f"touch[{i}].{one}" for i in range(1, 5) for one in ("normal_force", "onsets")]
+        return np.hstack([np.ravel(fmu[name]) for name in [*names, "energy.total"]])
+
+    with ContactFmu(fmu_path("NewtonsCradle")) as fmu:
+        evaluations, ends = [], []
+        for steps in (1, 997):
+            fmu.reset()
+            fmu.start(start, tolerance=1e-9)
+            ends.append(run(fmu, steps))
+            evaluations.append(fmu["solver.force_evaluations"])
+        check_close("the end", ends[1], ends[0], 1e-9)
+        assert evaluations[1] < 2 * evaluations[0]
+        fmu.reset()
+        fmu.start(start, tolerance=1e-9)
+        within = run(fmu, 997, last=0.02)  # the balls overlap
+        assert within[-9:-1:2].max() > 0.0
+        kept = fmu.save()
+        assert np.array_equal(run(fmu, 997, 20), ends[1]), "saving is not seen"
+        fmu.restore(kept)
+        assert np.array_equal(run(fmu, 997, 20), ends[1])
+        with ContactFmu(fmu_path("NewtonsCradle")) as other:
+            other.start(start, tolerance=1e-9)
+            other.restore(bytes(kept))
+            assert np.array_equal(run(other, 997, 20), ends[1])
+
+
 def test_a_chain_of_beads_carries_a_solitary_wave(opened_several):
     """Its peak force, the speed of its beads and its own, as of the long wave in a chain under Hertz's law
     (units of stiffness, mass and the speed of the striker)
