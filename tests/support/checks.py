@@ -21,7 +21,7 @@ def differences(what, value, expected, allowed):
 
 
 def shown(values):
-    text = ", ".join(f"{float(x):.17g}" for x in np.atleast_1d(values))
+    text = ", ".join(f"{float(x):.17g}" for x in np.ravel(values))
     return f"({text})" if np.ndim(values) else text
 
 

@@ -155,7 +155,7 @@ class Islands:
         elif kind == DASHPOT:
             other = SPRING_ONLY if self.halves[contact] else CLIPPED
             regimes.normal[contact] = other if normal == FULL else FULL
-            regimes.sticks[contact] = False
+            regimes.sticks[contact] &= self.halves[contact]  # F_n has no jump where the dashpot alone ends
         elif normal == APART:
             regimes.normal[contact] = FULL
             regimes.sticks[contact] = True
