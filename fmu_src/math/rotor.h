@@ -75,8 +75,10 @@ struct rotor_state rotor_under_torque(const struct rotor_state *start, double tr
                                       double time);
 
 /*
- * The rigid body with three moments of inertia I under a torque, by power series of time. L is the angular
- * momentum, the integral of the torque; l has its components in the body's frame, and q is the orientation:
+ * The rigid body with three moments of inertia I under a torque tau, by power series of time. The quaternion
+ * q is the body's orientation, and q* is its inverse. L is the angular momentum, the integral of tau; l has
+ * the components of L in the body's frame, and omega those of the angular velocity. The equations of Euler
+ * and of the orientation are
  *
  *   l' = l x omega + q* tau q,   omega = l / I by components,   q' = q (0, omega) / 2
  *

@@ -312,7 +312,8 @@ static bool put_spring(const struct prescribed_contact *c, bool graded, const st
     return true;
 }
 
-/* Sets all springs. Each depends on the given motion alone, so that they are solved one by one. */
+/* Sets the springs of friction, rolling and spinning at the nodes of the panel. The bodies' motion is
+ * prescribed, so that no spring acts on another: they are solved one by one. */
 static bool put_springs(const struct prescribed_contact *c, bool graded, const struct springs *start,
                         struct panel *panel)
 {
@@ -498,7 +499,7 @@ static struct vec3 first_spring(const struct prescribed_contact *c, int part, co
     return vec3_scale(fmax(length, least) / speed, slip);
 }
 
-/* Begins the friction of an opposed motion at a clock with a spring at rest. */
+/* Begins friction, or the resistance to rolling or spinning (`part`, enum opposed), with a spring at rest. */
 static void start_friction(const struct prescribed_contact *c, double clock, int part)
 {
     const int j = c->contact;
@@ -625,7 +626,8 @@ static void change_lifting(const struct prescribed_contact *c, double clock, int
     }
 }
 
-/* Ends the sticking of an opposed motion at the instant `at`, or its sliding. */
+/* Lets the slip, the rolling or the spinning (`part`) break away at the instant `at` if it sticks, or stick
+ * if it slides. */
 static void change_sticking(const struct prescribed_contact *c, int part, struct vec3 spring,
                             const struct scene_instant *at)
 {

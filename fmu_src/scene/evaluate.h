@@ -19,7 +19,7 @@ struct turning_instant {
     struct vec3 destination_arm[SCENE_CONTACTS]; /* p - x_dst [m] */
     struct vec3 slip[SCENE_CONTACTS];            /* v_t [m/s] */
     struct vec3 friction_force[SCENE_CONTACTS];  /* F_t, part of the force on the source [N] */
-    /* M, part of the torque on the source, by its resistance to rolling and spinning [N m] */
+    /* the torque M by which a contact resists rolling and spinning, a part of source_torque [N m] */
     struct vec3 resistance[SCENE_CONTACTS];
     struct vec3 source_torque[SCENE_CONTACTS], destination_torque[SCENE_CONTACTS]; /* [N m] */
 };
@@ -178,9 +178,9 @@ bool scene_stiffens(const struct scene_values *v, int contact);
 /* Returns the effective modulus E* of the bodies of a contact [Pa]. */
 double scene_hertz_modulus(const struct scene_values *v, int contact);
 
-/* Returns the law that opposes a motion of a contact (contact/friction.h): friction, or the resistance to
- * rolling or to spinning. With the radii r_s and r_d, where r_d of a cylinder is its radius and of a torus
- * that of its tube, both resistances have the lever
+/* Returns the law that opposes one of a contact's motions (enum opposed, contact/friction.h): friction
+ * opposes the slip, and a resistance opposes rolling or spinning. With the radii r_s and r_d, where r_d of a
+ * cylinder is its radius and of a torus that of its tube, both resistances have the lever
  *   R_r = r_s r_d / (r_s + r_d) outside,   r_s r_d / (r_d - r_s) inside,   r_s on a plane
  * R_r is constant: the caps and the rims of a cylinder have that of its side. */
 struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q, int contact,

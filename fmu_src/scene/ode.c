@@ -64,7 +64,8 @@ int ode_coupled(const struct scene_values *v)
     return scene_turns(v) ? turning_layout_of(v).coupled : ode_body(v, SCENE_BODIES);
 }
 
-/* The same as turning_layout_of(v).integrals, which is asked for too often to make a layout each time. */
+/* Returns the index of the first integral among the states, which turning_layout_of(v).integrals is too. The
+ * index is asked for so often that making a whole layout each time would be slow. */
 int ode_integrals(const struct scene_values *v)
 {
     int index = ode_body(v, SCENE_BODIES);

@@ -190,7 +190,7 @@ static inline {{ accessor.result }} {{ accessor.name }}(const struct scene_value
 {{- "\n" }}{{ body(accessor, false) }}
 {%- endfor %}
 
-/* The body, or the part of a compound, that touches. */
+/* Returns the name of a contact's source: of the body, or of the part of a compound, such as foot.heel. */
 static inline const char *scene_source_name(int contact)
 {
 {% if any_compound %}

@@ -197,7 +197,8 @@ TEST(three_moments_of_which_two_are_equal_turn_as_the_symmetric_top)
     }
 }
 
-/* Without a torque the energy lasts as the angular momentum does, which alone each step is made to keep. */
+/* A body on which no torque acts keeps its angular momentum and its energy. The steps of the series keep the
+ * momentum by construction; the energy shows their error. */
 TEST(three_moments_keep_momentum_and_energy)
 {
     struct random r = {6};

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from contact_fmus.fmu.contact_fmu import FmuError
 from support.checks import check_close, start
-from support.scenes.scene_parts import touching_values
+from support.scenes.scene_parts import cylinder_rates, touching_values
 
 COUNT = int(os.environ.get("CONTACT_SCENES", "12"))
 METHODS = ("event_driven", "cvode_bdf")
@@ -75,16 +75,7 @@ class Pair:
         return force, np.cross(point - y[0:3], force) @ e, -np.cross(point - y[6:9], force) @ e, -depth
 
     def rates_of(self, _t, y) -> np.ndarray:
-        force, torque, other, _ = self.forces(y)
-        rates = np.zeros(14)
-        rates[0:3], rates[3:6] = y[3:6], G + force / self.mass[0]
-        if self.both:
-            rates[6:9], rates[9:12] = y[9:12], G - force / self.mass[1]
-        if self.turns:
-            rates[12:14] = [
-                2.0 * t / (m * r * r) for t, m, r in zip((torque, other), self.mass, self.radius, strict=True)
-            ]
-        return rates
+        return cylinder_rates(self, G, y, *self.forces(y)[:3])
 
     def ended(self) -> np.ndarray:
         """Places and velocities of both, and their rates about the axis"""

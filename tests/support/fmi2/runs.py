@@ -72,25 +72,16 @@ FOLLOWING |= {"contact.tangential_damping": 30.0}  # relaxes slowly enough for d
 ROLLING = {"contact.friction": "regularized", "contact.slip_velocity_control": "user_defined"}
 ROLLING |= {"contact.characteristic_slip_velocity": 1e-2}
 SPINNING = {"source.rotation": "free"}
-RESISTING = {
-    f"contact.{name}": value
-    for kind in ("rolling", "spinning")
-    for name, value in (
-        (kind, "regularized"),
-        (f"{kind}_coefficient", 0.2),
-        (f"characteristic_{kind}_rate", 2.0),
-    )
-}
-YIELDING = {
-    f"contact.{name}": value
-    for kind in ("rolling", "spinning")
-    for name, value in (
-        (kind, "elastic"),
-        (f"{kind}_coefficient", 0.2),
-        (f"{kind}_stiffness", 20.0),
-        (f"{kind}_damping", 0.3),
-    )
-}
+
+
+def _of_both(values):
+    """The same values for rolling and spinning, whose names stand for {}"""
+    kinds = ("rolling", "spinning")
+    return {f"contact.{name.format(kind)}": one for kind in kinds for name, one in values.items()}
+
+
+RESISTING = _of_both({"{}": "regularized", "{}_coefficient": 0.2, "characteristic_{}_rate": 2.0})
+YIELDING = _of_both({"{}": "elastic", "{}_coefficient": 0.2, "{}_stiffness": 20.0, "{}_damping": 0.3})
 ALL_GIVEN = {f"{body}.{kind}": "prescribed" for body in BODIES for kind in ("motion", "rotation")}
 TILTED = [0.1, 0.2, 1.0]
 WEIGHTLESS = {"destination.motion": "free", "gravity": [0, 0, 0]}
