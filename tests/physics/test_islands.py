@@ -90,6 +90,24 @@ def test_communication_points_and_saved_states_end_no_step_of_an_island(fmu_path
             assert np.array_equal(run(other, 997, 20), ends[1])
 
 
+@pytest.mark.parametrize("law", ["linear", "hertz"])
+def test_the_peaks_of_one_long_step_are_the_tops_of_all_short_ones(fmu_path, law):
+    start = {f"touch[{i}].law": law for i in range(1, 5)}
+    forces = [f"touch[{i}].normal_force" for i in range(1, 5)]
+    with ContactFmu(fmu_path("NewtonsCradle")) as fmu:
+        fmu.start(start, tolerance=1e-9)
+        fmu.step(0.03)
+        peaks = np.array([fmu[f"touch[{i}].peak_force"] for i in range(1, 5)])
+        fmu.reset()
+        fmu.start(start, tolerance=1e-9)
+        tops = np.zeros(4)
+        for _ in range(3000):
+            fmu.step(1e-5)
+            tops = np.maximum(tops, [fmu[name] for name in forces])
+    assert np.all(peaks >= tops * (1.0 - 1e-9))
+    check_close("peaks", peaks / tops, np.ones(4), 1e-3)  # a sample lies beside the top
+
+
 def test_a_chain_of_beads_carries_a_solitary_wave(opened_several):
     """Its peak force, the speed of its beads and its own, as of the long wave in a chain under Hertz's law
     (units of stiffness, mass and the speed of the striker)
