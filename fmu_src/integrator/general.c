@@ -347,10 +347,11 @@ static double missing_to(struct general *g, int event, double rate, double clock
 static bool solve_again(struct general *g, double length)
 {
     struct radau_step *p = &g->step;
-    if (!radau_step_guess_again(p, p->stages, length) ||
-        !(g->by_forces ? node_forces_solve(g, general_newton_share(g))
-          : g->fully   ? radau_step_solve_fully(p, general_newton_share(g))
-                       : radau_step_solve(p, general_newton_share(g)))) {
+    radau_step_guess_again(p, p->stages, length);
+    const bool solved = g->by_forces ? node_forces_solve(g, general_newton_share(g))
+                        : g->fully   ? radau_step_solve_fully(p, general_newton_share(g))
+                                     : radau_step_solve(p, general_newton_share(g));
+    if (!solved) {
         return false;
     }
     const double error = general_finish_step(g);

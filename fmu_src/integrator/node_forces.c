@@ -4,18 +4,23 @@
 
 #include "integrator/node_forces.h"
 #include "math/lu.h"
+#include "math/nodes.h"
 #include "scene/evaluate.h"
 
+/* Unknowns of a contact that rubs, and of one that does not: there the force has one direction. */
+enum { ROWS = 3, ROWS_WITHOUT_FRICTION = 1 };
+
 /* One contact at one stage. U is the velocity of the source at the point of contact less that of the
- * destination [m/s]; X is its integral [m]. The response changes by `by_force` dF + `by_velocity` dU +
- * `by_place` dX, whose rows are given. */
+ * destination [m/s]; X is its integral [m]. Each row of the response changes by `by_force` dF + `by_velocity`
+ * dU + `by_place` dX. Where the contact does not rub there is one row, and dF has the direction `push`. */
 struct node {
-    struct vec3 force;    /* on the source: the unknown [N] */
-    struct vec3 arm[2];   /* from the centres of source and destination to the point of contact [m] */
-    struct vec3 response; /* how far the force is from its laws [m/s] */
-    bool rolls;           /* form of the response of friction (friction_response_of) */
-    double steepness;     /* of that response where the slopes were taken */
-    struct vec3 by_force[3], by_velocity[3], by_place[3];
+    struct vec3 force;     /* on the source: the unknown [N] */
+    struct vec3 push;      /* direction of a normal force of one [1] */
+    struct vec3 arm[2];    /* from the centres of source and destination to the point of contact [m] */
+    double response[ROWS]; /* how far the force is from its laws [m/s] */
+    bool rolls;            /* form of the response of friction (friction_response_of) */
+    double steepness;      /* of that response where the slopes were taken */
+    struct vec3 by_force[ROWS], by_velocity[ROWS], by_place[ROWS];
 };
 
 /* How a body moves under a force: 1/m [1/kg], 1/I_1 [1/(kg m^2)], I_1/I_3 - 1; all zero if it is not free.
@@ -32,26 +37,40 @@ static inline bool is_flat(const struct mobility *m)
     return SCENE_ANY_AXIS && m->flatness != 0.0;
 }
 
-/* The bodies at both ends of a contact, source first, and the indices of their velocities and spins among the
- * states that are no positions; -1 stands where a body has none. */
-struct node_ends {
+/* A contact that transmits forces. `body`, `speed` and `spin` are its bodies, source first, and the indices of
+ * their velocities and spins among the states that are no positions; -1 stands where a body has none. */
+struct node_contact {
+    int contact;
     int body[2], speed[2], spin[2];
+    int rows;    /* number of its unknowns at a stage */
+    int first;   /* sum of the rows of the contacts before it */
+    double side; /* +1: the source is outside the destination, -1: inside */
+    struct turning_laws laws;
 };
+
+/* Most contacts that transmit forces at a time. */
+enum { MOST_NODES = SCENE_CONTACTS < RADAU_MOST_UNKNOWNS ? SCENE_CONTACTS : RADAU_MOST_UNKNOWNS };
 
 /* The source gets the force of a contact, the destination the opposite one. */
 static const double SIGN_OF_END[2] = {1.0, -1.0};
 
+/* What respond_along_normal has set at all stages: the directions of a normal force, and the slopes of the
+ * response by the velocity and by the place of the source along them. */
+struct normals {
+    double push[3][RADAU_MOST_STAGES], by_rate[RADAU_MOST_STAGES], by_gap[RADAU_MOST_STAGES];
+};
+
 struct iteration {
     struct general *g;
     struct turning_layout layout;
-    struct node node[RADAU_MOST_STAGES][SCENE_CONTACTS];
+    int contacts, rows; /* that transmit forces; unknowns at a stage */
+    struct node_contact contact[MOST_NODES];
+    struct node node[RADAU_MOST_STAGES][MOST_NODES];
+    struct normals normals[MOST_NODES];
+    double admittance[MOST_NODES];                     /* scale of the responses that are forces [m/(N s)] */
     struct vec3 axis[RADAU_MOST_STAGES][SCENE_BODIES]; /* third axes of the bodies */
     struct mobility mobility[SCENE_BODIES];
-    struct node_ends ends[SCENE_CONTACTS];
-    struct turning_laws laws[SCENE_CONTACTS];
-    double side[SCENE_CONTACTS];       /* +1: the source is outside the destination, -1: inside */
-    double admittance[SCENE_CONTACTS]; /* scale of the responses that are forces [m/(N s)] */
-    int among[ODE_MOST_STATES];        /* indices of states among those that are no places */
+    int among[ODE_MOST_STATES]; /* indices of states among those that are no places */
     double *rates, *bare; /* [stages][width] rates of these states with and without the contact forces */
     bool stale;           /* whether the slopes of a contact that rolls have changed by more than STALE */
     int factorizations;
@@ -60,6 +79,14 @@ struct iteration {
 /* The slopes of friction are taken anew where they have changed by this factor: by slopes that are much too
  * steep the corrections of the forces are small although the forces are far from the law. */
 static const double STALE = 3.0;
+
+/* Returns the index of the first unknown of a contact at a stage. The stages of one contact stand together, so
+ * that bodies in a row make a band of the matrix. */
+static inline int unknown_of(const struct iteration *it, int contact, int stage)
+{
+    const struct node_contact *c = &it->contact[contact];
+    return it->g->step.stages->stages * c->first + stage * c->rows;
+}
 
 static void prepare_bodies(struct iteration *it)
 {
@@ -79,20 +106,66 @@ static void prepare_bodies(struct iteration *it)
     }
 }
 
-static void prepare_contacts(struct iteration *it)
+/* Returns the number of unknowns of a contact at a stage; zero where it transmits no force. */
+static int rows_of(const struct general *g, int contact)
+{
+    return !contact_transmits(g->state, contact)  ? 0
+           : contact_rubs(g->ode.values, contact) ? ROWS
+                                                  : ROWS_WITHOUT_FRICTION;
+}
+
+static void note_node_contact(struct iteration *it, int contact)
 {
     const struct scene_values *v = it->g->ode.values;
+    const double by_mass = scene_inverse_mass(v, contact);
+    struct node_contact *to = &it->contact[it->contacts];
+    to->contact = contact;
+    to->rows = rows_of(it->g, contact);
+    to->first = it->rows;
+    to->laws = turning_laws_of(v, it->g->state, contact);
+    to->side = scene_contact_side(v, it->g->state, contact);
+    it->admittance[it->contacts] = it->g->step.length * (by_mass > 0.0 ? by_mass : 1.0);
+    for (int end = 0; end < 2; ++end) {
+        const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+        const int spin = it->layout.spin[body];
+        to->body[end] = body;
+        to->spin[end] = spin >= 0 ? it->among[spin] : -1;
+        to->speed[end] = body_is_free(v, body) ? it->among[ode_body(v, body) + 3] : -1;
+    }
+    it->contacts += 1;
+    it->rows += to->rows;
+}
+
+/* Returns the number of contacts that share a body that moves with this one, and transmit forces. */
+static int neighbours_of(const struct iteration *it, int contact)
+{
+    const int body[2] = {contact_source(contact), contact_destination(contact)};
+    int count = 0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const double by_mass = scene_inverse_mass(v, j);
-        const int body[2] = {contact_source(j), contact_destination(j)};
-        it->laws[j] = turning_laws_of(v, it->g->state, j);
-        it->side[j] = scene_contact_side(v, it->g->state, j);
-        it->admittance[j] = it->g->step.length * (by_mass > 0.0 ? by_mass : 1.0);
-        for (int end = 0; end < 2; ++end) {
-            const int spin = it->layout.spin[body[end]];
-            it->ends[j].body[end] = body[end];
-            it->ends[j].spin[end] = spin >= 0 ? it->among[spin] : -1;
-            it->ends[j].speed[end] = body_is_free(v, body[end]) ? it->among[ode_body(v, body[end]) + 3] : -1;
+        const int other[2] = {contact_source(j), contact_destination(j)};
+        bool shares = false;
+        for (int k = 0; k < 4; ++k) {
+            shares = shares || (body[k / 2] == other[k % 2] && it->mobility[body[k / 2]].moves);
+        }
+        count += shares && rows_of(it->g, j) > 0 ? 1 : 0;
+    }
+    return count;
+}
+
+/* Lists the contacts that transmit forces. Those with the fewest neighbours come first, because their
+ * elimination fills the least of the matrix. */
+static void note_contacts(struct iteration *it)
+{
+    int neighbours[SCENE_CONTACTS];
+    it->contacts = it->rows = 0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        neighbours[j] = SCENE_CONTACTS > 2 && rows_of(it->g, j) > 0 ? neighbours_of(it, j) : 0;
+    }
+    for (int n = 0; n <= SCENE_CONTACTS; ++n) {
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            if (neighbours[j] == n && rows_of(it->g, j) > 0) {
+                note_node_contact(it, j);
+            }
         }
     }
 }
@@ -110,7 +183,7 @@ static void prepare(struct iteration *it)
         it->among[p->other[j]] = j;
     }
     prepare_bodies(it);
-    prepare_contacts(it);
+    note_contacts(it);
     memset(p->point, 0, (size_t)g->size * sizeof *p->point);
     memset(it->bare, 0, (size_t)(p->stages->stages * p->width) * sizeof *it->bare);
     for (int i = 0; i < p->stages->stages; ++i) {
@@ -132,40 +205,68 @@ static void put_rows(struct vec3 to[3], const double across[3][3], double along,
     }
 }
 
-/* Sets the response of a contact and, if `anew`, its slopes. Along e = side n the response is a (F_n - F_n of
- * the law), with F_n = -F.e and the admittance a; across e it is the response of friction. */
-static void respond(struct iteration *it, struct node *node, int contact, const struct scene_instant *at,
-                    bool anew)
+/* Sets the response of a contact that does not rub, and if `anew` its slopes. With e = side n it is
+ * a (F_n of the law - F_n), where F_n = -F.e and a is the admittance. */
+static void respond_along_normal(struct iteration *it, int stage, int index, const struct contact_geometry *g,
+                                 bool anew)
 {
-    const struct turning_laws *laws = &it->laws[contact];
-    const struct contact_geometry *g = &at->geometry[contact];
-    const struct vec3 slip = at->turning.slip[contact];
-    const bool touches = laws->regime != REGIME_APART;
-    const enum friction_regime regime = touches ? laws->rubbing_regime[OPPOSED_SLIP] : FRICTION_LIFTED;
-    const double by_law = touches ? contact_force(&laws->normal, laws->regime, g->gap, g->gap_rate) : 0.0;
-    const double a = it->admittance[contact];
-    const struct vec3 e = vec3_scale(it->side[contact], g->normal);
+    const struct node_contact *c = &it->contact[index];
+    struct node *node = &it->node[stage][index];
+    const double a = it->admittance[index];
+    const struct vec3 e = vec3_scale(c->side, g->normal);
+    const double normal_force = -vec3_dot(node->force, e);
+    const double by_law = contact_force(&c->laws.normal, c->laws.regime, g->gap, g->gap_rate);
+    node->push = vec3_scale(-1.0, e);
+    node->force = vec3_scale(normal_force, node->push);
+    node->response[0] = a * (by_law - normal_force);
+    if (anew) {
+        struct normals *to = &it->normals[index];
+        const struct contact_slopes slopes =
+            contact_force_slopes(&c->laws.normal, c->laws.regime, g->gap, g->gap_rate);
+        to->push[0][stage] = node->push.x;
+        to->push[1][stage] = node->push.y;
+        to->push[2][stage] = node->push.z;
+        to->by_rate[stage] = a * slopes.by_rate; /* g' = -e.U */
+        to->by_gap[stage] = a * slopes.by_gap;
+        node->by_force[0] = vec3_scale(a, e);
+        node->by_velocity[0] = vec3_scale(-a * slopes.by_rate, e);
+        node->by_place[0] = vec3_scale(-a * slopes.by_gap, e);
+    }
+}
+
+/* Sets the response of a contact and, if `anew`, its slopes. Along e it is that of respond_along_normal;
+ * across e it is the response of friction. */
+static void respond_with_friction(struct iteration *it, struct node *node, int index,
+                                  const struct scene_instant *at, bool anew)
+{
+    const struct node_contact *c = &it->contact[index];
+    const struct turning_laws *laws = &c->laws;
+    const struct friction_law *rubbing = &laws->rubbing[OPPOSED_SLIP];
+    const enum friction_regime regime = laws->rubbing_regime[OPPOSED_SLIP];
+    const struct contact_geometry *g = &at->geometry[c->contact];
+    const struct vec3 slip = at->turning.slip[c->contact];
+    const double by_law = contact_force(&laws->normal, laws->regime, g->gap, g->gap_rate);
+    const double a = it->admittance[index];
+    const struct vec3 e = vec3_scale(c->side, g->normal);
     const double normal_force = -vec3_dot(node->force, e);
     struct vec3 tangential = vec3_axpy(node->force, normal_force, e);
     if (anew) {
-        node->rolls = friction_rolls(&laws->rubbing[OPPOSED_SLIP], regime, normal_force, tangential, a);
+        node->rolls = friction_rolls(rubbing, regime, normal_force, tangential, a);
     }
-    const struct friction_missed missed = friction_missed(&laws->rubbing[OPPOSED_SLIP], regime, normal_force,
-                                                          slip, &tangential, node->rolls, a);
+    const struct friction_missed missed =
+        friction_missed(rubbing, regime, normal_force, slip, &tangential, node->rolls, a);
     node->force = vec3_axpy(tangential, -normal_force, e);
-    node->response = vec3_axpy(missed.velocity, a * (by_law - normal_force), e);
+    vec3_to(vec3_axpy(missed.velocity, a * (by_law - normal_force), e), node->response);
     if (!anew) {
         const double ratio = missed.steepness / node->steepness;
         it->stale = it->stale || (node->rolls && !(ratio < STALE && ratio * STALE > 1.0));
         return;
     }
     node->steepness = missed.steepness;
-    struct contact_slopes slopes = {0.0, 0.0};
-    if (touches) {
-        slopes = contact_force_slopes(&laws->normal, laws->regime, g->gap, g->gap_rate);
-    }
-    const struct friction_response friction = friction_response_of(
-        &laws->rubbing[OPPOSED_SLIP], regime, normal_force, slip, tangential, node->rolls, a);
+    const struct contact_slopes slopes =
+        contact_force_slopes(&laws->normal, laws->regime, g->gap, g->gap_rate);
+    const struct friction_response friction =
+        friction_response_of(rubbing, regime, normal_force, slip, tangential, node->rolls, a);
     put_rows(node->by_force, friction.by_force, a, e);
     put_rows(node->by_velocity, friction.by_slip, -a * slopes.by_rate, e); /* g' = -e.U */
     for (int i = 0; i < 3; ++i) {
@@ -210,11 +311,18 @@ static void evaluate_nodes(struct iteration *it, bool anew)
     for (int i = 0; i < s; ++i) {
         const struct scene_instant *at = move_to_stage(it, i);
         put_orientation_rates(it, i, at);
-        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        for (int j = 0; j < it->contacts; ++j) {
+            const int contact = it->contact[j].contact;
             struct node *node = &it->node[i][j];
-            node->arm[0] = at->turning.source_arm[j];
-            node->arm[1] = at->turning.destination_arm[j];
-            respond(it, node, j, at, anew);
+            if (scene_turns(it->g->ode.values)) {
+                node->arm[0] = at->turning.source_arm[contact];
+                node->arm[1] = at->turning.destination_arm[contact];
+            }
+            if (SCENE_ANY_FRICTION && it->contact[j].rows == ROWS) {
+                respond_with_friction(it, node, j, at, anew);
+            } else {
+                respond_along_normal(it, i, j, &at->geometry[contact], anew);
+            }
         }
     }
     p->evaluations += s;
@@ -230,7 +338,7 @@ static void add_vector(double *to, double factor, struct vec3 a)
 /* Adds a force of a contact to the rates at a stage. */
 static void add_force(struct iteration *it, int stage, int contact, struct vec3 force)
 {
-    const struct node_ends *ends = &it->ends[contact];
+    const struct node_contact *ends = &it->contact[contact];
     double *rates = it->rates + stage * it->g->step.width;
     for (int end = 0; end < 2; ++end) {
         const struct mobility *m = &it->mobility[ends->body[end]];
@@ -247,7 +355,7 @@ static void add_force(struct iteration *it, int stage, int contact, struct vec3 
 /* Returns the change of U of a contact at a stage for changes of the states that are no places. */
 static struct vec3 velocity_of(const struct iteration *it, int stage, int contact, const double *change)
 {
-    const struct node_ends *ends = &it->ends[contact];
+    const struct node_contact *ends = &it->contact[contact];
     struct vec3 sum = {0.0, 0.0, 0.0};
     for (int end = 0; end < 2; ++end) {
         if (ends->speed[end] >= 0) {
@@ -267,28 +375,30 @@ static struct vec3 velocity_of(const struct iteration *it, int stage, int contac
     return sum;
 }
 
-static struct vec3 rows_times(const struct vec3 row[3], struct vec3 a)
-{
-    return vec3_make(vec3_dot(row[0], a), vec3_dot(row[1], a), vec3_dot(row[2], a));
-}
-
-/* Adds the contact forces to the rates, and to the responses the effect that the integrals of these rates
- * will have: the stages still have the spins of the arms before. */
+/* Adds the contact forces to the rates. The integrals of these rates will change the states, and these changes
+ * are added to the responses: at first because the guesses of states and forces are independent, later because
+ * the stages still have the spins of the arms before. */
 static void add_pending(struct iteration *it)
 {
     struct radau_step *p = &it->g->step;
     const int s = p->stages->stages;
+    const bool first = p->iterations == 1;
     for (int i = 0; i < s; ++i) {
-        for (int c = 0; c < SCENE_CONTACTS; ++c) {
+        for (int c = 0; c < it->contacts; ++c) {
             add_force(it, i, c, it->node[i][c].force);
         }
     }
+    if (!first && !scene_turns(it->g->ode.values)) {
+        return;
+    }
     radau_step_pending(p, it->rates, p->scratch);
     for (int i = 0; i < s; ++i) {
-        for (int c = 0; c < SCENE_CONTACTS; ++c) {
+        for (int c = 0; c < it->contacts; ++c) {
             struct node *node = &it->node[i][c];
             const struct vec3 more = velocity_of(it, i, c, p->scratch + i * p->width);
-            node->response = vec3_add(node->response, rows_times(node->by_velocity, more));
+            for (int r = 0; r < it->contact[c].rows; ++r) {
+                node->response[r] += vec3_dot(node->by_velocity[r], more);
+            }
         }
     }
 }
@@ -305,10 +415,10 @@ static int shared_bodies(const struct iteration *it, int c, int d, struct shared
 {
     int count = 0;
     for (int k = 0; k < 4; ++k) {
-        const int body = it->ends[c].body[k / 2];
+        const int body = it->contact[c].body[k / 2];
         const struct mobility *m = &it->mobility[body];
         const double sign = k / 2 == k % 2 ? 1.0 : -1.0;
-        if (body == it->ends[d].body[k % 2] && m->moves) {
+        if (body == it->contact[d].body[k % 2] && m->moves) {
             list[count++] = (struct shared_body){body,
                                                  k / 2,
                                                  k % 2,
@@ -320,23 +430,97 @@ static int shared_bodies(const struct iteration *it, int c, int d, struct shared
     return count;
 }
 
-/* Adds to a block the product of its rows and M, the effect of a force at the arm `of` of a body on its
- * velocity at the arm `arm`: M = I / m - [arm] J^-1 [of]. */
-static inline void add_mobility(const struct shared_body *m, struct vec3 arm, struct vec3 of,
-                                struct vec3 axis, const struct vec3 row[3], struct vec3 block[3])
+/* M, the effect of a force at the arm `of` of a body on its velocity at the arm `arm`, with the unit vector e of
+ * the body's axis: M = I / m - [arm] J^-1 [of] = alike I - of (by_inertia arm)^T + turned lever^T. */
+struct mobility_between {
+    double alike, by_inertia;
+    struct vec3 arm, of, lever, turned;
+};
+
+static inline struct mobility_between mobility_of(const struct shared_body *m, struct vec3 arm,
+                                                  struct vec3 of, struct vec3 axis)
 {
-    const double alike = m->by_mass + m->by_inertia * vec3_dot(arm, of);
-    for (int k = 0; k < 3; ++k) {
-        const double turned = m->by_inertia * vec3_dot(row[k], of);
-        block[k] = vec3_make(block[k].x + alike * row[k].x - turned * arm.x,
-                             block[k].y + alike * row[k].y - turned * arm.y,
-                             block[k].z + alike * row[k].z - turned * arm.z);
-    }
+    struct mobility_between to = {m->by_mass + m->by_inertia * vec3_dot(arm, of),
+                                  m->by_inertia,
+                                  arm,
+                                  of,
+                                  vec3_make(0.0, 0.0, 0.0),
+                                  vec3_make(0.0, 0.0, 0.0)};
     if (SCENE_ANY_AXIS && m->by_axis != 0.0) {
-        const struct vec3 lever = vec3_cross(arm, axis);
-        const struct vec3 turned = vec3_scale(m->by_axis, vec3_cross(of, axis));
-        for (int k = 0; k < 3; ++k) {
-            block[k] = vec3_axpy(block[k], vec3_dot(row[k], lever), turned);
+        to.lever = vec3_cross(arm, axis);
+        to.turned = vec3_scale(m->by_axis, vec3_cross(of, axis));
+    }
+    return to;
+}
+
+/* Returns the product of a row and M. */
+static inline struct vec3 row_times_mobility(struct vec3 row, const struct mobility_between *m)
+{
+    const double turned = m->by_inertia * vec3_dot(row, m->of);
+    const struct vec3 effect = vec3_axpy(vec3_scale(m->alike, row), -turned, m->arm);
+    return SCENE_ANY_AXIS ? vec3_axpy(effect, vec3_dot(row, m->lever), m->turned) : effect;
+}
+
+/* Writes the rows of one contact and the columns of another at a pair of stages. The rows change with the
+ * integrals `once` and `square` of the forces, through the bodies that both contacts share. */
+static inline void put_block(const struct iteration *it, const struct node *node, int rows,
+                             const struct node *by, int columns, const struct mobility_between *shared,
+                             int count, double once, double square, double *to)
+{
+    const int stride = it->g->step.all.stride;
+    for (int r = 0; r < rows; ++r) {
+        const struct vec3 row = vec3_axpy(vec3_scale(once, node->by_velocity[r]), square, node->by_place[r]);
+        struct vec3 effect = node == by ? node->by_force[r] : vec3_make(0.0, 0.0, 0.0);
+        for (int l = 0; l < count; ++l) {
+            effect = vec3_add(effect, row_times_mobility(row, &shared[l]));
+        }
+        if (columns == ROWS_WITHOUT_FRICTION) {
+            to[r] = vec3_dot(effect, by->push);
+        } else {
+            to[r] = effect.x;
+            to[stride + r] = effect.y;
+            to[2 * stride + r] = effect.z;
+        }
+    }
+}
+
+/* Puts zeros where two contacts share no body. */
+static void clear_blocks(const struct iteration *it, int c, int d)
+{
+    const struct radau_step *p = &it->g->step;
+    const int s = p->stages->stages;
+    const int rows = s * it->contact[c].rows;
+    for (int j = 0; j < s * it->contact[d].rows; ++j) {
+        double *to = p->all.re + (unknown_of(it, d, 0) + j) * p->all.stride + unknown_of(it, c, 0);
+        memset(to, 0, (size_t)rows * sizeof *to);
+    }
+}
+
+/* Does the work of put_blocks where no body turns: two forces along the normals act through the masses. */
+static void put_blocks_of_normals(const struct iteration *it, int c, int d, double by_mass)
+{
+    struct radau_step *p = &it->g->step;
+    const int s = p->stages->stages;
+    const struct radau_columns *columns = radau_step_columns(p);
+    const struct normals *of = &it->normals[c];
+    double slope[2][RADAU_MOST_STAGES]; /* by_rate and by_gap of 1 N s and of 1 N s^2 on the bodies */
+    for (int i = 0; i < s; ++i) {
+        slope[0][i] = by_mass * p->length * of->by_rate[i];
+        slope[1][i] = by_mass * p->length * p->length * of->by_gap[i];
+    }
+    for (int j = 0; j < s; ++j) {
+        const double push[3] = {it->normals[d].push[0][j], it->normals[d].push[1][j],
+                                it->normals[d].push[2][j]};
+        double *to = p->all.re + unknown_of(it, d, j) * p->all.stride + unknown_of(it, c, 0);
+        for (int i = 0; i < s; i += LANES) {
+            const double2 alike = double2_at(of->push[0], i) * push[0] +
+                                  double2_at(of->push[1], i) * push[1] + double2_at(of->push[2], i) * push[2];
+            double2_put(to, i,
+                        alike * (double2_at(columns->once + j * s, i) * double2_at(slope[0], i) +
+                                 double2_at(columns->twice + j * s, i) * double2_at(slope[1], i)));
+        }
+        if (c == d) {
+            to[j] -= it->admittance[c];
         }
     }
 }
@@ -346,40 +530,43 @@ static void put_blocks(const struct iteration *it, int c, int d)
 {
     struct radau_step *p = &it->g->step;
     const int s = p->stages->stages;
-    const double *twice = radau_step_twice(p);
+    const struct radau_columns *columns = radau_step_columns(p);
+    const struct node_contact *of = &it->contact[c];
+    const struct node_contact *from = &it->contact[d];
     struct shared_body shared[4];
     const int count = shared_bodies(it, c, d, shared);
+    if (count == 0 && c != d) {
+        clear_blocks(it, c, d);
+        return;
+    }
+    if (!(SCENE_ANY_TURNING && scene_turns(it->g->ode.values))) {
+        double by_mass = 0.0;
+        for (int l = 0; l < count; ++l) {
+            by_mass += shared[l].by_mass;
+        }
+        put_blocks_of_normals(it, c, d, by_mass);
+        return;
+    }
     for (int k = 0; k < s * s; ++k) {
-        const double once = p->length * p->stages->integral[k];
-        const double square = p->length * p->length * twice[k];
         const struct node *node = &it->node[k / s][c];
         const struct node *by = &it->node[k % s][d];
-        double *to =
-            p->all.re + 3 * (k % s * SCENE_CONTACTS + d) * p->all.stride + 3 * (k / s * SCENE_CONTACTS + c);
-        struct vec3 row[3];
-        struct vec3 block[3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-        for (int r = 0; r < 3; ++r) {
-            row[r] = vec3_axpy(vec3_scale(once, node->by_velocity[r]), square, node->by_place[r]);
-        }
+        struct mobility_between between[4];
         for (int l = 0; l < count; ++l) {
-            add_mobility(&shared[l], node->arm[shared[l].end], by->arm[shared[l].other_end],
-                         it->axis[k / s][shared[l].body], row, block);
+            between[l] = mobility_of(&shared[l], node->arm[shared[l].end], by->arm[shared[l].other_end],
+                                     it->axis[k / s][shared[l].body]);
         }
-        for (int r = 0; r < 3; ++r) {
-            const struct vec3 own = node == by ? vec3_add(block[r], node->by_force[r]) : block[r];
-            to[r] = own.x;
-            to[p->all.stride + r] = own.y;
-            to[2 * p->all.stride + r] = own.z;
-        }
+        put_block(it, node, of->rows, by, from->rows, between, count, p->length * p->stages->integral[k],
+                  p->length * p->length * columns->twice[k % s * s + k / s],
+                  p->all.re + unknown_of(it, d, k % s) * p->all.stride + unknown_of(it, c, k / s));
     }
 }
 
 static bool factor_nodes(struct iteration *it)
 {
     struct radau_step *p = &it->g->step;
-    p->all.rows = 3 * SCENE_CONTACTS * p->stages->stages;
-    for (int c = 0; c < SCENE_CONTACTS; ++c) {
-        for (int d = 0; d < SCENE_CONTACTS; ++d) {
+    p->all.rows = it->rows * p->stages->stages;
+    for (int c = 0; c < it->contacts; ++c) {
+        for (int d = 0; d < it->contacts; ++d) {
             put_blocks(it, c, d);
         }
     }
@@ -390,27 +577,28 @@ static bool factor_nodes(struct iteration *it)
     return lu_factor(p->all);
 }
 
-/* Corrects the force of a contact at a stage and the rates there. */
-static void correct_force(struct iteration *it, int stage, int contact, struct vec3 more)
-{
-    struct vec3 *force = &it->node[stage][contact].force;
-    *force = vec3_add(*force, more);
-    add_force(it, stage, contact, more);
-}
-
 /* Corrects the forces by the responses, and adds the corrections to the rates. */
 static void correct_forces(struct iteration *it)
 {
     struct radau_step *p = &it->g->step;
-    const int count = p->stages->stages * SCENE_CONTACTS;
+    const int count = p->stages->stages * it->contacts;
     double *side = p->side;
     for (int k = 0; k < count; ++k) {
-        vec3_to(vec3_scale(-1.0, it->node[k / SCENE_CONTACTS][k % SCENE_CONTACTS].response), side + 3 * k);
+        const struct node *node = &it->node[k / it->contacts][k % it->contacts];
+        const struct node_contact *c = &it->contact[k % it->contacts];
+        for (int r = 0; r < c->rows; ++r) {
+            side[unknown_of(it, k % it->contacts, k / it->contacts) + r] = -node->response[r];
+        }
     }
     side[p->all.rows] = 0.0;
     lu_solve(p->all, side, NULL);
     for (int k = 0; k < count; ++k) {
-        correct_force(it, k / SCENE_CONTACTS, k % SCENE_CONTACTS, vec3_from(side + 3 * k));
+        struct node *node = &it->node[k / it->contacts][k % it->contacts];
+        const struct node_contact *c = &it->contact[k % it->contacts];
+        const double *by = side + unknown_of(it, k % it->contacts, k / it->contacts);
+        const struct vec3 more = c->rows == ROWS ? vec3_from(by) : vec3_scale(by[0], node->push);
+        node->force = vec3_add(node->force, more);
+        add_force(it, k / it->contacts, k % it->contacts, more);
     }
 }
 
@@ -418,19 +606,16 @@ static void correct_forces(struct iteration *it)
  * on from. Without a polynomial the forces are those at the start. */
 static void guess_forces(struct iteration *it)
 {
-    const struct general *g = it->g;
-    const struct radau_step *p = &g->step;
-    const int first = ode_impulse(g->ode.values, 0);
-    const int count = ode_dissipated(g->ode.values) - first;
+    const struct radau_step *p = &it->g->step;
     const bool goes_on = radau_step_goes_on(p);
-    double rates[RADAU_MOST_STAGES * ODE_MOST_STATES];
-    if (goes_on) {
-        radau_step_guess_rates(p, first, count, rates);
-    }
-    for (int i = 0; i < p->stages->stages; ++i) {
-        const double *from = goes_on ? rates + i * count : p->start_rates + first;
-        for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            it->node[i][j].force = vec3_from(from + ode_impulse(g->ode.values, j) - first);
+    double rates[RADAU_MOST_STAGES * 3];
+    for (int j = 0; j < it->contacts; ++j) {
+        const int impulse = ode_impulse(it->g->ode.values, it->contact[j].contact);
+        if (goes_on) {
+            radau_step_guess_rates(p, impulse, 3, rates);
+        }
+        for (int i = 0; i < p->stages->stages; ++i) {
+            it->node[i][j].force = vec3_from(goes_on ? rates + 3 * i : p->start_rates + impulse);
         }
     }
 }
@@ -440,10 +625,10 @@ static void finish_nodes(struct iteration *it)
 {
     struct general *g = it->g;
     struct radau_step *p = &g->step;
-    struct vec3 force[SCENE_CONTACTS];
+    struct vec3 force[SCENE_CONTACTS] = {{0.0, 0.0, 0.0}};
     for (int i = 0; i < p->stages->stages; ++i) {
-        for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            force[j] = it->node[i][j].force;
+        for (int j = 0; j < it->contacts; ++j) {
+            force[it->contact[j].contact] = it->node[i][j].force;
         }
         ode_rates_under(&g->ode, p->start + p->length * p->stages->node[i], p->point, force,
                         move_to_stage(it, i), p->rates + i * p->stride);
@@ -483,10 +668,14 @@ bool node_forces_apply(const struct general *g)
 {
     /* the unknowns are forces, neither springs nor torques; orientations move no place of a force */
     bool refused = SCENE_ANY_COMPOUND;
+    int rows = 0;
+    int contacts = 0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         refused = refused || contact_has_springs(g->ode.values, j) || contact_resists(g->ode.values, j);
+        rows += rows_of(g, j);
+        contacts += rows_of(g, j) > 0 ? 1 : 0;
     }
-    return !refused && 3 * SCENE_CONTACTS <= g->step.others;
+    return !refused && rows <= radau_step_most_unknowns(&g->step) && contacts <= MOST_NODES;
 }
 
 bool node_forces_solve(struct general *g, double tolerance)
@@ -494,6 +683,7 @@ bool node_forces_solve(struct general *g, double tolerance)
     struct radau_step *p = &g->step;
     struct iteration it = {.g = g};
     double last = (double)INFINITY;
+    const bool goes_on = radau_step_goes_on(p);
     bool anew = true;
     prepare(&it);
     guess_forces(&it);
@@ -508,6 +698,9 @@ bool node_forces_solve(struct general *g, double tolerance)
         const double size = radau_step_integrate(p, it.rates);
         if (!isfinite(size)) {
             return false;
+        }
+        if (p->iterations == 1 && !goes_on && !p->problem.turns) {
+            general_set_weights(g); /* the guess was far from the end of the step */
         }
         if (!it.stale && has_converged(p, size, last, tolerance)) {
             finish_nodes(&it);

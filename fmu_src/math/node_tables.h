@@ -55,7 +55,7 @@ struct radau_stages {
     const double *node, *integral, *inverse, *eigenvalue, *into, *back, *place, *chebyshev, *bernstein;
 };
 
-enum { RADAU_MOST_STAGES = 12, RADAU_MOST_SYSTEMS = 8 };
+enum { RADAU_METHODS = 5, RADAU_MOST_STAGES = 12, RADAU_MOST_SYSTEMS = 8 };
 
 extern const struct radau_stages radau_stages_4, radau_stages_8, radau_stages_12;
 extern const struct radau_stages radau_stages_touch, radau_stages_release; /* of twelve stages */

@@ -371,16 +371,29 @@ struct bernstein_fall bernstein_first_fall(const double *coefficients, int count
     return stays && !(deep.low < (double)INFINITY) ? first_fall_of_sum(coefficients, count, 0.0) : deep;
 }
 
+/* The sum of binomial(n, k) c_k t^k (1 - t)^(n - k) is taken as Horner's scheme in t / (1 - t) where t is
+ * below one half, and from the other end above. All products have the signs of their coefficients, so that
+ * no digits are lost but those of the sum itself. */
 double bernstein_at(const double *coefficients, int count, double place)
 {
-    double row[BERNSTEIN_MOST];
-    memcpy(row, coefficients, (size_t)count * sizeof *row);
-    for (int k = count - 1; k > 0; --k) {
-        for (int i = 0; i < k; ++i) {
-            row[i] += place * (row[i + 1] - row[i]);
-        }
+    const bool turned = place > 0.5;
+    const double near = turned ? 1.0 - place : place;
+    const double far = turned ? place : 1.0 - place;
+    const double ratio = near / far;
+    const int n = count - 1;
+    double binomial = 1.0;
+    double power = 1.0;
+    double sum = 0.0;
+    for (int k = 0; k < count; ++k) {
+        sum += binomial * power * coefficients[turned ? n - k : k];
+        binomial *= (double)(n - k) / (k + 1);
+        power *= ratio;
     }
-    return row[0];
+    double scale = 1.0;
+    for (int k = 0; k < n; ++k) {
+        scale *= far;
+    }
+    return scale * sum;
 }
 
 /* Two places this close, as a part of the farther one, are not told apart. */

@@ -151,7 +151,14 @@ enum { MOST_SWEEPS = 60 };
 /* Returns the number of rows of the system of all stages. */
 static int rows_of_all(const struct radau_problem *problem)
 {
-    return problem->turns ? RADAU_MOST_STAGES * (problem->coupled - problem->paired) : 0;
+    const int others = problem->coupled - problem->paired;
+    return RADAU_MOST_STAGES *
+           (problem->turns || others < RADAU_MOST_UNKNOWNS ? others : RADAU_MOST_UNKNOWNS);
+}
+
+int radau_step_most_unknowns(const struct radau_step *p)
+{
+    return rows_of_all(&p->problem) / RADAU_MOST_STAGES;
 }
 
 size_t radau_step_memory(const struct radau_problem *problem)
@@ -160,7 +167,7 @@ size_t radau_step_memory(const struct radau_problem *problem)
     const size_t s = RADAU_MOST_STAGES;
     const size_t m = RADAU_MOST_SYSTEMS;
     const size_t all = (size_t)radau_padded(rows_of_all(problem));
-    const size_t doubles = (6 * s + 2 * m + 1) * n + (6 + 2 * m) * n * n + 5 * n + (all + 1) * all + s * s;
+    const size_t doubles = (6 * s + 2 * m + 1) * n + (6 + 2 * m) * n * n + 5 * n + (all + 1) * all;
     const size_t ints = 2 * n + m * n + all;
     return doubles * sizeof(double) + ints * sizeof(int);
 }
@@ -223,7 +230,6 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     p->side = take(&next, all);
     p->whole = take(&next, n * n);
     p->all = (struct lu_matrix){.stride = all, .re = take(&next, all * all)};
-    p->twice = take(&next, s * s);
     int *whole = (int *)(void *)next;
     p->other = whole;
     p->speed_among = whole + n;
@@ -259,10 +265,20 @@ void radau_step_begin(struct radau_step *p, double clock, const double *y)
     p->start = clock;
     memcpy(p->y, y, (size_t)n * sizeof *y);
     problem->rates(problem->context, clock, y, p->start_rates);
-    problem->jacobian(problem->context, clock, y, p->jacobian);
-    p->evaluations += 2;
-    radau_take_jacobian(p, p->by_others, p->by_places);
+    p->evaluations += 1;
+    p->jacobian_is = RADAU_NO_JACOBIAN;
     p->factored_length = 0.0;
+}
+
+void radau_step_jacobian(struct radau_step *p)
+{
+    if (p->jacobian_is != RADAU_JACOBIAN_AT_START) {
+        p->problem.jacobian(p->problem.context, p->start, p->y, p->jacobian);
+        p->evaluations += 1;
+        radau_take_jacobian(p, p->by_others, p->by_places);
+        p->jacobian_is = RADAU_JACOBIAN_AT_START;
+        p->factored_length = 0.0;
+    }
 }
 
 /* a b, and a b^-1 of quaternions (real part first). */
@@ -321,7 +337,9 @@ void radau_step_finish(struct radau_step *p)
     const struct radau_problem *problem = &p->problem;
     const struct radau_stages *stages = p->stages;
     const int s = stages->stages;
-    radau_combine_rows(p->change, p->stride, stages->integral, s, s, p->rates, p->stride, p->stride);
+    const int first = problem->integrals / RADAU_ROW_BLOCK * RADAU_ROW_BLOCK;
+    radau_combine_rows(p->change + first, p->stride, stages->integral, s, s, p->rates + first, p->stride,
+                       p->stride - first);
     for (int i = 0; i < s; ++i) {
         double *to = p->change + i * p->stride;
         for (int j = problem->integrals; j < problem->size; ++j) {
@@ -708,6 +726,8 @@ static void take_jacobian_ahead(struct radau_step *p)
     problem->jacobian(problem->context, p->start + time, p->point, p->jacobian);
     p->evaluations += 1;
     radau_take_jacobian(p, p->by_others, p->by_places);
+    p->jacobian_is = RADAU_JACOBIAN_AHEAD;
+    p->factored_length = 0.0;
 }
 
 bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, double length)
@@ -716,6 +736,8 @@ bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, d
     p->length = length;
     if (stages->pace == RADAU_FROM_TOUCH) {
         take_jacobian_ahead(p);
+    } else {
+        radau_step_jacobian(p);
     }
     if (!factor(p, stages, length)) {
         return false;
@@ -737,7 +759,7 @@ bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, d
     return solved;
 }
 
-bool radau_step_guess_again(struct radau_step *p, const struct radau_stages *stages, double length)
+void radau_step_guess_again(struct radau_step *p, const struct radau_stages *stages, double length)
 {
     const int s = p->known->stages;
     for (int i = 0; i < stages->stages; ++i) {
@@ -752,7 +774,6 @@ bool radau_step_guess_again(struct radau_step *p, const struct radau_stages *sta
     p->stages = stages;
     p->length = length;
     radau_move_places(p);
-    return factor(p, stages, length);
 }
 
 /* Sets the residual h f - A^-1 change of the states left at all stages. */
@@ -781,6 +802,12 @@ bool radau_step_solve(struct radau_step *p, double tolerance)
 {
     double last = 0.0;
     p->contraction = 0.0;
+    if (p->jacobian_is == RADAU_NO_JACOBIAN) {
+        radau_step_jacobian(p);
+    }
+    if (!factor(p, p->stages, p->length)) {
+        return false;
+    }
     for (p->iterations = 1; p->iterations <= MOST_ITERATIONS; ++p->iterations) {
         radau_evaluate_residual(p);
         const double size = correct(p);
@@ -803,25 +830,33 @@ bool radau_step_solve(struct radau_step *p, double tolerance)
     return false;
 }
 
-/* A^2 of the method, computed once for each number of stages. */
-const double *radau_step_twice(struct radau_step *p)
+/* Returns which of the five methods this is. */
+static int method_of(const struct radau_stages *stages)
+{
+    const struct radau_stages *const METHODS[RADAU_METHODS] = {
+        &radau_stages_4, &radau_stages_8, &radau_stages_12, &radau_stages_touch, &radau_stages_release};
+    int i = 0;
+    while (METHODS[i] != stages) {
+        ++i;
+    }
+    return i;
+}
+
+const struct radau_columns *radau_step_columns(struct radau_step *p)
 {
     const int s = p->stages->stages;
-    if (p->twice_of == p->stages) {
-        return p->twice;
-    }
-    p->twice_of = p->stages;
-    const double *once = p->stages->integral;
-    for (int i = 0; i < s; ++i) {
-        for (int j = 0; j < s; ++j) {
-            double sum = 0.0;
-            for (int k = 0; k < s; ++k) {
-                sum += once[i * s + k] * once[k * s + j];
-            }
-            p->twice[i * s + j] = sum;
+    const double *integral = p->stages->integral;
+    struct radau_columns *columns = p->columns + method_of(p->stages);
+    for (int i = 0; i < s * s && !columns->known; ++i) {
+        double sum = 0.0;
+        for (int k = 0; k < s; ++k) {
+            sum += integral[i / s * s + k] * integral[k * s + i % s];
         }
+        columns->once[i % s * s + i / s] = integral[i];
+        columns->twice[i % s * s + i / s] = sum;
     }
-    return p->twice;
+    columns->known = true;
+    return columns;
 }
 
 /* Newton's method for a step with the Jacobian at every stage: for problems whose stiff directions turn

@@ -34,6 +34,19 @@ struct radau_problem {
     void (*whole_jacobian)(const void *context, double clock, const double *y, double *columns);
 };
 
+/* Unknowns at a stage for which a problem that does not turn has memory (`all`). With more of them one LU
+ * factorization, of the third power, costs more than the iterations that it saves. */
+enum { RADAU_MOST_UNKNOWNS = 64 };
+
+/* At which states the Jacobian is: at the start of the step, or in the middle, where a touch leads. */
+enum radau_jacobian { RADAU_NO_JACOBIAN, RADAU_JACOBIAN_AT_START, RADAU_JACOBIAN_AHEAD };
+
+/* The matrix A of a method and A^2, column by column. */
+struct radau_columns {
+    bool known;
+    double once[RADAU_MOST_STAGES * RADAU_MOST_STAGES], twice[RADAU_MOST_STAGES * RADAU_MOST_STAGES];
+};
+
 struct radau_step {
     struct radau_problem problem;
     const struct radau_stages *stages; /* method of the last solution */
@@ -49,6 +62,7 @@ struct radau_step {
     double *weight;                   /* [size]: 1 / error allowed, set by the caller */
     double *jacobian;                 /* [coupled][coupled], by columns */
     double *by_others, *by_places;    /* its parts for the others: [others][others], [paired][others] */
+    enum radau_jacobian jacobian_is;  /* of by_others and by_places */
     struct lu_matrix system[RADAU_MOST_SYSTEMS];
     double factored_length; /* step length [s] that the systems are factored for; 0: none */
     const struct radau_stages *factored_stages;
@@ -57,26 +71,27 @@ struct radau_step {
     double *stage_others, *stage_places, *side; /* for radau_step_solve_fully */
     double *whole;                              /* [size][size], for radau_step_solve_fully */
     struct lu_matrix all;
-    double *twice;                       /* A^2 of the method `twice_of`, for radau_step_twice */
-    const struct radau_stages *twice_of; /* NULL: none */
-    double *point, *re;                  /* [size] each */
-    int stride, width;                   /* padded lengths of rows of all states, and of the others */
-    int others;                          /* number of coupled states that are no places */
-    int *other;                          /* [others]: their indices */
-    int *speed_among;                    /* [paired]: index of a speed among the others */
+    struct radau_columns columns[RADAU_METHODS];
+    double *point, *re; /* [size] each */
+    int stride, width;  /* padded lengths of rows of all states, and of the others */
+    int others;         /* number of coupled states that are no places */
+    int *other;         /* [others]: their indices */
+    int *speed_among;   /* [paired]: index of a speed among the others */
 };
 
 /* The first returns the bytes of memory for a problem; the second sets up a step in such memory. */
 size_t radau_step_memory(const struct radau_problem *problem);
 void radau_step_place(struct radau_step *p, const struct radau_problem *problem, void *memory);
 
-/* Begins a step at the state y and evaluates the rates and the Jacobian at y. */
+/* radau_step_begin begins a step at the state y and evaluates the rates there. radau_step_jacobian evaluates
+ * the Jacobian there, once for each step. */
 void radau_step_begin(struct radau_step *p, double clock, const double *y);
+void radau_step_jacobian(struct radau_step *p);
 
 /* Start the iterations from the solution of the linear problem, or from the last polynomial for a step of
  * another length. radau_step_solve follows. False where the systems are singular. */
 bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, double length);
-bool radau_step_guess_again(struct radau_step *p, const struct radau_stages *stages, double length);
+void radau_step_guess_again(struct radau_step *p, const struct radau_stages *stages, double length);
 
 /* Starts the iterations of radau_step_solve_fully from the last polynomial if it begins or ends at the start,
  * else from the rates there. Stiff directions that turn would mislead the solution of the linear problem. */
@@ -86,8 +101,10 @@ void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages
  * their changes; all three are [stage][p->width]. radau_step_integrate sets the changes of the coupled
  * states to the integrals, and returns the largest weighted difference from the changes before. After
  * radau_step_guess_on or radau_step_guess_again from a polynomial, radau_step_guess_rates gives the rates
- * of `count` states from `first` on, along the guess, at [stage * count + state]. */
-const double *radau_step_twice(struct radau_step *p);
+ * of `count` states from `first` on, along the guess, at [stage * count + state]. `all` has room for
+ * radau_step_most_unknowns unknowns at each stage. */
+int radau_step_most_unknowns(const struct radau_step *p);
+const struct radau_columns *radau_step_columns(struct radau_step *p);
 void radau_step_pending(const struct radau_step *p, const double *rates, double *pending);
 double radau_step_integrate(struct radau_step *p, const double *rates);
 void radau_step_guess_rates(const struct radau_step *p, int first, int count, double *rates);

@@ -554,9 +554,10 @@ static void put_separation(const struct scene_values *v, const struct vec3 origi
     }
 }
 
-CONTACT_NOINLINE void scene_meet_turning(const struct scene_values *v, const struct scene_state *q,
-                                         struct scene_instant *at)
+CONTACT_NOINLINE void scene_meet(const struct scene_values *v, const struct scene_state *q,
+                                 struct scene_instant *at)
 {
+    const bool turns = scene_turns(v);
     struct vec3 origin[SCENE_BODIES];
     for (int i = 0; i < SCENE_BODIES; ++i) {
         origin[i] = body_is_free(v, i)         ? q->origin[i].displacement
@@ -565,11 +566,14 @@ CONTACT_NOINLINE void scene_meet_turning(const struct scene_values *v, const str
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         put_separation(v, origin, j, at);
-        put_axis(v, q, j, at);
-        const struct contact_shape shape = scene_contact_shape_at(v, q, at, j);
-        const struct vec3 rate = rate_in_destination(v, at, j);
+        if (turns) {
+            put_axis(v, q, j, at);
+        }
+        const struct contact_shape shape =
+            turns ? scene_contact_shape_at(v, q, at, j) : scene_contact_shape(v, q, j);
+        const struct vec3 rate = turns ? rate_in_destination(v, at, j) : at->rate[j];
         at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate, q->contact[j].normal);
-        if (at->geometry[j].degenerate && contact_is_cylinder(&shape)) {
+        if (turns && at->geometry[j].degenerate && contact_is_cylinder(&shape)) {
             contact_hold_across(&shape, rate, &at->geometry[j]);
         }
     }
@@ -582,7 +586,7 @@ void scene_kinematics_turning(const struct scene_values *v, const struct scene_s
     struct vec3 origin[SCENE_BODIES];
     put_motions(v, q, clock, bodies, origin, at);
     put_turns(v, q, clock, turning, at);
-    scene_meet_turning(v, q, at);
+    scene_meet(v, q, at);
 }
 
 CONTACT_FLATTEN void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
@@ -690,12 +694,12 @@ void scene_put_contact_forces(const struct scene_values *v, const struct scene_s
         const struct vec3 e = vec3_scale(scene_contact_side(v, q, j), at->geometry[j].normal);
         at->source_force[j] = force[j];
         at->normal_force[j] = -vec3_dot(force[j], e);
-        at->turning.friction_force[j] = vec3_axpy(force[j], at->normal_force[j], e);
-        if (SCENE_ANY_ROLLING) { /* contacts that resist are not solved so */
-            at->turning.resistance[j] = vec3_make(0.0, 0.0, 0.0);
-        }
         accelerate(v, j, at);
-        put_torques(v, at, j);
+        if (scene_turns(v)) {
+            at->turning.friction_force[j] = vec3_axpy(force[j], at->normal_force[j], e);
+            at->turning.resistance[j] = vec3_make(0.0, 0.0, 0.0); /* contacts that resist are not solved so */
+            put_torques(v, at, j);
+        }
     }
 }
 

@@ -89,9 +89,8 @@ void scene_evaluate_turning(const struct scene_values *v, const struct scene_sta
                             const struct body_state *bodies, const struct turning_state *turning,
                             struct scene_instant *at);
 
-/* Computes the geometry of every contact of an instant that has the motion of the bodies, where
- * scene_turns. */
-void scene_meet_turning(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
+/* Computes the geometry of every contact of an instant that has the motion of the bodies. */
+void scene_meet(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
 
 /* Returns the shape of a contact with the destination's axis at the instant. */
 struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,
@@ -201,7 +200,7 @@ void turning_slip_of_contact(const struct scene_values *v, const struct scene_st
                              struct scene_instant *at);
 
 /* Completes an instant that has kinematics, arms and slips by given contact forces on the sources [N], one
- * for each contact: accelerations, torques, F_n and F_t. */
+ * for each contact: accelerations, F_n, and where scene_turns torques and F_t. */
 void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct vec3 *force, struct scene_instant *at);
 

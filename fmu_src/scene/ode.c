@@ -49,9 +49,14 @@ struct turning_layout turning_layout_of(const struct scene_values *v)
     return layout;
 }
 
+static int impulses_of_contact(const struct scene_values *v)
+{
+    return scene_turns(v) ? TURNING_IMPULSES : 3;
+}
+
 int ode_impulse(const struct scene_values *v, int contact)
 {
-    return ode_integrals(v) + (scene_turns(v) ? TURNING_IMPULSES : 3) * contact;
+    return ode_integrals(v) + impulses_of_contact(v) * contact;
 }
 
 int ode_dissipated(const struct scene_values *v)
@@ -167,10 +172,11 @@ static void turning_rates(const struct scene_ode *ode, double clock, const doubl
                 vec3_to(turning_spring_rate(v, ode->state, &turning, at, j, i), rates + layout.spring[j][i]);
             }
         }
-        vec3_to(at->turning.source_torque[j], rates + ode_impulse(v, j) + 3);
-        vec3_to(at->turning.destination_torque[j], rates + ode_impulse(v, j) + 6);
+        double *impulses = rates + layout.integrals + TURNING_IMPULSES * j;
+        vec3_to(at->turning.source_torque[j], impulses + 3);
+        vec3_to(at->turning.destination_torque[j], impulses + 6);
     }
-    rates[ode_dissipated(v) + 2] = turning_friction_power(v, at);
+    rates[layout.integrals + TURNING_IMPULSES * SCENE_CONTACTS + 2] = turning_friction_power(v, at);
 }
 
 static void set_three(double *sizes, double size)
@@ -473,7 +479,7 @@ void ode_instant(const struct scene_ode *ode, double clock, const double *y, str
 
 void ode_prescribed_motion(const struct scene_ode *ode, double clock, struct scene_instant *at)
 {
-    scene_kinematics_turning(ode->values, ode->state, clock, ode->state->body, &ode->state->turning, at);
+    scene_kinematics(ode->values, ode->state, clock, ode->state->body, at);
 }
 
 void ode_contact_motion(const struct scene_ode *ode, const struct turning_layout *layout, const double *y,
@@ -495,8 +501,8 @@ void ode_contact_motion(const struct scene_ode *ode, const struct turning_layout
             }
         }
     }
-    scene_meet_turning(v, ode->state, at);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+    scene_meet(v, ode->state, at);
+    for (int j = 0; j < SCENE_CONTACTS && scene_turns(v); ++j) {
         turning_slip_of_contact(v, ode->state, j, at);
     }
 }
@@ -528,11 +534,13 @@ static void put_scene_rates(const struct scene_ode *ode, double clock, const dou
             vec3_to(at->acceleration[i], rates + ode_body(v, i) + 3);
         }
     }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        vec3_to(at->source_force[j], rates + ode_impulse(v, j));
+    const int dissipated = ode_dissipated(v);
+    for (int j = SCENE_CONTACTS - 1, impulse = dissipated; j >= 0; --j) {
+        impulse -= impulses_of_contact(v);
+        vec3_to(at->source_force[j], rates + impulse);
     }
-    rates[ode_dissipated(v)] = energy_dissipated_power(v, ode->state, at);
-    rates[ode_dissipated(v) + 1] = scene_external_power(v, ode->state, clock, at);
+    rates[dissipated] = energy_dissipated_power(v, ode->state, at);
+    rates[dissipated + 1] = scene_external_power(v, ode->state, clock, at);
     if (scene_turns(v)) {
         turning_rates(ode, clock, y, at, rates);
     }
@@ -666,21 +674,28 @@ static struct vec3 rotation_by_orientation(const struct turning_linearization *l
     return vec3_scale(body_flatness(l->ode->values, body), both);
 }
 
+/* Adds a change of the power of the drives. */
+static void add_work(const struct turning_linearization *l, int column, double power)
+{
+    if (l->matrix.size > l->layout.integrals) {
+        add_entry(l->matrix, ode_dissipated(l->ode->values) + 1, column, power);
+    }
+}
+
 /* Adds a change of the force, times `sign`, and a change of the torque on a body. */
 static void add_to_body(const struct turning_linearization *l, int column, int body, double sign,
                         struct vec3 force, struct vec3 torque)
 {
     const struct scene_values *v = l->ode->values;
-    const int work = ode_dissipated(v) + 1;
     if (body_is_free(v, body)) {
         add_three(l->matrix, ode_body(v, body) + 3, column, sign / body_mass(v, body), force);
     } else if (body_is_prescribed(v, body)) {
-        add_entry(l->matrix, work, column, -sign * vec3_dot(force, l->at.velocity[body]));
+        add_work(l, column, -sign * vec3_dot(force, l->at.velocity[body]));
     }
     if (l->layout.spin[body] >= 0) {
         add_three(l->matrix, l->layout.spin[body], column, 1.0 / body_inertia_of(v, body).transverse, torque);
     } else if (body_turn_is_prescribed(v, body)) {
-        add_entry(l->matrix, work, column, -vec3_dot(torque, l->at.turning.body[body].angular_velocity));
+        add_work(l, column, -vec3_dot(torque, l->at.turning.body[body].angular_velocity));
     }
 }
 
@@ -706,6 +721,9 @@ static void add_change(const struct turning_linearization *l, const struct turni
         if (l->layout.spring[contact][i] >= 0) {
             add_three(l->matrix, l->layout.spring[contact][i], column, 1.0, change.spring_rate[i]);
         }
+    }
+    if (l->matrix.size <= l->layout.integrals) {
+        return; /* the leading rows alone are wanted */
     }
     const int impulse = ode_impulse(v, contact);
     add_three(l->matrix, impulse, column, 1.0, change.force);
