@@ -457,9 +457,9 @@ static void note_errors(struct general *g)
         g->largest_error[i] = (double)INFINITY;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const double of_gap = ROUNDING_OF_GAP * rounding_of_gap(g->ode.values, &at, j);
-        g->place_rounding = fmax(g->place_rounding, of_gap);
-        if (contact_transmits(g->state, j)) {
+        if (contact_transmits(g->state, j)) { /* the gap of bodies far apart has a rounding that moves none */
+            const double of_gap = ROUNDING_OF_GAP * rounding_of_gap(g->ode.values, &at, j);
+            g->place_rounding = fmax(g->place_rounding, of_gap);
             note_contact(g, &at, j);
         }
     }

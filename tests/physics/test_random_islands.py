@@ -129,7 +129,8 @@ def values_of(balls, planes, contacts, gravity):
     return values
 
 
-@pytest.mark.parametrize("seed", seeds(8))
+# In the last three a ball is far from the others: the rounding of its gaps must not loosen theirs.
+@pytest.mark.parametrize("seed", [*seeds(8), 74, 386, 396])
 def test_islands_move_as_in_the_reference(opened_several, seed):
     scene = scene_of(seed)
     fine, onsets = Islands(*scene).run(END, 1e-13)
