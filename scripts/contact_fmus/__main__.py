@@ -13,17 +13,9 @@ from .options import commands, parse
 # name: (module and function, what it does). Modules are imported when asked for: some take a while.
 COMMANDS = {name: (about["main"], about["text"]) for name, about in commands().items()}
 
-# The extra of the Python package that brings a module
-EXTRAS = {
-    "matplotlib": "plot",
-    "scipy": "plot",
-    "dask": "sweep",
-    "distributed": "sweep",
-    "pyarrow": "sweep",
-    "mpmath": "dev",
-    "pandas": "dev",
-    "ziglang": "zig",
-}
+# The extras of the Python package and the modules that each brings
+BRINGS = {"plot": "matplotlib scipy", "sweep": "dask distributed pyarrow", "dev": "mpmath pandas", "zig": "ziglang"}
+EXTRAS = {module: extra for extra, modules in BRINGS.items() for module in modules.split()}
 
 STATUSES = """status: 0 done, 1 a claim does not hold or a check found something,
         2 the request makes no sense, 3 a run failed, 130 interrupted"""

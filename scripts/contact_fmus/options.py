@@ -48,11 +48,8 @@ def parse(command: str, arguments: list[str] | None, **words: str) -> argparse.N
         else argparse.HelpFormatter,
     )
     for names, given in about.get("options", {}).items():
-        option = dict(given)
-        if "type" in option:
-            option["type"] = TYPES[option["type"]]
-        if "help" in option:
-            option["help"] = option["help"].format(**words)
+        read: dict[str, Any] = {"type": TYPES.get, "help": lambda text: text.format(**words)}
+        option = {key: read[key](value) if key in read else value for key, value in given.items()}
         if "folder" in option:
             from .fmu.files import results_folder  # brings fmpy
 

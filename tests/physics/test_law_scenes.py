@@ -9,7 +9,7 @@ import os
 import numpy as np
 import pytest
 
-from contact_fmus.bench.problems import law_benchmarks, law_starts
+from contact_fmus.bench.problems import law_benchmarks
 from support.checks import METHODS, differences, run
 from support.reference import hertz
 from support.scenes.law_scenes import law_pair, law_scene
@@ -79,7 +79,7 @@ def test_the_scenes_are_what_they_are_about():
 
 
 @pytest.mark.parametrize("steps", [1, 997])
-@pytest.mark.parametrize("name", law_starts())
+@pytest.mark.parametrize("name", law_benchmarks())
 def test_the_benchmarks_by_hertz_on_a_plane_and_over_a_rim_end_at_their_references(opened, name, steps):
     problem = law_benchmarks()[name]
     fmu = run(opened(problem.fmu), problem.start, problem.stop, steps, 1e-9)

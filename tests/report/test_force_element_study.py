@@ -1,7 +1,6 @@
 """The study of the FMU as a force element: its orders, stable steps and energies are those of theory.
 
-Theory is written down here by hand; the eigenvalues that the report shows are held against it as well.
-"""
+Theory is written down here by hand; the eigenvalues that the report shows are held against it as well."""
 
 import json
 import math

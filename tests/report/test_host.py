@@ -51,8 +51,7 @@ def test_repeated_runs_end_with_the_same_bits(fmu_path, fresh):
 @pytest.fixture
 def squares(tmp_path, monkeypatch):
     """The host's clock shows 0, 1, 4, 9, ... s, whatever time it is. Run r asks it three times, so that its
-    initialization takes 6 r + 1 s and its stepping 6 r + 3 s.
-    """
+    initialization takes 6 r + 1 s and its stepping 6 r + 3 s."""
     source, library = tmp_path / "squares.c", tmp_path / "squares.so"
     source.write_text(
         "#include <time.h>\n"

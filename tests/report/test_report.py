@@ -19,14 +19,15 @@ from contact_fmus.bench.problems import (
     ABSOLUTE,
     CVODE,
     METHODS,
+    SETS,
     STIFF_TOLERANCE,
     TURNING,
     Setting,
     benchmarks,
-    law_benchmarks,
+    runnable,
     stiff_families,
-    turning_problems,
 )
+from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.host import HostTimeout, run_host
 from contact_fmus.report import measure
 from contact_fmus.report import page as report_page
@@ -45,14 +46,16 @@ from contact_fmus.report.measure import (
 from support.programs import PATIENCE
 
 ROOT = Path(__file__).resolve().parents[2]
-PROBLEMS = benchmarks() | law_benchmarks() | turning_problems()
+PROBLEMS = {
+    name: one for _, some in SETS.values() for name, one in some().items() if name not in QUICK.without
+}
+FIGURES, STEPS = [*SETS, "stiffness"], QUICK.communication_steps
 
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
     """What `scripts/report.sh --quick` leaves, without set-up, build, the optional parts and repetitions of
-    runs that take long
-    """
+    runs that take long"""
     folder = tmp_path_factory.mktemp("report")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(measure, "QUICK", dataclasses.replace(QUICK, limit=PATIENCE, budget=1e-3))
@@ -66,23 +69,16 @@ def rows(report):
     return read_rows(report / "results.csv")
 
 
+def key_of(row):
+    return row.problem, row.solver, row.setting, row.parameter, row.communication_steps
+
+
 def test_there_is_a_row_for_everything_asked_for(rows):
-    keys = [(row.problem, row.solver, row.setting, row.parameter, row.communication_steps) for row in rows]
-    wanted = [
-        (problem, method, RELATIVE_TOLERANCE, tolerance, steps)
-        for problem in PROBLEMS
-        for method in METHODS
-        for tolerance in QUICK.tolerances
-        for steps in QUICK.communication_steps
-    ]
+    wanted = [*itertools.product(PROBLEMS, METHODS, [RELATIVE_TOLERANCE], QUICK.tolerances, STEPS)]
     for name, family in stiff_families().items():
-        for problem in [one for one in family if one.penalty_factor in QUICK.penalty_factors]:
-            wanted += [
-                (name, method, stiff_setting(STIFF_TOLERANCE), problem.penalty_factor, steps)
-                for method in METHODS
-                for steps in QUICK.communication_steps
-            ]
-    assert sorted(keys) == sorted(wanted)
+        factors = [one.penalty_factor for one in family if one.penalty_factor in QUICK.penalty_factors]
+        wanted += itertools.product([name], METHODS, [stiff_setting(STIFF_TOLERANCE)], factors, STEPS)
+    assert sorted(map(key_of, rows)) == sorted(wanted)
 
 
 def test_every_row_is_measured(rows):
@@ -119,6 +115,7 @@ def test_tight_runs_are_near_the_reference_and_count_the_contacts(rows):
     contacts |= {"P1 plane": 8, "P2 plane": 3, "P1 rim": 3, "P2 rim": 2, "P3 rim": 1, "P3b rim": 69}
     contacts |= {"P1 Hertz": 8, "P2 Hertz": 2, "P3 Hertz": 1, "P3b Hertz": 123}
     contacts |= {one["name"]: one["onsets"] for one in json.loads(TURNING.read_text(encoding="utf-8"))}
+    contacts |= {"cradle": 4, "cradle Hertz": 4, "skew": 1, "skew friction": 1, "rollers": 1, "torus": 1}
     tight = [row for row in rows if (row.setting, row.parameter) == (RELATIVE_TOLERANCE, 1e-10)]
     assert len(tight) == len(contacts) * len(METHODS) * len(QUICK.communication_steps)
     for row in tight:
@@ -126,30 +123,26 @@ def test_tight_runs_are_near_the_reference_and_count_the_contacts(rows):
         assert row.onsets == contacts[row.problem], row
 
 
-@pytest.mark.parametrize("steps", QUICK.communication_steps)
+@pytest.mark.parametrize("steps", STEPS)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", PROBLEMS)
-def test_the_errors_are_those_of_runs_with_fmpy(rows, opened, name, method, steps):
+def test_the_errors_are_those_of_runs_with_fmpy(rows, name, method, steps):
     problem = PROBLEMS[name]
     loosest = QUICK.tolerances[0]
-    fmu = opened(problem.fmu)
-    fmu.reset()
     tolerances = {"solver.relative_tolerance": loosest, "solver.absolute_tolerance": ABSOLUTE * loosest}
-    fmu.start({**problem.start, **tolerances, "solver.method": method})
-    for k in range(steps):
-        fmu.step(problem.stop * ((k + 1) / steps) - fmu.time)
-    error = np.linalg.norm(fmu["source.position"] - problem.position)
+    with ContactFmu(runnable(problem.fmu)) as fmu:
+        fmu.start({**problem.start, **tolerances, "solver.method": method})
+        for k in range(steps):
+            fmu.step(problem.stop * ((k + 1) / steps) - fmu.time)
+        places = np.hstack([fmu[f"{body}.position"] for body in problem.bodies])
+    error = np.linalg.norm(places - problem.position)
     key = (name, method, RELATIVE_TOLERANCE, loosest, steps)
-    row = next(
-        row
-        for row in rows
-        if (row.problem, row.solver, row.setting, row.parameter, row.communication_steps) == key
-    )
+    row = next(row for row in rows if key_of(row) == key)
     assert f"{error:.3g}" == f"{row.error_m:.3g}"
 
 
 def test_figures_exist_and_are_pictures(report):
-    for name in ("work_precision", "shapes", "hertz", "turning", "stiffness"):
+    for name in FIGURES:
         assert (report / f"{name}.png").read_bytes().startswith(b"\x89PNG")
         root = etree.fromstring((report / f"{name}.svg").read_bytes())
         assert len(root.findall(".//{*}path")) > 50
@@ -158,7 +151,7 @@ def test_figures_exist_and_are_pictures(report):
 def test_the_page_stands_alone(report):
     page = etree.HTML((report / "index.html").read_text(encoding="utf-8"))
     images = page.xpath("//img/@src")
-    assert len(images) == 5
+    assert len(images) == len(FIGURES)
     assert all(source.startswith("data:image/svg+xml;base64,") for source in images)
     assert page.xpath("//link | //script | //iframe") == []
     for table in page.xpath("//table[tr/th]"):
@@ -169,7 +162,7 @@ def test_the_page_stands_alone(report):
 def test_the_readme_shows_the_figures_and_the_same_tables(report):
     text = (report / "README.md").read_text(encoding="utf-8")
     shown = re.findall(r"!\[[^\]]+\]\((\w+\.png)\)", text)
-    assert shown == ["work_precision.png", "shapes.png", "hertz.png", "turning.png", "stiffness.png"]
+    assert shown == [f"{name}.png" for name in FIGURES]
     tables = re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE)
     for table in tables:
         assert len({line.count("|") for line in table.splitlines()}) == 1, table
@@ -203,9 +196,7 @@ def with_parts(report, tmp_path):
     for file in report.iterdir():
         (tmp_path / file.name).write_bytes(file.read_bytes())
     peer = Row("P1", PEER, "other, method", "similar", "step size in s", 1e-3, None, 0.5, 0.4, 1e-4, None)
-    unable = Row(
-        "P3", PEER, "other, method", "similar", "", None, None, None, None, None, None, "no hollow one"
-    )
+    unable = Row("P3", PEER, "other, method", "similar", note="no hollow one")
     write_rows(tmp_path / "peers.csv", [peer, dataclasses.replace(peer, time_s=2.5, error_m=1e-6), unable])
     (tmp_path / "peers.json").write_text('{"versions": {"other": "4.5.6"}}')
     figure = {"name": "stiffness", "caption": "A picture"}
@@ -219,13 +210,27 @@ def test_optional_parts_are_shown_when_they_are_there(with_parts):
     assert report_page.main(["--output", str(with_parts)]) == 0
     html = (with_parts / "index.html").read_text(encoding="utf-8")
     text = (with_parts / "README.md").read_text(encoding="utf-8")
-    assert html.count("<img ") == 5 + 1 + 1  # of the report, of the peers, of the section
+    assert html.count("<img ") == len(FIGURES) + 1 + 1  # of the report, of the peers, of the section
     assert "Words &lt;b&gt;." in html and "Words <b>." in text
     assert "| x\\|y | 1.235 |" in text
     for page in (html, text):
         assert "Of its own" in page and "4.5.6" in page
     assert "| other, method | similar | – | – | – | – | – | 1.0e-06 |" not in text
     assert "| other, method | similar | – | 2.50 s | – | – | – | 1.0e-06 |" in text
+
+
+def test_a_part_measured_by_itself_leaves_the_others_alone(with_parts, monkeypatch, rows):
+    plan = dataclasses.replace(QUICK, tolerances=[1e-6], communication_steps=[1], limit=PATIENCE)
+    monkeypatch.setattr(measure, "QUICK", plan)
+    asked = ["--quick", "--only", "pairs", "--note", "It rained.", "--output", str(with_parts)]
+    assert measure.main(asked) == report_page.main(asked[-2:]) == 0
+    found, pairs = read_rows(with_parts / "results.csv"), SETS["pairs"][1]()
+    assert [row for row in found if row.problem not in pairs] == [
+        row for row in rows if row.problem not in pairs
+    ]
+    assert len([row for row in found if row.problem in pairs]) == len(pairs) * len(METHODS)
+    text = (with_parts / "README.md").read_text(encoding="utf-8")
+    assert text.count("measure --only pairs. It rained. A quick run") == text.count("Measured by itself") == 1
 
 
 def test_a_part_that_is_wrong_is_refused(with_parts, capsys):

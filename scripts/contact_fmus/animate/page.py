@@ -130,8 +130,7 @@ def view(motion: Motion) -> tuple[np.ndarray, float]:
 
 def _plane_place(motion: Motion, body: str) -> np.ndarray:
     """Where a plane is drawn: its point moved to below the middle of the way of what meets it, unless it
-    turns
-    """
+    turns"""
     point, normal = motion.position(body), motion.axis(body)
     if motion.orientation(body) is not None:
         return point  # it turns about that
@@ -186,17 +185,14 @@ def write_page(run: Run, file: Path) -> None:
     content: dict[str, Any] = stage_content(result, motion)
     content["times"] = [content["time"]]
     content["charts"] = [page.chart(panel, [thin]) for panel in usual(result)]
-    text = (
-        environment(HERE, page.HERE)
-        .get_template("page.html")
-        .render(
-            title=", ".join(part for part in (run.title, run.label) if part),
-            scene=motion.scene.name,
-            bodies=[body.name for body in motion.scene.bodies],
-            library=library,
-            scripts=[(HERE / "viewer" / name).read_text(encoding="utf-8") for name in SCRIPTS],
-            data=page.script_json(content),
-        )
+    template = environment(HERE, page.HERE).get_template("page.html")
+    text = template.render(
+        title=", ".join(part for part in (run.title, run.label) if part),
+        scene=motion.scene.name,
+        bodies=[body.name for body in motion.scene.bodies],
+        library=library,
+        scripts=[(HERE / "viewer" / name).read_text(encoding="utf-8") for name in SCRIPTS],
+        data=page.script_json(content),
     )
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(text, encoding="utf-8")

@@ -4,8 +4,7 @@ project promises.
 A count says the same on every processor, busy or idle, where seconds do not. Two things could still make it
 differ, and are dealt with: the C library picks its functions by the processor (sin, cos and memcpy have
 several versions), so it is told to use those that every x86-64 processor has; and another compiler gives
-other code, so instruction_bounds.toml allows it more.
-"""
+other code, so instruction_bounds.toml allows it more."""
 
 import os
 import re

@@ -1,18 +1,19 @@
 """The problems that are solved: the problems P1 to P3b, as their scenario files state them, those with friction and
-rotation, and the stiffness sweep.
-"""
+rotation, those of many contacts and of the later pairs, and the stiffness sweep."""
 
 import json
 import math
+import tempfile
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from contact_fmus.fmu.files import fmu_file, repository
+from contact_fmus.building.cmake_build import How, build_fmus, check_scene, find_compiler
+from contact_fmus.fmu.files import fmu_file, read_scene, repository
 from contact_fmus.fmu.host import Case
 from contact_fmus.fmu.variables import OPEN
 
@@ -23,7 +24,10 @@ SCENARIOS = {
     "P3b": "p3b_bouncing_in_cylinder",
 }
 REFERENCES = Path(__file__).with_name("stiff_references.json")  # tests/support/reference/make_stiff_references.py
-TURNING = Path(__file__).with_name("turning_references.json")  # make_turning_references.py, there too
+# make_scene_references.py, there too
+TURNING, ISLANDS, PAIRS = (
+    Path(__file__).with_name(f"{name}_references.json") for name in ("turning", "island", "pair")
+)
 # tests/support/reference/make_law_references.py
 LAW_REFERENCES = Path(__file__).with_name("law_references.json")
 LAW_PROBLEMS = Path(__file__).with_name("law_problems.toml")
@@ -31,16 +35,18 @@ LAW_PROBLEMS = Path(__file__).with_name("law_problems.toml")
 
 @dataclass(frozen=True)
 class Problem:
-    """A motion from 0 to `stop` and where the source is then"""
+    """A motion from 0 to `stop` and where its bodies are then"""
 
     name: str
     title: str
     fmu: str
     stop: float  # s
     start: dict[str, Any] = field(hash=False)
-    position: tuple[float, float, float]
+    position: tuple[float, ...]  # x, y and z of each of `bodies`
     uncertainty: float = 0.0  # m, of `position`
     method: str = "Taylor series in quadruple precision"  # that gave `position`
+    bodies: tuple[str, ...] = ("source",)
+    contacts: tuple[str, ...] = ("contact",)
 
     @property
     def penalty_factor(self) -> float:
@@ -48,6 +54,11 @@ class Problem:
 
     def error(self, position: Any) -> float:
         return float(np.linalg.norm(np.asarray(position) - self.position))
+
+    def end(self, outputs: dict[str, Any]) -> tuple[float, int]:
+        """The error of what an FMU gave, and how many contacts it counted"""
+        error = self.error(np.concatenate([outputs[f"{body}.position"] for body in self.bodies]))
+        return error, sum(outputs[f"{contact}.onsets"] for contact in self.contacts)
 
 
 @cache
@@ -64,33 +75,28 @@ def benchmarks() -> dict[str, Problem]:
 
 
 @cache
+def stored_problems(file: Path) -> dict[str, Problem]:
+    """Those that stand in a file together with their references"""
+    rows = json.loads(file.read_text(encoding="utf-8"))
+    rows = [{key: tuple(one) if isinstance(one, list) else one for key, one in row.items()} for row in rows]
+    return {row["name"]: Problem(**{key: one for key, one in row.items() if key != "onsets"}) for row in rows}
+
+
 def turning_problems() -> dict[str, Problem]:
     """F1 to F4, with friction and rotation"""
-    rows = json.loads(TURNING.read_text(encoding="utf-8"))
-    taken = ("name", "title", "fmu", "stop", "start", "uncertainty", "method")
-    return {row["name"]: Problem(**{key: row[key] for key in taken}, position=tuple(row["position"])) for row in rows}
-
-
-def law_starts() -> dict[str, tuple[str, str, float, dict[str, Any]]]:
-    """P1 to P3b by Hertz's law and over a rim, P1 and P2 on a plane: title, FMU, end and start values"""
-    found = {}
-    for row in tomllib.loads(LAW_PROBLEMS.read_text(encoding="utf-8"))["problem"]:
-        base, without = benchmarks()[row["base"]], tuple(row.get("without", ()))
-        start = {key: value for key, value in base.start.items() if not key.startswith(without)} | row["start"]
-        title, fmu, stop = (row.get(key, getattr(base, key)) for key in ("title", "fmu", "stop"))
-        found[row["name"]] = (title, fmu, stop, start)
-    return found
+    return stored_problems(TURNING)
 
 
 @cache
 def law_benchmarks() -> dict[str, Problem]:
-    """The problems of law_starts with their references"""
-    ends = json.loads(LAW_REFERENCES.read_text(encoding="utf-8"))
-    method = "extrapolation in extended precision"
-    return {
-        name: Problem(name, title, fmu, stop, start, tuple(ends[name]), method=method)
-        for name, (title, fmu, stop, start) in law_starts().items()
-    }
+    """P1 to P3b by Hertz's law and over a rim, P1 and P2 on a plane, with their references"""
+    ends, found = json.loads(LAW_REFERENCES.read_text(encoding="utf-8")), {}
+    for row in tomllib.loads(LAW_PROBLEMS.read_text(encoding="utf-8"))["problem"]:
+        base, without = benchmarks()[row.pop("base")], tuple(row.pop("without", ()))
+        row["start"] = {key: one for key, one in base.start.items() if not key.startswith(without)} | row["start"]
+        row |= {"position": tuple(ends.get(row["name"], ())), "method": "extrapolation in extended precision"}
+        found[row["name"]] = replace(base, **row)
+    return found
 
 
 def law_problems(hertz: bool) -> dict[str, Problem]:
@@ -104,6 +110,8 @@ SETS = {
     "shapes": ("shape_ratios", lambda: law_problems(hertz=False)),
     "hertz": ("hertz_ratios", lambda: law_problems(hertz=True)),
     "turning": ("turning_ratios", turning_problems),
+    "islands": ("island_ratios", lambda: stored_problems(ISLANDS)),
+    "pairs": ("pair_ratios", lambda: stored_problems(PAIRS)),
 }
 
 
@@ -129,16 +137,9 @@ def _stiff_problem(name: str, reference: dict[str, Any]) -> Problem:
         del start["contact.viscous_penalty_factor"], start["contact.dashpot"]
     if reference["shape"] == "sphere":
         del start["destination.axis"]
-    return Problem(
-        name,
-        f"{name}, p_n = {stiffness:g} N/m",
-        OPEN[reference["shape"]],
-        base.stop,
-        start,
-        tuple(reference["position"]),
-        reference["uncertainty"],
-        reference["method"],
-    )
+    title, fmu, position = f"{name}, p_n = {stiffness:g} N/m", OPEN[reference["shape"]], tuple(reference["position"])
+    known = {"uncertainty": reference["uncertainty"], "method": reference["method"]}
+    return replace(base, name=name, title=title, fmu=fmu, start=start, position=position, **known)
 
 
 # Ways to solve a benchmark problem: method, tolerance and number of communication steps
@@ -165,11 +166,13 @@ class Setting(NamedTuple):
 
     @property
     def where(self) -> str:
-        return f" at {self.tolerance:g}, p_n = {self.problem.penalty_factor:g} N/m"
+        stiffness = self.problem.penalty_factor  # NaN where a problem has several
+        return f" at {self.tolerance:g}" + (f", p_n = {stiffness:g} N/m" if stiffness > 0.0 else "")
 
     def case(self) -> Case:
-        outputs, problem = ("source.position", "contact.onsets"), self.problem
-        known = (self.name, fmu_file(problem.fmu), problem.stop, self.steps)
+        problem = self.problem
+        outputs = [f"{body}.position" for body in problem.bodies] + [f"{one}.onsets" for one in problem.contacts]
+        known = (self.name, runnable(problem.fmu), problem.stop, self.steps)
         if self.method in CODES:
             codes = (self.method, moved_states(problem.start), ABSOLUTE * self.tolerance)
             return Case(*known, problem.start, self.tolerance, outputs, (), 0.0, *codes)
@@ -181,6 +184,21 @@ class Setting(NamedTuple):
             "solver.max_internal_steps": UNLIMITED,
         }
         return Case(*known, start, outputs=outputs)
+
+
+@cache
+def runnable(fmu: str) -> Path:
+    """The shipped FMU; where its scene pins the method, an FMU of the same scene with the method open, for CVODE. It is
+    built as contact-fmus build does it, in the user's cache."""
+    shipped, pin = fmu_file(fmu), '"solver.method" = "event_driven"\n'
+    if "solver.method" not in read_scene(shipped).pinned:
+        return shipped
+    text = (repository() / "modelDescription" / "scenes" / f"{fmu}.toml").read_text(encoding="utf-8")
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, f"{fmu}.toml")
+        file.write_text(text.replace(pin, "").replace(f'"{fmu}"', f'"{fmu}Open"'), encoding="utf-8")
+        how = How(tuple(find_compiler(None)))
+        return build_fmus([check_scene(file, Path(folder))], how, lambda _what: None)[0]
 
 
 def moved_states(start: dict[str, Any]) -> list[str]:

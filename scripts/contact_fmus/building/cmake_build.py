@@ -35,8 +35,7 @@ ADVICE = f"apt-get install gcc libc6-dev, or take zig's from PyPI: {ZIG_ADVICE}"
 
 def find_compiler(asked: str | None, platforms: str | None = None) -> list[str]:
     """Program and fixed arguments, such as [".../ziglang/zig", "cc"]; UserError where none works, or none for these
-    platforms, which are zig's
-    """
+    platforms, which are zig's"""
     tried, chosen = [], "zig" if platforms else asked or os.environ.get("CC")
     for name in [chosen] if chosen else USUAL:
         command = _command(name)
@@ -148,8 +147,7 @@ def check_scene(file: Path, folder: Path) -> Scene:
 def build_fmus(scenes: list[Scene], how: How, say: Callable[[str], None]) -> list[Path]:
     """The FMUs in the cache; RunFailure with the compiler's first error where one cannot be built
 
-    `say` hears of each step, the first time before anything takes long.
-    """
+    `say` hears of each step, the first time before anything takes long."""
     kind = "_fmi3" if how.fmi == 3 else ""
     about = ", ".join(str(scene.file) for scene in scenes)
 

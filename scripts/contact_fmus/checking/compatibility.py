@@ -51,21 +51,17 @@ def _write(folder: Path, target: str, experiment: Experiment) -> None:
     lines |= {"StepSize": experiment.step, "RelTol": experiment.tolerance or 0.0}
     text = "".join(f"{key},{value!r}\n" for key, value in lines.items())
     Path(f"{begin}_ref.opt").write_text(text, encoding="utf-8")
-    about = (
-        Path(__file__)
-        .with_suffix(".txt")
-        .read_text(encoding="utf-8")
-        .format(
-            name=experiment.fmu.stem,
-            title=experiment.title,
-            version=description.fmiVersion,
-            kinds="Co-Simulation" + (" and Model Exchange" if description.modelExchange else ""),
-            platforms=", ".join(sorted(path.name for path in (unzipped / "binaries").iterdir())),
-            target=target,
-            fmpy=fmpy.__version__,
-            step=experiment.step,
-            values=", ".join(f"{name} = {value}" for name, value in experiment.values.items()) or "the FMU's own",
-        )
+    about = Path(__file__).with_suffix(".txt").read_text(encoding="utf-8")
+    about = about.format(
+        name=experiment.fmu.stem,
+        title=experiment.title,
+        version=description.fmiVersion,
+        kinds="Co-Simulation" + (" and Model Exchange" if description.modelExchange else ""),
+        platforms=", ".join(sorted(path.name for path in (unzipped / "binaries").iterdir())),
+        target=target,
+        fmpy=fmpy.__version__,
+        step=experiment.step,
+        values=", ".join(f"{name} = {value}" for name, value in experiment.values.items()) or "the FMU's own",
     )
     (folder / "ReadMe.txt").write_text(about, encoding="utf-8")
     shutil.copy(experiment.fmu, folder)

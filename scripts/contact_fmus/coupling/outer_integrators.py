@@ -162,8 +162,7 @@ def mean_predicted(weight: float) -> Step:
 
 def mean_iterated(weight: float) -> Step:
     """The secant method. It starts from the share of the correction that the whole contact, half of its spring
-    and all of its dashpot, would leave.
-    """
+    and all of its dashpot, would leave."""
 
     def step(element, tool: Tool, ball: Ball, h: float) -> Ball:
         inertia = 1.0 / ((1.0 - weight) * h * h)

@@ -53,8 +53,7 @@ class Trial(NamedTuple):
 def press(step: float) -> Iterator[Trial]:
     """A ball pressed on a wall by gravity and pushed once: a damped oscillation that never leaves the wall.
 
-    s and s' of s'' + 2 zeta omega s' + omega^2 s = 0 with s(0) = push, s'(0) = 0, for zeta < 1
-    """
+    s and s' of s'' + 2 zeta omega s' + omega^2 s = 0 with s(0) = push, s'(0) = 0, for zeta < 1"""
     end, push = 10.0 / OMEGA, 0.1 * DEPTH
     turning, decay = OMEGA * math.sqrt(1.0 - DAMPING_RATIO**2), DAMPING_RATIO * OMEGA
     size, cosine, sine = push * math.exp(-decay * end), math.cos(turning * end), math.sin(turning * end)

@@ -35,8 +35,7 @@ from .variables import Variable, is_fmi3, numbers_of, read_variables, value_of
 class SavedState:
     """A handle to what the FMU itself keeps; bytes(state) is the same for another instance or process.
 
-    The FMU frees it when this object goes, or when the instance is closed: take its bytes before.
-    """
+    The FMU frees it when this object goes, or when the instance is closed: take its bytes before."""
 
     def __init__(self, owner: Any, handle: Any, time: float, free: Callable[[Any], Any]):
         self.time = time  # s, of the instance that was saved
@@ -227,8 +226,7 @@ class ContactFmu:
 
     def set_derivative(self, name: str, value: Any, order: int = 1) -> None:
         """The order-th time derivative of a Real input, from this communication point on. FMI 3.0 knows none:
-        `messages` says once for each input that it is held.
-        """
+        `messages` says once for each input that it is held."""
         if is_fmi3(self.description):
             text = f"{name}: FMI 3.0 has no derivatives of inputs; it is held over each communication step"
             message = Message(Status.WARNING, "importer", text)

@@ -76,8 +76,7 @@ def unpack(path: str | os.PathLike, fmi: str = "", kind: str = "coSimulation") -
     """Folder of the unpacked FMU and its description; unpacked once per process
 
     UserError where it is none of that version of FMI (without one: FMI 2.0 or 3.0), or not of that kind
-    (without one: of any).
-    """
+    (without one: of any)."""
     file = Path(path).resolve()
     about = file.stat()
     key = (file, about.st_mtime_ns, about.st_size)

@@ -97,8 +97,7 @@ def run_host(
 
     `budget`: a case is not run again once its runs took so many seconds. `timeout`: seconds for all of it.
     `fresh`: a new instance for each run, instead of fmi2Reset. `keep_going`: where an FMU refuses, its
-    Result has an `error`; otherwise HostError is raised.
-    """
+    Result has an `error`; otherwise HostError is raised."""
     command = [str(host_file()), "--repeat", str(repeat), "--burst", str(burst)]
     command += ["--fresh"] if fresh else []
     command += ["--budget", repr(budget)] if budget is not None else []

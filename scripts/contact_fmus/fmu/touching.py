@@ -51,8 +51,7 @@ class Touching:
     def step(self, end: float, inside: int = 0) -> Iterator[float]:
         """Steps to `end` and yields the times in between at which the FMU stands then, in their order: both sides of
         each onset and release. `inside`: so many points besides while bodies touch, where their force
-        would not show otherwise, and some beside that
-        """
+        would not show otherwise, and some beside that"""
         begin, forces = self._begin(), self._read("normal_force") if inside else ()
         self.fmu.step(end - self.fmu.time)
         if begin is None:
@@ -121,8 +120,7 @@ class Touching:
 
     def _first_change(self, begin: Instant, goal: Instant) -> tuple[Instant, Instant]:
         """The last instant before bodies first touch or part, and the first one after it. The times that the
-        FMU names are tried; it names the last onset only, so that halves are tried where no time is of use.
-        """
+        FMU names are tried; it names the last onset only, so that halves are tried where no time is of use."""
         low, high, trials = begin, goal, TRIALS
         least = LEAST * np.spacing(max(abs(begin.time), abs(goal.time)))
         while high.time - low.time > 2.5 * least:

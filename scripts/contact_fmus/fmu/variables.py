@@ -53,8 +53,7 @@ def entries(description: Any) -> list[tuple[Any, int, int]]:
 
 def scalars(description: Any) -> list[Any]:
     """The variables of an FMI 2.0 description, and those of an FMI 3.0 one as FMI 2.0 would describe them: an
-    array is a scalar for each of its entries, and a value reference is a place in this list.
-    """
+    array is a scalar for each of its entries, and a value reference is a place in this list."""
     if not is_fmi3(description):
         return description.modelVariables
     found = []

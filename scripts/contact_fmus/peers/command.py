@@ -14,12 +14,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from contact_fmus.bench.problems import benchmarks
+from contact_fmus.bench.problems import ISLANDS, benchmarks, stored_problems
 from contact_fmus.options import parse
 from contact_fmus.pages import matched, read_words, stopwatch, write_json
 from contact_fmus.report.measure import PEER, SAME, Row, of_codes, write_rows
 
-from .problems import BallAndWall, Case, problem_of
+from .problems import BallAndWall, Case, Cradle, problem_of
 
 # One peer in a process of its own, so that it may hang, crash or print without harm to the report.
 #
@@ -48,7 +48,7 @@ class Measured(NamedTuple):
     error: str = ""  # why there is nothing
 
 
-def measure(module: Any, problem: BallAndWall, case: Case, plan: Plan) -> Measured:
+def measure(module: Any, problem: BallAndWall | Cradle, case: Case, plan: Plan) -> Measured:
     times: list[float] = []
     try:
         while len(times) < plan.repeats and sum(times) < plan.enough:
@@ -93,7 +93,7 @@ class Worker:
             self.process.join()
             self.process = None
 
-    def ask(self, problem: BallAndWall, case: Case, plan: Plan) -> tuple[Measured, bool]:
+    def ask(self, problem: BallAndWall | Cradle, case: Case, plan: Plan) -> tuple[Measured, bool]:
         """What was measured, and whether it took too long"""
         fresh = self.process is None
         if fresh:
@@ -119,12 +119,13 @@ class Worker:
 # must be there. A peer that is missing, cannot express a problem, fails or takes too long gives rows that say
 # so.
 
+CRADLES = ("cradle", "cradle Hertz")
 PEERS = tomllib.loads(Path(__file__).with_name("peers.toml").read_text(encoding="utf-8"))
 
 
 def cases(peer: dict[str, Any], problem: str, quick: bool) -> Iterator[Case]:
     for row in peer["runs"]:
-        if problem not in row.get("problems", [problem]):
+        if problem not in row.get("problems", benchmarks()):
             continue
         law, note = row.get("law", SAME), row.get("note", {}).get(problem, "")
         for setting in row["settings"]:
@@ -148,9 +149,11 @@ def run(
     problems: Iterable[str] | None = None, quick: bool = False, names: Iterable[str] = tuple(PEERS)
 ) -> Iterator[Row]:
     """Rows of each peer on each problem, as they come"""
-    chosen = [problem_of(name) for name in (benchmarks() if problems is None else problems)]
+    wanted = [problem_of(name) for name in (problems or [*benchmarks(), *CRADLES])]
     for name in names:
         peer = PEERS[name]
+        known = [*benchmarks(), *(one for row in peer["runs"] for one in row.get("problems", ()))]
+        chosen = [problem for problem in wanted if problem.name in known]
         if importlib.util.find_spec(peer["import"]) is None:
             for problem in chosen:
                 note = f"not installed: {' and '.join(peer['packages'])}"
@@ -161,7 +164,7 @@ def run(
                 yield from run_problem(peer, worker, problem, quick)
 
 
-def run_problem(peer: dict[str, Any], worker: Worker, problem: BallAndWall, quick: bool) -> Iterator[Row]:
+def run_problem(peer: dict[str, Any], worker: Worker, problem: BallAndWall | Cradle, quick: bool) -> Iterator[Row]:
     too_long: set[tuple[str, str]] = set()
     case = None
     for case in cases(peer, problem.name, quick):
@@ -181,7 +184,8 @@ def run_problem(peer: dict[str, Any], worker: Worker, problem: BallAndWall, quic
 def measured_row(known: tuple, case: Case, measured: Measured) -> Row:
     if measured.error:
         return Row(*known, note=measured.error)
-    error, times = benchmarks()[known[0]].error(measured.state[:3]), measured.times
+    problem, times = (benchmarks() | stored_problems(ISLANDS))[known[0]], measured.times
+    error = problem.error(measured.state[: len(problem.position)])
     if not math.isfinite(error):
         return Row(*known, note="the position at the end is not finite")
     return Row(*known, None, statistics.median(times), min(times), error, measured.onsets, case.note)
@@ -193,12 +197,12 @@ def main(arguments: list[str] | None = None) -> int:
     file.parent.mkdir(parents=True, exist_ok=True)
     say = stopwatch()
     names = options.only or [*PEERS, "codes"]
-    rows = of_codes(options.quick, say) if "codes" in names else []
-    for row in run(quick=options.quick, names=[name for name in names if name in PEERS]):
+    rows = of_codes(options.quick, say) if "codes" in names and not options.problem else []
+    for row in run(options.problem, options.quick, [name for name in names if name in PEERS]):
         rows.append(row)
         say(line(row))
-    write_rows(file, rows)
-    part = {"versions": versions(), "sections": [section(rows, names)]}
+    rows = write_rows(file, rows, keep=bool(options.problem))
+    part = {"versions": versions(), "sections": [section(rows, [*PEERS, "codes"] if options.problem else names)]}
     write_json(file.with_suffix(".json"), part)
     return 0
 

@@ -4,8 +4,7 @@ Continuous plant: stiffness times overlap, times 1 + dissipation times its rate 
 dissipation that is the penalty law: the same on P1; a dashpot cannot be had. CENIC, the error-controlled
 integrator for contact, makes convex steps of first order of that plant. Discrete plant with the SAP approximation:
 a linear spring and a dashpot (relaxation time p_nv/p_n) that never pulls, in implicit steps of first order:
-similar. Stiffnesses of two bodies act in series, relaxation times add up.
-"""
+similar. Stiffnesses of two bodies act in series, relaxation times add up."""
 
 from .problems import Run
 

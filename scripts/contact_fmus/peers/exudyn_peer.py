@@ -1,27 +1,24 @@
 """Exudyn: its own contact of two spheres, or the law as a symbolic user function of a spring-damper.
 
 Built-in contact (`ObjectContactSphereSphere`, linear model): stiffness times overlap plus damping times its
-rate, never clipped: the same law. It decides once a step whether the spheres touch, which shows where the
-dashpot makes the force jump. A hollow cylinder it has not; a hollow sphere that slides along the axis with
-the ball, so that the ball is always in its middle plane, is one.
+rate, never clipped: the same law; an exponent makes it Hertz's. It decides once a step whether the spheres
+touch, which shows where the dashpot makes the force jump. A hollow cylinder it has not; a hollow sphere that
+slides along the axis with the ball, so that the ball is always in its middle plane, is one.
 
-User function: the same law in Exudyn's symbolic expressions, evaluated in C++ without Python.
-"""
+User function: the same law in Exudyn's symbolic expressions, evaluated in C++ without Python."""
+
+import itertools
 
 from contact_fmus.report.measure import RELATIVE_TOLERANCE
 
-from .problems import Run, steps_of
+from .problems import Cradle, Run, steps_of
 
 
 def ball_and_built_in_contact(exudyn, system, problem):
-    from exudyn import utilities
-    from exudyn.utilities import MarkerBodyRigid, Node1D, NodeGenericData, ObjectContactSphereSphere, ObjectMass1D
+    from exudyn.utilities import Node1D, ObjectMass1D
 
-    gravity = [0, 0, -problem.gravity]
     start = {"referencePosition": list(problem.position), "initialVelocity": list(problem.velocity)}
-    upright = exudyn.NodeType.RotationRxyz  # the ball does not turn; Euler parameters exclude explicit methods
-    inertia = utilities.InertiaSphere(problem.mass, problem.radius)
-    ball = system.CreateRigidBody(inertia=inertia, gravity=gravity, nodeType=upright, **start)
+    ball = rigid_ball(exudyn, system, problem, gravity=[0, 0, -problem.gravity], **start)
     if problem.inside:
         y_axis = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]  # turns the x axis into it
         place, speed = [problem.position[1]], [problem.velocity[1]]
@@ -30,18 +27,38 @@ def ball_and_built_in_contact(exudyn, system, problem):
         wall = system.AddObject(wall)
     else:
         wall = system.CreateGround(referencePosition=[0, 0, 0])
-    state = [-1e-15 if problem.touching else 1.0, 0, 0, 0]  # the first is the gap of the step before
+    radii, more = [problem.radius, problem.wall_radius], {"isHollowSphere1": problem.inside}
+    more["contactDamping"] = problem.damping
+    return [ball], touch(system, problem, (ball, wall), radii, problem.touching, **more)
+
+
+def rigid_ball(exudyn, system, problem, **start):
+    """A ball that does not turn: Euler parameters exclude explicit methods"""
+    inertia, upright = exudyn.utilities.InertiaSphere(problem.mass, problem.radius), exudyn.NodeType.RotationRxyz
+    return system.CreateRigidBody(inertia=inertia, nodeType=upright, **start)
+
+
+def touch(system, problem, bodies, radii, touching, **more):
+    from exudyn.utilities import MarkerBodyRigid, NodeGenericData, ObjectContactSphereSphere
+
+    state = [-1e-15 if touching else 1.0, 0, 0, 0]  # the first is the gap of the step before
     data = system.AddNode(NodeGenericData(numberOfDataCoordinates=4, initialCoordinates=state))
+    markers = [system.AddMarker(MarkerBodyRigid(bodyNumber=body)) for body in bodies]
     contact = ObjectContactSphereSphere(
-        markerNumbers=[system.AddMarker(MarkerBodyRigid(bodyNumber=body)) for body in (ball, wall)],
-        nodeNumber=data,
-        spheresRadii=[problem.radius, problem.wall_radius],
-        isHollowSphere1=problem.inside,
-        contactStiffness=problem.stiffness,
-        contactDamping=problem.damping,
+        markerNumbers=markers, nodeNumber=data, spheresRadii=radii, contactStiffness=problem.stiffness, **more
     )
     system.AddObject(contact)
-    return ball, contact
+    return contact
+
+
+def cradle(exudyn, system, problem):
+    places = [[2.0 * problem.radius * k, 0, 0] for k in range(problem.balls)]
+    speeds = [[0.0 if k else problem.speed, 0, 0] for k in range(problem.balls)]
+    starts = zip(places, speeds, strict=True)
+    balls = [rigid_ball(exudyn, system, problem, referencePosition=x, initialVelocity=v) for x, v in starts]
+    law = {"contactStiffnessExponent": problem.power}
+    pairs = itertools.pairwise(balls)
+    return balls, [touch(system, problem, pair, [problem.radius] * 2, True, **law) for pair in pairs]
 
 
 def law(exudyn, problem):
@@ -78,7 +95,7 @@ def ball_and_user_function(exudyn, system, problem):
     name = "springForceUserFunction"
     function = CreateSymbolicUserFunction(system, law(exudyn, problem), name, connector)
     system.SetObjectParameter(connector, name, function)
-    return ball, function
+    return [ball], function
 
 
 def settings(exudyn, problem, case):
@@ -100,12 +117,12 @@ def settings(exudyn, problem, case):
 
 
 def prepare(problem, case):
-    import exudyn
+    import exudyn.utilities
 
     container = exudyn.SystemContainer()
     system = container.AddSystem()
     build = ball_and_built_in_contact if case.setting.endswith("built-in contact") else ball_and_user_function
-    ball, kept = build(exudyn, system, problem)
+    balls, kept = (cradle if isinstance(problem, Cradle) else build)(exudyn, system, problem)
     system.Assemble()
     options, solver = settings(exudyn, problem, case)
 
@@ -114,7 +131,7 @@ def prepare(problem, case):
 
     def state(_alive=(container, kept)):  # neither may go before the run ends
         wanted = (exudyn.OutputVariableType.Position, exudyn.OutputVariableType.Velocity)
-        now = exudyn.ConfigurationType.Current
-        return [x for what in wanted for x in system.GetObjectOutputBody(ball, what, [0, 0, 0], now).tolist()]
+        told, now = system.GetObjectOutputBody, exudyn.ConfigurationType.Current
+        return [x for what in wanted for ball in balls for x in told(ball, what, [0, 0, 0], now).tolist()]
 
     return Run(advance, state)

@@ -5,8 +5,7 @@ Hooke's normal force is kn times overlap less m_eff gamma_n times its rate, not 
 p_nv/m: the same law. Friction and tangential damping are zero. Time is stepped by velocity Verlet of fix
 nve/sphere.
 
-The wheel needs an MPI library, which the package mpich brings but not to where the loader looks for it.
-"""
+The wheel needs an MPI library, which the package mpich brings but not to where the loader looks for it."""
 
 import ctypes
 import importlib.metadata
@@ -31,18 +30,7 @@ def load_mpi():
 
 def commands(problem, step):
     template = jinja2.Template(Path(__file__).with_suffix(".in").read_text(encoding="utf-8"), trim_blocks=True)
-    return template.render(
-        inside=problem.inside,
-        position=" ".join(map(repr, problem.position)),
-        velocity=" ".join(map(repr, problem.velocity)),
-        diameter=2 * problem.radius,
-        density=problem.mass / (4 / 3 * pi * problem.radius**3),
-        wall_radius=problem.wall_radius,
-        wall_diameter=2 * problem.wall_radius,
-        law=f"{problem.stiffness!r} 0 {problem.damping / problem.mass!r} 0 0 0",
-        gravity=problem.gravity,
-        step=step,
-    )
+    return template.render(problem._asdict(), step=step, volume=4 / 3 * pi * problem.radius**3)
 
 
 def prepare(problem, case):

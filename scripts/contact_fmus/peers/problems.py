@@ -1,20 +1,18 @@
 """What a peer's module and the runner say to each other: prepare(problem, case) gives a Run; it is called anew for each
 repeat, in a process of the peer's own.
 
-The peer's packages are imported in prepare only, so that a missing one is found before anything breaks.
-"""
+The peer's packages are imported in prepare only, so that a missing one is found before anything breaks."""
 
 from collections.abc import Callable
 from math import pi, sqrt
 from typing import NamedTuple
 
-from contact_fmus.bench.problems import benchmarks
+from contact_fmus.bench.problems import ISLANDS, benchmarks, stored_problems
 
 
 class BallAndWall(NamedTuple):
     """A free ball and a fixed wall, SI units, gravity along -z: a solid sphere about the origin, or a hollow
-    cylinder about the y axis.
-    """
+    cylinder about the y axis."""
 
     name: str
     inside: bool  # the cylinder
@@ -46,6 +44,19 @@ class BallAndWall(NamedTuple):
         return pi * sqrt(self.mass / self.stiffness)
 
 
+class Cradle(NamedTuple):
+    """Free balls in a row along x, which touch without a force; the first one moves. SI units, no gravity"""
+
+    name: str
+    balls: int
+    radius: float
+    mass: float
+    stiffness: float
+    power: float  # of the overlap in the force: 1, or 1.5 by Hertz's law
+    speed: float
+    end: float
+
+
 class Case(NamedTuple):
     integrator: str
     setting: str  # what `parameter` is: step size in s or RELATIVE_TOLERANCE, and what else was chosen
@@ -71,8 +82,15 @@ def steps_of(end: float, size: float) -> tuple[int, float]:
 GRAVITY = 9.81  # the FMUs' start value
 
 
-def problem_of(name: str) -> BallAndWall:
-    """P1, P2, P3 or P3b; refuses what no peer's module here would notice"""
+def problem_of(name: str) -> BallAndWall | Cradle:
+    """P1, P2, P3 or P3b, a cradle; refuses what no peer's module here would notice"""
+    if name not in benchmarks():
+        cradle = stored_problems(ISLANDS)[name]
+        start, hertz = cradle.start, cradle.start["touch[1].law"] == "hertz"
+        stiffness = start["touch[1].hertz_stiffness" if hertz else "touch[1].penalty_factor"]
+        ball = start["ball[1].radius"], start["ball[1].mass"]
+        speed = start["ball[1].initial_velocity"][0]
+        return Cradle(name, len(cradle.bodies), *ball, stiffness, 1.5 if hertz else 1.0, speed, cradle.stop)
     benchmark = benchmarks()[name]
     start = dict(benchmark.start)
     inside = benchmark.fmu == "SphereCylinder"

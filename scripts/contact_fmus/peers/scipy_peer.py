@@ -4,8 +4,7 @@ Written the way that serves scipy best: plain numbers in the right-hand side, a 
 event that fires 1e-13 m behind the corner, so that the next phase begins on its own side and does not see the same one
 again. An event is looked for only in the sign of the gap at the ends of a step, so a step that passes in and out again
 sees nothing; `max_step` is the usual remedy. It is set to a quarter of a short contact at the start of every contact
-(one that lasts longer is left to the error control) and to 0.1 s in flight.
-"""
+(one that lasts longer is left to the error control) and to 0.1 s in flight."""
 
 from math import inf, sqrt
 

@@ -73,8 +73,7 @@ def work_precision(rows: Sequence[Row], problems: Iterable[Problem], folder: Pat
 
 def peers(own: Sequence[Row], others: Sequence[Row], folder: Path) -> None:
     """All settings of the peers as points, a line through the best of each solver, dashed where its law is
-    only similar; and our event_driven with the fewest communication steps
-    """
+    only similar; and our event_driven with the fewest communication steps"""
     others = [row for row in others if row.measured and row.error_m <= WORST]
     fewest = min(row.communication_steps for row in own)
     best = [row for row in own if (row.solver, row.communication_steps) == (METHODS[0], fewest)]

@@ -1,6 +1,7 @@
 """The command measure: the FMU's solvers, error against time, the ratio of the best ones, time against stiffness."""
 
 import csv
+import dataclasses
 import datetime
 import itertools
 import json
@@ -27,7 +28,7 @@ RELATIVE_TOLERANCE = "relative tolerance"
 class Row:
     """A line of results.csv or peers.csv; numbers that are missing are None"""
 
-    problem: str  # P1, P2, P3, P3b, one of them with another shape or law, F1 to F4, or a stiffness family
+    problem: str  # its name in bench/problems.py, or that of a stiffness family
     group: str  # THIS_FMU or PEER
     solver: str  # event_driven, cvode_bdf, cvode_adams; a peer's name and integrator
     law: str = ""  # SAME or SIMILAR
@@ -36,7 +37,7 @@ class Row:
     communication_steps: int | None = None  # for the whole time; None where there are none
     time_s: float | None = None  # median of the runs, stepping only
     time_min_s: float | None = None
-    error_m: float | None = None  # distance of the source's position at the end from the reference
+    error_m: float | None = None  # distance of the positions at the end from the reference
     onsets: int | None = None  # contacts counted, where the solver can tell
     note: str = ""
 
@@ -48,8 +49,11 @@ class Row:
 COLUMNS = tuple(field.name for field in fields(Row))
 
 
-def write_rows(file: Path, rows: list[Row]) -> None:
-    """Numbers with as many digits as they are good for: times 4, errors 3."""
+def write_rows(file: Path, rows: list[Row], keep: bool = False) -> list[Row]:
+    """Numbers with as many digits as they are good for: times 4, errors 3. `keep`: what the file has of other problems
+    stays; the rows that it then has are returned."""
+    measured = {row.problem for row in rows}
+    rows = [row for row in read_rows(file) if row.problem not in measured] + rows if keep and file.is_file() else rows
     digits = {"time_s": "%.4g", "time_min_s": "%.4g", "error_m": "%.3g", "parameter": "%.10g"}
     with file.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")
@@ -59,6 +63,7 @@ def write_rows(file: Path, rows: list[Row]) -> None:
             writer.writerow(
                 [digits[name] % cell if name in digits and cell is not None else cell for name, cell in cells]
             )
+    return rows
 
 
 def read_rows(file: Path) -> list[Row]:
@@ -99,16 +104,16 @@ class Plan:
     limit: float  # s; a run that is not done by then is ended
     ratio_repeat: int
     penalty_factors: Sequence[float]  # N/m; of the sweep, as far as there are references
+    without: Sequence[str] = ()  # problems that take too long
 
 
 FULL = Plan([10.0**-k for k in range(4, 14)], (1, 997), 5, 3, 0.3, 3.0, 15, [10.0**k for k in range(5, 16)])
-QUICK = Plan((1e-6, 1e-10), (1, 7), 2, 1, 0.05, 30.0, 2, (1e5, 1e6))
+QUICK = Plan((1e-6, 1e-10), (1, 7), 2, 1, 0.05, 30.0, 2, (1e5, 1e6), ("bearing", "bearing Hertz"))
 
 
 def run_ladders(ladders: Sequence[Sequence[Setting]], plan: Plan) -> dict[Setting, Result]:
     """Each ladder is climbed alone, one run a setting, up to the first that takes too long. The settings that
-    turn out quick are then run together, taking turns; of the slow ones that first run is all there is.
-    """
+    turn out quick are then run together, taking turns; of the slow ones that first run is all there is."""
     results: dict[Setting, Result] = {}
     for ladder in ladders:
         given_up = ""
@@ -142,11 +147,11 @@ def row_of(setting: Setting, result: Result, stiff: bool = False) -> Row:
         known = (setting.problem.name, PEER, CODES[setting.method], SAME, what, parameter, None)
     if result.error:
         return Row(*known, note=result.error)
-    error = setting.problem.error(result.outputs["source.position"])
+    error, onsets = setting.problem.end(result.outputs)
     note = ""
     if error < setting.problem.uncertainty and setting.problem.uncertainty > 1e-13:
         note = f"the reference is good to {setting.problem.uncertainty:.0e} m"
-    return Row(*known, result.median, result.least, error, result.outputs["contact.onsets"], note)
+    return Row(*known, result.median, result.least, error, onsets, note)
 
 
 def stiff_setting(tolerance: float) -> str:
@@ -200,7 +205,7 @@ def _race(settings: Sequence[Setting], plan: Plan) -> dict[str, Any]:
         times = results[place].times + results[3 - place].times
         sides.append({"solver": setting.method, "tolerance": setting.tolerance})
         sides[-1] |= {"time_s": statistics.median(times), "time_min_s": min(times)}
-        sides[-1] |= {"error_m": setting.problem.error(results[place].outputs["source.position"])}
+        sides[-1] |= {"error_m": setting.problem.end(results[place].outputs)[0]}
     ratios = (sides[0][name] / sides[1][name] for name in ("time_s", "time_min_s"))
     return dict(zip(("cvode", "event_driven", "ratio", "ratio_of_least"), (*sides, *ratios), strict=True))
 
@@ -217,12 +222,13 @@ def stiffness(methods: Sequence[str], counts: Sequence[int], plan: Plan, say: Sa
 
 
 def of_codes(quick: bool, say: Say) -> list[Row]:
-    """Those of CODES that fmu_host can use; they have no communication steps"""
+    """Those of CODES that fmu_host can use, on the single spheres; they have no communication steps"""
     plan, first = QUICK if quick else FULL, SETS["work_precision"][1]()["P1"]
     lacks = {code: _run_alone(Setting(first, code, 1e-6, 1), plan).error for code in CODES}
     able = [code for code, error in lacks.items() if not error]
     rows = [Row("all", PEER, CODES[code], note=error) for code, error in lacks.items() if error]
-    rows += [row for _, some in SETS.values() for row in work_precision(some().values(), able, (1,), plan, say)]
+    sets = [some for name, (_, some) in SETS.items() if name not in ("islands", "pairs")]
+    rows += [row for some in sets for row in work_precision(some().values(), able, (1,), plan, say)]
     return rows + stiffness(able, (1,), plan, say)
 
 
@@ -230,20 +236,23 @@ def main(arguments: list[str] | None = None) -> int:
     """0: done; 2: something is not built; 3: an FMU refused"""
     options = parse("measure", arguments)
     options.output.mkdir(parents=True, exist_ok=True)
-    plan = QUICK if options.quick else FULL
-    say, words, rows, ratios = stopwatch(), read_words(__file__)["plan"], [], {}
-    for name, some in SETS.values():
-        problems = some().values()
-        found = work_precision(problems, METHODS, plan.communication_steps, plan, say)
-        ratios[name] = compare_best(problems, found, plan, say)
-        rows += found
-    rows += stiffness(METHODS, plan.communication_steps, plan, say)
-    write_rows(options.output / "results.csv", rows)
-    summary = {
+    plan, file, words = QUICK if options.quick else FULL, options.output / "summary.json", read_words(__file__)["plan"]
+    plan = dataclasses.replace(plan, limit=options.limit or plan.limit)
+    about = {
         "made": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "plan": words["quick"] * options.quick + words["text"].format(**vars(plan)),
-        "versions": versions(),
     }
-    write_json(options.output / "summary.json", summary | ratios)
+    say, rows, summary = stopwatch(), [], read_part(file) if options.only else {}
+    summary = summary or about | {"versions": versions()}
+    for name in options.only or SETS:
+        problems = [problem for problem in SETS[name][1]().values() if problem.name not in plan.without]
+        found = work_precision(problems, METHODS, plan.communication_steps, plan, say)
+        summary[SETS[name][0]] = compare_best(problems, found, plan, say)
+        rows += found
+        if options.only:
+            summary[f"{name}_apart"] = [words["apart"].format(name=name, note=f"{options.note} ".lstrip(), **about)]
+    rows += [] if options.only else stiffness(METHODS, plan.communication_steps, plan, say)
+    write_rows(options.output / "results.csv", rows, bool(options.only))
+    write_json(file, summary)
     say("measured")
     return 0

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from contact_fmus.bench.problems import SETS, Problem, benchmarks, stiff_families
+from contact_fmus.bench.problems import SETS, stiff_families
 from contact_fmus.options import parse
 from contact_fmus.pages import Table, read_words, write_pages
 
@@ -36,15 +36,12 @@ def draw_page(folder: Path) -> list[Path]:
     for part in parts:
         versions |= part.get("versions", {})
     given = [given_section(section, folder) for part in parts for section in part.get("sections", ())]
-    sections = [
-        Section(
-            WORDS["summary"]["title"],
-            tables.paragraphs(measured["ratios"], others),
-            [tables.comparison(measured["ratios"], others), tables.problems()],
-        )
-    ]
-    for name, (ratios, problems) in SETS.items():
-        sections += _work_precision(name, problems(), own, others, measured.get(ratios, ()), folder)
+    sections = []
+    if ratios := measured.get("ratios"):
+        listed = [tables.comparison(ratios, others), tables.problems()]
+        sections.append(Section(WORDS["summary"]["title"], tables.paragraphs(ratios, others), listed))
+    for name in SETS:
+        sections += _work_precision(name, own, others, measured, folder)
     sections += [_stiffness([*own, *others], folder), *given]
     contents = [(f"section-{k}", section.title) for k, section in enumerate(sections, 1)]
     contents.append(("versions", "Versions and machine"))
@@ -54,22 +51,25 @@ def draw_page(folder: Path) -> list[Path]:
 
 
 def _work_precision(
-    name: str, problems: dict[str, Problem], own: list[Row], others: list[Row], ratios: Sequence[dict], folder: Path
+    name: str, own: list[Row], others: list[Row], measured: dict[str, Any], folder: Path
 ) -> list[Section]:
     """Nothing where these problems have not been measured"""
+    ratios, problems = measured.get(SETS[name][0], ()), SETS[name][1]()
     made = (row for row in own if row.group == THIS_FMU and row.setting == RELATIVE_TOLERANCE)
     rows = [row for row in made if row.problem in problems]
+    problems = {problem: one for problem, one in problems.items() if any(row.problem == problem for row in rows)}
     if not rows:
         return []
     words = WORDS[name]
     figures.work_precision(rows, problems.values(), folder, name)
     shown = [{"name": name, "caption": words["caption"]}]
     others = [row for row in others if row.problem in problems]
-    if problems is benchmarks() and any(row.measured for row in others):
+    if name == "work_precision" and any(row.measured for row in others):
         figures.peers(rows, others, folder)
         shown.append({"name": "peers", "caption": words["peers"].format(worst=figures.WORST)})
     listed = [tables.least_times(problem, [*rows, *others]) for problem in problems]
-    return [Section(words["title"], [words["text"]], [*listed, tables.ratios_table(ratios, others)], shown)]
+    texts = [words["text"], *measured.get(f"{name}_apart", ())]
+    return [Section(words["title"], texts, [*listed, tables.ratios_table(ratios, others)], shown)]
 
 
 def _stiffness(own: list[Row], folder: Path) -> Section:

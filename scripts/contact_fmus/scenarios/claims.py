@@ -321,8 +321,7 @@ def rolls_round_a_tube(run: Recording) -> Outcome:
 @check
 def swings_in_a_hole(run: Recording) -> Outcome:
     """Place of a cylinder in a hole across z at every communication point, let go at rest beside x = 0: it
-    rolls where there is friction, and its inertia about the line of contact is 3/2 of m r^2
-    """
+    rolls where there is friction, and its inertia about the line of contact is 3/2 of m r^2"""
     contact, pin, _ = _pair(run)
     place = run.value(f"{pin}.position")
     length, inertia = float(np.linalg.norm(place)), 1.0 if run.value(f"{contact}.friction") == "none" else 1.5
@@ -373,8 +372,7 @@ def rolls_on_a_turntable(run: Recording) -> Outcome:
 @check
 def tumbles(run: Recording) -> Outcome:
     """Speeds along y of ball and cylinder and the cylinder's angular velocity about x, at the end: the ball
-    came along y, the cylinder lay along z
-    """
+    came along y, the cylinder lay along z"""
     inertia = _moment(run)
     lever = run.value("source.position")[2] - run.value("destination.position")[2]
     speed = run.value("source.velocity")[1]
@@ -386,8 +384,7 @@ def tumbles(run: Recording) -> Outcome:
 @check
 def angular_momentum(run: Recording) -> Outcome:
     """Largest change of the angular momentum about the origin of a ball that does not turn and a free
-    cylinder, gravity off, against the bodies' own
-    """
+    cylinder, gravity off, against the bodies' own"""
     parts = [
         _mass(run, body) * np.cross(run.series[f"{body}.position"], run.series[f"{body}.velocity"])
         for body in ("source", "destination")

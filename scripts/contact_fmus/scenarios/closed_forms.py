@@ -34,8 +34,7 @@ def restitution(dashpot: str, zeta: float) -> float:
                    s' = -v exp(-zeta omega t). From there on the clipped force stays zero, because s falls and
                    s' stays: e = exp(-2 zeta acos(zeta) / sqrt(1 - zeta^2)).
     approach_only  s' = 0 at omega_d t = acos(zeta) with s = (v/omega) exp(-zeta omega t); the way back is
-                   undamped and ends with speed omega s: e = exp(-zeta acos(zeta) / sqrt(1 - zeta^2)).
-    """
+                   undamped and ends with speed omega s: e = exp(-zeta acos(zeta) / sqrt(1 - zeta^2))."""
     if dashpot == "unclamped":
         return math.exp(-math.pi * zeta / math.sqrt(1.0 - zeta * zeta)) if zeta < 1.0 else 0.0
     if dashpot == "non_adhesive":
@@ -56,8 +55,7 @@ def ratio_for(wanted: float, dashpot: str) -> float:
 def overlap_duration(dashpot: str, mass: float, stiffness: float, damping: float) -> float:
     """How long s > 0 in a head-on contact, gravity off; pi sqrt(m/k) for every dashpot when c = 0.
 
-    non_adhesive: when the force vanishes k s = -c s', so the free way out takes s/|s'| = c/k.
-    """
+    non_adhesive: when the force vanishes k s = -c s', so the free way out takes s/|s'| = c/k."""
     omega = math.sqrt(stiffness / mass)
     zeta = damping_ratio(mass, stiffness, damping)
     if dashpot == "unclamped":
@@ -86,8 +84,7 @@ def elastic_bounce_gap(time: np.ndarray, gap: float, mass: float, g: float, stif
     Flight takes t1 = sqrt(2 gap/g) and ends at speed v = g t1. In contact, tau after touching,
     gap = -(g/omega^2)(1 - cos(omega tau)) - (v/omega) sin(omega tau), zero again when
     tan(omega tau/2) = -v omega/g, that is at omega tau = 2 (pi - atan(v omega/g)). All repeats with the
-    period 2 t1 + tau.
-    """
+    period 2 t1 + tau."""
     omega = math.sqrt(stiffness / mass)
     flight = math.sqrt(2.0 * gap / g)
     speed = g * flight
@@ -104,8 +101,7 @@ def elastic_bounce_gap(time: np.ndarray, gap: float, mass: float, g: float, stif
 def viscous_sinking(time: np.ndarray, mass: float, g: float, damping: float) -> np.ndarray:
     """Penetration of a body laid at rest on a viscous-only contact: m s'' = m g - c s'
 
-    s = (m g/c) (t - (m/c)(1 - exp(-c t/m))); the speed tends to m g/c.
-    """
+    s = (m g/c) (t - (m/c)(1 - exp(-c t/m))); the speed tends to m g/c."""
     decay = mass / damping
     return decay * g * (time + decay * np.expm1(-np.asarray(time, dtype=float) / decay))
 
@@ -134,8 +130,7 @@ def slide_to_roll(
     time: np.ndarray, speed: float, slip: float, friction: float, g: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Way and speed of a ball set down on a plane with `speed`, its surface slipping by `slip` (speed - a
-    omega): slowed by mu g until t = 2 slip/(7 mu g), and rolling evenly from then on.
-    """
+    omega): slowed by mu g until t = 2 slip/(7 mu g), and rolling evenly from then on."""
     slowing = math.copysign(friction * g, slip)
     sliding = np.minimum(time, slip / (3.5 * slowing))
     velocity = speed - slowing * sliding
@@ -144,15 +139,13 @@ def slide_to_roll(
 
 def vertical_tube(time: np.ndarray, rate: float, g: float) -> np.ndarray:
     """Height of a ball that rolls round a vertical tube `rate` rad/s, from rest in height, without spin
-    about the radius: a harmonic motion of sqrt(2/7) of the rate, down by 5 g/rate^2 and up again.
-    """
+    about the radius: a harmonic motion of sqrt(2/7) of the rate, down by 5 g/rate^2 and up again."""
     return -2.5 * g / rate**2 * (1.0 - np.cos(math.sqrt(2.0 / 7.0) * rate * time))
 
 
 def pendulum(time: np.ndarray, angle: float, rate: float) -> np.ndarray:
     """Angle of a pendulum let go at `angle`, which swings with `rate` rad/s where it swings a little:
-    a'' = -rate^2 sin a
-    """
+    a'' = -rate^2 sin a"""
     from scipy.special import ellipj
 
     modulus = math.sin(0.5 * angle)
@@ -163,8 +156,7 @@ def pendulum(time: np.ndarray, angle: float, rate: float) -> np.ndarray:
 def rolling_in_a_groove(time: np.ndarray, start: np.ndarray, lengths: np.ndarray, g: float) -> np.ndarray:
     """Place of a solid ball that rolls from rest a little beside the lowest point of a groove: its centre is on a
     surface with the radii of curvature `lengths` along and across the groove, and swings in each direction with
-    sqrt(5 g/(7 length)).
-    """
+    sqrt(5 g/(7 length))."""
     return start * np.cos(np.sqrt(g / ((1.0 + BALL) * lengths)) * time[:, None])
 
 
@@ -172,8 +164,7 @@ def friction_drive(
     time: np.ndarray, speed: float, radius: float, inertia: float, limit: float, slip: float
 ) -> np.ndarray:
     """Angular velocity of a roller at rest that is pressed on a surface which moves with `speed`, under
-    friction `limit` (1 - exp(-u/slip)): the slip u = speed - radius omega has u' = -(radius^2/inertia) of it.
-    """
+    friction `limit` (1 - exp(-u/slip)): the slip u = speed - radius omega has u' = -(radius^2/inertia) of it."""
     done = radius**2 / inertia * limit * time / slip
     with np.errstate(divide="ignore"):
         left = np.logaddexp(speed / slip - done, np.log(-np.expm1(-done)))  # log(1 + e^(u_0 - done) - e^-done)
@@ -182,8 +173,7 @@ def friction_drive(
 
 def turntable(time: np.ndarray, start: np.ndarray, velocity: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
     """Place and velocity in the plane of a ball that rolls on a plane which turns about the origin: a
-    circle, gone round at 2/7 of the rate, since v' = (2/7) rate e_z x v.
-    """
+    circle, gone round at 2/7 of the rate, since v' = (2/7) rate e_z x v."""
     orbit = rate * BALL / (1.0 + BALL)
     middle = start + np.array([-velocity[1], velocity[0]]) / orbit
     cosine, sine = np.cos(orbit * time), np.sin(orbit * time)
@@ -196,7 +186,6 @@ def turntable(time: np.ndarray, start: np.ndarray, velocity: np.ndarray, rate: f
 
 def hit_beside(speed: float, ball: float, cylinder: float, inertia: float, lever: float) -> tuple[float, ...]:
     """Speeds of ball and cylinder and the cylinder's angular velocity after an elastic impact across its
-    axis, `lever` from its middle: an impulse 2 v/(1/m_1 + 1/m_2 + h^2/I).
-    """
+    axis, `lever` from its middle: an impulse 2 v/(1/m_1 + 1/m_2 + h^2/I)."""
     impulse = 2.0 * speed / (1.0 / ball + 1.0 / cylinder + lever**2 / inertia)
     return speed - impulse / ball, impulse / cylinder, lever * impulse / inertia

@@ -91,8 +91,7 @@ def beyond(first: int, last: int, workers: int) -> None:
     """Random head-on scenes far beyond the atlas's axes, one for each seed, by event_driven, against the closed
     form: all that is wrong or refused is named. Nobody claims that all are right: where bodies go so far together,
     or swing so far beyond the clearance between them, that positions of 16 digits do not tell the gap any more,
-    impacts are lost or without end.
-    """
+    impacts are lost or without end."""
     count: Counter[str] = Counter()
     seeds = range(first, last)
     with multiprocessing.get_context("spawn").Pool(workers) as pool:

@@ -828,13 +828,9 @@ class Tumbling(Moving):
         return self.rate * time
 
     def expected(self) -> Expected:
-        return Expected(
-            displacement={"source": [mpf(0)] * 3},
-            way=self.away,
-            fastest=self.rate * self.away,
-            last_onset=self.touch,
-            onset_rounding=16 * EPSILON * self.touch,
-        )
+        touch = {"last_onset": self.touch, "onset_rounding": 16 * EPSILON * self.touch}
+        still = {"source": [mpf(0)] * 3}
+        return Expected(displacement=still, way=self.away, fastest=self.rate * self.away, **touch)
 
 
 # Oblique scenes in other units: the same motion with lengths, masses and times multiplied by powers of two.

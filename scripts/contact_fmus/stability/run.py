@@ -30,8 +30,7 @@ REALS = [
     *(f"energy.{name}" for name in ENERGIES),
     *(f"contact.mean_force[{i}]" for i in (1, 2, 3)),
     *(f"source.orientation[{i}]" for i in (1, 2, 3, 4)),
-    *(f"contact.{name}" for name in ("last_onset_time", "last_duration")),
-    *(f"contact.{name}" for name in ("peak_force", "peak_penetration")),
+    *(f"contact.{name}" for name in ("last_onset_time", "last_duration", "peak_force", "peak_penetration")),
 ]
 PEAKS = 2  # at the end of REALS: an FMU refuses those that rounding of a stiff contact leaves unknown
 COUNTS = ["contact.onsets", "solver.steps", "solver.events", "solver.force_evaluations", "solver.fallbacks"]

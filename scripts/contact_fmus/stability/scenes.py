@@ -248,15 +248,8 @@ def bullet(values: Sequence[float]) -> Iterator[Scene]:
     for value, speed, geometry, law in product(
         values, (1e3, 1e4, 1e5, 1e6), ("sphere outside", "cylinder outside"), LAWS[:4]
     ):
-        small = HeadOn(
-            geometry=geometry,
-            law=law,
-            source_radius=2.0**-17,
-            destination_radius=2.0**-10,
-            gap=0.5,
-            speed=speed,
-            gravity=0.0,
-        )
+        radii = {"source_radius": 2.0**-17, "destination_radius": 2.0**-10}
+        small = HeadOn(geometry=geometry, law=law, gap=0.5, speed=speed, gravity=0.0, **radii)
         penalty = (speed / (value * small.reach)) ** 2
         shot = replace(small, penalty=penalty, ratio=0.05, end=1e3 / speed)
         yield Scene("bullet", value, shot, steps=(1,), note=f"{speed:g} m/s")

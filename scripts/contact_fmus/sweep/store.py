@@ -65,11 +65,8 @@ def _field(name: str, kind: pa.DataType, about: dict[str, str], nullable: bool =
 
 
 def _about(variable: Variable) -> dict[str, str]:
-    return {
-        "unit": variable.unit or ("1" if variable.type == "Real" else ""),
-        "variable": variable.name,
-        "description": variable.description,
-    }
+    unit = variable.unit or ("1" if variable.type == "Real" else "")
+    return {"unit": unit, "variable": variable.name, "description": variable.description}
 
 
 def _type(variable: Variable) -> pa.DataType:

@@ -13,6 +13,11 @@ POWER = {"linear": 1.0, "hertz": 1.5}
 
 def velocities(balls: int, law: str, end: float) -> np.ndarray:
     """Velocities of the balls at the time `end`, to 1e-11."""
+    return motion(balls, law, end)[balls:]
+
+
+def motion(balls: int, law: str, end: float, relative: float = 1e-13) -> np.ndarray:
+    """How far the balls have come by the time `end`, and their velocities"""
 
     def rates(_, y):
         place, velocity = y[:balls], y[balls:]
@@ -21,5 +26,5 @@ def velocities(balls: int, law: str, end: float) -> np.ndarray:
 
     start = np.zeros(2 * balls)
     start[balls] = 1.0
-    run = solve_ivp(rates, (0.0, end), start, method="DOP853", rtol=1e-13, atol=1e-15)
-    return run.y[balls:, -1]
+    run = solve_ivp(rates, (0.0, end), start, method="DOP853", rtol=relative, atol=1e-15)
+    return run.y[:, -1]

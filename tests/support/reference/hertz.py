@@ -268,8 +268,7 @@ def settle(pair, state, branch):
 
 def restitution_of(number, dashpot):
     """e of Hunt and Crossley's law with y = chi v. Of full damping it is in u exp(-u) = (1 + y) exp(-1 - y),
-    u = 1 - e y.
-    """
+    u = 1 - e y."""
     y = mpmath.mpf(number)
     if dashpot == "approach_only":
         return float(mpmath.sqrt(2 * (y - mpmath.log(1 + y))) / y)

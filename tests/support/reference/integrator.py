@@ -28,8 +28,7 @@ class Reference(SpanMaker):
 
     `straight`: the bodies move on the line through their centres (or across the axis) and may pass the
     centre, where the normal turns round. The distance is then the place on that line with a sign, whose
-    change is an event.
-    """
+    change is an event."""
 
     def __init__(self, configuration, shape, number=float, order=24, straight=False):
         derivatives = {k: v for k, v in configuration.items() if k.endswith(".derivatives")}

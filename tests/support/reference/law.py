@@ -57,8 +57,7 @@ START_VALUES = {
 
 def complete(configuration):
     """The configuration with DESIGN's start values for everything it leaves out; an unknown name is a
-    mistake of the test.
-    """
+    mistake of the test."""
     return {**START_VALUES, **{k: v for k, v in configuration.items() if not k.startswith("solver.")}}
 
 
@@ -134,16 +133,14 @@ class ReferenceContact:
 
     def connection(self, motion):
         """c = x_dst - x_src and the size of its terms; a common offset of the centres cancels
-        before anything is added.
-        """
+        before anything is added."""
         offset = vector(self.values["destination.center"]) - vector(self.values["source.center"])
         moved = motion.destination_displacement - motion.source_displacement
         return offset + moved, norm(offset) + norm(moved)
 
     def separation(self, motion):
         """d, the vector it is the length of (c or its part across the axis), c.e_d, and the size of
-        the terms.
-        """
+        the terms."""
         across, size = self.connection(motion)
         along = REAL(0)
         if self.shape == "plane":  # with its sign
@@ -156,8 +153,7 @@ class ReferenceContact:
 
     def bounding_box_diagonal(self, motion):
         """Axis-parallel box around both bodies; an infinite cylinder enters with its cross-section,
-        a disc, only.
-        """
+        a disc, only."""
         if self.shape == "plane":  # that of the source alone
             return norm(np.full(3, 2 * self.source_radius, dtype=REAL))
         if self.axis is None:
@@ -201,8 +197,7 @@ class ReferenceContact:
 
     def damping_ratio(self):
         """sin(phi), for which an impact loses the factor exp(-turned tan(phi)): support/scenes/head_on.py.
-        mpmath inverts it with complex phi, that is beyond critical damping too.
-        """
+        mpmath inverts it with complex phi, that is beyond critical damping too."""
         wanted = -mpmath.log(mpmath.mpf(float(self.values["contact.restitution"])))
         if self.values["contact.dashpot"] == "unclamped":
             return REAL(float(wanted / mpmath.hypot(mpmath.pi, wanted)))
@@ -225,8 +220,7 @@ class ReferenceContact:
 
     def evaluate(self, motion):
         """FMI output name -> (value, size of its terms) at one instant. Not for d = 0, where no
-        direction exists.
-        """
+        direction exists."""
         distance, across, along, length = self.separation(motion)
         inside = self.location == "inside"
         radii = self.source_radius + self.destination_radius

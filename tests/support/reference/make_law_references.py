@@ -1,5 +1,5 @@
-"""Writes bench/law_references.json: where the source of each problem of bench/problems.py's law_starts is at
-the end, by the reference of hertz.py.
+"""Writes bench/law_references.json: where the source of each problem of bench/problems.py's law_benchmarks is
+at the end, by the reference of hertz.py.
 
 PYTHONPATH=tests:scripts python -m support.reference.make_law_references [NAME ...]
 
@@ -11,7 +11,7 @@ import sys
 
 import numpy as np
 
-from contact_fmus.bench.problems import LAW_REFERENCES, law_starts
+from contact_fmus.bench.problems import LAW_REFERENCES, law_benchmarks
 from support.reference import hertz
 
 STILL = [0.0, 0.0, 0.0]
@@ -52,12 +52,13 @@ def pair_of(fmu, start):
 
 def main(names):
     made = json.loads(LAW_REFERENCES.read_text(encoding="utf-8"))
-    for name in names or law_starts():
-        _, fmu, stop, start = law_starts()[name]
-        state, events = hertz.run(*pair_of(fmu, start), stop, tolerance=COARSER.get(name, hertz.TOLERANCE))
+    for name in names or law_benchmarks():
+        problem = law_benchmarks()[name]
+        pair, start = pair_of(problem.fmu, problem.start)
+        state, events = hertz.run(pair, start, problem.stop, tolerance=COARSER.get(name, hertz.TOLERANCE))
         made[name] = [float(x) for x in state[:3]]
         print(name, len(events), made[name], flush=True)
-    ordered = {name: made[name] for name in law_starts()}
+    ordered = {name: made[name] for name in law_benchmarks()}
     LAW_REFERENCES.write_text(json.dumps(ordered, indent=1) + "\n", encoding="utf-8")
 
 

@@ -124,8 +124,7 @@ def split(points):
 
 def first_crossing(points, start, width, depth):
     """First place in [start, start + width] where the polynomial goes below zero; None when it stays
-    above.
-    """
+    above."""
     if all(p >= 0 for p in points):
         return None
     if points[0] < 0 or depth == 0:
@@ -140,8 +139,7 @@ def first_root(row, span, number, fresh=False):
     not.
 
     `fresh`: the series starts exactly on its root; the factor t is divided out instead of trusting the
-    rounding of row[0].
-    """
+    rounding of row[0]."""
     scaled, power = [], number(1)
     for coefficient in row:
         scaled.append(coefficient * power)
@@ -163,8 +161,7 @@ def first_root(row, span, number, fresh=False):
 
 def highest(row, span, number, known):
     """The larger of `known` and the largest value of the series on [0, span], to 14 digits: Bernstein
-    coefficients bound it, and halves that cannot hold more than is known are left alone.
-    """
+    coefficients bound it, and halves that cannot hold more than is known are left alone."""
     scaled, power = [], number(1)
     for coefficient in row:
         scaled.append(coefficient * power)

@@ -25,8 +25,7 @@ class SpanMaker:
 
     def outer_rate(self, body):
         """Row of accelerations without the contact, and the external force as polynomials in the
-        time since now.
-        """
+        time since now."""
         kind = self.values[f"{body}.motion"]
         force = [[self.zero]] * 3
         if kind != "free":
@@ -100,8 +99,7 @@ class SpanMaker:
 
     def contact_rows(self, tape, regime, c, w, distance):
         """g, its rate, the formula's force, the force and its vector on the source (along -/+ rho
-        outside/inside).
-        """
+        outside/inside)."""
         if self.line:
             rate = tape.linear(list(zip(self.line, w, strict=True)))
         else:

@@ -89,8 +89,7 @@ class StiffContact:
 
     def relative_end(self, end, order):
         """x across the axis at the end, the least push on the way, and what the curvature's part in w is
-        worth
-        """
+        worth"""
         apart = self.across(self.place[0] - self.place[1])
         speed = self.across(self.speed[0] - self.speed[1])
         distance = np.linalg.norm(apart)

@@ -43,8 +43,7 @@ def position(shape, r, a, b, end):
 
 def damped_motion(shape, penalty, damping, end, tolerance):
     """(position at the end, least spring force after the first quarter oscillation) by Radau IIA of scipy;
-    `damping` as a part of the critical one.
-    """
+    `damping` as a part of the critical one."""
     frequency, mass_root = sqrt(penalty / MASS), sqrt(penalty * MASS)
 
     def rates(_time, y):

@@ -25,8 +25,7 @@ def cylinder_inertia(mass, radius, length):
 
 class TumblingPair:
     """State: separation c (cylinder - ball), its rate, the axis, the angular momentum over the transverse
-    inertia. The ball's own turning does not matter, nor gravity unless the cylinder's centre is held.
-    """
+    inertia. The ball's own turning does not matter, nor gravity unless the cylinder's centre is held."""
 
     def __init__(self, values):
         self.r_s, self.r_d = values["source.radius"], values["destination.radius"]

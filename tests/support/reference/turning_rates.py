@@ -28,8 +28,7 @@ SHORT = 1e-9  # m or rad; below, its direction follows that of the slip within a
 
 def along_spring(spring, slip, rate):
     """Unit vector of the spring; that of the slip while the bodies approach, at `rate`, and the spring is too
-    short to have one of its own.
-    """
+    short to have one of its own."""
     size = norm(spring)
     if size > (SHORT if rate < 0 else 0.0):
         return times(1 / size, spring)
@@ -39,8 +38,7 @@ def along_spring(spring, slip, rate):
 
 def friction_of(pair, one, place, force, motion, spring, sticking):
     """Force or torque that opposes a motion by the law `one`, and the rate of the spring before it is turned
-    with the normal; None where the spring is at its limit and its rate follows from the limit's.
-    """
+    with the normal; None where the spring is at its limit and its rate follows from the limit's."""
     if one.law == "none":
         return list(ZERO), list(ZERO)
     if one.law == "regularized":
