@@ -165,20 +165,20 @@ class Islands:
             regimes.normal[contact] = APART
             list(self.parts(y))[3][contact] = 0.0
 
-    def run(self, end, tolerance):
-        """Places, velocities and spins at the end, and how often bodies began to touch"""
+    def run(self, end, tolerance, longest=LONGEST):
+        """Places, velocities and spins at the end, and how often bodies began to touch; `longest`: a step"""
         time, y, onsets = 0.0, self.start.copy(), 0
         regimes = self.first_regimes(y)
         while time < end:
-            found, time, y = self.up_to_event(time, y, end, regimes, tolerance)
+            found, time, y = self.up_to_event(time, y, end, regimes, tolerance, longest)
             if found:
                 onsets += found[0] == TOUCH and regimes.normal[found[1]] == APART
                 self.change(y, regimes, *found)
         return np.hstack(list(self.parts(y))[:3]), onsets
 
-    def up_to_event(self, time, y, end, regimes, tolerance):
+    def up_to_event(self, time, y, end, regimes, tolerance, longest):
         solver = DOP853(
-            lambda _, y: self.rates(y, regimes), time, y, end, rtol=tolerance, atol=1e-14, max_step=LONGEST,
+            lambda _, y: self.rates(y, regimes), time, y, end, rtol=tolerance, atol=1e-14, max_step=longest,
             first_step=min(1e-6, end - time),
         )  # fmt: skip
         while solver.status == "running":
