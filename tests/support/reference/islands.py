@@ -125,7 +125,6 @@ class Islands:
     def events(self, y, regimes):
         """[kind, contact]: positive within the regimes, 1 where there is no event"""
         gap, rate, _, _ = self.geometry(y)
-        force, _, size, *_ = self.forces(y, regimes)
         touching = regimes.normal != APART
         found = np.ones((3, len(gap)))
         found[TOUCH] = np.where(touching, -gap, gap)
@@ -133,8 +132,10 @@ class Islands:
         clip = np.where(regimes.normal == CLIPPED, -push, push)
         half = np.where(regimes.normal == SPRING_ONLY, rate, -rate)
         found[DASHPOT] = np.where(touching & self.clips, clip, np.where(touching & self.halves, half, 1.0))
-        stick = np.where(regimes.sticks, self.mu_static * force - size, size - self.mu * force)
-        found[STICK] = np.where((self.friction == "elastic") & touching & (force > 0.0), stick, 1.0)
+        if (self.friction == "elastic").any():
+            force, _, size, *_ = self.forces(y, regimes)
+            stick = np.where(regimes.sticks, self.mu_static * force - size, size - self.mu * force)
+            found[STICK] = np.where((self.friction == "elastic") & touching & (force > 0.0), stick, 1.0)
         return found
 
     def first_regimes(self, y):

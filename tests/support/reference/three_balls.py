@@ -42,7 +42,7 @@ def reference(name):
         )
     ]
     contacts = [one | {"dashpot": case.dashpot} for one in contacts]
-    return Islands(balls, [], contacts, REST).run(case.end, 1e-12, case.end / 250)[0][:, :3]
+    return Islands(balls, [], contacts, REST).run(case.end, 1e-12, case.end / 80)[0][:, :3]
 
 
 def random_case(seed, damped):
