@@ -157,23 +157,26 @@ def test_marbles_touch_once_whatever_the_tolerance(opened, tolerance, steps):
 
 
 class Driven:
-    """The force as an importer sets it at communication points, and the velocity that it gives to 1 kg."""
+    """An input as an importer sets it at communication points, and its first and second integral over time"""
 
     def __init__(self):
-        self.value, self.rate, self.bend, self.velocity = 0.0, 0.0, 0.0, 0.0
+        self.value, self.rate, self.bend, self.once, self.twice = 0.0, 0.0, 0.0, 0.0, 0.0
 
     def go_on(self, time):
-        self.velocity += time * (self.value + time * (self.rate / 2 + time * self.bend / 6))
+        self.twice += time * (
+            self.once + time * (self.value / 2 + time * (self.rate / 6 + time * self.bend / 24))
+        )
+        self.once += time * (self.value + time * (self.rate / 2 + time * self.bend / 6))
         self.value += time * (self.rate + time * self.bend / 2)
         self.rate += time * self.bend
 
-    def set(self, fmu, orders, values):
+    def set(self, fmu, name, orders, values):
         for order, value in zip(orders, values, strict=True):
             row = [value, 0.0, 0.0]
             if order == 0:
-                fmu["source.external_force"] = row
+                fmu[name] = row
             else:
-                fmu.set_derivative("source.external_force", row, order=order)
+                fmu.set_derivative(name, row, order=order)
         if orders:
             lowest = min(orders)
             given = dict(zip(orders, values, strict=True))
@@ -185,22 +188,32 @@ class Driven:
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("seed", seeds(20))
 def test_what_is_not_set_of_an_input_goes_on(opened, seed, method):
+    """A force on a free body of 1 kg, and the displacement of a prescribed one, in any order of the calls"""
     random = np.random.default_rng(seed)
     values = {"source.center": [50.0, 0.0, 0.0], "gravity": [0.0, 0.0, 0.0], "source.mass": 1.0}
+    values["destination.motion"] = "prescribed"
     scene = str(pick(random, "SphereSphere", "SphereCylinder"))
     fmu = start(opened(scene), values, float(pick(random, *TOLERANCES)), method)
-    right = Driven()
+    force, place = Driven(), Driven()
     for _ in range(int(random.integers(1, 8))):
-        orders = [int(order) for order in random.permutation(3)[: random.integers(4)]]
-        right.set(fmu, orders, [float(pick(random, -1.0, 0.0, 0.5, 1.0, 4.0)) for _ in orders])
+        for right, name in (
+            (force, "source.external_force"),
+            (place, "destination.prescribed_displacement"),
+        ):
+            orders = [int(order) for order in random.permutation(3)[: random.integers(4)]]
+            right.set(fmu, name, orders, [float(pick(random, -1.0, 0.0, 0.5, 1.0, 4.0)) for _ in orders])
         if random.integers(2):
             _ = fmu["source.velocity"]
         size = float(pick(random, 0.1, 0.25, 1.0))
         fmu.step(size)
-        right.go_on(size)
-        check_close(
-            "velocity", fmu["source.velocity"], [right.velocity, 0.0, 0.0], 1e-12 * (1 + abs(right.velocity))
-        )
+        for right in (force, place):
+            right.go_on(size)
+        for name, value in (
+            ("source.velocity", force.once),
+            ("source.displacement", force.twice),
+            ("destination.displacement", place.value),
+        ):
+            check_close(name, fmu[name], [value, 0.0, 0.0], 1e-12 * (1 + abs(value)))
 
 
 # Coefficients of restitution of the linear law, by which bodies without load part at e times their speed.
