@@ -5,10 +5,16 @@ a run is stepped, and the closed forms that they must agree with.
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close, check_relative, start
+from support.checks import METHODS, check_close, check_relative, run, start
 from support.scenes.agreement import TOLERANCES, Scene, check_agreement, pick, seeds
 
 STEPS = (1, 2, 7, 22, 100, 300)
+
+
+def ended(opened, scene, random):
+    """The FMU at the scene's end, whatever the tolerance and the number of steps"""
+    tolerance, steps = float(pick(random, *TOLERANCES)), pick(random, *STEPS)
+    return run(opened(scene.fmu), scene.values, scene.end, steps, tolerance)
 
 
 # A body at rest on another one for long: the force is the load, whatever the length of the steps.
@@ -69,11 +75,8 @@ def resting(random):
 def test_a_body_at_rest_presses_with_its_load_however_long_it_rests(opened, seed):
     random = np.random.default_rng(seed)
     scene, load = resting(random)
-    fmu = start(opened(scene.fmu), scene.values, float(pick(random, *TOLERANCES)), "event_driven")
-    before = fmu["energy.total"]
-    steps = pick(random, *STEPS)
-    for k in range(steps):
-        fmu.step(scene.end * (k + 1) / steps - fmu.time)
+    before = start(opened(scene.fmu), scene.values)["energy.total"]
+    fmu = ended(opened, scene, random)
     check_relative(f"force {scene}", fmu["contact.normal_force"], load, 1e-9)
     check_relative("gap", fmu["contact.gap"], -load / scene.values["contact.penalty_factor"], 1e-9)
     check_close("velocity", np.asarray(fmu["source.velocity"]), np.zeros(3), 1e-9)
@@ -135,19 +138,14 @@ def test_an_impact_under_hertz_s_law_is_one_contact(opened, seed):
     random = np.random.default_rng(seed)
     scene = hertz_impact(random)
     check_agreement(opened, scene, seed)
-    steps = pick(random, *STEPS)
-    fmu = start(opened(scene.fmu), scene.values, float(pick(random, *TOLERANCES)), "event_driven")
-    for k in range(steps):
-        fmu.step(scene.end * (k + 1) / steps - fmu.time)
+    fmu = ended(opened, scene, random)
     assert fmu["contact.onsets"] <= 1, scene
 
 
 @pytest.mark.parametrize("steps", [1, 33, 100, 1000])
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 def test_marbles_touch_once_whatever_the_tolerance(opened, tolerance, steps):
-    fmu = start(opened("HertzImpact"), {}, tolerance, "event_driven")
-    for k in range(steps):
-        fmu.step(1e-3 * (k + 1) / steps - fmu.time)
+    fmu = run(opened("HertzImpact"), {}, 1e-3, steps, tolerance)
     assert fmu["contact.onsets"] == 1
     check_close("onset", fmu["contact.last_onset_time"], 5e-4, 1e-14)
     check_relative("duration", fmu["contact.last_duration"], 6.42152384898e-05, 1e-11)
@@ -247,10 +245,7 @@ def rebound(random):
 def test_bodies_part_at_the_coefficient_of_restitution_however_small(opened, seed):
     random = np.random.default_rng(seed)
     scene, coefficient = rebound(random)
-    fmu = start(opened(scene.fmu), scene.values, float(pick(random, *TOLERANCES)), "event_driven")
-    steps = pick(random, *STEPS)
-    for k in range(steps):
-        fmu.step(scene.end * (k + 1) / steps - fmu.time)
+    fmu = ended(opened, scene, random)
     parting = fmu["source.velocity"][2] - fmu["destination.velocity"][2]
     assert fmu["contact.onsets"] == 1, scene
     check_close(f"speed {scene}", parting, coefficient, 1e-12)
