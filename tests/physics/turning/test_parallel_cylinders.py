@@ -1,7 +1,6 @@
 """Two cylinders with parallel axes: against a sphere in the same place, a plane motion, refusals."""
 
 import os
-from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
@@ -9,49 +8,16 @@ import pytest
 
 from contact_fmus.fmu.contact_fmu import FmuError
 from support.checks import check_close, start
-from support.reference.pressed import cylinder_rates, ended, first_state, pressed, state_of, unit
-from support.scenes.scene_parts import touching_values
+from support.reference.pressed import CylinderPair, pressed, state_of, unit
 
 COUNT = int(os.environ.get("CONTACT_SCENES", "12"))
 METHODS = ("event_driven", "cvode_bdf")
 
 
-@dataclass
-class Pair:
-    """A scene: cylinders along `axis`, the source at `place` from the other's centre"""
-
-    axis: np.ndarray
-    inside: bool
-    radius: tuple[float, float]
-    mass: tuple[float, float]
-    length: tuple[float, float]  # infinite where they have no ends
-    place: np.ndarray
-    velocity: np.ndarray  # of the source
-    rates: tuple[float, float]  # about the axis, rad/s
-    stiffness: float
-    damping: float
-    friction: float  # coefficient; 0: none
-    turns: bool
-    both: bool  # whether the destination is free too
-    slip: float = 1e-2
-    end: float = field(default=0.12)
-
-    def values(self) -> dict:
-        values = touching_values(self) | {"source.axis": self.axis, "destination.axis": -2.0 * self.axis}
-        for i, body in enumerate(("source", "destination")):
-            values |= {f"{body}.radius": self.radius[i], f"{body}.mass": self.mass[i]}
-            if np.isfinite(self.length[i]):
-                values |= {f"{body}.finite_length": True, f"{body}.length": self.length[i]}
-            if self.turns:
-                values |= {
-                    f"{body}.rotation": "free",
-                    f"{body}.initial_angular_velocity": self.rates[i] * unit(self.axis),
-                }
-        return values
-
+class Pair(CylinderPair):
     def forces(self, y) -> tuple:
         """Force on the source, torques about both axes, gap: of two circles in the plane across the axes"""
-        e, (r_s, r_d) = unit(self.axis), self.radius
+        e, (r_s, r_d) = self.axes[0], self.radius
         away = y[0:3] - y[6:9]
         along = away @ e
         out = away - along * e
@@ -66,27 +32,18 @@ class Pair:
         force = pressed(self, depth, y[3:6] - y[9:12], push, slip)
         return force, np.cross(point - y[0:3], force) @ e, -np.cross(point - y[6:9], force) @ e, -depth
 
-    def ended(self) -> np.ndarray:
-        """Places and velocities of both, and their rates about the axis"""
-
-        def rates(_t, y):
-            return cylinder_rates(self, y, *self.forces(y)[:3])
-
-        def touches(_t, y):
-            return self.forces(y)[3]
-
+    def events(self) -> list:
         def leaves(_t, y):
-            apart = abs((y[0:3] - y[6:9]) @ unit(self.axis))
+            apart = abs((y[0:3] - y[6:9]) @ self.axes[0])
             return 0.5 * sum(self.length) - apart if np.isfinite(sum(self.length)) else 1.0
 
-        options = {"rtol": 1e-12, "atol": 1e-13, "max_step": 2e-4}
-        return ended(rates, first_state(self), self.end, [touches, leaves], **options)
+        return [*super().events(), leaves]
 
 
 @cache
 def pair(seed: int) -> Pair:
     rng = np.random.default_rng(seed)
-    axis, side = rng.normal(size=3), rng.normal(size=3)
+    axis, side = unit(rng.normal(size=3)), rng.normal(size=3)
     out = unit(np.cross(axis, side))
     inside = bool(rng.random() < 0.5)
     r_s = rng.uniform(0.05, 0.2)
@@ -97,11 +54,11 @@ def pair(seed: int) -> Pair:
     along = rng.uniform(-0.15, 0.15) * (1.0 if np.isinf(length[0]) else sum(length))
     speed = (1.0 if inside else -1.0) * rng.uniform(0.2, 1.5)
     return Pair(
-        axis, inside, (r_s, r_d), (rng.uniform(0.5, 2.0), rng.uniform(0.5, 2.0)), length,
-        distance * out + along * unit(axis), speed * out + 0.3 * rng.normal(size=3),
+        (axis, axis), (r_s, r_d), (rng.uniform(0.5, 2.0), rng.uniform(0.5, 2.0)), length,
+        distance * out + along * axis, speed * out + 0.3 * rng.normal(size=3),
         tuple(10.0 * rng.normal(size=2)),
         10 ** rng.uniform(4.0, 6.0), rng.choice([0.0, 50.0]), rng.choice([0.0, 0.3]),
-        bool(rng.random() < 0.7), bool(rng.random() < 0.5),
+        bool(rng.random() < 0.7), bool(rng.random() < 0.5), inside,
     )  # fmt: skip
 
 
@@ -118,9 +75,9 @@ def test_two_cylinders_move_as_two_circles_do(opened, seed):
         fmu = start(opened("CylinderCylinder"), scene.values(), 1e-10, method)
         before, momentum = fmu["energy.total"], moment(fmu, scene)
         fmu.step(scene.end)
-        check_close(f"{method}: state", state_of(fmu, 2 * [unit(scene.axis)]), reference(seed), 1e-7)
+        check_close(f"{method}: state", state_of(fmu, scene.axes), reference(seed), 1e-7)
         check_close(f"{method}: energy", fmu["energy.total"], before, 1e-9 * max(1.0, abs(before)))
-        across = np.cross(fmu["source.angular_velocity"], scene.axis)
+        across = np.cross(fmu["source.angular_velocity"], scene.axes[0])
         check_close("turning across the axis", across, np.zeros(3), 1e-12)
         if scene.both and scene.turns:
             check_close(f"{method}: angular momentum", moment(fmu, scene), momentum, 1e-9)
@@ -128,7 +85,7 @@ def test_two_cylinders_move_as_two_circles_do(opened, seed):
 
 def moment(fmu, scene) -> float:
     """Angular momentum of both bodies about the line through their common centre along the axes"""
-    e = unit(scene.axis)
+    e = scene.axes[0]
     m, places = scene.mass, [fmu[f"{body}.position"] for body in ("source", "destination")]
     speeds = [fmu[f"{body}.velocity"] for body in ("source", "destination")]
     reduced = m[0] * m[1] / sum(m)

@@ -1,7 +1,7 @@
 """Two cylinders with skew axes against a distance by minimization over both axes, and an own integration."""
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -14,8 +14,7 @@ from contact_fmus.stability.motions import elliptic_stiffness
 from support.checks import check_close, check_relative, start
 from support.exchange_runs import simulate
 from support.fmi3 import raw
-from support.reference.pressed import cylinder_rates, ended, first_state, pressed, state_of, unit
-from support.scenes.scene_parts import touching_values
+from support.reference.pressed import CylinderPair, first_state, pressed, state_of, unit
 
 COUNT = int(os.environ.get("CONTACT_SCENES", "12"))
 METHODS = ("event_driven", "cvode_bdf")
@@ -39,42 +38,9 @@ def nearest(away: np.ndarray, e: tuple, half: tuple) -> tuple[float, float]:
     return min(pairs, key=lambda one: np.linalg.norm(away + one[0] * e[0] - one[1] * e[1]))
 
 
-@dataclass
-class Pair:
-    """A scene: the destination's centre starts at the origin"""
-
-    axes: tuple[np.ndarray, np.ndarray]  # unit vectors of source and destination
-    radius: tuple[float, float]
-    mass: tuple[float, float]
-    length: tuple[float, float]  # infinite where they have no ends
-    place: np.ndarray  # of the source
-    velocity: np.ndarray
-    rates: tuple[float, float]  # about their axes, rad/s
-    stiffness: float
-    damping: float
-    friction: float  # coefficient; 0: none
-    turns: bool
-    both: bool  # whether the destination is free too
-    inside: bool = False
-    slip: float = 1e-2
-    end: float = 0.12
-
+class Pair(CylinderPair):
     def values(self) -> dict:
-        values = touching_values(self) | {"contact.axes": "skew"}
-        for i, body in enumerate(BODIES):
-            values |= {
-                f"{body}.radius": self.radius[i],
-                f"{body}.mass": self.mass[i],
-                f"{body}.axis": (2.0 - 3.0 * i) * self.axes[i],
-            }
-            if np.isfinite(self.length[i]):
-                values |= {f"{body}.finite_length": True, f"{body}.length": self.length[i]}
-            if self.turns:
-                values |= {
-                    f"{body}.rotation": "free",
-                    f"{body}.initial_angular_velocity": self.rates[i] * self.axes[i],
-                }
-        return values
+        return super().values() | {"contact.axes": "skew"}
 
     def feet(self, away: np.ndarray) -> tuple[float, float]:
         return nearest(away, self.axes, (0.5 * self.length[0], 0.5 * self.length[1]))
@@ -94,18 +60,6 @@ class Pair:
         slip = velocity + np.cross(y[12] * e_s, arm) - np.cross(y[13] * e_d, other)
         force = pressed(self, depth, velocity, -n, slip)
         return force, np.cross(arm, force) @ e_s, -np.cross(other, force) @ e_d, -depth, (arm, other)
-
-    def rates_of(self, _t, y) -> np.ndarray:
-        return cylinder_rates(self, y, *self.forces(y)[:3])
-
-    def ended(self) -> np.ndarray:
-        """Places and velocities of both, and their rates about their axes"""
-
-        def touches(_t, y):
-            return self.forces(y)[3]
-
-        options = {"rtol": 1e-12, "atol": 1e-13, "max_step": 5e-4}
-        return ended(self.rates_of, first_state(self), self.end, [touches], **options)
 
 
 def falling(seed: int) -> Pair:
