@@ -33,28 +33,14 @@ def jacobian(instance, unknowns, knowns):
     return np.array([instance.product("Directional", unknowns, knowns, column) for column in columns]).T
 
 
-def test_both_are_products_with_the_same_matrix(instance):
-    unknowns = instance.fmu.select("output", kind="Float64")
-    knowns = instance.fmu.select("input")
-    matrix = jacobian(instance, unknowns, knowns)
-    assert np.count_nonzero(matrix) > 10
-    random = np.random.default_rng(3)
-    left, right = (random.normal(size=count) for count in matrix.shape)
-    forward = instance.product("Directional", unknowns, knowns, right)
-    backward = instance.product("Adjoint", unknowns, knowns, left)
-    scale = np.abs(left) @ np.abs(matrix) @ np.abs(right)
-    assert abs(left @ forward - backward @ right) <= 1e-13 * scale
-    assert np.allclose(backward, left @ matrix, rtol=0.0, atol=1e-13 * np.max(np.abs(left) @ np.abs(matrix)))
-
-
-def test_any_number_of_unknowns_and_knowns(instance):
+def test_both_are_products_with_one_matrix_of_any_number_of_unknowns_and_knowns(instance):
     """More than one chunk of both, each several times over"""
     unknowns = instance.fmu.select("output", kind="Float64") * 5
     knowns = instance.fmu.select("input") * 9
     matrix = jacobian(instance, unknowns, knowns)
     random = np.random.default_rng(4)
     left, right = (random.normal(size=count) for count in matrix.shape)
-    assert matrix.shape[0] > 64 and matrix.shape[1] > 64
+    assert matrix.shape[0] > 64 and matrix.shape[1] > 64 and np.count_nonzero(matrix) > 450
     names = [one.name for one in unknowns for _ in range(one.length)]
     forces = np.array([name.endswith("_force") for name in names])
     torques = np.array([name.endswith("_torque") for name in names])

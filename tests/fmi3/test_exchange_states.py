@@ -182,22 +182,6 @@ def test_time_is_what_was_set():
     for time in (0.25, 0.125):
         outside.instance.ok("SetTime", time)
         assert outside.instance.get("time") == time
-    outside.instance.ok("EnterEventMode")
-    with outside.instance.expect(ERROR, "fmi3SetTime", "event mode", "continuous-time mode") as got:
-        got(outside.instance.call("SetTime", 0.5))
-
-
-def test_termination_and_reset():
-    outside = begun()
-    instance = outside.instance
-    instance.ok("Terminate")
-    count = len(instance.fmu.roles["state"])
-    assert outside.states().shape == (count,)
-    instance.ok("Reset")
-    with instance.expect(ERROR, "fmi3GetContinuousStates", "instantiated") as got:
-        got(instance.call("GetContinuousStates", raw.reals([0.0] * count), count))
-    Outside(instance.initialize(CONTACT)).begin()
-    assert instance.get("contact.active")
 
 
 def test_a_state_that_jumps_by_less_than_another_one_rounds_is_told():

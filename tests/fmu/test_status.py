@@ -64,14 +64,6 @@ def test_each_function_answers_its_own_kind_and_leaves_the_value_alone_otherwise
                         assert word in message.text
 
 
-def test_a_place_for_the_answer_is_needed(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        for function, (_, _, kind) in FUNCTIONS.items():
-            with instance.expect(ERROR, f"fmi2{function}", "null pointer") as got:
-                got(instance.call(function, kind or 0, None))
-
-
 def test_before_the_first_step_all_is_well(fmu):
     with raw.Instance(fmu) as instance:
         instance.initialize(start=1.5)

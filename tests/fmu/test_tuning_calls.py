@@ -53,7 +53,7 @@ def test_they_are_parameters_like_others_while_it_is_set_up_and_none_when_it_is_
 
 def test_an_integrator_outside_goes_on_with_them_and_is_told_of_the_work():
     position, velocity = [0.02, 0.01, 0.6015], [0.1, 0.0, -1.0]
-    motion = TunedMotion({**LAW, "contact.dashpot": "non_adhesive"}, np.array(position), np.array(velocity))
+    motion = TunedMotion({**LAW, "contact.dashpot": "non_adhesive"}, position, velocity)
     with raw.Instance(raw.load("SphereSphere"), kind=MODEL_EXCHANGE) as instance:
         instance.initialize({"source.center": position, "source.initial_velocity": velocity, **LAW})
         outside = Outside(instance).begin()
@@ -61,15 +61,15 @@ def test_an_integrator_outside_goes_on_with_them_and_is_told_of_the_work():
             outside.run(time, 5e-5)
             instance.ok("EnterEventMode")
             instance.set(changes)
-            motion.advance(time)
+            motion.run(time)
             before = motion.external_work
             motion.change(changes)
             assert outside.update() == (motion.external_work != before)  # a state has jumped
             instance.ok("EnterContinuousTimeMode")
             check_close("work", instance.get("energy.external_work"), motion.external_work, 1e-6)
         outside.run(0.02, 5e-5)
-        motion.advance(0.02)
+        motion.run(0.02)
         # m: steps of 5e-5 s of fourth order on a spring that swings with 550 rad/s at most, over 10 ms
-        check_close("position", instance.get("source.position"), motion.position, 1e-8)
+        check_close("position", instance.get("source.position"), motion.position["source"], 1e-8)
         total = 0.5 * np.dot(velocity, velocity) + 9.81 * position[2]
         check_close("total", instance.get("energy.total"), total, 1e-6)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from contact_fmus.published import IMPACTS, outcome, setup_of
-from support.checks import METHODS, check_close, check_relative, run, start
+from support.checks import METHODS, check_close, check_relative, impulse_and_peak, run, start
 from support.reference.hertz import restitution_of
 from support.scenes.head_on import (
     DASHPOTS,
@@ -209,11 +209,8 @@ def impulse(dashpot, chi):
 @pytest.mark.parametrize("control", ["user_defined", "restitution"])
 @pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_the_impulse_of_a_prescribed_pass_is_the_integral_of_the_force(opened, dashpot, control, steps):
-    total, step = np.zeros(3), 0.045 / steps
-    fmu = start(opened("SphereSphere"), prescribed(dashpot, control), 1e-10)
-    for _ in range(steps):
-        fmu.step(step)
-        total += step * fmu["contact.mean_force"]
+    fmu = opened("SphereSphere")
+    total, _ = impulse_and_peak(fmu, prescribed(dashpot, control), 0.045, steps, 1e-10)
     chi = fmu["contact.effective_hunt_crossley_factor"]
     if control == "restitution":
         check_relative("e", restitution_of(chi / math.sqrt(5), dashpot), 0.4, 1e-12)
@@ -223,6 +220,17 @@ def test_the_impulse_of_a_prescribed_pass_is_the_integral_of_the_force(opened, d
 
 
 # Derivatives
+
+
+def check_jacobian(fmu, force, state, relative, absolute=0.0):
+    """Of the normal force, by place and speed; `force` is a function of depth and rate."""
+    check_relative("force", fmu["contact.normal_force"], float(force(*state)), 1e-12)
+    for order, (name, sign) in enumerate((("displacement", -1), ("velocity", 1))):
+        known = [fmu.variable(f"source.prescribed_{name}").references[2]]
+        unknown = fmu.variable("contact.normal_force").references
+        got = fmu.call("getDirectionalDerivative", unknown, known, [1.0])[0]
+        expected = sign * float(mpmath.diff(force, state, (1 - order, order)))
+        check_close(f"by {name}", got, expected, relative * abs(expected) + absolute)
 
 
 @pytest.mark.parametrize("control", ["user_defined", "automatic", "restitution"])
@@ -243,13 +251,7 @@ def test_derivatives_are_those_of_the_formula(opened, dashpot, control):
             return force(t - 20 * t**2 - mpmath.mpf("0.01"), 40 * t - 1)
 
         state = (-fmu["contact.gap"], fmu["contact.gap_rate"])
-        check_relative("force", fmu["contact.normal_force"], float(force(*state)), 1e-12)
-        unknown = fmu.variable("contact.normal_force").references
-        for order, (name, sign) in enumerate((("displacement", -1), ("velocity", 1))):
-            known = [fmu.variable(f"source.prescribed_{name}").references[2]]
-            got = fmu.call("getDirectionalDerivative", unknown, known, [1.0])[0]
-            expected = sign * float(mpmath.diff(force, state, (1 - order, order)))
-            check_relative(f"by {name}", got, expected, 1e-11)
+        check_jacobian(fmu, force, state, 1e-11)
         for order in (1, 2):
             expected = float(mpmath.diff(in_time, instant, order))
             check_relative(f"order {order}", fmu.derivative("contact.normal_force", order), expected, 1e-9)
@@ -305,11 +307,4 @@ def test_until_the_end_of_initialization_the_damping_of_a_start_in_overlap_follo
     def force(d, r):
         return 10**8 * d ** mpmath.mpf(1.5) * (1 - number / speed(d, r) * r)
 
-    check_relative("force", fmu["contact.normal_force"], float(force(depth, rate)), 1e-12)
-    for order, (name, sign) in enumerate((("displacement", -1), ("velocity", 1))):
-        known = [fmu.variable(f"source.prescribed_{name}").references[2]]
-        got = fmu.call(
-            "getDirectionalDerivative", fmu.variable("contact.normal_force").references, known, [1.0]
-        )[0]
-        expected = sign * float(mpmath.diff(force, (depth, rate), (1 - order, order)))
-        check_close(f"by {name}", got, expected, 1e-9 * float(force(depth, rate)) / depth)
+    check_jacobian(fmu, force, (depth, rate), 0.0, 1e-9 * float(force(depth, rate)) / depth)

@@ -12,7 +12,7 @@ import pytest
 from contact_fmus.bench.problems import law_benchmarks
 from support.checks import METHODS, differences, run
 from support.reference import hertz
-from support.scenes.law_scenes import law_pair, law_scene
+from support.scenes.law_scenes import factors, law_scene
 
 COUNT = int(os.environ.get("CONTACT_SCENES", "12"))
 FIRST = int(os.environ.get("CONTACT_FIRST_SCENE", "0"))
@@ -58,7 +58,7 @@ def failures(fmu, scene, seed, method, reference, onsets):
 @pytest.mark.parametrize("seed", range(FIRST, FIRST + COUNT))
 def test_a_scene_goes_as_the_reference_says(opened, seed):
     scene = law_scene(seed)
-    pair, state = law_pair(*scene[:2])
+    pair, state = hertz.pair_of(*scene[:2], *factors(*scene[:2]))
     reference = hertz.run(pair, state, scene[2])
     onsets = onsets_of(pair, state, reference[1])
     wrong = {}

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from support.checks import check_close, start
+from support.checks import check_close, run, start
 from support.scenes.head_on import ACROSS, AXIS, FMU, GEOMETRIES, approach, head_on
 
 mp.dps = 50
@@ -104,9 +104,7 @@ def test_a_fading_force_lets_go_once(opened, dashpot, stiffness, share, steps, t
     shape, location = GEOMETRIES[(SHARES.index(share) + STIFFNESSES.index(stiffness)) % len(GEOMETRIES)]
     values = pressed(shape, location, dashpot, stiffness, share)
     values["solver.max_internal_steps"] = WORK // steps
-    fmu = start(opened(FMU[shape]), values, tolerance, METHOD)
-    for k in range(steps):
-        fmu.step(END * (k + 1) / steps - fmu.time)
+    fmu = run(opened(FMU[shape]), values, END, steps, tolerance, METHOD)
     loose, away, velocity = (float(x) for x in lift_off(dashpot, stiffness, share))
     assert fmu["contact.onsets"] == 1
     assert fmu["contact.active"] is False

@@ -14,11 +14,12 @@ import pytest
 from scipy.optimize import brentq
 
 from contact_fmus.fmu.contact_fmu import FmuError
-from support.checks import METHODS, check_close, check_relative, run, start
+from support.checks import METHODS, check_close, check_relative, impulse_and_peak, run, start
 from support.reference.integrator import Reference
 from support.scenes.head_on import ACROSS, AXIS, FMU, RADII
 
 REACH, SPEED, START, END = 0.6, 3.0, 0.7, 0.7
+LED = 1e4  # N/m, where the ball is led
 
 
 def solid(shape, along, **more):
@@ -107,39 +108,46 @@ def test_a_near_miss_of_the_centre_ends_where_the_taylor_reference_does(opened, 
     check_close("onsets", fmu["contact.onsets"], reference.onsets, 0)
 
 
+def led(shape, begin, end, miss=0.0, **more):
+    """Along x from `begin` to `end` within a second, past the centre of a solid at a distance `miss`"""
+    velocity = ((end - begin) * ACROSS).tolist()
+    return solid(shape, ACROSS, **{"contact.penalty_factor": LED, "source.motion": "prescribed"}) | {
+        "contact.viscous_penalty_factor": 0.0,
+        "source.initial_velocity": [0.0, 0.0, 0.0],
+        "source.center": (begin * ACROSS + miss * ASIDE).tolist(),
+        "source.prescribed_velocity": velocity,
+        "source.prescribed_displacement.derivatives": [velocity],
+        **more,
+    }
+
+
+def stored(x, miss):
+    return LED * (REACH - math.hypot(x, miss)) ** 2 / 2
+
+
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("steps", [1, 7, 13])
 @pytest.mark.parametrize("miss", [0.0, 1e-12, 1e-6, 1e-3, 0.1])
 @pytest.mark.parametrize("shape", FMU)
 def test_a_ball_led_through_a_solid_leaves_the_impulse_of_its_way(opened, shape, miss, steps, method):
-    """Along x past the centre at a distance b: with x dx = d dd, the integrals of F x / d and F b / d over x
-    are p_n (r d - d^2 / 2) and p_n b (r asinh(x / b) - x), r the reach.
+    """With x dx = d dd, the integrals of F x / d and F b / d over x, b the distance of the miss, are
+    p_n (r d - d^2 / 2) and p_n b (r asinh(x / b) - x), r the reach.
     """
-    stiffness, start, end = 1e4, -0.35, 0.41
-    values = solid(shape, ACROSS, **{"contact.penalty_factor": stiffness, "source.motion": "prescribed"})
-    values |= {"contact.viscous_penalty_factor": 0.0, "source.initial_velocity": [0.0, 0.0, 0.0]}
-    values["source.center"] = (start * ACROSS + miss * ASIDE).tolist()
-    values["source.prescribed_displacement.derivatives"] = [((end - start) * ACROSS).tolist()]
-    values["source.prescribed_velocity"] = ((end - start) * ACROSS).tolist()
+    begin, end = -0.35, 0.41
 
     def along(x):
         d = math.hypot(x, miss)
-        return stiffness * (REACH * d - d * d / 2)
+        return LED * (REACH * d - d * d / 2)
 
     def aside(x):
-        return stiffness * miss * (REACH * math.asinh(x / miss) - x) if miss else 0.0
+        return LED * miss * (REACH * math.asinh(x / miss) - x) if miss else 0.0
 
-    impulses = []
-
-    def record(fmu):
-        impulses.append(fmu["contact.mean_force"] / steps)
-
-    fmu = run(opened(FMU[shape]), values, 1.0, steps, tolerance=1e-10, method=method, each=record)
-    expected = (along(end) - along(start)) * ACROSS + (aside(end) - aside(start)) * ASIDE
-    size = stiffness * REACH
-    check_close("impulse", np.sum(impulses[1:], axis=0), expected / (end - start), 1e-8 * size)
-    stored = stiffness * ((REACH - math.hypot(end, miss)) ** 2 - (REACH - math.hypot(start, miss)) ** 2) / 2
-    check_close("work", fmu["energy.external_work"], stored, 1e-8 * size)
+    fmu = opened(FMU[shape])
+    impulse, _ = impulse_and_peak(fmu, led(shape, begin, end, miss), 1.0, steps, 1e-10, method)
+    expected = (along(end) - along(begin)) * ACROSS + (aside(end) - aside(begin)) * ASIDE
+    size = LED * REACH
+    check_close("impulse", impulse, expected / (end - begin), 1e-8 * size)
+    check_close("work", fmu["energy.external_work"], stored(end, miss) - stored(begin, miss), 1e-8 * size)
     assert fmu["contact.onsets"] == 1
 
 
@@ -166,30 +174,18 @@ def test_a_far_overdamped_ball_creeps_off_the_centre_as_with_cvode(opened, shape
 @pytest.mark.parametrize("shape", FMU)
 def test_a_ball_led_out_of_the_centre_or_to_it_takes_few_panels(opened, shape, stop):
     """The direction that the contact has in the centre is not the one it has on the way"""
-    stiffness, start = 1e4, 0.3 - stop
-    values = solid(shape, ACROSS, **{"contact.penalty_factor": stiffness, "source.motion": "prescribed"})
-    values |= {"contact.viscous_penalty_factor": 0.0, "source.initial_velocity": [0.0, 0.0, 0.0]}
-    values["source.center"] = (start * ACROSS).tolist()
-    values["source.prescribed_displacement.derivatives"] = [((stop - start) * ACROSS).tolist()]
-    values["source.prescribed_velocity"] = ((stop - start) * ACROSS).tolist()
-    values["solver.max_internal_steps"] = 100
+    values = led(shape, 0.3 - stop, stop, **{"solver.max_internal_steps": 100})
     fmu = run(opened(FMU[shape]), values, 1.0, 1, tolerance=1e-10, method="event_driven")
-    mean = stiffness * (REACH - 0.15) * ACROSS
-    check_close("mean force", fmu["contact.mean_force"], mean, 1e-9 * stiffness)
+    mean = LED * (REACH - 0.15) * ACROSS
+    check_close("mean force", fmu["contact.mean_force"], mean, 1e-9 * LED)
 
 
 @pytest.mark.parametrize("shape", FMU)
 def test_a_ball_led_past_the_centre_goes_on_from_where_a_limit_stopped_it(opened, shape):
     """The work that is done on it, in parts of few panels each"""
-    stiffness, miss, end = 1e4, 1e-3, 0.3
-    values = solid(shape, ACROSS, **{"contact.penalty_factor": stiffness, "source.motion": "prescribed"})
-    values |= {"contact.viscous_penalty_factor": 0.0, "source.initial_velocity": [0.0, 0.0, 0.0]}
-    values["source.center"] = (-end * ACROSS + miss * ASIDE).tolist()
-    values["source.prescribed_velocity"] = (3 * end * ACROSS).tolist()
-    values["source.prescribed_displacement.derivatives"] = [(3 * end * ACROSS).tolist()]
-    values["solver.max_internal_steps"] = 20
-    fmu = opened(FMU[shape])
-    start(fmu, values, 1e-10, "event_driven")
+    begin, end, miss = -0.3, 0.6, 1e-3
+    values = led(shape, begin, end, miss, **{"solver.max_internal_steps": 20})
+    fmu = start(opened(FMU[shape]), values, 1e-10, "event_driven")
     stops = [0.0]
     while fmu.time < 1.0:
         with contextlib.suppress(FmuError):
@@ -197,8 +193,7 @@ def test_a_ball_led_past_the_centre_goes_on_from_where_a_limit_stopped_it(opened
         assert fmu.time > stops[-1]
         stops.append(fmu.time)
     assert len(stops) > 2
-    before, after = (REACH - math.hypot(x, miss) for x in (end, 2 * end))
-    check_close("work", fmu["energy.external_work"], stiffness * (after**2 - before**2) / 2, 1e-8 * stiffness)
+    check_close("work", fmu["energy.external_work"], stored(end, miss) - stored(begin, miss), 1e-8 * LED)
 
 
 @pytest.mark.parametrize("mass", [1.0, 2e11])

@@ -69,6 +69,18 @@ def run(fmu, configuration, end, steps=10, tolerance=1e-10, method="event_driven
     return fmu
 
 
+def impulse_and_peak(fmu, configuration, end, steps, tolerance=None, method=None):
+    """Of the force on the source, over all steps of such a run"""
+    start(fmu, configuration, tolerance, method)
+    impulse, peak = np.zeros(3), 0.0
+    for k in range(steps):
+        size = end * (k + 1) / steps - fmu.time
+        fmu.step(size)
+        impulse += size * fmu["contact.mean_force"]
+        peak = max(peak, fmu["contact.peak_force"])
+    return impulse, peak
+
+
 @pytest.fixture(autouse=True)
 def the_fmu_prints_nothing(capfd):
     """An FMU talks through the logger alone: standard output and standard error stay empty in every test."""

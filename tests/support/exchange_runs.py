@@ -3,6 +3,11 @@
 from pathlib import Path
 
 import fmpy
+import numpy as np
+
+from contact_fmus.fmu.files import fmu_file
+from support.checks import check_close, check_relative
+from support.fmi3.raw import FMUS
 
 # Relative tolerance of fmpy's CVODE, whose absolute one is that times the nominal value of each state.
 TOLERANCE = 1e-11
@@ -34,3 +39,16 @@ def simulate(file: Path, start: dict, stop: float, names: list[str], kind: str =
         output=names,
         output_interval=1e-3,
     )
+
+
+def check_exchange(fmu, scene: str, values: dict, end: float, vectors: list[str]):
+    """The Model Exchange of both versions has the same vectors, work of friction and balance at the end as
+    `fmu`, an FMU for Co-Simulation that has come there.
+    """
+    scalar = [f"{name}[{k}]" for name in vectors for k in (1, 2, 3)]
+    for file, names in ((fmu_file(scene), scalar), (FMUS / f"{scene}.fmu", vectors)):
+        found = simulate(file, values, end, [*names, "energy.friction", "energy.total"])
+        ends = np.concatenate([np.atleast_1d(found[name][-1]) for name in names])
+        check_close("motion", ends, np.concatenate([fmu[name] for name in vectors]), 1e-6)
+        check_relative("energy.friction", found["energy.friction"][-1], fmu["energy.friction"], 1e-6)
+        check_close("balance", np.ptp(found["energy.total"]), 0.0, 1e-6)

@@ -3,20 +3,17 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 
 #include "check.h"
 #include "known_roots.h"
 #include "random.h"
 
-static void sort(double *values, int count)
+static int ascending(const void *a, const void *b)
 {
-    for (int i = 1; i < count; ++i) {
-        for (int j = i; j > 0 && values[j] < values[j - 1]; --j) {
-            const double swapped = values[j];
-            values[j] = values[j - 1];
-            values[j - 1] = swapped;
-        }
-    }
+    const double x = *(const double *)a;
+    const double y = *(const double *)b;
+    return (x > y) - (x < y);
 }
 
 /* The roots in (0, 1), ascending; returns how many. */
@@ -28,7 +25,7 @@ static int roots_inside(const struct factors *f, double *inside)
             inside[count++] = f->roots[i];
         }
     }
-    sort(inside, count);
+    qsort(inside, (size_t)count, sizeof *inside, ascending);
     return count;
 }
 

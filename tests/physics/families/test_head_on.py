@@ -5,10 +5,16 @@ a run is stepped, and the closed forms that they must agree with.
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close, check_relative, start
+from support.checks import METHODS, check_close, check_relative, run, start
 from support.scenes.agreement import TOLERANCES, Scene, check_agreement, pick, seeds
 
 STEPS = (1, 2, 7, 22, 100, 300)
+
+
+def ended(opened, scene, random):
+    """The FMU at the scene's end, whatever the tolerance and the number of steps"""
+    tolerance, steps = float(pick(random, *TOLERANCES)), pick(random, *STEPS)
+    return run(opened(scene.fmu), scene.values, scene.end, steps, tolerance)
 
 
 # A body at rest on another one for long: the force is the load, whatever the length of the steps.
@@ -69,11 +75,8 @@ def resting(random):
 def test_a_body_at_rest_presses_with_its_load_however_long_it_rests(opened, seed):
     random = np.random.default_rng(seed)
     scene, load = resting(random)
-    fmu = start(opened(scene.fmu), scene.values, float(pick(random, *TOLERANCES)), "event_driven")
-    before = fmu["energy.total"]
-    steps = pick(random, *STEPS)
-    for k in range(steps):
-        fmu.step(scene.end * (k + 1) / steps - fmu.time)
+    before = start(opened(scene.fmu), scene.values)["energy.total"]
+    fmu = ended(opened, scene, random)
     check_relative(f"force {scene}", fmu["contact.normal_force"], load, 1e-9)
     check_relative("gap", fmu["contact.gap"], -load / scene.values["contact.penalty_factor"], 1e-9)
     check_close("velocity", np.asarray(fmu["source.velocity"]), np.zeros(3), 1e-9)
@@ -135,19 +138,14 @@ def test_an_impact_under_hertz_s_law_is_one_contact(opened, seed):
     random = np.random.default_rng(seed)
     scene = hertz_impact(random)
     check_agreement(opened, scene, seed)
-    steps = pick(random, *STEPS)
-    fmu = start(opened(scene.fmu), scene.values, float(pick(random, *TOLERANCES)), "event_driven")
-    for k in range(steps):
-        fmu.step(scene.end * (k + 1) / steps - fmu.time)
+    fmu = ended(opened, scene, random)
     assert fmu["contact.onsets"] <= 1, scene
 
 
 @pytest.mark.parametrize("steps", [1, 33, 100, 1000])
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 def test_marbles_touch_once_whatever_the_tolerance(opened, tolerance, steps):
-    fmu = start(opened("HertzImpact"), {}, tolerance, "event_driven")
-    for k in range(steps):
-        fmu.step(1e-3 * (k + 1) / steps - fmu.time)
+    fmu = run(opened("HertzImpact"), {}, 1e-3, steps, tolerance)
     assert fmu["contact.onsets"] == 1
     check_close("onset", fmu["contact.last_onset_time"], 5e-4, 1e-14)
     check_relative("duration", fmu["contact.last_duration"], 6.42152384898e-05, 1e-11)
@@ -157,23 +155,26 @@ def test_marbles_touch_once_whatever_the_tolerance(opened, tolerance, steps):
 
 
 class Driven:
-    """The force as an importer sets it at communication points, and the velocity that it gives to 1 kg."""
+    """An input as an importer sets it at communication points, and its first and second integral over time"""
 
     def __init__(self):
-        self.value, self.rate, self.bend, self.velocity = 0.0, 0.0, 0.0, 0.0
+        self.value, self.rate, self.bend, self.once, self.twice = 0.0, 0.0, 0.0, 0.0, 0.0
 
     def go_on(self, time):
-        self.velocity += time * (self.value + time * (self.rate / 2 + time * self.bend / 6))
+        self.twice += time * (
+            self.once + time * (self.value / 2 + time * (self.rate / 6 + time * self.bend / 24))
+        )
+        self.once += time * (self.value + time * (self.rate / 2 + time * self.bend / 6))
         self.value += time * (self.rate + time * self.bend / 2)
         self.rate += time * self.bend
 
-    def set(self, fmu, orders, values):
+    def set(self, fmu, name, orders, values):
         for order, value in zip(orders, values, strict=True):
             row = [value, 0.0, 0.0]
             if order == 0:
-                fmu["source.external_force"] = row
+                fmu[name] = row
             else:
-                fmu.set_derivative("source.external_force", row, order=order)
+                fmu.set_derivative(name, row, order=order)
         if orders:
             lowest = min(orders)
             given = dict(zip(orders, values, strict=True))
@@ -185,22 +186,32 @@ class Driven:
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("seed", seeds(20))
 def test_what_is_not_set_of_an_input_goes_on(opened, seed, method):
+    """A force on a free body of 1 kg, and the displacement of a prescribed one, in any order of the calls"""
     random = np.random.default_rng(seed)
     values = {"source.center": [50.0, 0.0, 0.0], "gravity": [0.0, 0.0, 0.0], "source.mass": 1.0}
+    values["destination.motion"] = "prescribed"
     scene = str(pick(random, "SphereSphere", "SphereCylinder"))
     fmu = start(opened(scene), values, float(pick(random, *TOLERANCES)), method)
-    right = Driven()
+    force, place = Driven(), Driven()
     for _ in range(int(random.integers(1, 8))):
-        orders = [int(order) for order in random.permutation(3)[: random.integers(4)]]
-        right.set(fmu, orders, [float(pick(random, -1.0, 0.0, 0.5, 1.0, 4.0)) for _ in orders])
+        for right, name in (
+            (force, "source.external_force"),
+            (place, "destination.prescribed_displacement"),
+        ):
+            orders = [int(order) for order in random.permutation(3)[: random.integers(4)]]
+            right.set(fmu, name, orders, [float(pick(random, -1.0, 0.0, 0.5, 1.0, 4.0)) for _ in orders])
         if random.integers(2):
             _ = fmu["source.velocity"]
         size = float(pick(random, 0.1, 0.25, 1.0))
         fmu.step(size)
-        right.go_on(size)
-        check_close(
-            "velocity", fmu["source.velocity"], [right.velocity, 0.0, 0.0], 1e-12 * (1 + abs(right.velocity))
-        )
+        for right in (force, place):
+            right.go_on(size)
+        for name, value in (
+            ("source.velocity", force.once),
+            ("source.displacement", force.twice),
+            ("destination.displacement", place.value),
+        ):
+            check_close(name, fmu[name], [value, 0.0, 0.0], 1e-12 * (1 + abs(value)))
 
 
 # Coefficients of restitution of the linear law, by which bodies without load part at e times their speed.
@@ -234,10 +245,7 @@ def rebound(random):
 def test_bodies_part_at_the_coefficient_of_restitution_however_small(opened, seed):
     random = np.random.default_rng(seed)
     scene, coefficient = rebound(random)
-    fmu = start(opened(scene.fmu), scene.values, float(pick(random, *TOLERANCES)), "event_driven")
-    steps = pick(random, *STEPS)
-    for k in range(steps):
-        fmu.step(scene.end * (k + 1) / steps - fmu.time)
+    fmu = ended(opened, scene, random)
     parting = fmu["source.velocity"][2] - fmu["destination.velocity"][2]
     assert fmu["contact.onsets"] == 1, scene
     check_close(f"speed {scene}", parting, coefficient, 1e-12)

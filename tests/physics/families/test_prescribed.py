@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from support.checks import check_close, start
+from support.checks import check_close, impulse_and_peak, run, start
 from support.scenes.agreement import Scene, answer, check_agreement, pick, seeds
 from support.scenes.turning_scenes import any_resistance
 
@@ -325,12 +325,7 @@ def test_a_clipped_dashpot_of_what_turns_holds_up_no_step(opened, steps, speed, 
         "source.prescribed_displacement.derivatives": [[speed, 0.0, 0.0]],
         "source.prescribed_angular_velocity": [0.0, 0.0, spin],
     }
-    fmu, end = start(opened("TurningForceElement"), values), 0.03
-    impulse = np.zeros(3)
-    for k in range(steps):
-        size = end * (k + 1) / steps - fmu.time
-        fmu.step(size)
-        impulse += size * fmu["contact.mean_force"]
+    impulse, _ = impulse_and_peak(opened("TurningForceElement"), values, 0.03, steps)
     until = max(0.0, (0.01 - 200.0 * speed / 1e4) / speed)
     expected = (100.0 - 200.0 * speed) * until - 0.5e4 * speed * until**2
     check_close("impulse", impulse, [expected, 0.0, 0.0], 1e-12)
@@ -351,13 +346,7 @@ def test_a_source_passes_the_axis_of_a_cylinder_that_turns_about_its_path(opened
         "contact.viscous_penalty_factor": damping,
         "contact.dashpot": dashpot,
     }
-    fmu = start(opened("TurningForceElement"), values)
-    impulse, peak = np.zeros(3), 0.0
-    for k in range(steps):
-        size = (k + 1) / steps - fmu.time
-        fmu.step(size)
-        impulse += size * fmu["contact.mean_force"]
-        peak = max(peak, fmu["contact.peak_force"])
+    impulse, peak = impulse_and_peak(opened("TurningForceElement"), values, 1.0, steps)
     pulls = 0.0 if dashpot == "approach_only" else damping
     until = reach - pulls / stiffness if dashpot == "non_adhesive" else reach
     until = min(until, 0.5)  # the run ends there
@@ -378,9 +367,7 @@ def test_a_gap_rate_that_is_rounding_holds_up_no_step(opened, spin, steps):
         "source.center": [0.18, 0.52, 0.0],
         "destination.prescribed_angular_velocity": spin,
     }
-    fmu = start(opened("TurningForceElement"), values)
-    for k in range(steps):
-        fmu.step((k + 1) / steps - fmu.time)
+    fmu = run(opened("TurningForceElement"), values, 1.0, steps, None, None)
     axis = Rotation.from_rotvec(spin).apply([1.0, 0.0, 0.0])
     place = np.array([0.18, 0.52, 0.0])
     distance = np.linalg.norm(place - (place @ axis) * axis)
@@ -414,9 +401,7 @@ def test_what_rises_above_a_spinning_cap_before_it_falls_is_met(opened, motion, 
             "source.prescribed_displacement.derivatives": [[0.0, 0.0, 1.0], [0.0, 0.0, -4.0]],
             "source.prescribed_velocity.derivatives": [[0.0, 0.0, -4.0]],
         }
-    fmu = start(opened("SphereCylinder"), values)
-    for k in range(steps):
-        fmu.step(3.0 * (k + 1) / steps - fmu.time)
+    fmu = run(opened("SphereCylinder"), values, 3.0, steps, None, None)
     assert (fmu["contact.onsets"], fmu["contact.active"]) == (1, False)
     check_close("onset", fmu["contact.last_onset_time"], 0.25 * (1.0 + np.sqrt(2.6)), 1e-12)
 
@@ -437,12 +422,7 @@ def test_friction_without_a_dashpot_ends_with_the_normal_force(opened, steps):
         "contact.tangential_stiffness": 5e3,
         "contact.tangential_damping": 0.0,
     }
-    fmu = start(opened("TurningForceElement"), values)
-    impulse = np.zeros(3)
-    for k in range(steps):
-        size = (k + 1) / steps - fmu.time
-        fmu.step(size)
-        impulse += size * fmu["contact.mean_force"]
+    impulse, _ = impulse_and_peak(opened("TurningForceElement"), values, 1.0, steps)
     check_close("impulse", impulse[1], 3100.0 * 0.775 / 2.0, 1e-6)
     check_close("friction", impulse[2] / impulse[0], 0.4 / 5.0, 1e-9)
 
@@ -517,9 +497,7 @@ def test_a_source_that_turns_enters_by_the_end_while_its_gap_stays(opened, motio
         values["source.prescribed_displacement.derivatives"] = [[0.0, 0.0, -2.0]]
     else:
         values["source.initial_velocity"] = [0.0, 0.0, -2.0]
-    fmu = start(opened("SphereCylinder"), values)
-    for k in range(steps):
-        fmu.step(2.5 * (k + 1) / steps - fmu.time)
+    fmu = run(opened("SphereCylinder"), values, 2.5, steps, None, None)
     assert fmu["contact.onsets"] == 1
     check_close("onset", fmu["contact.last_onset_time"], 0.75, 1e-14)
     if motion == "prescribed":
@@ -545,9 +523,7 @@ def test_a_spring_whose_slip_is_rounding_needs_no_panels(opened, steps):
         "contact.tangential_stiffness": 5e5,
         "contact.tangential_damping": 1.0,
     }
-    fmu = start(opened("TurningForceElement"), values)
-    for k in range(steps):
-        fmu.step(1.5 * (k + 1) / steps - fmu.time)
+    fmu = run(opened("TurningForceElement"), values, 1.5, steps, None, None)
     check_close("force", fmu["contact.normal_force"], 0.26 * 1e6 + 0.5 * 10.0, 1e-6)
     check_close("friction", fmu["contact.friction_force"], [0.0, 0.0, 0.0], 1e-9)
 

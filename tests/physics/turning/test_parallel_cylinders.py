@@ -1,60 +1,23 @@
 """Two cylinders with parallel axes: against a sphere in the same place, a plane motion, refusals."""
 
 import os
-from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from contact_fmus.fmu.contact_fmu import FmuError
 from support.checks import check_close, start
-from support.scenes.scene_parts import cylinder_rates, touching_values
+from support.reference.pressed import CylinderPair, pressed, state_of, unit
 
 COUNT = int(os.environ.get("CONTACT_SCENES", "12"))
 METHODS = ("event_driven", "cvode_bdf")
-G = np.array([0.0, 0.0, -9.81])
-SMALL = 1e-12  # s, past an event, so that the next integration starts beyond it
 
 
-@dataclass
-class Pair:
-    """A scene: cylinders along `axis`, the source at `place` from the other's centre"""
-
-    axis: np.ndarray
-    inside: bool
-    radius: tuple[float, float]
-    mass: tuple[float, float]
-    length: tuple[float, float]  # infinite where they have no ends
-    place: np.ndarray
-    velocity: np.ndarray  # of the source
-    rates: tuple[float, float]  # about the axis, rad/s
-    stiffness: float
-    damping: float
-    friction: float  # coefficient; 0: none
-    turns: bool
-    both: bool  # whether the destination is free too
-    slip: float = 1e-2
-    end: float = field(default=0.12)
-
-    def values(self) -> dict:
-        unit = self.axis / np.linalg.norm(self.axis)
-        values = touching_values(self) | {"source.axis": self.axis, "destination.axis": -2.0 * self.axis}
-        for i, body in enumerate(("source", "destination")):
-            values |= {f"{body}.radius": self.radius[i], f"{body}.mass": self.mass[i]}
-            if np.isfinite(self.length[i]):
-                values |= {f"{body}.finite_length": True, f"{body}.length": self.length[i]}
-            if self.turns:
-                values |= {
-                    f"{body}.rotation": "free",
-                    f"{body}.initial_angular_velocity": self.rates[i] * unit,
-                }
-        return values
-
+class Pair(CylinderPair):
     def forces(self, y) -> tuple:
         """Force on the source, torques about both axes, gap: of two circles in the plane across the axes"""
-        e, (r_s, r_d) = self.axis / np.linalg.norm(self.axis), self.radius
+        e, (r_s, r_d) = self.axes[0], self.radius
         away = y[0:3] - y[6:9]
         along = away @ e
         out = away - along * e
@@ -66,50 +29,22 @@ class Pair:
         push = -out if self.inside else out
         point = y[0:3] - r_s * push
         slip = y[3:6] - y[9:12] + np.cross(y[12] * e, point - y[0:3]) - np.cross(y[13] * e, point - y[6:9])
-        normal = max(self.stiffness * depth - self.damping * (y[3:6] - y[9:12]) @ push, 0.0)
-        slip -= (slip @ push) * push
-        speed = np.linalg.norm(slip)
-        force = normal * push
-        if self.friction and speed > 0.0:
-            force = force + self.friction * normal * np.expm1(-speed / self.slip) * slip / speed
+        force = pressed(self, depth, y[3:6] - y[9:12], push, slip)
         return force, np.cross(point - y[0:3], force) @ e, -np.cross(point - y[6:9], force) @ e, -depth
 
-    def rates_of(self, _t, y) -> np.ndarray:
-        return cylinder_rates(self, G, y, *self.forces(y)[:3])
-
-    def ended(self) -> np.ndarray:
-        """Places and velocities of both, and their rates about the axis"""
-        rates = self.rates if self.turns else (0.0, 0.0)
-        y, time = np.concatenate([self.place, self.velocity, np.zeros(6), rates]), 0.0
-        unit = self.axis / np.linalg.norm(self.axis)
-
-        def touches(_t, y):
-            return self.forces(y)[3]
-
+    def events(self) -> list:
         def leaves(_t, y):
-            return (
-                0.5 * sum(self.length) - abs((y[0:3] - y[6:9]) @ unit)
-                if np.isfinite(sum(self.length))
-                else 1.0
-            )
+            apart = abs((y[0:3] - y[6:9]) @ self.axes[0])
+            return 0.5 * sum(self.length) - apart if np.isfinite(sum(self.length)) else 1.0
 
-        touches.terminal = leaves.terminal = True
-        while time < self.end - 1e-15:
-            found = solve_ivp(self.rates_of, (time, self.end), y, "DOP853", events=[touches, leaves],
-                              rtol=1e-12, atol=1e-13, max_step=2e-4)  # fmt: skip
-            time, y = found.t[-1], found.y[:, -1]
-            if found.status == 1:
-                y, time = y + SMALL * self.rates_of(time, y), time + SMALL
-        return y
+        return [*super().events(), leaves]
 
 
 @cache
 def pair(seed: int) -> Pair:
     rng = np.random.default_rng(seed)
-    axis, side = rng.normal(size=3), rng.normal(size=3)
-    unit = axis / np.linalg.norm(axis)
-    out = np.cross(unit, side)
-    out /= np.linalg.norm(out)
+    axis, side = unit(rng.normal(size=3)), rng.normal(size=3)
+    out = unit(np.cross(axis, side))
     inside = bool(rng.random() < 0.5)
     r_s = rng.uniform(0.05, 0.2)
     r_d = r_s * rng.uniform(1.2, 3.0) if inside else rng.uniform(0.05, 0.3)
@@ -119,25 +54,17 @@ def pair(seed: int) -> Pair:
     along = rng.uniform(-0.15, 0.15) * (1.0 if np.isinf(length[0]) else sum(length))
     speed = (1.0 if inside else -1.0) * rng.uniform(0.2, 1.5)
     return Pair(
-        axis, inside, (r_s, r_d), (rng.uniform(0.5, 2.0), rng.uniform(0.5, 2.0)), length,
-        distance * out + along * unit, speed * out + 0.3 * rng.normal(size=3),
+        (axis, axis), (r_s, r_d), (rng.uniform(0.5, 2.0), rng.uniform(0.5, 2.0)), length,
+        distance * out + along * axis, speed * out + 0.3 * rng.normal(size=3),
         tuple(10.0 * rng.normal(size=2)),
         10 ** rng.uniform(4.0, 6.0), rng.choice([0.0, 50.0]), rng.choice([0.0, 0.3]),
-        bool(rng.random() < 0.7), bool(rng.random() < 0.5),
+        bool(rng.random() < 0.7), bool(rng.random() < 0.5), inside,
     )  # fmt: skip
 
 
 @cache
 def reference(seed: int) -> np.ndarray:
     return pair(seed).ended()
-
-
-def state_of(fmu, axis) -> np.ndarray:
-    unit = axis / np.linalg.norm(axis)
-    parts = [fmu[f"{body}.{what}"] for body in ("source", "destination") for what in ("position", "velocity")]
-    return np.concatenate(
-        [*parts, [fmu[f"{body}.angular_velocity"] @ unit for body in ("source", "destination")]]
-    )
 
 
 @pytest.mark.parametrize("seed", range(COUNT))
@@ -148,9 +75,9 @@ def test_two_cylinders_move_as_two_circles_do(opened, seed):
         fmu = start(opened("CylinderCylinder"), scene.values(), 1e-10, method)
         before, momentum = fmu["energy.total"], moment(fmu, scene)
         fmu.step(scene.end)
-        check_close(f"{method}: state", state_of(fmu, scene.axis), reference(seed), 1e-7)
+        check_close(f"{method}: state", state_of(fmu, scene.axes), reference(seed), 1e-7)
         check_close(f"{method}: energy", fmu["energy.total"], before, 1e-9 * max(1.0, abs(before)))
-        across = np.cross(fmu["source.angular_velocity"], scene.axis)
+        across = np.cross(fmu["source.angular_velocity"], scene.axes[0])
         check_close("turning across the axis", across, np.zeros(3), 1e-12)
         if scene.both and scene.turns:
             check_close(f"{method}: angular momentum", moment(fmu, scene), momentum, 1e-9)
@@ -158,12 +85,12 @@ def test_two_cylinders_move_as_two_circles_do(opened, seed):
 
 def moment(fmu, scene) -> float:
     """Angular momentum of both bodies about the line through their common centre along the axes"""
-    unit = scene.axis / np.linalg.norm(scene.axis)
+    e = scene.axes[0]
     m, places = scene.mass, [fmu[f"{body}.position"] for body in ("source", "destination")]
     speeds = [fmu[f"{body}.velocity"] for body in ("source", "destination")]
     reduced = m[0] * m[1] / sum(m)
-    orbit = reduced * np.cross(places[0] - places[1], speeds[0] - speeds[1]) @ unit
-    spins = [fmu[f"{body}.angular_velocity"] @ unit for body in ("source", "destination")]
+    orbit = reduced * np.cross(places[0] - places[1], speeds[0] - speeds[1]) @ e
+    spins = [fmu[f"{body}.angular_velocity"] @ e for body in ("source", "destination")]
     return orbit + sum(
         0.5 * mass * r * r * rate for mass, r, rate in zip(m, scene.radius, spins, strict=True)
     )

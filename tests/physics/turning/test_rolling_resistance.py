@@ -9,9 +9,8 @@ import os
 import numpy as np
 import pytest
 
-from contact_fmus.fmu.files import fmu_file
-from support import exchange_runs
 from support.checks import METHODS, check_close, check_relative, run, start
+from support.exchange_runs import check_exchange
 from support.fmi3 import raw
 from support.reference.turning_run import TurningRun
 from support.scenes import turning_impacts as impacts
@@ -226,15 +225,7 @@ def test_model_exchange_and_fmi_3_agree_with_co_simulation(opened, case):
         assert third.step(0.0, end).status == raw.OK
         for name in [*SEEN, "contact.rolling_torque", "contact.rolling_rate", "energy.friction"]:
             assert np.array_equal(third.get(name), fmu[name]), name
-    for path, names in (
-        (fmu_file(scene), [f"{name}[{k}]" for name in SEEN for k in (1, 2, 3)]),
-        (raw.FMUS / f"{scene}.fmu", SEEN),
-    ):
-        found = exchange_runs.simulate(path, values, end, [*names, "energy.friction", "energy.total"])
-        ends = np.concatenate([np.atleast_1d(found[name][-1]) for name in names])
-        check_close("motion", ends, np.concatenate([fmu[name] for name in SEEN]), 1e-6)
-        check_relative("energy.friction", found["energy.friction"][-1], fmu["energy.friction"], 1e-6)
-        check_close("balance", np.ptp(found["energy.total"]), 0.0, 1e-6)
+    check_exchange(fmu, scene, values, end, SEEN)
 
 
 def test_no_resistance_where_nothing_turns(opened):

@@ -84,6 +84,16 @@ def slip_of(velocity, spin):
     return velocity[:2] + R * np.array([-spin[1], spin[0]])
 
 
+def lost_by(begin, unit, kappa, impulse):
+    """u_0 - u by the formula, for one impulse or many at once."""
+    ratio = begin / unit
+    left = ratio - MU * kappa * impulse / unit
+    small = -math.expm1(-ratio)  # (exp(u_0/v_0) - 1) exp(-u_0/v_0)
+    above, below = np.maximum(left, 0.0), np.minimum(left, 0.0)
+    slides, rolls = above + np.log(np.exp(-above) + small), np.log1p(small * np.exp(below))
+    return begin - unit * np.where(left > 0.0, slides, rolls)
+
+
 @pytest.mark.parametrize("steps", [1, 7, 300])
 @pytest.mark.parametrize("ratio", [0.0, 1e-3, 1.0, 30.0, 1e3, 1e8])
 @pytest.mark.parametrize("rotation", ["none", "free"])
@@ -99,11 +109,8 @@ def test_the_slip_is_that_of_the_formula_through_all_bounces(opened, law, rotati
         velocity = fmu["source.velocity"]
         now = fmu["source.angular_velocity"] if rotation == "free" else np.zeros(3)
         impulse = M * (velocity[2] + 1.0 + G * fmu.time)
-        start_ratio, z = np.linalg.norm(begin) / unit, MU * kappa * impulse / unit
-        small = -math.expm1(-start_ratio)  # (exp(u_0/v_0) - 1) exp(-u_0/v_0)
-        left = start_ratio - z
-        part = left + math.log(math.exp(-left) + small) if left > 0 else math.log1p(small * math.exp(left))
-        size = unit * part
+        first = np.linalg.norm(begin)
+        size = first - lost_by(first, unit, kappa, impulse)
         direction = begin / np.linalg.norm(begin) if ratio > 0.0 else np.zeros(2)
         check_close("slip", slip_of(velocity, now), size * direction, 1e-12)
         check_close("spin about the normal", now[2], spin[2], 1e-14)
@@ -116,16 +123,6 @@ def test_the_slip_is_that_of_the_formula_through_all_bounces(opened, law, rotati
     run(fmu, values, end, steps, 1e-10, each=check)
     assert fmu["contact.onsets"] >= 2
     assert fmu["solver.fallbacks"] == 0
-
-
-def lost_by(begin, unit, kappa, impulse):
-    """u_0 - u by the formula, for many impulses at once."""
-    ratio = begin / unit
-    left = ratio - MU * kappa * impulse / unit
-    small = -math.expm1(-ratio)
-    above, below = np.maximum(left, 0.0), np.minimum(left, 0.0)
-    slides, rolls = above + np.log(np.exp(-above) + small), np.log1p(small * np.exp(below))
-    return begin - unit * np.where(left > 0.0, slides, rolls)
 
 
 @pytest.mark.parametrize("stiffness", [1e6, 1e10])

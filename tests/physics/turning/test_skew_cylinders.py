@@ -1,30 +1,24 @@
 """Two cylinders with skew axes against a distance by minimization over both axes, and an own integration."""
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 from scipy.integrate import quad_vec, solve_ivp
 from scipy.optimize import brentq, lsq_linear
-from scipy.special import ellipe, ellipk
 
 from contact_fmus.fmu.contact_fmu import FmuError
+from contact_fmus.stability.motions import elliptic_stiffness
 from support.checks import check_close, check_relative, start
 from support.exchange_runs import simulate
 from support.fmi3 import raw
-from support.scenes.scene_parts import cylinder_rates, touching_values
+from support.reference.pressed import CylinderPair, first_state, pressed, state_of, unit
 
 COUNT = int(os.environ.get("CONTACT_SCENES", "12"))
 METHODS = ("event_driven", "cvode_bdf")
 BODIES = ("source", "destination")
-G = np.array([0.0, 0.0, -9.81])
-SMALL = 1e-12  # s, past an event, so that the next integration starts beyond it
-
-
-def unit(a) -> np.ndarray:
-    return np.asarray(a, float) / np.linalg.norm(a)
 
 
 def nearest(away: np.ndarray, e: tuple, half: tuple) -> tuple[float, float]:
@@ -44,42 +38,9 @@ def nearest(away: np.ndarray, e: tuple, half: tuple) -> tuple[float, float]:
     return min(pairs, key=lambda one: np.linalg.norm(away + one[0] * e[0] - one[1] * e[1]))
 
 
-@dataclass
-class Pair:
-    """A scene: the destination's centre starts at the origin"""
-
-    axes: tuple[np.ndarray, np.ndarray]  # unit vectors of source and destination
-    radius: tuple[float, float]
-    mass: tuple[float, float]
-    length: tuple[float, float]  # infinite where they have no ends
-    place: np.ndarray  # of the source
-    velocity: np.ndarray
-    rates: tuple[float, float]  # about their axes, rad/s
-    stiffness: float
-    damping: float
-    friction: float  # coefficient; 0: none
-    turns: bool
-    both: bool  # whether the destination is free too
-    inside: bool = False
-    slip: float = 1e-2
-    end: float = 0.12
-
+class Pair(CylinderPair):
     def values(self) -> dict:
-        values = touching_values(self) | {"contact.axes": "skew"}
-        for i, body in enumerate(BODIES):
-            values |= {
-                f"{body}.radius": self.radius[i],
-                f"{body}.mass": self.mass[i],
-                f"{body}.axis": (2.0 - 3.0 * i) * self.axes[i],
-            }
-            if np.isfinite(self.length[i]):
-                values |= {f"{body}.finite_length": True, f"{body}.length": self.length[i]}
-            if self.turns:
-                values |= {
-                    f"{body}.rotation": "free",
-                    f"{body}.initial_angular_velocity": self.rates[i] * self.axes[i],
-                }
-        return values
+        return super().values() | {"contact.axes": "skew"}
 
     def feet(self, away: np.ndarray) -> tuple[float, float]:
         return nearest(away, self.axes, (0.5 * self.length[0], 0.5 * self.length[1]))
@@ -95,38 +56,10 @@ class Pair:
         other = y[0:3] + arm - y[6:9]
         if depth <= 0.0:
             return np.zeros(3), 0.0, 0.0, -depth, (arm, other)
-        speed = y[3:6] - y[9:12]
-        slip = speed + np.cross(y[12] * e_s, arm) - np.cross(y[13] * e_d, other)
-        normal = max(self.stiffness * depth + self.damping * speed @ n, 0.0)
-        slip -= (slip @ n) * n
-        size = np.linalg.norm(slip)
-        force = -normal * n
-        if self.friction and size > 0.0:
-            force = force + self.friction * normal * np.expm1(-size / self.slip) * slip / size
+        velocity = y[3:6] - y[9:12]
+        slip = velocity + np.cross(y[12] * e_s, arm) - np.cross(y[13] * e_d, other)
+        force = pressed(self, depth, velocity, -n, slip)
         return force, np.cross(arm, force) @ e_s, -np.cross(other, force) @ e_d, -depth, (arm, other)
-
-    def rates_of(self, _t, y) -> np.ndarray:
-        return cylinder_rates(self, G, y, *self.forces(y)[:3])
-
-    def start(self) -> np.ndarray:
-        rates = self.rates if self.turns else (0.0, 0.0)
-        return np.concatenate([self.place, self.velocity, np.zeros(6), rates])
-
-    def ended(self) -> np.ndarray:
-        """Places and velocities of both, and their rates about their axes"""
-        y, time = self.start(), 0.0
-
-        def touches(_t, y):
-            return self.forces(y)[3]
-
-        touches.terminal = True
-        while time < self.end - 1e-15:
-            found = solve_ivp(self.rates_of, (time, self.end), y, "DOP853", events=[touches],
-                              rtol=1e-12, atol=1e-13, max_step=5e-4)  # fmt: skip
-            time, y = found.t[-1], found.y[:, -1]
-            if found.status == 1:
-                y, time = y + SMALL * self.rates_of(time, y), time + SMALL
-        return y
 
 
 def falling(seed: int) -> Pair:
@@ -176,13 +109,6 @@ def reference(kind: str, seed: int) -> np.ndarray:
     return KINDS[kind](seed).ended()
 
 
-def state_of(fmu, axes) -> np.ndarray:
-    parts = [fmu[f"{body}.{what}"] for body in BODIES for what in ("position", "velocity")]
-    return np.concatenate(
-        [*parts, [fmu[f"{body}.angular_velocity"] @ e for body, e in zip(BODIES, axes, strict=True)]]
-    )
-
-
 @pytest.mark.parametrize("kind, seed", SCENES)
 def test_skew_cylinders_move_as_by_the_distance_of_their_axes(opened, kind, seed):
     """With ends that are passed in contact, friction along the axes, one body free or both."""
@@ -212,7 +138,9 @@ def test_an_integrator_outside_passes_the_ends_too(fmu_path, seed):
 
 def zones_met(scene: Pair) -> list[tuple[bool, bool]]:
     """Whether contact is at an end of the source and of the destination, in the order of the motion"""
-    found = solve_ivp(scene.rates_of, (0.0, scene.end), scene.start(), rtol=1e-6, atol=1e-8, max_step=2e-3)
+    found = solve_ivp(
+        scene.rates_of, (0.0, scene.end), first_state(scene), rtol=1e-6, atol=1e-8, max_step=2e-3
+    )
     zones = []
     for y in found.y.T:
         at = tuple(
@@ -255,7 +183,7 @@ def test_gap_point_and_torques_are_those_of_the_nearest_points(opened, seed):
     at = scene.place + a * scene.axes[0] + scene.radius[0] * n
     check_close("source point", fmu["contact.source_point"], at, 1e-11)
     force, size = fmu["contact.source_force"], np.linalg.norm(fmu["contact.source_force"])
-    check_close("force", force, scene.forces(scene.start())[0], 1e-9 * (1.0 + size))
+    check_close("force", force, scene.forces(first_state(scene))[0], 1e-9 * (1.0 + size))
     torque = np.cross(at - scene.place, force)
     check_close("torque", fmu["contact.source_torque"], torque, 1e-10 * (1.0 + size))
     check_close("other torque", fmu["contact.destination_torque"], -np.cross(at, force), 1e-10 * (1.0 + size))
@@ -346,16 +274,10 @@ def test_the_impulse_of_prescribed_cylinders_is_the_integral_of_the_force(opened
 
 
 def crossed_stiffness(modulus: float, r_s: float, r_d: float, angle: float) -> float:
-    """k_h by the semi-axes of the contact ellipse (Timoshenko and Goodier, Theory of Elasticity, 142)"""
+    """k_h by the curvatures along the axes of the contact ellipse"""
     total = 0.5 * (1.0 / r_s + 1.0 / r_d)
     apart = 0.5 * np.sqrt(r_s**-2 + r_d**-2 + 2.0 * np.cos(2.0 * angle) / (r_s * r_d))
-    a, b = 0.5 * (total - apart), 0.5 * (total + apart)
-
-    def excess(m):
-        return (1.0 - m) * (ellipk(m) - ellipe(m)) / (ellipe(m) - (1.0 - m) * ellipk(m)) - a / b
-
-    m = brentq(excess, 1e-12, 1.0 - 1e-15, xtol=1e-16)
-    return 2.0 * np.pi / 3.0 * modulus * np.sqrt((ellipk(m) - ellipe(m)) / (m * a)) * ellipk(m) ** -1.5
+    return float(elliptic_stiffness(modulus, 0.5 * (total - apart), 0.5 * (total + apart)))
 
 
 def hertz_of(opened, angle: float, r_s: float, r_d: float) -> float:

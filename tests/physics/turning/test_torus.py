@@ -6,22 +6,15 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
-from scipy.special import ellipe, ellipk
 
 from contact_fmus.fmu.contact_fmu import FmuError
+from contact_fmus.stability.motions import elliptic_stiffness
 from support.checks import check_close, check_relative, start
+from support.reference.pressed import GRAVITY, ended, pressed, unit
 from support.scenes.scene_parts import touching_values
 
 COUNT = int(os.environ.get("CONTACT_SCENES", "10"))
 METHODS = ("event_driven", "cvode_bdf")
-G = np.array([0.0, 0.0, -9.81])
-SMALL = 1e-12  # s, past an event, so that the next integration starts beyond it
-
-
-def unit(a) -> np.ndarray:
-    return np.asarray(a, float) / np.linalg.norm(a)
 
 
 def nearest(place: np.ndarray, frame: np.ndarray, ring: float) -> np.ndarray:
@@ -101,22 +94,16 @@ class Ring:
             return none, none, none, -depth, beside
         point = place - self.ball * push
         slip = velocity + np.cross(spin, point - place) - moved - np.cross(turn, point - far)
-        closing = -(velocity - moved - np.cross(turn, place - far)) @ push
-        normal = max(self.stiffness * depth + self.damping * closing, 0.0)
-        slip -= (slip @ push) * push
-        speed = np.linalg.norm(slip)
-        force = normal * push
-        if self.friction and speed > 0.0:
-            force = force + self.friction * normal * np.expm1(-speed / self.slip) * slip / speed
+        force = pressed(self, depth, velocity - moved - np.cross(turn, place - far), push, slip)
         return force, np.cross(point - place, force), -np.cross(point - far, force), -depth, beside
 
     def rates(self, _t, y) -> np.ndarray:
         force, torque, other, _, _ = self.forces(y)
         ball, axial, transverse = self.inertia()
         rates = np.zeros(27)
-        rates[0:3], rates[3:6] = y[3:6], G + force / self.mass[0]
+        rates[0:3], rates[3:6] = y[3:6], GRAVITY + force / self.mass[0]
         if self.both:
-            rates[6:9], rates[9:12] = y[9:12], G - force / self.mass[1]
+            rates[6:9], rates[9:12] = y[9:12], GRAVITY - force / self.mass[1]
         if self.turns[0]:
             rates[12:15] = torque / ball
         if self.turns[1]:
@@ -130,17 +117,9 @@ class Ring:
         spins = [spin if turns else np.zeros(3) for spin, turns in zip(self.spins, self.turns, strict=True)]
         y = np.concatenate([self.place, self.velocity, np.zeros(6), *spins, self.frame.ravel()])
         events = [lambda _t, y: self.forces(y)[3], lambda _t, y: self.forces(y)[4]]
-        for event in events:
-            event.terminal = True
-        time = 0.0
-        while time < self.end - 1e-15:
-            found = solve_ivp(self.rates, (time, self.end), y, "DOP853",
-                              events=events[: 1 if self.side == "whole" else 2],
-                              rtol=1e-11, atol=1e-12, max_step=5e-4)  # fmt: skip
-            time, y = found.t[-1], found.y[:, -1]
-            if found.status == 1:
-                y, time = y + SMALL * self.rates(time, y), time + SMALL
-        return y[:21]
+        events = events[: 1 if self.side == "whole" else 2]
+        options = {"rtol": 1e-11, "atol": 1e-12, "max_step": 5e-4}
+        return ended(self.rates, y, self.end, events, **options)[:21]
 
 
 @cache
@@ -248,16 +227,6 @@ def test_no_touch_of_a_long_flight_is_missed(opened, first):
     assert touches >= 5
 
 
-def elliptic_stiffness(modulus: float, a: float, b: float) -> float:
-    """k_h of Hertz's contact ellipse with the curvature sums 2a <= 2b, by scipy's integrals of m = e^2"""
-
-    def excess(m):
-        return (1.0 - m) * (ellipk(m) - ellipe(m)) / (ellipe(m) - (1.0 - m) * ellipk(m)) - a / b
-
-    m = brentq(excess, 1e-12, 1.0 - 1e-15, xtol=1e-16)
-    return 2.0 * np.pi / 3.0 * modulus * np.sqrt((ellipk(m) - ellipe(m)) / (m * a)) * ellipk(m) ** -1.5
-
-
 @pytest.mark.parametrize("side, curvature", [("whole", 0.0), ("inner_race", 1.0), ("outer_race", -1.0)])
 def test_the_stiffness_of_a_groove_is_hertzs(opened, side, curvature):
     """Of a deep-groove ball bearing with balls of 12.7 mm, at the bottom of either race."""
@@ -276,7 +245,7 @@ def test_the_stiffness_of_a_groove_is_hertzs(opened, side, curvature):
     tight = 1.0 / 0.00635 - 1.0 / 0.0066
     # the middle line of the tube is bent round the axis, and the groove with it at its bottom
     loose = 1.0 / 0.00635 + curvature / (0.0325 - curvature * 0.0066)
-    expected = elliptic_stiffness(modulus, 0.5 * min(tight, loose), 0.5 * max(tight, loose))
+    expected = float(elliptic_stiffness(modulus, *sorted((0.5 * tight, 0.5 * loose))))
     check_relative("k_h", fmu["contact.effective_hertz_stiffness"], expected, 1e-9)
 
 

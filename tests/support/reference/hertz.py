@@ -54,7 +54,7 @@ class HertzPair(NamedTuple):
         z, across = -(c @ self.axis), -self.across(c)
         rho = np.sqrt(across @ across)
         dr, dz = rho - self.ends[0], abs(z) - self.ends[1]
-        outward, up = across / rho, np.copysign(LONG(1), z) * self.axis
+        outward, up = across / (rho if rho > 0 else LONG(1)), np.copysign(LONG(1), z) * self.axis
         if dr > 0 and dz > 0:
             d = np.sqrt(dr * dr + dz * dz)
             n = -(dr * outward + dz * up) / d
@@ -126,13 +126,57 @@ class HertzPair(NamedTuple):
 
     def begins(self, state):
         """The branch at the start, and the pair with its damping"""
-        gap = self.gap_and_rate(state)[0]
-        if not gap < 0:
+        gap, rate, _ = self.gap_and_rate(state)
+        if gap > 0 or (gap == 0 and rate >= 0):
             return self, APART
         pair = self.onset(state)
         if pair.chi == 0 or pair.dashpot == "unclamped" or np.atleast_1d(pair.margin(state, FULL))[-1] > 0:
             return pair, FULL
         return pair, SPRING if pair.dashpot == "approach_only" else CLIPPED
+
+
+STILL = (0.0, 0.0, 0.0)
+
+
+def factors(values):
+    """Stiffness and damping as a scene gives them"""
+    kinds = ("hertz_stiffness", "hunt_crossley_factor")
+    if values.get("contact.law") != "hertz":
+        kinds = ("penalty_factor", "viscous_penalty_factor")
+    stiffness, damping = (values.get(f"contact.{kind}", 0.0) for kind in kinds)
+    return stiffness, 0.0 if values.get("contact.method") == "penalty" else damping
+
+
+def pair_of(fmu, values, stiffness, damping, damped=None):
+    """The pair of a scene, with factors of its own, and its state at the start"""
+    ball, other = LONG(values["source.radius"]), LONG(values.get("destination.radius", 0.0))
+    inside = values.get("contact.location") == "inside"
+    capped = values.get("destination.ends") == "capped"
+    motions = {"source": "free", "destination": "fixed"}
+    motions = {body: values.get(f"{body}.motion", kind) for body, kind in motions.items()}
+    axis = values.get("destination.axis")
+    if axis is not None:
+        axis = np.array(axis, LONG)
+        axis = axis / np.sqrt(axis @ axis)
+    begin = {"free": "initial", "prescribed": "prescribed", "fixed": "no"}
+    pair = HertzPair(
+        stiffness,
+        damping,
+        values.get("contact.dashpot", "non_adhesive"),
+        ball if capped else other - ball if inside else other + ball,
+        -1 if inside else 1,
+        tuple(values.get(f"{b}.mass", 1.0) if motions[b] == "free" else np.inf for b in motions),
+        values.get("gravity", (0.0, 0.0, -9.81)),
+        axis if fmu == "SphereCylinder" else None,
+        axis if fmu == "SpherePlane" else None,
+        (other, values["destination.length"] / 2) if capped else None,
+        linear=values.get("contact.law") != "hertz",
+        damped=damped,
+        given=tuple(values.get(f"{b}.prescribed_velocity.derivatives", [STILL])[0] for b in motions),
+    )
+    centers = [x for body in motions for x in values.get(f"{body}.center", STILL)]
+    rates = [x for b, kind in motions.items() for x in values.get(f"{b}.{begin[kind]}_velocity", STILL)]
+    return pair, [*centers, *rates]
 
 
 def precise(pair):
@@ -255,6 +299,11 @@ def run(pair, state, end, first=None, tolerance=TOLERANCE):
         state, time = then, time + h
         h *= min(LONG(2), LONG("0.8") * (tolerance / max(error, LONG("1e-30"))) ** (LONG(1) / 15))
     return state, events
+
+
+def follow(fmu, values, end, tolerance="1e-14"):
+    """A scene with factors of its own from its start to `end`"""
+    return run(*pair_of(fmu, values, *factors(values)), end, tolerance=LONG(tolerance))
 
 
 def settle(pair, state, branch):

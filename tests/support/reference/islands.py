@@ -125,7 +125,6 @@ class Islands:
     def events(self, y, regimes):
         """[kind, contact]: positive within the regimes, 1 where there is no event"""
         gap, rate, _, _ = self.geometry(y)
-        force, _, size, *_ = self.forces(y, regimes)
         touching = regimes.normal != APART
         found = np.ones((3, len(gap)))
         found[TOUCH] = np.where(touching, -gap, gap)
@@ -133,8 +132,10 @@ class Islands:
         clip = np.where(regimes.normal == CLIPPED, -push, push)
         half = np.where(regimes.normal == SPRING_ONLY, rate, -rate)
         found[DASHPOT] = np.where(touching & self.clips, clip, np.where(touching & self.halves, half, 1.0))
-        stick = np.where(regimes.sticks, self.mu_static * force - size, size - self.mu * force)
-        found[STICK] = np.where((self.friction == "elastic") & touching & (force > 0.0), stick, 1.0)
+        if (self.friction == "elastic").any():
+            force, _, size, *_ = self.forces(y, regimes)
+            stick = np.where(regimes.sticks, self.mu_static * force - size, size - self.mu * force)
+            found[STICK] = np.where((self.friction == "elastic") & touching & (force > 0.0), stick, 1.0)
         return found
 
     def first_regimes(self, y):
@@ -165,20 +166,20 @@ class Islands:
             regimes.normal[contact] = APART
             list(self.parts(y))[3][contact] = 0.0
 
-    def run(self, end, tolerance):
-        """Places, velocities and spins at the end, and how often bodies began to touch"""
+    def run(self, end, tolerance, longest=LONGEST):
+        """Places, velocities and spins at the end, and how often bodies began to touch; `longest`: a step"""
         time, y, onsets = 0.0, self.start.copy(), 0
         regimes = self.first_regimes(y)
         while time < end:
-            found, time, y = self.up_to_event(time, y, end, regimes, tolerance)
+            found, time, y = self.up_to_event(time, y, end, regimes, tolerance, longest)
             if found:
                 onsets += found[0] == TOUCH and regimes.normal[found[1]] == APART
                 self.change(y, regimes, *found)
         return np.hstack(list(self.parts(y))[:3]), onsets
 
-    def up_to_event(self, time, y, end, regimes, tolerance):
+    def up_to_event(self, time, y, end, regimes, tolerance, longest):
         solver = DOP853(
-            lambda _, y: self.rates(y, regimes), time, y, end, rtol=tolerance, atol=1e-14, max_step=LONGEST,
+            lambda _, y: self.rates(y, regimes), time, y, end, rtol=tolerance, atol=1e-14, max_step=longest,
             first_step=min(1e-6, end - time),
         )  # fmt: skip
         while solver.status == "running":

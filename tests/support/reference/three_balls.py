@@ -1,15 +1,11 @@
-"""Three balls in a row: scipy's DOP853 at 1e-12, restarted wherever a contact changes its regime.
-
-A contact is apart, presses (F = -(k g + c g')), recedes (F = -k g: a dashpot that acts on approach only) or
-is separating (F = 0: a dashpot that does not pull, until its force presses again or the gap opens). Under
-Hertz's law, F = k (-g)^(3/2), there is no dashpot.
-"""
+"""Three balls in a row, by the reference of islands: named cases, random ones, contacts that are brief."""
 
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import solve_ivp
+
+from support.reference.islands import Islands
 
 REACH, STIFFNESS, END = 0.2, 1e6, 0.5
 REST = [0.0, 0.0, 0.0]
@@ -27,91 +23,26 @@ class Case(NamedTuple):
     end: float = END
 
 
-def gap(case, state, contact):
-    """Gap, its rate, direction to the next ball"""
-    apart, rate = (np.diff(half.reshape(3, 3), axis=0)[contact] for half in (state[:9], state[9:]))
-    distance = np.linalg.norm(apart)
-    return distance - case.radii[contact] - case.radii[contact + 1], apart @ rate / distance, apart / distance
-
-
-def width(case, state, contact):
-    return gap(case, state, contact)[0]
-
-
-def margin(case, state, contact):
-    """The quantity at whose zero the dashpot's regime changes"""
-    g, rate, _ = gap(case, state, contact)
-    return rate if case.dashpot == "approach_only" else -force(case, contact, g, rate)
-
-
-def started(case, state, contact):
-    if width(case, state, contact) >= 0:
-        return "apart"
-    if case.dashpot == "unclamped" or margin(case, state, contact) < 0:
-        return "compression"
-    return "restitution" if case.dashpot == "approach_only" else "separating"
-
-
-def force(case, contact, g, rate, damps=True):
-    if case.laws[contact] == "hertz":
-        return case.stiffness[contact] * max(-g, 0.0) ** 1.5
-    return -(case.stiffness[contact] * g + damps * case.damping[contact] * rate)
-
-
-def rates(case, state, regimes):
-    forces = np.zeros((3, 3))
-    for contact, regime in enumerate(regimes):
-        g, rate, direction = gap(case, state, contact)
-        if regime in ("compression", "restitution"):
-            push = force(case, contact, g, rate, damps=regime == "compression") * direction
-            forces[contact] -= push
-            forces[contact + 1] += push
-    return np.concatenate([state[9:], (forces / np.array(case.masses)[:, None]).ravel()])
-
-
-def changes(case, regimes):
-    """(contact, next regime, event) of all that may happen"""
-    other = "restitution" if case.dashpot == "approach_only" else "separating"
-    for contact, regime in enumerate(regimes):
-        touches = regime == "apart"
-        yield contact, "compression" if touches else "apart", crossing(case, width, contact, touches)
-        if regime == "compression" and case.dashpot != "unclamped" and case.damping[contact] > 0.0:
-            yield contact, other, crossing(case, margin, contact, False)
-        if regime == other:
-            yield contact, "compression", crossing(case, margin, contact, True)
-
-
-def crossing(case, quantity, contact, falls):
-    def event(_, state):
-        return quantity(case, state, contact)
-
-    event.terminal, event.direction = True, -1.0 if falls else 1.0
-    return event
-
-
 @cache
 def reference(name):
-    """Places and velocities at the end, nine numbers each"""
+    """Places of the balls at the end, a row for each"""
     case = (CASES | BRIEF)[name]
-    time, state = 0.0, np.concatenate([np.ravel(case.places), np.ravel(case.velocities)])
-    regimes = [started(case, state, contact) for contact in range(2)]
-    while time < case.end:
-        possible = list(changes(case, regimes))
-        run = solve_ivp(
-            lambda _, y, now=tuple(regimes): rates(case, y, now),
-            (time, case.end),
-            state,
-            method="DOP853",
-            rtol=1e-12,
-            atol=1e-14,
-            max_step=case.end / 250,
-            events=[event for _, _, event in possible],
+    balls = [
+        {"radius": radius, "mass": mass, "center": place, "velocity": velocity}
+        | {"motion": "free", "rotation": "none", "spin": REST, "force": REST}
+        for radius, mass, place, velocity in zip(
+            case.radii, case.masses, case.places, case.velocities, strict=True
         )
-        time, state = run.t[-1], run.y[:, -1]
-        for (contact, regime, _), times in zip(possible, run.t_events, strict=True):
-            if len(times):
-                regimes[contact] = regime
-    return state
+    ]
+    plain = {"friction": "none", "mu": 0.0, "mu_static": 0.0, "v_0": 1.0, "k_t": 1.0, "c_t": 1.0}
+    contacts = [
+        plain | {"source": k, "destination": k + 1, "law": law, "k": stiffness, "c": damping}
+        for k, (law, stiffness, damping) in enumerate(
+            zip(case.laws, case.stiffness, case.damping, strict=True)
+        )
+    ]
+    contacts = [one | {"dashpot": case.dashpot} for one in contacts]
+    return Islands(balls, [], contacts, REST).run(case.end, 1e-12, case.end / 80)[0][:, :3]
 
 
 def random_case(seed, damped):

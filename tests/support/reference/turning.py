@@ -12,6 +12,7 @@ turning_run.py integrates it.
 import math
 from types import SimpleNamespace
 
+from support.reference.law import START_VALUES
 from support.reference.turning_vectors import (
     add,
     cross,
@@ -34,22 +35,9 @@ DISSIPATED, FRICTION, WORK = SUMS + 9, SUMS + 10, SUMS + 11
 SIZE = SUMS + 12
 TINY = 1e-30  # step of derivatives by the imaginary part: no rounding enters, only its square is lost
 ZERO = (0.0, 0.0, 0.0)
-START = {  # start values of variables.toml
-    "source.radius": 0.1,
-    "destination.radius": 0.5,
-    "source.mass": 1.0,
-    "destination.mass": 1.0,
-    "source.motion": "free",
-    "destination.motion": "fixed",
-    "source.center": (0.0, 0.0, 1.1),
-    "gravity": (0.0, 0.0, -9.81),
-    "destination.axis": (0.0, 0.0, 1.0),
+START = START_VALUES | {  # start values of variables.toml
     "contact.location": "outside",
     "contact.law": "linear",
-    "contact.method": "penalty_dynamic",
-    "contact.dashpot": "non_adhesive",
-    "contact.penalty_factor": 1e6,
-    "contact.viscous_penalty_factor": 100.0,
     "contact.friction": "none",
     "contact.friction_coefficient": 0.3,
     "contact.static_friction_coefficient": 0.3,

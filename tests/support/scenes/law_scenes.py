@@ -5,7 +5,6 @@ from outside and inside, one body fixed, free or prescribed.
 import mpmath
 import numpy as np
 
-from support.reference import hertz
 from support.reference.law import ReferenceContact, rising_root
 from support.scenes.random_scenes import perpendicular, unit_vector
 
@@ -148,34 +147,3 @@ def factors(fmu, values):
         chi,
         hunt_crossley(values) if restitution and not elastic else None,
     )
-
-
-def law_pair(fmu, values):
-    """The same for the reference: the pair and its state at the start."""
-    stiffness, damping, damped = factors(fmu, values)
-    inside = values.get("contact.location") == "inside"
-    ball = np.longdouble(values["source.radius"])
-    other = np.longdouble(values.get("destination.radius", 0.0))
-    axis = values.get("destination.axis")
-    if axis is not None:
-        axis = np.array(axis, np.longdouble)
-        axis = axis / np.sqrt(axis @ axis)
-    still = [0.0, 0.0, 0.0]
-    bodies = ("source", "destination")
-    begin = {"free": "initial", "prescribed": "prescribed", "fixed": "no"}
-    rates = [values.get(f"{b}.{begin[values[f'{b}.motion']]}_velocity", still) for b in bodies]
-    pair = hertz.HertzPair(
-        stiffness,
-        damping,
-        values["contact.dashpot"],
-        other - ball if inside else other + ball,
-        -1 if inside else 1,
-        tuple(values[f"{b}.mass"] if values[f"{b}.motion"] == "free" else np.inf for b in bodies),
-        values["gravity"],
-        axis if fmu == "SphereCylinder" else None,
-        axis if fmu == "SpherePlane" else None,
-        linear=values["contact.law"] == "linear",
-        damped=damped,
-        given=tuple(values.get(f"{b}.prescribed_velocity.derivatives", [still])[0] for b in bodies),
-    )
-    return pair, [*values["source.center"], *values["destination.center"], *rates[0], *rates[1]]

@@ -2,8 +2,6 @@
 
 import math
 
-import numpy as np
-
 from support.scenes.random_scenes import DASHPOTS, perpendicular, unit_vector
 
 NOTHING = [0.0, 0.0, 0.0]
@@ -92,18 +90,3 @@ def touching_values(one):
         "contact.slip_velocity_control": "user_defined",
         "contact.characteristic_slip_velocity": one.slip,
     }
-
-
-def cylinder_rates(one, gravity, y, force, torque, other):
-    """Rates of two cylinders that turn about their own axes: of places and velocities of source and
-    destination, and of both angular velocities. The force acts on the source, the torques about both axes.
-    """
-    rates = np.zeros(14)
-    rates[0:3], rates[3:6] = y[3:6], gravity + force / one.mass[0]
-    if one.both:
-        rates[6:9], rates[9:12] = y[9:12], gravity - force / one.mass[1]
-    if one.turns:
-        rates[12:14] = [
-            2.0 * t / (m * r * r) for t, m, r in zip((torque, other), one.mass, one.radius, strict=True)
-        ]
-    return rates

@@ -57,17 +57,19 @@ def excess(u):
 
 def slide_to_roll(v_0, speed=2.0, spin=0.0, mu=0.2, end=None, stiffness=1e6):
     """Set down on a plane with `speed` along x and `spin` about y, in balance with its weight: slip s obeys
-    s' = -(7/2) mu g (1 - exp(-s/v_0)), v = v(0) - 2/7 (s(0) - s). In the limit v_0 = 0 it rolls from t = 2
+    s' = -(7/2) mu g (1 - exp(-s/v_0)), v = v(0) - 2/7 (s(0) - s), or
+    the mirror image of that. In the limit v_0 = 0 it rolls from t = 2
     s(0)/(7 mu g) on; the way is longer than then by (2/7) (pi^2/6) v_0^2/((7/2) mu g).
     """
-    slip, rate = speed - RADIUS * spin, 3.5 * mu * G
+    begin, rate = speed - RADIUS * spin, 3.5 * mu * G
+    slip, forwards = abs(begin), math.copysign(1.0, begin)
     end = end or 1.5 * slip / rate
     # e^(s/v_0) - 1 falls as exp(-rate t/v_0); u = (rate t - s(0))/v_0 counts from where rolling begins.
     u = (rate * end - slip) / v_0
     left = v_0 * (math.log1p(math.exp(-u)) if u > -700 else -u)  # e^(-s(0)/v_0) is below rounding
-    velocity = speed - 2 / 7 * (slip - left)
+    velocity = speed - 2 / 7 * forwards * (slip - left)
     area = v_0**2 / rate * (excess(-slip / v_0) - excess(u))  # of s over time
-    way = speed * end - 2 / 7 * (slip * end - area)
+    way = speed * end - 2 / 7 * forwards * (slip * end - area)
     values = ball(
         stiffness,
         **{
@@ -82,7 +84,7 @@ def slide_to_roll(v_0, speed=2.0, spin=0.0, mu=0.2, end=None, stiffness=1e6):
         "source.position": np.array([way, 0.0, RADIUS - G / stiffness]),
         "source.velocity": np.array([velocity, 0.0, 0.0]),
         "source.angular_velocity": np.array([0.0, turning, 0.0]),
-        "contact.slip_velocity": np.array([left, 0.0, 0.0]),
+        "contact.slip_velocity": np.array([forwards * left, 0.0, 0.0]),
         "energy.friction": 0.5 * speed**2 + 0.2 * (RADIUS * spin) ** 2 - 0.5 * velocity**2
         - 0.2 * (RADIUS * turning) ** 2,
     }  # fmt: skip

@@ -1,0 +1,114 @@
+"""What the references of two cylinders and of a torus share. A scene `one` has stiffness, damping,
+friction and slip velocity of its contact, and the masses and radii of source and destination.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from support.scenes.scene_parts import touching_values
+
+GRAVITY = np.array([0.0, 0.0, -9.81])
+SMALL = 1e-12  # s, past an event, so that the next integration starts beyond it
+
+
+def unit(a) -> np.ndarray:
+    return np.asarray(a, float) / np.linalg.norm(a)
+
+
+def pressed(one, depth, velocity, push, slip) -> np.ndarray:
+    """Force on the source, which the destination pushes along `push`; `velocity` is the source's as the
+    destination sees it, `slip` that of its surface. Linear law, regularized friction."""
+    normal = max(one.stiffness * depth - one.damping * velocity @ push, 0.0)
+    slip = slip - (slip @ push) * push
+    speed = np.linalg.norm(slip)
+    rubs = one.friction and speed > 0.0
+    along = one.friction * np.expm1(-speed / one.slip) * slip / speed if rubs else np.zeros(3)
+    return normal * (push + along)
+
+
+def first_state(one) -> np.ndarray:
+    """Of two cylinders, the destination at rest in the origin"""
+    return np.concatenate([one.place, one.velocity, np.zeros(6), one.rates if one.turns else (0.0, 0.0)])
+
+
+def state_of(fmu, axes) -> np.ndarray:
+    """The same of an FMU"""
+    bodies = ("source", "destination")
+    parts = [fmu[f"{body}.{what}"] for body in bodies for what in ("position", "velocity")]
+    rates = [fmu[f"{body}.angular_velocity"] @ e for body, e in zip(bodies, axes, strict=True)]
+    return np.concatenate([*parts, rates])
+
+
+def ended(rates, y, end, events, **options) -> np.ndarray:
+    """The state at `end`, by Dormand and Prince's method, begun anew at every event"""
+    time = 0.0
+    for event in events:
+        event.terminal = True
+    while time < end - 1e-15:
+        found = solve_ivp(rates, (time, end), y, "DOP853", events=events, **options)
+        time, y = found.t[-1], found.y[:, -1]
+        if found.status == 1:
+            y, time = y + SMALL * rates(time, y), time + SMALL
+    return y
+
+
+@dataclass
+class CylinderPair:
+    """A scene of two cylinders that turn about their own axes alone; the destination's centre starts at the
+    origin. `forces` of a state are the force on the source, the torques about both axes, the gap, and more.
+    """
+
+    axes: tuple[np.ndarray, np.ndarray]  # unit vectors of source and destination
+    radius: tuple[float, float]
+    mass: tuple[float, float]
+    length: tuple[float, float]  # infinite where they have no ends
+    place: np.ndarray  # of the source
+    velocity: np.ndarray
+    rates: tuple[float, float]  # about their axes, rad/s
+    stiffness: float
+    damping: float
+    friction: float  # coefficient; 0: none
+    turns: bool
+    both: bool  # whether the destination is free too
+    inside: bool = False
+    slip: float = 1e-2
+    end: float = 0.12
+
+    def values(self) -> dict:
+        values = touching_values(self)
+        for i, body in enumerate(("source", "destination")):
+            values |= {
+                f"{body}.radius": self.radius[i],
+                f"{body}.mass": self.mass[i],
+                f"{body}.axis": (2.0 - 3.0 * i) * self.axes[i],
+            }
+            if np.isfinite(self.length[i]):
+                values |= {f"{body}.finite_length": True, f"{body}.length": self.length[i]}
+            if self.turns:
+                values |= {
+                    f"{body}.rotation": "free",
+                    f"{body}.initial_angular_velocity": self.rates[i] * self.axes[i],
+                }
+        return values
+
+    def rates_of(self, _t, y) -> np.ndarray:
+        """Of places and velocities of source and destination, and of both angular velocities"""
+        force, *torques = self.forces(y)[:3]
+        rates = np.zeros(14)
+        rates[0:3], rates[3:6] = y[3:6], GRAVITY + force / self.mass[0]
+        if self.both:
+            rates[6:9], rates[9:12] = y[9:12], GRAVITY - force / self.mass[1]
+        if self.turns:
+            rates[12:14] = [
+                2.0 * t / (m * r * r) for t, m, r in zip(torques, self.mass, self.radius, strict=True)
+            ]
+        return rates
+
+    def events(self) -> list:
+        return [lambda _t, y: self.forces(y)[3]]
+
+    def ended(self) -> np.ndarray:
+        options = {"rtol": 1e-12, "atol": 1e-13, "max_step": 2e-4}
+        return ended(self.rates_of, first_state(self), self.end, self.events(), **options)
