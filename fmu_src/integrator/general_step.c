@@ -319,8 +319,8 @@ static const double LEAST_STIFF = 5.0;
 static const double ROUNDING_OF_GAP = 0.5;
 
 /* Factor of the error within a step: the error at its end may be a thousandth of the tolerance (general.c),
- * the error before the end may be all of the tolerance. Where nothing turns it may be a tenth, which costs 2 %
- * of the steps and gives peaks of forces two more digits. */
+ * the error before the end may be all of the tolerance where bodies turn. Elsewhere it may be a tenth: that
+ * costs 2 % more steps and brings the peaks of forces a digit. */
 static const double WITHIN_SHARE = 1e-2;
 static const double TURNING_WITHIN_SHARE = 1e-3;
 

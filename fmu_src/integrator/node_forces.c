@@ -37,8 +37,8 @@ static inline bool is_flat(const struct mobility *m)
     return SCENE_ANY_AXIS && m->flatness != 0.0;
 }
 
-/* A contact that transmits forces. `body`, `speed` and `spin` are its bodies, source first, and the indices of
- * their velocities and spins among the states that are no positions; -1 stands where a body has none. */
+/* A contact that transmits forces. `body`, `speed` and `spin` are its bodies, source first, and the indices
+ * of their velocities and spins among the states that are no positions; -1 stands where a body has none. */
 struct node_contact {
     int contact;
     int body[2], speed[2], spin[2];
@@ -80,8 +80,8 @@ struct iteration {
  * steep the corrections of the forces are small although the forces are far from the law. */
 static const double STALE = 3.0;
 
-/* Returns the index of the first unknown of a contact at a stage. The stages of one contact stand together, so
- * that bodies in a row make a band of the matrix. */
+/* Returns the index of the first unknown of a contact at a stage. The stages of one contact stand together,
+ * so that bodies in a row make a band of the matrix. */
 static inline int unknown_of(const struct iteration *it, int contact, int stage)
 {
     const struct node_contact *c = &it->contact[contact];
@@ -375,9 +375,9 @@ static struct vec3 velocity_of(const struct iteration *it, int stage, int contac
     return sum;
 }
 
-/* Adds the contact forces to the rates. The integrals of these rates will change the states, and these changes
- * are added to the responses: at first because the guesses of states and forces are independent, later because
- * the stages still have the spins of the arms before. */
+/* Adds the contact forces to the rates. The integrals of these rates will change the states, and what these
+ * changes do is added to the responses. In the first iteration the guesses of states and of forces are
+ * independent. Later only spins change so, because the lever arms have moved. */
 static void add_pending(struct iteration *it)
 {
     struct radau_step *p = &it->g->step;
@@ -430,8 +430,8 @@ static int shared_bodies(const struct iteration *it, int c, int d, struct shared
     return count;
 }
 
-/* M, the effect of a force at the arm `of` of a body on its velocity at the arm `arm`, with the unit vector e of
- * the body's axis: M = I / m - [arm] J^-1 [of] = alike I - of (by_inertia arm)^T + turned lever^T. */
+/* A matrix M: a force at the arm `of` of a body changes the body's velocity at the arm `arm` by M times the
+ * force. M = I / m - [arm] J^-1 [of] = alike I - of (by_inertia arm)^T + turned lever^T. */
 struct mobility_between {
     double alike, by_inertia;
     struct vec3 arm, of, lever, turned;

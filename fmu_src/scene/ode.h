@@ -136,8 +136,9 @@ enum { TURNING_IMPULSES = 9 }; /* of a contact: of the force, and of the torques
 
 struct turning_layout turning_layout_of(const struct scene_values *v);
 
-/* For an integrator whose unknowns are the contact forces. ode_prescribed_motion sets the motion of the bodies that are not free at a clock. ode_contact_motion adds that of the free ones at
- * y, and the geometry, arms and slips of all contacts; it leaves the orientations of spheres alone.
+/* For an integrator whose unknowns are the contact forces. ode_prescribed_motion sets the motion of the
+ * bodies that are not free at a clock. ode_contact_motion adds that of the free ones at y, and the geometry
+ * of all contacts; where scene_turns, also arms and slips, while it leaves the orientations of spheres alone.
  * ode_rates_without_contact writes the rates of velocities and spins without the contact forces.
  * ode_rates_under completes an instant of ode_contact_motion by given forces on the sources [N], one for
  * each contact, and writes the rates of all states. */
