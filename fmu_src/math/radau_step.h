@@ -34,8 +34,8 @@ struct radau_problem {
     void (*whole_jacobian)(const void *context, double clock, const double *y, double *columns);
 };
 
-/* Unknowns at a stage for which a problem that does not turn has memory (`all`): twelve stages of so many take
- * 5 MB, and the time of their factorization grows with the third power. */
+/* Unknowns at a stage for which a problem that does not turn has memory (`all`): twelve stages of so many
+ * take 5 MB, and the time of their factorization grows with the third power. */
 enum { RADAU_MOST_UNKNOWNS = 64 };
 
 /* At which states the Jacobian is: at the start of the step, or in the middle, where a touch leads. */
