@@ -348,7 +348,7 @@ static bool solve_again(struct general *g, double length)
 {
     struct radau_step *p = &g->step;
     radau_step_guess_again(p, p->stages, length);
-    const bool solved = g->by_forces ? node_forces_solve(g, general_newton_share(g))
+    const bool solved = g->by_forces ? node_forces_solve(g, general_newton_share(g), NULL)
                         : g->fully   ? radau_step_solve_fully(p, general_newton_share(g))
                                      : radau_step_solve(p, general_newton_share(g));
     if (!solved) {

@@ -548,7 +548,9 @@ static bool try_to_solve(struct general *g, const struct radau_stages *stages, d
         radau_step_guess_on(p, stages, length);
         general_set_weights(g);
         g->fully = rubs;
-        g->by_forces = node_forces_solve(g, general_newton_share(g));
+        g->by_forces =
+            node_forces_solve(g, general_newton_share(g),
+                              p->problem.turns || radau_step_goes_on(p) ? NULL : general_set_weights);
         return g->by_forces;
     }
     if (stiffness > STIFF || (stiffness > LEAST_STIFF && length > g->simple)) {

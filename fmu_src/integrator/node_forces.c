@@ -547,17 +547,21 @@ static void put_blocks(const struct iteration *it, int c, int d)
         put_blocks_of_normals(it, c, d, by_mass);
         return;
     }
-    for (int k = 0; k < s * s; ++k) {
-        const struct node *node = &it->node[k / s][c];
-        const struct node *by = &it->node[k % s][d];
-        struct mobility_between between[4];
-        for (int l = 0; l < count; ++l) {
-            between[l] = mobility_of(&shared[l], node->arm[shared[l].end], by->arm[shared[l].other_end],
-                                     it->axis[k / s][shared[l].body]);
+    for (int i = 0; i < s; ++i) {
+        const struct node *node = &it->node[i][c];
+        double *rows = p->all.re + unknown_of(it, c, i);
+        for (int j = 0; j < s; ++j) {
+            const struct node *by = &it->node[j][d];
+            struct mobility_between between[4];
+            for (int l = 0; l < count; ++l) {
+                const int body = shared[l].body;
+                between[l] = mobility_of(&shared[l], node->arm[shared[l].end], by->arm[shared[l].other_end],
+                                         SCENE_ANY_AXIS ? it->axis[i][body] : vec3_make(0.0, 0.0, 0.0));
+            }
+            put_block(it, node, of->rows, by, from->rows, between, count,
+                      p->length * columns->once[j * s + i], p->length * p->length * columns->twice[j * s + i],
+                      rows + unknown_of(it, d, j) * p->all.stride);
         }
-        put_block(it, node, of->rows, by, from->rows, between, count, p->length * p->stages->integral[k],
-                  p->length * p->length * columns->twice[k % s * s + k / s],
-                  p->all.re + unknown_of(it, d, k % s) * p->all.stride + unknown_of(it, c, k / s));
     }
 }
 
@@ -678,12 +682,11 @@ bool node_forces_apply(const struct general *g)
     return !refused && rows <= radau_step_most_unknowns(&g->step) && contacts <= MOST_NODES;
 }
 
-bool node_forces_solve(struct general *g, double tolerance)
+bool node_forces_solve(struct general *g, double tolerance, void (*set_weights)(struct general *g))
 {
     struct radau_step *p = &g->step;
     struct iteration it = {.g = g};
     double last = (double)INFINITY;
-    const bool goes_on = radau_step_goes_on(p);
     bool anew = true;
     prepare(&it);
     guess_forces(&it);
@@ -699,8 +702,8 @@ bool node_forces_solve(struct general *g, double tolerance)
         if (!isfinite(size)) {
             return false;
         }
-        if (p->iterations == 1 && !goes_on && !p->problem.turns) {
-            general_set_weights(g); /* the guess was far from the end of the step */
+        if (p->iterations == 1 && set_weights) {
+            set_weights(g);
         }
         if (!it.stale && has_converged(p, size, last, tolerance)) {
             finish_nodes(&it);

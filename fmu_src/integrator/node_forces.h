@@ -11,11 +11,13 @@
 
 #include "integrator/general_step.h"
 
-/* Whether the scene can be solved so: no friction is elastic, and the forces are no more unknowns than the
- * states that are no places, whose memory they use. */
+/* Whether the scene can be solved so: no friction is elastic, no contact resists rolling, no body is a
+ * compound, and the forces are no more unknowns than there is memory for. */
 bool node_forces_apply(const struct general *g);
 
-/* Solves the stages of g->step from their guess; false where the iterations do not converge. */
-bool node_forces_solve(struct general *g, double tolerance);
+/* Solves the stages of g->step from their guess; false where the iterations do not converge. Where the guess
+ * is far from the end of the step, `set_weights` sets the errors allowed anew after the first iteration; it
+ * is NULL elsewhere. */
+bool node_forces_solve(struct general *g, double tolerance, void (*set_weights)(struct general *g));
 
 #endif

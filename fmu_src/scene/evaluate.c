@@ -697,7 +697,9 @@ void scene_put_contact_forces(const struct scene_values *v, const struct scene_s
         accelerate(v, j, at);
         if (scene_turns(v)) {
             at->turning.friction_force[j] = vec3_axpy(force[j], at->normal_force[j], e);
-            at->turning.resistance[j] = vec3_make(0.0, 0.0, 0.0); /* contacts that resist are not solved so */
+            if (SCENE_ANY_ROLLING) { /* contacts that resist are not solved so */
+                at->turning.resistance[j] = vec3_make(0.0, 0.0, 0.0);
+            }
             put_torques(v, at, j);
         }
     }
