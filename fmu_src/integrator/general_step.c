@@ -457,7 +457,7 @@ static void note_errors(struct general *g)
         g->largest_error[i] = (double)INFINITY;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_transmits(g->state, j)) { /* the gap of bodies far apart has a rounding that moves none */
+        if (contact_transmits(g->state, j)) { /* bodies apart feel no rounding of their gap, however large */
             const double of_gap = ROUNDING_OF_GAP * rounding_of_gap(g->ode.values, &at, j);
             g->place_rounding = fmax(g->place_rounding, of_gap);
             note_contact(g, &at, j);
@@ -513,7 +513,6 @@ void general_begin(struct general *g, double clock, const double *y)
 {
     radau_step_begin(&g->step, clock, y);
     note_touches(g);
-    radau_step_jacobian(&g->step);
     g->fastest_decay = fastest_decay_of(&g->step, g->step.by_others);
     note_errors(g);
     if (!(g->longest > 0.0)) {

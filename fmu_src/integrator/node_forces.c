@@ -15,7 +15,7 @@ enum { ROWS = 3, ROWS_WITHOUT_FRICTION = 1 };
  * dU + `by_place` dX. Where the contact does not rub there is one row, and dF has the direction `push`. */
 struct node {
     struct vec3 force;     /* on the source: the unknown [N] */
-    struct vec3 push;      /* direction of a normal force of one [1] */
+    struct vec3 push;      /* unit vector of a normal force on the source that pushes it away [1] */
     struct vec3 arm[2];    /* from the centres of source and destination to the point of contact [m] */
     double response[ROWS]; /* how far the force is from its laws [m/s] */
     bool rolls;            /* form of the response of friction (friction_response_of) */
@@ -136,7 +136,7 @@ static void note_node_contact(struct iteration *it, int contact)
     it->rows += to->rows;
 }
 
-/* Returns the number of contacts that share a body that moves with this one, and transmit forces. */
+/* Returns the number of contacts that transmit forces and share a free body with this one. */
 static int neighbours_of(const struct iteration *it, int contact)
 {
     const int body[2] = {contact_source(contact), contact_destination(contact)};
@@ -205,8 +205,8 @@ static void put_rows(struct vec3 to[3], const double across[3][3], double along,
     }
 }
 
-/* Sets the response of a contact that does not rub, and if `anew` its slopes. With e = side n it is
- * a (F_n of the law - F_n), where F_n = -F.e and a is the admittance. */
+/* Sets the response of a contact that does not rub, and if `anew` its slopes. The response is the admittance
+ * a times the normal force of the law less F_n, where F_n = -F.e and e = side n. */
 static void respond_along_normal(struct iteration *it, int stage, int index, const struct contact_geometry *g,
                                  bool anew)
 {

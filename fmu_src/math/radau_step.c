@@ -258,6 +258,16 @@ static void radau_take_jacobian(const struct radau_step *p, double *by_others, d
     }
 }
 
+/* Evaluates the Jacobian at the time `since` the start [s] and the state y. */
+static void take_jacobian_at(struct radau_step *p, double since, const double *y)
+{
+    p->problem.jacobian(p->problem.context, p->start + since, y, p->jacobian);
+    p->evaluations += 1;
+    radau_take_jacobian(p, p->by_others, p->by_places);
+    p->jacobian_since = since;
+    p->factored_length = 0.0;
+}
+
 void radau_step_begin(struct radau_step *p, double clock, const double *y)
 {
     const struct radau_problem *problem = &p->problem;
@@ -266,19 +276,7 @@ void radau_step_begin(struct radau_step *p, double clock, const double *y)
     memcpy(p->y, y, (size_t)n * sizeof *y);
     problem->rates(problem->context, clock, y, p->start_rates);
     p->evaluations += 1;
-    p->jacobian_is = RADAU_NO_JACOBIAN;
-    p->factored_length = 0.0;
-}
-
-void radau_step_jacobian(struct radau_step *p)
-{
-    if (p->jacobian_is != RADAU_JACOBIAN_AT_START) {
-        p->problem.jacobian(p->problem.context, p->start, p->y, p->jacobian);
-        p->evaluations += 1;
-        radau_take_jacobian(p, p->by_others, p->by_places);
-        p->jacobian_is = RADAU_JACOBIAN_AT_START;
-        p->factored_length = 0.0;
-    }
+    take_jacobian_at(p, 0.0, p->y);
 }
 
 /* a b, and a b^-1 of quaternions (real part first). */
@@ -723,11 +721,7 @@ static void take_jacobian_ahead(struct radau_step *p)
     for (int i = 0; i < problem->size; ++i) {
         p->point[i] = p->y[i] + time * p->start_rates[i];
     }
-    problem->jacobian(problem->context, p->start + time, p->point, p->jacobian);
-    p->evaluations += 1;
-    radau_take_jacobian(p, p->by_others, p->by_places);
-    p->jacobian_is = RADAU_JACOBIAN_AHEAD;
-    p->factored_length = 0.0;
+    take_jacobian_at(p, time, p->point);
 }
 
 bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, double length)
@@ -736,8 +730,8 @@ bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, d
     p->length = length;
     if (stages->pace == RADAU_FROM_TOUCH) {
         take_jacobian_ahead(p);
-    } else {
-        radau_step_jacobian(p);
+    } else if (p->jacobian_since > 0.0) {
+        take_jacobian_at(p, 0.0, p->y);
     }
     if (!factor(p, stages, length)) {
         return false;
@@ -802,9 +796,6 @@ bool radau_step_solve(struct radau_step *p, double tolerance)
 {
     double last = 0.0;
     p->contraction = 0.0;
-    if (p->jacobian_is == RADAU_NO_JACOBIAN) {
-        radau_step_jacobian(p);
-    }
     if (!factor(p, p->stages, p->length)) {
         return false;
     }

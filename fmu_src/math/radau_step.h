@@ -38,9 +38,6 @@ struct radau_problem {
  * take 5 MB, and the time of their factorization grows with the third power. */
 enum { RADAU_MOST_UNKNOWNS = 64 };
 
-/* At which states the Jacobian is: at the start of the step, or in the middle, where a touch leads. */
-enum radau_jacobian { RADAU_NO_JACOBIAN, RADAU_JACOBIAN_AT_START, RADAU_JACOBIAN_AHEAD };
-
 /* The matrix A of a method and A^2, column by column. */
 struct radau_columns {
     bool known;
@@ -62,7 +59,7 @@ struct radau_step {
     double *weight;                   /* [size]: 1 / error allowed, set by the caller */
     double *jacobian;                 /* [coupled][coupled], by columns */
     double *by_others, *by_places;    /* its parts for the others: [others][others], [paired][others] */
-    enum radau_jacobian jacobian_is;  /* of by_others and by_places */
+    double jacobian_since;            /* time from the start to where the Jacobian is [s] */
     struct lu_matrix system[RADAU_MOST_SYSTEMS];
     double factored_length; /* step length [s] that the systems are factored for; 0: none */
     const struct radau_stages *factored_stages;
@@ -83,10 +80,8 @@ struct radau_step {
 size_t radau_step_memory(const struct radau_problem *problem);
 void radau_step_place(struct radau_step *p, const struct radau_problem *problem, void *memory);
 
-/* radau_step_begin begins a step at the state y and evaluates the rates there. radau_step_jacobian evaluates
- * the Jacobian there, once for each step. */
+/* Begins a step at the state y and evaluates the rates and the Jacobian at y. */
 void radau_step_begin(struct radau_step *p, double clock, const double *y);
-void radau_step_jacobian(struct radau_step *p);
 
 /* Start the iterations from the solution of the linear problem, or from the last polynomial for a step of
  * another length. radau_step_solve follows. False where the systems are singular. */

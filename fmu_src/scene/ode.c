@@ -69,8 +69,8 @@ int ode_coupled(const struct scene_values *v)
     return scene_turns(v) ? turning_layout_of(v).coupled : ode_body(v, SCENE_BODIES);
 }
 
-/* Returns the index of the first integral among the states, which turning_layout_of(v).integrals is too. The
- * index is asked for so often that making a whole layout each time would be slow. */
+/* Counts the states before the first integral. turning_layout_of(v).integrals has the same value, but most
+ * callers need no other part of that layout, and making all of it would be slow. */
 int ode_integrals(const struct scene_values *v)
 {
     int index = ode_body(v, SCENE_BODIES);

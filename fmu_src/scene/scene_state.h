@@ -314,8 +314,8 @@ bool scene_turns(const struct scene_values *v);
  * where contacts share a free body. */
 bool scene_keeps_steps(const struct scene_values *v);
 
-/* Copies a state, without the fields that have no meaning in it: an unfinished step that nothing goes on
- * with, and the turning where nothing turns or rubs. */
+/* Copies a state, but leaves out two fields where they have no meaning: `unfinished` where no step is kept
+ * for the next call, and `turning` where nothing turns or rubs. */
 void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to);
 
 /* Whether the motion of a contact is prescribed: neither body is free or turns freely. */

@@ -169,6 +169,18 @@ def test_the_races_share_a_load_as_springs_do(fmu_path, law):
         check_close("handbook", max(found), 4.37 * load / 9, 0.01 * load)
 
 
+def test_a_tight_tolerance_costs_a_bearing_few_steps_more(fmu_path):
+    """Where errors by rounding were not allowed for, the steps became fourteen times as many."""
+    steps = {}
+    with ContactFmu(fmu_path("BallBearing")) as fmu:
+        for tolerance in (1e-5, 1e-9):
+            fmu.reset()
+            fmu.start({}, tolerance=tolerance)
+            fmu.step(0.01)
+            steps[tolerance] = fmu["solver.steps"]
+    assert steps[1e-9] < 2 * steps[1e-5]
+
+
 @pytest.mark.parametrize(("law", "thrust"), [("linear", 100.0), ("linear", 700.0), ("hertz", 700.0)])
 def test_a_thrust_opens_the_angle_of_contact(fmu_path, law, thrust):
     """F = 9 Q sin alpha, with Q of two springs in series, stretched by A / cos alpha - A."""
