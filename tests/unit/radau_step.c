@@ -8,8 +8,8 @@
 #include "math/polynomial.h"
 #include "random.h"
 
-/* Blocks of zeros in every other pair of rows make more runs than lu_factor tells apart. The right side is A x
- * of a known x. */
+/* Blocks of zeros in every other pair of rows make more runs than lu_factor tells apart. The right side is
+ * A x of a known x. */
 TEST(a_matrix_with_many_blocks_of_zeros_gives_the_solution_of_its_system)
 {
     enum { ROWS = 60, STRIDE = 64 };
