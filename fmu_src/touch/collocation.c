@@ -927,7 +927,7 @@ static void begin(struct collocation *p, const struct collocation_problem *from,
     p->local.distance = from->reach + from->deviation;
     p->local.head_on = is_head_on(from);
     p->result.normal_correction = p->result.momentum_correction = vec3_make(0.0, 0.0, 0.0);
-    p->place = CONTACT_ANY_CAPS && from->at_rim && !p->local.head_on ? &about_rim : &about_centre;
+    p->place = CONTACT_ANY_CIRCLE && from->at_rim && !p->local.head_on ? &about_rim : &about_centre;
     p->place->begin(p);
     memset(p->result.slow, 0, sizeof p->result.slow);
     memset(p->result.normal_mismatch, 0, sizeof p->result.normal_mismatch);

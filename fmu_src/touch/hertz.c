@@ -340,7 +340,7 @@ static inline double slow_distance(const struct quasi_static *p, double depth)
 /* Whether a component of n or H changes. */
 static inline bool is_turning(const struct quasi_static *p, int row)
 {
-    if (contact_is_rim(&p->from->shape)) { /* the third rows of n and H are zero */
+    if (contact_is_circle(&p->from->shape)) { /* the third rows of n and H are zero */
         return p->flight.dimensions > 1 && row % FRAME < 2;
     }
     const bool in_plane = row == 0 || row == 1 || row == QUASI_STATIC_TURNING - 1;
@@ -499,7 +499,7 @@ static struct rim_state slow_rim_state(const struct quasi_static *p,
     for (int k = 0; k < RIM_ROWS; ++k) {
         change[k] = turned[rim_rows[k]];
     }
-    return rim_state_of(&p->rim, change, p->depth_start - depth);
+    return rim_state_of(&p->rim, change, p->from->shape.side * (p->depth_start - depth));
 }
 
 static struct rim_slopes slow_rim_slopes(const struct quasi_static *p, int node, struct rim_state *at)
@@ -542,7 +542,7 @@ static void slow_rim_load(const struct quasi_static *p, double load[QUASI_STATIC
 {
     for (int i = 0; i < QUASI_STATIC_N; ++i) {
         struct rim_state at;
-        load[i] = -p->half * p->half * slow_rim_slopes(p, i, &at).load;
+        load[i] = -p->from->shape.side * p->half * p->half * slow_rim_slopes(p, i, &at).load;
     }
 }
 
@@ -560,9 +560,9 @@ static void slow_rim_deviation(const struct quasi_static *p, const struct slow_p
     const struct rim_state start = rim_state_of(&p->rim, none, 0.0);
     const struct rim_state then = slow_rim_state(p, at->turned, at->depth);
     vec3_to(rim_moved(&p->rim, &then), r);
-    vec3_to(
-        vec3_sub(rim_velocity(&then, -at->rate / p->half), rim_velocity(&start, -p->rate_start / p->half)),
-        r_rate);
+    const double radial = -p->from->shape.side / p->half; /* d' by the rate of delta */
+    vec3_to(vec3_sub(rim_velocity(&then, radial * at->rate), rim_velocity(&start, radial * p->rate_start)),
+            r_rate);
     for (int j = 0; j < FRAME; ++j) {
         double c = 0.0;
         double w = 0.0;
@@ -805,7 +805,7 @@ static bool quasi_static_solve(struct quasi_static *p, const struct contact_pair
         p->depth[i] = p->depth_start;
     }
     p->turns = &about_a_centre;
-    if (contact_is_rim(&from->shape) && p->flight.dimensions > 1) {
+    if (contact_is_circle(&from->shape) && p->flight.dimensions > 1) {
         p->turns = &about_a_rim;
         p->rim = pair_rim_start(from);
         p->flight = frame_flight_at_rim(from);

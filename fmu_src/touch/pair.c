@@ -170,7 +170,7 @@ double pair_gap_derivative(const struct contact_pair *p)
 
 double pair_turning(const struct contact_pair *p, double distance)
 {
-    if (contact_is_rim(&p->shape)) {
+    if (contact_is_circle(&p->shape)) {
         const struct contact_geometry at =
             contact_geometry_at(&p->shape, p->flight.c[0], p->flight.c[1], p->normal);
         return contact_turning_rate(&p->shape, &at, p->flight.c[1], p->flight.c[1]) / distance;
@@ -183,7 +183,7 @@ struct rim_start pair_rim_start(const struct contact_pair *p)
 {
     const struct contact_solid *solid = &p->shape.solid;
     return rim_start_of(p->shape.axis, solid->radius, solid->half_height, p->flight.c[0],
-                        contact_reach(&p->shape) + p->gap, p->flight.c[1]);
+                        contact_reach(&p->shape) + p->shape.side * p->gap, p->flight.c[1]);
 }
 
 double pair_pressing_load(const struct contact_pair *p)
@@ -924,8 +924,8 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
         drop_rounded_mismatch(p, out->tangential_rate, problem);
     }
     double turning = vec3_dot(along, along) / d;
-    if (SCENE_ANY_CAPS) {
-        problem->at_rim = contact_is_rim(&p->shape);
+    if (CONTACT_ANY_CIRCLE) {
+        problem->at_rim = contact_is_circle(&p->shape);
         if (problem->at_rim) {
             problem->rim = pair_rim_start(p);
             turning = pair_turning(p, d);

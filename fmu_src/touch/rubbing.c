@@ -65,7 +65,8 @@ bool rubbing_is_solvable(const struct scene_values *v, const struct scene_state 
 {
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    if (contact_advances(v, contact) || !(scene_inverse_mass(v, contact) > 0.0) ||
+    if (contact_tips(v, contact) || contact_has_skew_axes(v, contact) ||
+        body_is_compound(source) || body_is_compound(destination) || !(scene_inverse_mass(v, contact) > 0.0) ||
         scene_ends_suddenly(v, contact)) {
         return false;
     }

@@ -1141,15 +1141,15 @@ static CONTACT_NOINLINE struct vec3 at_side(struct segment *p, const struct pair
 static struct vec3 at_face(struct segment *p, const struct pair_change *change, double s)
 {
     struct vec3 c[SEPARATION_DEGREE + 1];
-    const bool is_rim = contact_is_rim(&p->pair.shape);
+    const bool is_circle = contact_is_circle(&p->pair.shape);
     for (int i = 0; i <= SEPARATION_DEGREE; ++i) { /* bodies at rest may fly far along n */
         const struct vec3 flight = p->pair.flight.c[i];
-        c[i] = is_rim ? flight : contact_across_plane(p->pair.normal, flight);
+        c[i] = is_circle ? flight : contact_across_plane(p->pair.normal, flight);
     }
     const bool vary = !vec3_is_zero(c[3]) || !vec3_is_zero(c[4]);
     bool bends = vary || !vec3_is_zero(vec3_cross(c[2], p->pair.normal));
     struct vec3 sum = boundary_terms(c, vary, change);
-    if (is_rim) {
+    if (is_circle) {
         sum = vec3_add(sum, vec3_cross(change->r, change->r_rate));
         bends = true;
     }
@@ -1169,7 +1169,7 @@ static struct vec3 torque_impulse(struct segment *p, const struct pair_change *c
     if (!(change->time > 0.0)) {
         return sum;
     }
-    if (contact_is_plane(&pair->shape) || contact_is_rim(&pair->shape)) {
+    if (contact_is_plane(&pair->shape) || contact_is_circle(&pair->shape)) {
         sum = at_face(p, change, s);
     } else if (contact_is_cylinder(&pair->shape)) {
         double along[SEPARATION_DEGREE + 1] = {pair->axial}; /* c[0] may lack it */

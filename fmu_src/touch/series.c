@@ -74,7 +74,7 @@ static inline bool kind_by_root(struct series_kind kind)
 
 static inline bool kind_at_rim(struct series_kind kind)
 {
-    return SCENE_ANY_CAPS && kind.at_rim;
+    return CONTACT_ANY_CIRCLE && kind.at_rim;
 }
 
 static inline bool kind_has_mismatch(struct series_kind kind)
@@ -380,7 +380,7 @@ CONTACT_FLATTEN static void make_coefficients(struct pair_series *p, struct seri
 {
     const struct contact_pair *from = p->from;
     const struct series_orders orders = {begin, end};
-    const bool at_rim = contact_is_rim(&from->shape);
+    const bool at_rim = contact_is_circle(&from->shape);
     const bool is_plain_rim = at_rim && p->flight.dimensions == 2 && !(SCENE_ANY_HERTZ && p->by_root);
     if (p->flight.degree > 2 || from->has_mismatch || (at_rim && !is_plain_rim)) {
         const struct series_kind any = {.dimensions = p->flight.dimensions,
@@ -473,7 +473,7 @@ static void begin_series(struct pair_series *p, struct series_work *z, const str
 {
     p->from = from;
     p->by_root = by_root;
-    p->flight = contact_is_rim(&from->shape) ? frame_flight_at_rim(from) : frame_flight_of(from);
+    p->flight = contact_is_circle(&from->shape) ? frame_flight_at_rim(from) : frame_flight_of(from);
     p->unit = unit_of(p);
     p->time[0] = 0.0;
     p->opened[0] = by_root ? sqrt(fmax(-from->gap, 0.0)) : from->gap;
