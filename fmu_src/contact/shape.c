@@ -211,6 +211,14 @@ static struct skew_frame skew_frame_of(const struct contact_solid *solid)
     return frame;
 }
 
+struct skew_face contact_skew_face(const struct contact_solid *solid)
+{
+    const struct skew_frame frame = skew_frame_of(solid);
+    return (struct skew_face){
+        {frame.across_destination, frame.across_source},
+        {frame.sine * frame.axes.source_half, frame.sine * frame.axes.destination_half}};
+}
+
 /* Which ends of both axes a zone of skew cylinders is at: -1, +1, or 0 within. */
 struct skew_ends {
     int source, destination;

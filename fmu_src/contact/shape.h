@@ -248,6 +248,15 @@ void contact_make_skew(struct contact_shape *shape, struct skew_axes axes);
 /* Returns the sine of the angle between the axes of skew cylinders. */
 double contact_skew_sine(const struct contact_shape *shape);
 
+/* The face of skew cylinders reaches as far as |c.across[i]| <= half[i] [m], where i is 0 for the ends of the
+ * source and 1 for those of the destination. `half` is INFINITY where a cylinder is infinite. */
+struct skew_face {
+    struct vec3 across[2];
+    double half[2];
+};
+
+struct skew_face contact_skew_face(const struct contact_solid *solid);
+
 /* Returns the point of the source's axis that is nearest to the destination's, from the source's centre [m],
  * and its change with a change of c within the zone. Both are zero for shapes other than skew cylinders,
  * where contact is opposite to the source's centre. */

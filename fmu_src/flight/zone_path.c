@@ -8,7 +8,7 @@
 #include "math/series.h"
 #include "scene/evaluate.h"
 
-#if SCENE_ANY_CAPS
+#if SCENE_ANY_ZONES
 
 static struct vec3 zone_path_at(const struct separation_path *path, double time)
 {
@@ -143,9 +143,15 @@ static double whole_margin(const struct contact_solid *solid, struct vec3 c)
     return contact_zone_margin(solid, solid->zone, c);
 }
 
-/* Returns the distance of the centre from the outer edge of a side or cap [m], whatever the depth. */
+/* Returns the distance of the centre from the outer edge of a side, a cap or the face of skew cylinders [m],
+ * whatever the depth. */
 static double face_margin(const struct contact_solid *solid, struct vec3 c)
 {
+    if (SCENE_ANY_SKEW && abs(solid->zone) == SKEW_FACE) {
+        const struct skew_face face = contact_skew_face(solid);
+        return fmin(face.half[0] - fabs(vec3_dot(c, face.across[0])),
+                    face.half[1] - fabs(vec3_dot(c, face.across[1])));
+    }
     const struct solid_place place = contact_place_at(solid, c);
     return solid->zone == ZONE_SIDE ? -place.axial : -place.radial;
 }
@@ -168,6 +174,27 @@ static bool stays_on_face(const struct contact_solid *solid, const struct separa
     return face_margin(solid, path->c[0]) > length;
 }
 
+/* Adds where the path crosses the edges of the face of skew cylinders, as fractions of the horizon. */
+static int add_edges_of_skew(const struct contact_solid *solid, const struct separation_path *path,
+                             double horizon, double *edges)
+{
+    const struct skew_face face = contact_skew_face(solid);
+    int count = 0;
+    for (int i = 0; i < 4; ++i) {
+        struct polynomial edge = {.degree = SEPARATION_DEGREE};
+        double power = 1.0;
+        for (int k = 0; k <= SEPARATION_DEGREE; ++k) {
+            edge.a[k] = power * vec3_dot(path->c[k], face.across[i / 2]);
+            power *= horizon;
+        }
+        edge.a[0] += i % 2 == 0 ? face.half[i / 2] : -face.half[i / 2];
+        if (isfinite(face.half[i / 2])) {
+            count = polynomial_add_sign_changes(&edge, edges, count);
+        }
+    }
+    return count;
+}
+
 double zone_path_leaves_face(const struct contact_solid *solid, const struct separation_path *path,
                              double horizon)
 {
@@ -175,6 +202,10 @@ double zone_path_leaves_face(const struct contact_solid *solid, const struct sep
     int count = 0;
     if (stays_on_face(solid, path, horizon)) {
         return (double)INFINITY;
+    }
+    if (SCENE_ANY_SKEW && abs(solid->zone) == SKEW_FACE) {
+        count = add_edges_of_skew(solid, path, horizon, edges);
+        return zone_first_end(solid, path, horizon, edges, count, face_margin);
     }
     const struct relative_path along = solid_path(solid, path, horizon);
     if (solid->zone == ZONE_SIDE) {

@@ -65,10 +65,13 @@ bool rubbing_is_solvable(const struct scene_values *v, const struct scene_state 
 {
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    if (contact_tips(v, contact) || contact_has_skew_axes(v, contact) ||
-        body_is_compound(source) || body_is_compound(destination) || !(scene_inverse_mass(v, contact) > 0.0) ||
-        scene_ends_suddenly(v, contact)) {
+    if (contact_tips(v, contact) || body_is_compound(source) || body_is_compound(destination) ||
+        !(scene_inverse_mass(v, contact) > 0.0) || scene_ends_suddenly(v, contact)) {
         return false;
+    }
+    if (contact_has_skew_axes(v, contact)) { /* the normal force turns cylinders that can turn */
+        return abs(q->contact[contact].zone) == SKEW_FACE && !contact_rubs(v, contact) &&
+               !body_turns(v, source) && !body_turns(v, destination);
     }
     if (!contact_rubs(v, contact)) {
         return true;

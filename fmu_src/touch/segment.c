@@ -1138,13 +1138,12 @@ static CONTACT_NOINLINE struct vec3 at_side(struct segment *p, const struct pair
 
 /* Returns the torque impulse at a plane, a cap or a rim [N m s]. The products with r contain C along n by
  * rounding only. If C'' is along n there is nothing to integrate. */
-static struct vec3 at_face(struct segment *p, const struct pair_change *change, double s)
+static struct vec3 at_face(struct segment *p, const struct pair_change *change, double s,
+                           struct vec3 c[SEPARATION_DEGREE + 1])
 {
-    struct vec3 c[SEPARATION_DEGREE + 1];
     const bool is_circle = contact_is_circle(&p->pair.shape);
-    for (int i = 0; i <= SEPARATION_DEGREE; ++i) { /* bodies at rest may fly far along n */
-        const struct vec3 flight = p->pair.flight.c[i];
-        c[i] = is_circle ? flight : contact_across_plane(p->pair.normal, flight);
+    for (int i = 0; i <= SEPARATION_DEGREE && !is_circle; ++i) { /* bodies at rest may fly far along n */
+        c[i] = contact_across_plane(p->pair.normal, c[i]);
     }
     const bool vary = !vec3_is_zero(c[3]) || !vec3_is_zero(c[4]);
     bool bends = vary || !vec3_is_zero(vec3_cross(c[2], p->pair.normal));
@@ -1161,8 +1160,10 @@ static struct vec3 at_face(struct segment *p, const struct pair_change *change, 
     return sum;
 }
 
-/* Returns the torque's impulse over [0, s] [N m s]; `change` is the motion at s. */
-static struct vec3 torque_impulse(struct segment *p, const struct pair_change *change, double s)
+/* Returns the torque's impulse over [0, s] [N m s]; `change` is the motion at s. At skew cylinders it adds the
+ * impulse on the source, foot x F, to `of_source`; the lever of the destination is shorter by the foot. */
+static struct vec3 torque_impulse(struct segment *p, const struct pair_change *change, double s,
+                                  struct vec3 *of_source)
 {
     const struct contact_pair *pair = &p->pair;
     struct vec3 sum = {0.0, 0.0, 0.0};
@@ -1170,7 +1171,16 @@ static struct vec3 torque_impulse(struct segment *p, const struct pair_change *c
         return sum;
     }
     if (contact_is_plane(&pair->shape) || contact_is_circle(&pair->shape)) {
-        sum = at_face(p, change, s);
+        struct vec3 lever[SEPARATION_DEGREE + 1];
+        struct vec3 foot[SEPARATION_DEGREE + 1];
+        for (int i = 0; i <= SEPARATION_DEGREE; ++i) { /* at the face the foot is linear in c */
+            foot[i] = contact_foot_along(&pair->shape, pair->flight.c[i]);
+            lever[i] = vec3_sub(pair->flight.c[i], foot[i]);
+        }
+        sum = at_face(p, change, s, lever);
+        if (contact_is_skew(&pair->shape)) {
+            *of_source = vec3_axpy(*of_source, -pair->reduced_mass, at_face(p, change, s, foot));
+        }
     } else if (contact_is_cylinder(&pair->shape)) {
         double along[SEPARATION_DEGREE + 1] = {pair->axial}; /* c[0] may lack it */
         bool acts = pair->axial != 0.0;
@@ -1183,7 +1193,8 @@ static struct vec3 torque_impulse(struct segment *p, const struct pair_change *c
     return vec3_scale(-pair->reduced_mass, sum);
 }
 
-/* This part of the file finds where a segment leaves its zone of a capped cylinder (shape.h). Leaving is a
+/* This part of the file finds where a segment leaves its zone of a capped cylinder or of skew cylinders
+ * (shape.h). Leaving is a
  * terminal event, after which the regime goes on in the next zone. */
 
 /* Returns the s at which the centre is no longer beyond the side or the cap. `beyond` is the exact distance
@@ -1312,6 +1323,9 @@ static double zone_end_of_face(const struct segment *p, double end)
      * flight, at a root of polynomials. */
     const double time = zone_path_leaves_face(&p->pair.shape.solid, &path.flight, segment_time(p, end));
     const double s = time < (double)INFINITY ? segment_place(p, time) : (double)INFINITY;
+    if (contact_is_skew(&p->pair.shape)) { /* segment_make refuses a depth at which n would jump */
+        return s;
+    }
     return may_change_face(&path) ? fmin(s, end_by_depth(&path, fmin(s, end))) : s;
 }
 
@@ -1319,7 +1333,7 @@ static double zone_end_of_face(const struct segment *p, double end)
 static void zone_end_note(struct segment *p)
 {
     p->leaves_zone = false;
-    if (!contact_is_capped(&p->pair.shape)) {
+    if (!contact_is_zoned(&p->pair.shape)) {
         return;
     }
     const double end = fmin(p->end, p->terminal.s);
@@ -1522,10 +1536,11 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
         make_up_to(p, 2.0 * p->terminal.s * p->unit);
     }
     terminal_event_at_centre(p);
-    if (SCENE_ANY_CAPS) {
+    if (SCENE_ANY_ZONES) {
         note_zone_end(p);
     }
-    return p->end > 0.0;
+    return p->end > 0.0 &&
+           !(contact_is_skew(&p->pair.shape) && deepest_of(p) >= contact_reach(&p->pair.shape));
 }
 
 /* Corrects r along n so that bodies that part are as far apart as the gap: both have truncation errors of
@@ -1575,6 +1590,7 @@ void segment_advance(struct segment *p, double from, double s, const struct scen
     }
     if (SCENE_HAS_TORQUES) {
         state->torques.destination_impulse =
-            vec3_add(state->torques.destination_impulse, torque_impulse(p, &change, s));
+            vec3_add(state->torques.destination_impulse,
+                     torque_impulse(p, &change, s, &state->torques.source_impulse));
     }
 }

@@ -102,7 +102,7 @@ struct segment {
     struct dense_output output;
     double parting; /* s of the release, if `make` finds it; INFINITY: none; NaN: the samples tell */
     struct terminal_event terminal;
-    bool leaves_zone; /* the terminal event leaves the zone of a capped cylinder; the regime goes on */
+    bool leaves_zone; /* the terminal event leaves the zone of the shape; the regime goes on */
     bool rubs;        /* the contact has friction (rubbing.h) */
     bool may_pull;    /* it rubs and its dashpot may pull: the sign of F_n is an event */
     bool is_lifted;   /* in such a contact: F_n < 0 at the start */
@@ -193,11 +193,11 @@ double hertz_coasting_time(const struct segment *p);
  * negligible beside the load. An oscillation that touches zero then has no events by rounding. */
 bool hertz_hardly_parts(const struct contact_pair *from, double speed);
 
-/* Whether the terminal event is the end of a capped cylinder's zone. The regime then goes on in the next
+/* Whether the terminal event is the end of a zone of a capped cylinder or of skew cylinders. The regime then goes on in the next
  * zone. */
 static inline bool zone_end_is_terminal(const struct segment *p)
 {
-    return SCENE_ANY_CAPS && p->leaves_zone;
+    return SCENE_ANY_ZONES && p->leaves_zone;
 }
 
 #endif
