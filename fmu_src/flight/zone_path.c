@@ -1,5 +1,6 @@
 #include <float.h>
 #include <stddef.h>
+#include <stdlib.h>
 
 #include "contact/shape.h"
 #include "flight/relative_path.h"

@@ -11,6 +11,7 @@
 #include "integrator/prediction.h"
 #include "prescribed/prescribed.h"
 #include "scene/evaluate.h"
+#include "touch/chain.h"
 #include "touch/rubbing.h"
 
 /*
@@ -21,6 +22,8 @@
  */
 struct pair_phase {
     struct segment segment[SCENE_CONTACTS];
+    bool is_chain; /* all contacts in touch move as a chain (touch/chain.h), without segments */
+    struct chain chain;
     double longest, time; /* limit and length of the phase [s] */
     int terminal;         /* the contact with a terminal event at the phase's end; -1: none */
     enum contact_regime next;
@@ -177,14 +180,21 @@ static double tolerance_of(const struct scene_values *v, const struct scene_stat
     return fmax(1e-3 * asked * (distance / size), 8.0 * DBL_EPSILON * size);
 }
 
+/* Whether a chain may be made: contacts act on each other through free bodies. */
+static bool may_be_chain(const struct scene_values *v, const struct scene_state *q)
+{
+    bool any = false;
+    for (int j = 0; SCENE_HAS_CHAINS && j < SCENE_CONTACTS; ++j) {
+        any = any || contact_is_coupled(v, q, j);
+    }
+    return SCENE_HAS_CHAINS && any && chain_may_be(v, q);
+}
+
 /* Whether segments can be made for the contact pairs: neither turning nor rubbing prevents them, and no free
  * body takes part in two contacts that transmit forces. Where something turns, such a body may take part in
  * no other contact at all; else begin_pairs sees to it that no other contact begins. */
 static bool pairs_are_alone(const struct scene_values *v, const struct scene_state *q)
 {
-    if (solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN) {
-        return false;
-    }
     for (int j = 0; SCENE_ANY_TURNING && scene_turns(v) && j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(q, j) && !rubbing_is_solvable(v, q, j)) {
             return false;
@@ -196,6 +206,11 @@ static bool pairs_are_alone(const struct scene_values *v, const struct scene_sta
         }
     }
     return true;
+}
+
+static bool is_in_closed_form(const struct scene_values *v, const struct scene_state *q)
+{
+    return solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && (may_be_chain(v, q) || pairs_are_alone(v, q));
 }
 
 /* Returns a bound of the mean speed at which the flight of a contact's bodies changes their separation within
@@ -258,13 +273,15 @@ static double approach_at_most(const struct scene_values *v, const struct scene_
 static const double NEARBY = 1e-3;
 
 /* Returns a time for which contacts that are apart stay so while other contacts act on their bodies [s]; 0
- * where one is too near or a body is prescribed. No gap changes faster than the separation. */
+ * where one is too near or a body is prescribed. No gap changes faster than the separation. The gaps of a
+ * chain do not count; NULL: there is none. */
 static double others_apart_for(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_instant *at, double longest)
+                               const struct scene_instant *at, const struct chain *chain, double longest)
 {
     double time = longest;
     for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
-        if (contact_transmits(q, j) || !contact_is_coupled(v, q, j)) {
+        if (contact_transmits(q, j) || !contact_is_coupled(v, q, j) ||
+            (SCENE_HAS_CHAINS && chain != NULL && chain_has(chain, j))) {
             continue;
         }
         const double room = at->geometry[j].gap - NEARBY * contact_source_radius(v, j);
@@ -317,13 +334,42 @@ static bool add_pair(struct pair_phase *all, const struct scene_values *v, const
     return true;
 }
 
+/* Makes the chain, as long as contacts that are none of it stay apart. */
+static bool make_chain(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
+                       const struct scene_instant *at, double longest)
+{
+    if (!SCENE_HAS_CHAINS || !may_be_chain(v, q)) {
+        return false;
+    }
+    struct chain *c = &all->chain;
+    all->terminal = -1;
+    all->is_chain = chain_make(c, v, q, at);
+    all->longest = all->is_chain ? others_apart_for(v, q, at, c, longest) : 0.0;
+    if (!(all->longest > 0.0)) {
+        return false;
+    }
+    chain_find_end(c, all->longest);
+    all->time = c->end;
+    all->changes = c->terminal >= 0;
+    all->lifts = false;
+    if (all->changes) {
+        all->terminal = c->contact[c->terminal];
+        all->next = contact_transmits(q, all->terminal) ? REGIME_APART : REGIME_COMPRESSION;
+    }
+    return true;
+}
+
 /* Makes the segments of all pairs. Where one pair shortens the phase, the segments made before are made
  * again, because a segment is most accurate at its own end. */
-static bool make_pairs(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
-                       const struct scene_instant *at, double longest)
+static bool make_segments(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
+                          const struct scene_instant *at, double longest)
 {
     all->longest = all->time = longest;
     all->terminal = -1;
+    all->is_chain = false;
+    if (!pairs_are_alone(v, q)) {
+        return false;
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         all->segment[j].kind = SEGMENT_CLOSED_FORM; /* pairs without a segment need values, too */
         all->segment[j].unit = all->segment[j].end = 0.0;
@@ -458,7 +504,12 @@ static void follow_pairs(struct pair_phase *all, const struct scene_values *v, s
         q->clock = q->phase.clock;
     }
     const double stored = stored_in_separating(v, q);
-    for (int j = 0; time > 0.0 && j < SCENE_CONTACTS; ++j) {
+    if (SCENE_HAS_CHAINS && all->is_chain && time > 0.0) {
+        chain_advance(&all->chain, from, time, v, q);
+        counter_add(&q->counters.steps, 1);
+        counter_add(&q->counters.force_evaluations, 1);
+    }
+    for (int j = 0; !all->is_chain && time > 0.0 && j < SCENE_CONTACTS; ++j) {
         if (has_segment(v, q, j)) {
             struct segment *p = &all->segment[j];
             const bool is_shortened = j == all->terminal || time < segment_time(p, p->end);
@@ -483,10 +534,13 @@ static void follow_pairs(struct pair_phase *all, const struct scene_values *v, s
     q->phase.followed = clock;
 }
 
+/* The work of a chain for each contact in touch, in steps in closed form. */
+static const long CHAIN_WORK = 4;
+
 static long work_of_pairs(const struct pair_phase *all)
 {
-    long sum = 0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+    long sum = all->is_chain ? CHAIN_WORK * all->chain.touching : 0;
+    for (int j = 0; !all->is_chain && j < SCENE_CONTACTS; ++j) {
         sum += all->segment[j].work;
     }
     return sum;
@@ -505,7 +559,8 @@ static bool restore_pairs(struct pair_phase *all, const struct scene_values *v, 
     start.clock = start.phase.clock;
     scene_kinematics_now(v, &start, &at);
     all->made_from = q->phase;
-    return make_pairs(all, v, &start, &at, q->phase.longest);
+    return make_chain(all, v, &start, &at, q->phase.longest) ||
+           make_segments(all, v, &start, &at, q->phase.longest);
 }
 
 /* Whether a longer phase does harm: each reading of it would cost more, or the places of a deep contact, as
@@ -514,7 +569,7 @@ static bool longer_does_harm(const struct pair_phase *all, const struct scene_va
                              const struct scene_state *q)
 {
     bool any = false;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+    for (int j = 0; !all->is_chain && j < SCENE_CONTACTS; ++j) {
         const struct segment *p = &all->segment[j];
         any = any || (has_segment(v, q, j) && segment_is_deep(p)) ||
               (SCENE_ANY_FRICTION && p->rubs && rubbing_is_long(p, v, q, j));
@@ -522,25 +577,28 @@ static bool longer_does_harm(const struct pair_phase *all, const struct scene_va
     return any;
 }
 
-/* Begins a phase up to the clock `until`, or earlier. Returns false where that fails. */
+/* Begins a phase up to the clock `until`, or earlier: of a chain, or of pairs alone as long as the others
+ * stay apart. Returns false where that fails. */
 static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, struct scene_state *q,
                         double until, struct advance *step)
 {
-    double longest = others_apart_for(v, q, advance_now(step, v, q), until - q->clock);
-    const bool cut = longest < until - q->clock;
-    until = cut ? q->clock + longest : until;
-    if (!(until > q->clock)) {
-        return false;
-    }
+    double longest = until - q->clock;
     if (until > step->clock_end) {
         step->is_now = false; /* the instant is computed as restore_pairs computes it */
     }
     all->made_from.end = 0.0;
-    bool made = make_pairs(all, v, q, advance_now(step, v, q), longest);
+    bool made = make_chain(all, v, q, advance_now(step, v, q), longest);
+    const double apart = made ? all->longest : others_apart_for(v, q, advance_now(step, v, q), NULL, longest);
+    const bool cut = apart < longest;
+    if (cut) {
+        longest = apart;
+        until = q->clock + longest;
+    }
+    made = made || (until > q->clock && make_segments(all, v, q, advance_now(step, v, q), longest));
     if (made && until > step->clock_end && longer_does_harm(all, v, q)) {
         until = step->clock_end;
         longest = until - q->clock;
-        made = make_pairs(all, v, q, advance_now(step, v, q), longest);
+        made = make_segments(all, v, q, advance_now(step, v, q), longest);
     }
     if (!made) {
         return false;
@@ -701,7 +759,7 @@ static const struct motion_phase {
 #if SCENE_ANY_PRESCRIBED_CONTACT
     {is_prescribed, advance_prescribed},
 #endif
-    {is_flight, advance_flight},         {pairs_are_alone, advance_pairs},
+    {is_flight, advance_flight},         {is_in_closed_form, advance_pairs},
 #if SCENE_HAS_GENERAL
     {is_general, advance_general},
 #endif

@@ -49,7 +49,7 @@ struct collocation_problem {
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A [m/s^2, ...] */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E [m/s, ...] */
     bool has_mismatch;                                        /* whether E is other than zero */
-    bool at_rim; /* contact at the rim of a capped cylinder, where n, H and f follow from rim.h */
+    bool at_rim; /* contact at a rim or a torus, where n, H and f follow from rim.h */
     struct rim_start rim;
 };
 

@@ -1,7 +1,8 @@
 /*
- * The rim of a capped cylinder in local coordinates: a circle of radius r_d about the axis e. The normal n
- * has two curvatures there. Its coordinates are the azimuth, by which the direction a from the axis to the
- * centre turns, and the tilt of n from a. Their momenta are h and L:
+ * A circle about the axis e in local coordinates: the rim of a capped cylinder, of radius r_d, or the middle
+ * of a torus's tube, of radius R in place of r_d. The normal n has two curvatures there. Its coordinates are
+ * the azimuth, by which the direction a from the axis to the centre turns, and the tilt of n from a. Their
+ * momenta are h and L:
  *
  *   n = cos(tilt) a - sin(tilt) e,   rho = r_d + d cos(tilt),   b = e x a
  *   azimuth' = h / rho^2,   h' = rho b.A

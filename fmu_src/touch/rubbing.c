@@ -12,6 +12,7 @@
 #include "touch/rubbing.h"
 
 #include <float.h>
+#include <stdlib.h>
 
 #include "math/rotor.h"
 #include "scene/evaluate.h"

@@ -1160,8 +1160,8 @@ static struct vec3 at_face(struct segment *p, const struct pair_change *change, 
     return sum;
 }
 
-/* Returns the torque's impulse over [0, s] [N m s]; `change` is the motion at s. At skew cylinders it adds the
- * impulse on the source, foot x F, to `of_source`; the lever of the destination is shorter by the foot. */
+/* Returns the torque's impulse over [0, s] [N m s]; `change` is the motion at s. At skew cylinders it adds
+ * the impulse on the source, foot x F, to `of_source`, and the foot shortens the destination's lever. */
 static struct vec3 torque_impulse(struct segment *p, const struct pair_change *change, double s,
                                   struct vec3 *of_source)
 {

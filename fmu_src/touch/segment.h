@@ -102,10 +102,10 @@ struct segment {
     struct dense_output output;
     double parting; /* s of the release, if `make` finds it; INFINITY: none; NaN: the samples tell */
     struct terminal_event terminal;
-    bool leaves_zone; /* the terminal event leaves the zone of the shape; the regime goes on */
-    bool rubs;        /* the contact has friction (rubbing.h) */
-    bool may_pull;    /* it rubs and its dashpot may pull: the sign of F_n is an event */
-    bool is_lifted;   /* in such a contact: F_n < 0 at the start */
+    bool leaves_zone;         /* the terminal event leaves the zone of the shape; the regime goes on */
+    bool rubs;                /* the contact has friction (rubbing.h) */
+    bool may_pull;            /* it rubs and its dashpot may pull: the sign of F_n is an event */
+    bool is_lifted;           /* in such a contact: F_n < 0 at the start */
     bool may_be_quasi_static; /* quasi_static_applies: the first coefficients of the series decide */
     /* Only the kinds and the search for peaks read the members below. */
     enum segment_kind kind;
@@ -193,8 +193,8 @@ double hertz_coasting_time(const struct segment *p);
  * negligible beside the load. An oscillation that touches zero then has no events by rounding. */
 bool hertz_hardly_parts(const struct contact_pair *from, double speed);
 
-/* Whether the terminal event is the end of a zone of a capped cylinder or of skew cylinders. The regime then goes on in the next
- * zone. */
+/* Whether the terminal event is the end of a zone of a capped cylinder or of skew cylinders. The regime then
+ * goes on in the next zone. */
 static inline bool zone_end_is_terminal(const struct segment *p)
 {
     return SCENE_ANY_ZONES && p->leaves_zone;

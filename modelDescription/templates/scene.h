@@ -82,6 +82,7 @@
 {% set lever = any_turning and (any_cylinder or any_plane or any_caps or any_torus or any_compound) %}
 #define SCENE_HAS_TORQUES {{ lever | int }} /* may a normal force have a torque? never about a sphere's centre */
 #define SCENE_HAS_CVODE {{ has_cvode | int }} /* may CVODE be needed? else SUNDIALS is not linked */
+#define SCENE_HAS_CHAINS {{ (scene.contacts | length > 1 and any_linear and any_free) | int }} /* may contacts be a chain? */
 #define SCENE_HAS_GENERAL {{ has_general | int }} /* may event_driven need the general segment? */
 
 /* Every row of variables.toml, whether this scene has it or not. */

@@ -28,6 +28,7 @@ ASKS_FOR_CONSTANTS = r"\bcontact_(?:coefficients|factors)_of\("
 FAST_PATHS = {
     "fmu_src/touch/pair.c",
     "fmu_src/touch/segment.c",
+    "fmu_src/touch/chain.c",
     "fmu_src/flight/relative_path.c",
 }
 FACTORS = {

@@ -75,7 +75,8 @@ def test_communication_points_and_saved_states_end_no_step_of_an_island(fmu_path
             ends.append(run(fmu, steps))
             evaluations.append(fmu["solver.force_evaluations"])
         check_close("the end", ends[1], ends[0], 1e-9)
-        assert evaluations[1] < 2 * evaluations[0]
+        # the phase of a chain that follows an event in a short step ends with the step, the next is long
+        assert evaluations[1] < (4 if law == "linear" else 2) * evaluations[0]
         fmu.reset()
         fmu.start(start, tolerance=1e-9)
         within = run(fmu, 997, last=0.02)  # the balls overlap

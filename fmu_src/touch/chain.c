@@ -1,0 +1,679 @@
+#include "touch/chain.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "flight/flight.h"
+#include "math/polynomial.h"
+#include "scene/evaluate.h"
+
+#if SCENE_HAS_CHAINS
+
+/* Directions that differ by so many roundings are the same. Velocities and accelerations across a normal are
+ * zero if they are below so many roundings of the largest of the scene. */
+static const double CHAIN_SAME = 256.0 * DBL_EPSILON;
+
+/* Least stiffness of a mode, as a part of the largest: a smaller eigenvalue is a rounding of zero. */
+static const double LEAST_STIFFNESS = 16.0 * DBL_EPSILON;
+
+/* Longest phase in which events are looked for [radians of the fastest mode]: it costs some milliseconds. */
+static const double CHAIN_LONGEST = 10000.0;
+
+bool chain_may_be(const struct scene_values *v, const struct scene_state *q)
+{
+    int touching = 0;
+    if (scene_turns(v)) {
+        return false;
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_transmits(q, j)) {
+            const struct contact_law law = scene_contact_law(v, q, j);
+            const double k = contact_coefficients_of(&law, REGIME_COMPRESSION).k; /* 0 under Hertz's law */
+            if (!contact_is_elastic(&law) || !(k > 0.0)) {
+                return false;
+            }
+            touching += 1;
+        }
+    }
+    return touching > 0 && touching <= CHAIN_MOST;
+}
+
+/* Whether a vector has no part across the normal of a contact that turns the normal or moves the point of
+ * contact of a torque, but for rounding of vectors of this size. */
+static bool goes_along(const struct contact_shape *shape, struct vec3 normal, struct vec3 a, double size)
+{
+    if (!SCENE_HAS_TORQUES && contact_is_plane(shape)) {
+        return true;
+    }
+    const struct vec3 across = SCENE_HAS_TORQUES ? a : contact_across(shape, a);
+    return vec3_max_abs(vec3_axpy(across, -vec3_dot(normal, across), normal)) <= CHAIN_SAME * size;
+}
+
+static bool has_constant_force(const struct scene_values *v, const struct scene_state *q, int body)
+{
+    return body_is_free(v, body)
+               ? vec3_is_zero(q->path[body].force[1]) && vec3_is_zero(q->path[body].force[2])
+               : !body_is_prescribed(v, body);
+}
+
+/* Whether n keeps its direction while the bodies fly, and the gap is a parabola. */
+static bool flies_along(const struct chain *c, const struct scene_values *v, const struct scene_state *q,
+                        const struct scene_instant *at, int contact, const struct contact_shape *shape,
+                        const struct separation_path *flight)
+{
+    const struct contact_geometry *g = &at->geometry[contact];
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const bool may_turn_over = !contact_is_plane(shape) && shape->side < 0 && !contact_transmits(q, contact);
+    if (g->degenerate || may_turn_over || contact_is_zoned(shape) || scene_ends_suddenly(v, contact) ||
+        !has_constant_force(v, q, source) || !has_constant_force(v, q, destination)) {
+        return false;
+    }
+    return goes_along(shape, g->normal, flight->c[1], c->speed) &&
+           goes_along(shape, g->normal, flight->c[2], c->pull);
+}
+
+/* Returns W_ij [1/kg] without the factor u_i.u_j. */
+static double shared_inverse_mass(const struct scene_values *v, int i, int j)
+{
+    const int ends[2][2] = {{contact_source(i), contact_destination(i)},
+                            {contact_source(j), contact_destination(j)}};
+    double sum = 0.0;
+    for (int k = 0; k < 4; ++k) {
+        const int a = k / 2;
+        const int b = k % 2;
+        if (ends[0][a] == ends[1][b] && body_is_free(v, ends[0][a])) {
+            sum += (a == b ? 1.0 : -1.0) / body_mass(v, ends[0][a]);
+        }
+    }
+    return sum;
+}
+
+static bool chain_add(struct chain *c, const struct scene_values *v, const struct scene_state *q,
+                      const struct scene_instant *at, int contact)
+{
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct separation_path flight = separation_path_of(v, q, at, q->clock, contact);
+    const int i = c->rows;
+    if (i == CHAIN_MOST || !flies_along(c, v, q, at, contact, &shape, &flight)) {
+        return false;
+    }
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    c->contact[i] = contact;
+    c->push[i] = vec3_scale(shape.side, g->normal);
+    c->lever[i] = vec3_make(0.0, 0.0, 0.0);
+    if (shape.destination != SHAPE_SPHERE) {
+        c->lever[i] = vec3_axpy(flight.c[0], -vec3_dot(flight.c[0], c->push[i]), c->push[i]);
+    }
+    c->gap[i] = g->gap;
+    c->rate[i] = g->gap_rate;
+    c->acceleration[i] = 2.0 * vec3_dot(c->push[i], contact_across(&shape, flight.c[2]));
+    c->root[i] = sqrt(contact_coefficients_of(&law, REGIME_COMPRESSION).k);
+    const double missing = contact_transmits(q, contact) ? c->gap[i] : -c->gap[i];
+    c->offset[i] = fmax(missing, 0.0) + rounding_of_gap(v, at, contact);
+    c->rows += 1;
+    return true;
+}
+
+/* Whether the forces of all contacts in touch leave the normal of a contact as it is. */
+static bool keeps_normal(const struct chain *c, int row, const struct scene_values *v,
+                         const struct scene_state *q)
+{
+    const struct contact_shape shape = scene_contact_shape(v, q, c->contact[row]);
+    for (int j = 0; j < c->touching; ++j) {
+        if (shared_inverse_mass(v, c->contact[row], c->contact[j]) != 0.0 &&
+            !goes_along(&shape, c->push[row], c->push[j], 1.0)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool chain_has(const struct chain *c, int contact)
+{
+    for (int i = 0; i < c->rows; ++i) {
+        if (c->contact[i] == contact) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static double *entry(double (*s)[CHAIN_MOST], int i, int j)
+{
+    return &s[i][j];
+}
+
+/* Turns the rows and columns a and b of S so that S_ab becomes zero, and the rows a and b of Q^T. */
+static void rotate(double (*s)[CHAIN_MOST], double (*q)[CHAIN_MOST], int n, int a, int b)
+{
+    const double theta = 0.5 * (s[b][b] - s[a][a]) / s[a][b];
+    const double t = copysign(1.0, theta) / (fabs(theta) + sqrt(1.0 + theta * theta));
+    const double cosine = 1.0 / sqrt(1.0 + t * t);
+    const double sine = t * cosine;
+    const double moved = t * s[a][b];
+    s[a][a] -= moved;
+    s[b][b] += moved;
+    s[a][b] = 0.0;
+    for (int k = 0; k < n; ++k) {
+        if (k != a && k != b) {
+            double *of_a = k < a ? entry(s, k, a) : entry(s, a, k);
+            double *of_b = k < b ? entry(s, k, b) : entry(s, b, k);
+            const double before = *of_a;
+            *of_a = cosine * before - sine * *of_b;
+            *of_b = sine * before + cosine * *of_b;
+        }
+        const double before = q[a][k];
+        q[a][k] = cosine * before - sine * q[b][k];
+        q[b][k] = sine * before + cosine * q[b][k];
+    }
+}
+
+/* Jacobi's method needs some six sweeps; with more it would go round in roundings. */
+enum { SWEEPS = 30 };
+
+/* Diagonalizes a symmetric matrix, of which the upper half is given: its diagonal becomes the eigenvalues,
+ * the rows of `q` the eigenvectors. Source: G. Golub, C. Van Loan, Matrix Computations (2013), 8.5. */
+static void diagonalize(double (*s)[CHAIN_MOST], double (*q)[CHAIN_MOST], int n)
+{
+    bool rotates = true;
+    for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n; ++j) {
+            q[i][j] = i == j;
+        }
+    }
+    for (int sweep = 0; sweep < SWEEPS && rotates; ++sweep) {
+        rotates = false;
+        for (int a = 0; a < n; ++a) {
+            for (int b = a + 1; b < n; ++b) {
+                if (fabs(s[a][b]) > 0.25 * DBL_EPSILON * sqrt(fabs(s[a][a] * s[b][b]))) {
+                    rotate(s, q, n, a, b);
+                    rotates = true;
+                }
+            }
+        }
+    }
+}
+
+/* Sets the frequencies, and the modes as they begin. */
+static void make_modes(struct chain *c, const struct scene_values *v)
+{
+    double s[CHAIN_MOST][CHAIN_MOST];
+    double q[CHAIN_MOST][CHAIN_MOST];
+    const int n = c->touching;
+    for (int i = 0; i < n; ++i) {
+        for (int j = i; j < n; ++j) {
+            s[i][j] = c->root[i] * c->root[j] * vec3_dot(c->push[i], c->push[j]) *
+                      shared_inverse_mass(v, c->contact[i], c->contact[j]);
+        }
+    }
+    diagonalize(s, q, n);
+    double largest = 0.0;
+    for (int k = 0; k < n; ++k) {
+        largest = fmax(largest, s[k][k]);
+    }
+    c->fastest = sqrt(largest);
+    for (int k = 0; k < n; ++k) {
+        double z = 0.0;
+        double rate = 0.0;
+        double load = 0.0;
+        for (int j = 0; j < n; ++j) {
+            z += q[k][j] * c->root[j] * c->gap[j];
+            rate += q[k][j] * c->root[j] * c->rate[j];
+            load += q[k][j] * c->root[j] * c->acceleration[j];
+            c->mode[j][k] = q[k][j] / c->root[j];
+        }
+        const double stiffness = s[k][k] > LEAST_STIFFNESS * largest ? s[k][k] : 0.0;
+        c->frequency[k] = sqrt(stiffness);
+        c->start[k] = z;
+        c->start_rate[k] = rate;
+        c->start_bend[k] = load - stiffness * z;
+    }
+    for (int i = n; i < c->rows; ++i) {
+        for (int k = 0; k < n; ++k) {
+            c->mode[i][k] = 0.0;
+            for (int j = 0; j < n; ++j) {
+                const double shared = shared_inverse_mass(v, c->contact[i], c->contact[j]);
+                c->mode[i][k] -=
+                    shared * vec3_dot(c->push[i], c->push[j]) * c->root[j] * c->root[j] * c->mode[j][k];
+            }
+        }
+    }
+}
+
+/* The change of a mode since the start, z', and the first and second integral of z. */
+struct mode_at {
+    double change, rate, integral, second;
+};
+
+#define RECIPROCALS_OF(i) 1.0 / (i), 1.0 / ((i) + 1), 1.0 / ((i) + 2), 1.0 / ((i) + 3), 1.0 / ((i) + 4)
+static const double RECIPROCAL[] = {0.0, RECIPROCALS_OF(1), RECIPROCALS_OF(6), RECIPROCALS_OF(11),
+                                    RECIPROCALS_OF(16)};
+
+/* Returns (x - sin x)/x^3, or with `next` (x^2/2 - 1 + cos x)/x^4: the series 1/p! - x^2/(p+2)! + ... */
+static double sine_remainder(double x, bool next)
+{
+    const double square = x * x;
+    if (x < 1.0) {
+        double sum = 0.0;
+        for (int p = next ? 20 : 19; p > 4; p -= 2) {
+            sum = (1.0 - square * sum) * (RECIPROCAL[p] * RECIPROCAL[p - 1]);
+        }
+        return (1.0 - square * sum) / (next ? 24.0 : 6.0);
+    }
+    const double half = sin(0.5 * x);
+    return next ? (0.5 * square - 2.0 * half * half) / (square * square) : (x - sin(x)) / (square * x);
+}
+
+static struct mode_at mode_at(const struct chain *c, int k, double t, bool with_integrals)
+{
+    const double omega = c->frequency[k];
+    const double x = omega * t;
+    const double sine = sin(0.5 * x);
+    const double cosine = cos(0.5 * x);
+    const double first = x > 0.0 ? 2.0 * sine * cosine / omega : t; /* sin(x) / omega, and its integral */
+    const double second = x > 0.0 ? 2.0 * sine * sine / (omega * omega) : 0.5 * t * t;
+    struct mode_at mode = {.change = c->start_rate[k] * first + c->start_bend[k] * second,
+                           .rate = c->start_rate[k] * (1.0 - 2.0 * sine * sine) + c->start_bend[k] * first};
+    if (with_integrals) {
+        const double cube = t * t * t;
+        const double third = cube * sine_remainder(x, false);
+        const double fourth = cube * t * sine_remainder(x, true);
+        mode.integral = c->start[k] * t + c->start_rate[k] * second + c->start_bend[k] * third;
+        mode.second = 0.5 * c->start[k] * t * t + c->start_rate[k] * third + c->start_bend[k] * fourth;
+    }
+    return mode;
+}
+
+/* All modes at one time since the start; contacts apart need the integrals. */
+struct chain_instant {
+    double time;
+    struct mode_at mode[CHAIN_MOST];
+};
+
+static void chain_at(const struct chain *c, double time, struct chain_instant *at, bool with_integrals)
+{
+    at->time = time;
+    for (int k = 0; k < c->touching; ++k) {
+        at->mode[k] = mode_at(c, k, time, with_integrals);
+    }
+}
+
+/* g, g' and g'' of a contact. */
+struct gap_at {
+    double gap, rate, bend;
+};
+
+static struct gap_at chain_gap_at(const struct chain *c, int row, const struct chain_instant *at)
+{
+    const bool touches = row < c->touching;
+    const double t = at->time;
+    const double a = touches ? 0.0 : c->acceleration[row];
+    const double flown = touches ? 0.0 : c->rate[row];
+    struct gap_at g = {c->gap[row] + t * (flown + 0.5 * t * a), flown + t * a, a};
+    for (int k = 0; k < c->touching; ++k) {
+        const struct mode_at *mode = &at->mode[k];
+        const double part = c->mode[row][k];
+        const double bend = c->start_bend[k] - c->frequency[k] * c->frequency[k] * mode->change;
+        g.gap += part * (touches ? mode->change : mode->second);
+        g.rate += part * (touches ? mode->rate : mode->integral);
+        g.bend += part * (touches ? bend : c->start[k] + mode->change);
+    }
+    return g;
+}
+
+/* Bounds of a mode for all time. A mode without frequency moves no gap: the bodies cannot move so. */
+struct mode_bound {
+    double middle, swing; /* of the change of z: it stays within middle +- swing */
+};
+
+static struct mode_bound bound_of(const struct chain *c, int k)
+{
+    const double omega = c->frequency[k];
+    if (omega > 0.0) {
+        const double along = omega * c->start_rate[k];
+        const double bend = sqrt(c->start_bend[k] * c->start_bend[k] + along * along);
+        return (struct mode_bound){c->start_bend[k] / (omega * omega), bend / (omega * omega)};
+    }
+    return (struct mode_bound){0.0, 0.0};
+}
+
+/* Bounds of the gap of a contact in touch. */
+struct gap_bound {
+    double least, most;
+};
+
+static struct gap_bound gap_bound_of(const struct chain *c, int row)
+{
+    double middle = c->gap[row];
+    double swing = 0.0;
+    for (int k = 0; k < c->touching; ++k) {
+        const struct mode_bound mode = bound_of(c, k);
+        middle += c->mode[row][k] * mode.middle;
+        swing += fabs(c->mode[row][k]) * mode.swing;
+    }
+    return (struct gap_bound){middle - swing, middle + swing};
+}
+
+/* A piece of the motion lasts a radian of the fastest mode. There a Taylor polynomial of degree 12 about the
+ * middle has an error of 0.5^13/13! = 2e-14 of the modes. */
+enum { CHAIN_TERMS = BERNSTEIN_MOST };
+
+/* The Taylor coefficients of all modes about the middle of a piece, by the time divided by half the piece. */
+struct chain_piece {
+    struct chain_instant middle;
+    double half; /* [s] */
+    double z[CHAIN_MOST][CHAIN_TERMS];
+};
+
+static void make_piece(const struct chain *c, double from, double to, struct chain_piece *piece)
+{
+    const double half = 0.5 * (to - from);
+    piece->half = half;
+    chain_at(c, from + half, &piece->middle, c->rows > c->touching);
+    for (int k = 0; k < c->touching; ++k) {
+        const struct mode_at *mode = &piece->middle.mode[k];
+        const double square = c->frequency[k] * c->frequency[k];
+        double *z = piece->z[k];
+        z[0] = c->start[k] + mode->change;
+        z[1] = half * mode->rate;
+        z[2] = 0.5 * half * half * (c->start_bend[k] - square * mode->change);
+        for (int n = 3; n < CHAIN_TERMS; ++n) {
+            z[n] = -square * half * half * z[n - 2] * RECIPROCAL[n] * RECIPROCAL[n - 1];
+        }
+    }
+}
+
+/* The event function of a contact in a piece, as a polynomial of x in [-1, 1]. It falls through zero where
+ * the contact begins or ends. */
+struct chain_event {
+    double of[CHAIN_TERMS];
+};
+
+static void make_event(const struct chain *c, int row, const struct chain_piece *piece,
+                       struct chain_event *event)
+{
+    const struct gap_at g = chain_gap_at(c, row, &piece->middle);
+    const bool touches = row < c->touching;
+    const double sign = touches ? -1.0 : 1.0;
+    const double square = piece->half * piece->half;
+    const int back = touches ? 0 : 2; /* orders of the second integral of z */
+    double *of = event->of;
+    memset(of, 0, sizeof event->of);
+    for (int k = 0; k < c->touching; ++k) {
+        const double part = sign * c->mode[row][k];
+        for (int n = 3; n < CHAIN_TERMS; ++n) {
+            of[n] += part * piece->z[k][n - back];
+        }
+    }
+    for (int n = 3; n < CHAIN_TERMS && !touches; ++n) {
+        of[n] *= square * RECIPROCAL[n] * RECIPROCAL[n - 1];
+    }
+    of[0] = sign * g.gap + c->offset[row];
+    of[1] = sign * piece->half * g.rate;
+    of[2] = sign * 0.5 * square * g.bend;
+}
+
+/* Whether the function stays positive by the size of its terms. */
+static bool is_clear(const struct chain_event *event)
+{
+    double size = 0.0;
+    for (int n = 1; n < CHAIN_TERMS; ++n) {
+        size += fabs(event->of[n]);
+    }
+    return event->of[0] > size;
+}
+
+static void chain_event_at(const void *data, double place, double *value, double *slope)
+{
+    const struct chain_event *event = data;
+    const double x = 2.0 * place - 1.0;
+    *value = event->of[CHAIN_TERMS - 1];
+    *slope = 0.0;
+    for (int n = CHAIN_TERMS - 2; n >= 0; --n) {
+        *slope = *slope * x + *value;
+        *value = *value * x + event->of[n];
+    }
+    *slope *= 2.0;
+}
+
+/* Returns where a contact begins or ends within a piece that begins at `from`, INFINITY: it does not. */
+static double change_within(const struct chain *c, int row, const struct chain_piece *piece, double from)
+{
+    struct chain_event event;
+    double of[CHAIN_TERMS];
+    make_event(c, row, piece, &event);
+    if (is_clear(&event)) {
+        return (double)INFINITY;
+    }
+    memcpy(of, event.of, sizeof of);
+    bernstein_from_taylor(of, CHAIN_TERMS);
+    if (from > 0.0 && of[0] <= 0.0) { /* it changes between two pieces */
+        return from;
+    }
+    const struct bernstein_fall fall = bernstein_first_fall(of, CHAIN_TERMS, 0.0);
+    return fall.low < (double)INFINITY
+               ? from + 2.0 * piece->half * root_in_bracket(chain_event_at, &event, fall.low, fall.high)
+               : (double)INFINITY;
+}
+
+void chain_find_end(struct chain *c, double longest)
+{
+    bool may_change[CHAIN_MOST];
+    bool any = false;
+    for (int i = 0; i < c->rows; ++i) {
+        may_change[i] = i >= c->touching || gap_bound_of(c, i).most >= 0.0;
+        any = any || may_change[i];
+    }
+    c->terminal = -1;
+    c->end = any ? fmin(longest, CHAIN_LONGEST / c->fastest) : longest;
+    for (double from = 0.0; any && from < c->end;) {
+        struct chain_piece piece;
+        const double to = fmin(from + 1.0 / c->fastest, c->end);
+        make_piece(c, from, to, &piece);
+        for (int i = 0; i < c->rows; ++i) {
+            const double change = may_change[i] ? change_within(c, i, &piece, from) : (double)INFINITY;
+            if (change < c->end) {
+                c->end = change;
+                c->terminal = i;
+            }
+        }
+        from = to;
+    }
+}
+
+static void note_sizes(struct chain *c, const struct scene_values *v, const struct scene_state *q,
+                       const struct scene_instant *at)
+{
+    c->speed = c->pull = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            const double force = vec3_norm(q->path[i].force[0]) / body_mass(v, i);
+            c->speed = fmax(c->speed, vec3_norm(at->velocity[i]));
+            c->pull = fmax(c->pull, vec3_norm(gravity(v)) + force);
+        }
+    }
+}
+
+bool chain_make(struct chain *c, const struct scene_values *v, const struct scene_state *q,
+                const struct scene_instant *at)
+{
+    c->rows = 0;
+    note_sizes(c, v, q, at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_transmits(q, j) && !chain_add(c, v, q, at, j)) {
+            return false;
+        }
+    }
+    c->touching = c->rows;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (!contact_transmits(q, j) && contact_is_coupled(v, q, j) && chain_add(c, v, q, at, j) &&
+            !keeps_normal(c, c->rows - 1, v, q)) {
+            c->rows -= 1;
+        }
+    }
+    for (int i = 0; i < c->touching; ++i) {
+        if (!keeps_normal(c, i, v, q)) {
+            return false;
+        }
+    }
+    make_modes(c, v);
+    for (int i = 0; i < c->touching; ++i) { /* n jumps where a source passes the centre of its destination */
+        const struct contact_shape shape = scene_contact_shape(v, q, c->contact[i]);
+        if (contact_may_reach_centre(&shape) && -gap_bound_of(c, i).least > 0.5 * contact_reach(&shape)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The gap of a contact in touch, as the context of a root_function. */
+struct chain_gap {
+    const struct chain *chain;
+    int row;
+};
+
+static void chain_rate_at(const void *data, double time, double *value, double *slope)
+{
+    const struct chain_gap *of = data;
+    struct chain_instant at;
+    chain_at(of->chain, time, &at, false);
+    const struct gap_at g = chain_gap_at(of->chain, of->row, &at);
+    *value = g.rate;
+    *slope = g.bend;
+}
+
+/* A peak is looked for where it may exceed the one known by this part. */
+static const double CHAIN_WORTH = 1e-9;
+
+/* In this part of a radian of the fastest mode a gap has one extremum at most that counts. */
+static const double CHAIN_PART = 0.5;
+
+/* The search for the peak of a contact in touch. */
+struct chain_peak {
+    struct gap_at before; /* at the start of the present part */
+    double depth;         /* the largest so far [m] */
+    double deepest;       /* bound of the depth [m] */
+};
+
+/* Raises the depth to that at the end of a part, or at a top within. */
+static void raise_peak(struct chain_peak *peak, const struct chain *c, int row,
+                       const struct chain_instant *end, double length)
+{
+    const struct gap_at before = peak->before;
+    const struct gap_at after = chain_gap_at(c, row, end);
+    const double most = fmin(-length * before.rate - before.gap, length * after.rate - after.gap);
+    peak->before = after;
+    peak->depth = fmax(peak->depth, -after.gap);
+    if (before.rate < 0.0 && after.rate > 0.0 && most > peak->depth * (1.0 + CHAIN_WORTH)) {
+        const struct chain_gap of = {c, row};
+        const struct root_bracket_end low = {end->time - length, before.rate, before.bend};
+        const struct root_bracket_end high = {end->time, after.rate, after.bend};
+        struct chain_instant at;
+        chain_at(c, root_between(chain_rate_at, &of, low, high), &at, false);
+        peak->depth = fmax(peak->depth, -chain_gap_at(c, row, &at).gap);
+    }
+}
+
+/* Notes the largest forces and depths of the contacts in touch between two times. */
+static void note_peaks_of_chain(const struct chain *c, double from, double to, const struct scene_values *v,
+                                struct scene_state *q)
+{
+    struct chain_peak peak[CHAIN_MOST];
+    struct chain_instant at;
+    bool any = true;
+    chain_at(c, from, &at, false);
+    for (int i = 0; i < c->touching; ++i) {
+        peak[i].before = chain_gap_at(c, i, &at);
+        peak[i].depth = fmax(q->contact[c->contact[i]].peaks.penetration, -peak[i].before.gap);
+        peak[i].deepest = -gap_bound_of(c, i).least;
+    }
+    for (double time = from; time < to && any;) {
+        const double next = fmin(time + CHAIN_PART / c->fastest, to);
+        chain_at(c, next, &at, false);
+        any = false;
+        for (int i = 0; i < c->touching; ++i) {
+            if (peak[i].deepest > peak[i].depth * (1.0 + CHAIN_WORTH)) {
+                any = true;
+                raise_peak(&peak[i], c, i, &at, next - time);
+            }
+        }
+        time = next;
+    }
+    for (int i = 0; i < c->touching; ++i) {
+        const struct contact_law law = scene_contact_law(v, q, c->contact[i]);
+        contact_peaks_note(&q->contact[c->contact[i]].peaks,
+                           contact_force(&law, REGIME_COMPRESSION, -peak[i].depth, 0.0), peak[i].depth);
+    }
+}
+
+/* What the contact forces add to the flight of a body. */
+struct body_change {
+    bool is_loaded;
+    struct vec3 moved, velocity;
+};
+
+static void push_body(struct body_change *body, double sign, double mass, struct vec3 push, double impulse,
+                      double second)
+{
+    body->is_loaded = true;
+    body->velocity = vec3_axpy(body->velocity, sign * impulse / mass, push);
+    body->moved = vec3_axpy(body->moved, sign * second / mass, push);
+}
+
+/* Flies a body and adds the change, which does work too against the external force. */
+static void move_body_by(const struct body_change *by, double time, const struct scene_values *v,
+                         struct scene_state *q, int body)
+{
+    struct vec3 force[3];
+    flight_force(q, body, q->clock, force);
+    if (!path_rests(force)) {
+        q->external_work += flight_work(v, body, q->body[body], force, time) + vec3_dot(force[0], by->moved);
+    }
+    const struct body_state flown = flight_from(v, body, q->body[body], force, time);
+    q->body[body].moved = vec3_add(flown.moved, by->moved);
+    q->body[body].velocity = vec3_add(flown.velocity, by->velocity);
+}
+
+void chain_advance(const struct chain *c, double from, double time, const struct scene_values *v,
+                   struct scene_state *q)
+{
+    struct body_change change[SCENE_BODIES] = {{.is_loaded = false}};
+    struct chain_instant at;
+    if (from < time) {
+        note_peaks_of_chain(c, from, time, v, q);
+    }
+    chain_at(c, time, &at, true);
+    for (int i = 0; i < c->touching; ++i) {
+        const int contact = c->contact[i];
+        struct contact_state *state = &q->contact[contact];
+        const int ends[2] = {contact_source(contact), contact_destination(contact)};
+        double impulse = 0.0; /* integral of F = -k g */
+        double second = 0.0;
+        for (int k = 0; k < c->touching; ++k) {
+            impulse -= c->root[i] * c->root[i] * c->mode[i][k] * at.mode[k].integral;
+            second -= c->root[i] * c->root[i] * c->mode[i][k] * at.mode[k].second;
+        }
+        for (int end = 0; end < 2; ++end) {
+            if (body_is_free(v, ends[end])) {
+                push_body(&change[ends[end]], end == 0 ? -1.0 : 1.0, body_mass(v, ends[end]), c->push[i],
+                          impulse, second);
+            }
+        }
+        state->physics.impulse = vec3_axpy(state->physics.impulse, -impulse, c->push[i]);
+        if (SCENE_HAS_TORQUES) {
+            state->torques.destination_impulse =
+                vec3_axpy(state->torques.destination_impulse, -impulse, vec3_cross(c->lever[i], c->push[i]));
+        }
+        state->physics.accumulated_gap = chain_gap_at(c, i, &at).gap;
+        state->physics.rate_rounding = 0.0;
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (change[i].is_loaded) {
+            move_body_by(&change[i], time, v, q, i);
+        }
+    }
+}
+
+#endif

@@ -1,0 +1,71 @@
+/*
+ * A chain: contacts without damping under the linear law that share free bodies and whose normals never turn,
+ * as in a row of balls that hit each other head-on, or where balls meet planes. Its motion is a sum of modes
+ * in closed form, however stiff the contacts are.
+ *
+ * Let u = side n be the direction in which a contact pushes its destination, so that g' = u.(v_d - v_s). The
+ * gaps obey
+ *
+ *   g'' = W F + a,   F = -k g in touch, else 0
+ *
+ * with the Delassus operator W (W_ij sums u_i.u_j / m over shared free bodies, negative where the body is the
+ * source of one contact and the destination of the other) and the relative acceleration a without contact
+ * forces. With y = sqrt(k) g for the contacts in touch and S = sqrt(k) W sqrt(k) = Q L Q^T
+ *
+ *   z = Q^T y,   z'' + L z = b = Q^T sqrt(k) a
+ *
+ * so that each z is an oscillator under a constant load. Velocities and places follow from the first and
+ * second integrals of z, which are closed forms as well.
+ */
+#ifndef CONTACT_TOUCH_CHAIN_H
+#define CONTACT_TOUCH_CHAIN_H
+
+#include "flight/relative_path.h"
+
+/* Contacts of a chain at most, with those that are apart. The eigenvalues cost some 30 n^3 operations for n
+ * contacts in touch, once for each phase. */
+enum { CHAIN_MOST = SCENE_CONTACTS < 48 ? SCENE_CONTACTS : 48 };
+
+struct chain {
+    /* contacts in touch, which come first; with those apart whose gaps the chain changes head-on */
+    int touching, rows;
+    int contact[CHAIN_MOST];
+    struct vec3 push[CHAIN_MOST];    /* u */
+    struct vec3 lever[CHAIN_MOST];   /* part of c across u, which gives the torque on a destination [m] */
+    double gap[CHAIN_MOST];          /* g at the start [m] */
+    double rate[CHAIN_MOST];         /* g' at the start [m/s] */
+    double acceleration[CHAIN_MOST]; /* a [m/s^2] */
+    double root[CHAIN_MOST];         /* sqrt(k) of a contact in touch [sqrt(N/m)] */
+    /* row i: how modes add to the gap of a contact in touch, or how their second integrals add to that of a
+     * contact apart */
+    double mode[CHAIN_MOST][CHAIN_MOST];
+    double frequency[CHAIN_MOST];  /* sqrt(L) [1/s] */
+    double start[CHAIN_MOST];      /* z at the start [sqrt(N m)] */
+    double start_rate[CHAIN_MOST]; /* z' */
+    double start_bend[CHAIN_MOST]; /* z'' */
+    double offset[CHAIN_MOST];     /* a contact changes where its gap passes zero by more than this [m] */
+    double fastest;                /* the largest frequency [1/s] */
+    double speed, pull; /* largest speed [m/s] and acceleration [m/s^2] of free bodies at the start */
+    double end;         /* the time at which the first contact changes, or the time asked for [s] */
+    int terminal;       /* the row of this contact; -1: none changes */
+};
+
+/* Whether the contacts in touch may be a chain, by their laws; chain_make tells by their motion. */
+bool chain_may_be(const struct scene_values *v, const struct scene_state *q);
+
+/* Makes the chain of all contacts in touch from the present instant. Returns false where it is none. */
+bool chain_make(struct chain *c, const struct scene_values *v, const struct scene_state *q,
+                const struct scene_instant *at);
+
+/* Whether the gap of a contact is one of the chain's. */
+bool chain_has(const struct chain *c, int contact);
+
+/* Finds the first contact of the chain that begins or ends within `longest` seconds. */
+void chain_find_end(struct chain *c, double longest);
+
+/* Moves the bodies from the start of the chain to a time since then, and notes peaks since the time `from`
+ * [s]. The caller advances the clock and all bodies without contact force. */
+void chain_advance(const struct chain *c, double from, double time, const struct scene_values *v,
+                   struct scene_state *q);
+
+#endif
