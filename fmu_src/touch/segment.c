@@ -1136,14 +1136,15 @@ static CONTACT_NOINLINE struct vec3 at_side(struct segment *p, const struct pair
     return bends ? vec3_add(sum, of_bend(p, &lever, change, s)) : sum;
 }
 
-/* Returns the torque impulse at a plane, a cap or a rim [N m s]. The products with r contain C along n by
- * rounding only. If C'' is along n there is nothing to integrate. */
+/* Returns the torque impulse at a plane, a cap, a rim or a torus, where C is `flight` [N m s]. The products
+ * with r contain C along n by rounding only. If C'' is along n there is nothing to integrate. */
 static struct vec3 at_face(struct segment *p, const struct pair_change *change, double s,
-                           struct vec3 c[SEPARATION_DEGREE + 1])
+                           const struct vec3 flight[SEPARATION_DEGREE + 1])
 {
+    struct vec3 c[SEPARATION_DEGREE + 1];
     const bool is_circle = contact_is_circle(&p->pair.shape);
-    for (int i = 0; i <= SEPARATION_DEGREE && !is_circle; ++i) { /* bodies at rest may fly far along n */
-        c[i] = contact_across_plane(p->pair.normal, c[i]);
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) { /* bodies at rest may fly far along n */
+        c[i] = is_circle ? flight[i] : contact_across_plane(p->pair.normal, flight[i]);
     }
     const bool vary = !vec3_is_zero(c[3]) || !vec3_is_zero(c[4]);
     bool bends = vary || !vec3_is_zero(vec3_cross(c[2], p->pair.normal));
@@ -1171,15 +1172,15 @@ static struct vec3 torque_impulse(struct segment *p, const struct pair_change *c
         return sum;
     }
     if (contact_is_plane(&pair->shape) || contact_is_circle(&pair->shape)) {
-        struct vec3 lever[SEPARATION_DEGREE + 1];
-        struct vec3 foot[SEPARATION_DEGREE + 1];
-        for (int i = 0; i <= SEPARATION_DEGREE; ++i) { /* at the face the foot is linear in c */
-            foot[i] = contact_foot_along(&pair->shape, pair->flight.c[i]);
-            lever[i] = vec3_sub(pair->flight.c[i], foot[i]);
-        }
-        sum = at_face(p, change, s, lever);
+        sum = at_face(p, change, s, pair->flight.c);
         if (contact_is_skew(&pair->shape)) {
-            *of_source = vec3_axpy(*of_source, -pair->reduced_mass, at_face(p, change, s, foot));
+            struct vec3 foot[SEPARATION_DEGREE + 1]; /* linear in c at the face */
+            for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
+                foot[i] = contact_foot_along(&pair->shape, pair->flight.c[i]);
+            }
+            const struct vec3 of_foot = at_face(p, change, s, foot);
+            sum = vec3_sub(sum, of_foot);
+            *of_source = vec3_axpy(*of_source, -pair->reduced_mass, of_foot);
         }
     } else if (contact_is_cylinder(&pair->shape)) {
         double along[SEPARATION_DEGREE + 1] = {pair->axial}; /* c[0] may lack it */
