@@ -25,11 +25,14 @@ from contact_fmus.pages import Table, show
 
 from .problems import (
     EVENT_DRIVEN,
+    ISLANDS,
+    PAIRS,
     STIFF_TOLERANCE,
     Setting,
     benchmarks,
     law_benchmarks,
     stiff_families,
+    stored_problems,
     turning_problems,
 )
 
@@ -69,12 +72,14 @@ def flight_case(fmu: str) -> Case:
 
 
 def cases() -> list[Case]:
-    """Flight, the benchmark problems, some with friction, by Hertz's law, on a plane or a rim, and both ends of the
-    stiffness sweep, all by event_driven"""
+    """Flight, the benchmark problems, some with friction, by Hertz's law, on a plane or a rim, Newton's
+    cradle, new pairs, and both ends of the stiffness sweep, all by event_driven"""
     stiff = [one for name, family in stiff_families().items() if "undamped" not in name for one in family]
     many = [*benchmarks().values(), *turning_problems().values()]
     named = [(f"{one.name}, {n} step{'s' * (n > 1)}", one, n) for one in many for n in STEPS]
-    named += [(f"{one.name}, 1 step", one, 1) for one in law_benchmarks().values()]
+    cradles = {name: one for name, one in stored_problems(ISLANDS).items() if "cradle" in name}  # a bearing takes long
+    once = law_benchmarks() | cradles | stored_problems(PAIRS)
+    named += [(f"{one.name}, 1 step", one, 1) for one in once.values()]
     named += [
         (f"{one.name}, p_n = {one.penalty_factor:.0e} N/m", one, 1)
         for one in stiff
