@@ -534,12 +534,9 @@ static void follow_pairs(struct pair_phase *all, const struct scene_values *v, s
     q->phase.followed = clock;
 }
 
-/* The work of a chain for each contact in touch, in steps in closed form. */
-static const long CHAIN_WORK = 4;
-
 static long work_of_pairs(const struct pair_phase *all)
 {
-    long sum = all->is_chain ? CHAIN_WORK * all->chain.touching : 0;
+    long sum = SCENE_HAS_CHAINS && all->is_chain ? chain_work(&all->chain) : 0;
     for (int j = 0; !all->is_chain && j < SCENE_CONTACTS; ++j) {
         sum += all->segment[j].work;
     }

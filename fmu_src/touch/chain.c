@@ -16,7 +16,7 @@ static const double CHAIN_SAME = 256.0 * DBL_EPSILON;
 /* Least stiffness of a mode, as a part of the largest: a smaller eigenvalue is a rounding of zero. */
 static const double LEAST_STIFFNESS = 16.0 * DBL_EPSILON;
 
-/* Longest phase in which events are looked for [radians of the fastest mode]: it costs some milliseconds. */
+/* Longest chain [radians of the fastest mode]: to search it costs some ten milliseconds. */
 static const double CHAIN_LONGEST = 10000.0;
 
 bool chain_may_be(const struct scene_values *v, const struct scene_state *q)
@@ -467,7 +467,7 @@ void chain_find_end(struct chain *c, double longest)
         any = any || may_change[i];
     }
     c->terminal = -1;
-    c->end = any ? fmin(longest, CHAIN_LONGEST / c->fastest) : longest;
+    c->end = fmin(longest, CHAIN_LONGEST / c->fastest);
     for (double from = 0.0; any && from < c->end;) {
         struct chain_piece piece;
         const double to = fmin(from + 1.0 / c->fastest, c->end);
@@ -494,6 +494,11 @@ static void note_sizes(struct chain *c, const struct scene_values *v, const stru
             c->pull = fmax(c->pull, vec3_norm(gravity(v)) + force);
         }
     }
+}
+
+long chain_work(const struct chain *c)
+{
+    return 4 * c->touching + (long)(c->end * c->fastest * (1.0 + 0.25 * c->rows));
 }
 
 bool chain_make(struct chain *c, const struct scene_values *v, const struct scene_state *q,

@@ -63,6 +63,10 @@ bool chain_has(const struct chain *c, int contact);
 /* Finds the first contact of the chain that begins or ends within `longest` seconds. */
 void chain_find_end(struct chain *c, double longest);
 
+/* Returns the cost of the chain, in steps in closed form (integrator/phases.h): its modes, and the search for
+ * events and peaks in each radian of the fastest one. */
+long chain_work(const struct chain *c);
+
 /* Moves the bodies from the start of the chain to a time since then, and notes peaks since the time `from`
  * [s]. The caller advances the clock and all bodies without contact force. */
 void chain_advance(const struct chain *c, double from, double time, const struct scene_values *v,
