@@ -19,6 +19,12 @@ static const double LEAST_STIFFNESS = 16.0 * DBL_EPSILON;
 /* Longest chain [radians of the fastest mode]: to search it costs some ten milliseconds. */
 static const double CHAIN_LONGEST = 10000.0;
 
+/* Whether a contact pushes bodies of which one is free. */
+static bool is_in_touch(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    return contact_transmits(q, contact) && !contact_is_prescribed(v, contact);
+}
+
 bool chain_may_be(const struct scene_values *v, const struct scene_state *q)
 {
     int touching = 0;
@@ -26,7 +32,7 @@ bool chain_may_be(const struct scene_values *v, const struct scene_state *q)
         return false;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_transmits(q, j)) {
+        if (is_in_touch(v, q, j)) {
             const struct contact_law law = scene_contact_law(v, q, j);
             const double k = contact_coefficients_of(&law, REGIME_COMPRESSION).k; /* 0 under Hertz's law */
             if (!contact_is_elastic(&law) || !(k > 0.0)) {
@@ -507,14 +513,17 @@ bool chain_make(struct chain *c, const struct scene_values *v, const struct scen
     c->rows = 0;
     note_sizes(c, v, q, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_transmits(q, j) && !chain_add(c, v, q, at, j)) {
+        if (is_in_touch(v, q, j) && !chain_add(c, v, q, at, j)) {
             return false;
         }
     }
     c->touching = c->rows;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (!contact_transmits(q, j) && contact_is_coupled(v, q, j) && chain_add(c, v, q, at, j) &&
-            !keeps_normal(c, c->rows - 1, v, q)) {
+        const bool is_pushed = !contact_transmits(q, j) && contact_is_coupled(v, q, j);
+        if (is_pushed && q->contact[j].regime == (int32_t)REGIME_SEPARATING) {
+            return false; /* it may push again before it parts */
+        }
+        if (is_pushed && chain_add(c, v, q, at, j) && !keeps_normal(c, c->rows - 1, v, q)) {
             c->rows -= 1;
         }
     }
