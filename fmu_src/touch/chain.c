@@ -146,11 +146,6 @@ bool chain_has(const struct chain *c, int contact)
     return false;
 }
 
-static double *entry(double (*s)[CHAIN_MOST], int i, int j)
-{
-    return &s[i][j];
-}
-
 /* Turns the rows and columns a and b of S so that S_ab becomes zero, and the rows a and b of Q^T. */
 static void rotate(double (*s)[CHAIN_MOST], double (*q)[CHAIN_MOST], int n, int a, int b)
 {
@@ -164,8 +159,8 @@ static void rotate(double (*s)[CHAIN_MOST], double (*q)[CHAIN_MOST], int n, int 
     s[a][b] = 0.0;
     for (int k = 0; k < n; ++k) {
         if (k != a && k != b) {
-            double *of_a = k < a ? entry(s, k, a) : entry(s, a, k);
-            double *of_b = k < b ? entry(s, k, b) : entry(s, b, k);
+            double *of_a = k < a ? &s[k][a] : &s[a][k];
+            double *of_b = k < b ? &s[k][b] : &s[b][k];
             const double before = *of_a;
             *of_a = cosine * before - sine * *of_b;
             *of_b = sine * before + cosine * *of_b;
@@ -202,8 +197,12 @@ static void diagonalize(double (*s)[CHAIN_MOST], double (*q)[CHAIN_MOST], int n)
     }
 }
 
-/* Sets the frequencies, and the modes as they begin. */
-static void make_modes(struct chain *c, const struct scene_values *v)
+/* Largest ratio of the squares of two contacts' frequencies: beyond it the least stiffness of a mode could not
+ * be told from rounding. */
+static const double MOST_RATIO = 1e10;
+
+/* Sets the frequencies, and the modes as they begin. Returns false where the contacts differ too much. */
+static bool make_modes(struct chain *c, const struct scene_values *v)
 {
     double s[CHAIN_MOST][CHAIN_MOST];
     double q[CHAIN_MOST][CHAIN_MOST];
@@ -214,8 +213,16 @@ static void make_modes(struct chain *c, const struct scene_values *v)
                       shared_inverse_mass(v, c->contact[i], c->contact[j]);
         }
     }
-    diagonalize(s, q, n);
     double largest = 0.0;
+    double least = (double)INFINITY;
+    for (int k = 0; k < n; ++k) {
+        largest = fmax(largest, s[k][k]);
+        least = fmin(least, s[k][k]);
+    }
+    if (largest > MOST_RATIO * least) {
+        return false;
+    }
+    diagonalize(s, q, n);
     for (int k = 0; k < n; ++k) {
         largest = fmax(largest, s[k][k]);
     }
@@ -246,6 +253,7 @@ static void make_modes(struct chain *c, const struct scene_values *v)
             }
         }
     }
+    return true;
 }
 
 /* The change of a mode since the start, z', and the first and second integral of z. */
@@ -532,7 +540,9 @@ bool chain_make(struct chain *c, const struct scene_values *v, const struct scen
             return false;
         }
     }
-    make_modes(c, v);
+    if (!make_modes(c, v)) {
+        return false;
+    }
     for (int i = 0; i < c->touching; ++i) { /* n jumps where a source passes the centre of its destination */
         const struct contact_shape shape = scene_contact_shape(v, q, c->contact[i]);
         if (contact_may_reach_centre(&shape) && -gap_bound_of(c, i).least > 0.5 * contact_reach(&shape)) {
