@@ -197,8 +197,8 @@ static void diagonalize(double (*s)[CHAIN_MOST], double (*q)[CHAIN_MOST], int n)
     }
 }
 
-/* Largest ratio of the squares of two contacts' frequencies: beyond it the least stiffness of a mode could not
- * be told from rounding. */
+/* Largest ratio of the squares of two contacts' frequencies: beyond it the least stiffness of a mode could
+ * not be told from rounding. */
 static const double MOST_RATIO = 1e10;
 
 /* Sets the frequencies, and the modes as they begin. Returns false where the contacts differ too much. */
