@@ -337,37 +337,27 @@ static struct gap_at chain_gap_at(const struct chain *c, int row, const struct c
     return g;
 }
 
-/* Bounds of a mode for all time. A mode without frequency moves no gap: the bodies cannot move so. */
-struct mode_bound {
-    double middle, swing; /* of the change of z: it stays within middle +- swing */
-};
-
-static struct mode_bound bound_of(const struct chain *c, int k)
+/* Bounds the gaps of the contacts in touch and their g'': the change of each mode stays within middle +-
+ * swing. A mode without frequency moves no gap, because the bodies cannot move so. */
+static void bound_gaps(struct chain *c)
 {
-    const double omega = c->frequency[k];
-    if (omega > 0.0) {
-        const double along = omega * c->start_rate[k];
-        const double bend = sqrt(c->start_bend[k] * c->start_bend[k] + along * along);
-        return (struct mode_bound){c->start_bend[k] / (omega * omega), bend / (omega * omega)};
+    for (int i = 0; i < c->touching; ++i) {
+        c->least[i] = c->most[i] = c->gap[i];
+        c->bend[i] = 0.0;
     }
-    return (struct mode_bound){0.0, 0.0};
-}
-
-/* Bounds of the gap of a contact in touch. */
-struct gap_bound {
-    double least, most;
-};
-
-static struct gap_bound gap_bound_of(const struct chain *c, int row)
-{
-    double middle = c->gap[row];
-    double swing = 0.0;
     for (int k = 0; k < c->touching; ++k) {
-        const struct mode_bound mode = bound_of(c, k);
-        middle += c->mode[row][k] * mode.middle;
-        swing += fabs(c->mode[row][k]) * mode.swing;
+        const double square = c->frequency[k] * c->frequency[k];
+        const double along = c->frequency[k] * c->start_rate[k];
+        const double bend = sqrt(c->start_bend[k] * c->start_bend[k] + along * along);
+        const double middle = square > 0.0 ? c->start_bend[k] / square : 0.0;
+        const double swing = square > 0.0 ? bend / square : 0.0;
+        for (int i = 0; i < c->touching; ++i) {
+            const double size = fabs(c->mode[i][k]);
+            c->least[i] += c->mode[i][k] * middle - size * swing;
+            c->most[i] += c->mode[i][k] * middle + size * swing;
+            c->bend[i] += size * bend;
+        }
     }
-    return (struct gap_bound){middle - swing, middle + swing};
 }
 
 /* A piece of the motion lasts a radian of the fastest mode. There a Taylor polynomial of degree 12 about the
@@ -405,10 +395,9 @@ struct chain_event {
     double of[CHAIN_TERMS];
 };
 
-static void make_event(const struct chain *c, int row, const struct chain_piece *piece,
+static void make_event(const struct chain *c, int row, const struct chain_piece *piece, struct gap_at g,
                        struct chain_event *event)
 {
-    const struct gap_at g = chain_gap_at(c, row, &piece->middle);
     const bool touches = row < c->touching;
     const double sign = touches ? -1.0 : 1.0;
     const double square = piece->half * piece->half;
@@ -457,7 +446,11 @@ static double change_within(const struct chain *c, int row, const struct chain_p
 {
     struct chain_event event;
     double of[CHAIN_TERMS];
-    make_event(c, row, piece, &event);
+    const struct gap_at g = chain_gap_at(c, row, &piece->middle);
+    if (row < c->touching && -g.gap > piece->half * (fabs(g.rate) + 0.5 * piece->half * c->bend[row])) {
+        return (double)INFINITY;
+    }
+    make_event(c, row, piece, g, &event);
     if (is_clear(&event)) {
         return (double)INFINITY;
     }
@@ -477,7 +470,7 @@ void chain_find_end(struct chain *c, double longest)
     bool may_change[CHAIN_MOST];
     bool any = false;
     for (int i = 0; i < c->rows; ++i) {
-        may_change[i] = i >= c->touching || gap_bound_of(c, i).most >= 0.0;
+        may_change[i] = i >= c->touching || c->most[i] >= 0.0;
         any = any || may_change[i];
     }
     c->terminal = -1;
@@ -543,9 +536,10 @@ bool chain_make(struct chain *c, const struct scene_values *v, const struct scen
     if (!make_modes(c, v)) {
         return false;
     }
+    bound_gaps(c);
     for (int i = 0; i < c->touching; ++i) { /* n jumps where a source passes the centre of its destination */
         const struct contact_shape shape = scene_contact_shape(v, q, c->contact[i]);
-        if (contact_may_reach_centre(&shape) && -gap_bound_of(c, i).least > 0.5 * contact_reach(&shape)) {
+        if (contact_may_reach_centre(&shape) && -c->least[i] > 0.5 * contact_reach(&shape)) {
             return false;
         }
     }
@@ -611,7 +605,7 @@ static void note_peaks_of_chain(const struct chain *c, double from, double to, c
     for (int i = 0; i < c->touching; ++i) {
         peak[i].before = chain_gap_at(c, i, &at);
         peak[i].depth = fmax(q->contact[c->contact[i]].peaks.penetration, -peak[i].before.gap);
-        peak[i].deepest = -gap_bound_of(c, i).least;
+        peak[i].deepest = -c->least[i];
     }
     for (double time = from; time < to && any;) {
         const double next = fmin(time + CHAIN_PART / c->fastest, to);

@@ -43,11 +43,14 @@ struct chain {
     double start[CHAIN_MOST];      /* z at the start [sqrt(N m)] */
     double start_rate[CHAIN_MOST]; /* z' */
     double start_bend[CHAIN_MOST]; /* z'' */
-    double offset[CHAIN_MOST];     /* a contact changes where its gap passes zero by more than this [m] */
-    double fastest;                /* the largest frequency [1/s] */
-    double speed, pull; /* largest speed [m/s] and acceleration [m/s^2] of free bodies at the start */
-    double end;         /* the time at which the first contact changes, or the time asked for [s] */
-    int terminal;       /* the row of this contact; -1: none changes */
+    double least[CHAIN_MOST];      /* bounds of the gap of a contact in touch for all time [m] */
+    double most[CHAIN_MOST];
+    double bend[CHAIN_MOST];   /* bound of its |g''| [m/s^2] */
+    double offset[CHAIN_MOST]; /* a contact changes where its gap passes zero by more than this [m] */
+    double fastest;            /* the largest frequency [1/s] */
+    double speed, pull;        /* largest speed [m/s] and acceleration [m/s^2] of free bodies at the start */
+    double end;                /* the time at which the first contact changes, or the time asked for [s] */
+    int terminal;              /* the row of this contact; -1: none changes */
 };
 
 /* Whether the contacts in touch may be a chain, by their laws; chain_make tells by their motion. */
