@@ -122,6 +122,22 @@ def test_skew_cylinders_move_as_by_the_distance_of_their_axes(opened, kind, seed
         check_close(f"{method}: energy", fmu["energy.total"], before, 1e-9 * terms)
 
 
+@pytest.mark.parametrize("seed", [0, 2, 4, 5])
+def test_a_bounce_between_the_ends_takes_segments(opened, seed):
+    """Against the integration, and the torques of the point of contact against CVODE"""
+    scene = replace(falling(seed), friction=0.0, turns=False, length=(40.0, 40.0))
+    names = ("contact.mean_source_torque", "contact.mean_destination_torque")
+    torques = []
+    for method, tolerance in (("event_driven", 1e-10), ("cvode_bdf", 1e-12)):
+        fmu = start(opened("CylinderCylinder"), scene.values(), tolerance, method)
+        fmu.step(scene.end)
+        torques.append(np.concatenate([fmu[name] for name in names]))
+        if method == "event_driven":
+            assert fmu["solver.fallbacks"] == 0 < fmu["contact.onsets"]
+            check_close("state", state_of(fmu, scene.axes), scene.ended(), 1e-7)
+    check_close("torques", torques[0], torques[1], 1e-8 * (1.0 + np.abs(torques[1]).max()))
+
+
 @pytest.mark.parametrize("seed", [0, 9])
 def test_an_integrator_outside_passes_the_ends_too(fmu_path, seed):
     """Model Exchange of FMI 2.0 and of FMI 3.0, by fmpy's CVODE."""

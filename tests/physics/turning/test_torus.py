@@ -1,7 +1,7 @@
 """A sphere and a torus against a signed distance by minimization over the circle, and an own integration."""
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -169,6 +169,30 @@ def test_the_pair_moves_as_the_nearest_point_of_the_circle_says(opened, seed):
         fmu.step(one.end)
         check_close(f"{method}: state", state_of(fmu), reference(seed), 1e-7)
         check_close(f"{method}: energy", fmu["energy.total"], before, 1e-9 * max(1.0, abs(before)))
+
+
+def check_segments(fmu, one):
+    """Against the integration, without the general segment"""
+    start(fmu, one.values(), 1e-10)
+    fmu.step(one.end)
+    check_close("state", state_of(fmu), one.ended(), 1e-8)
+    assert fmu["solver.fallbacks"] == 0
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_bounce_without_friction_takes_segments(opened, seed):
+    one = replace(scene(seed), side="whole", friction=0.0, turns=(False, False))
+    check_segments(opened("SphereTorus"), one)
+
+
+@pytest.mark.parametrize("damping", [100.0, 4000.0])  # Ns/m: below and beyond critical
+def test_a_ball_that_lies_in_the_tube_takes_segments(opened, damping):
+    """It starts at the bottom of an upright ring, and goes round the tube and along it."""
+    frame = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+    one = replace(scene(0), frame=frame, side="whole", inside=True, friction=0.0, turns=(False, False))
+    one = replace(one, ring=1.0, tube=0.4, ball=0.1, both=False, stiffness=1e6, damping=damping, end=0.3)
+    place, velocity = np.array([0.0, 0.0, -1.30002]), np.array([0.4, 0.5, 0.0])
+    check_segments(opened("SphereTorus"), replace(one, place=place, velocity=velocity))
 
 
 def test_the_scenes_reach_what_they_are_about():
