@@ -25,7 +25,7 @@
 #else
 #define CONTACT_ANY_TORUS 1
 #endif
-/* a rim or a torus, so that the nearest point is on a circle */
+/* Whether a shape may be a rim or a torus, whose nearest point is on a circle. */
 #define CONTACT_ANY_CIRCLE (CONTACT_ANY_CAPS || CONTACT_ANY_TORUS)
 #ifdef CONTACT_NO_SKEW /* no cylinders touch with skew axes */
 #define CONTACT_ANY_SKEW 0

@@ -15,10 +15,11 @@
 #include "touch/rubbing.h"
 
 /*
- * In a phase of contact pairs all pairs that are in contact advance together, each by one segment. The phase
- * ends at the first terminal event, the first end of a segment, or the first passage of a centre. It may
- * reach beyond the communication point. Its motion follows from struct phase_start alone: communication
- * points within the phase only read it, and a restored state makes the segments again, bit by bit.
+ * In a phase of contact pairs all pairs that are in contact advance together, each by one segment, or all of
+ * them by a chain. The phase ends at the first terminal event, the first end of a segment, or the first
+ * passage of a centre. It may reach beyond the communication point. Its motion follows from struct
+ * phase_start alone: communication points within the phase only read it, and a restored state makes the
+ * segments again, bit by bit.
  */
 struct pair_phase {
     struct segment segment[SCENE_CONTACTS];

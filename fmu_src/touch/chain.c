@@ -13,10 +13,10 @@
  * zero if they are below so many roundings of the largest of the scene. */
 static const double CHAIN_SAME = 256.0 * DBL_EPSILON;
 
-/* Least stiffness of a mode, as a part of the largest: a smaller eigenvalue is a rounding of zero. */
+/* An eigenvalue below this part of the largest is a rounding of zero: its mode has no stiffness. */
 static const double LEAST_STIFFNESS = 16.0 * DBL_EPSILON;
 
-/* Longest chain [radians of the fastest mode]: to search it costs some ten milliseconds. */
+/* A chain lasts at most this many radians of the fastest mode. To search them costs some ten milliseconds. */
 static const double CHAIN_LONGEST = 10000.0;
 
 /* Whether a contact pushes bodies of which one is free. */
@@ -197,8 +197,8 @@ static void diagonalize(double (*s)[CHAIN_MOST], double (*q)[CHAIN_MOST], int n)
     }
 }
 
-/* Largest ratio of the squares of two contacts' frequencies: beyond it the least stiffness of a mode could
- * not be told from rounding. */
+/* The squares of two contacts' frequencies differ at most by this factor. Beyond it the least stiffness of a
+ * mode could not be told from rounding. */
 static const double MOST_RATIO = 1e10;
 
 /* Sets the frequencies, and the modes as they begin. Returns false where the contacts differ too much. */

@@ -22,12 +22,13 @@
 
 #include "flight/relative_path.h"
 
-/* Contacts of a chain at most, with those that are apart. The eigenvalues cost some 30 n^3 operations for n
- * contacts in touch, once for each phase. */
+/* A chain has at most this many contacts, those apart included. Its eigenvalues cost some 30 n^3 operations
+ * for n contacts in touch, and are computed once for each phase. */
 enum { CHAIN_MOST = SCENE_CONTACTS < 48 ? SCENE_CONTACTS : 48 };
 
 struct chain {
-    /* contacts in touch, which come first; with those apart whose gaps the chain changes head-on */
+    /* the first `touching` contacts are in touch; the others, up to `rows`, are apart, and the chain changes
+     * their gaps head-on */
     int touching, rows;
     int contact[CHAIN_MOST];
     struct vec3 push[CHAIN_MOST];    /* u */
