@@ -328,9 +328,8 @@ double flight_work(const struct scene_values *v, int body, struct body_state sta
     return flight_work_along(velocity, terms, force, time);
 }
 
-/* Returns a free body's state at a clock, by the polynomial from the clock's origin. */
-static struct body_state flight_body_at(const struct scene_values *v, const struct scene_state *q, int body,
-                                        double clock)
+struct body_state flight_body_at(const struct scene_values *v, const struct scene_state *q, int body,
+                                 double clock)
 {
     const struct body_state start = {.velocity = q->origin[body].velocity};
     return flight_from(v, body, start, q->path[body].force, clock);

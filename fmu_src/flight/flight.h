@@ -83,6 +83,10 @@ struct body_state flight_from(const struct scene_values *v, int body, struct bod
 double flight_work(const struct scene_values *v, int body, struct body_state start,
                    const struct vec3 force[3], double time);
 
+/* Returns a free body's state at a clock, by the polynomial from the clock's origin. */
+struct body_state flight_body_at(const struct scene_values *v, const struct scene_state *q, int body,
+                                 double clock);
+
 /* Moves all free bodies to `clock` while flight_is_free. Books the work of the external forces, and the
  * stored energy that separating contacts lose. */
 void flight_advance(const struct scene_values *v, struct scene_state *q, double clock);

@@ -99,7 +99,7 @@ static int weights_of(N_Vector y, N_Vector weights, void *problem)
     const struct cvode_problem *p = problem;
     double *out = NV_DATA_S(weights);
     ode_nominal(&p->ode, NV_DATA_S(y), out);
-    for (int i = 0; i < ode_size(p->ode.values); ++i) {
+    for (int i = 0; i < p->ode.layout.size; ++i) {
         out[i] = 1.0 / (p->relative * out[i] + p->absolute);
     }
     return 0;
@@ -150,7 +150,8 @@ static bool configure(struct cvode *c)
 
 static bool create(struct cvode *c, const struct scene_values *v)
 {
-    c->size = ode_size(v);
+    c->problem.ode.layout = ode_layout_of(v, NULL);
+    c->size = c->problem.ode.layout.size;
     c->method = (enum solver_method)solver_method(v);
     if (!create_context(&c->context)) {
         return false;
@@ -167,7 +168,8 @@ static bool create(struct cvode *c, const struct scene_values *v)
 bool cvode_open(struct cvode **slot, const struct scene_values *v, const struct integrator_memory *memory,
                 char *message)
 {
-    if (*slot && (*slot)->method == (enum solver_method)solver_method(v) && (*slot)->size == ode_size(v)) {
+    if (*slot && (*slot)->method == (enum solver_method)solver_method(v) &&
+        (*slot)->size == ode_layout_of(v, NULL).size) {
         return true;
     }
     struct cvode *c = memory->allocate(1, sizeof *c);
@@ -267,7 +269,7 @@ static void move_to(void *memory, double clock, struct scene_state *q)
         CVodeGetDky(c->memory, clock, 0, c->y);
         c->y_clock = clock;
     }
-    ode_unpack(c->problem.ode.values, q, NV_DATA_S(c->y));
+    ode_unpack(&c->problem.ode, q, NV_DATA_S(c->y));
 }
 
 /* Starts a phase from the motion; returns false where CVODE fails. c->problem refers to `v`, `q`. */
@@ -427,6 +429,7 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
     }
     c->problem.ode.values = v;
     c->problem.ode.state = q;
+    c->problem.ode.layout = ode_layout_of(v, NULL);
     if (q->integrator_fresh) {
         if (!start_phase(c, v, q)) {
             return ADVANCE_FAILED;

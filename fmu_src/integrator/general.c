@@ -54,14 +54,15 @@ static void sample_events_at(struct general *g, double clock, const struct scene
     double *events = g->events[place];
     ode_events_at(&g->ode, clock, g->y, at, events);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (!g->ode.layout.met[j]) {
+            continue;
+        }
         g->loads[place][j][GENERAL_FORCE] = at->normal_force[j];
         g->loads[place][j][GENERAL_DEPTH] = -at->geometry[j].gap;
-    }
-    for (int e = 0; e < ODE_EVENTS; ++e) {
-        const double size = fabs(events[e]);
-        g->event_size[e] = size > g->event_size[e] ? size : g->event_size[e];
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        for (int e = ODE_EVENTS_EACH * j; e < ODE_EVENTS_EACH * (j + 1); ++e) {
+            const double size = fabs(events[e]);
+            g->event_size[e] = size > g->event_size[e] ? size : g->event_size[e];
+        }
         if (g->state->contact[j].regime == (int32_t)REGIME_APART && SCENE_CONTACTS > 1) {
             events[ODE_EVENTS_EACH * j] = smooth_gap(g, j, events[ODE_EVENTS_EACH * j]);
         }
@@ -192,20 +193,13 @@ static bool event_is_constant(const struct general *g, int event)
     return true;
 }
 
-static double event_at(struct general *g, int event, double clock, const double *y)
-{
-    double all[ODE_EVENTS];
-    ode_events(&g->ode, clock, y, all);
-    return all[event];
-}
-
 /* Returns the event function at a place of the step, for the state given by the polynomial of the states. */
 static double event_within(struct general *g, int event, double place)
 {
     const struct radau_step *p = &g->step;
     const double part = radau_part(p->stages, place);
     radau_step_at(p, part, g->y);
-    return event_at(g, event, p->start + part * p->length, g->y);
+    return ode_event(&g->ode, p->start + part * p->length, g->y, event);
 }
 
 /* Finds two neighbouring samples that enclose the first root. Returns false where no sample is at or below
@@ -316,6 +310,9 @@ struct general_event general_first_event(struct general *g)
     struct general_event first = {(double)INFINITY, -1}; /* by its place until all are compared */
     sample_events(g);
     for (int e = 0; e < ODE_EVENTS; ++e) {
+        if (!g->ode.layout.met[e / ODE_EVENTS_EACH]) {
+            continue;
+        }
         const double place = fall_within(g, e, first.part);
         first = place < first.part ? (struct general_event){place, e} : first;
     }
@@ -330,15 +327,15 @@ static double rate_at(struct general *g, int event, double part)
     const struct radau_step *p = &g->step;
     const double apart = 0.02 * part;
     radau_step_at(p, part - apart, g->y);
-    const double before = event_at(g, event, p->start + (part - apart) * p->length, g->y);
+    const double before = ode_event(&g->ode, p->start + (part - apart) * p->length, g->y, event);
     radau_step_at(p, part, g->y);
-    return (event_at(g, event, p->start + part * p->length, g->y) - before) / (apart * p->length);
+    return (ode_event(&g->ode, p->start + part * p->length, g->y, event) - before) / (apart * p->length);
 }
 
 /* Estimates the time from a state to the event [s] by the rate of the event function. */
 static double missing_to(struct general *g, int event, double rate, double clock, const double *y)
 {
-    return rate < 0.0 ? -event_at(g, event, clock, y) / rate : 0.0;
+    return rate < 0.0 ? -ode_event(&g->ode, clock, y, event) / rate : 0.0;
 }
 
 /* Solves the step again for another length, with its polynomial as guess. Returns false where the iteration
@@ -566,10 +563,29 @@ static void note_peaks_within(struct general *g, struct scene_state *q, double f
     }
 }
 
+/* Turns the bodies that the step leaves out to a clock, and books the work of their external forces since the
+ * start of the step. flight_restore moves them. */
+static void fly_others(const struct general *g, struct scene_state *q, double clock)
+{
+    const struct scene_values *v = g->ode.values;
+    const double start = g->step.start;
+    for (int i = 0; !g->ode.layout.is_whole && i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i) && g->ode.layout.body[i] < 0) {
+            struct vec3 force[3];
+            flight_force(q, i, start, force);
+            q->external_work += flight_work(v, i, flight_body_at(v, q, i, start), force, clock - start);
+        }
+        if (SCENE_ANY_ROTATION && body_turns_freely(v, i) && g->ode.layout.spin[i] < 0) {
+            flight_turn(v, q, i, clock);
+        }
+    }
+}
+
 void general_move_scene(struct general *g, struct scene_state *q, double clock, const double *y)
 {
     const double from = q->clock;
-    ode_unpack(g->ode.values, q, y);
+    ode_unpack(&g->ode, q, y);
+    fly_others(g, q, clock);
     q->clock = clock;
     flight_restore(g->ode.values, q);
     note_peaks_within(g, q, from);
@@ -608,11 +624,11 @@ void general_keep_step(const struct general *g, struct scene_state *q)
 bool general_take_up(struct general *g, const struct scene_values *v, struct scene_state *q)
 {
     const struct unfinished_step *kept = &q->unfinished;
-    const size_t bytes = (size_t)g->size * sizeof(double);
     if (!scene_keeps_steps(v) || q->integrator_fresh || q->clock != kept->present) {
         return false;
     }
     general_attach(g, v, q);
+    const size_t bytes = (size_t)g->size * sizeof(double);
     g->solvable = kept->solvable;
     g->simple = kept->simple;
     g->release_clock = kept->release_clock;
@@ -655,22 +671,26 @@ static const double LEAST_TOLERANCE = 1024.0 * DBL_EPSILON;
 /* Where outputs are read within a step, the error allowed there is this part of the tolerance. */
 static const double READ_PART = 0.1;
 
+/* Returns the problem of the states of g->ode.layout. */
 static struct radau_problem problem_of(struct general *g, const struct scene_values *v)
 {
+    const struct ode_layout *layout = &g->ode.layout;
     struct radau_problem problem = {.context = &g->ode,
-                                    .size = ode_size(v),
-                                    .coupled = ode_coupled(v),
-                                    .integrals = ode_integrals(v),
+                                    .size = layout->size,
+                                    .coupled = layout->coupled,
+                                    .integrals = layout->integrals,
                                     .turns = scene_turns(v),
+                                    .groups = layout->groups,
+                                    .group_end = layout->group_end,
                                     .place = g->place,
                                     .speed = g->speed,
                                     .rates = ode_rates,
                                     .jacobian = ode_coupled_jacobian,
                                     .whole_jacobian = ode_jacobian};
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        for (int k = 0; k < 3 && body_is_free(v, i); ++k) {
-            g->place[problem.paired] = ode_body(v, i) + k;
-            g->speed[problem.paired] = ode_body(v, i) + 3 + k;
+        for (int k = 0; k < 3 && layout->body[i] >= 0; ++k) {
+            g->place[problem.paired] = layout->body[i] + k;
+            g->speed[problem.paired] = layout->body[i] + 3 + k;
             problem.paired += 1;
         }
     }
@@ -687,9 +707,10 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
                   char *message)
 {
     struct general trial;
+    trial.ode.layout = ode_layout_of(v, NULL);
     const struct radau_problem wanted = problem_of(&trial, v);
     const int size = wanted.size;
-    if (*slot == NULL || !same_layout(&(*slot)->step.problem, &wanted)) {
+    if (*slot == NULL || !same_layout(&(*slot)->whole, &wanted)) {
         const size_t own = (sizeof(struct general) + 15) / 16 * 16;
         const size_t rows = 6 * (size_t)size * sizeof(double);
         struct general *g = memory->allocate(1, own + rows + radau_step_memory(&wanted));
@@ -699,7 +720,7 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
         }
         general_close(slot);
         *slot = g;
-        g->size = size;
+        g->whole = wanted;
         g->release = memory->release;
         g->y = (double *)(void *)((char *)g + own);
         g->size_of = g->y + size;
@@ -708,8 +729,6 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
         g->largest_error = g->per_impulse + size;
         g->end.y = g->largest_error + size;
     }
-    const struct radau_problem problem = problem_of(*slot, v);
-    radau_step_place(&(*slot)->step, &problem, (*slot)->end.y + size);
     (*slot)->message = message;
     return true;
 }
@@ -728,13 +747,18 @@ static void move_along_step(void *memory, double clock, struct scene_state *q)
     struct general *g = memory;
     const struct radau_step *p = &g->step;
     radau_step_at(p, fmin((clock - p->start) / p->length, 1.0), g->y);
-    ode_unpack(g->ode.values, q, g->y);
+    ode_unpack(&g->ode, q, g->y);
 }
 
 void general_attach(struct general *g, const struct scene_values *v, struct scene_state *q)
 {
     g->ode.values = v;
     g->ode.state = g->state = q;
+    g->ode.layout = ode_layout_of(v, q);
+    g->ode.flight = flight_body_at;
+    g->size = g->ode.layout.size;
+    const struct radau_problem problem = problem_of(g, v);
+    radau_step_place(&g->step, &problem, g->end.y + g->whole.size);
     g->relative = fmax(TOLERANCE_SHARE * solver_relative_tolerance(v), LEAST_TOLERANCE);
     g->absolute = TOLERANCE_SHARE * solver_absolute_tolerance(v);
     g->read_share = g->relative / (READ_PART * solver_relative_tolerance(v));
@@ -910,6 +934,7 @@ static enum advance_result end_step(struct general *g, const struct scene_values
         return ADVANCE_EVENT;
     }
     if (q->clock < step->clock_end) {
+        end->y[g->ode.layout.dissipated + 1] = q->external_work; /* with that of fly_others */
         general_begin(g, q->clock, end->y);
     }
     return ADVANCE_REACHED;

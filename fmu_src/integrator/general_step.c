@@ -163,16 +163,6 @@ double general_length_of_sliding(const struct scene_values *v, const struct scen
 
 /* The functions that follow set the errors allowed in a step of the general segment. */
 
-/* Returns the largest derivative of an acceleration by its own position [1/s^2]. */
-static double spring_of_places(const struct radau_step *p)
-{
-    double most = 0.0;
-    for (int i = 0; i < p->problem.paired; ++i) {
-        most = fmax(most, fabs(p->by_places[i * p->others + p->speed_among[i]]));
-    }
-    return most;
-}
-
 /* Rounding of a difference of states, such as the slip, divided by their size; see rounding_of_rate. */
 static const double ROUNDING_OF_STATES = 8.0 * DBL_EPSILON;
 
@@ -185,39 +175,61 @@ static double rounding_of_rates(const struct general *g, int left)
     double by_places = 0.0;
     double by_others = 0.0;
     for (int j = 0; j < p->problem.paired; ++j) {
-        by_places += fabs(p->by_places[j * p->others + left]);
+        if (p->group_of[p->speed_among[j]] == p->group_of[left]) {
+            by_places += fabs(p->by_places[j * p->others + left]);
+        }
     }
-    for (int j = 0; j < p->others; ++j) {
+    for (int j = radau_group_begin(p, left); j < radau_group_end(p, left); ++j) {
         by_others += fabs(p->by_others[j * p->others + left]) * g->size_of[p->other[j]];
     }
-    return by_places * g->place_rounding + ROUNDING_OF_STATES * by_others;
+    return by_places * g->rounding[p->group_of[left]].place + ROUNDING_OF_STATES * by_others;
 }
 
 /* Adds rounding to the errors allowed. A force made by rounding acts for at most one radian of the
  * oscillation or one decay time. The errors allowed in a speed and in an impulse are at least the changes by
- * such a force. */
+ * such a force. Each island counts by itself: a far body must not loosen the others. */
 static void allow_rounding(struct general *g)
 {
     struct radau_step *p = &g->step;
-    const double spring = spring_of_places(p);
-    const double fastest = fmax(sqrt(spring), 1.0 / p->length);
+    double spring[ODE_MOST_GROUPS] = {0.0};   /* largest derivative of an acceleration by a place [1/s^2] */
+    double fastest[ODE_MOST_GROUPS];          /* radians or decay times in a second [1/s] */
+    double impulse[ODE_MOST_GROUPS];          /* of a force made by rounding [N s] */
     double rounding[ODE_MOST_STATES] = {0.0}; /* of the states without positions */
+    double most = 0.0;
+    for (int i = 0; i < p->problem.paired; ++i) {
+        double *of_group = spring + p->group_of[p->speed_among[i]];
+        *of_group = fmax(*of_group, fabs(p->by_places[i * p->others + p->speed_among[i]]));
+    }
+    for (int i = 0; i < p->problem.groups; ++i) {
+        const struct general_rounding *of = &g->rounding[i];
+        fastest[i] = fmax(sqrt(spring[i]), 1.0 / p->length);
+        impulse[i] = p->length * of->friction + of->mass * (spring[i] / fastest[i]) * of->place;
+        most = fmax(most, impulse[i]);
+    }
     for (int i = 0; i < p->others; ++i) {
-        rounding[i] = rounding_of_rates(g, i) / fmax(fastest, fabs(p->by_others[i * p->others + i]));
+        const double decay = fabs(p->by_others[i * p->others + i]);
+        rounding[i] = rounding_of_rates(g, i) / fmax(fastest[p->group_of[i]], decay);
     }
     for (int j = 0; j < p->problem.paired; ++j) {
+        const int i = p->group_of[p->speed_among[j]];
         double *of_speed = rounding + p->speed_among[j];
-        *of_speed = fmax(*of_speed, spring / fastest * g->place_rounding);
+        *of_speed = fmax(*of_speed, spring[i] / fastest[i] * g->rounding[i].place);
     }
     for (int i = 0; i < p->others; ++i) {
         double *weight = p->weight + p->other[i];
         const double allowed = fmin(1.0 / *weight, g->largest_error[p->other[i]]);
         *weight = 1.0 / (allowed + rounding[i]);
     }
-    const double impulse =
-        p->length * g->friction_rounding + g->largest_mass * (spring / fastest) * g->place_rounding;
-    for (int i = p->problem.integrals; i < g->size; ++i) {
-        p->weight[i] = 1.0 / (1.0 / p->weight[i] + impulse * g->per_impulse[i]);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const int first = g->ode.layout.impulse[j];
+        const int count = g->ode.layout.island[j] < 0 ? 0 : g->step.problem.turns ? TURNING_IMPULSES : 3;
+        for (int i = first; i < first + count; ++i) {
+            const double by = impulse[g->ode.layout.island[j]] * g->per_impulse[i];
+            p->weight[i] = 1.0 / (1.0 / p->weight[i] + by);
+        }
+    }
+    for (int i = g->ode.layout.dissipated; i < g->size; ++i) {
+        p->weight[i] = 1.0 / (1.0 / p->weight[i] + most * g->per_impulse[i]);
     }
 }
 
@@ -377,13 +389,12 @@ static double rounding_of_friction(const struct friction_law *law, double limit,
  * goes with the square of what is left, divided by v_0; this square may be the tolerance at most. */
 static void limit_errors_of_slip(struct general *g, double slip_velocity, int body, double arm)
 {
-    const struct scene_values *v = g->ode.values;
-    const double part = sqrt(solver_relative_tolerance(v)) / general_newton_share(g);
+    const double part = sqrt(solver_relative_tolerance(g->ode.values)) / general_newton_share(g);
     const double speed = fmin(part, 1.0) * slip_velocity;
-    const int spin = turning_layout_of(v).spin[body];
+    const int spin = g->ode.layout.spin[body];
     for (int k = 0; k < 3; ++k) {
-        if (body_is_free(v, body)) {
-            double *largest = g->largest_error + ode_body(v, body) + 3 + k;
+        if (g->ode.layout.body[body] >= 0) {
+            double *largest = g->largest_error + g->ode.layout.body[body] + 3 + k;
             *largest = fmin(*largest, speed);
         }
         if (spin >= 0) {
@@ -413,7 +424,8 @@ static void note_friction(struct general *g, const struct scene_instant *at, int
         }
         const double limit = friction_limit(&o->law, o->regime, at->normal_force[contact]);
         const double rounding = rounding_of_friction(&o->law, limit, slips ? speeds : o->size);
-        g->friction_rounding = fmax(g->friction_rounding, slips ? rounding : rounding / arm[0]);
+        double *largest = &g->rounding[g->ode.layout.island[contact]].friction;
+        *largest = fmax(*largest, slips ? rounding : rounding / arm[0]);
     }
 }
 
@@ -427,7 +439,7 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
     const double arm[2] = {turns ? vec3_norm(at->turning.source_arm[contact]) : 0.0,
                            turns ? vec3_norm(at->turning.destination_arm[contact]) : 0.0};
     const double by_mass = scene_inverse_mass(v, contact);
-    double *impulses = g->per_impulse + ode_impulse(v, contact);
+    double *impulses = g->per_impulse + g->ode.layout.impulse[contact];
     double speeds = 0.0;
     for (int i = 0; i < 2; ++i) {
         speeds += vec3_norm(at->velocity[body[i]]);
@@ -436,10 +448,11 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
     for (int k = 0; k < (turns ? TURNING_IMPULSES : 3); ++k) {
         impulses[k] = k < 3 ? 1.0 : arm[k / 3 - 1];
     }
-    for (int i = ode_dissipated(v); i < g->size; ++i) {
+    for (int i = g->ode.layout.dissipated; i < g->size; ++i) {
         g->per_impulse[i] += speeds;
     }
-    g->largest_mass = by_mass > 0.0 ? fmax(g->largest_mass, 1.0 / by_mass) : g->largest_mass;
+    double *largest = &g->rounding[g->ode.layout.island[contact]].mass;
+    *largest = by_mass > 0.0 ? fmax(*largest, 1.0 / by_mass) : *largest;
     if (SCENE_ANY_FRICTION) {
         note_friction(g, at, contact, body, arm, speeds);
     }
@@ -451,7 +464,7 @@ static void note_errors(struct general *g)
 {
     struct scene_instant at;
     ode_instant(&g->ode, g->step.start, g->step.y, &at);
-    g->place_rounding = g->friction_rounding = g->largest_mass = 0.0;
+    memset(g->rounding, 0, (size_t)g->ode.layout.groups * sizeof *g->rounding);
     for (int i = 0; i < g->size; ++i) {
         g->per_impulse[i] = 0.0;
         g->largest_error[i] = (double)INFINITY;
@@ -459,7 +472,8 @@ static void note_errors(struct general *g)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(g->state, j)) { /* bodies apart feel no rounding of their gap, however large */
             const double of_gap = ROUNDING_OF_GAP * rounding_of_gap(g->ode.values, &at, j);
-            g->place_rounding = fmax(g->place_rounding, of_gap);
+            double *largest = &g->rounding[g->ode.layout.island[j]].place;
+            *largest = fmax(*largest, of_gap);
             note_contact(g, &at, j);
         }
     }

@@ -28,25 +28,31 @@ struct general_end {
     double *y;                  /* [size] */
 };
 
+/* The largest of the contacts of an island that transmit forces, at the start of a step. */
+struct general_rounding {
+    double place;    /* rounding of the gap [m] */
+    double friction; /* rounding of regularized friction [N] */
+    double mass;     /* reduced mass [kg] */
+};
+
 struct general {
     struct scene_ode ode;
-    struct scene_state *state; /* as ode.state */
-    struct radau_step step;
+    struct scene_state *state;  /* as ode.state */
+    struct radau_step step;     /* of the bodies in contact (ode.layout) */
+    struct radau_problem whole; /* that of all states, for which there is memory */
     int size;
     int place[3 * SCENE_BODIES], speed[3 * SCENE_BODIES]; /* pairs of states for math/radau_step.h */
     double relative, absolute;                            /* error allowed in a step [1], [m, m/s, ...] */
     bool by_forces;                                       /* whether node_forces_solve has solved the step */
-    bool fully;               /* whether node_forces_solve or radau_step_solve_fully solves the step */
-    double solvable;          /* estimate of the longest step that these two solve [s] */
-    double simple;            /* estimate of the longest step that simplified iterations solve [s] */
-    double fastest_decay;     /* fastest decay of a state at the start of the step [1/s] */
-    double place_rounding;    /* rounding of the gaps at the start of the step [m] */
-    double friction_rounding; /* rounding of regularized friction at the start of the step [N] */
-    double largest_mass;      /* largest reduced mass of the contacts that transmit forces [kg] */
-    double error_within;      /* largest error within the last step, divided by the error allowed */
-    double error_at_end;      /* error at the end of the last step, divided by the error allowed */
-    double error_of_start;    /* error by decay before the first stage, divided by the error allowed */
-    double longest;           /* estimate of the longest accurate step of twelve stages [s] */
+    bool fully;           /* whether node_forces_solve or radau_step_solve_fully solves the step */
+    double solvable;      /* estimate of the longest step that these two solve [s] */
+    double simple;        /* estimate of the longest step that simplified iterations solve [s] */
+    double fastest_decay; /* fastest decay of a state at the start of the step [1/s] */
+    struct general_rounding rounding[ODE_MOST_GROUPS]; /* of each group of states */
+    double error_within;   /* largest error within the last step, divided by the error allowed */
+    double error_at_end;   /* error at the end of the last step, divided by the error allowed */
+    double error_of_start; /* error by decay before the first stage, divided by the error allowed */
+    double longest;        /* estimate of the longest accurate step of twelve stages [s] */
     double since_touch[SCENE_CONTACTS]; /* time since the touch under Hertz's law [s]; INFINITY: long ago */
     double release_clock;               /* when a contact under Hertz's law ends; INFINITY: not known */
     double release_rest;                /* what a step to that release leaves for the steps after it [s] */

@@ -43,6 +43,7 @@ struct node_contact {
     int contact;
     int body[2], speed[2], spin[2];
     int rows;    /* number of its unknowns at a stage */
+    int island;  /* its number: contacts of an island stand together */
     int first;   /* sum of the rows of the contacts before it */
     double side; /* +1: the source is outside the destination, -1: inside */
     struct turning_laws laws;
@@ -62,7 +63,6 @@ struct normals {
 
 struct iteration {
     struct general *g;
-    struct turning_layout layout;
     int contacts, rows; /* that transmit forces; unknowns at a stage */
     struct node_contact contact[MOST_NODES];
     struct node node[RADAU_MOST_STAGES][MOST_NODES];
@@ -121,16 +121,17 @@ static void note_node_contact(struct iteration *it, int contact)
     struct node_contact *to = &it->contact[it->contacts];
     to->contact = contact;
     to->rows = rows_of(it->g, contact);
+    to->island = it->g->ode.layout.island[contact];
     to->first = it->rows;
     to->laws = turning_laws_of(v, it->g->state, contact);
     to->side = scene_contact_side(v, it->g->state, contact);
     it->admittance[it->contacts] = it->g->step.length * (by_mass > 0.0 ? by_mass : 1.0);
     for (int end = 0; end < 2; ++end) {
         const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
-        const int spin = it->layout.spin[body];
+        const struct ode_layout *layout = &it->g->ode.layout;
         to->body[end] = body;
-        to->spin[end] = spin >= 0 ? it->among[spin] : -1;
-        to->speed[end] = body_is_free(v, body) ? it->among[ode_body(v, body) + 3] : -1;
+        to->spin[end] = layout->spin[body] >= 0 ? it->among[layout->spin[body]] : -1;
+        to->speed[end] = layout->body[body] >= 0 ? it->among[layout->body[body] + 3] : -1;
     }
     it->contacts += 1;
     it->rows += to->rows;
@@ -152,19 +153,26 @@ static int neighbours_of(const struct iteration *it, int contact)
     return count;
 }
 
-/* Lists the contacts that transmit forces. Those with the fewest neighbours come first, because their
- * elimination fills the least of the matrix. */
+/* Lists the contacts that transmit forces, island by island. Those with the fewest neighbours come first,
+ * because their elimination fills the least of the matrix. */
 static void note_contacts(struct iteration *it)
 {
+    const int *island = it->g->ode.layout.island;
     int neighbours[SCENE_CONTACTS];
     it->contacts = it->rows = 0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         neighbours[j] = SCENE_CONTACTS > 2 && rows_of(it->g, j) > 0 ? neighbours_of(it, j) : 0;
     }
-    for (int n = 0; n <= SCENE_CONTACTS; ++n) {
-        for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            if (neighbours[j] == n && rows_of(it->g, j) > 0) {
-                note_node_contact(it, j);
+    for (int k = 0; k < SCENE_CONTACTS; ++k) { /* the first contact of an island stands for it */
+        bool is_first = rows_of(it->g, k) > 0;
+        for (int j = 0; j < k; ++j) {
+            is_first = is_first && !(rows_of(it->g, j) > 0 && island[j] == island[k]);
+        }
+        for (int n = 0; is_first && n <= SCENE_CONTACTS; ++n) {
+            for (int j = k; j < SCENE_CONTACTS; ++j) {
+                if (island[j] == island[k] && neighbours[j] == n && rows_of(it->g, j) > 0) {
+                    note_node_contact(it, j);
+                }
             }
         }
     }
@@ -176,7 +184,6 @@ static void prepare(struct iteration *it)
 {
     struct general *g = it->g;
     struct radau_step *p = &g->step;
-    it->layout = turning_layout_of(g->ode.values);
     it->rates = p->rates;
     it->bare = p->residual;
     for (int j = 0; j < p->others; ++j) {
@@ -188,8 +195,8 @@ static void prepare(struct iteration *it)
     memset(it->bare, 0, (size_t)(p->stages->stages * p->width) * sizeof *it->bare);
     for (int i = 0; i < p->stages->stages; ++i) {
         const double clock = p->start + p->length * p->stages->node[i];
-        ode_prescribed_motion(&g->ode, clock, &g->at_stage[i]);
-        ode_rates_without_contact(&g->ode, &it->layout, clock, p->point);
+        ode_other_motion(&g->ode, clock, &g->at_stage[i]);
+        ode_rates_without_contact(&g->ode, clock, p->point);
         for (int j = 0; j < p->others; ++j) {
             it->bare[i * p->width + j] = p->point[p->other[j]];
         }
@@ -275,21 +282,22 @@ static void respond_with_friction(struct iteration *it, struct node *node, int i
     }
 }
 
-/* Sets the motion of all contacts at a stage. */
-static struct scene_instant *move_to_stage(struct iteration *it, int stage)
+/* Sets the motion of the contacts in touch, or of `all`, at a stage. */
+static struct scene_instant *move_to_stage(struct iteration *it, int stage, bool all)
 {
     struct general *g = it->g;
     radau_step_stage(&g->step, stage, g->step.point);
-    ode_contact_motion(&g->ode, &it->layout, g->step.point, &g->at_stage[stage]);
+    ode_contact_motion(&g->ode, g->step.point, all, &g->at_stage[stage]);
     return &g->at_stage[stage];
 }
 
 /* Adds the rates of the orientations on which contacts depend. */
 static void put_orientation_rates(struct iteration *it, int stage, const struct scene_instant *at)
 {
+    const struct ode_layout *layout = &it->g->ode.layout;
     for (int i = 0; SCENE_ANY_AXIS && i < SCENE_BODIES; ++i) {
-        const int k = it->layout.orientation[i];
-        if (k >= 0 && k < it->layout.coupled) {
+        const int k = layout->orientation[i];
+        if (k >= 0 && k < layout->coupled) {
             const double *y = it->g->step.point + k;
             const struct quaternion rate = quaternion_rate((struct quaternion){y[0], y[1], y[2], y[3]},
                                                            at->turning.body[i].angular_velocity);
@@ -309,7 +317,7 @@ static void evaluate_nodes(struct iteration *it, bool anew)
     memcpy(it->rates, it->bare, (size_t)(s * p->width) * sizeof *it->rates);
     it->stale = false;
     for (int i = 0; i < s; ++i) {
-        const struct scene_instant *at = move_to_stage(it, i);
+        const struct scene_instant *at = move_to_stage(it, i, false);
         put_orientation_rates(it, i, at);
         for (int j = 0; j < it->contacts; ++j) {
             const int contact = it->contact[j].contact;
@@ -565,20 +573,36 @@ static void put_blocks(const struct iteration *it, int c, int d)
     }
 }
 
+/* Returns the part of the matrix that belongs to the island of contact *c, and moves *c on to the next
+ * island. */
+static struct lu_matrix part_of_island(const struct iteration *it, int *c)
+{
+    const int first = unknown_of(it, *c, 0);
+    const int island = it->contact[*c].island;
+    int rows = 0;
+    for (; *c < it->contacts && it->contact[*c].island == island; ++*c) {
+        rows += it->g->step.stages->stages * it->contact[*c].rows;
+    }
+    return lu_part(it->g->step.all, first, rows);
+}
+
 static bool factor_nodes(struct iteration *it)
 {
-    struct radau_step *p = &it->g->step;
-    p->all.rows = it->rows * p->stages->stages;
-    for (int c = 0; c < it->contacts; ++c) {
-        for (int d = 0; d < it->contacts; ++d) {
-            put_blocks(it, c, d);
+    bool done = true;
+    for (int c = 0, end = 0; done && c < it->contacts; c = end) {
+        const struct lu_matrix part = part_of_island(it, &end);
+        for (int k = c; k < end; ++k) {
+            for (int d = c; d < end; ++d) {
+                put_blocks(it, k, d);
+            }
         }
-    }
-    for (int k = 0; k < p->all.rows; ++k) { /* the zero behind each column */
-        p->all.re[k * p->all.stride + p->all.rows] = 0.0;
+        for (int k = 0; k < part.rows; ++k) { /* the zero behind each column */
+            part.re[k * part.stride + part.rows] = 0.0;
+        }
+        done = lu_factor(part);
     }
     it->factorizations += 1;
-    return lu_factor(p->all);
+    return done;
 }
 
 /* Corrects the forces by the responses, and adds the corrections to the rates. */
@@ -594,8 +618,11 @@ static void correct_forces(struct iteration *it)
             side[unknown_of(it, k % it->contacts, k / it->contacts) + r] = -node->response[r];
         }
     }
-    side[p->all.rows] = 0.0;
-    lu_solve(p->all, side, NULL);
+    side[p->stages->stages * it->rows] = 0.0;
+    for (int c = 0; c < it->contacts;) {
+        const int first = unknown_of(it, c, 0);
+        lu_solve(part_of_island(it, &c), side + first, NULL);
+    }
     for (int k = 0; k < count; ++k) {
         struct node *node = &it->node[k / it->contacts][k % it->contacts];
         const struct node_contact *c = &it->contact[k % it->contacts];
@@ -614,7 +641,7 @@ static void guess_forces(struct iteration *it)
     const bool goes_on = radau_step_goes_on(p);
     double rates[RADAU_MOST_STAGES * 3];
     for (int j = 0; j < it->contacts; ++j) {
-        const int impulse = ode_impulse(it->g->ode.values, it->contact[j].contact);
+        const int impulse = it->g->ode.layout.impulse[it->contact[j].contact];
         if (goes_on) {
             radau_step_guess_rates(p, impulse, 3, rates);
         }
@@ -635,7 +662,7 @@ static void finish_nodes(struct iteration *it)
             force[it->contact[j].contact] = it->node[i][j].force;
         }
         ode_rates_under(&g->ode, p->start + p->length * p->stages->node[i], p->point, force,
-                        move_to_stage(it, i), p->rates + i * p->stride);
+                        move_to_stage(it, i, true), p->rates + i * p->stride);
     }
     p->evaluations += p->stages->stages;
 }
@@ -682,7 +709,8 @@ bool node_forces_apply(const struct general *g)
     bool bends = false;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         bends = bends || (rows_of(g, j) > 0 && scene_is_hertz(g->ode.values, j));
-        refused = refused || contact_has_springs(g->ode.values, j) || contact_resists(g->ode.values, j);
+        refused = refused || (rows_of(g, j) > 0 &&
+                              (contact_has_springs(g->ode.values, j) || contact_resists(g->ode.values, j)));
         rows += rows_of(g, j);
         contacts += rows_of(g, j) > 0 ? 1 : 0;
     }

@@ -191,9 +191,17 @@ static bool may_be_chain(const struct scene_values *v, const struct scene_state 
     return SCENE_HAS_CHAINS && any && chain_may_be(v, q);
 }
 
+/* Whether the gap of a contact that is apart changes no faster than its separation does, so that a bound of
+ * the speeds shows how long it stays apart: nothing that turns changes it. */
+static bool gap_follows_separation(const struct scene_values *v, int contact)
+{
+    return !contact_tips(v, contact) && !body_is_compound(contact_source(contact)) &&
+           !body_is_compound(contact_destination(contact));
+}
+
 /* Whether segments can be made for the contact pairs: neither turning nor rubbing prevents them, and no free
- * body takes part in two contacts that transmit forces. Where something turns, such a body may take part in
- * no other contact at all; else begin_pairs sees to it that no other contact begins. */
+ * body takes part in two contacts that transmit forces. begin_pairs sees to it that no other contact
+ * begins. */
 static bool pairs_are_alone(const struct scene_values *v, const struct scene_state *q)
 {
     for (int j = 0; SCENE_ANY_TURNING && scene_turns(v) && j < SCENE_CONTACTS; ++j) {
@@ -202,7 +210,7 @@ static bool pairs_are_alone(const struct scene_values *v, const struct scene_sta
         }
     }
     for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
-        if (contact_is_coupled(v, q, j) && (contact_transmits(q, j) || scene_turns(v))) {
+        if (contact_is_coupled(v, q, j) && (contact_transmits(q, j) || !gap_follows_separation(v, j))) {
             return false;
         }
     }
@@ -225,22 +233,32 @@ static double flight_speed_at_most(const struct separation_path *flight, double 
     return speed;
 }
 
+/* Whether the importer moves or turns a body. */
+static bool is_led(const struct scene_values *v, int body)
+{
+    return body_is_prescribed(v, body) || body_turn_is_prescribed(v, body);
+}
+
 /* Returns a bound of the mean speed at which a contact that transmits a force takes its bodies off their
  * flight, against each other, within a time from now [m/s]. A law stores the energy E and dissipates, so that
- * S = sqrt(|w|^2 + 2 E / m_red) grows by no more than the acceleration without the contact's force. The rate
- * w of the separation is at most S, and that of the flight is too. INFINITY stands for a body that the
- * importer moves, whose velocity may contradict its displacement. */
+ * S = sqrt(|w|^2 + 2 E / m_red) grows by no more than the acceleration without the contact's force. Friction
+ * may also make motion of rotation: E counts the energy of rotation where the contact rubs. The rate w of the
+ * separation is at most S, and that of the flight is too. INFINITY stands for a body that the importer moves,
+ * whose velocity may contradict its displacement, or turns. */
 static double deviation_speed_at_most(const struct scene_values *v, const struct scene_state *q,
                                       const struct scene_instant *at, int contact, double time)
 {
-    if (body_is_prescribed(v, contact_source(contact)) ||
-        body_is_prescribed(v, contact_destination(contact))) {
+    if (is_led(v, contact_source(contact)) || is_led(v, contact_destination(contact))) {
         return (double)INFINITY;
     }
     const struct separation_path flight = separation_path_of(v, q, at, q->clock, contact);
     const struct contact_law law = scene_contact_law(v, q, contact);
-    const double stored = contact_stored_energy(&law, (enum contact_regime)q->contact[contact].regime,
-                                                at->geometry[contact].gap);
+    double stored = contact_stored_energy(&law, (enum contact_regime)q->contact[contact].regime,
+                                          at->geometry[contact].gap);
+    for (int end = 0; contact_rubs(v, contact) && end < 2; ++end) {
+        const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+        stored += body_turns_freely(v, body) ? body_rotational_energy(v, body, &q->turning.body[body]) : 0.0;
+    }
     double acceleration = 0.0;
     for (int i = SEPARATION_DEGREE; i > 1; --i) {
         acceleration = acceleration * time + i * (i - 1) * vec3_norm(flight.c[i]);

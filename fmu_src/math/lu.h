@@ -15,6 +15,14 @@ struct lu_matrix {
     double *im; /* NULL: the matrix is real */
 };
 
+/* Returns the part of a matrix in `rows` rows and columns from `first` on. It may be used by itself where all
+ * else in these rows and columns is zero. */
+static inline struct lu_matrix lu_part(struct lu_matrix m, int first, int rows)
+{
+    const int at = first * (m.stride + 1);
+    return (struct lu_matrix){rows, m.stride, m.re + at, m.pivot + first, m.im ? m.im + at : (double *)0};
+}
+
 /* Factors in place; false where a pivot is zero or not finite. The pivots are stored as their reciprocals. */
 bool lu_factor(struct lu_matrix m);
 

@@ -168,7 +168,7 @@ size_t radau_step_memory(const struct radau_problem *problem)
     const size_t m = RADAU_MOST_SYSTEMS;
     const size_t all = (size_t)radau_padded(rows_of_all(problem));
     const size_t doubles = (6 * s + 2 * m + 1) * n + (6 + 2 * m) * n * n + 5 * n + (all + 1) * all;
-    const size_t ints = 2 * n + m * n + all;
+    const size_t ints = 4 * n + 1 + m * n + all;
     return doubles * sizeof(double) + ints * sizeof(int);
 }
 
@@ -196,6 +196,15 @@ static void list_others(struct radau_step *p)
             p->other[p->others++] = i;
         }
     }
+    int group = 0;
+    p->group_first[0] = 0;
+    for (int j = 0; j < p->others; ++j) {
+        while (problem->groups > 0 && p->other[j] >= problem->group_end[group]) {
+            p->group_first[++group] = j;
+        }
+        p->group_of[j] = group;
+    }
+    p->group_first[group + 1] = p->others;
     p->width = radau_padded(p->others);
 }
 
@@ -233,7 +242,9 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     int *whole = (int *)(void *)next;
     p->other = whole;
     p->speed_among = whole + n;
-    p->all.pivot = whole + (2 + RADAU_MOST_SYSTEMS) * n;
+    p->group_first = whole + (2 + RADAU_MOST_SYSTEMS) * n;
+    p->group_of = p->group_first + n + 1;
+    p->all.pivot = p->group_of + n;
     list_others(p);
     for (int k = 0; k < RADAU_MOST_SYSTEMS; ++k) {
         p->system[k].rows = p->others;
@@ -242,18 +253,24 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     }
 }
 
-/* Copies the parts of p->jacobian by the states left and by the places. */
+/* Copies the parts of p->jacobian by the states left and by the places. Outside the groups they are zero. */
 static void radau_take_jacobian(const struct radau_step *p, double *by_others, double *by_places)
 {
     const struct radau_problem *problem = &p->problem;
     const int m = p->others;
-    for (int i = 0; i < m; ++i) {
-        const double *row = p->jacobian + p->other[i];
-        for (int j = 0; j < m; ++j) {
-            by_others[j * m + i] = row[p->other[j] * problem->coupled];
+    memset(by_others, 0, (size_t)(m * m) * sizeof *by_others);
+    memset(by_places, 0, (size_t)(problem->paired * m) * sizeof *by_places);
+    for (int j = 0; j < m; ++j) {
+        const double *column = p->jacobian + p->other[j] * problem->coupled;
+        for (int i = radau_group_begin(p, j); i < radau_group_end(p, j); ++i) {
+            by_others[j * m + i] = column[p->other[i]];
         }
-        for (int j = 0; j < problem->paired; ++j) {
-            by_places[j * m + i] = row[problem->place[j] * problem->coupled];
+    }
+    for (int j = 0; j < problem->paired; ++j) {
+        const double *column = p->jacobian + problem->place[j] * problem->coupled;
+        const int speed = p->speed_among[j];
+        for (int i = radau_group_begin(p, speed); i < radau_group_end(p, speed); ++i) {
+            by_places[j * m + i] = column[p->other[i]];
         }
     }
 }
@@ -375,14 +392,11 @@ void radau_step_take_over(struct radau_step *p, double start, double length, con
 void radau_step_at(const struct radau_step *p, double part, double *y)
 {
     double of[RADAU_MOST_STAGES + 1] = {1.0};
-    const int s = p->stages->stages;
-    radau_polynomials_at(s + 1, radau_place(p->stages, part), of);
+    const int count = p->stages->stages + 1;
+    radau_polynomials_at(count, radau_place(p->stages, part), of);
+    radau_combine(p->re, of, count, p->chebyshev, p->stride, p->stride);
     for (int j = 0; j < p->problem.size; ++j) {
-        double sum = of[0] * p->chebyshev[j];
-        for (int k = 1; k <= s; ++k) {
-            sum += of[k] * p->chebyshev[k * p->stride + j];
-        }
-        y[j] = p->y[j] + sum;
+        y[j] = p->y[j] + p->re[j];
     }
 }
 
@@ -557,25 +571,46 @@ static void put_start_defect(struct radau_step *p)
     p->side[p->others] = 0.0;
 }
 
+/* Factor, and solve for the right side re + i im, a matrix with `each` rows for each of the others, group by
+ * group. Outside the groups the matrix is zero. */
+static bool factor_groups(const struct radau_step *p, struct lu_matrix m, int each)
+{
+    bool done = true;
+    for (int j = 0; done && j < p->others; j = radau_group_end(p, j)) {
+        done = lu_factor(lu_part(m, each * j, each * (radau_group_end(p, j) - j)));
+    }
+    return done;
+}
+
+static void solve_groups(const struct radau_step *p, struct lu_matrix m, int each, double *re, double *im)
+{
+    for (int j = 0; j < p->others; j = radau_group_end(p, j)) {
+        const struct lu_matrix part = lu_part(m, each * j, each * (radau_group_end(p, j) - j));
+        lu_solve(part, re + each * j, im ? im + each * j : NULL);
+    }
+}
+
 /* Factors I - h J of the states left; with the effect of the places, if `by_places` is not NULL. */
 static bool factor_dying(struct radau_step *p, struct lu_matrix system, const double *by_others,
                          const double *by_places)
 {
-    const int m = system.rows;
+    const int m = p->others;
     for (int column = 0; column < m; ++column) {
+        const int end = radau_group_end(p, column);
         double *to = system.re + column * system.stride;
-        for (int i = 0; i < m; ++i) {
+        for (int i = radau_group_begin(p, column); i < end; ++i) {
             to[i] = (i == column ? 1.0 : 0.0) - p->length * by_others[column * m + i];
         }
-        to[m] = 0.0;
+        to[end] = 0.0;
     }
     for (int k = 0; k < p->problem.paired && by_places; ++k) {
-        double *to = system.re + p->speed_among[k] * system.stride;
-        for (int i = 0; i < m; ++i) {
+        const int speed = p->speed_among[k];
+        double *to = system.re + speed * system.stride;
+        for (int i = radau_group_begin(p, speed); i < radau_group_end(p, speed); ++i) {
             to[i] -= p->length * p->length * by_places[k * m + i];
         }
     }
-    return lu_factor(system);
+    return factor_groups(p, system, 1);
 }
 
 void radau_step_stage(const struct radau_step *p, int stage, double *y)
@@ -608,23 +643,22 @@ static void radau_take_stage_jacobian(struct radau_step *p, int stage)
 double radau_step_start_error(struct radau_step *p)
 {
     const int m = p->others;
-    struct lu_matrix system = p->all;
-    system.rows = m;
+    const struct lu_matrix system = p->all;
     put_start_defect(p);
     if (!factor_dying(p, system, p->by_others, NULL)) {
         return (double)INFINITY;
     }
     memcpy(p->point, p->side, (size_t)m * sizeof *p->side);
-    lu_solve(system, p->side, NULL);
+    solve_groups(p, system, 1, p->side, NULL);
     for (int i = 0; i < m; ++i) {
         p->side[i] = p->point[i] - p->side[i];
     }
-    lu_solve(system, p->side, NULL);
+    solve_groups(p, system, 1, p->side, NULL);
     radau_take_stage_jacobian(p, p->stages->stages - 1);
     if (!factor_dying(p, system, p->stage_others, p->stage_places)) {
         return (double)INFINITY;
     }
-    lu_solve(system, p->side, NULL);
+    solve_groups(p, system, 1, p->side, NULL);
     double largest = 0.0;
     for (int i = 0; i < m; ++i) {
         const double size = fabs(p->side[i]) * p->weight[p->other[i]];
@@ -642,42 +676,44 @@ static const double SLOWEST_CONTRACTION = 0.5;
 /* Corrections below this part of the error allowed are rounding. */
 static const double ROUNDING_SHARE = 0.25;
 
-/* Factors lambda - h J of the states left, with the effect of the places, which change by h/lambda of their
+/* Writes lambda - h J of the states left, with the effect of the places, which change by h/lambda of their
  * speeds. */
+static void put_system(struct radau_step *p, struct lu_matrix system, double length, double re, double im)
+{
+    const int m = p->others;
+    const double scale = length * length / (re * re + im * im);
+    for (int j = 0; j < m; ++j) {
+        const int first = radau_group_begin(p, j);
+        const int end = radau_group_end(p, j);
+        double *column = system.re + j * system.stride;
+        for (int i = first; i < end; ++i) {
+            column[i] = -length * p->by_others[j * m + i];
+        }
+        column[end] = 0.0;
+        memset(system.im + j * system.stride + first, 0, (size_t)(end - first + 1) * sizeof(double));
+        column[j] += re;
+        system.im[j * system.stride + j] = im;
+    }
+    for (int j = 0; j < p->problem.paired; ++j) {
+        const int speed = p->speed_among[j];
+        double *column_re = system.re + speed * system.stride;
+        double *column_im = system.im + speed * system.stride;
+        for (int i = radau_group_begin(p, speed); i < radau_group_end(p, speed); ++i) {
+            column_re[i] -= scale * re * p->by_places[j * m + i];
+            column_im[i] += scale * im * p->by_places[j * m + i];
+        }
+    }
+}
+
 static bool factor(struct radau_step *p, const struct radau_stages *stages, double length)
 {
     if (p->factored_length == length && p->factored_stages == stages) {
         return true;
     }
-    const int m = p->others;
-    const int paired = p->problem.paired;
     p->factored_length = 0.0;
     for (int k = 0; k < stages->systems; ++k) {
-        const double re = stages->eigenvalue[2 * k];
-        const double im = stages->eigenvalue[2 * k + 1];
-        const double scale = length * length / (re * re + im * im);
-        const struct lu_matrix system = p->system[k];
-        memset(system.im, 0, (size_t)(m * system.stride) * sizeof(double));
-        memset(system.re, 0, (size_t)(m * system.stride) * sizeof(double));
-        for (int j = 0; j < m; ++j) {
-            double *column = system.re + j * system.stride;
-            for (int i = 0; i < m; ++i) {
-                column[i] = -length * p->by_others[j * m + i];
-            }
-        }
-        for (int j = 0; j < paired; ++j) {
-            double *column_re = system.re + p->speed_among[j] * system.stride;
-            double *column_im = system.im + p->speed_among[j] * system.stride;
-            for (int i = 0; i < m; ++i) {
-                column_re[i] -= scale * re * p->by_places[j * m + i];
-                column_im[i] += scale * im * p->by_places[j * m + i];
-            }
-        }
-        for (int i = 0; i < m; ++i) {
-            system.re[i * system.stride + i] += re;
-            system.im[i * system.stride + i] += im;
-        }
-        if (!lu_factor(system)) {
+        put_system(p, p->system[k], length, stages->eigenvalue[2 * k], stages->eigenvalue[2 * k + 1]);
+        if (!factor_groups(p, p->system[k], 1)) {
             return false;
         }
     }
@@ -698,7 +734,7 @@ static double correct(struct radau_step *p)
         double *re = parts + 2 * k * width;
         radau_combine(re, stages->into + 2 * k * s, s, p->residual, width, width);
         radau_combine(re + width, stages->into + (2 * k + 1) * s, s, p->residual, width, width);
-        lu_solve(p->system[k], re, re + width);
+        solve_groups(p, p->system[k], 1, re, re + width);
     }
     double largest = 0.0;
     for (int i = 0; i < s; ++i) {
@@ -741,7 +777,9 @@ bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, d
     for (int i = 0; i < p->others; ++i) { /* the places move with their speeds at the start */
         double moved = 0.0;
         for (int j = 0; j < p->problem.paired; ++j) {
-            moved += p->by_places[j * p->others + i] * p->y[p->problem.speed[j]];
+            if (p->group_of[p->speed_among[j]] == p->group_of[i]) {
+                moved += p->by_places[j * p->others + i] * p->y[p->problem.speed[j]];
+            }
         }
         for (int k = 0; k < stages->stages; ++k) {
             p->residual[k * p->width + i] =
@@ -870,6 +908,15 @@ static const double FULL_ROUNDING_SHARE = 0.25;
 /* Residuals below this part of the error allowed are negligible for the integrals. */
 static const double INTEGRAL_SHARE = 0.02;
 
+/* Returns the row of a state left at a stage in the system of all stages. The rows of a group stand together,
+ * stage by stage. */
+static inline int row_of(const struct radau_step *p, int stage, int other)
+{
+    const int first = radau_group_begin(p, other);
+    const int rows = radau_group_end(p, other) - first;
+    return (p->stages->stages - 1) * first + stage * rows + other;
+}
+
 /* Puts A^-1 - h J (by the states left) - h^2 A J (by the places) into the rows of one stage. */
 static void put_stage(struct radau_step *p, int stage)
 {
@@ -880,16 +927,20 @@ static void put_stage(struct radau_step *p, int stage)
     for (int j = 0; j < s; ++j) {
         const double weight = p->length * p->length * stages->integral[stage * s + j];
         for (int column = 0; column < m; ++column) {
-            double *to = all.re + (j * m + column) * all.stride + stage * m;
-            memset(to, 0, (size_t)m * sizeof *to);
-            to[column] = stages->inverse[stage * s + j];
-            for (int i = 0; i < m && j == stage; ++i) {
-                to[i] -= p->length * p->stage_others[column * m + i];
+            const int first = radau_group_begin(p, column);
+            const int rows = radau_group_end(p, column) - first;
+            double *to = all.re + row_of(p, j, column) * all.stride + row_of(p, stage, first);
+            memset(to, 0, (size_t)rows * sizeof *to);
+            to[column - first] = stages->inverse[stage * s + j];
+            for (int i = 0; i < rows && j == stage; ++i) {
+                to[i] -= p->length * p->stage_others[column * m + first + i];
             }
         }
         for (int k = 0; k < p->problem.paired; ++k) {
-            double *to = all.re + (j * m + p->speed_among[k]) * all.stride + stage * m;
-            for (int i = 0; i < m; ++i) {
+            const int speed = p->speed_among[k];
+            const int first = radau_group_begin(p, speed);
+            double *to = all.re + row_of(p, j, speed) * all.stride + row_of(p, stage, first) - first;
+            for (int i = first; i < radau_group_end(p, speed); ++i) {
                 to[i] -= weight * p->stage_places[k * m + i];
             }
         }
@@ -900,15 +951,15 @@ static void put_stage(struct radau_step *p, int stage)
 static bool factor_fully(struct radau_step *p)
 {
     const int s = p->stages->stages;
-    p->all.rows = s * p->others;
     for (int i = 0; i < s; ++i) {
         radau_take_stage_jacobian(p, i);
         put_stage(p, i);
     }
-    for (int k = 0; k < p->all.rows; ++k) { /* the zero behind each column */
-        p->all.re[k * p->all.stride + p->all.rows] = 0.0;
+    for (int j = 0; j < s * p->others; ++j) { /* the zero behind each column of a group */
+        const int column = row_of(p, j / p->others, j % p->others);
+        p->all.re[column * p->all.stride + s * radau_group_end(p, j % p->others)] = 0.0;
     }
-    return lu_factor(p->all);
+    return factor_groups(p, p->all, s);
 }
 
 /* Adds one correction from the residual; returns the largest weighted entry of the correction. */
@@ -918,15 +969,18 @@ static double correct_fully(struct radau_step *p)
     const int m = p->others;
     double *side = p->side;
     for (int i = 0; i < s; ++i) {
-        memcpy(side + i * m, p->residual + i * p->width, (size_t)m * sizeof *side);
+        for (int j = 0; j < m; ++j) {
+            side[row_of(p, i, j)] = p->residual[i * p->width + j];
+        }
     }
     side[s * m] = 0.0;
-    lu_solve(p->all, side, NULL);
+    solve_groups(p, p->all, s, side, NULL);
     double largest = 0.0;
     for (int i = 0; i < s; ++i) {
         for (int j = 0; j < m; ++j) {
-            p->others_change[i * p->width + j] += side[i * m + j];
-            const double size = fabs(side[i * m + j]) * p->weight[p->other[j]];
+            const double by = side[row_of(p, i, j)];
+            p->others_change[i * p->width + j] += by;
+            const double size = fabs(by) * p->weight[p->other[j]];
             largest = size <= largest ? largest : size;
         }
     }
@@ -939,7 +993,7 @@ static double place_moved(const struct radau_step *p, int stage, int place)
     const int s = p->stages->stages;
     double sum = 0.0;
     for (int j = 0; j < s; ++j) {
-        sum += p->stages->integral[stage * s + j] * p->side[j * p->others + p->speed_among[place]];
+        sum += p->stages->integral[stage * s + j] * p->side[row_of(p, j, p->speed_among[place])];
     }
     return p->length * sum;
 }
@@ -959,7 +1013,7 @@ static void move_integrals(struct radau_step *p)
         problem->whole_jacobian(problem->context, clock, p->point, p->whole);
         for (int j = 0; j < p->others + problem->paired; ++j) {
             const int k = j - p->others;
-            const double moved = k < 0 ? p->side[i * p->others + j] : place_moved(p, i, k);
+            const double moved = k < 0 ? p->side[row_of(p, i, j)] : place_moved(p, i, k);
             const double *column = p->whole + n * (k < 0 ? p->other[j] : problem->place[k]);
             for (int row = problem->integrals; row < n; ++row) {
                 rates[row] += column[row] * moved;

@@ -24,8 +24,10 @@
 struct radau_problem {
     const void *context;
     int size, coupled, integrals;
-    bool turns; /* allows radau_step_solve_fully, which needs whole_jacobian */
-    int paired; /* number of states y[place[i]] whose rate is y[speed[i]]; both are coupled */
+    bool turns;           /* allows radau_step_solve_fully, which needs whole_jacobian */
+    int groups;           /* of coupled states: no rate depends on states of another group; 0: one group */
+    const int *group_end; /* [groups]: ascending ends of the groups */
+    int paired;           /* number of states y[place[i]] whose rate is y[speed[i]]; both are coupled */
     const int *place, *speed;
     void (*rates)(const void *context, double clock, const double *y, double *rates);
     /* d(rate i)/d(y j) of the coupled states, at [j * coupled + i] */
@@ -74,7 +76,19 @@ struct radau_step {
     int others;         /* number of coupled states that are no places */
     int *other;         /* [others]: their indices */
     int *speed_among;   /* [paired]: index of a speed among the others */
+    int *group_first;   /* the first of the others in each group, and their number */
+    int *group_of;      /* [others]: the group of each */
 };
+
+/* The first of the others in the group of one, and the end of that group. */
+static inline int radau_group_begin(const struct radau_step *p, int other)
+{
+    return p->group_first[p->group_of[other]];
+}
+static inline int radau_group_end(const struct radau_step *p, int other)
+{
+    return p->group_first[p->group_of[other] + 1];
+}
 
 /* The first returns the bytes of memory for a problem; the second sets up a step in such memory. */
 size_t radau_step_memory(const struct radau_problem *problem);

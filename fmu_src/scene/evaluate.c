@@ -554,7 +554,13 @@ static void put_separation(const struct scene_values *v, const struct vec3 origi
     }
 }
 
-CONTACT_NOINLINE void scene_meet(const struct scene_values *v, const struct scene_state *q,
+/* Whether a contact counts for an integrator. */
+static inline bool is_met(const bool *met, int contact)
+{
+    return SCENE_CONTACTS == 1 || met == NULL || met[contact];
+}
+
+CONTACT_NOINLINE void scene_meet(const struct scene_values *v, const struct scene_state *q, const bool *met,
                                  struct scene_instant *at)
 {
     const bool turns = scene_turns(v);
@@ -565,6 +571,9 @@ CONTACT_NOINLINE void scene_meet(const struct scene_values *v, const struct scen
                                                : vec3_make(0.0, 0.0, 0.0);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (!is_met(met, j)) {
+            continue;
+        }
         put_separation(v, origin, j, at);
         if (turns) {
             put_axis(v, q, j, at);
@@ -579,21 +588,23 @@ CONTACT_NOINLINE void scene_meet(const struct scene_values *v, const struct scen
     }
 }
 
-void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct body_state *bodies, const struct turning_state *turning,
-                              struct scene_instant *at)
+void scene_place_bodies(const struct scene_values *v, const struct scene_state *q, double clock,
+                        const struct body_state *bodies, const struct turning_state *turning,
+                        struct scene_instant *at)
 {
     struct vec3 origin[SCENE_BODIES];
     put_motions(v, q, clock, bodies, origin, at);
-    put_turns(v, q, clock, turning, at);
-    scene_meet(v, q, at);
+    if (scene_turns(v)) {
+        put_turns(v, q, clock, turning, at);
+    }
 }
 
 CONTACT_FLATTEN void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
                                       const struct body_state *bodies, struct scene_instant *at)
 {
     if (scene_turns(v)) {
-        scene_kinematics_turning(v, q, clock, bodies, &q->turning, at);
+        scene_place_bodies(v, q, clock, bodies, &q->turning, at);
+        scene_meet(v, q, NULL, at);
         return;
     }
     struct vec3 origin[SCENE_BODIES];
@@ -632,12 +643,29 @@ static inline void accelerate(const struct scene_values *v, int contact, struct 
     }
 }
 
+/* Sets the forces and torques of a contact that is left out. */
+static void leave_out(int contact, struct scene_instant *at)
+{
+    const struct vec3 zero = {0.0, 0.0, 0.0};
+    at->normal_force[contact] = 0.0;
+    at->source_force[contact] = zero;
+    if (SCENE_ANY_TURNING) {
+        at->turning.slip[contact] = at->turning.friction_force[contact] = zero;
+        at->turning.resistance[contact] = zero;
+        at->turning.source_torque[contact] = at->turning.destination_torque[contact] = zero;
+    }
+}
+
 /* Completes an instant by accelerations and forces. `turning` is NULL where nothing turns or rubs. */
 static inline void put_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct turning_state *turning, struct scene_instant *at)
+                              const struct turning_state *turning, const bool *met, struct scene_instant *at)
 {
     put_accelerations(v, q, clock, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (!is_met(met, j)) {
+            leave_out(j, at);
+            continue;
+        }
         const struct contact_geometry *g = &at->geometry[j];
         const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
         at->normal_force[j] = 0.0;
@@ -656,27 +684,32 @@ static inline void put_forces(const struct scene_values *v, const struct scene_s
 /* Is not inlined, so that the code for scenes where nothing turns or rubs stays small. */
 CONTACT_NOINLINE static void put_forces_turning(const struct scene_values *v, const struct scene_state *q,
                                                 double clock, const struct turning_state *turning,
-                                                struct scene_instant *at)
+                                                const bool *met, struct scene_instant *at)
 {
-    put_forces(v, q, clock, turning, at);
+    put_forces(v, q, clock, turning, met, at);
 }
 
 CONTACT_FLATTEN void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
                                   struct scene_instant *at)
 {
     if (scene_turns(v)) {
-        put_forces_turning(v, q, clock, &q->turning, at);
+        put_forces_turning(v, q, clock, &q->turning, NULL, at);
         return;
     }
-    put_forces(v, q, clock, NULL, at);
+    put_forces(v, q, clock, NULL, NULL, at);
 }
 
-void scene_evaluate_turning(const struct scene_values *v, const struct scene_state *q, double clock,
-                            const struct body_state *bodies, const struct turning_state *turning,
-                            struct scene_instant *at)
+void scene_evaluate_met(const struct scene_values *v, const struct scene_state *q, double clock,
+                        const struct body_state *bodies, const struct turning_state *turning, const bool *met,
+                        struct scene_instant *at)
 {
-    scene_kinematics_turning(v, q, clock, bodies, turning, at);
-    put_forces_turning(v, q, clock, turning, at);
+    if (met == NULL && !scene_turns(v)) {
+        scene_evaluate(v, q, clock, bodies, at);
+        return;
+    }
+    scene_place_bodies(v, q, clock, bodies, turning, at);
+    scene_meet(v, q, met, at);
+    put_forces_turning(v, q, clock, scene_turns(v) ? turning : NULL, met, at);
 }
 
 void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
@@ -687,10 +720,14 @@ void scene_evaluate(const struct scene_values *v, const struct scene_state *q, d
 }
 
 void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct vec3 *force, struct scene_instant *at)
+                              const struct vec3 *force, const bool *met, struct scene_instant *at)
 {
     put_accelerations(v, q, clock, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (!is_met(met, j)) {
+            leave_out(j, at);
+            continue;
+        }
         const struct vec3 e = vec3_scale(scene_contact_side(v, q, j), at->geometry[j].normal);
         at->source_force[j] = force[j];
         at->normal_force[j] = -vec3_dot(force[j], e);

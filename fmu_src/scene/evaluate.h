@@ -81,16 +81,24 @@ struct body_instant scene_body_now(const struct scene_values *v, const struct sc
 void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
                       const struct body_state *bodies, struct scene_instant *at);
 
-/* Do the work of scene_kinematics and scene_evaluate with the rotations and springs in `turning`. */
-void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct body_state *bodies, const struct turning_state *turning,
-                              struct scene_instant *at);
-void scene_evaluate_turning(const struct scene_values *v, const struct scene_state *q, double clock,
-                            const struct body_state *bodies, const struct turning_state *turning,
-                            struct scene_instant *at);
+/*
+ * An integrator may leave contacts out that are apart: `met` says for each contact whether it counts; NULL
+ * stands for all. A contact that is left out has no geometry, and all of its forces and torques are zero.
+ */
 
-/* Computes the geometry of every contact of an instant that has the motion of the bodies. */
-void scene_meet(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
+/* Sets the motion of the bodies alone, with the rotations in `turning`. */
+void scene_place_bodies(const struct scene_values *v, const struct scene_state *q, double clock,
+                        const struct body_state *bodies, const struct turning_state *turning,
+                        struct scene_instant *at);
+
+/* Computes the geometry of the contacts of an instant that has the motion of the bodies. */
+void scene_meet(const struct scene_values *v, const struct scene_state *q, const bool *met,
+                struct scene_instant *at);
+
+/* Does the work of scene_evaluate with the rotations and springs in `turning`. */
+void scene_evaluate_met(const struct scene_values *v, const struct scene_state *q, double clock,
+                        const struct body_state *bodies, const struct turning_state *turning, const bool *met,
+                        struct scene_instant *at);
 
 /* Returns the shape of a contact with the destination's axis at the instant. */
 struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,
@@ -202,7 +210,7 @@ void turning_slip_of_contact(const struct scene_values *v, const struct scene_st
 /* Completes an instant that has kinematics, arms and slips by given contact forces on the sources [N], one
  * for each contact: accelerations, F_n, and where scene_turns torques and F_t. */
 void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct vec3 *force, struct scene_instant *at);
+                              const struct vec3 *force, const bool *met, struct scene_instant *at);
 
 /* Adds rotations, friction and torques to an instant that has geometry and normal forces. */
 void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);

@@ -8,86 +8,141 @@
 
 enum { BODY_STATES = 6 };
 
-int ode_body(const struct scene_values *v, int body)
+/* Takes `count` states at *next, unless they are not wanted. */
+static int take_states(bool wanted, int count, int *next)
 {
-    int index = 0;
-    for (int i = 0; i < body; ++i) {
-        index += body_is_free(v, i) ? BODY_STATES : 0;
-    }
-    return index;
+    const int index = *next;
+    *next += wanted ? count : 0;
+    return wanted ? index : -1;
 }
 
-struct turning_layout turning_layout_of(const struct scene_values *v)
+static bool body_moves(const struct scene_values *v, int body)
 {
-    struct turning_layout layout;
-    int index = ode_body(v, SCENE_BODIES);
+    return body_is_free(v, body) || body_turns_freely(v, body);
+}
+
+/* Whether the motion of a body without contact is a closed form of the clock, in which its orientation does
+ * not matter to the contact. */
+static bool flies_unseen(const struct scene_values *v, const struct scene_state *q, int body, int contact)
+{
+    if (!body_turns_freely(v, body)) {
+        return true;
+    }
+    return !body_is_compound(body) && path_rests(q->path[body].torque) &&
+           !(body_tips(v, body) && contact_is_coupled(v, q, contact));
+}
+
+/* Sets which bodies have states: all that move where `q` is NULL, else those in contact. Returns whether all
+ * have. */
+static bool find_bodies(const struct scene_values *v, const struct scene_state *q, bool has[SCENE_BODIES])
+{
+    bool all = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const bool turns = body_turns_freely(v, i);
-        layout.spin[i] = turns ? index : -1;
-        index += turns ? 3 : 0;
+        has[i] = body_moves(v, i) && (SCENE_CONTACTS == 1 || q == NULL);
+    }
+    for (int k = 0; SCENE_CONTACTS > 1 && q != NULL && k < 2 * SCENE_CONTACTS; ++k) {
+        const int j = k / 2;
+        const int body = k % 2 == 0 ? contact_source(j) : contact_destination(j);
+        const bool apart = q->contact[j].regime == (int32_t)REGIME_APART;
+        has[body] = has[body] || (body_moves(v, body) && !(apart && flies_unseen(v, q, body, j)));
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const bool tips = body_turns_freely(v, i) && body_tips(v, i);
-        layout.orientation[i] = tips ? index : -1;
-        index += tips ? 4 : 0;
+        all = all && (has[i] || !body_moves(v, i));
     }
+    return all;
+}
+
+/* The group of each body and contact: of an island, or of one that nothing couples to others. */
+struct groups {
+    int count;
+    int body[SCENE_BODIES], contact[SCENE_CONTACTS]; /* -1: a contact that is apart */
+};
+
+static void find_groups(const struct scene_values *v, const struct scene_state *q, struct groups *to)
+{
+    if (SCENE_CONTACTS == 1 || q == NULL) {
+        *to = (struct groups){.count = 1};
+        return;
+    }
+    const struct islands islands = scene_islands(v, q);
+    to->count = islands.count;
+    memset(to->body, -1, sizeof to->body);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        memset(layout.spring[j], -1, sizeof layout.spring[j]);
-        for (int i = 0; contact_has_springs(v, j) && i < OPPOSED; ++i) {
-            const bool springs = contact_has_spring(v, j, i);
-            layout.spring[j][i] = springs ? index : -1;
-            index += springs ? 3 : 0;
+        to->contact[j] = islands.of[j];
+        for (int end = 0; end < 2 && islands.of[j] >= 0; ++end) {
+            to->body[end == 0 ? contact_source(j) : contact_destination(j)] = islands.of[j];
         }
     }
-    layout.coupled = index;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const bool rolls = body_turns_freely(v, i) && !body_tips(v, i);
-        layout.orientation[i] = rolls ? index : layout.orientation[i];
-        index += rolls ? 4 : 0;
+        to->body[i] = to->body[i] < 0 ? to->count++ : to->body[i];
     }
-    layout.integrals = index;
+}
+
+/* Adds the states of one group on which rates of others depend. */
+static void lay_out_group(const struct scene_values *v, const bool has[SCENE_BODIES],
+                          const struct groups *groups, int group, struct ode_layout *layout, int *next)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (groups->body[i] == group) {
+            layout->body[i] = take_states(has[i] && body_is_free(v, i), BODY_STATES, next);
+        }
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (groups->body[i] == group) {
+            layout->spin[i] = take_states(has[i] && body_turns_freely(v, i), 3, next);
+        }
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (groups->body[i] == group) {
+            layout->orientation[i] = take_states(layout->spin[i] >= 0 && body_tips(v, i), 4, next);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        for (int i = 0; groups->contact[j] == group && i < OPPOSED; ++i) {
+            layout->spring[j][i] = take_states(contact_has_spring(v, j, i), 3, next);
+        }
+    }
+}
+
+struct ode_layout ode_layout_of(const struct scene_values *v, const struct scene_state *q)
+{
+    struct ode_layout layout;
+    struct groups groups;
+    bool has[SCENE_BODIES];
+    int next = 0;
+    layout.is_whole = find_bodies(v, q, has);
+    find_groups(v, q, &groups);
+    memcpy(layout.island, groups.contact, sizeof layout.island);
+    memset(layout.spring, -1, sizeof layout.spring);
+    memset(layout.spin, -1, sizeof layout.spin);
+    memset(layout.orientation, -1, sizeof layout.orientation);
+    layout.groups = groups.count;
+    for (int group = 0; group < groups.count; ++group) {
+        lay_out_group(v, has, &groups, group, &layout, &next);
+        layout.group_end[group] = next;
+    }
+    layout.coupled = next;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (layout.spin[i] >= 0 && !body_tips(v, i)) {
+            layout.orientation[i] = take_states(true, 4, &next);
+        }
+    }
+    layout.integrals = next;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        layout.met[j] = SCENE_CONTACTS == 1 || q == NULL || q->contact[j].regime != (int32_t)REGIME_APART ||
+                        has[contact_source(j)] || has[contact_destination(j)];
+        layout.is_whole = layout.is_whole && layout.met[j];
+        layout.impulse[j] = take_states(layout.met[j], scene_turns(v) ? TURNING_IMPULSES : 3, &next);
+    }
+    layout.dissipated = next;
+    layout.size = next + (scene_turns(v) ? 3 : 2);
     return layout;
 }
 
-static int impulses_of_contact(const struct scene_values *v)
+/* Returns which contacts y has; NULL: all. */
+static const bool *met_of(const struct scene_ode *ode)
 {
-    return scene_turns(v) ? TURNING_IMPULSES : 3;
-}
-
-int ode_impulse(const struct scene_values *v, int contact)
-{
-    return ode_integrals(v) + impulses_of_contact(v) * contact;
-}
-
-int ode_dissipated(const struct scene_values *v)
-{
-    return ode_impulse(v, SCENE_CONTACTS);
-}
-
-int ode_coupled(const struct scene_values *v)
-{
-    return scene_turns(v) ? turning_layout_of(v).coupled : ode_body(v, SCENE_BODIES);
-}
-
-/* Counts the states before the first integral. turning_layout_of(v).integrals has the same value, but most
- * callers need no other part of that layout, and making all of it would be slow. */
-int ode_integrals(const struct scene_values *v)
-{
-    int index = ode_body(v, SCENE_BODIES);
-    for (int i = 0; scene_turns(v) && i < SCENE_BODIES; ++i) {
-        index += body_turns_freely(v, i) ? 7 : 0;
-    }
-    for (int j = 0; SCENE_ANY_SPRINGS && j < SCENE_CONTACTS; ++j) {
-        for (int i = 0; contact_has_springs(v, j) && i < OPPOSED; ++i) {
-            index += contact_has_spring(v, j, i) ? 3 : 0;
-        }
-    }
-    return index;
-}
-
-int ode_size(const struct scene_values *v)
-{
-    return ode_dissipated(v) + (scene_turns(v) ? 3 : 2);
+    return ode->layout.is_whole ? NULL : ode->layout.met;
 }
 
 static struct quaternion four_from(const double *data)
@@ -107,42 +162,55 @@ static void four_to(struct quaternion a, double *data)
 static void turning_pack(const struct scene_ode *ode, double *y)
 {
     const struct scene_values *v = ode->values;
-    const struct turning_layout layout = turning_layout_of(v);
+    const struct ode_layout *layout = &ode->layout;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (layout.spin[i] >= 0) {
+        if (layout->spin[i] >= 0) {
             const struct body_turn *turn = &ode->state->turning.body[i];
-            vec3_to(body_spin_of(v, i, turn), y + layout.spin[i]);
-            four_to(turn->orientation, y + layout.orientation[i]);
+            vec3_to(body_spin_of(v, i, turn), y + layout->spin[i]);
+            four_to(turn->orientation, y + layout->orientation[i]);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_torques *torques = &ode->state->contact[j].torques;
         for (int i = 0; i < OPPOSED; ++i) {
-            if (layout.spring[j][i] >= 0) {
-                vec3_to(ode->state->turning.spring[j][i], y + layout.spring[j][i]);
+            if (layout->spring[j][i] >= 0) {
+                vec3_to(ode->state->turning.spring[j][i], y + layout->spring[j][i]);
             }
         }
-        vec3_to(torques->source_impulse, y + ode_impulse(v, j) + 3);
-        vec3_to(torques->destination_impulse, y + ode_impulse(v, j) + 6);
+        if (layout->met[j]) {
+            vec3_to(torques->source_impulse, y + layout->impulse[j] + 3);
+            vec3_to(torques->destination_impulse, y + layout->impulse[j] + 6);
+        }
     }
-    y[ode_dissipated(v) + 2] = ode->state->friction_energy;
+    y[layout->dissipated + 2] = ode->state->friction_energy;
+}
+
+/* Reads the springs of a contact from y. */
+static void unpack_springs(const struct scene_ode *ode, const double *y, int contact,
+                           struct turning_state *turning)
+{
+    for (int i = 0; i < OPPOSED; ++i) {
+        const int spring = ode->layout.spring[contact][i];
+        turning->spring[contact][i] =
+            spring >= 0 ? vec3_from(y + spring) : ode->state->turning.spring[contact][i];
+    }
 }
 
 /* Reads rotations and springs from y, whose orientations may have any length. */
-static void turning_unpack(const struct scene_values *v, const double *y, struct turning_state *turning)
+static void turning_unpack(const struct scene_ode *ode, const double *y, struct turning_state *turning)
 {
-    const struct turning_layout layout = turning_layout_of(v);
+    const struct ode_layout *layout = &ode->layout;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (layout.spin[i] >= 0) {
+        if (layout->spin[i] >= 0) {
             struct body_turn *turn = &turning->body[i];
-            turn->orientation = quaternion_unit(four_from(y + layout.orientation[i]));
-            turn->angular_velocity = body_rotation_of(v, i, turn->orientation, vec3_from(y + layout.spin[i]));
+            const struct vec3 spin = vec3_from(y + layout->spin[i]);
+            turn->orientation = quaternion_unit(four_from(y + layout->orientation[i]));
+            turn->angular_velocity = body_rotation_of(ode->values, i, turn->orientation, spin);
         }
     }
-    for (int k = 0; k < SCENE_CONTACTS * OPPOSED; ++k) {
-        const int spring = layout.spring[k / OPPOSED][k % OPPOSED];
-        if (spring >= 0) {
-            turning->spring[k / OPPOSED][k % OPPOSED] = vec3_from(y + spring);
+    for (int j = 0; SCENE_ANY_SPRINGS && j < SCENE_CONTACTS; ++j) {
+        if (layout->met[j]) {
+            unpack_springs(ode, y, j, turning);
         }
     }
 }
@@ -151,32 +219,32 @@ static void turning_rates(const struct scene_ode *ode, double clock, const doubl
                           const struct scene_instant *at, double *rates)
 {
     const struct scene_values *v = ode->values;
-    const struct turning_layout layout = turning_layout_of(v);
+    const struct ode_layout *layout = &ode->layout;
     struct turning_state turning;
-    if (SCENE_ANY_SPRINGS) {
-        turning = ode->state->turning;
-        turning_unpack(v, y, &turning);
-    }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (layout.spin[i] >= 0) {
+        if (layout->spin[i] >= 0) {
             const struct vec3 torque = turning_torque_on(v, ode->state, clock, at, i);
-            const struct quaternion orientation = four_from(y + layout.orientation[i]);
-            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), rates + layout.spin[i]);
+            const struct quaternion orientation = four_from(y + layout->orientation[i]);
+            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), rates + layout->spin[i]);
             four_to(quaternion_rate(orientation, at->turning.body[i].angular_velocity),
-                    rates + layout.orientation[i]);
+                    rates + layout->orientation[i]);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (SCENE_ANY_SPRINGS && layout->met[j]) {
+            unpack_springs(ode, y, j, &turning);
+        }
         for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
-            if (layout.spring[j][i] >= 0) {
-                vec3_to(turning_spring_rate(v, ode->state, &turning, at, j, i), rates + layout.spring[j][i]);
+            if (layout->spring[j][i] >= 0) {
+                vec3_to(turning_spring_rate(v, ode->state, &turning, at, j, i), rates + layout->spring[j][i]);
             }
         }
-        double *impulses = rates + layout.integrals + TURNING_IMPULSES * j;
-        vec3_to(at->turning.source_torque[j], impulses + 3);
-        vec3_to(at->turning.destination_torque[j], impulses + 6);
+        if (layout->met[j]) {
+            vec3_to(at->turning.source_torque[j], rates + layout->impulse[j] + 3);
+            vec3_to(at->turning.destination_torque[j], rates + layout->impulse[j] + 6);
+        }
     }
-    rates[layout.integrals + TURNING_IMPULSES * SCENE_CONTACTS + 2] = turning_friction_power(v, at);
+    rates[layout->dissipated + 2] = turning_friction_power(v, at);
 }
 
 static void set_three(double *sizes, double size)
@@ -188,23 +256,23 @@ static void set_three(double *sizes, double size)
 static void turning_nominal(const struct scene_ode *ode, const double *y, double *sizes)
 {
     const struct scene_values *v = ode->values;
-    const struct turning_layout layout = turning_layout_of(v);
+    const struct ode_layout *layout = &ode->layout;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (layout.spin[i] >= 0) {
-            set_three(sizes + layout.spin[i], vec3_norm(vec3_from(y + layout.spin[i])));
-            four_to((struct quaternion){1.0, 1.0, 1.0, 1.0}, sizes + layout.orientation[i]);
+        if (layout->spin[i] >= 0) {
+            set_three(sizes + layout->spin[i], vec3_norm(vec3_from(y + layout->spin[i])));
+            four_to((struct quaternion){1.0, 1.0, 1.0, 1.0}, sizes + layout->orientation[i]);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         for (int i = 0; i < OPPOSED; ++i) {
-            const int spring = layout.spring[j][i];
+            const int spring = layout->spring[j][i];
             if (spring >= 0) {
                 set_three(sizes + spring, vec3_norm(vec3_from(y + spring)));
             }
         }
         const double lever = contact_source_radius(v, j) + vec3_norm(contact_source_part(j));
-        for (int k = 3; k < TURNING_IMPULSES; k += 3) {
-            const int index = ode_impulse(v, j) + k;
+        for (int k = 3; layout->met[j] && k < TURNING_IMPULSES; k += 3) {
+            const int index = layout->impulse[j] + k;
             set_three(sizes + index, fmax(vec3_norm(vec3_from(y + index)), lever * ode->momentum_scale));
         }
     }
@@ -284,8 +352,8 @@ static void turning_events(const struct scene_ode *ode, double clock, const doub
                                          contact_event(&laws.normal, laws.regime, g->gap, g->gap_rate);
     }
     if (contact_transmits(ode->state, contact) && contact_rubs(ode->values, contact)) {
-        struct turning_state turning = ode->state->turning;
-        turning_unpack(ode->values, y, &turning);
+        struct turning_state turning;
+        unpack_springs(ode, y, contact, &turning);
         friction_events(ode, clock, &turning, at, contact, out);
     }
 }
@@ -415,83 +483,107 @@ void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double rel
     }
 }
 
-static void unpack_bodies(const struct scene_values *v, const double *y,
+/* Sets the states of the bodies at a clock. Bodies without states in y fly. */
+static void unpack_bodies(const struct scene_ode *ode, double clock, const double *y,
                           struct body_state bodies[SCENE_BODIES])
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            const double *at = y + ode_body(v, i);
+        if (ode->layout.body[i] >= 0) {
+            const double *at = y + ode->layout.body[i];
             bodies[i] = (struct body_state){vec3_from(at), vec3_from(at + 3)};
+        } else if (!ode->layout.is_whole && body_is_free(ode->values, i)) {
+            bodies[i] = ode->flight(ode->values, ode->state, i, clock);
         }
     }
 }
 
 void ode_pack(const struct scene_ode *ode, double *y)
 {
-    const struct scene_values *v = ode->values;
+    const struct ode_layout *layout = &ode->layout;
     const struct scene_state *q = ode->state;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            vec3_to(q->body[i].moved, y + ode_body(v, i));
-            vec3_to(q->body[i].velocity, y + ode_body(v, i) + 3);
+        if (layout->body[i] >= 0) {
+            vec3_to(q->body[i].moved, y + layout->body[i]);
+            vec3_to(q->body[i].velocity, y + layout->body[i] + 3);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        vec3_to(q->contact[j].physics.impulse, y + ode_impulse(v, j));
+        if (layout->met[j]) {
+            vec3_to(q->contact[j].physics.impulse, y + layout->impulse[j]);
+        }
     }
-    y[ode_dissipated(v)] = q->dissipated;
-    y[ode_dissipated(v) + 1] = q->external_work;
-    if (scene_turns(v)) {
+    y[layout->dissipated] = q->dissipated;
+    y[layout->dissipated + 1] = q->external_work;
+    if (scene_turns(ode->values)) {
         turning_pack(ode, y);
     }
 }
 
-void ode_unpack(const struct scene_values *v, struct scene_state *q, const double *y)
+void ode_unpack(const struct scene_ode *ode, struct scene_state *q, const double *y)
 {
-    unpack_bodies(v, y, q->body);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        q->contact[j].physics.impulse = vec3_from(y + ode_impulse(v, j));
-    }
-    q->dissipated = y[ode_dissipated(v)];
-    q->external_work = y[ode_dissipated(v) + 1];
-    if (scene_turns(v)) {
-        turning_unpack(v, y, &q->turning);
-        for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            q->contact[j].torques.source_impulse = vec3_from(y + ode_impulse(v, j) + 3);
-            q->contact[j].torques.destination_impulse = vec3_from(y + ode_impulse(v, j) + 6);
+    const struct ode_layout *layout = &ode->layout;
+    const bool turns = scene_turns(ode->values);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (layout->body[i] >= 0) {
+            const double *at = y + layout->body[i];
+            q->body[i] = (struct body_state){vec3_from(at), vec3_from(at + 3)};
         }
-        q->friction_energy = y[ode_dissipated(v) + 2];
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (layout->met[j]) {
+            const double *impulse = y + layout->impulse[j];
+            q->contact[j].physics.impulse = vec3_from(impulse);
+            if (turns) {
+                q->contact[j].torques.source_impulse = vec3_from(impulse + 3);
+                q->contact[j].torques.destination_impulse = vec3_from(impulse + 6);
+            }
+        }
+    }
+    q->dissipated = y[layout->dissipated];
+    q->external_work = y[layout->dissipated + 1];
+    if (turns) {
+        turning_unpack(ode, y, &q->turning);
+        q->friction_energy = y[layout->dissipated + 2];
     }
 }
 
 void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at)
 {
     struct body_state bodies[SCENE_BODIES];
-    unpack_bodies(ode->values, y, bodies);
+    unpack_bodies(ode, clock, y, bodies);
     if (scene_turns(ode->values)) {
         struct turning_state turning = ode->state->turning;
-        turning_unpack(ode->values, y, &turning);
-        scene_evaluate_turning(ode->values, ode->state, clock, bodies, &turning, at);
+        turning_unpack(ode, y, &turning);
+        scene_evaluate_met(ode->values, ode->state, clock, bodies, &turning, met_of(ode), at);
         return;
     }
-    scene_evaluate(ode->values, ode->state, clock, bodies, at);
+    scene_evaluate_met(ode->values, ode->state, clock, bodies, NULL, met_of(ode), at);
 }
 
-void ode_prescribed_motion(const struct scene_ode *ode, double clock, struct scene_instant *at)
+void ode_other_motion(const struct scene_ode *ode, double clock, struct scene_instant *at)
 {
-    scene_kinematics(ode->values, ode->state, clock, ode->state->body, at);
+    struct body_state bodies[SCENE_BODIES];
+    memcpy(bodies, ode->state->body, sizeof bodies);
+    for (int i = 0; !ode->layout.is_whole && i < SCENE_BODIES; ++i) {
+        if (ode->layout.body[i] < 0 && body_is_free(ode->values, i)) {
+            bodies[i] = ode->flight(ode->values, ode->state, i, clock);
+        }
+    }
+    scene_place_bodies(ode->values, ode->state, clock, bodies, &ode->state->turning, at);
 }
 
-void ode_contact_motion(const struct scene_ode *ode, const struct turning_layout *layout, const double *y,
-                        struct scene_instant *at)
+void ode_contact_motion(const struct scene_ode *ode, const double *y, bool all, struct scene_instant *at)
 {
+    bool touching[SCENE_CONTACTS];
+    const bool *met = met_of(ode);
     const struct scene_values *v = ode->values;
+    const struct ode_layout *layout = &ode->layout;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         struct body_turn *turn = &at->turning.body[i];
-        if (body_is_free(v, i)) {
-            at->moved[i] = vec3_from(y + ode_body(v, i));
+        if (layout->body[i] >= 0) {
+            at->moved[i] = vec3_from(y + layout->body[i]);
             at->displacement[i] = vec3_add(ode->state->origin[i].displacement, at->moved[i]);
-            at->velocity[i] = vec3_from(y + ode_body(v, i) + 3);
+            at->velocity[i] = vec3_from(y + layout->body[i] + 3);
         }
         if (layout->spin[i] >= 0) {
             turn->angular_velocity = body_part_that_turns(v, i, vec3_from(y + layout->spin[i]));
@@ -501,26 +593,53 @@ void ode_contact_motion(const struct scene_ode *ode, const struct turning_layout
             }
         }
     }
-    scene_meet(v, ode->state, at);
-    for (int j = 0; j < SCENE_CONTACTS && scene_turns(v); ++j) {
-        turning_slip_of_contact(v, ode->state, j, at);
+    if (SCENE_CONTACTS > 1 && !all) {
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            touching[j] = layout->island[j] >= 0;
+        }
+        met = touching;
+    }
+    const bool turns = scene_turns(v);
+    scene_meet(v, ode->state, met, at);
+    for (int j = 0; turns && j < SCENE_CONTACTS; ++j) {
+        if (met == NULL || met[j]) {
+            turning_slip_of_contact(v, ode->state, j, at);
+        }
     }
 }
 
-void ode_rates_without_contact(const struct scene_ode *ode, const struct turning_layout *layout, double clock,
-                               double *rates)
+void ode_rates_without_contact(const struct scene_ode *ode, double clock, double *rates)
 {
     const struct scene_values *v = ode->values;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
+        if (ode->layout.body[i] >= 0) {
             const struct vec3 force = path_at(ode->state->path[i].force, 3, clock);
-            vec3_to(vec3_axpy(gravity(v), 1.0 / body_mass(v, i), force), rates + ode_body(v, i) + 3);
+            vec3_to(vec3_axpy(gravity(v), 1.0 / body_mass(v, i), force), rates + ode->layout.body[i] + 3);
         }
-        if (layout->spin[i] >= 0) {
+        if (ode->layout.spin[i] >= 0) {
             const struct vec3 torque = path_at(ode->state->path[i].torque, 3, clock);
-            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), rates + layout->spin[i]);
+            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), rates + ode->layout.spin[i]);
         }
     }
+}
+
+/* Returns the power of the loads on the bodies of y, and of the drives. */
+static double external_power(const struct scene_ode *ode, double clock, const struct scene_instant *at)
+{
+    double power = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (ode->layout.body[i] >= 0) {
+            power += vec3_dot(path_at(ode->state->path[i].force, 3, clock), at->velocity[i]);
+        }
+        if (ode->layout.spin[i] >= 0) {
+            const struct vec3 torque = path_at(ode->state->path[i].torque, 3, clock);
+            power += vec3_dot(torque, at->turning.body[i].angular_velocity);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        power += ode->layout.met[j] ? scene_driving_power(ode->values, at, j) : 0.0;
+    }
+    return power;
 }
 
 /* Writes the rates of all states at an instant. */
@@ -528,19 +647,20 @@ static void put_scene_rates(const struct scene_ode *ode, double clock, const dou
                             const struct scene_instant *at, double *rates)
 {
     const struct scene_values *v = ode->values;
+    const struct ode_layout *layout = &ode->layout;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            vec3_to(at->velocity[i], rates + ode_body(v, i));
-            vec3_to(at->acceleration[i], rates + ode_body(v, i) + 3);
+        if (layout->body[i] >= 0) {
+            vec3_to(at->velocity[i], rates + layout->body[i]);
+            vec3_to(at->acceleration[i], rates + layout->body[i] + 3);
         }
     }
-    const int dissipated = ode_dissipated(v);
-    for (int j = SCENE_CONTACTS - 1, impulse = dissipated; j >= 0; --j) {
-        impulse -= impulses_of_contact(v);
-        vec3_to(at->source_force[j], rates + impulse);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (layout->met[j]) {
+            vec3_to(at->source_force[j], rates + layout->impulse[j]);
+        }
     }
-    rates[dissipated] = energy_dissipated_power(v, ode->state, at);
-    rates[dissipated + 1] = scene_external_power(v, ode->state, clock, at);
+    rates[layout->dissipated] = energy_dissipated_power(v, ode->state, at);
+    rates[layout->dissipated + 1] = external_power(ode, clock, at);
     if (scene_turns(v)) {
         turning_rates(ode, clock, y, at, rates);
     }
@@ -556,28 +676,30 @@ void ode_rates(const void *scene_ode, double clock, const double *y, double *rat
 void ode_rates_under(const struct scene_ode *ode, double clock, const double *y, const struct vec3 *force,
                      struct scene_instant *at, double *rates)
 {
-    scene_put_contact_forces(ode->values, ode->state, clock, force, at);
+    scene_put_contact_forces(ode->values, ode->state, clock, force, met_of(ode), at);
     put_scene_rates(ode, clock, y, at, rates);
 }
 
 void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
 {
-    const struct scene_values *v = ode->values;
+    const struct ode_layout *layout = &ode->layout;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            const int index = ode_body(v, i);
+        const int index = layout->body[i];
+        if (index >= 0) {
             set_three(sizes + index, vec3_norm(vec3_from(y + index)));
             set_three(sizes + index + 3, vec3_norm(vec3_from(y + index + 3)));
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const int index = ode_impulse(v, j);
-        set_three(sizes + index, fmax(vec3_norm(vec3_from(y + index)), ode->momentum_scale));
+        const int index = layout->impulse[j];
+        if (index >= 0) {
+            set_three(sizes + index, fmax(vec3_norm(vec3_from(y + index)), ode->momentum_scale));
+        }
     }
-    for (int i = ode_dissipated(v); i < ode_size(v); ++i) {
+    for (int i = layout->dissipated; i < layout->size; ++i) {
         sizes[i] = fmax(fabs(y[i]), ode->energy_scale);
     }
-    if (scene_turns(v)) {
+    if (scene_turns(ode->values)) {
         turning_nominal(ode, y, sizes);
     }
 }
@@ -617,7 +739,7 @@ struct turning_linearization {
     const double *y;
     struct scene_instant at;
     struct turning_state turning;
-    struct turning_layout layout;
+    const struct ode_layout *layout;
     struct jacobian matrix;
 };
 
@@ -638,7 +760,7 @@ static struct vec3 rotation_by_spin(const struct turning_linearization *l, int b
  * length; e is the axis of the unit quaternion. */
 static struct vec3 axis_by_orientation(const struct turning_linearization *l, int body, int k)
 {
-    const double *data = l->y + l->layout.orientation[body];
+    const double *data = l->y + l->layout->orientation[body];
     const struct quaternion q = four_from(data);
     const struct vec3 slopes[4] = {
         {q.y, -q.x, q.w}, {q.z, -q.w, -q.x}, {q.w, q.z, -q.y}, {q.x, q.y, q.z}}; /* half derivatives */
@@ -650,7 +772,7 @@ static struct vec3 axis_by_orientation(const struct turning_linearization *l, in
  * quaternion q of any length it is twice the vector part of e_k q* / |q|^2. */
 static struct vec3 turn_by_orientation(const struct turning_linearization *l, int body, int k)
 {
-    const struct quaternion q = four_from(l->y + l->layout.orientation[body]);
+    const struct quaternion q = four_from(l->y + l->layout->orientation[body]);
     const struct quaternion along = {k == 0, k == 1, k == 2, k == 3};
     return vec3_scale(2.0 / quaternion_dot(q, q),
                       quaternion_vector(quaternion_product(along, quaternion_inverse(q))));
@@ -660,7 +782,7 @@ static struct vec3 turn_by_orientation(const struct turning_linearization *l, in
  * a compound body turns by r: with omega = M L / I_1 the change is r x omega - M (r x L / I_1). */
 static struct vec3 rotation_by_orientation(const struct turning_linearization *l, int body, int k)
 {
-    const struct vec3 spin = vec3_from(l->y + l->layout.spin[body]);
+    const struct vec3 spin = vec3_from(l->y + l->layout->spin[body]);
     if (body_is_compound(body)) {
         const struct body_turn *turn = &l->at.turning.body[body];
         const struct vec3 r = turn_by_orientation(l, body, k);
@@ -677,8 +799,8 @@ static struct vec3 rotation_by_orientation(const struct turning_linearization *l
 /* Adds a change of the power of the drives. */
 static void add_work(const struct turning_linearization *l, int column, double power)
 {
-    if (l->matrix.size > l->layout.integrals) {
-        add_entry(l->matrix, ode_dissipated(l->ode->values) + 1, column, power);
+    if (l->matrix.size > l->layout->integrals) {
+        add_entry(l->matrix, l->layout->dissipated + 1, column, power);
     }
 }
 
@@ -687,13 +809,14 @@ static void add_to_body(const struct turning_linearization *l, int column, int b
                         struct vec3 force, struct vec3 torque)
 {
     const struct scene_values *v = l->ode->values;
-    if (body_is_free(v, body)) {
-        add_three(l->matrix, ode_body(v, body) + 3, column, sign / body_mass(v, body), force);
+    if (l->layout->body[body] >= 0) {
+        add_three(l->matrix, l->layout->body[body] + 3, column, sign / body_mass(v, body), force);
     } else if (body_is_prescribed(v, body)) {
         add_work(l, column, -sign * vec3_dot(force, l->at.velocity[body]));
     }
-    if (l->layout.spin[body] >= 0) {
-        add_three(l->matrix, l->layout.spin[body], column, 1.0 / body_inertia_of(v, body).transverse, torque);
+    if (l->layout->spin[body] >= 0) {
+        add_three(l->matrix, l->layout->spin[body], column, 1.0 / body_inertia_of(v, body).transverse,
+                  torque);
     } else if (body_turn_is_prescribed(v, body)) {
         add_work(l, column, -vec3_dot(torque, l->at.turning.body[body].angular_velocity));
     }
@@ -705,7 +828,6 @@ static void add_change(const struct turning_linearization *l, const struct turni
                        int contact, int column, const struct turning_motion *motion, double sign,
                        struct vec3 turned)
 {
-    const struct scene_values *v = l->ode->values;
     struct turning_change change = turning_slopes_along(slopes, motion);
     for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) { /* the torque R o x F of a lever arm */
         struct vec3 *torque = end == 0 ? &change.source_torque : &change.destination_torque;
@@ -718,19 +840,19 @@ static void add_change(const struct turning_linearization *l, const struct turni
     add_to_body(l, column, contact_source(contact), 1.0, change.force, change.source_torque);
     add_to_body(l, column, contact_destination(contact), -1.0, change.force, change.destination_torque);
     for (int i = 0; i < OPPOSED; ++i) {
-        if (l->layout.spring[contact][i] >= 0) {
-            add_three(l->matrix, l->layout.spring[contact][i], column, 1.0, change.spring_rate[i]);
+        if (l->layout->spring[contact][i] >= 0) {
+            add_three(l->matrix, l->layout->spring[contact][i], column, 1.0, change.spring_rate[i]);
         }
     }
-    if (l->matrix.size <= l->layout.integrals) {
+    if (l->matrix.size <= l->layout->integrals) {
         return; /* the leading rows alone are wanted */
     }
-    const int impulse = ode_impulse(v, contact);
+    const int impulse = l->layout->impulse[contact];
     add_three(l->matrix, impulse, column, 1.0, change.force);
     add_three(l->matrix, impulse + 3, column, 1.0, change.source_torque);
     add_three(l->matrix, impulse + 6, column, 1.0, change.destination_torque);
-    add_entry(l->matrix, ode_dissipated(v), column, change.dissipated_power);
-    add_entry(l->matrix, ode_dissipated(v) + 2, column, change.friction_power);
+    add_entry(l->matrix, l->layout->dissipated, column, change.dissipated_power);
+    add_entry(l->matrix, l->layout->dissipated + 2, column, change.friction_power);
 }
 
 /* Adds the columns of the states of a body at one end of a contact (sign -1: source, +1: destination). A
@@ -740,8 +862,8 @@ static void add_body_columns(const struct turning_linearization *l, const struct
 {
     const struct turning_motion none = {.separation = {0.0, 0.0, 0.0}};
     const struct vec3 lever = scene_lever(&l->at, contact, sign < 0.0 ? 0 : 1);
-    for (int k = 0; k < 3 && body_is_free(l->ode->values, body); ++k) {
-        const int column = ode_body(l->ode->values, body) + k;
+    for (int k = 0; k < 3 && l->layout->body[body] >= 0; ++k) {
+        const int column = l->layout->body[body] + k;
         struct turning_motion motion = none;
         motion.separation = vec3_scale(sign, along_axis(k));
         add_change(l, slopes, contact, column, &motion, sign, none.axis);
@@ -749,14 +871,14 @@ static void add_body_columns(const struct turning_linearization *l, const struct
         motion.rate = vec3_scale(sign, along_axis(k));
         add_change(l, slopes, contact, column + 3, &motion, sign, none.axis);
     }
-    for (int k = 0; k < 3 && l->layout.spin[body] >= 0; ++k) {
+    for (int k = 0; k < 3 && l->layout->spin[body] >= 0; ++k) {
         struct turning_motion motion = none;
         struct vec3 *rotation = sign < 0.0 ? &motion.source_rotation : &motion.destination_rotation;
         *rotation = rotation_by_spin(l, body, k);
         motion.rate = vec3_scale(sign, vec3_cross(*rotation, lever));
-        add_change(l, slopes, contact, l->layout.spin[body] + k, &motion, sign, none.axis);
+        add_change(l, slopes, contact, l->layout->spin[body] + k, &motion, sign, none.axis);
     }
-    const bool tips = l->layout.orientation[body] >= 0 && l->layout.orientation[body] < l->layout.coupled;
+    const bool tips = l->layout->orientation[body] >= 0 && l->layout->orientation[body] < l->layout->coupled;
     for (int k = 0; k < 4 && tips; ++k) { /* of a destination or a compound: other sources are spheres */
         struct turning_motion motion = none;
         struct vec3 *rotation = sign < 0.0 ? &motion.source_rotation : &motion.destination_rotation;
@@ -771,7 +893,7 @@ static void add_body_columns(const struct turning_linearization *l, const struct
         } else {
             motion.axis = axis_by_orientation(l, body, k);
         }
-        add_change(l, slopes, contact, l->layout.orientation[body] + k, &motion, sign, turned);
+        add_change(l, slopes, contact, l->layout->orientation[body] + k, &motion, sign, turned);
     }
 }
 
@@ -787,7 +909,7 @@ static void add_contact(const struct turning_linearization *l, int contact)
     add_body_columns(l, &slopes, contact, contact_source(contact), -1.0);
     add_body_columns(l, &slopes, contact, contact_destination(contact), 1.0);
     for (int k = 0; k < 3 * contact_opposed(l->ode->values, contact); ++k) {
-        const int spring = l->layout.spring[contact][k / 3];
+        const int spring = l->layout->spring[contact][k / 3];
         if (spring >= 0) {
             struct turning_motion stretched = {.separation = {0.0, 0.0, 0.0}};
             stretched.spring[k / 3] = along_axis(k % 3);
@@ -799,21 +921,20 @@ static void add_contact(const struct turning_linearization *l, int contact)
 /* Adds the derivatives by a body's velocity of its displacement's rate and of the external force's power. */
 static void add_motion(struct jacobian m, const struct scene_ode *ode, double clock, int body)
 {
-    const struct scene_values *v = ode->values;
-    const int index = ode_body(v, body);
-    for (int k = 0; k < 3 && body_is_free(v, body); ++k) {
+    const int index = ode->layout.body[body];
+    for (int k = 0; k < 3 && index >= 0; ++k) {
         const struct vec3 force = path_at(ode->state->path[body].force, 3, clock);
         add_entry(m, index + k, index + 3 + k, 1.0);
-        add_entry(m, ode_dissipated(v) + 1, index + 3 + k, vec3_get(force, k));
+        add_entry(m, ode->layout.dissipated + 1, index + 3 + k, vec3_get(force, k));
     }
 }
 
 /* Adds the derivatives of the rate of a body's orientation and of the external torque's power. */
 static void add_rotation(const struct turning_linearization *l, double clock, int body)
 {
-    const int spin = l->layout.spin[body];
-    const int orientation = l->layout.orientation[body];
-    const int work = ode_dissipated(l->ode->values) + 1;
+    const int spin = l->layout->spin[body];
+    const int orientation = l->layout->orientation[body];
+    const int work = l->layout->dissipated + 1;
     const struct quaternion q = four_from(l->y + orientation);
     const struct vec3 torque = path_at(l->ode->state->path[body].torque, 3, clock);
     for (int k = 0; k < 3; ++k) {
@@ -835,13 +956,13 @@ static void linearize(struct turning_linearization *l, double clock)
 {
     const struct scene_ode *ode = l->ode;
     memset(l->matrix.at, 0, (size_t)l->matrix.size * (size_t)l->matrix.size * sizeof *l->matrix.at);
-    l->layout = turning_layout_of(ode->values);
+    l->layout = &ode->layout;
     l->turning = ode->state->turning;
-    turning_unpack(ode->values, l->y, &l->turning);
+    turning_unpack(ode, l->y, &l->turning);
     ode_instant(ode, clock, l->y, &l->at);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         add_motion(l->matrix, ode, clock, i);
-        if (SCENE_ANY_ROTATION && l->layout.spin[i] >= 0) {
+        if (SCENE_ANY_ROTATION && l->layout->spin[i] >= 0) {
             add_rotation(l, clock, i);
         }
     }
@@ -886,6 +1007,12 @@ void ode_events_at(const struct scene_ode *ode, double clock, const double *y, c
     const struct scene_values *v = ode->values;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         double *out = events + ODE_EVENTS_EACH * j;
+        if (!ode->layout.met[j]) {
+            for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+                out[i] = 1.0;
+            }
+            continue;
+        }
         const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
         const struct contact_law law = scene_contact_law(v, ode->state, j);
         const struct contact_geometry *g = &at->geometry[j];
@@ -920,6 +1047,23 @@ void ode_events(const struct scene_ode *ode, double clock, const double *y, doub
     struct scene_instant at;
     ode_instant(ode, clock, y, &at);
     ode_events_at(ode, clock, y, &at, events);
+}
+
+double ode_event(const struct scene_ode *ode, double clock, const double *y, int event)
+{
+    double events[ODE_EVENTS];
+#if SCENE_CONTACTS > 1
+    const int contact = event / ODE_EVENTS_EACH;
+    struct scene_ode part = *ode; /* of this contact and those that act on its bodies */
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const int island = part.layout.island[j];
+        part.layout.met[j] = j == contact || (island >= 0 && island == part.layout.island[contact]);
+    }
+    part.layout.is_whole = false;
+    ode = &part;
+#endif
+    ode_events(ode, clock, y, events);
+    return events[event];
 }
 
 enum contact_regime ode_regime_after(const struct scene_values *v, const struct scene_state *q, int contact,
@@ -973,12 +1117,13 @@ static void contact_columns(struct jacobian jacobian, const struct scene_ode *od
 {
     const struct scene_values *v = ode->values;
     const int ends[2] = {contact_source(j), contact_destination(j)};
-    const int column = ode_body(v, body);
-    const int work = ode_dissipated(v) + 1;
+    const struct ode_layout *layout = &ode->layout;
+    const int column = layout->body[body];
+    const int work = layout->dissipated + 1;
     for (int end = 0; end < 2; ++end) {
         const double on_end = end == 0 ? 1.0 : -1.0; /* the destination gets the opposite force */
-        if (body_is_free(v, ends[end])) {
-            const int row = ode_body(v, ends[end]) + 3;
+        if (layout->body[ends[end]] >= 0) {
+            const int row = layout->body[ends[end]] + 3;
             const double factor = sign * on_end / body_mass(v, ends[end]);
             add_block(jacobian, row, column, factor, gradient->by_separation);
             add_block(jacobian, row, column + 3, factor, gradient->by_rate);
@@ -988,10 +1133,10 @@ static void contact_columns(struct jacobian jacobian, const struct scene_ode *od
             add_row(jacobian, work, column + 3, -sign * on_end, left_product(speed, gradient->by_rate));
         }
     }
-    add_block(jacobian, ode_impulse(v, j), column, sign, gradient->by_separation);
-    add_block(jacobian, ode_impulse(v, j), column + 3, sign, gradient->by_rate);
-    add_row(jacobian, ode_dissipated(v), column, sign, gradient->power_by_separation);
-    add_row(jacobian, ode_dissipated(v), column + 3, sign, gradient->power_by_rate);
+    add_block(jacobian, layout->impulse[j], column, sign, gradient->by_separation);
+    add_block(jacobian, layout->impulse[j], column + 3, sign, gradient->by_rate);
+    add_row(jacobian, layout->dissipated, column, sign, gradient->power_by_separation);
+    add_row(jacobian, layout->dissipated, column + 3, sign, gradient->power_by_rate);
 }
 
 /* Sets the leading `size` rows and columns of the Jacobian, by columns. */
@@ -1020,10 +1165,10 @@ static void put_jacobian(const struct scene_ode *ode, double clock, const double
         const struct contact_law law = scene_contact_law(v, ode->state, j);
         struct contact_jacobian gradient =
             contact_jacobian_at(&shape, &at.geometry[j], at.rate[j], &law, regime);
-        if (body_is_free(v, contact_source(j))) {
+        if (ode->layout.body[contact_source(j)] >= 0) {
             contact_columns(jacobian, ode, &at, j, contact_source(j), -1.0, &gradient);
         }
-        if (body_is_free(v, contact_destination(j))) {
+        if (ode->layout.body[contact_destination(j)] >= 0) {
             contact_columns(jacobian, ode, &at, j, contact_destination(j), 1.0, &gradient);
         }
     }
@@ -1032,13 +1177,13 @@ static void put_jacobian(const struct scene_ode *ode, double clock, const double
 void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
 {
     const struct scene_ode *ode = scene_ode;
-    put_jacobian(ode, clock, y, ode_size(ode->values), columns);
+    put_jacobian(ode, clock, y, ode->layout.size, columns);
 }
 
 void ode_coupled_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
 {
     const struct scene_ode *ode = scene_ode;
-    put_jacobian(ode, clock, y, ode_coupled(ode->values), columns);
+    put_jacobian(ode, clock, y, ode->layout.coupled, columns);
 }
 
 /* Whether only gravity and contacts do work on a body. A prescribed body must rest by both of its inputs,

@@ -18,9 +18,10 @@
  * states hold L because torques change L: an integrator that keeps quadratic invariants keeps the angular
  * momentum of all bodies. For a sphere L / I_1 is the angular velocity.
  *
- * y holds three kinds of states in this order. Rates depend on the first ode_coupled states. The orientations
- * of spheres follow, on which only their own rates depend. The integrals begin at ode_integrals, and no rate
- * depends on them.
+ * An integrator may choose the states of the bodies in contact alone. Those of an island stand together.
+ *
+ * y holds three kinds of states in this order. Rates depend on the first `coupled` states. The orientations
+ * of spheres follow, on which only their own rates depend. The integrals follow, and no rate depends on them.
  *
  * Each contact has the event functions below. A fall through zero is an event, which ends the phase of
  * motion.
@@ -62,9 +63,41 @@ static inline int ode_event_part(enum ode_event event)
     return OPPOSED > 1 && event > ODE_EVENT_LIFT ? (int)event - (int)ODE_EVENT_LIFT : OPPOSED_SLIP;
 }
 
+enum { ODE_MOST_GROUPS = SCENE_BODIES + SCENE_CONTACTS };
+
+/* The indices in y of the states; -1: y has no such state. y may leave out bodies that fly and contacts of
+ * such bodies that are apart. */
+struct ode_layout {
+    int body[SCENE_BODIES];        /* `moved`, which v follows */
+    int spin[SCENE_BODIES];        /* L / I_1 */
+    int orientation[SCENE_BODIES]; /* w, x, y, z */
+    int spring[SCENE_CONTACTS][OPPOSED];
+    int impulse
+        [SCENE_CONTACTS];     /* of the force, which those of the torques on source and destination follow */
+    bool met[SCENE_CONTACTS]; /* whether y has the impulse */
+    int island[SCENE_CONTACTS];     /* the group of its island; -1: apart */
+    bool is_whole;                  /* whether y has the states of all bodies and contacts */
+    int groups;                     /* of states: no rate depends on states of another group */
+    int group_end[ODE_MOST_GROUPS]; /* the end of each group among the leading states */
+    int coupled;                    /* number of leading states on which rates of others depend */
+    int integrals;                  /* the first integral */
+    int dissipated;                 /* the dissipated energy, which the other energies follow */
+    int size;                       /* number of states */
+};
+
+enum { TURNING_IMPULSES = 9 }; /* of a contact: of the force, and of the torques on source and destination */
+
+/* Returns the layout of all states; or, where `q` is not NULL, of the bodies in contact in q. A body in
+ * flight whose axis a contact sees counts as in contact where the other body of that contact is loaded. */
+struct ode_layout ode_layout_of(const struct scene_values *v, const struct scene_state *q);
+
 struct scene_ode {
     const struct scene_values *values;
-    const struct scene_state *state;      /* regimes, paths; its body states are not read */
+    const struct scene_state *state; /* regimes, paths; body states of bodies that fly */
+    struct ode_layout layout;
+    /* gives the motion of a body that y leaves out, at a clock; NULL: y leaves out none */
+    struct body_state (*flight)(const struct scene_values *v, const struct scene_state *q, int body,
+                                double clock);
     double gap_offset[SCENE_CONTACTS];    /* is added to event function 0 [m] */
     double margin_offset[SCENE_CONTACTS]; /* is added to event function 1, in the unit of that function */
     /* are added to the event functions of sticking, 3 and 4, in the units of these functions */
@@ -72,18 +105,6 @@ struct scene_ode {
     double zone_offset[SCENE_CONTACTS];  /* is added to the event function ODE_EVENT_ZONE [m] */
     double energy_scale, momentum_scale; /* sizes at the start of the phase [J], [N s] */
 };
-
-/* ode_size returns the number of states. The others return indices in y: of a body's `moved`, which v
- * follows; of a contact's impulse; of the dissipated energy, which the external work follows. */
-int ode_size(const struct scene_values *v);
-int ode_body(const struct scene_values *v, int body);
-int ode_impulse(const struct scene_values *v, int contact);
-int ode_dissipated(const struct scene_values *v);
-
-/* Return the number of leading states on which rates of others depend, and the index of the first
- * integral. */
-int ode_coupled(const struct scene_values *v);
-int ode_integrals(const struct scene_values *v);
 
 /* Sets n of each contact with d = 0 to the escape direction (scene/evaluate.h). */
 void ode_leave_centres(const struct scene_values *v, struct scene_state *q);
@@ -93,20 +114,23 @@ void ode_leave_centres(const struct scene_values *v, struct scene_state *q);
 void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double relative, double absolute);
 
 /* ode_pack writes ode->state into y. ode_unpack reads bodies, impulses and energies of q from y, which holds
- * no clock. */
+ * no clock. Both leave alone what y leaves out. */
 void ode_pack(const struct scene_ode *ode, double *y);
-void ode_unpack(const struct scene_values *v, struct scene_state *q, const double *y);
+void ode_unpack(const struct scene_ode *ode, struct scene_state *q, const double *y);
 
 /* Computes dy/dt. Integrators that know no scene call it and the Jacobians (math/radau_step.h). */
 void ode_rates(const void *scene_ode, double clock, const double *y, double *rates);
 
-/* Sets columns[j * ode_size + i] to the derivative of (dy/dt)_i with respect to y_j. */
+/* Sets columns[j * size + i] to the derivative of (dy/dt)_i with respect to y_j. */
 void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns);
 
-/* Sets the leading ode_coupled rows and columns of this Jacobian, by columns. */
+/* Sets the leading `coupled` rows and columns of this Jacobian, by columns. */
 void ode_coupled_jacobian(const void *scene_ode, double clock, const double *y, double *columns);
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
+
+/* Computes one of the event functions. */
+double ode_event(const struct scene_ode *ode, double clock, const double *y, int event);
 
 /* Computes the event functions at the instant `at` of y. */
 void ode_events_at(const struct scene_ode *ode, double clock, const double *y, const struct scene_instant *at,
@@ -124,29 +148,16 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes);
 /* Computes the instant at y. */
 void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at);
 
-/* The indices in y of the states of scenes that turn or rub; -1: y has no such state. */
-struct turning_layout {
-    int spin[SCENE_BODIES];        /* L / I_1 */
-    int orientation[SCENE_BODIES]; /* w, x, y, z */
-    int spring[SCENE_CONTACTS][OPPOSED];
-    int coupled, integrals; /* see ode_coupled, ode_integrals */
-};
-
-enum { TURNING_IMPULSES = 9 }; /* of a contact: of the force, and of the torques on source and destination */
-
-struct turning_layout turning_layout_of(const struct scene_values *v);
-
-/* For an integrator whose unknowns are the contact forces. ode_prescribed_motion sets the motion of the
- * bodies that are not free at a clock. ode_contact_motion adds that of the free ones at y, and the geometry
- * of all contacts; where scene_turns, also arms and slips, while it leaves the orientations of spheres alone.
+/* For an integrator whose unknowns are the contact forces. ode_other_motion sets the motion of the bodies
+ * without states in y at a clock. ode_contact_motion adds that of the others at y, and the geometry of the
+ * contacts in touch, or of `all`; where scene_turns, also arms and slips, while it leaves the orientations of
+ * spheres alone.
  * ode_rates_without_contact writes the rates of velocities and spins without the contact forces.
  * ode_rates_under completes an instant of ode_contact_motion by given forces on the sources [N], one for
  * each contact, and writes the rates of all states. */
-void ode_prescribed_motion(const struct scene_ode *ode, double clock, struct scene_instant *at);
-void ode_contact_motion(const struct scene_ode *ode, const struct turning_layout *layout, const double *y,
-                        struct scene_instant *at);
-void ode_rates_without_contact(const struct scene_ode *ode, const struct turning_layout *layout, double clock,
-                               double *rates);
+void ode_other_motion(const struct scene_ode *ode, double clock, struct scene_instant *at);
+void ode_contact_motion(const struct scene_ode *ode, const double *y, bool all, struct scene_instant *at);
+void ode_rates_without_contact(const struct scene_ode *ode, double clock, double *rates);
 void ode_rates_under(const struct scene_ode *ode, double clock, const double *y, const struct vec3 *force,
                      struct scene_instant *at, double *rates);
 

@@ -288,9 +288,12 @@ void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at, struct scene_jet *along)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
+        if (along->touching && regime == REGIME_APART) {
+            continue;
+        }
         const struct contact_shape shape = scene_shape_met(v, q, at, j);
         const struct contact_law law = scene_contact_law(v, q, j);
-        const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
         struct vec3 c[JET_TERMS];
         struct vec3 w[JET_TERMS];
         for (int i = 0; i < JET_TERMS; ++i) {
@@ -624,6 +627,7 @@ void jet_of_motion(const struct scene_values *v, const struct scene_state *q, co
                    struct scene_jet *along)
 {
     put_bodies(v, q, at, along);
+    along->touching = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_prescribed(v, i)) {
             struct vec3 displacement[4];

@@ -35,7 +35,8 @@ struct scene_jet {
     struct vec3 spring[SCENE_CONTACTS][OPPOSED][JET_TERMS];
     double slip_velocity_slope[SCENE_CONTACTS]; /* d/ds of v_0 */
     struct turning_jet turning[SCENE_CONTACTS];
-    bool jumps; /* the inputs jump: springs of contacts without a free body are laid (opposed_laid) */
+    bool touching; /* contacts that are apart are left out: their terms are zero */
+    bool jumps;    /* the inputs jump: springs of contacts without a free body are laid (opposed_laid) */
     struct vec3 spring_before[SCENE_CONTACTS][OPPOSED]; /* the springs before the jump [m, rad] */
     double friction[JET_TERMS]; /* energy that friction and its springs take; the first term is zero */
     /* only in scenes with free bodies; the first terms are zero */
@@ -51,8 +52,8 @@ CONTACT_COLD void jet_of_contacts(const struct scene_values *v, const struct sce
 CONTACT_COLD void jet_in_time(const struct scene_values *v, const struct scene_state *q,
                               const struct scene_instant *at, struct scene_jet *along);
 
-/* Computes the jet in time in which prescribed displacements follow their own derivatives. These need not be
- * the prescribed velocity, which the force law sees. */
+/* Computes the jet in time of the contacts in touch, in which prescribed displacements follow their own
+ * derivatives. These need not be the prescribed velocity, which the force law sees. */
 CONTACT_COLD void jet_of_motion(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, struct scene_jet *along);
 

@@ -167,28 +167,30 @@ bool contact_has_springs(const struct scene_values *v, int contact)
             contact_resists(v, contact));
 }
 
-/* Returns the bitwise OR of all choices. It is called so often that it avoids a branch for each choice. */
+/* Returns the bitwise OR of choices, 1 where each is none. It is called so often that it avoids a branch for
+ * each choice, except in scenes of many bodies, where it looks no further than the first that turns or
+ * rubs. */
 static int turning_choices(const struct scene_values *v)
 {
     _Static_assert((int)ROTATION_NONE == 1 && (int)FRICTION_NONE == 1 && (int)AXES_PARALLEL == 1,
                    "another choice has another bit");
+    const bool is_large = SCENE_CONTACTS > 4;
     int choices = 1;
-    for (int j = 0; SCENE_ANY_SKEW && j < SCENE_CONTACTS; ++j) {
-        choices |= contact_axes(v, j);
+    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES && !(is_large && choices != 1); ++i) {
+        choices |= body_rotation(v, i);
     }
-    for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS; ++j) {
+    for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS && !(is_large && choices != 1); ++j) {
         choices |= contact_friction(v, j);
     }
-    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) {
-        choices |= body_rotation(v, i);
+    for (int j = 0; SCENE_ANY_SKEW && j < SCENE_CONTACTS && !(is_large && choices != 1); ++j) {
+        choices |= contact_axes(v, j);
     }
     return choices;
 }
 
 bool scene_turns(const struct scene_values *v)
 {
-    return SCENE_ANY_TORUS || SCENE_ANY_COMPOUND ||
-           (SCENE_ANY_TURNING && turning_choices(v) != 1); /* 1: every choice is none */
+    return SCENE_ANY_TORUS || SCENE_ANY_COMPOUND || (SCENE_ANY_TURNING && turning_choices(v) != 1);
 }
 
 /* Whether any free body is in more than one contact, so that contacts may act on each other through it. */
@@ -277,7 +279,6 @@ bool body_is_loaded(const struct scene_state *q, int body, int except)
 #endif
 }
 
-#if SCENE_CONTACTS > 1
 /* Returns the contact that stands for the island of a contact: a forest, in which `above` leads to a root. */
 static int island_of(int16_t *above, int contact)
 {
@@ -290,32 +291,35 @@ static int island_of(int16_t *above, int contact)
 
 struct islands scene_islands(const struct scene_values *v, const struct scene_state *q)
 {
-    struct islands found = {0, 0};
+    struct islands found = {0};
     int16_t above[SCENE_CONTACTS];
+    int number[SCENE_CONTACTS];
+    int latest[SCENE_BODIES]; /* contact of the body in touch */
     int size[SCENE_CONTACTS] = {0};
+    memset(latest, -1, sizeof latest);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const int ends[2] = {contact_source(j), contact_destination(j)};
         above[j] = (int16_t)j;
-    }
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        int first = -1; /* contact of the body in touch */
-        const bool moves = body_is_free(v, i) || body_turns_freely(v, i);
-        for (const int16_t *j = body_contacts(i); moves && *j >= 0; ++j) {
-            if (q->contact[*j].regime != (int32_t)REGIME_APART) {
-                first = first < 0 ? *j : first;
-                above[island_of(above, *j)] = (int16_t)island_of(above, first);
+        for (int k = 0; k < 2 && q->contact[j].regime != (int32_t)REGIME_APART; ++k) {
+            const bool moves = body_is_free(v, ends[k]) || body_turns_freely(v, ends[k]);
+            if (moves && latest[ends[k]] >= 0) {
+                above[island_of(above, j)] = (int16_t)island_of(above, latest[ends[k]]);
             }
+            latest[ends[k]] = j;
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        found.of[j] = -1;
         if (q->contact[j].regime != (int32_t)REGIME_APART) {
-            const int contacts = ++size[island_of(above, j)];
-            found.count += contacts == 1;
+            const int root = island_of(above, j);
+            const int contacts = ++size[root];
+            number[root] = contacts == 1 ? found.count++ : number[root];
+            found.of[j] = number[root];
             found.largest = contacts > found.largest ? contacts : found.largest;
         }
     }
     return found;
 }
-#endif
 
 bool contact_is_coupled(const struct scene_values *v, const struct scene_state *q, int contact)
 {

@@ -336,9 +336,11 @@ bool scene_is_apart(const struct scene_state *q);
 bool contact_transmits(const struct scene_state *q, int contact);
 bool body_is_loaded(const struct scene_state *q, int body, int except);
 
-/* Islands are sets of contacts in touch that share free bodies. */
+/* Islands are sets of contacts in touch that share free bodies. Contacts of one island have one number, which
+ * counts from zero; -1: apart. */
 struct islands {
     int count, largest; /* how many there are, and the number of contacts of the largest */
+    int of[SCENE_CONTACTS];
 };
 
 struct islands scene_islands(const struct scene_values *v, const struct scene_state *q);

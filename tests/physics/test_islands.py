@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from contact_fmus.bench.instructions import instructions
 from contact_fmus.fmu.contact_fmu import ContactFmu
-from support.checks import check_close
+from contact_fmus.fmu.host import Case
+from support.checks import check_close, start
 from support.reference.chain import velocities
 
 # Of the last balls, in units of the first one's speed, as published for such chains
@@ -147,6 +149,61 @@ def test_islands_are_contacts_in_touch_that_share_free_bodies(opened_several):
     assert (fmu["solver.islands"], fmu["solver.largest_island"]) == (3, 3)
     fmu.step(20.0)
     assert (fmu["solver.islands"], fmu["solver.largest_island"]) == (0, 0)
+
+
+def bouncing(friction, moving):
+    """Start values of Islands.fmu: balls that bounce and slide on the floor, one after another, too far from
+    each other to touch; those not in `moving` are fixed far away. An external force acts on each.
+    """
+    values = {"gravity": [0.0, 0.0, -9.81]}
+    for i in range(1, 7):
+        values |= {
+            f"land[{i}].friction": friction,
+            f"land[{i}].method": "penalty",
+            f"ball[{i}].center": [i, 1e3, 1e3],
+        }
+        if i not in moving:
+            values[f"ball[{i}].motion"] = "fixed"
+            continue
+        values |= {
+            f"ball[{i}].rotation": "free",
+            f"ball[{i}].center": [i, 0.0, 0.13 + 0.02 * i],
+            f"ball[{i}].initial_velocity": [0.3, 0.02 * i, 0.0],
+            f"ball[{i}].initial_angular_velocity": [2.0, -5.0, float(i)],
+            f"ball[{i}].external_force": [0.1 * i, 0.0, 0.5],
+        }
+    return values
+
+
+@pytest.mark.parametrize("friction", ["regularized", "elastic"])
+@pytest.mark.parametrize("steps", [1, 29])
+def test_balls_that_never_meet_move_as_each_does_alone(opened_several, friction, steps):
+    fmu, names = opened_several("Islands"), ("position", "velocity", "angular_velocity", "orientation")
+
+    def run(moving):
+        start(fmu, bouncing(friction, moving), 1e-9)
+        before, islands = fmu["energy.total"], 0
+        for _ in range(steps):
+            fmu.step(0.5 / steps)
+            islands = max(islands, fmu["solver.islands"])
+        check_close("energy", fmu["energy.total"], before, 1e-9)
+        return {i: np.hstack([fmu[f"ball[{i}].{name}"] for name in names]) for i in moving}, islands
+
+    together, islands = run(range(1, 7))
+    assert steps == 1 or islands > 1
+    for i in (1, 4, 6):
+        check_close(f"ball {i}", together[i], run([i])[0][i], 1e-9)
+
+
+def test_what_flies_is_not_integrated_and_islands_are_solved_one_by_one(built):
+    """Six balls cost about six times as much as one, although they touch the floor at different times. Where
+    all were integrated whenever one was in contact, they cost twelve times as much.
+    """
+    counts = [
+        instructions(Case("balls", built["Islands"], 0.5, start=bouncing("elastic", moving), tolerance=1e-9))
+        for moving in ([1], range(1, 7))
+    ]
+    assert counts[1] < 9 * counts[0]
 
 
 @pytest.mark.parametrize("law", ["linear", "hertz"])

@@ -216,7 +216,8 @@ static void check_next(struct choice choice, struct model *m)
 static void check_pair(struct random *r, struct choice choice, struct model *m)
 {
     struct scene_state *q = &m->state.motion;
-    struct scene_ode ode = {.values = &m->state.values, .state = q};
+    struct scene_ode ode = {
+        .values = &m->state.values, .state = q, .layout = ode_layout_of(&m->state.values, NULL)};
     struct scene_instant at;
     struct wrong wrong = {true, true};
     for (int i = 0; i < 1000 && (wrong.law || wrong.friction); ++i) {
