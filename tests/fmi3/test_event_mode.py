@@ -136,10 +136,7 @@ def test_nobody_else_is_interrupted(event_mode, early_return):
 def test_a_run_cut_at_its_events_is_the_same_motion():
     """Impulses of the pieces add up, and the ball is where it is without event mode."""
     values = head_on("sphere", "outside")
-    with (
-        with_events("sphere", values) as cut,
-        with_events("sphere", values, event_mode=False) as whole,
-    ):
+    with with_events("sphere", values) as cut, with_events("sphere", values, event_mode=False) as whole:
         whole.step(0.0, 0.1)
         impulse, time = np.zeros(3), 0.0
         while time < 0.1:

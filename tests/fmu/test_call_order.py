@@ -20,11 +20,7 @@ from support.fmi2.states import NAMES, bring_to
 
 # What an allowed call returns where that is not fmi2OK: no such status or derivative is provided, and what
 # was too much for one internal step still is.
-ANSWERS = {
-    "GetIntegerStatus": DISCARD,
-    "GetStringStatus": DISCARD,
-    ("DoStep", "failed"): DISCARD,
-}
+ANSWERS = {"GetIntegerStatus": DISCARD, "GetStringStatus": DISCARD, ("DoStep", "failed"): DISCARD}
 
 
 def faults_in(fmu: raw.Fmu, state: str) -> list[str]:

@@ -20,12 +20,7 @@ def test_any_callback_may_be_missing(fmu, logger, allocate, free):
     with raw.Instance(fmu, memory=memory, with_logger=logger, logging=True) as instance:
         instance.initialize()
         assert instance.call("DoStep", 0.0, -1.0, 1) == DISCARD
-        assert (
-            instance.call(
-                "Terminate",
-            )
-            == OK
-        )
+        assert instance.call("Terminate") == OK
         instance.ok("Reset")
         instance.initialize()
         instance.run([0.1])

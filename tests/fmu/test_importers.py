@@ -39,9 +39,7 @@ assert all(end == ends[0] for end in ends), ends
 # rounds: by so much [N] it differs between importers whose times differ by a rounding. From mu F_n [N],
 # v_0 and the speeds [m/s]:
 ROUNDING = 2.2e-16
-FRICTION_ROUNDS_BY = {
-    "Turntable": 4 * ROUNDING * 4.9 / 1e-5 * 1.5,
-}
+FRICTION_ROUNDS_BY = {"Turntable": 4 * ROUNDING * 4.9 / 1e-5 * 1.5}
 
 
 @pytest.mark.parametrize("scene", SCENES)

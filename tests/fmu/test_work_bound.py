@@ -41,10 +41,7 @@ UNBOUNDED = {  # configuration and the communication step
         {**DAMPED_DROP, "contact.penalty_control": "viscous_only", "contact.viscous_penalty_factor": 1e40},
         1e3,
     ),
-    "at rest on a rock": (
-        {**DAMPED_DROP, "source.center": [0, 0, 0.6], "contact.penalty_factor": 1e30},
-        1e3,
-    ),
+    "at rest on a rock": ({**DAMPED_DROP, "source.center": [0, 0, 0.6], "contact.penalty_factor": 1e30}, 1e3),
 }
 
 

@@ -72,13 +72,7 @@ contact = [{{ name = "contact", source = "ball", destination = "globe" }}]
 [experiment]
 step_size = {step}
 """
-SI = {
-    "radius": 0.2,
-    "center": [0, 0.0, 3.0],
-    "turning": [0.0, math.pi, 0],
-    "stiffness": 2e6,
-    "step": 0.002,
-}
+SI = {"radius": 0.2, "center": [0, 0.0, 3.0], "turning": [0.0, math.pi, 0], "stiffness": 2e6, "step": 0.002}
 WITH_UNITS = {
     "radius": '"200 mm"',
     "center": '[0, "0 m", "3000mm"]',

@@ -53,10 +53,7 @@ def elsewhere(folder, version):
     places = {2: "win64", 3: "x86_64-windows"}
     return packed(
         folder,
-        {
-            "modelDescription.xml": XML[version],
-            f"binaries/{places[version]}/Other.dll": b"MZ" + bytes(100),
-        },
+        {"modelDescription.xml": XML[version], f"binaries/{places[version]}/Other.dll": b"MZ" + bytes(100)},
     )
 
 

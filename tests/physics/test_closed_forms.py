@@ -6,16 +6,7 @@ import numpy as np
 import pytest
 
 from support.checks import METHODS, check_close, check_relative, run
-from support.scenes.head_on import (
-    DASHPOTS,
-    FMU,
-    GEOMETRIES,
-    SPEED,
-    approach,
-    head_on,
-    oscillator,
-    shared_out,
-)
+from support.scenes.head_on import DASHPOTS, FMU, GEOMETRIES, SPEED, approach, head_on, oscillator, shared_out
 
 RELATIVE = 1e-8  # at tolerance 1e-10
 GAP_ERROR = (

@@ -12,13 +12,7 @@ import pytest
 
 from support.checks import differences, start
 from support.reference.law import ReferenceContact, start_motion, vector
-from support.scenes.configurations import (
-    INPUTS,
-    SHAPES,
-    motion_of,
-    random_configuration,
-    random_inputs,
-)
+from support.scenes.configurations import INPUTS, SHAPES, motion_of, random_configuration, random_inputs
 
 RELATIVE = 1e-12
 COUNT = int(os.environ.get("CONTACT_SCENES", "600"))

@@ -11,14 +11,7 @@ import pytest
 from contact_fmus.published import IMPACTS, outcome, setup_of
 from support.checks import METHODS, check_close, check_relative, impulse_and_peak, run, start
 from support.reference.hertz import restitution_of
-from support.scenes.head_on import (
-    DASHPOTS,
-    FMU,
-    GEOMETRIES,
-    of_size,
-    shared_out,
-    speed_after,
-)
+from support.scenes.head_on import DASHPOTS, FMU, GEOMETRIES, of_size, shared_out, speed_after
 
 # Relative, at the tolerance 1e-12 of CVODE; what event_driven does does not depend on the tolerance so.
 ACCURACY = {"event_driven": 1e-10, "cvode_bdf": 1e-10, "cvode_adams": 1e-10}

@@ -84,11 +84,7 @@ STATES = {
         MINUTES,
     ),
     "two balls pressed together": ("SphereSphere", pressed_together(**DAMPED), MINUTES),
-    "stiff": (
-        "SphereSphere",
-        at_the_bottom(1e10, **{"contact.viscous_penalty_factor": 2e4}),
-        MINUTES // 10,
-    ),
+    "stiff": ("SphereSphere", at_the_bottom(1e10, **{"contact.viscous_penalty_factor": 2e4}), MINUTES // 10),
 }
 
 

@@ -251,10 +251,7 @@ static inline int body_shape(int body)
 }
 #endif
 """
-UNUSED = (
-    "#define HAS_body_mass 0\n",
-    "static inline int body_shape(int body)\n{\n    return body;\n}\n",
-)
+UNUSED = ("#define HAS_body_mass 0\n", "static inline int body_shape(int body)\n{\n    return body;\n}\n")
 
 
 def test_the_header_of_the_sources_has_what_they_ask_for():

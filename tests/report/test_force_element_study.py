@@ -73,8 +73,7 @@ def test_the_eigenvalues_give_the_stable_step_of_theory(integrator, coupling, ze
 
 
 @pytest.mark.parametrize(
-    "integrator, coupling, zeta",
-    [key for key, step in STABLE.items() if 0.0 < step < math.inf],
+    "integrator, coupling, zeta", [key for key, step in STABLE.items() if 0.0 < step < math.inf]
 )
 def test_the_stable_step_measured_on_the_fmu_is_that_of_theory(integrator, coupling, zeta, fmu):
     found = study.stable_step_measured(fmu, BY_NAME[integrator, coupling], zeta, 600)

@@ -194,10 +194,7 @@ def test_what_is_not_set_of_an_input_goes_on(opened, seed, method):
     fmu = start(opened(scene), values, float(pick(random, *TOLERANCES)), method)
     force, place = Driven(), Driven()
     for _ in range(int(random.integers(1, 8))):
-        for right, name in (
-            (force, "source.external_force"),
-            (place, "destination.prescribed_displacement"),
-        ):
+        for right, name in ((force, "source.external_force"), (place, "destination.prescribed_displacement")):
             orders = [int(order) for order in random.permutation(3)[: random.integers(4)]]
             right.set(fmu, name, orders, [float(pick(random, -1.0, 0.0, 0.5, 1.0, 4.0)) for _ in orders])
         if random.integers(2):

@@ -287,9 +287,7 @@ RUNS = {name: Run("SphereSphere", *run) for name, run in _OF_SPHERES.items()} | 
     ),
     "a foot that is moved": Run("FootForceElement", FOOT, 15, True, _stepped),
     "a tripod that slides": Run(
-        "Tripod",
-        TRIPOD,
-        *(12, True, lambda time: {"tripod.external_torque": [0.3, 3.0 - time, 0.2]}),
+        "Tripod", TRIPOD, *(12, True, lambda time: {"tripod.external_torque": [0.3, 3.0 - time, 0.2]})
     ),
     "a pin in a hole": Run("PinInHole", PINNED, 19, True),
     "bouncing ball": Run("BouncingBall", _at(0.0, 0.0, 0.11), 30, False),
