@@ -1,6 +1,5 @@
 """Shared by all Python tests: FMUs opened once a session and reset for each use, FMUs of scenes with several
-contacts.
-"""
+contacts."""
 
 import contextlib
 import fcntl

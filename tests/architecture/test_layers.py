@@ -1,6 +1,5 @@
 """Data flows math -> contact -> scene -> flight -> prescribed -> touch -> integrator -> model -> fmi ->
-fmi2 or fmi3; no include points back.
-"""
+fmi2 or fmi3; no include points back."""
 
 import pytest
 

@@ -56,8 +56,7 @@ def test_python_is_formatted():
 @pytest.mark.parametrize("unit", UNITS + PROGRAMS, ids=label)
 def test_clang_tidy_finds_nothing(unit):
     """One file a run: given several, clang-tidy 14 sees faults in va_list that are not there. A function is
-    followed through TIDY_NODES places of its paths, in the long run through as many as is clang's default.
-    """
+    followed through TIDY_NODES places of its paths, in the long run through as many as is clang's default."""
     given = unit in units_of("ForceElement") and unit not in units_of("SphereCylinder")
     scene = BUILD / "scenes" / ("ForceElement" if given else "SphereCylinder")
     arguments = ["-std=c11", "-D_POSIX_C_SOURCE=200809L", f"-I{SOURCE}", f"-I{scene}"]

@@ -1,7 +1,5 @@
-"""Parameters that make the work unbounded: solver.max_internal_steps ends the step with fmi2Discard at
-the time reached, with a state that is whole and can go on; what cannot be computed is never answered
-wrongly.
-"""
+"""Parameters that make the work unbounded: solver.max_internal_steps ends the step with fmi2Discard at the
+time reached, with a state that is whole and can go on; what cannot be computed is never answered wrongly."""
 
 import math
 
@@ -81,9 +79,7 @@ def discarded(fmu, size):
 
 @pytest.mark.parametrize("case", UNBOUNDED)
 def test_the_work_is_bounded_and_nothing_breaks(opened, case):
-    """Either the step is done after all, or it is discarded at a time in between; then the same call goes
-    on.
-    """
+    """Either the step is done after all, or it is discarded at a time in between; then the same call goes on."""
     configuration, size = UNBOUNDED[case]
     fmu = limited(opened("SphereSphere"), configuration)
     energy = mechanical(fmu)

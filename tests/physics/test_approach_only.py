@@ -1,6 +1,5 @@
 """Lasting contact with a dashpot that acts on approach only, under a load that sways: as many events as the
-true motion has, few steps, and the right place.
-"""
+true motion has, few steps, and the right place."""
 
 import math
 from dataclasses import replace
@@ -48,8 +47,7 @@ def stiff_end(values, shape, end):
 @pytest.mark.parametrize("seed", seeds(12))
 def test_stiffness_costs_no_events(opened, seed):
     """The gap rate touches zero in a few turns of the oscillation for each turn of the load, the more the
-    heavier the dashpot, which holds the ball for so many turns; however many turns there are in all.
-    """
+    heavier the dashpot, which holds the ball for so many turns; however many turns there are in all."""
     draw = np.random.default_rng(seed)
     shape, inside = str(draw.choice(list(FMU))), bool(draw.random() < 0.7)
     mass, ratio = 10.0 ** draw.uniform(-1.0, 1.0), math.exp(draw.uniform(math.log(0.5), math.log(100.0)))
@@ -75,8 +73,7 @@ def test_stiffness_costs_no_events(opened, seed):
 )
 def test_a_load_that_sways_turns_a_few_times(opened, stiffness, damping, tolerance, turns):
     """A ball slides through a hollow sphere to and fro for two seconds. Where it is let go deeper than load
-    and spring balance, it rises first, which the expansion does not know: as high as the spring throws it.
-    """
+    and spring balance, it rises first, which the expansion does not know: as high as the spring throws it."""
     values, end = sliding("sphere", True, stiffness, 1.0, 1.0, math.pi / 3, 0.1)
     values["contact.viscous_penalty_factor"] = damping
     balance = math.hypot(*values["source.center"]) - 0.4

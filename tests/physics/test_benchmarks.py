@@ -1,6 +1,5 @@
 """The peers' problems P1, P2, P3 and P3b through the FMU, whatever the communication steps; and ten variants
-of each with the event-driven method.
-"""
+of each with the event-driven method."""
 
 from operator import itemgetter
 

@@ -136,8 +136,7 @@ def test_the_train_is_told_bounce_by_bounce(opened, dashpot, steps):
 @pytest.mark.parametrize("shape", FMU)
 def test_a_ball_whispers_around_a_hollow_body(opened, shape, steps):
     """Without gravity and damping each bounce is like the first, a graze at a hundredth of the speed
-    along the wall; the period is the reference integrator's, and hundreds of them fit.
-    """
+    along the wall; the period is the reference integrator's, and hundreds of them fit."""
     along = np.cross(AXIS, ACROSS)
     values = {
         "destination.radius": 0.5,

@@ -1,6 +1,5 @@
 """Capped cylinders: event_driven against an independent integration over side, cap and rim, starts on the
-edge and within the solid. Approaches over the edge and edge-on impacts are the atlas's.
-"""
+edge and within the solid. Approaches over the edge and edge-on impacts are the atlas's."""
 
 import os
 import random

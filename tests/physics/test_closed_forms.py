@@ -71,8 +71,7 @@ def test_restitution_duration_and_peaks_are_the_damped_oscillators(
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_momentum_and_angular_momentum_of_two_free_bodies_stay(opened, shape, location, dashpot, method):
     """An oblique contact with gravity off; the angular momentum about the origin stays for spheres,
-    about the axis for both.
-    """
+    about the axis for both."""
     configuration = head_on(
         shape, location, contact_method="penalty_dynamic", contact_dashpot=dashpot, destination_motion="free"
     )

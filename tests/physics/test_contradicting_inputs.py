@@ -1,6 +1,5 @@
 """A prescribed displacement whose given derivative is not the prescribed velocity: each is taken at its word,
-one warning says so, and nothing hangs. What agrees up to rounding is not warned of.
-"""
+one warning says so, and nothing hangs. What agrees up to rounding is not warned of."""
 
 import numpy as np
 import pytest

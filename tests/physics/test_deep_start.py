@@ -63,8 +63,7 @@ def test_a_dashpot_alone_stores_nothing(opened):
 @pytest.mark.parametrize("depth", [0.045, 0.05, 0.06, 0.1, 1.0])
 def test_a_plane_that_accelerates_takes_no_more_steps_below_the_centre_than_above(opened, depth):
     """A small ball, far beyond critical damping: a plane has no centre, at any depth. The law is linear, and
-    so is the gap later in the gap at the start.
-    """
+    so is the gap later in the gap at the start."""
     gaps = []
     for start_depth in (0.02, 0.04, depth):
         values = {

@@ -1,6 +1,5 @@
 """Concentric bodies, automatic location, kinds of motion that mean the same, and starts in the middle of a
-contact.
-"""
+contact."""
 
 import math
 
@@ -78,8 +77,7 @@ def test_a_ball_flies_through_the_middle_of_a_hollow_body(opened, shape, method)
 @pytest.mark.parametrize("shape", FMU)
 def test_overlapping_solids_at_the_same_place_push_along_a_fixed_direction(opened, shape):
     """No normal is defined: a documented unit vector (across a cylinder's axis), one warning, nothing
-    that is not finite.
-    """
+    that is not finite."""
     fmu = start(opened(FMU[shape]), concentric(shape, contact_location="outside", contact_method="penalty"))
     directions = []
     for _ in range(3):
@@ -99,8 +97,7 @@ def test_overlapping_solids_at_the_same_place_push_along_a_fixed_direction(opene
 
 def test_the_direction_at_the_axis_is_that_of_the_step_before(opened):
     """In flight, where steps are deferred: the source comes to the axis of a hollow cylinder at 7/16 s along
-    x = (7/16 - t) / 2, y = (7/16 - t)^2. There e_c, from the axis to the wall, is that of 6/16 s.
-    """
+    x = (7/16 - t) / 2, y = (7/16 - t)^2. There e_c, from the axis to the wall, is that of 6/16 s."""
     values = {"destination.axis": [0.0, 0.0, 1.0], "contact.location": "inside", "gravity": [0.0, 2.0, 0.0]}
     values |= {"source.center": [7 / 32, 49 / 256, 0.0], "source.initial_velocity": [-0.5, -0.875, 0.0]}
     fmu = run(opened("SphereCylinder"), values, 7 / 16, 7)

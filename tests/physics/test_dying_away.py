@@ -1,6 +1,5 @@
 """Contacts that nothing loads, unclamped and at or beyond critical damping: they die away and never part,
-wherever the importer stops on the way, in whatever frame.
-"""
+wherever the importer stops on the way, in whatever frame."""
 
 import math
 

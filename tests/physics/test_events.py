@@ -1,6 +1,5 @@
 """Contacts begin when they must, none is missed however long the communication step, and finite cylinders
-end where they end.
-"""
+end where they end."""
 
 import math
 
@@ -19,8 +18,7 @@ EXACT = 1e-11  # s
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 def test_a_long_throw_comes_down_on_a_small_body_in_one_step(opened, shape, seed, method):
     """A parabola of many seconds aimed within a radius or so of a small body: hit or miss as in the
-    reference.
-    """
+    reference."""
     random = np.random.default_rng(seed)
     flight, gravity = random.uniform(5, 20), np.array([0.0, 0.0, -9.81])
     aim = 0.012 * random.uniform(-1, 1, size=3)
@@ -69,8 +67,7 @@ def tube(**more):
 @pytest.mark.parametrize("steps", [1, 10, 1000])
 def test_a_ball_slides_to_the_tubes_end_and_falls(opened, steps, method):
     """The force ends at t = L / 2v = 0.5 s; from there on free fall, and the stored energy is booked as
-    dissipated.
-    """
+    dissipated."""
     fmu = run(opened("SphereCylinder"), tube(), 1.0, steps, method=method)
     expected = [0.0, 1.0, -0.4 - 9.81e-4 - 9.81 * 0.5**2 / 2]
     check_close("position", fmu["source.position"], expected, 1e-9)
@@ -85,8 +82,7 @@ def test_a_ball_slides_to_the_tubes_end_and_falls(opened, steps, method):
 @pytest.mark.parametrize("method", METHODS)
 def test_a_ball_that_enters_overlapping_gets_the_stored_energy(opened, method):
     """Sliding in from outside at a depth held by nothing: the booked work is minus the energy the
-    contact then stores.
-    """
+    contact then stores."""
     depth, stiffness = 1e-3, 1e4
     values = tube(**{"gravity": [0.0, 0.0, 0.0], "contact.method": "penalty"})
     values.update({"source.center": [0.0, -0.7, -0.4 - depth]})
@@ -100,9 +96,7 @@ def test_a_ball_that_enters_overlapping_gets_the_stored_energy(opened, method):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_tube_drawn_over_a_resting_ball_begins_and_ends_with_its_ends(opened, method):
-    """The cylinder moves, the ball floats at its wall's depth: within while |c.e_d| <= L/2, 0.1 s to
-    0.6 s.
-    """
+    """The cylinder moves, the ball floats at its wall's depth: within while |c.e_d| <= L/2, 0.1 s to 0.6 s."""
     values = tube(**{"gravity": [0.0, 0.0, 0.0], "source.initial_velocity": [0.0, 0.0, 0.0]})
     values.update({"source.center": [0.0, 0.0, -0.3], "destination.center": [0.0, -0.7, 0.0]})
     values.update({"destination.motion": "prescribed", "destination.prescribed_velocity": [0.0, 2.0, 0.0]})
@@ -121,8 +115,7 @@ def test_a_tube_drawn_over_a_resting_ball_begins_and_ends_with_its_ends(opened, 
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_a_touch_at_a_communication_point_is_not_below_it(opened, shape, location, rate, steps):
     """When a step ends the bodies stand at the touch to rounding, be it by 1e-17 m too deep, where an
-    impact goes no deeper than SPEED / rate: it gives back the speed it takes
-    """
+    impact goes no deeper than SPEED / rate: it gives back the speed it takes"""
     mass = 1e-9
     values = head_on(shape, location, source_mass=mass, contact_penalty_factor=mass * rate**2)
     fmu = run(opened(FMU[shape]), values, 2 * GAP, 2 * steps, None, "event_driven")

@@ -1,6 +1,5 @@
 """Mean force and peaks of a force element over its step: against closed forms, and against the law and the
-geometry written once more, sampled so densely that nothing between the samples counts.
-"""
+geometry written once more, sampled so densely that nothing between the samples counts."""
 
 import numpy as np
 import pytest

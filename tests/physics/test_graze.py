@@ -1,6 +1,5 @@
 """Grazes: the impact speed is a small part of the speed along the surface, down to 1e-12 of it. They are
-counted, last as long and push as hard as the closed form or the reference integrator says, and nothing
-hangs.
+counted, last as long and push as hard as the closed form or the reference integrator says, and nothing hangs.
 """
 
 import math
@@ -28,9 +27,7 @@ def reference(values, shape, end):
 @pytest.mark.parametrize("share", [1e-6, 1e-9, 1e-12])
 @pytest.mark.parametrize("location", ["outside", "inside"])
 def test_a_graze_along_a_cylinder(opened, location, share, damping, steps):
-    """1000 m/s along the axis and `share` of that towards the surface: head-on, but for the rounding of
-    50 m.
-    """
+    """1000 m/s along the axis and `share` of that towards the surface: head-on, but for the rounding of 50 m."""
     along, stiffness, end = 1000.0, 1e6, 0.05
     speed = share * along
     values = head_on("cylinder", location, gap=0.01 * speed, speed=speed)
@@ -59,9 +56,7 @@ def test_a_graze_along_a_cylinder(opened, location, share, damping, steps):
 @pytest.mark.parametrize("overlap", [1e-3, 1e-6, 1e-9, 1e-11, 1e-12, 1e-13])
 @pytest.mark.parametrize("shape", FMU)
 def test_a_straight_pass_that_dips_in(opened, shape, overlap, steps):
-    """At the deepest by `overlap`: the impact speed is sqrt(2 overlap / 0.6 m) of the speed, down to
-    6e-7.
-    """
+    """At the deepest by `overlap`: the impact speed is sqrt(2 overlap / 0.6 m) of the speed, down to 6e-7."""
     values, end = passing(shape, -overlap), 1.5
     expected = reference(values, shape, end)
     fmu = run(opened(FMU[shape]), values, end, steps, TOLERANCE, METHOD)
@@ -102,8 +97,7 @@ def skimming(location, share, speed):
 def test_a_graze_that_starts_touching(opened, location, speed, allowed, share, steps):
     """Outside it is away within 2 share R / v, of which the depth, R share^2 / 2, is far below the last digit
     of R for most. Inside it is thrown round against the wall and comes off again at each turn of its
-    oscillation, if only just, or, where `share` is below rounding, never; the motion is the same.
-    """
+    oscillation, if only just, or, where `share` is below rounding, never; the motion is the same."""
     values, end = skimming(location, share, speed), 0.1
     expected = reference(values, "sphere", end)
     fmu = run(opened("SphereSphere"), values, end, steps, TOLERANCE, METHOD)

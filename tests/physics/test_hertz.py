@@ -1,6 +1,5 @@
 """Hertz's law: closed forms of the power law and of Hunt and Crossley's damping, restitution at every speed,
-prescribed motion, derivatives, published impacts.
-"""
+prescribed motion, derivatives, published impacts."""
 
 import math
 
@@ -110,8 +109,7 @@ def closing_acceleration(gap, time):
 @pytest.mark.parametrize("seed", range(20))
 def test_the_load_of_an_onset_knows_how_its_surface_turns(opened, seed):
     """A ball sinks onto a plane or a cylinder that moves and turns ever faster: chi is that of the speed to
-    which -g'' would bring it, found here by differences of the gap.
-    """
+    which -g'' would bring it, found here by differences of the gap."""
     random = np.random.default_rng(seed)
     shape, name = (("plane", "SpherePlane"), ("cylinder", "SphereCylinder"))[seed % 2]
     axis = random.normal(size=3)

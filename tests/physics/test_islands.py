@@ -43,8 +43,7 @@ def test_balls_in_touch_leave_with_the_speeds_of_the_reference(opened_several, b
 
 def test_steps_under_hertz_law_end_at_releases(fmu_path):
     """At a touch and at a release the force bends: steps across them are inaccurate, and many shorter ones
-    are tried. Steps from a touch and to a release follow the force.
-    """
+    are tried. Steps from a touch and to a release follow the force."""
     values = {f"touch[{i}].law": "hertz" for i in range(1, 5)}
     values |= {f"touch[{i}].hertz_stiffness": 1e8 for i in range(1, 5)}
     with ContactFmu(fmu_path("NewtonsCradle")) as fmu:
@@ -111,8 +110,7 @@ def test_the_peaks_of_one_long_step_are_the_tops_of_all_short_ones(fmu_path, law
 
 def test_a_chain_of_beads_carries_a_solitary_wave(opened_several):
     """Its peak force, the speed of its beads and its own, as of the long wave in a chain under Hertz's law
-    (units of stiffness, mass and the speed of the striker)
-    """
+    (units of stiffness, mass and the speed of the striker)"""
     fmu = opened_several("Chain")
     fmu.reset()
     chain(fmu, 40, "hertz")
@@ -137,8 +135,7 @@ def test_a_chain_of_beads_carries_a_solitary_wave(opened_several):
 
 def test_islands_are_contacts_in_touch_that_share_free_bodies(opened_several):
     """Of eight balls, two rows of three and a pair touch, overlapping a little; the middle one is prescribed
-    by nobody: a gap parts the rows
-    """
+    by nobody: a gap parts the rows"""
     fmu = opened_several("Chain")
     fmu.reset()
     places = [0, 0.99, 1.98, 10, 10.99, 20, 20.99, 21.98, 22.97]

@@ -123,8 +123,7 @@ def test_a_fading_force_lets_go_once(opened, dashpot, stiffness, share, steps, t
 @pytest.mark.parametrize("shape", FMU)
 def test_a_body_drawn_off_leaves_its_small_impulse(opened, shape, end):
     """Pressed in by s, the spring gives k s^2 / (2 V) until it lets go after s / V, small against a turn
-    of its oscillation and against its tolerance.
-    """
+    of its oscillation and against its tolerance."""
     stiffness, mass, speed, depth = 1e5, 75.0, 0.3, 2e-8
     values = head_on(shape, "outside", gap=-depth, speed=0.0, contact_penalty_factor=stiffness)
     values |= {"source.mass": mass, "destination.motion": "prescribed"}

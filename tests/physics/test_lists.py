@@ -34,8 +34,7 @@ def values_of(case, method="event_driven"):
 @pytest.mark.parametrize("name", BRIEF)
 def test_a_brief_contact_is_felt_however_long_the_step(built, name, steps):
     """Brief beside the communication step, begun without a force, as under Hertz's law, or between bodies
-    that fly past each other
-    """
+    that fly past each other"""
     case, expected = BRIEF[name], reference(name)
     with ContactFmu(built["ThreeBalls"]) as fmu:
         fmu.start(values_of(case), tolerance=1e-9)
@@ -238,8 +237,7 @@ def test_a_driven_pair_beside_a_free_one_is_no_burden_to_it(built, fmu_path, met
 @pytest.mark.parametrize("method", METHODS)
 def test_a_symmetric_squeeze_leaves_the_middle_ball_where_it_is(built, method, steps):
     """Both contacts end at once, to the digits that an integrator leaves; each ball outside leaves with the
-    energy of its own: v = s sqrt(k / m).
-    """
+    energy of its own: v = s sqrt(k / m)."""
     stiffness, mass, end = 338385515.34282333, 443.6687330978607, 0.017977067641294291
     radii = (1.0802115387737352, 6.6608462908091539, 6.6608462908091539)
     places = (0.0, 7.0749732005019741, 19.730581153039367)

@@ -141,8 +141,7 @@ def random_pressed(random):
 @pytest.mark.parametrize("portion", seeds(1))
 def test_peaks_of_a_lasting_contact(opened, shape, dashpot, portion):
     """Set down, landing, settled or pressed deeper, from hardly damped to 100 times critical, under forces
-    that change: all within one communication step
-    """
+    that change: all within one communication step"""
     random = np.random.default_rng([portion, len(shape), len(dashpot)])
     compared = 0
     for _ in range(8):
@@ -194,8 +193,7 @@ def test_the_search_ends_where_a_turn_has_no_digits(
     opened, shape, location, stiffness, mass, pull, end, share
 ):
     """A ball that settles under a load which doubles until the middle of the step and falls back: the peaks
-    are the load's
-    """
+    are the load's"""
     load = pull * mass
     side = -1 if location == "inside" else 1
     force = -side * np.array([[load, 0.0], [4 * load / end, 0.0], [-8 * load / end**2, 0.0]])

@@ -162,8 +162,7 @@ def values_of(balls, planes, contacts, gravity):
 
 def check_motion(fmu, scene, steps, least):
     """Against the reference, within `least` or what the reference itself is uncertain of; returns the number
-    of contacts that began, and that of the reference
-    """
+    of contacts that began, and that of the reference"""
     fine, onsets = Islands(*scene).run(END, 1e-13)
     coarse, _ = Islands(*scene).run(END, 1e-12)
     values = values_of(*scene)
@@ -194,8 +193,7 @@ def test_islands_move_as_in_the_reference(opened_several, seed):
 @pytest.mark.parametrize("steps", [1, 29])
 def test_rows_are_chains_and_move_as_in_the_reference(opened_several, seed, steps):
     """Along an axis no rounding turns a normal, so that the general segment is never needed. Balls that rest
-    where they touch, but for rounding, may bounce by as much, so that contacts are not counted.
-    """
+    where they touch, but for rounding, may bounce by as much, so that contacts are not counted."""
     scene = row_of(seed)
     fmu = opened_several("Islands")
     check_motion(fmu, scene, steps, 1e-9)

@@ -1,6 +1,5 @@
 """Rest stays rest: steps of 1 ms leave a ball where it lay, to a nanometre, and give it no energy; for an
-hour of simulated time where nothing damps it.
-"""
+hour of simulated time where nothing damps it."""
 
 import ctypes
 import math

@@ -1,7 +1,6 @@
 """contact.restitution of the linear law shows the p_nv of the closed form, is critical damping or a millionth
 at zero, and of no effect without a dashpot. That it is the speed after an impact over the speed before it is
-families/test_head_on.py's and the atlas's claim.
-"""
+families/test_head_on.py's and the atlas's claim."""
 
 import math
 

@@ -44,8 +44,7 @@ def peaks_of_steps(fmu, name, stiffness, share, steps):
 @pytest.mark.parametrize("name", SCENES)
 def test_peaks_are_right_or_refused(opened, name, share, steps):
     """In each step as at 1e22 N/m, where rounding does not count yet, or refused: only of the step in which
-    the contact begins, and not below 1e26 N/m
-    """
+    the contact begins, and not below 1e26 N/m"""
     fmu = opened(FMU[SCENES[name][0]])
     expected = peaks_of_steps(fmu, name, 1e22, share, steps)
     assert None not in expected
@@ -62,8 +61,7 @@ def test_peaks_are_right_or_refused(opened, name, share, steps):
 @pytest.mark.parametrize("stiffness", [1e22, 1e33, 1e54, 1e70, 1e100])
 def test_an_undamped_oscillation_keeps_its_amplitude(opened, stiffness):
     """P3 starts where the load is a fifth of that at the bottom, and oscillates by it ever after: the force
-    is largest at the bottom, 5 m g / 2 in all
-    """
+    is largest at the bottom, 5 m g / 2 in all"""
     shape, values, end = stiff_scene("P3", stiffness, 0.0)
     fmu = run(opened(FMU[shape]), values, end, 1, TOLERANCE, METHOD)
     largest = peaks_or_none(fmu, stiffness)

@@ -64,8 +64,7 @@ NEAR_MISSES = [1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-15, 1e-16, 1e-17]
 @pytest.mark.parametrize("shape", FMU)
 def test_a_near_miss_of_the_centre_keeps_energy_and_angular_momentum(opened, shape, stiffness, miss, steps):
     """The normal turns by half a turn within miss / speed; steps shrink to that and grow again, each by a
-    factor, so that there are some log(size / miss) of them.
-    """
+    factor, so that there are some log(size / miss) of them."""
     values = solid(shape, ACROSS, **{"contact.penalty_factor": stiffness})
     values["contact.viscous_penalty_factor"] = 0.0
     values["source.center"] = (-START * ACROSS + miss * ASIDE).tolist()
@@ -131,8 +130,7 @@ def stored(x, miss):
 @pytest.mark.parametrize("shape", FMU)
 def test_a_ball_led_through_a_solid_leaves_the_impulse_of_its_way(opened, shape, miss, steps, method):
     """With x dx = d dd, the integrals of F x / d and F b / d over x, b the distance of the miss, are
-    p_n (r d - d^2 / 2) and p_n b (r asinh(x / b) - x), r the reach.
-    """
+    p_n (r d - d^2 / 2) and p_n b (r asinh(x / b) - x), r the reach."""
     begin, end = -0.35, 0.41
 
     def along(x):
@@ -201,8 +199,7 @@ def test_a_ball_led_past_the_centre_goes_on_from_where_a_limit_stopped_it(opened
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 def test_balls_that_fall_together_pass_their_centre_once(opened, shape, gravity, mass):
     """So far that their positions do not tell any more on which side of it they are. A force presses one
-    through the other, against a dashpot that lets go there
-    """
+    through the other, against a dashpot that lets go there"""
     force, damping, reach, duration = 6.6e-8, 3.4e-5, 0.0040004, 80.0
     values = {
         "source.motion": "free",

@@ -1,7 +1,6 @@
 """Forces, torques, slip and friction of bodies that turn, and their directional derivatives, against the
 reference's formulas (support/reference/turning.py): at random motions, all shapes, outside and
-inside, every dashpot. Derivatives are complex steps of those formulas, exact to rounding.
-"""
+inside, every dashpot. Derivatives are complex steps of those formulas, exact to rounding."""
 
 import numpy as np
 import pytest

@@ -1,6 +1,5 @@
 """Symmetries of the model, on configurations chosen by hypothesis: the world may be turned, moved, mirrored
-in its roles and rescaled.
-"""
+in its roles and rescaled."""
 
 import numpy as np
 import pytest

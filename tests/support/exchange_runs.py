@@ -43,8 +43,7 @@ def simulate(file: Path, start: dict, stop: float, names: list[str], kind: str =
 
 def check_exchange(fmu, scene: str, values: dict, end: float, vectors: list[str]):
     """The Model Exchange of both versions has the same vectors, work of friction and balance at the end as
-    `fmu`, an FMU for Co-Simulation that has come there.
-    """
+    `fmu`, an FMU for Co-Simulation that has come there."""
     scalar = [f"{name}[{k}]" for name in vectors for k in (1, 2, 3)]
     for file, names in ((fmu_file(scene), scalar), (FMUS / f"{scene}.fmu", vectors)):
         found = simulate(file, values, end, [*names, "energy.friction", "energy.total"])

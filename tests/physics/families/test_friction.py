@@ -178,8 +178,7 @@ def largest_force_of_a_ball_set_down(rate, decay):
 @pytest.mark.parametrize("up", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.6, 0.0, 0.8)])
 def test_no_step_jumps_over_the_swings_of_a_ball_set_down(opened, up, tolerance):
     """Twenty swings in one communication step, whichever way is up. The depth is 1e-5 m: its error is small
-    beside the tolerance of places, but not beside itself.
-    """
+    beside the tolerance of places, but not beside itself."""
     values = {
         "destination.axis": list(up),
         "source.center": [0.1 * x for x in up],
@@ -307,8 +306,7 @@ def test_the_last_slip_of_an_impact_is_as_accurate_as_the_tolerance(opened, step
 
 def impact_on_a_turning_plane(random):
     """The slip falls to any v_0 or stays, about any axis, with and without damping. An error of the slip is
-    2.5/r = 25 times as large in the angular velocity.
-    """
+    2.5/r = 25 times as large in the angular velocity."""
     values = TURNING_PLANE | {
         "source.initial_velocity": [
             float(random.choice([0.0, 0.1, 1.0])),

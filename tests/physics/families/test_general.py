@@ -34,8 +34,7 @@ def law_of(random, contact):
 
 def ball_into_corner(random):
     """Contacts with up to three planes, which begin while others last and end in any order. No touch that
-    is head-on falls on the end of the run, where rounding would decide whether it is counted.
-    """
+    is head-on falls on the end of the run, where rounding would decide whether it is counted."""
     gaps = [pick(random, 0.0, 0.01, 0.02, 0.03, 0.05, 0.07, 0.9) for _ in range(3)]
     values = {
         "ball.center": [0.1 + gap for gap in gaps],
@@ -192,8 +191,7 @@ def test_a_touch_during_another_contact_is_found_in_any_number_of_steps(opened_s
 @pytest.mark.parametrize("gap", [0.02, 0.0201, 0.025, 0.04])
 def test_impacts_by_hertz_law_that_overlap_are_those_of_each_plane(opened_several, gap):
     """Without damping the ball leaves both planes as fast as it came; an impact lasts 2.943 times the largest
-    penetration over the speed. Steps from a touch and to a release follow the power 3/2 of the time.
-    """
+    penetration over the speed. Steps from a touch and to a release follow the power 3/2 of the time."""
     fmu = opened_several("BallInCorner")
     values = {"ball.center": [0.1 + gap, 0.12, 1.0], "ball.initial_velocity": [-1.0, -1.0, 0.0]}
     values |= {f"{one}.{name}": value for one in CORNER["contacts"] for name, value in HERTZ.items()}

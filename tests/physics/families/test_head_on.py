@@ -1,6 +1,5 @@
 """Head-on motion, Hertz's law, coefficients of restitution and inputs: answers that do not depend on how
-a run is stepped, and the closed forms that they must agree with.
-"""
+a run is stepped, and the closed forms that they must agree with."""
 
 import numpy as np
 import pytest

@@ -1,6 +1,5 @@
 """Contact between bodies that the importer moves: random scenes of numbers that people type, and the scenes
-in which a run once hung, was changed by a reading, or missed a change of the law.
-"""
+in which a run once hung, was changed by a reading, or missed a change of the law."""
 
 import numpy as np
 import pytest
@@ -38,8 +37,7 @@ def motion(values, body, velocity, acceleration):
 
 def pass_by(random, values, middle, speeds=(0.5, 1.0, 2.0)):
     """The source comes to `middle` after 0.5 or 0.4 of the run, straight or on a parabola that turns there;
-    the end of the run, which often puts events on communication points.
-    """
+    the end of the run, which often puts events on communication points."""
     end = pick(random, 0.5, 1.0, 2.0)
     speed = pick(random, *speeds)
     along = UNITS[random.integers(6)] if random.random() < 0.7 else np.array([0.6, 0.8, 0.0])
@@ -318,8 +316,7 @@ HANGING = {
 @pytest.mark.parametrize("spin", [0.0, 1.0])
 def test_a_clipped_dashpot_of_what_turns_holds_up_no_step(opened, steps, speed, spin):
     """gap = speed t - 0.01: at 1 m/s the dashpot would pull from the start; at 0.4 m/s from 2 mm on,
-    where 1e4 N/m 2 mm = 200 N s/m 0.4 m/s / 4: clipped from 1e4 (0.01 - 0.4 t) = 80, t = 5 ms, on.
-    """
+    where 1e4 N/m 2 mm = 200 N s/m 0.4 m/s / 4: clipped from 1e4 (0.01 - 0.4 t) = 80, t = 5 ms, on."""
     values = HANGING | {
         "source.prescribed_velocity": [speed, 0.0, 0.0],
         "source.prescribed_displacement.derivatives": [[speed, 0.0, 0.0]],
@@ -335,8 +332,7 @@ def test_a_clipped_dashpot_of_what_turns_holds_up_no_step(opened, steps, speed, 
 @pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_a_source_passes_the_axis_of_a_cylinder_that_turns_about_its_path(opened, dashpot, steps):
     """The distance is |x|, x = t - 0.5: F_n = k (R - |x|) + c before the axis. Behind it the force is
-    reversed, with -c as far as the dashpot allows.
-    """
+    reversed, with -c as far as the dashpot allows."""
     stiffness, damping, reach = 1e4, 1e3, 0.6
     values = HANGING | {
         "source.prescribed_displacement": [-0.5, 0.0, 0.0],

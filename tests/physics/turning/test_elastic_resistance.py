@@ -104,8 +104,7 @@ def test_a_ball_on_a_sticking_spring_swings_with_the_period_of_rolling_without_s
 @pytest.mark.parametrize("stiffness", [20.0, 200.0])
 def test_the_way_of_rolling_approaches_that_of_a_rigid_resistance(opened, stiffness):
     """7 v^2/(10 mu_r g): L takes all energy, since the dashpot lets the spring slide from the start on; then
-    the ball rolls back by the spring's angle L/k. Friction, whose spring is stiff, adds 1e-7 m.
-    """
+    the ball rolls back by the spring's angle L/k. Friction, whose spring is stiff, adds 1e-7 m."""
     speed, inertia = 0.3, 1.4 * MASS * RADIUS**2
     rigid = {"contact.tangential_stiffness": 1e7, "contact.tangential_damping": 2000.0}
     damping = 2.0 * math.sqrt(stiffness * inertia)

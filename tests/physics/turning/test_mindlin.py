@@ -45,8 +45,7 @@ def test_an_impact_with_a_ratio_of_two_sevenths_turns_the_slip_round(opened, met
     """delta'' = -(k_h/m) delta^1.5, and xi'' = -(7/2) (2/7) 1.5 (k_h/m) delta^0.5 xi is its linearization,
     which 4 delta + t delta' solves, because b^4 delta(b t) is another solution for every b. So xi is
     (4 delta + t delta') v_t/(5 v_n), and xi' = -v_t at the end. With mu = 1e9 it slides only in the last
-    1e-9 of the depth, where 1e-13 of the impulse is left.
-    """
+    1e-9 of the depth, where 1e-13 of the impulse is left."""
     slip = 0.4
     fmu = run(opened(FMU["plane"]), impact(2 / 7, 1e9, slip), 0.05, 1, 1e-12, method)
     assert fmu["contact.onsets"] == 1
@@ -57,8 +56,7 @@ def test_an_impact_with_a_ratio_of_two_sevenths_turns_the_slip_round(opened, met
 
 def test_the_elongation_midway_is_that_of_the_closed_form(opened):
     """At the deepest point delta' = 0, so that xi = (4/5) delta v_t/v_n and F_t = K delta^0.5 xi; the energy
-    that has come from the change of k_t is missing in energy.friction.
-    """
+    that has come from the change of k_t is missing in energy.friction."""
     slip, ratio = 0.4, 2 / 7
     depth = (1.25 * MASS * SPEED**2 / K_H) ** 0.4
     lasts = 2 * depth / SPEED * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)

@@ -74,8 +74,7 @@ def way_of_rolling(opened, friction, method, rate, speed=1.0):
 @pytest.mark.parametrize("friction, method", ROLLS)
 def test_a_ball_that_rolls_stops_where_the_closed_form_says(opened, friction, method):
     """Without slip (7/5) m r^2 omega' = -mu r m g (1 - exp(-omega/omega_0)), so that the way is
-    7/(5 mu g) (v^2/2 + (pi r omega_0)^2/6) where the start is far above omega_0.
-    """
+    7/(5 mu g) (v^2/2 + (pi r omega_0)^2/6) where the start is far above omega_0."""
     coulomb = 7 / (10 * MU * G)
     for rate in (1e-3, 0.5):
         more = 7 / (5 * MU * G) * (math.pi * RADIUS * rate) ** 2 / 6

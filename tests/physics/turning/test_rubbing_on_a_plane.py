@@ -129,8 +129,7 @@ def test_the_slip_is_that_of_the_formula_through_all_bounces(opened, law, rotati
 @pytest.mark.parametrize("spin", [[0.0, 0.0, 0.0], [3.0, -5.0, 20.0]])
 def test_an_oscillation_that_never_dies_away_costs_little_while_a_ball_slides(opened, stiffness, spin):
     """Set down where it touches, undamped: p = m g (t - sin(w t)/w), 16 or 1,600 swings until it rolls. The
-    way is a sum over Gauss-Legendre panels of a twentieth of a radian and less.
-    """
+    way is a sum over Gauss-Legendre panels of a twentieth of a radian and less."""
     unit, end = 1e-3, 0.5
     values = thrown("linear", "free", 2.0 / unit)[0] | {
         "source.center": [0.0, 0.0, R],

@@ -1,7 +1,6 @@
 """Derivatives of a contact with a capped cylinder that the importer moves and turns: with respect to inputs,
 axis and angular velocities among them, and to time, in every zone and at both ends; against differences of
-the outputs themselves.
-"""
+the outputs themselves."""
 
 from math import cos, sin
 

@@ -35,8 +35,7 @@ def test_a_given_motion_has_the_forces_that_the_reference_says(opened, seed):
 
 def incremental(values, shape, end):
     """Impulse on the source by Cundall and Strack's increments: the spring grows by the slip, stays tangent,
-    and is cut back to where k_t times its length is mu F_n.
-    """
+    and is cut back to where k_t times its length is mu F_n."""
     pair, rubbing = TurningPair(values | {"contact.friction": "none"}, shape), TurningPair(values, shape)
     speed, bend = map(np.array, values["source.prescribed_displacement.derivatives"])
     omega = np.array(values["source.prescribed_angular_velocity"])

@@ -28,8 +28,7 @@ def test_positions_within_a_step_are_those_of_the_closed_form(opened):
 
 def test_peaks_are_those_of_each_communication_step(opened):
     """A ball that bounces in a bowl, with peaks of force in the midst of steps: compared with those of short
-    steps, whose ends are next to any peak.
-    """
+    steps, whose ends are next to any peak."""
     case = cases.bowl(1e-3, 1e3)
     values = case.values | {"source.initial_velocity": [0.0, 0.0, -0.5]}
     peaks = {}

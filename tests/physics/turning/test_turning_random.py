@@ -64,8 +64,7 @@ def test_the_scenes_reach_what_they_are_about():
 @pytest.mark.parametrize("seed", range(12))
 def test_a_grazing_impact_with_friction_gains_no_energy(opened, seed):
     """Ten to a hundred times as fast along the surface as towards it, spinning: nothing drives it, so what
-    is not stored or in motion only grows.
-    """
+    is not stored or in motion only grows."""
     random = np.random.default_rng([16, seed])
     shape = ("plane", "sphere", "cylinder")[seed % 3]
     friction = ("regularized", "elastic")[seed // 3 % 2]

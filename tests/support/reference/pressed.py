@@ -1,6 +1,5 @@
 """What the references of two cylinders and of a torus share. A scene `one` has stiffness, damping,
-friction and slip velocity of its contact, and the masses and radii of source and destination.
-"""
+friction and slip velocity of its contact, and the masses and radii of source and destination."""
 
 from dataclasses import dataclass
 

@@ -135,8 +135,7 @@ def first_crossing(points, start, width, depth):
 
 
 def first_root(row, span, number, fresh=False):
-    """First time in (0, span] where the series, positive at first, goes below zero; None if it does
-    not.
+    """First time in (0, span] where the series, positive at first, goes below zero; None if it does not.
 
     `fresh`: the series starts exactly on its root; the factor t is divided out instead of trusting the
     rounding of row[0]."""

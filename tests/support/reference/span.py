@@ -1,6 +1,5 @@
 """The equations of motion of integrator.py as power series over one step: states, conditions whose
-roots are events, and what is integrated along with them.
-"""
+roots are events, and what is integrated along with them."""
 
 from dataclasses import dataclass
 

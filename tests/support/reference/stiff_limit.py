@@ -13,11 +13,10 @@ Off its fast oscillation, s is a series in 1/w of quantities of the slow motion 
     s_0 = A(R) / w^2,    s_1 = A(R + s_0) / w^2 - 2 zeta A' / w^3 - A'' / w^4,
     A' = 3 L.(n cross a) / R^2,    A'' = 3 (|n cross a|^2 - |L|^2 a.n / R^3) / R
 
-(order 0: a bead on a circle or sphere of radius R + s_0). The oscillation s(0) - s_1(0) dies or goes on
-with the angle w t and, because only the curvature of the path changes w, with constant amplitude. It
-moves n and L by its integral, amplitude / w. What is left out is smaller than the step from order 0 to
-order 1, times (2 zeta + 1) / w per second of the slow motion's time scale, and the integral of the
-oscillation.
+(order 0: a bead on a circle or sphere of radius R + s_0). The oscillation s(0) - s_1(0) dies or goes on with
+the angle w t and, because only the curvature of the path changes w, with constant amplitude. It moves n and L
+by its integral, amplitude / w. What is left out is smaller than the step from order 0 to order 1, times (2
+zeta + 1) / w per second of the slow motion's time scale, and the integral of the oscillation.
 """
 
 from typing import NamedTuple

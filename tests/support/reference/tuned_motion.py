@@ -1,6 +1,5 @@
 """An independent reference for parameters that change during a run: the Taylor integrator, which goes on with
-new ones from where it stands.
-"""
+new ones from where it stands."""
 
 from support.reference.integrator import Reference
 

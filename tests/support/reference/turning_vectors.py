@@ -1,6 +1,5 @@
 """Vectors of three numbers and quaternions (w, x, y, z) for turning.py, of real or complex numbers: an
-imaginary part of 1e-30 carries a derivative along.
-"""
+imaginary part of 1e-30 carries a derivative along."""
 
 import cmath
 import math

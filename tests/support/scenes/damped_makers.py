@@ -1,6 +1,5 @@
 """Families of random scenes about loads from zero, inputs that contradict each other and contacts beyond
-critical damping; as scene_makers.py.
-"""
+critical damping; as scene_makers.py."""
 
 import math
 
@@ -12,8 +11,7 @@ from support.scenes.scene_parts import NOTHING, chosen, factors, pair, rates, un
 
 def from_zero(random, shape):
     """A load or a given motion that begins at exactly zero, as a ramp or a parabola, on a contact at or
-    beyond critical damping.
-    """
+    beyond critical damping."""
     inside = bool(random.integers(2))
     gap = float(chosen(random, [0.0, -0.004, -0.01]) if random.random() < 0.7 else 1e-3)
     values, outward = pair(random, shape, inside, gap)
@@ -113,8 +111,7 @@ def dying_away(random, shape):
 
 def set_down(random, shape):
     """Set down touching, or a little above, beyond critical damping under a load across the contact: the
-    largest force stands early in one long step.
-    """
+    largest force stands early in one long step."""
     inside = bool(random.integers(2))
     stiffness, ratio = 10 ** random.uniform(6, 9), random.uniform(1.05, 2.5)
     values, outward = pair(random, shape, inside, float(chosen(random, [0.0, 0.0, 1e-5])))
@@ -131,8 +128,7 @@ def set_down(random, shape):
 
 def swinging_out(random, shape):
     """Set down on the way to where spring and load balance, below critical damping, with a dashpot that acts
-    on approach only: every other half swing keeps its energy.
-    """
+    on approach only: every other half swing keeps its energy."""
     inside = bool(random.integers(2))
     stiffness, ratio = 10 ** random.uniform(4, 7.5), 10 ** random.uniform(-2, -0.05)
     depth = 10.0 / stiffness * float(chosen(random, [0.0, 0.0, 0.5, 0.99]))

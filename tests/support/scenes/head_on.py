@@ -28,8 +28,7 @@ RADII = {"source.radius": 0.1, "destination.radius": 0.5}
 
 def head_on(shape, location, gap=GAP, speed=SPEED, **more):
     """The source comes along ACROSS and closes `gap` with `speed`; `more` is added with _ for the first
-    dot of the names.
-    """
+    dot of the names."""
     inside = location == "inside"
     distance = 0.4 - gap if inside else 0.6 + gap
     values = {
@@ -62,8 +61,7 @@ def of_size(shape, location, radius, gap, speed):
 
 def shared_out(values, source, destination, m_s, m_d):
     """Motions and masses; the pair closes with the same speed whoever moves. Where both are free their centre
-    of mass rests.
-    """
+    of mass rests."""
     share = m_d / (m_s + m_d) if source == destination == "free" else float(source == "free")
     speed = np.array(values["source.initial_velocity"])
     return values | {
@@ -116,8 +114,7 @@ def oscillator(dashpot, mass, stiffness, damping, speed=SPEED):
 
 def passing(shape, miss, speed=3.0):
     """A straight pass whose closest approach to the touching distance is `miss` (negative: overlap),
-    gravity off.
-    """
+    gravity off."""
     values = head_on(shape, "outside")
     across = np.cross(AXIS, ACROSS)
     along = 0.3 * AXIS if shape == "cylinder" else 0.0

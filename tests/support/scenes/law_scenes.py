@@ -1,6 +1,5 @@
 """Random scenes of planes, of Hertz's law and of restitution: both laws, all dashpots, spheres and cylinders
-from outside and inside, one body fixed, free or prescribed.
-"""
+from outside and inside, one body fixed, free or prescribed."""
 
 import mpmath
 import numpy as np

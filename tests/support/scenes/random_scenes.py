@@ -1,6 +1,5 @@
 """Seeded random scenes with motion, for all shapes: the FMU's solvers are compared with
-reference/integrator.py on them.
-"""
+reference/integrator.py on them."""
 
 import numpy as np
 

@@ -1,6 +1,5 @@
 """One run of a random scene compared with the reference in all that it says: place, velocity, energies,
-onsets, durations, impulse, peaks, events and internal steps.
-"""
+onsets, durations, impulse, peaks, events and internal steps."""
 
 import numpy as np
 

@@ -37,8 +37,7 @@ ZERO = [Fraction(0)] * 3
 @dataclass(frozen=True)
 class FamilyScene:
     """Names as FMI variables; "<input>.derivatives" as in checks.start. `stops`: the communication points
-    after the start, s.
-    """
+    after the start, s."""
 
     family: str
     seed: int
@@ -70,9 +69,7 @@ FAMILIES = {
 
 
 def drawn(family, seed):
-    """The scene of a family with this seed. What round numbers make without one right answer is drawn
-    again.
-    """
+    """The scene of a family with this seed. What round numbers make without one right answer is drawn again."""
     for attempt in itertools.count():
         random = np.random.default_rng([seed, list(FAMILIES).index(family), attempt])
         shape = ("sphere", "cylinder")[random.integers(2)]
@@ -131,8 +128,7 @@ def moves_straight(scene):
 
 def well_posed(scene):
     """Whether the motion has one right course: it does not start in the centre of a solid body, and a
-    surface moved by 1e-9 m moves the end by no more than 1e-6.
-    """
+    surface moved by 1e-9 m moves the end by no more than 1e-6."""
     ends = []
     try:
         for shift in (0.0, 1e-9, -1e-9):

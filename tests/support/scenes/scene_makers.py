@@ -1,6 +1,5 @@
 """Families of random scenes about given motions, events and coincidences. Each takes a random generator and a
-shape and gives fields of FamilyScene: values, communication points, and others where they matter.
-"""
+shape and gives fields of FamilyScene: values, communication points, and others where they matter."""
 
 import numpy as np
 

@@ -23,8 +23,7 @@ def uneven(end, random):
 
 def pair(random, shape, inside, gap, **more):
     """Round a hollow or a solid body of 0.3 to 0.6 m, the source `gap` off its surface, a metre off the
-    origin; and the direction from the destination to the source.
-    """
+    origin; and the direction from the destination to the source."""
     radius = random.uniform(0.3, 0.6)
     small = radius * random.uniform(0.1, 0.4)
     axis = unit_vector(random)

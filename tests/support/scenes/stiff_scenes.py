@@ -1,6 +1,5 @@
 """Lasting contact on walls of any stiffness: P3 and its like in hollow cylinders and spheres, on fixed,
-moved and free bodies, and on the outside of a sphere.
-"""
+moved and free bodies, and on the outside of a sphere."""
 
 from math import sqrt
 

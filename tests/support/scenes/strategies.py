@@ -1,6 +1,5 @@
 """What hypothesis chooses from: scenes of one or two contacts with every law, dashpot, shape and kind of
-motion.
-"""
+motion."""
 
 import os
 from typing import NamedTuple

@@ -1,6 +1,5 @@
 """Seeded random scenes: a ball fired at a finite cylinder that tumbles, free to fly or held at its centre.
-Onsets of one, run in one communication step, against reference/tumbling.py.
-"""
+Onsets of one, run in one communication step, against reference/tumbling.py."""
 
 import math
 

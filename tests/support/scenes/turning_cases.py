@@ -59,8 +59,7 @@ def slide_to_roll(v_0, speed=2.0, spin=0.0, mu=0.2, end=None, stiffness=1e6):
     """Set down on a plane with `speed` along x and `spin` about y, in balance with its weight: slip s obeys
     s' = -(7/2) mu g (1 - exp(-s/v_0)), v = v(0) - 2/7 (s(0) - s), or
     the mirror image of that. In the limit v_0 = 0 it rolls from t = 2
-    s(0)/(7 mu g) on; the way is longer than then by (2/7) (pi^2/6) v_0^2/((7/2) mu g).
-    """
+    s(0)/(7 mu g) on; the way is longer than then by (2/7) (pi^2/6) v_0^2/((7/2) mu g)."""
     begin, rate = speed - RADIUS * spin, 3.5 * mu * G
     slip, forwards = abs(begin), math.copysign(1.0, begin)
     end = end or 1.5 * slip / rate
@@ -93,8 +92,7 @@ def slide_to_roll(v_0, speed=2.0, spin=0.0, mu=0.2, end=None, stiffness=1e6):
 
 def incline(v_0, slope, mu=0.3, end=1.0, stiffness=1e6):
     """From rest down a plane that slopes along x. s' = g sin - (7/2) mu g cos (1 - exp(-s/v_0)) has a
-    closed form, and v = 5/7 g sin t + 2/7 s. It rolls, up to order v_0, where tan <= 7 mu/2.
-    """
+    closed form, and v = 5/7 g sin t + 2/7 s. It rolls, up to order v_0, where tan <= 7 mu/2."""
     sine, cosine = math.sin(slope), math.cos(slope)
     a, b = G * sine, 3.5 * mu * G * cosine
     power = (a - b) * end / v_0
@@ -121,10 +119,8 @@ def incline(v_0, slope, mu=0.3, end=1.0, stiffness=1e6):
 
 
 def golfers_tube(v_0, mu=1.0, tube=0.5, rate=8.0, stiffness=1e5, turns=2.0, **more):
-    """A ball rolls round a vertical tube, falls and comes up again; exact in the limit v_0 = 0 (first
-    order), at any penetration. `rate` is that of the orbit, z = -(5 g/(2 rate^2)) (1 - cos sqrt(2/7) rate
-    t).
-    """
+    """A ball rolls round a vertical tube, falls and comes up again; exact in the limit v_0 = 0 (first order),
+    at any penetration. `rate` is that of the orbit, z = -(5 g/(2 rate^2)) (1 - cos sqrt(2/7) rate t)."""
     # p_n delta = m rate^2 rho with rho = tube - a + delta
     rho = stiffness * (tube - RADIUS) / (stiffness - rate**2)
     values = ball(
@@ -157,8 +153,7 @@ def golfers_tube(v_0, mu=1.0, tube=0.5, rate=8.0, stiffness=1e5, turns=2.0, **mo
 
 def turntable(v_0, mu=0.5, rate=3.0, way=(0.4, 0.1), velocity=(0.1, -0.2), stiffness=1e6, end=5.0):
     """A ball rolls on a plane that turns about z: it goes round at 2/7 of its rate, about a point that
-    follows from the start. First order in v_0.
-    """
+    follows from the start. First order in v_0."""
     at, v, orbit = np.array(way), np.array(velocity), 2 / 7 * rate
     # No slip: v + omega x (-a e_z) = rate e_z x at
     wanted = rate * np.array([-at[1], at[0]]) - v
@@ -189,8 +184,7 @@ def turntable(v_0, mu=0.5, rate=3.0, way=(0.4, 0.1), velocity=(0.1, -0.2), stiff
 def bowl(v_0, stiffness, shape="sphere", angle=1.0, wide=0.5, mu=2.0, quarters=1):
     """A ball rolls in a bowl, or across a lying tube, from rest at `angle`: in the limits v_0 = 0 and p_n
     infinite (first order in both) it passes the lowest point after each odd quarter of 4 sqrt(7 rho/(5 g))
-    K(sin angle/2).
-    """
+    K(sin angle/2)."""
     rho = wide - RADIUS
     quarter = math.sqrt(7 * rho / (5 * G)) * float(ellipk(math.sin(angle / 2) ** 2))
     speed = math.sqrt(10 / 7 * G * rho * (1 - math.cos(angle)))
@@ -216,8 +210,7 @@ def bowl(v_0, stiffness, shape="sphere", angle=1.0, wide=0.5, mu=2.0, quarters=1
 
 def leaving(stiffness, mu, v_0=1e-6, angle=0.3, wide=0.5):
     """A ball set on a sphere at `angle` from the top leaves it at cos = 10/17 cos(angle) where it rolls to
-    the end, at 2/3 cos(angle) where mu = 0; limits of p_n infinite and mu infinite.
-    """
+    the end, at 2/3 cos(angle) where mu = 0; limits of p_n infinite and mu infinite."""
     deep = wide + RADIUS - G * math.cos(angle) / stiffness
     friction = rubbing(v_0, mu) if mu else {"contact.friction": "none"}
     values = ball(

@@ -50,8 +50,7 @@ class TurningFmuRun:
 
 def failures(fmu, values, end, steps, method, expected):
     """A line for each figure that is off, or for the refusal of the run; `expected` are the reference's
-    figures.
-    """
+    figures."""
     try:
         run = TurningFmuRun(fmu, values, end, steps, method)
     except FmuError as error:

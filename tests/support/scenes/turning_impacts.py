@@ -9,8 +9,7 @@ from support.scenes.turning_cases import RADIUS, Case, ball, rubbing
 
 def oblique_impact(velocity=(1.0, 0.3, -2.0), spin=(2.0, 5.0, 3.0), stiffness=7e5, mu=1.0):
     """Elastic springs with k_t = 2/7 k_n on a plane: both half periods are the same, the contact point
-    comes back with the opposite velocity while it sticks throughout, where v_c <= 7/2 mu v_n. Exact.
-    """
+    comes back with the opposite velocity while it sticks throughout, where v_c <= 7/2 mu v_n. Exact."""
     v, omega = np.array(velocity), np.array(spin)
     arm = np.array([0.0, 0.0, -RADIUS])
     slip = v + np.cross(omega, arm)
@@ -41,8 +40,7 @@ def oblique_impact(velocity=(1.0, 0.3, -2.0), spin=(2.0, 5.0, 3.0), stiffness=7e
 
 def opposite_spin(mu=0.4, speed=0.2, spin=25.0):
     """Chung and Ooi 7: two equal balls meet head-on with opposite spins, their surfaces move alike: nothing
-    rubs.
-    """
+    rubs."""
     values = ball(
         1e7,
         **{
@@ -71,8 +69,7 @@ def opposite_spin(mu=0.4, speed=0.2, spin=25.0):
 
 def rotor(end, spin=(3.0, -4.0, 12.0), axis=(0.6, 0.0, 0.8), length=0.7, radius=0.2, mass=2.0):
     """A cylinder that flies and tumbles: R(t) = Rot(L, |L| t/I_1) R_0 Rot(e_3, (1 - I_3/I_1) omega_3 t).
-    Exact.
-    """
+    Exact."""
     along, across = 0.5 * mass * radius**2, mass * (3 * radius**2 + length**2) / 12
     e, omega = np.array(axis), np.array(spin)
     momentum = across * omega + (along - across) * (omega @ e) * e

@@ -1,6 +1,5 @@
 """Seeded random scenes of bodies that turn and rub: shapes, laws, friction, rotation, fixed, prescribed or
-free.
-"""
+free."""
 
 import math
 from typing import NamedTuple
