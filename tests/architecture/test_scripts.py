@@ -15,27 +15,10 @@ PACKAGE = ROOT / "scripts" / "contact_fmus"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 # A package, or a module that stands alone, imports those before it.
 PACKAGES = (
-    "errors",
-    "options",
-    "fmu",
-    "results",
-    "pages",
-    "scenarios",
-    "plot",
-    "animate",
-    "sweep",
-    "building",
-    "bench",
-    "report",
-    "peers",
-    "coupling",
-    "stability",
-    "running",
-    "checking",
-    "importers",
-    "published",
+    "errors", "options", "fmu", "results", "pages", "scenarios", "plot", "animate", "sweep", "building",
+    "bench", "report", "peers", "coupling", "stability", "running", "checking", "importers", "published",
     "whole_report",
-)
+)  # fmt: skip
 SCRIPTS = sorted(file for file in (ROOT / "scripts").glob("*.sh") if file.stem != "prologue")
 
 

@@ -13,14 +13,11 @@ from support.fmi3.raw import ARGUMENTS, ERROR, OK, WITHOUT_INSTANCE, Instance
 from support.outside import Outside
 
 REASONS = {
-    "Clock": "no clocks",
-    "Interval": "no clocks",
-    "Shift": "no clocks",
-    "Configuration": "no structural parameters",
-    "ModelPartition": "Scheduled Execution is not provided",
+    "Clock": "no clocks", "Interval": "no clocks", "Shift": "no clocks",
+    "Configuration": "no structural parameters", "ModelPartition": "Scheduled Execution is not provided",
     "Evaluate": "providesEvaluateDiscreteStates is false",
     "Dependencies": "providesPerElementDependencies is false",
-}
+}  # fmt: skip
 SCENES = ["SphereCylinder", "PinnedEvent"]
 KINDS = {"CoSimulation": "Co-Simulation", "ModelExchange": "Model Exchange"}
 EVERY_STATE = [(kind, state) for kind, states in STATES.items() for state in states]

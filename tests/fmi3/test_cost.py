@@ -15,15 +15,10 @@ AWAY = {"source.center": [1e6, 0.0, 0.0]}  # m: nothing to do in a step
 # 50 us of a processor that makes one instruction in a nanosecond, as those that FMUs run on do at least
 MOST_INSTRUCTIONS = 50_000
 LIFE = {
-    2: (
-        "Instantiate",
-        "SetupExperiment",
-        "EnterInitializationMode",
-        "ExitInitializationMode",
-        "FreeInstance",
-    ),
+    2: ("Instantiate", "SetupExperiment", "EnterInitializationMode", "ExitInitializationMode",
+        "FreeInstance"),
     3: ("InstantiateCoSimulation", "EnterInitializationMode", "ExitInitializationMode", "FreeInstance"),
-}
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")

@@ -90,16 +90,10 @@ def test_a_bouncing_ball_returns_at_every_impact(step):
 def test_a_cylinder_that_slides_away_ends_the_contact_at_its_end(method):
     """It moves along its axis at 1 m/s and leaves the ball, deep in a soft contact, after 0.1 s."""
     values = {
-        "source.mass": 1000.0,
-        "source.center": [0.59, 0.0, 0.0],
-        "destination.motion": "prescribed",
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.finite_length": True,
-        "destination.length": 0.2,
-        "contact.method": "penalty",
-        "contact.penalty_factor": 1000.0,
-        "gravity": [0.0, 0.0, 0.0],
-    }
+        "source.mass": 1000.0, "source.center": [0.59, 0.0, 0.0], "destination.motion": "prescribed",
+        "destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True, "destination.length": 0.2,
+        "contact.method": "penalty", "contact.penalty_factor": 1000.0, "gravity": [0.0, 0.0, 0.0],
+    }  # fmt: skip
     with with_events("cylinder", values, method) as instance:
         instance.set({"destination.prescribed_velocity": [0.0, 0.0, -1.0]})
         told = instance.step(0.0, 0.3)

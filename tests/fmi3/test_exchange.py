@@ -100,14 +100,10 @@ def values(instance, fmu3):
 
 STARTS = {
     "SphereSphere": {"destination.motion": "free", "destination.mass": 2.5, "source.center": [0.1, 0.0, 0.7]},
-    "SphereCylinder": {
-        "destination.motion": "prescribed",
-        "source.center": [0.1, 0.0, 0.65],
-        "destination.axis": [0.1, 1.0, 0.2],
-        "contact.penalty_factor": 1e4,
-    },
+    "SphereCylinder": {"destination.motion": "prescribed", "source.center": [0.1, 0.0, 0.65],
+        "destination.axis": [0.1, 1.0, 0.2], "contact.penalty_factor": 1e4},
     "PinJoint": SOFT,
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("scene", raw.SCENES)

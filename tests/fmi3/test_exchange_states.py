@@ -64,12 +64,9 @@ def test_a_refused_row_leaves_other_variables_alone():
 
 def test_a_jump_of_an_input_in_event_mode_is_work_and_one_of_a_state():
     start = {
-        "destination.motion": "prescribed",
-        "gravity": [0.0, 0.0, 0.0],
-        "source.center": [0.0, 0.0, 0.7],
-        "contact.method": "penalty",
-        "contact.penalty_factor": 1e5,
-    }
+        "destination.motion": "prescribed", "gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, 0.7],
+        "contact.method": "penalty", "contact.penalty_factor": 1e5,
+    }  # fmt: skip
     outside = begun(values=start)
     instance = outside.instance
     instance.ok("EnterEventMode")

@@ -123,13 +123,8 @@ def test_null_arrays_are_refused_unless_empty(either, version):
 OF_TIME = ("vr", None, "order", "value")
 OF_DERIVATIVES = {"SetRealInputDerivatives": OF_TIME, "GetRealOutputDerivatives": OF_TIME}
 OF_DERIVATIVES["GetDirectionalDerivative"] = (
-    "vUnknown_ref",
-    None,
-    "vKnown_ref",
-    None,
-    "dvKnown",
-    "dvUnknown",
-)
+    "vUnknown_ref", None, "vKnown_ref", None, "dvKnown", "dvUnknown",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("function", OF_DERIVATIVES)

@@ -9,14 +9,11 @@ from support.fmi2.jacobian import checked_jacobian
 
 # Bodies that overlap (the gap is -0.04 m) and move; the free one has kinetic and potential energy.
 TOUCHING = {
-    "source.center": [0.3, 0.1, 0.45],
-    "destination.prescribed_displacement": [0.01, -0.02, 0.0],
-    "destination.prescribed_velocity": [0.2, 0.0, 1.5],
-    "source.prescribed_velocity": [0.0, 0.1, -0.4],
-    "source.initial_velocity": [0.3, 0.2, -1.0],
-    "contact.penalty_factor": 2e3,
+    "source.center": [0.3, 0.1, 0.45], "destination.prescribed_displacement": [0.01, -0.02, 0.0],
+    "destination.prescribed_velocity": [0.2, 0.0, 1.5], "source.prescribed_velocity": [0.0, 0.1, -0.4],
+    "source.initial_velocity": [0.3, 0.2, -1.0], "contact.penalty_factor": 2e3,
     "contact.viscous_penalty_factor": 5.0,
-}
+}  # fmt: skip
 LYING = {"destination.axis": [0.3, 1.0, 0.2]}
 STARTS = {
     "a moved destination": {"destination.motion": "prescribed"},

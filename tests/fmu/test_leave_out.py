@@ -25,15 +25,10 @@ LIBRARIES = Path(os.environ.get("CONTACT_BUILD", ROOT / "build")).resolve() / "l
 
 # Each pinned scene and the universal FMU whose choices it pins.
 UNIVERSAL = {
-    "BallOnSphere": "SphereSphere",
-    "BallInShell": "SphereSphere",
-    "BallOffRoller": "SphereCylinder",
-    "PinnedEvent": "SphereCylinder",
-    "ForceElement": "SphereCylinder",
-    "HertzImpact": "SphereSphere",
-    "Bowling": "SpherePlane",
-    "TippingRoller": "SphereCylinder",
-}
+    "BallOnSphere": "SphereSphere", "BallInShell": "SphereSphere", "BallOffRoller": "SphereCylinder",
+    "PinnedEvent": "SphereCylinder", "ForceElement": "SphereCylinder", "HertzImpact": "SphereSphere",
+    "Bowling": "SpherePlane", "TippingRoller": "SphereCylinder",
+}  # fmt: skip
 # Others that move as the universal FMU does.
 MORE = {
     "BouncingBall": "SpherePlane",

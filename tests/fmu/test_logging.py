@@ -10,20 +10,12 @@ from support.fmi2.raw import DISCARD, ERROR, OK, array
 from support.fmi2.runs import RUNS, begin, go_on
 
 CATEGORIES = [
-    "logEvents",
-    "logStatusWarning",
-    "logStatusDiscard",
-    "logStatusError",
-    "logStatusFatal",
-    "logAll",
-]
+    "logEvents", "logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal", "logAll",
+]  # fmt: skip
 STATUS_CATEGORIES = {
-    raw.OK: "logEvents",
-    raw.WARNING: "logStatusWarning",
-    raw.DISCARD: "logStatusDiscard",
-    raw.ERROR: "logStatusError",
-    raw.FATAL: "logStatusFatal",
-}
+    raw.OK: "logEvents", raw.WARNING: "logStatusWarning", raw.DISCARD: "logStatusDiscard",
+    raw.ERROR: "logStatusError", raw.FATAL: "logStatusFatal",
+}  # fmt: skip
 
 
 def choose(instance: raw.Instance, on: bool, *names: bytes) -> int:

@@ -19,13 +19,9 @@ from support.programs import PATIENCE, environment, python
 HERE = Path(__file__).resolve().parent
 LIBRARIES = Path(os.environ.get("CONTACT_BUILD", HERE.parents[1] / "build")).resolve() / "libraries"
 CRASHES = {
-    "N_VNewEmpty",
-    "N_VCloneEmpty_Serial",
-    "N_VClone_Serial",
-    "SUNHashMap_New",
-    "SUNNonlinSolNewEmpty",
+    "N_VNewEmpty", "N_VCloneEmpty_Serial", "N_VClone_Serial", "SUNHashMap_New", "SUNNonlinSolNewEmpty",
     "SUNNonlinSol_Newton",
-}
+}  # fmt: skip
 OWN = {"instance_create", "model_create", "block_to_write", "integrator_open"}
 EVENT_DRIVEN = 1
 

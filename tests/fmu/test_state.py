@@ -104,12 +104,8 @@ def test_reset_from_any_phase(fmu):
         first = fresh.save()
         expected = fresh.initialize().run([0.1] * 4)
         steps = [
-            "SetupExperiment",
-            "EnterInitializationMode",
-            "ExitInitializationMode",
-            "DoStep",
-            "Terminate",
-        ]
+            "SetupExperiment", "EnterInitializationMode", "ExitInitializationMode", "DoStep", "Terminate",
+        ]  # fmt: skip
         arguments = {"SetupExperiment": (1, 1e-3, 5.0, 1, 7.0), "DoStep": (5.0, 0.5, 1)}
         for count in range(len(steps) + 1):
             for variable in fmu.select("parameter", kind="Real")[:1]:

@@ -28,11 +28,8 @@ from support.generator.turning_page import assert_the_page_explains_turning
 
 PINNED = [scene for scene in PAIRS if scene_file(scene).get("pinned")]
 UNIVERSAL = {
-    "sphere": "SphereSphere",
-    "cylinder": "SphereCylinder",
-    "plane": "SpherePlane",
-    "torus": "SphereTorus",
-}
+    "sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane", "torus": "SphereTorus",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -165,21 +162,10 @@ SI = {
     "N/m1.5": None,  # FMI has no half exponents
 }  # fmt: skip
 PREFIX = {
-    "mm": 1e3,
-    "ms": 1e3,
-    "g": 1e3,
-    "mm/s": 1e3,
-    "kN": 1e-3,
-    "N/mm": 1e-3,
-    "N.s/mm": 1e-3,
-    "MPa": 1e-6,
-    "mJ": 1e3,
-    "N.mm": 1e3,
-    "rpm": 30.0 / math.pi,
-    "deg/s": 180.0 / math.pi,
-    "deg/s2": 180.0 / math.pi,
+    "mm": 1e3, "ms": 1e3, "g": 1e3, "mm/s": 1e3, "kN": 1e-3, "N/mm": 1e-3, "N.s/mm": 1e-3, "MPa": 1e-6,
+    "mJ": 1e3, "N.mm": 1e3, "rpm": 30.0 / math.pi, "deg/s": 180.0 / math.pi, "deg/s2": 180.0 / math.pi,
     "deg": 180.0 / math.pi,
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("scene", SCENES)

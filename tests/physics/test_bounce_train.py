@@ -55,13 +55,10 @@ def drop(shape, location, dashpot, stiffness):
     distance = radius - 0.1 - DROP if inside else radius + 0.1 + DROP
     values = {
         "source.center": (distance * ACROSS).tolist(),
-        "destination.radius": radius,
-        "contact.location": location,
-        "contact.dashpot": dashpot,
-        "contact.penalty_factor": stiffness,
-        "contact.viscous_penalty_factor": damping(dashpot, stiffness),
+        "destination.radius": radius, "contact.location": location, "contact.dashpot": dashpot,
+        "contact.penalty_factor": stiffness, "contact.viscous_penalty_factor": damping(dashpot, stiffness),
         "gravity": (outward * WEIGHT * ACROSS).tolist(),
-    }
+    }  # fmt: skip
     return {**values, "destination.axis": AXIS.tolist()} if shape == "cylinder" else values
 
 

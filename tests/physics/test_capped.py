@@ -22,19 +22,12 @@ FMU = "SphereCylinder"
 def capped(position, velocity=(0.0, 0.0, 0.0), **more):
     """A ball at an upright cylinder, a little damped; `more` with _ for the first dot of the names"""
     values = {
-        "source.radius": R_S,
-        "source.center": list(position),
-        "source.initial_velocity": list(velocity),
-        "destination.radius": R_D,
-        "destination.finite_length": True,
-        "destination.length": LENGTH,
-        "destination.ends": "capped",
-        "destination.axis": [0.0, 0.0, 1.0],
-        "gravity": [0.0, 0.0, 0.0],
-        "contact.penalty_factor": 1e5,
-        "contact.viscous_penalty_factor": 20.0,
+        "source.radius": R_S, "source.center": list(position), "source.initial_velocity": list(velocity),
+        "destination.radius": R_D, "destination.finite_length": True, "destination.length": LENGTH,
+        "destination.ends": "capped", "destination.axis": [0.0, 0.0, 1.0], "gravity": [0.0, 0.0, 0.0],
+        "contact.penalty_factor": 1e5, "contact.viscous_penalty_factor": 20.0,
         "solver.absolute_tolerance": 1e-13,
-    }
+    }  # fmt: skip
     return values | {name.replace("_", ".", 1): value for name, value in more.items()}
 
 
@@ -77,15 +70,11 @@ def scene(seed):
     rim = (other - over) * outward + (length / 2 - choose.choice([0, over])) * axis
     velocity = -choose.uniform(0.2, 2) * n + 0.7 * vector(choose)
     values = capped(rim + (radius + gap) * n, velocity) | {
-        "source.radius": radius,
-        "source.mass": masses[0],
-        "destination.radius": other,
-        "destination.mass": masses[1],
-        "destination.motion": "free" if free else "fixed",
-        "destination.length": length,
-        "destination.axis": list(axis),
+        "source.radius": radius, "source.mass": masses[0], "destination.radius": other,
+        "destination.mass": masses[1], "destination.motion": "free" if free else "fixed",
+        "destination.length": length, "destination.axis": list(axis),
         "gravity": list(choose.choice([np.zeros(3), -9.81 * n, 5 * vector(choose)])),
-    }
+    }  # fmt: skip
     mass = masses[0] * masses[1] / sum(masses) if free else masses[0]
     return values | random_law(choose, mass), choose.uniform(0.02, 0.2)
 

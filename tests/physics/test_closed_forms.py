@@ -130,14 +130,10 @@ def test_a_slide_presses_hardest_at_its_lowest_point_with_the_oscillation_on_top
     """
     weight = 0.1 * 9.81
     values = {
-        "source.radius": 0.05,
-        "source.mass": 0.1,
-        "source.center": [0.45 * math.sqrt(0.75), 0.0, -0.225],
-        "destination.axis": [0.0, 1.0, 0.0],
-        "contact.location": "inside",
-        "contact.method": "penalty",
+        "source.radius": 0.05, "source.mass": 0.1, "source.center": [0.45 * math.sqrt(0.75), 0.0, -0.225],
+        "destination.axis": [0.0, 1.0, 0.0], "contact.location": "inside", "contact.method": "penalty",
         "contact.penalty_factor": 1e9,
-    }
+    }  # fmt: skip
     peaks = []
     run(
         opened("SphereCylinder"),

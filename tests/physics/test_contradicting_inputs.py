@@ -15,12 +15,9 @@ FALLING = {  # a ball that falls on a ball that is led away
     "destination.prescribed_displacement.derivatives": [[-0.9, 0.1, 0.1], [-3.0, 5.0, 3.0]],
 }
 PASSING = {
-    "source.motion": "prescribed",
-    "source.center": [-1.0, 0.1, 0.0],
-    "contact.penalty_factor": 1e4,
-    "contact.viscous_penalty_factor": 1e2,
-    "gravity": [0.0, 0.0, 0.0],
-}
+    "source.motion": "prescribed", "source.center": [-1.0, 0.1, 0.0], "contact.penalty_factor": 1e4,
+    "contact.viscous_penalty_factor": 1e2, "gravity": [0.0, 0.0, 0.0],
+}  # fmt: skip
 WARNED = "destination.prescribed_displacement", "destination.prescribed_velocity", "Given once"
 
 
@@ -85,30 +82,19 @@ def test_the_gap_follows_the_displacement(opened, velocity, method, steps):
 
 AGREEING = {
     "no derivatives": {"source.prescribed_velocity": [3.0, 0.0, 0.0]},
-    "the same": {
-        "source.prescribed_velocity": [3.0, 1.0, 0.0],
-        "source.prescribed_displacement.derivatives": [[3.0, 1.0, 0.0], [5.0, 0.0, 0.0]],
-    },
-    "the same up to rounding": {
-        "source.prescribed_velocity": [3.0, 1.0, 0.0],
-        "source.prescribed_displacement.derivatives": [[3.0 * (1 + 1e-9), 1.0, 2e-16]],
-    },
+    "the same": {"source.prescribed_velocity": [3.0, 1.0, 0.0],
+        "source.prescribed_displacement.derivatives": [[3.0, 1.0, 0.0], [5.0, 0.0, 0.0]]},
+    "the same up to rounding": {"source.prescribed_velocity": [3.0, 1.0, 0.0],
+        "source.prescribed_displacement.derivatives": [[3.0 * (1 + 1e-9), 1.0, 2e-16]]},
     "at rest": {"source.prescribed_displacement.derivatives": [[0.0, 0.0, 0.0]]},
-    "at rest up to rounding": {
-        "source.prescribed_velocity": [1e-17, 0.0, 0.0],
-        "source.prescribed_displacement.derivatives": [[0.0, 0.0, 0.0]],
-    },
-    "force element": {
-        "destination.motion": "prescribed",
+    "at rest up to rounding": {"source.prescribed_velocity": [1e-17, 0.0, 0.0],
+        "source.prescribed_displacement.derivatives": [[0.0, 0.0, 0.0]]},
+    "force element": {"destination.motion": "prescribed", "source.prescribed_velocity": [3.0, 0.0, 0.0],
+        "destination.prescribed_velocity": [0.0, 1.0, 0.0]},
+    "force element with derivatives of zero": {"destination.motion": "prescribed",
         "source.prescribed_velocity": [3.0, 0.0, 0.0],
-        "destination.prescribed_velocity": [0.0, 1.0, 0.0],
-    },
-    "force element with derivatives of zero": {
-        "destination.motion": "prescribed",
-        "source.prescribed_velocity": [3.0, 0.0, 0.0],
-        "source.prescribed_displacement.derivatives": [[0.0, 0.0, 0.0]],
-    },
-}
+        "source.prescribed_displacement.derivatives": [[0.0, 0.0, 0.0]]},
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("case", AGREEING)

@@ -26,14 +26,11 @@ def dying_scene(draw, shape, inside, frame):
     angular = math.sqrt(stiffness / reduced)
     normal, reach, side = unit(draw.normal(size=3)), (0.4 if inside else 0.6), (-1.0 if inside else 1.0)
     values = {
-        "contact.location": "inside" if inside else "outside",
-        "contact.method": "penalty_dynamic",
-        "contact.dashpot": "unclamped",
-        "contact.penalty_factor": stiffness,
-        "contact.viscous_penalty_factor": 2.0 * ratio * math.sqrt(stiffness * reduced),
-        "source.mass": mass,
+        "contact.location": "inside" if inside else "outside", "contact.method": "penalty_dynamic",
+        "contact.dashpot": "unclamped", "contact.penalty_factor": stiffness,
+        "contact.viscous_penalty_factor": 2.0 * ratio * math.sqrt(stiffness * reduced), "source.mass": mass,
         "gravity": [0.0, 0.0, 0.0],
-    }
+    }  # fmt: skip
     if shape == "cylinder":
         axis = unit(draw.normal(size=3))
         values["destination.axis"] = list(axis)

@@ -24,15 +24,11 @@ def test_a_long_throw_comes_down_on_a_small_body_in_one_step(opened, shape, seed
     aim = 0.012 * random.uniform(-1, 1, size=3)
     velocity = np.array([*random.uniform(-20, 20, size=2), 9.81 * flight * random.uniform(0.2, 0.8)])
     values = {
-        "source.radius": 0.002,
-        "destination.radius": 0.01,
-        "source.mass": 0.1,
+        "source.radius": 0.002, "destination.radius": 0.01, "source.mass": 0.1,
         "source.center": (aim - velocity * flight - gravity * flight**2 / 2).tolist(),
-        "source.initial_velocity": velocity.tolist(),
-        "contact.penalty_factor": 1e9,
-        "contact.method": "penalty_dynamic",
-        "contact.viscous_penalty_factor": 300.0,
-    }
+        "source.initial_velocity": velocity.tolist(), "contact.penalty_factor": 1e9,
+        "contact.method": "penalty_dynamic", "contact.viscous_penalty_factor": 300.0,
+    }  # fmt: skip
     if shape == "cylinder":
         values["destination.axis"] = random.normal(size=3).tolist()
     end = flight + 0.1
@@ -50,16 +46,11 @@ def test_a_long_throw_comes_down_on_a_small_body_in_one_step(opened, shape, seed
 def tube(**more):
     """A ball lying at the bottom of a finite tube along y, sunk in by m g / k, sliding along with 1 m/s."""
     values = {
-        "source.radius": 0.1,
-        "source.center": [0.0, 0.0, -0.4 - 9.81e-4],
-        "source.initial_velocity": [0.0, 1.0, 0.0],
-        "destination.radius": 0.5,
-        "destination.axis": [0.0, 1.0, 0.0],
-        "destination.finite_length": True,
-        "destination.length": 1.0,
-        "contact.penalty_factor": 1e4,
-        "contact.method": "penalty_dynamic",
-    }
+        "source.radius": 0.1, "source.center": [0.0, 0.0, -0.4 - 9.81e-4],
+        "source.initial_velocity": [0.0, 1.0, 0.0], "destination.radius": 0.5,
+        "destination.axis": [0.0, 1.0, 0.0], "destination.finite_length": True, "destination.length": 1.0,
+        "contact.penalty_factor": 1e4, "contact.method": "penalty_dynamic",
+    }  # fmt: skip
     return {**values, **more}
 
 
@@ -96,7 +87,8 @@ def test_a_ball_that_enters_overlapping_gets_the_stored_energy(opened, method):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_tube_drawn_over_a_resting_ball_begins_and_ends_with_its_ends(opened, method):
-    """The cylinder moves, the ball floats at its wall's depth: within while |c.e_d| <= L/2, 0.1 s to 0.6 s."""
+    """The cylinder moves, the ball floats at its wall's depth: within while |c.e_d| <= L/2, 0.1 s to 0.6
+    s."""
     values = tube(**{"gravity": [0.0, 0.0, 0.0], "source.initial_velocity": [0.0, 0.0, 0.0]})
     values.update({"source.center": [0.0, 0.0, -0.3], "destination.center": [0.0, -0.7, 0.0]})
     values.update({"destination.motion": "prescribed", "destination.prescribed_velocity": [0.0, 2.0, 0.0]})

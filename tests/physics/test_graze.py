@@ -27,7 +27,8 @@ def reference(values, shape, end):
 @pytest.mark.parametrize("share", [1e-6, 1e-9, 1e-12])
 @pytest.mark.parametrize("location", ["outside", "inside"])
 def test_a_graze_along_a_cylinder(opened, location, share, damping, steps):
-    """1000 m/s along the axis and `share` of that towards the surface: head-on, but for the rounding of 50 m."""
+    """1000 m/s along the axis and `share` of that towards the surface: head-on, but for the rounding of
+    50 m."""
     along, stiffness, end = 1000.0, 1e6, 0.05
     speed = share * along
     values = head_on("cylinder", location, gap=0.01 * speed, speed=speed)
@@ -82,13 +83,10 @@ def skimming(location, share, speed):
     """Touching exactly at the start, with `share` of the speed into the other body, no gravity"""
     inside = location == "inside"
     return {
-        "destination.radius": 0.5,
-        "source.center": [0.0, 0.0, 0.4 if inside else 0.6],
+        "destination.radius": 0.5, "source.center": [0.0, 0.0, 0.4 if inside else 0.6],
         "source.initial_velocity": [speed, 0.0, (1 if inside else -1) * share * speed],
-        "contact.location": location,
-        "contact.method": "penalty",
-        "gravity": [0.0, 0.0, 0.0],
-    }
+        "contact.location": location, "contact.method": "penalty", "gravity": [0.0, 0.0, 0.0],
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("steps", STEPS)

@@ -134,22 +134,16 @@ def test_the_load_of_an_onset_knows_how_its_surface_turns(opened, seed):
 
     values = {
         "source.center": (start_at + apart * normal).tolist(),
-        "source.initial_velocity": velocity.tolist(),
-        "gravity": load.tolist(),
-        "destination.motion": "prescribed",
-        "destination.rotation": "prescribed",
-        "destination.axis": axis.tolist(),
-        "destination.prescribed_axis": axis.tolist(),
+        "source.initial_velocity": velocity.tolist(), "gravity": load.tolist(),
+        "destination.motion": "prescribed", "destination.rotation": "prescribed",
+        "destination.axis": axis.tolist(), "destination.prescribed_axis": axis.tolist(),
         "destination.prescribed_velocity": moves.tolist(),
         "destination.prescribed_velocity.derivatives": [pulled.tolist()],
         "destination.prescribed_angular_velocity": omega.tolist(),
-        "destination.prescribed_angular_velocity.derivatives": [faster.tolist()],
-        "contact.law": "hertz",
-        "contact.hertz_stiffness": stiffness,
-        "contact.viscous_control": "restitution",
-        "contact.restitution": restitution_of(chi_v, "unclamped"),
-        "contact.dashpot": "unclamped",
-    }
+        "destination.prescribed_angular_velocity.derivatives": [faster.tolist()], "contact.law": "hertz",
+        "contact.hertz_stiffness": stiffness, "contact.viscous_control": "restitution",
+        "contact.restitution": restitution_of(chi_v, "unclamped"), "contact.dashpot": "unclamped",
+    }  # fmt: skip
     fmu = start(opened(name), values)
     fmu.step(1e-3)
     pressing = float(closing_acceleration(gap, np.longdouble(fmu["contact.last_onset_time"])))
@@ -163,19 +157,13 @@ def test_the_load_of_an_onset_knows_how_its_surface_turns(opened, seed):
 
 def prescribed(dashpot, control):
     return {
-        "source.motion": "prescribed",
-        "destination.motion": "fixed",
-        "source.center": [0.0, 0.0, 0.61],
+        "source.motion": "prescribed", "destination.motion": "fixed", "source.center": [0.0, 0.0, 0.61],
         "source.prescribed_velocity": [0.0, 0.0, -1.0],
         "source.prescribed_displacement.derivatives": [[0.0, 0.0, -1.0], [0.0, 0.0, 40.0]],
-        "source.prescribed_velocity.derivatives": [[0.0, 0.0, 40.0], [0.0, 0.0, 0.0]],
-        "contact.law": "hertz",
-        "contact.hertz_stiffness": 1e8,
-        "contact.viscous_control": control,
-        "contact.hunt_crossley_factor": 1.5,
-        "contact.restitution": 0.4,
-        "contact.dashpot": dashpot,
-    }
+        "source.prescribed_velocity.derivatives": [[0.0, 0.0, 40.0], [0.0, 0.0, 0.0]], "contact.law": "hertz",
+        "contact.hertz_stiffness": 1e8, "contact.viscous_control": control,
+        "contact.hunt_crossley_factor": 1.5, "contact.restitution": 0.4, "contact.dashpot": dashpot,
+    }  # fmt: skip
 
 
 def impulse(dashpot, chi):
@@ -274,12 +262,9 @@ def test_until_the_end_of_initialization_the_damping_of_a_start_in_overlap_follo
     """By central differences of the formula: chi v = y, v^2 = g'^2 + (4/5) k_h delta^(5/2)/m_red."""
     depth, rate, mass = 2e-3, -0.7, 3.0
     values = prescribed(dashpot, "restitution") | {
-        "source.center": [0.0, 0.0, 0.6 - depth],
-        "destination.motion": motion,
-        "destination.mass": mass,
-        "source.prescribed_velocity": [0.0, 0.0, rate],
-        "gravity": [0.0, 0.0, 0.0],
-    }
+        "source.center": [0.0, 0.0, 0.6 - depth], "destination.motion": motion, "destination.mass": mass,
+        "source.prescribed_velocity": [0.0, 0.0, rate], "gravity": [0.0, 0.0, 0.0],
+    }  # fmt: skip
     values = {name: value for name, value in values.items() if not name.endswith("derivatives")}
     fmu = opened("SphereSphere")
     fmu.reset()

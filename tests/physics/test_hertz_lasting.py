@@ -15,16 +15,11 @@ RADIUS, OTHER = 0.1, 0.5
 
 def values_of(stiffness, chi, depth, speed, load, dashpot):
     return {
-        "source.radius": RADIUS,
-        "source.mass": 1.0,
-        "source.center": [0.0, 0.0, RADIUS + OTHER - depth],
-        "source.initial_velocity": [0.0, 0.0, -speed],
-        "destination.radius": OTHER,
-        "contact.dashpot": dashpot,
-        "gravity": [0.0, 0.0, -load],
-        "solver.max_internal_steps": 20_000,
+        "source.radius": RADIUS, "source.mass": 1.0, "source.center": [0.0, 0.0, RADIUS + OTHER - depth],
+        "source.initial_velocity": [0.0, 0.0, -speed], "destination.radius": OTHER,
+        "contact.dashpot": dashpot, "gravity": [0.0, 0.0, -load], "solver.max_internal_steps": 20_000,
         **by_hertz(stiffness, chi),
-    }
+    }  # fmt: skip
 
 
 def creep(stiffness, chi, depth, speed, load, end):
@@ -114,18 +109,12 @@ def resting(modulus, share):
     depth = (mass * load / stiffness) ** (2 / 3)
     critical = 2 * np.sqrt(1.5 * stiffness * np.sqrt(depth) * mass)
     return {
-        "source.radius": RADIUS,
-        "source.mass": mass,
-        "source.motion": "free",
-        "source.center": [0.0, 0.0, -reach - depth],
-        "source.initial_velocity": [speed, 0.1, 0.0],
-        "destination.radius": OTHER,
-        "destination.motion": "fixed",
-        "destination.axis": [0.0, 1.0, 0.0],
-        "contact.location": "inside",
-        "contact.dashpot": "unclamped",
+        "source.radius": RADIUS, "source.mass": mass, "source.motion": "free",
+        "source.center": [0.0, 0.0, -reach - depth], "source.initial_velocity": [speed, 0.1, 0.0],
+        "destination.radius": OTHER, "destination.motion": "fixed", "destination.axis": [0.0, 1.0, 0.0],
+        "contact.location": "inside", "contact.dashpot": "unclamped",
         **by_hertz(stiffness, share * critical / (stiffness * depth**1.5)),
-    }
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("share", [0.1, 1.0, 20.0])

@@ -30,13 +30,9 @@ def test_a_contact_is_met_however_long_the_step(opened, method, motion, step):
     """A ball on a line at 0.3 m from the centre of another one, of 0.6 m together"""
     velocity = [1.0, 0.0, 0.0]
     values = {
-        "source.motion": motion,
-        "destination.motion": "fixed",
-        "source.center": [-2.0, 0.3, 0.0],
-        "contact.location": "outside",
-        "contact.penalty_factor": 1e5,
-        "gravity": [0.0, 0.0, 0.0],
-    }
+        "source.motion": motion, "destination.motion": "fixed", "source.center": [-2.0, 0.3, 0.0],
+        "contact.location": "outside", "contact.penalty_factor": 1e5, "gravity": [0.0, 0.0, 0.0],
+    }  # fmt: skip
     if motion == "free":
         values["source.initial_velocity"] = velocity
     else:

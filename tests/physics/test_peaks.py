@@ -237,12 +237,9 @@ def test_peaks_do_not_follow_the_rounding_of_velocities(opened, name, share, ste
 def test_the_dashpot_presses_up_to_the_centre(opened, dashpot, method):
     """A ball straight through a solid one: g' falls from -v to +v there, and the force with it"""
     values = head_on("sphere", "outside", speed=48.0) | {
-        "contact.method": "penalty_dynamic",
-        "contact.dashpot": dashpot,
-        "contact.penalty_factor": 20.0,
-        "contact.viscous_penalty_factor": 0.6,
-        "source.mass": 1.0,
-    }
+        "contact.method": "penalty_dynamic", "contact.dashpot": dashpot, "contact.penalty_factor": 20.0,
+        "contact.viscous_penalty_factor": 0.6, "source.mass": 1.0,
+    }  # fmt: skip
     peaks = []
     for by in (METHOD, method):
         fmu = run(opened("SphereSphere"), values, 0.1, 1, 1e-9, by)
@@ -257,20 +254,14 @@ def test_a_ball_that_is_led_through_the_centre_presses_hardest_before_it(opened,
     stiffness, damping, speed, reach, size = 300.0, 7.0, 1.7, 0.6, 1.3
     way = np.array([0.6, 0.8, 0.0])
     values = {
-        "source.motion": "prescribed",
-        "destination.motion": "fixed",
-        "source.radius": 0.1,
-        "destination.radius": 0.5,
-        "destination.axis": [0.0, 0.0, 1.0],
+        "source.motion": "prescribed", "destination.motion": "fixed", "source.radius": 0.1,
+        "destination.radius": 0.5, "destination.axis": [0.0, 0.0, 1.0],
         "source.center": (-0.5 * size * way).tolist(),
         "source.prescribed_velocity": (speed * way).tolist(),
-        "source.prescribed_displacement.derivatives": [(speed * way).tolist()],
-        "contact.location": "outside",
-        "contact.method": "penalty_dynamic",
-        "contact.dashpot": dashpot,
-        "contact.penalty_factor": stiffness,
+        "source.prescribed_displacement.derivatives": [(speed * way).tolist()], "contact.location": "outside",
+        "contact.method": "penalty_dynamic", "contact.dashpot": dashpot, "contact.penalty_factor": stiffness,
         "contact.viscous_penalty_factor": damping,
-    }
+    }  # fmt: skip
     fmu = opened(scene)
     known = {variable.name.partition("[")[0] for variable in fmu.description.modelVariables}
     values = {name: x for name, x in values.items() if name.removesuffix(".derivatives") in known}

@@ -23,28 +23,19 @@ def bounce(normal=(0.0, 0.0, 1.0), gap=0.5, **more):
     normal = np.array(normal)
     return {
         "source.center": ((0.1 + gap) * normal).tolist(),
-        "source.initial_velocity": [0.3, -0.2, 0.0],
-        "destination.axis": normal.tolist(),
-        "contact.penalty_factor": 1e6,
-        "contact.viscous_penalty_factor": 60.0,
-        **more,
-    }
+        "source.initial_velocity": [0.3, -0.2, 0.0], "destination.axis": normal.tolist(),
+        "contact.penalty_factor": 1e6, "contact.viscous_penalty_factor": 60.0, **more,
+    }  # fmt: skip
 
 
 MOVED = {
-    "free": {
-        "destination.motion": "free",
-        "destination.mass": 2.5,
-        "destination.initial_velocity": [0.1, 0.2, 0.9],
-        "destination.external_force": [0.0, 1.0, 3.0],
-    },
-    "moved steadily": {
-        "destination.motion": "prescribed",
+    "free": {"destination.motion": "free", "destination.mass": 2.5,
+        "destination.initial_velocity": [0.1, 0.2, 0.9], "destination.external_force": [0.0, 1.0, 3.0]},
+    "moved steadily": {"destination.motion": "prescribed",
         "destination.prescribed_velocity": [0.2, -0.1, 0.4],
-        "destination.prescribed_displacement.derivatives": [[0.2, -0.1, 0.4]],
-    },
+        "destination.prescribed_displacement.derivatives": [[0.2, -0.1, 0.4]]},
     "fixed": {},
-}
+}  # fmt: skip
 
 
 @cache

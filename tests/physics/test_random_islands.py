@@ -42,15 +42,11 @@ def ball(random, radius, centre, turning, moves):
     force = random.normal(size=3) if moves and random.random() < 0.2 else np.zeros(3)
     velocity = random.normal(size=3) * pick(random, 0.0, 0.3, 1.0) - 1.5 * centre * pick(random, 0.0, 1.0)
     return {
-        "radius": radius,
-        "mass": random.uniform(0.2, 3.0),
-        "motion": "free" if moves else "fixed",
-        "rotation": "free" if turns else "none",
-        "center": centre,
+        "radius": radius, "mass": random.uniform(0.2, 3.0), "motion": "free" if moves else "fixed",
+        "rotation": "free" if turns else "none", "center": centre,
         "velocity": velocity if moves else np.zeros(3),
-        "spin": random.normal(size=3) * pick(random, 0.0, 5.0) if turns else np.zeros(3),
-        "force": force,
-    }
+        "spin": random.normal(size=3) * pick(random, 0.0, 5.0) if turns else np.zeros(3), "force": force,
+    }  # fmt: skip
 
 
 def contact(random, source, destination, turning):
@@ -59,19 +55,13 @@ def contact(random, source, destination, turning):
     damping = random.uniform(0.02, 0.5) if law == "hertz" else random.uniform(0.01, 0.6) * np.sqrt(stiffness)
     mu = random.uniform(0.05, 0.6)
     return {
-        "source": source,
-        "destination": destination,
-        "law": law,
-        "k": stiffness,
+        "source": source, "destination": destination, "law": law, "k": stiffness,
         "c": pick(random, 0.0, damping),
         "dashpot": pick(random, "non_adhesive", "unclamped", "approach_only"),
-        "friction": pick(random, "none", "regularized", "elastic") if turning else "none",
-        "mu": mu,
-        "mu_static": mu * pick(random, 1.0, 1.3),
-        "v_0": 10.0 ** random.uniform(-3.0, -1.0),
-        "k_t": 10.0 ** random.uniform(3.0, 5.5),
-        "c_t": 10.0 ** random.uniform(0.0, 2.0),
-    }
+        "friction": pick(random, "none", "regularized", "elastic") if turning else "none", "mu": mu,
+        "mu_static": mu * pick(random, 1.0, 1.3), "v_0": 10.0 ** random.uniform(-3.0, -1.0),
+        "k_t": 10.0 ** random.uniform(3.0, 5.5), "c_t": 10.0 ** random.uniform(0.0, 2.0),
+    }  # fmt: skip
 
 
 def scene_of(seed):

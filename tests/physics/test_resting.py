@@ -26,12 +26,9 @@ def on_top(stiffness=1e6, **more):
     """On a ball, with the depth of its weight: the one place from where rounding cannot roll it off"""
     depth = WEIGHT / stiffness
     return {
-        **BALL,
-        "contact.penalty_factor": stiffness,
-        "source.center": [0.0, 0.0, 0.6],
-        "source.initial_displacement": [0.0, 0.0, -depth],
-        **more,
-    }
+        **BALL, "contact.penalty_factor": stiffness, "source.center": [0.0, 0.0, 0.6],
+        "source.initial_displacement": [0.0, 0.0, -depth], **more,
+    }  # fmt: skip
 
 
 def at_the_bottom(stiffness=1e6, depth=None, **more):
@@ -52,39 +49,26 @@ def pressed_together(**more):
     """Two free balls, each pushed towards the other"""
     force = 5.0
     return {
-        **on_top(**more),
-        "source.initial_displacement": [0.0, 0.0, -force / 1e6],
-        "destination.motion": "free",
-        "destination.mass": 2.0,
-        "source.external_force": [0.0, 0.0, -force],
-        "destination.external_force": [0.0, 0.0, force],
-        "gravity": [0.0, 0.0, 0.0],
-    }
+        **on_top(**more), "source.initial_displacement": [0.0, 0.0, -force / 1e6],
+        "destination.motion": "free", "destination.mass": 2.0, "source.external_force": [0.0, 0.0, -force],
+        "destination.external_force": [0.0, 0.0, force], "gravity": [0.0, 0.0, 0.0],
+    }  # fmt: skip
 
 
 STATES = {
     "on a ball": ("SphereSphere", on_top(**DAMPED), MINUTES),
-    "in a hollow cylinder, undamped": (
-        "SphereCylinder",
-        at_the_bottom(**UNDAMPED, **{"destination.axis": AXIS.tolist()}),
-        HOUR,
-    ),
+    "in a hollow cylinder, undamped": ("SphereCylinder",
+        at_the_bottom(**UNDAMPED, **{"destination.axis": AXIS.tolist()}), HOUR),
     "on a ball, undamped": ("SphereSphere", on_top(**UNDAMPED), MINUTES),
     "in a hollow ball": ("SphereSphere", at_the_bottom(**DAMPED), MINUTES),
     "in a hollow ball, undamped": ("SphereSphere", at_the_bottom(**UNDAMPED), MINUTES),
-    "in a hollow ball, dashpot of approach": (
-        "SphereSphere",
-        at_the_bottom(**DAMPED, **{"contact.dashpot": "approach_only"}),
-        MINUTES,
-    ),
-    "in a hollow ball, overdamped": (
-        "SphereSphere",
-        at_the_bottom(**{"contact.viscous_penalty_factor": 5e3}),
-        MINUTES,
-    ),
+    "in a hollow ball, dashpot of approach": ("SphereSphere",
+        at_the_bottom(**DAMPED, **{"contact.dashpot": "approach_only"}), MINUTES),
+    "in a hollow ball, overdamped": ("SphereSphere", at_the_bottom(**{"contact.viscous_penalty_factor": 5e3}),
+        MINUTES),
     "two balls pressed together": ("SphereSphere", pressed_together(**DAMPED), MINUTES),
     "stiff": ("SphereSphere", at_the_bottom(1e10, **{"contact.viscous_penalty_factor": 2e4}), MINUTES // 10),
-}
+}  # fmt: skip
 
 
 def stepper(fmu):

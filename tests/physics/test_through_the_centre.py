@@ -24,19 +24,13 @@ LED = 1e4  # N/m, where the ball is led
 
 def solid(shape, along, **more):
     values = {
-        **RADII,
-        "source.motion": "free",
-        "destination.motion": "fixed",
+        **RADII, "source.motion": "free", "destination.motion": "fixed",
         "source.center": (-START * along).tolist(),
         "source.initial_velocity": (SPEED * along).tolist(),
-        "destination.center": [0.0, 0.0, 0.0],
-        "gravity": [0.0, 0.0, 0.0],
-        "contact.location": "outside",
-        "contact.penalty_control": "user_defined",
-        "contact.viscous_control": "user_defined",
-        "contact.dashpot": "unclamped",
-        **more,
-    }
+        "destination.center": [0.0, 0.0, 0.0], "gravity": [0.0, 0.0, 0.0], "contact.location": "outside",
+        "contact.penalty_control": "user_defined", "contact.viscous_control": "user_defined",
+        "contact.dashpot": "unclamped", **more,
+    }  # fmt: skip
     return values | ({"destination.axis": AXIS.tolist()} if shape == "cylinder" else {})
 
 
@@ -202,23 +196,14 @@ def test_balls_that_fall_together_pass_their_centre_once(opened, shape, gravity,
     through the other, against a dashpot that lets go there"""
     force, damping, reach, duration = 6.6e-8, 3.4e-5, 0.0040004, 80.0
     values = {
-        "source.motion": "free",
-        "destination.motion": "free",
-        "source.mass": 0.03,
-        "destination.mass": mass,
-        "source.radius": 4e-7,
-        "destination.radius": 0.004,
-        "source.center": [0.0, 0.0, reach + 5e-8],
-        "source.initial_velocity": [0.0, 0.0, -1e-6],
-        "source.external_force": [0.0, 0.0, -force],
-        "gravity": [0.0, 0.0, -gravity],
-        "contact.location": "outside",
-        "contact.penalty_control": "user_defined",
-        "contact.penalty_factor": 3e-12,
-        "contact.viscous_control": "user_defined",
-        "contact.viscous_penalty_factor": damping,
+        "source.motion": "free", "destination.motion": "free", "source.mass": 0.03, "destination.mass": mass,
+        "source.radius": 4e-7, "destination.radius": 0.004, "source.center": [0.0, 0.0, reach + 5e-8],
+        "source.initial_velocity": [0.0, 0.0, -1e-6], "source.external_force": [0.0, 0.0, -force],
+        "gravity": [0.0, 0.0, -gravity], "contact.location": "outside",
+        "contact.penalty_control": "user_defined", "contact.penalty_factor": 3e-12,
+        "contact.viscous_control": "user_defined", "contact.viscous_penalty_factor": damping,
         "contact.dashpot": "non_adhesive",
-    }
+    }  # fmt: skip
     if shape == "cylinder":
         values["destination.axis"] = [0.0, 1.0, 0.0]
     name = "SphereSphere" if shape == "sphere" else "SphereCylinder"

@@ -18,18 +18,13 @@ CHANGES = {
     "in flight": {1e-3: {"contact.penalty_factor": 3e5, "gravity": [0.3, 0.0, -40.0]}},
     "in compression": {4e-3: {"contact.penalty_factor": 4e5, "contact.viscous_penalty_factor": 5.0}},
     "in restitution": {8e-3: {"contact.penalty_factor": 2e4, "gravity": [0.0, 2.0, 0.0]}},
-    "until it would pull, and back": {
-        8.5e-3: {"contact.viscous_penalty_factor": 900.0},
-        9.5e-3: {"contact.viscous_penalty_factor": 2.0},
-    },
+    "until it would pull, and back": {8.5e-3: {"contact.viscous_penalty_factor": 900.0},
+        9.5e-3: {"contact.viscous_penalty_factor": 2.0}},
     "without damping": {3e-3: {"contact.viscous_penalty_factor": 0.0}, 5e-3: LAW},
     "no spring": {4e-3: {"contact.penalty_factor": 0.0}, 6e-3: {"contact.penalty_factor": 2e5}},
-    "another dashpot": {
-        8e-3: {"contact.dashpot": "approach_only", "contact.viscous_penalty_factor": 500.0},
-        9e-3: {"contact.dashpot": "unclamped"},
-        10e-3: {"contact.dashpot": "non_adhesive"},
-    },
-}
+    "another dashpot": {8e-3: {"contact.dashpot": "approach_only", "contact.viscous_penalty_factor": 500.0},
+        9e-3: {"contact.dashpot": "unclamped"}, 10e-3: {"contact.dashpot": "non_adhesive"}},
+}  # fmt: skip
 # m: the tolerance asked for, 1e-10, times what the impact makes of it
 ALLOWED = {"event_driven": 1e-12, "cvode_bdf": 2e-9, "cvode_adams": 2e-9}
 
@@ -150,12 +145,9 @@ def test_what_may_be_set_is_told_so(opened):
 def test_automatic_factors_follow(opened, method):
     """The same bits as a run to which the products are given."""
     automatic = {
-        **BALL,
-        "contact.penalty_control": "automatic",
-        "contact.viscous_control": "automatic",
-        "contact.reference_modulus": 1e5,
-        "contact.characteristic_time": 1e-3,
-    }
+        **BALL, "contact.penalty_control": "automatic", "contact.viscous_control": "automatic",
+        "contact.reference_modulus": 1e5, "contact.characteristic_time": 1e-3,
+    }  # fmt: skip
     fmu = start(opened("SphereSphere"), automatic, 1e-10, method)
     diagonal = fmu["contact.diagonal"]
     # Between deepest and gone, so that the regime of the new law is another one.

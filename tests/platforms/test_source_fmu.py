@@ -206,10 +206,8 @@ DECIDED = [
     ("x = a(y) * SCENE_CONTACTS;", "x = a(y) * SCENE_CONTACTS;"),
     ("if (contact_law(v, y) != LAW_LINEAR) {\n        a(y);\n    }\n    b(y);", "b(y);"),
     ("if (SCENE_A) {\n        return a(y);\n    }\n    return b(y);", "return a(y);"),
-    (
-        "if (SCENE_A) {\n        x = a(y);\n    } else {\n        x = b(y);\n    }",
-        "{\n        x = a(y);\n    }",
-    ),
+    ("if (SCENE_A) {\n        x = a(y);\n    } else {\n        x = b(y);\n    }",
+        "{\n        x = a(y);\n    }"),
     (
         "if (y) {\n        x = a(y);\n    } else if (SCENE_A) {\n        x = b(y);\n"
         "    } else {\n        c(y);\n    }",
@@ -218,11 +216,9 @@ DECIDED = [
     ("for (int i = 0; i < y && SCENE_B; ++i) {\n        a(i);\n    }\n    b(y);", "b(y);"),
     ("while (SCENE_A && y) {\n        a(y);\n    }", "while (y) {\n        a(y);\n    }"),
     ("const bool known = SCENE_B;\n    x = known && a(y);", "const bool known = SCENE_B;\n    x = false;"),
-    (
-        "const bool SCENE_A = y;\n    x = SCENE_A && a(y);",
-        "const bool SCENE_A = y;\n    x = SCENE_A && a(y);",
-    ),
-]
+    ("const bool SCENE_A = y;\n    x = SCENE_A && a(y);",
+        "const bool SCENE_A = y;\n    x = SCENE_A && a(y);"),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("before", "after"), DECIDED)

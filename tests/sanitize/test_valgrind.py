@@ -10,14 +10,10 @@ from support.programs import PATIENCE
 from support.scenes.benchmarks import BENCHMARKS
 
 VALGRIND = [
-    "valgrind",
-    "--quiet",
-    "--error-exitcode=99",
-    "--leak-check=full",
-    "--show-leak-kinds=definite,indirect,possible",
-    "--errors-for-leak-kinds=definite,indirect,possible",
+    "valgrind", "--quiet", "--error-exitcode=99", "--leak-check=full",
+    "--show-leak-kinds=definite,indirect,possible", "--errors-for-leak-kinds=definite,indirect,possible",
     "--keep-debuginfo=yes",  # the host closes the library before leaks are looked for
-]
+]  # fmt: skip
 
 
 def checked(*command):

@@ -28,22 +28,13 @@ from PIL import Image
 from support.programs import PATIENCE
 
 OPTIONS = (
-    "--headless=new",
-    "--remote-debugging-pipe",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--disable-quic",
-    "--disable-extensions",
-    "--hide-scrollbars",
-    "--force-device-scale-factor=1",
+    "--headless=new", "--remote-debugging-pipe", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync", "--disable-quic", "--disable-extensions",
+    "--hide-scrollbars", "--force-device-scale-factor=1",
     # WebGL by the processor: the machines of the tests have no graphics card
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
+    "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
     "--disable-gpu-compositing",  # putting pages together by that as well would take longer than drawing
-)
+)  # fmt: skip
 
 
 def chromium() -> str:

@@ -7,7 +7,8 @@ METHODS = ["event_driven", "cvode_bdf", "cvode_adams"]
 
 
 def differences(what, value, expected, allowed):
-    """Empty when every |value - expected| <= allowed (scalars or vectors); otherwise a line with both values."""
+    """Empty when every |value - expected| <= allowed (scalars or vectors); otherwise a line with both
+    values."""
     value, expected = np.asarray(value, np.longdouble), np.asarray(expected, np.longdouble)
     error = np.max(np.abs(value - expected))
     if error <= allowed:  # False for NaN
@@ -54,7 +55,8 @@ def start(fmu, configuration, tolerance=None, method=None):
 
 
 def run(fmu, configuration, end, steps=10, tolerance=1e-10, method="event_driven", each=None):
-    """From 0 to `end` in equal communication steps; `each(fmu)` is called at the start and after every step."""
+    """From 0 to `end` in equal communication steps; `each(fmu)` is called at the start and after every
+    step."""
     start(fmu, configuration, tolerance, method)
     if each:
         each(fmu)

@@ -175,11 +175,8 @@ BROKEN = {
     "a library of another kind": (_files(content=b"MZ" + bytes(100)), "binaries", "is no library for"),
     "a wrong token": (_files(description=lambda text: text.replace(TOKEN, "{2}")), "run", "Instantiate"),
     "XML that does not end": (_files(description=lambda text: text[:-40]), "description", "line"),
-    "XML against the schema": (
-        _files(description=lambda text: text.replace('causality="output"', 'causality="outputs"')),
-        "description",
-        "outputs",
-    ),
+    "XML against the schema": (_files(description=lambda text: text.replace('causality="output"',
+        'causality="outputs"')), "description", "outputs"),
     "a crash in a step": (_bodies(DoStep="abort();"), "run", "signal SIGABRT"),
     "a fault of memory in a step": (_bodies(DoStep="*(volatile int *)8 = 1;"), "run", "signal SIGSEGV"),
     "the process's end": (_bodies(DoStep="exit(0);"), "run", "ended its process"),
@@ -190,4 +187,4 @@ BROKEN = {
     "a refused step": (_bodies(DoStep='say("too steep"); return 3;'), "run", "too steep"),
     "a refused start": (_bodies(ExitInitializationMode=NEVER), "run", "an infinite body has no inertia"),
     "a damaged member": (_damaged, "archive", "checksum"),
-}
+}  # fmt: skip

@@ -48,12 +48,9 @@ FEW_CASES = few_cases_of(CHECKED)
 # How the library in each platform's folder ends. FMI 2.0 has one folder for both processors of macOS.
 ENDINGS = {"linux64": "so", "win64": "dll", "aarch64-linux": "so", "darwin64": "dylib"}
 ENDINGS3 = {
-    "x86_64-linux": "so",
-    "x86_64-windows": "dll",
-    "aarch64-linux": "so",
-    "x86_64-darwin": "dylib",
+    "x86_64-linux": "so", "x86_64-windows": "dll", "aarch64-linux": "so", "x86_64-darwin": "dylib",
     "aarch64-darwin": "dylib",
-}
+}  # fmt: skip
 LIBRARIES = {2: ENDINGS, 3: ENDINGS3}
 FOLDERS = {2: "fmus", 3: "fmus-fmi3"}
 # Platforms that something here runs

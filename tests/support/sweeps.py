@@ -23,14 +23,11 @@ BOUNCES = {
     "contact.dashpot": '{ choices = ["unclamped", "non_adhesive"] }',
 }
 OUTPUTS = {
-    "height": '"source.position[3]"',
-    "bounces": '"contact.onsets"',
-    "touching": '"contact.active"',
-    "dashpot": '"contact.dashpot"',
-    "peak_force": '{ variable = "contact.peak_force", reduce = "max" }',
+    "height": '"source.position[3]"', "bounces": '"contact.onsets"', "touching": '"contact.active"',
+    "dashpot": '"contact.dashpot"', "peak_force": '{ variable = "contact.peak_force", reduce = "max" }',
     "gap": '{ variable = "contact.gap", reduce = ["min", "mean"] }',
     "speed_then": '{ variable = "source.velocity[3]", at = 0.7 }',
-}
+}  # fmt: skip
 
 
 def study_text(vary=BOUNCES, outputs=OUTPUTS, count=50, experiment="stop_time = 2.0\nsteps = 4", **more):
@@ -110,26 +107,16 @@ class Cluster:
 
     def _start(self, *arguments):
         line = [
-            sys.executable,
-            "-m",
-            "distributed.cli.dask_" + arguments[0],
-            *arguments[1:],
-            "--no-dashboard",
-        ]
+            sys.executable, "-m", "distributed.cli.dask_" + arguments[0], *arguments[1:], "--no-dashboard",
+        ]  # fmt: skip
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         self.processes.append(subprocess.Popen(line, cwd=self.folder, env=environment(), **quiet))
         return self.processes[-1]
 
     def add_worker(self):
         options = (
-            "--no-nanny",
-            "--nthreads",
-            "1",
-            "--memory-limit",
-            "0",
-            "--local-directory",
-            str(self.folder),
-        )
+            "--no-nanny", "--nthreads", "1", "--memory-limit", "0", "--local-directory", str(self.folder),
+        )  # fmt: skip
         self.workers.append(self._start("worker", self.address, "--host", "127.0.0.1", *options))
 
     def close(self):

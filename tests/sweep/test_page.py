@@ -20,17 +20,8 @@ def block(language):
 def test_every_word_of_a_study_is_explained():
     words = {*study.REDUCTIONS, *study.METHODS, *study.GRID, *study.SAMPLED, *store.STATUSES, "choices"}
     words |= {
-        "title",
-        "fmu",
-        "start_time",
-        "stop_time",
-        "step",
-        "steps",
-        "tolerance",
-        "count",
-        "seed",
-        "method",
-    }
+        "title", "fmu", "start_time", "stop_time", "step", "steps", "tolerance", "count", "seed", "method",
+    }  # fmt: skip
     assert sorted(word for word in words if not re.search(rf"[`{{ ]{word}\b", PAGE)) == []
     assert sorted(word for word in study.DISTRIBUTIONS if word not in PAGE and word != "uniform") == []
 

@@ -11,14 +11,10 @@ from support.scenes.agreement import Scene, check_agreement, pick, seeds
 R_S, R_D, LENGTH = 0.1, 0.5, 2.0
 STIFFNESS, DAMPING = 1e6, 100.0
 CAPPED = {
-    "source.radius": R_S,
-    "destination.radius": R_D,
-    "destination.axis": [0.0, 0.0, 1.0],
-    "destination.finite_length": True,
-    "destination.length": LENGTH,
-    "destination.ends": "capped",
+    "source.radius": R_S, "destination.radius": R_D, "destination.axis": [0.0, 0.0, 1.0],
+    "destination.finite_length": True, "destination.length": LENGTH, "destination.ends": "capped",
     "gravity": [0.0, 0.0, 0.0],
-}
+}  # fmt: skip
 # Where a ball meets the solid: the point of it, and its normal.
 PLACES = {
     "side": ((R_D, 0.0, 0.0), (1.0, 0.0, 0.0)),
@@ -90,17 +86,12 @@ def decay(mass, stiffness, damping, speed, time):
 
 def test_a_start_on_the_edge_of_cap_and_rim_goes_inward(opened):
     values = CAPPED | {
-        "source.radius": 0.5,
-        "source.mass": 0.1,
+        "source.radius": 0.5, "source.mass": 0.1,
         "source.center": [9.910557280900008, 0.044721359549995794, 0.6],
         "source.initial_velocity": [0.4472135954999579, -0.22360679774997896, -2.0],
-        "destination.center": [10.0, 0.0, 0.0],
-        "destination.radius": 0.1,
-        "destination.length": 0.2,
-        "contact.penalty_factor": 1e7,
-        "contact.viscous_penalty_factor": 2e4,
-        "contact.dashpot": "unclamped",
-    }
+        "destination.center": [10.0, 0.0, 0.0], "destination.radius": 0.1, "destination.length": 0.2,
+        "contact.penalty_factor": 1e7, "contact.viscous_penalty_factor": 2e4, "contact.dashpot": "unclamped",
+    }  # fmt: skip
     fmu = run(opened("SphereCylinder"), values, 0.002, 1, 1e-10)
     check_close("gap", fmu["contact.gap"], -decay(0.1, 1e7, 2e4, 2.0, 0.002), 1e-13)
     check_close("x", fmu["source.position"][0], 9.910557280900008 + 0.002 * 0.4472135954999579, 1e-14)
@@ -125,18 +116,14 @@ def edge_start(random):
     mass = float(random.choice([0.1, 1.0]))
     stiffness = float(random.choice([1e4, 1e6, 1e7]))
     values = CAPPED | {
-        "source.radius": r_s,
-        "source.mass": mass,
+        "source.radius": r_s, "source.mass": mass,
         "source.center": list(center + r_d * out + 0.5 * length * up + (r_s + gap) * normal),
-        "source.initial_velocity": list(move),
-        "destination.center": list(center),
-        "destination.radius": r_d,
-        "destination.length": length,
-        "gravity": list(-float(random.choice([0.0, 10.0])) * normal),
+        "source.initial_velocity": list(move), "destination.center": list(center), "destination.radius": r_d,
+        "destination.length": length, "gravity": list(-float(random.choice([0.0, 10.0])) * normal),
         "contact.penalty_factor": stiffness,
         "contact.viscous_penalty_factor": float(random.choice([0.0, 10.0, 2e3, 2e4])),
         "contact.dashpot": str(random.choice(["non_adhesive", "unclamped", "approach_only"])),
-    }
+    }  # fmt: skip
     # A dashpot of 2e4 N s/m makes 1e-9 N of what is rounding in a speed.
     return Scene("SphereCylinder", values, end=float(random.choice([0.0025, 0.03, 0.1])), slack=50.0)
 
@@ -148,13 +135,10 @@ def test_a_start_on_the_edge(opened, seed):
 
 def on_a_cap(stiffness, damping):
     return CAPPED | {
-        "gravity": [0.0, 0.0, -10.0],
-        "destination.radius": 0.3,
-        "source.center": [0.0, 0.35, 2.1],
-        "source.initial_velocity": [0.0, -1.0, -0.5],
-        "contact.penalty_factor": stiffness,
+        "gravity": [0.0, 0.0, -10.0], "destination.radius": 0.3, "source.center": [0.0, 0.35, 2.1],
+        "source.initial_velocity": [0.0, -1.0, -0.5], "contact.penalty_factor": stiffness,
         "contact.viscous_penalty_factor": damping,
-    }
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("stiffness", [1e12, 1e16, 1e17, 1e18, 1e20, 1e24])
@@ -195,13 +179,9 @@ def test_a_stiff_landing(opened, seed):
 
 # A ball falls on a cylinder beside which it is exactly in the plane of an open end.
 IN_THE_PLANE = {
-    "source.radius": 1.0,
-    "source.center": [0.0, -5.0, 12.0],
-    "destination.radius": 10.0,
-    "destination.axis": [0.0, 1.0, 0.0],
-    "destination.finite_length": True,
-    "destination.length": 10.0,
-}
+    "source.radius": 1.0, "source.center": [0.0, -5.0, 12.0], "destination.radius": 10.0,
+    "destination.axis": [0.0, 1.0, 0.0], "destination.finite_length": True, "destination.length": 10.0,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("steps", [1, 10, 300])
@@ -234,17 +214,13 @@ def at_an_end(random):
     center = center + across * (r_d - r_s - gap if inside else r_d + r_s + gap)
     towards = across if inside else -across
     values = {
-        "source.radius": r_s,
-        "source.center": list(center),
+        "source.radius": r_s, "source.center": list(center),
         "source.initial_velocity": list(towards * float(random.choice([0.0, 0.0, 1.0]))),
-        "destination.radius": r_d,
-        "destination.axis": list(axis),
-        "destination.finite_length": True,
-        "destination.length": length,
-        "contact.location": "inside" if inside else "outside",
+        "destination.radius": r_d, "destination.axis": list(axis), "destination.finite_length": True,
+        "destination.length": length, "contact.location": "inside" if inside else "outside",
         "contact.penalty_factor": float(random.choice([1e4, 1e6])),
         "gravity": list(towards * float(random.choice([0.0, 10.0]))),
-    }
+    }  # fmt: skip
     return Scene("SphereCylinder", values, end=1.0)
 
 
@@ -275,25 +251,15 @@ THROUGH_THE_AXIS = CAPPED | {
     "contact.method": "penalty",
 }
 THREE_FACES_AS_NEAR = CAPPED | {
-    "source.radius": 0.05,
-    "destination.radius": 0.3,
-    "destination.length": 0.3,
-    "source.center": [0.15, 0.0, 0.3],
-    "source.initial_velocity": [0.0, 0.0, -2.0],
-    "contact.penalty_factor": 1.0,
-    "contact.method": "penalty",
-}
+    "source.radius": 0.05, "destination.radius": 0.3, "destination.length": 0.3,
+    "source.center": [0.15, 0.0, 0.3], "source.initial_velocity": [0.0, 0.0, -2.0],
+    "contact.penalty_factor": 1.0, "contact.method": "penalty",
+}  # fmt: skip
 CAP_TO_CAP = CAPPED | {
-    "source.radius": 0.1,
-    "destination.radius": 0.1,
-    "destination.length": 0.1,
-    "source.mass": 2.0,
-    "source.center": [0.03, 0.0, -0.3],
-    "source.initial_velocity": [0.0, 0.0, 5.0],
-    "contact.penalty_factor": 1e3,
-    "contact.viscous_penalty_factor": 10.0,
-    "contact.dashpot": "approach_only",
-}
+    "source.radius": 0.1, "destination.radius": 0.1, "destination.length": 0.1, "source.mass": 2.0,
+    "source.center": [0.03, 0.0, -0.3], "source.initial_velocity": [0.0, 0.0, 5.0],
+    "contact.penalty_factor": 1e3, "contact.viscous_penalty_factor": 10.0, "contact.dashpot": "approach_only",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-12])
@@ -360,15 +326,12 @@ def deep_inside(random, aside=(0.0, 0.0, 0.001)):
     speed, mass = pick(random, 1.0, 2.0, 5.0, 10.0), pick(random, 0.1, 1.0, 2.0)
     far = r_s + r_d + 0.5 * length + np.linalg.norm(aim)
     values = CAPPED | {
-        "source.radius": r_s,
-        "source.mass": mass,
+        "source.radius": r_s, "source.mass": mass,
         "source.center": [float(x) for x in np.round(aim - pick(random, 1.0, 1.5) * far * way, 3)],
-        "source.initial_velocity": [float(x) for x in speed * way],
-        "destination.radius": r_d,
-        "destination.length": length,
-        "contact.dashpot": pick(random, "non_adhesive", "approach_only"),
+        "source.initial_velocity": [float(x) for x in speed * way], "destination.radius": r_d,
+        "destination.length": length, "contact.dashpot": pick(random, "non_adhesive", "approach_only"),
         "gravity": [0.0, 0.0, pick(random, 0.0, 0.0, 0.0, -10.0)],
-    }
+    }  # fmt: skip
     values |= soft_law(random, 0.5 * mass * speed**2, mass, r_s + min(r_d, 0.5 * length))
     if random.random() < 0.25:
         values |= {"destination.motion": "free", "destination.mass": pick(random, 1.0, 5.0)}
@@ -410,15 +373,11 @@ def test_on_the_axis_a_ball_is_pushed_out_in_the_direction_of_the_side(opened):
 def test_the_peak_at_the_axis_is_that_of_the_side(opened, steps):
     """A dashpot on approach pushes most right before the axis, whatever the normal was before the touch."""
     values = CAPPED | {
-        "source.radius": 0.05,
-        "source.mass": 2.0,
-        "source.center": [1.032, 0.0, 1.416],
-        "source.initial_velocity": [-0.6, 0.0, -0.8],
-        "destination.radius": 0.1,
-        "contact.dashpot": "approach_only",
-        "contact.penalty_factor": 4.0,
+        "source.radius": 0.05, "source.mass": 2.0, "source.center": [1.032, 0.0, 1.416],
+        "source.initial_velocity": [-0.6, 0.0, -0.8], "destination.radius": 0.1,
+        "contact.dashpot": "approach_only", "contact.penalty_factor": 4.0,
         "contact.viscous_penalty_factor": 1.8,
-    }
+    }  # fmt: skip
     peaks = []
 
     def note(fmu):

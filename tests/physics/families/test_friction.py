@@ -15,13 +15,10 @@ TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12)
 
 # Ball on a floor, hardly bouncing: the dashpot lets go in overlap and takes hold again.
 SOFT_LANDING = {
-    "source.center": [0.0, 0.0, 0.15],
-    "source.initial_velocity": [5.0, 0.0, 0.0],
-    "contact.friction": "regularized",
-    "contact.friction_coefficient": 0.5,
-    "contact.viscous_control": "restitution",
-    "contact.restitution": 0.05,
-}
+    "source.center": [0.0, 0.0, 0.15], "source.initial_velocity": [5.0, 0.0, 0.0],
+    "contact.friction": "regularized", "contact.friction_coefficient": 0.5,
+    "contact.viscous_control": "restitution", "contact.restitution": 0.05,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -89,18 +86,12 @@ def test_friction_of_a_soft_landing_is_the_same_at_every_tolerance(opened, seed)
 
 # Ball that turns and hits a floor: it sticks while the spring stretches and comes back through zero.
 TURNING_IMPACT = {
-    "gravity": [0.0, 0.0, 0.0],
-    "source.center": [0.0, 0.0, 0.11],
-    "source.initial_velocity": [0.0, 0.0, -1.0],
-    "source.initial_angular_velocity": [0.0, -10.0, 0.0],
-    "source.rotation": "free",
-    "contact.friction": "elastic",
-    "contact.friction_coefficient": 0.5,
-    "contact.static_friction_coefficient": 0.5,
-    "contact.penalty_factor": 1e4,
-    "contact.tangential_stiffness": 1e4,
-    "contact.tangential_damping": 0.0,
-}
+    "gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, 0.11],
+    "source.initial_velocity": [0.0, 0.0, -1.0], "source.initial_angular_velocity": [0.0, -10.0, 0.0],
+    "source.rotation": "free", "contact.friction": "elastic", "contact.friction_coefficient": 0.5,
+    "contact.static_friction_coefficient": 0.5, "contact.penalty_factor": 1e4,
+    "contact.tangential_stiffness": 1e4, "contact.tangential_damping": 0.0,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("tolerance", TOLERANCES)
@@ -180,20 +171,13 @@ def test_no_step_jumps_over_the_swings_of_a_ball_set_down(opened, up, tolerance)
     """Twenty swings in one communication step, whichever way is up. The depth is 1e-5 m: its error is small
     beside the tolerance of places, but not beside itself."""
     values = {
-        "destination.axis": list(up),
-        "source.center": [0.1 * x for x in up],
-        "gravity": [-9.81 * x for x in up],
-        "source.rotation": "free",
-        "source.initial_velocity": np.cross(up, (0.5, 1.0, 0.0)).tolist(),
-        "contact.dashpot": "unclamped",
-        "contact.penalty_factor": 1e6,
-        "contact.viscous_penalty_factor": 20.0,
-        "contact.friction": "elastic",
-        "contact.friction_coefficient": 0.1,
-        "contact.static_friction_coefficient": 0.12,
-        "contact.tangential_stiffness": 5e5,
-        "contact.tangential_damping": 0.0,
-    }
+        "destination.axis": list(up), "source.center": [0.1 * x for x in up],
+        "gravity": [-9.81 * x for x in up], "source.rotation": "free",
+        "source.initial_velocity": np.cross(up, (0.5, 1.0, 0.0)).tolist(), "contact.dashpot": "unclamped",
+        "contact.penalty_factor": 1e6, "contact.viscous_penalty_factor": 20.0, "contact.friction": "elastic",
+        "contact.friction_coefficient": 0.1, "contact.static_friction_coefficient": 0.12,
+        "contact.tangential_stiffness": 5e5, "contact.tangential_damping": 0.0,
+    }  # fmt: skip
     fmu = run(opened("SpherePlane"), values, 0.13, 1, tolerance)
     right = largest_force_of_a_ball_set_down(1e3, 10.0)
     check_close("peak force", fmu["contact.peak_force"], right, max(1e2 * tolerance, 1e-8) * right)
@@ -201,17 +185,11 @@ def test_no_step_jumps_over_the_swings_of_a_ball_set_down(opened, up, tolerance)
 
 # A ball of 1 kg pressed on a floor by 16 N, in numbers of few bits: sticking ends at 8 N.
 PRESSED = {
-    "gravity": [0.0, 0.0, -16.0],
-    "source.radius": 2.0**-3,
-    "source.center": [0.0, 0.0, 2.0**-3 - 2.0**-10],
-    "contact.method": "penalty",
-    "contact.penalty_factor": 2.0**14,
-    "contact.friction": "elastic",
-    "contact.friction_coefficient": 0.5,
-    "contact.static_friction_coefficient": 0.5,
-    "contact.tangential_stiffness": 2.0**13,
-    "contact.tangential_damping": 0.0,
-}
+    "gravity": [0.0, 0.0, -16.0], "source.radius": 2.0**-3, "source.center": [0.0, 0.0, 2.0**-3 - 2.0**-10],
+    "contact.method": "penalty", "contact.penalty_factor": 2.0**14, "contact.friction": "elastic",
+    "contact.friction_coefficient": 0.5, "contact.static_friction_coefficient": 0.5,
+    "contact.tangential_stiffness": 2.0**13, "contact.tangential_damping": 0.0,
+}  # fmt: skip
 
 
 def test_an_importer_that_locates_the_end_of_sticking_at_exactly_zero_sees_it_slide(opened):
@@ -254,17 +232,11 @@ def test_elastic_friction_is_the_same_in_model_exchange(seed, family):
 
 # A ball hits a plane that turns: it needs friction until the impact ends, and slides in its last moment.
 TURNING_PLANE = {
-    "gravity": [0.0, 0.0, 0.0],
-    "source.center": [0.0, 0.0, 0.11],
-    "source.rotation": "free",
-    "destination.motion": "prescribed",
-    "destination.rotation": "prescribed",
-    "contact.method": "penalty",
-    "contact.penalty_factor": 1e4,
-    "contact.friction": "regularized",
-    "contact.friction_coefficient": 1.0,
+    "gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, 0.11], "source.rotation": "free",
+    "destination.motion": "prescribed", "destination.rotation": "prescribed", "contact.method": "penalty",
+    "contact.penalty_factor": 1e4, "contact.friction": "regularized", "contact.friction_coefficient": 1.0,
     "contact.slip_velocity_control": "user_defined",
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("tolerance", TOLERANCES)
@@ -308,16 +280,13 @@ def impact_on_a_turning_plane(random):
     """The slip falls to any v_0 or stays, about any axis, with and without damping. An error of the slip is
     2.5/r = 25 times as large in the angular velocity."""
     values = TURNING_PLANE | {
-        "source.initial_velocity": [
-            float(random.choice([0.0, 0.1, 1.0])),
-            float(random.choice([0.0, 0.0, 0.5])),
-            float(random.choice([-0.5, -1.0, -2.0])),
-        ],
+        "source.initial_velocity": [float(random.choice([0.0, 0.1, 1.0])),
+            float(random.choice([0.0, 0.0, 0.5])), float(random.choice([-0.5, -1.0, -2.0]))],
         "source.initial_angular_velocity": [float(x) for x in random.choice([0.0, 0.0, 10.0], 3)],
         "destination.prescribed_angular_velocity": [float(x) for x in random.choice([0.0, 1.0, 10.0], 3)],
         "contact.characteristic_slip_velocity": float(random.choice([1e-8, 1e-7, 1e-6, 1e-4, 1e-2])),
         "contact.friction_coefficient": float(random.choice([0.1, 0.5, 1.0])),
-    }
+    }  # fmt: skip
     if random.integers(2):
         values |= {"contact.method": "penalty_dynamic", "contact.viscous_penalty_factor": 10.0}
     return Scene("SpherePlane", values, end=0.05, slack=100.0)

@@ -124,16 +124,13 @@ def dropped_without_slip(random):
     normal = direction(random)
     radius = pick(random, 0.01, 0.1)
     values = {
-        "source.radius": radius,
-        "source.center": list((radius + pick(random, 0.05, 0.1, 0.5)) * normal),
-        "source.rotation": "free",
-        "gravity": list(-9.81 * normal),
-        "contact.friction": "regularized",
+        "source.radius": radius, "source.center": list((radius + pick(random, 0.05, 0.1, 0.5)) * normal),
+        "source.rotation": "free", "gravity": list(-9.81 * normal), "contact.friction": "regularized",
         "contact.friction_coefficient": pick(random, 0.3, 0.5, 1.0),
         "contact.penalty_factor": pick(random, 1e4, 1e6),
         "contact.viscous_penalty_factor": pick(random, 0.0, 10.0, 100.0),
         "solver.max_internal_steps": FEW_STEPS,
-    }
+    }  # fmt: skip
     if random.integers(2):
         values["contact.slip_velocity_control"] = "user_defined"
         values["contact.characteristic_slip_velocity"] = pick(random, 1e-3, 1e-6, 1e-9)
@@ -216,14 +213,10 @@ def test_a_ball_on_an_oblique_plane_bounces_as_on_a_level_one(opened, tolerance)
     heights = []
     for normal in (np.array([0.0, 0.0, 1.0]), np.array([0.6, 0.8, 0.0])):
         values = {
-            "source.radius": 0.01,
-            "source.center": list(0.06 * normal),
-            "source.rotation": "free",
-            "destination.axis": list(normal),
-            "gravity": list(-9.81 * normal),
-            "contact.friction": "regularized",
-            "solver.max_internal_steps": FEW_STEPS,
-        }
+            "source.radius": 0.01, "source.center": list(0.06 * normal), "source.rotation": "free",
+            "destination.axis": list(normal), "gravity": list(-9.81 * normal),
+            "contact.friction": "regularized", "solver.max_internal_steps": FEW_STEPS,
+        }  # fmt: skip
         fmu = start(opened("SpherePlane"), values, tolerance)
         fmu.step(0.2)
         heights.append(normal @ fmu["source.position"])

@@ -221,15 +221,12 @@ def rebound(random):
     coefficient = float(pick(random, 1e-5, 1e-4, 1e-3, 0.01, 0.1, 0.5, 0.9, 1.0))
     axis = [1.0, 0.0, 0.0] if scene == "SphereCylinder" else [0.0, 0.0, 1.0]
     values = {
-        "gravity": [0.0, 0.0, 0.0],
-        "source.center": [0.0, 0.0, touching + gap],
-        "source.initial_velocity": [0.0, 0.0, -1.0],
-        "source.mass": float(pick(random, 0.1, 1.0, 5.0)),
-        "contact.viscous_control": "restitution",
-        "contact.restitution": coefficient,
+        "gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, touching + gap],
+        "source.initial_velocity": [0.0, 0.0, -1.0], "source.mass": float(pick(random, 0.1, 1.0, 5.0)),
+        "contact.viscous_control": "restitution", "contact.restitution": coefficient,
         "contact.penalty_factor": float(pick(random, 1e4, 1e6, 1e9)),
         "contact.dashpot": str(pick(random, "non_adhesive", "unclamped", "approach_only")),
-    }
+    }  # fmt: skip
     if scene != "SphereSphere":
         values["destination.axis"] = axis
     elif random.integers(2):

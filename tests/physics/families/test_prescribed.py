@@ -96,13 +96,10 @@ def straight_or_bent(random):
 def over_a_rim(random):
     """A capped cylinder, whose rim the source passes once or twice, shallow or deep."""
     values = {
-        "gravity": [0.0, 0.0, 0.0],
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.finite_length": True,
-        "destination.length": 1.0,
-        "destination.ends": "capped",
+        "gravity": [0.0, 0.0, 0.0], "destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True,
+        "destination.length": 1.0, "destination.ends": "capped",
         "source.radius": pick(random, 0.05, 0.1, 0.5),
-    }
+    }  # fmt: skip
     across = np.array([1.0, 0.0, 0.0]) if random.random() < 0.7 else np.array([0.6, 0.8, 0.0])
     depth = values["source.radius"] * pick(random, 0.01, 0.1, 0.5, 0.9)
     height = 0.5 + values["source.radius"] - depth
@@ -180,12 +177,9 @@ def straight(center, velocity, **more):
 
 
 END_PLANE = {
-    "destination.axis": [0.0, 1.0, 0.0],
-    "destination.finite_length": True,
-    "destination.length": 1.0,
-    "contact.penalty_factor": 1e4,
-    "contact.method": "penalty",
-}
+    "destination.axis": [0.0, 1.0, 0.0], "destination.finite_length": True, "destination.length": 1.0,
+    "contact.penalty_factor": 1e4, "contact.method": "penalty",
+}  # fmt: skip
 
 
 # The source comes at -1.5 m/s and turns back: z = 1.1 - 1.5 t + t^2 is 0.6 at 0.5 s and at 1 s.
@@ -196,17 +190,12 @@ COMES_AND_GOES = straight([0.0, 0.0, 1.1], [0.0, 0.0, -1.5], contact__viscous_pe
 # It turns back just over the rim's circle, half-way between its two passages: the distance from the axis is
 # 0.5 at 0.10718, 0.8 and 1.49282 s; the gap is zero where it is 0.5433.
 TURNS_AT_THE_CIRCLE = straight([0.02, -0.64, 0.525], [1.2, 1.6, 0.0]) | {
-    "gravity": [0.0, 0.0, 0.0],
-    "destination.axis": [0.0, 0.0, 1.0],
-    "destination.finite_length": True,
-    "destination.length": 1.0,
-    "destination.ends": "capped",
-    "source.radius": 0.05,
+    "gravity": [0.0, 0.0, 0.0], "destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True,
+    "destination.length": 1.0, "destination.ends": "capped", "source.radius": 0.05,
     "source.prescribed_displacement.derivatives": [[1.2, 1.6, 0.0], [-1.5, -2.0, 0.0]],
-    "source.prescribed_velocity.derivatives": [[-1.5, -2.0, 0.0]],
-    "contact.penalty_factor": 1e4,
+    "source.prescribed_velocity.derivatives": [[-1.5, -2.0, 0.0]], "contact.penalty_factor": 1e4,
     "contact.viscous_penalty_factor": 0.0,
-}
+}  # fmt: skip
 ALONG_THE_SIDE = TURNS_AT_THE_CIRCLE | {
     "source.center": [0.55, 0.0, 0.775],
     "source.prescribed_velocity": [0.0, 0.0, -0.5],
@@ -214,14 +203,11 @@ ALONG_THE_SIDE = TURNS_AT_THE_CIRCLE | {
     "source.prescribed_velocity.derivatives": [[0.0, 0.0, 0.0]],
 }
 CLIPPED_BEFORE_THE_RELEASE = TURNS_AT_THE_CIRCLE | {
-    "source.radius": 0.5,
-    "source.center": [0.55, 0.0, 1.795],
-    "source.prescribed_velocity": [0.0, 0.0, -2.0],
+    "source.radius": 0.5, "source.center": [0.55, 0.0, 1.795], "source.prescribed_velocity": [0.0, 0.0, -2.0],
     "source.prescribed_displacement.derivatives": [[0.0, 0.0, -2.0], [0.0, 0.0, 2.5]],
-    "source.prescribed_velocity.derivatives": [[0.0, 0.0, 2.5]],
-    "contact.penalty_factor": 1e6,
+    "source.prescribed_velocity.derivatives": [[0.0, 0.0, 2.5]], "contact.penalty_factor": 1e6,
     "contact.viscous_penalty_factor": 100.0,
-}
+}  # fmt: skip
 ONSETS, BEGAN, LASTED = "contact.onsets", "contact.last_onset_time", "contact.last_duration"
 LOST, TOTAL, CYLINDER = "energy.dissipated", "energy.total", "SphereCylinder"
 TURNED = 0.0691576057658999  # s, when it comes to the circle
@@ -272,13 +258,10 @@ def test_events_at_edges_and_communication_points_are_those_of_the_closed_form(o
 def test_a_force_element_in_the_plane_of_an_open_end_agrees_with_itself(opened, axial, velocity):
     """|c.e_d| = L/2 is within: what is active has a mean and a peak."""
     values = {
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.finite_length": True,
-        "destination.length": 1.0,
-        "source.center": [0.599, 0.0, axial],
-        "source.prescribed_displacement.derivatives": [velocity],
+        "destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True, "destination.length": 1.0,
+        "source.center": [0.599, 0.0, axial], "source.prescribed_displacement.derivatives": [velocity],
         "contact.viscous_penalty_factor": 0.0,
-    }
+    }  # fmt: skip
     fmu = start(opened("ForceElement"), values)
     fmu.step(0.1)
     assert fmu["contact.active"] and fmu["contact.within_extents"]
@@ -299,16 +282,11 @@ def test_the_dashpot_is_clipped_as_the_source_leaves_by_a_rim(opened):
 
 
 HANGING = {
-    "source.radius": 0.1,
-    "destination.radius": 0.5,
-    "destination.axis": [0.0, 0.0, 1.0],
-    "contact.location": "outside",
-    "contact.penalty_factor": 1e4,
-    "contact.viscous_penalty_factor": 200.0,
-    "source.center": [0.0, 0.0, 0.0],
-    "source.prescribed_displacement": [0.59, 0.0, 0.0],
+    "source.radius": 0.1, "destination.radius": 0.5, "destination.axis": [0.0, 0.0, 1.0],
+    "contact.location": "outside", "contact.penalty_factor": 1e4, "contact.viscous_penalty_factor": 200.0,
+    "source.center": [0.0, 0.0, 0.0], "source.prescribed_displacement": [0.59, 0.0, 0.0],
     "contact.friction": "none",
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("steps", [1, 10, 30])
@@ -376,19 +354,13 @@ def test_a_gap_rate_that_is_rounding_holds_up_no_step(opened, spin, steps):
 def test_what_rises_above_a_spinning_cap_before_it_falls_is_met(opened, motion, steps):
     """gap = 0.2 + t - 2 t^2: the axis of the cylinder stands still, and the source moves along it alone."""
     values = {
-        "source.motion": motion,
-        "source.radius": 0.1,
-        "source.center": [0.2, 0.0, 0.8],
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.finite_length": True,
-        "destination.length": 1.0,
-        "destination.ends": "capped",
-        "destination.rotation": "prescribed",
+        "source.motion": motion, "source.radius": 0.1, "source.center": [0.2, 0.0, 0.8],
+        "destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True, "destination.length": 1.0,
+        "destination.ends": "capped", "destination.rotation": "prescribed",
         "destination.prescribed_axis": [0.0, 0.0, 1.0],
-        "destination.prescribed_angular_velocity": [0.0, 0.0, 1.0],
-        "contact.penalty_factor": 1.0,
+        "destination.prescribed_angular_velocity": [0.0, 0.0, 1.0], "contact.penalty_factor": 1.0,
         "contact.viscous_penalty_factor": 0.0,
-    }
+    }  # fmt: skip
     if motion == "free":
         values |= {"source.initial_velocity": [0.0, 0.0, 1.0], "gravity": [0.0, 0.0, -4.0]}
     else:
@@ -406,18 +378,14 @@ def test_what_rises_above_a_spinning_cap_before_it_falls_is_met(opened, motion, 
 def test_friction_without_a_dashpot_ends_with_the_normal_force(opened, steps):
     """gap = 0.4 t - 0.35: the normal force falls from 3100 N to 0 at 0.775 s; the slip is (5, 0, 0.4) m/s."""
     values = HANGING | {
-        "source.radius": 0.5,
-        "source.prescribed_displacement": [0.0, 0.65, 0.0],
+        "source.radius": 0.5, "source.prescribed_displacement": [0.0, 0.65, 0.0],
         "source.prescribed_velocity": [0.0, 0.4, 0.4],
         "source.prescribed_displacement.derivatives": [[0.0, 0.4, 0.4]],
-        "source.prescribed_angular_velocity": [0.0, 1.0, 10.0],
-        "contact.viscous_penalty_factor": 1000.0,
-        "contact.friction": "elastic",
-        "contact.friction_coefficient": 0.3,
-        "contact.static_friction_coefficient": 0.5,
-        "contact.tangential_stiffness": 5e3,
+        "source.prescribed_angular_velocity": [0.0, 1.0, 10.0], "contact.viscous_penalty_factor": 1000.0,
+        "contact.friction": "elastic", "contact.friction_coefficient": 0.3,
+        "contact.static_friction_coefficient": 0.5, "contact.tangential_stiffness": 5e3,
         "contact.tangential_damping": 0.0,
-    }
+    }  # fmt: skip
     impulse, _ = impulse_and_peak(opened("TurningForceElement"), values, 1.0, steps)
     check_close("impulse", impulse[1], 3100.0 * 0.775 / 2.0, 1e-6)
     check_close("friction", impulse[2] / impulse[0], 0.4 / 5.0, 1e-9)
@@ -455,15 +423,11 @@ def test_what_changes_without_end_is_refused_with_a_message(opened):
 def test_springs_of_elastic_friction_count_for_the_work_that_they_take(opened):
     """A panel with springs counts as two: turning on for 1,500 s takes more panels than one step may."""
     values = {
-        "source.motion": "prescribed",
-        "source.rotation": "prescribed",
-        "source.center": [0.0, 0.0, 0.05],
-        "source.prescribed_angular_velocity": [1.0, 2.0, 3.0],
-        "destination.motion": "prescribed",
-        "destination.rotation": "prescribed",
-        "destination.prescribed_angular_velocity": [0.1, 1.0, 0.3],
+        "source.motion": "prescribed", "source.rotation": "prescribed", "source.center": [0.0, 0.0, 0.05],
+        "source.prescribed_angular_velocity": [1.0, 2.0, 3.0], "destination.motion": "prescribed",
+        "destination.rotation": "prescribed", "destination.prescribed_angular_velocity": [0.1, 1.0, 0.3],
         "contact.friction": "elastic",
-    }
+    }  # fmt: skip
     fmu = start(opened("SpherePlane"), values)
     with pytest.raises(Exception, match="more often than can be followed"):
         fmu.step(1500.0)
@@ -476,18 +440,11 @@ def test_springs_of_elastic_friction_count_for_the_work_that_they_take(opened):
 def test_a_source_that_turns_enters_by_the_end_while_its_gap_stays(opened, motion, steps):
     """It moves along the cylinder, 1 mm deep, so that the end alone tells when contact begins and ends."""
     values = {
-        "gravity": [0.0, 0.0, 0.0],
-        "source.radius": 0.1,
-        "source.center": [0.599, 0.0, 2.0],
-        "source.motion": motion,
-        "source.rotation": motion,
-        "destination.radius": 0.5,
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.finite_length": True,
-        "destination.length": 1.0,
-        "contact.location": "outside",
-        "contact.penalty_factor": 1000.0,
-    }
+        "gravity": [0.0, 0.0, 0.0], "source.radius": 0.1, "source.center": [0.599, 0.0, 2.0],
+        "source.motion": motion, "source.rotation": motion, "destination.radius": 0.5,
+        "destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True, "destination.length": 1.0,
+        "contact.location": "outside", "contact.penalty_factor": 1000.0,
+    }  # fmt: skip
     if motion == "prescribed":
         values["source.prescribed_velocity"] = [0.0, 0.0, -2.0]
         values["source.prescribed_displacement.derivatives"] = [[0.0, 0.0, -2.0]]
@@ -504,21 +461,15 @@ def test_a_source_that_turns_enters_by_the_end_while_its_gap_stays(opened, motio
 def test_a_spring_whose_slip_is_rounding_needs_no_panels(opened, steps):
     """A source sinks straight into a cylinder that turns about the normal."""
     values = {
-        "source.radius": 0.1,
-        "source.center": [0.0, 0.0, 1.09],
+        "source.radius": 0.1, "source.center": [0.0, 0.0, 1.09],
         "source.prescribed_velocity": [0.0, 0.0, -0.5],
-        "source.prescribed_displacement.derivatives": [[0.0, 0.0, -0.5]],
-        "destination.radius": 0.5,
-        "destination.axis": [0.0, 1.0, 0.0],
-        "destination.prescribed_axis": [0.0, 1.0, 0.0],
-        "destination.prescribed_angular_velocity": [0.0, 0.0, 0.5],
-        "contact.penalty_factor": 1e6,
-        "contact.viscous_penalty_factor": 10.0,
-        "contact.friction": "elastic",
-        "contact.static_friction_coefficient": 0.5,
-        "contact.tangential_stiffness": 5e5,
+        "source.prescribed_displacement.derivatives": [[0.0, 0.0, -0.5]], "destination.radius": 0.5,
+        "destination.axis": [0.0, 1.0, 0.0], "destination.prescribed_axis": [0.0, 1.0, 0.0],
+        "destination.prescribed_angular_velocity": [0.0, 0.0, 0.5], "contact.penalty_factor": 1e6,
+        "contact.viscous_penalty_factor": 10.0, "contact.friction": "elastic",
+        "contact.static_friction_coefficient": 0.5, "contact.tangential_stiffness": 5e5,
         "contact.tangential_damping": 1.0,
-    }
+    }  # fmt: skip
     fmu = run(opened("TurningForceElement"), values, 1.5, steps, None, None)
     check_close("force", fmu["contact.normal_force"], 0.26 * 1e6 + 0.5 * 10.0, 1e-6)
     check_close("friction", fmu["contact.friction_force"], [0.0, 0.0, 0.0], 1e-9)
@@ -527,19 +478,14 @@ def test_a_spring_whose_slip_is_rounding_needs_no_panels(opened, steps):
 def test_a_plane_that_moves_and_turns_away_has_no_deeper_penetration_than_samples_show(opened):
     """A contact that separates was once followed along the plane's first normal."""
     values = {
-        "gravity": [0.0, 0.0, 0.0],
-        "source.center": [-0.32, 0.0, 0.15],
-        "source.initial_velocity": [0.0, 0.0, -0.46],
-        "contact.penalty_factor": 6.1e4,
-        "contact.viscous_penalty_factor": 64.0,
-        "destination.motion": "prescribed",
-        "destination.rotation": "prescribed",
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.prescribed_axis": [0.0, 0.0, 1.0],
-        "destination.prescribed_velocity": [0.33, 0.04, 0.11],
+        "gravity": [0.0, 0.0, 0.0], "source.center": [-0.32, 0.0, 0.15],
+        "source.initial_velocity": [0.0, 0.0, -0.46], "contact.penalty_factor": 6.1e4,
+        "contact.viscous_penalty_factor": 64.0, "destination.motion": "prescribed",
+        "destination.rotation": "prescribed", "destination.axis": [0.0, 0.0, 1.0],
+        "destination.prescribed_axis": [0.0, 0.0, 1.0], "destination.prescribed_velocity": [0.33, 0.04, 0.11],
         "destination.prescribed_displacement.derivatives": [[0.33, 0.04, 0.11]],
         "destination.prescribed_angular_velocity": [0.0, -0.9, 0.17],
-    }
+    }  # fmt: skip
     scene = Scene("SpherePlane", values, 0.5)
     whole = answer(opened("SpherePlane"), scene, 1e-10, 1, readings=True)
     parts = answer(opened("SpherePlane"), scene, 1e-10, 400, readings=True)

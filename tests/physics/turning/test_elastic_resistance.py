@@ -40,12 +40,9 @@ FRICTION = {
 SPEED, RATE = 0.3, 5.0
 MOVED = {
     "spinning": {"source.initial_angular_velocity": [0.0, 0.0, RATE]},
-    "rolling": FRICTION
-    | {
-        "source.initial_velocity": [SPEED, 0.0, 0.0],
-        "source.initial_angular_velocity": [0.0, SPEED / RADIUS, 0.0],
-    },
-}
+    "rolling": FRICTION | {"source.initial_velocity": [SPEED, 0.0, 0.0],
+        "source.initial_angular_velocity": [0.0, SPEED / RADIUS, 0.0]},
+}  # fmt: skip
 ENERGY = {"spinning": 0.5 * INERTIA * RATE**2, "rolling": 0.7 * MASS * SPEED**2}
 # Before it slides, while it does, just before it sticks, and while it swings on its spring. Without a dashpot
 # spinning comes back to its limit, but for rounding, after half a swing at 0.54 s.

@@ -17,23 +17,14 @@ ALLOWED = {"event_driven": 1e-10, "cvode_bdf": 1e-8, "cvode_adams": 1e-8}
 def impact(ratio, mu, slip, damping=0.0):
     """A ball that meets a plane at SPEED, whose surface moves along it at `slip`: half of it is spin."""
     return {
-        "source.mass": MASS,
-        "source.radius": RADIUS,
-        "source.center": [0.0, 0.0, RADIUS + 0.01],
-        "source.initial_velocity": [0.5 * slip, 0.0, -SPEED],
-        "source.rotation": "free",
-        "source.initial_angular_velocity": [0.0, -0.5 * slip / RADIUS, 0.0],
-        "gravity": [0.0, 0.0, 0.0],
-        "contact.law": "hertz",
-        "contact.hertz_stiffness": K_H,
-        "contact.viscous_control": "user_defined",
-        "contact.hunt_crossley_factor": damping,
-        "contact.friction": "elastic",
-        "contact.friction_coefficient": mu,
-        "contact.static_friction_coefficient": mu,
-        "contact.tangential_law": "mindlin",
-        "contact.tangential_ratio": ratio,
-    }
+        "source.mass": MASS, "source.radius": RADIUS, "source.center": [0.0, 0.0, RADIUS + 0.01],
+        "source.initial_velocity": [0.5 * slip, 0.0, -SPEED], "source.rotation": "free",
+        "source.initial_angular_velocity": [0.0, -0.5 * slip / RADIUS, 0.0], "gravity": [0.0, 0.0, 0.0],
+        "contact.law": "hertz", "contact.hertz_stiffness": K_H, "contact.viscous_control": "user_defined",
+        "contact.hunt_crossley_factor": damping, "contact.friction": "elastic",
+        "contact.friction_coefficient": mu, "contact.static_friction_coefficient": mu,
+        "contact.tangential_law": "mindlin", "contact.tangential_ratio": ratio,
+    }  # fmt: skip
 
 
 def slip_of(fmu):
@@ -120,20 +111,12 @@ def test_the_automatic_ratio_is_that_of_the_materials(opened, shape):
     modulus = 1 / sum((1 - n**2) / e for n, e in zip(nu, E, strict=True))
     values = {
         "source.center": [0.0, 0.0, 0.1 + (0.0 if shape == "plane" else 0.5) - depth],
-        "source.motion": "prescribed",
-        "source.prescribed_velocity": [slip, 0.0, 0.0],
-        "source.youngs_modulus": E[0],
-        "source.poissons_ratio": nu[0],
-        "destination.youngs_modulus": E[1],
-        "destination.poissons_ratio": nu[1],
-        "contact.law": "hertz",
-        "contact.penalty_control": "automatic",
-        "contact.method": "penalty",
-        "contact.friction": "elastic",
-        "contact.friction_coefficient": 10.0,
-        "contact.static_friction_coefficient": 10.0,
-        "contact.tangential_law": "mindlin",
-    }
+        "source.motion": "prescribed", "source.prescribed_velocity": [slip, 0.0, 0.0],
+        "source.youngs_modulus": E[0], "source.poissons_ratio": nu[0], "destination.youngs_modulus": E[1],
+        "destination.poissons_ratio": nu[1], "contact.law": "hertz", "contact.penalty_control": "automatic",
+        "contact.method": "penalty", "contact.friction": "elastic", "contact.friction_coefficient": 10.0,
+        "contact.static_friction_coefficient": 10.0, "contact.tangential_law": "mindlin",
+    }  # fmt: skip
     if shape == "cylinder":
         values["destination.axis"] = [1.0, 0.0, 0.0]
     if shape == "sphere":  # along the surface, and deep enough to feel no curvature in 2e-5 m

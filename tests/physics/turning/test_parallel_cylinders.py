@@ -122,16 +122,11 @@ def test_without_friction_a_cylinder_hits_as_a_sphere_of_its_radius_does(opened)
 def test_contact_lasts_while_the_cylinders_overlap_in_length(opened):
     """A roller that slides along another leaves it where half of both lengths is between the centres."""
     values = {
-        "source.axis": [0.0, 1.0, 0.0],
-        "destination.axis": [0.0, 1.0, 0.0],
+        "source.axis": [0.0, 1.0, 0.0], "destination.axis": [0.0, 1.0, 0.0],
         "source.center": [0.0, 0.0, 0.6 - 9.81e-6],  # where it lies at rest
-        "source.initial_velocity": [0.0, 1.0, 0.0],
-        "contact.method": "penalty",
-        "source.finite_length": True,
-        "source.length": 0.4,
-        "destination.finite_length": True,
-        "destination.length": 1.0,
-    }
+        "source.initial_velocity": [0.0, 1.0, 0.0], "contact.method": "penalty", "source.finite_length": True,
+        "source.length": 0.4, "destination.finite_length": True, "destination.length": 1.0,
+    }  # fmt: skip
     fmu = start(opened("CylinderCylinder"), values, 1e-10)
     fmu.step(0.9)
     check_close(

@@ -140,17 +140,12 @@ def test_a_given_motion_has_the_torques_that_the_reference_says(opened, seed, la
 
 
 IN_A_SHELL = BALL | {
-    "source.center": [0.25, 0.0, -0.3122],
-    "source.initial_angular_velocity": [3.0, -20.0, 8.0],
-    "destination.radius": 0.5,
-    "contact.location": "inside",
-    "contact.penalty_factor": 1e5,
-    "contact.friction": "regularized",
-    "contact.slip_velocity_control": "user_defined",
-    "contact.characteristic_slip_velocity": 1e-2,
-    "contact.characteristic_rolling_rate": 2e-2,
+    "source.center": [0.25, 0.0, -0.3122], "source.initial_angular_velocity": [3.0, -20.0, 8.0],
+    "destination.radius": 0.5, "contact.location": "inside", "contact.penalty_factor": 1e5,
+    "contact.friction": "regularized", "contact.slip_velocity_control": "user_defined",
+    "contact.characteristic_slip_velocity": 1e-2, "contact.characteristic_rolling_rate": 2e-2,
     "contact.characteristic_spinning_rate": 2e-2,
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])
@@ -179,31 +174,17 @@ def test_a_free_pair_keeps_its_momenta(opened, friction, resistance):
 
 
 EXCHANGED = {
-    "SpherePlane": BALL
-    | {
-        "source.initial_velocity": [0.5, 0.0, 0.0],
-        "source.initial_angular_velocity": [0.0, 5.0, 3.0],
-        "contact.friction": "elastic",
-        "contact.tangential_damping": 100.0,
-    },
+    "SpherePlane": BALL | {"source.initial_velocity": [0.5, 0.0, 0.0],
+        "source.initial_angular_velocity": [0.0, 5.0, 3.0], "contact.friction": "elastic",
+        "contact.tangential_damping": 100.0},
     "SphereSphere": IN_A_SHELL,
-    "CylinderCylinder": {
-        "source.rotation": "free",
-        "source.center": [0.1, 0.0, 0.5916],
-        "source.initial_angular_velocity": [0.0, 9.0, 0.0],
-        "contact.penalty_factor": 1e5,
-        "contact.rolling": "regularized",
-        "contact.rolling_coefficient": 0.2,
-    },
-    "SphereTorus": {
-        "source.rotation": "free",
-        "source.center": [1.02, 0.0, 0.5999],
-        "source.initial_angular_velocity": [2.0, 9.0, 5.0],
-        "contact.penalty_factor": 1e5,
-        **BOTH,
-        "contact.rolling_coefficient": 0.2,
-    },
-}
+    "CylinderCylinder": {"source.rotation": "free", "source.center": [0.1, 0.0, 0.5916],
+        "source.initial_angular_velocity": [0.0, 9.0, 0.0], "contact.penalty_factor": 1e5,
+        "contact.rolling": "regularized", "contact.rolling_coefficient": 0.2},
+    "SphereTorus": {"source.rotation": "free", "source.center": [1.02, 0.0, 0.5999],
+        "source.initial_angular_velocity": [2.0, 9.0, 5.0], "contact.penalty_factor": 1e5, **BOTH,
+        "contact.rolling_coefficient": 0.2},
+}  # fmt: skip
 EXCHANGED |= {  # name of a case: its values, by which the scene is known
     f"{scene}, elastic": EXCHANGED[scene]
     | {name: value for name, value in YIELDING.items() if scene != "CylinderCylinder" or "spin" not in name}

@@ -41,19 +41,12 @@ def test_a_ball_on_a_plane_goes_the_same_at_every_tolerance_and_step(opened, see
 
 R, M, MU, G = 0.1, 1.3, 0.3, 9.81
 LAWS = {
-    "linear": {
-        "contact.penalty_factor": 1e6,
-        "contact.viscous_penalty_factor": 30.0,
-        "contact.dashpot": "non_adhesive",
-    },
-    "hertz": {
-        "contact.law": "hertz",
-        "contact.hertz_stiffness": 3e7,
-        "contact.viscous_control": "user_defined",
-        "contact.hunt_crossley_factor": 0.1,
-        "contact.dashpot": "non_adhesive",
-    },
-}
+    "linear": {"contact.penalty_factor": 1e6, "contact.viscous_penalty_factor": 30.0,
+        "contact.dashpot": "non_adhesive"},
+    "hertz": {"contact.law": "hertz", "contact.hertz_stiffness": 3e7,
+        "contact.viscous_control": "user_defined", "contact.hunt_crossley_factor": 0.1,
+        "contact.dashpot": "non_adhesive"},
+}  # fmt: skip
 
 
 def thrown(law, rotation, ratio, speed=2.0):
@@ -61,17 +54,11 @@ def thrown(law, rotation, ratio, speed=2.0):
     unit = speed / ratio if ratio > 0.0 else 0.1
     slip = speed if ratio > 0.0 else 0.0
     values = {
-        "source.radius": R,
-        "source.mass": M,
-        "source.center": [0.0, 0.0, R + 0.02],
-        "source.rotation": rotation,
-        "contact.friction": "regularized",
-        "contact.friction_coefficient": MU,
-        "contact.slip_velocity_control": "user_defined",
-        "contact.characteristic_slip_velocity": unit,
-        "contact.method": "penalty_dynamic",
-        "gravity": [0.0, 0.0, -G],
-    }
+        "source.radius": R, "source.mass": M, "source.center": [0.0, 0.0, R + 0.02],
+        "source.rotation": rotation, "contact.friction": "regularized", "contact.friction_coefficient": MU,
+        "contact.slip_velocity_control": "user_defined", "contact.characteristic_slip_velocity": unit,
+        "contact.method": "penalty_dynamic", "gravity": [0.0, 0.0, -G],
+    }  # fmt: skip
     if rotation == "free":  # v + omega x (-r e_z) = slip (0.6, 0.8, 0)
         values["source.initial_angular_velocity"] = [2.0, -3.0, 15.0]
         values["source.initial_velocity"] = [0.6 * slip - 0.3, 0.8 * slip - 0.2, -1.0]

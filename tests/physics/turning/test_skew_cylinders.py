@@ -298,15 +298,10 @@ def crossed_stiffness(modulus: float, r_s: float, r_d: float, angle: float) -> f
 
 def hertz_of(opened, angle: float, r_s: float, r_d: float) -> float:
     values = {
-        "source.radius": r_s,
-        "destination.radius": r_d,
-        "source.center": [0.0, 0.0, 9.0],
-        "source.axis": [1.0, 0.0, 0.0],
-        "destination.axis": [np.cos(angle), np.sin(angle), 0.0],
-        "contact.axes": "skew",
-        "contact.law": "hertz",
-        "contact.penalty_control": "automatic",
-    }
+        "source.radius": r_s, "destination.radius": r_d, "source.center": [0.0, 0.0, 9.0],
+        "source.axis": [1.0, 0.0, 0.0], "destination.axis": [np.cos(angle), np.sin(angle), 0.0],
+        "contact.axes": "skew", "contact.law": "hertz", "contact.penalty_control": "automatic",
+    }  # fmt: skip
     return start(opened("CylinderCylinder"), values)["contact.effective_hertz_stiffness"]
 
 

@@ -255,15 +255,10 @@ def test_no_touch_of_a_long_flight_is_missed(opened, first):
 def test_the_stiffness_of_a_groove_is_hertzs(opened, side, curvature):
     """Of a deep-groove ball bearing with balls of 12.7 mm, at the bottom of either race."""
     values = {
-        "source.radius": 0.00635,
-        "destination.radius": 0.0066,
-        "destination.ring_radius": 0.0325,
-        "source.center": [0.0325, 0.0, 0.0],
-        "destination.side": side,
-        "contact.location": "inside",
-        "contact.law": "hertz",
-        "contact.penalty_control": "automatic",
-    }
+        "source.radius": 0.00635, "destination.radius": 0.0066, "destination.ring_radius": 0.0325,
+        "source.center": [0.0325, 0.0, 0.0], "destination.side": side, "contact.location": "inside",
+        "contact.law": "hertz", "contact.penalty_control": "automatic",
+    }  # fmt: skip
     fmu = start(opened("SphereTorus"), values)
     modulus = 2.1e11 / 2.0 / (1.0 - 0.09)
     tight = 1.0 / 0.00635 - 1.0 / 0.0066

@@ -73,16 +73,13 @@ def test_a_grazing_impact_with_friction_gains_no_energy(opened, seed):
         "source.initial_velocity": [random.uniform(5, 20), random.uniform(-5, 5), random.uniform(-0.5, -0.2)],
         "source.rotation": "free",
         "source.initial_angular_velocity": (50 * random.normal(size=3)).tolist(),
-        "contact.friction": friction,
-        "contact.friction_coefficient": random.uniform(0.1, 1.0),
+        "contact.friction": friction, "contact.friction_coefficient": random.uniform(0.1, 1.0),
         "contact.static_friction_coefficient": 1.2,
         "contact.method": ("penalty", "penalty_dynamic")[seed % 2],
-        "contact.viscous_penalty_factor": 60.0,
-        "contact.penalty_factor": 10 ** random.uniform(4, 6),
+        "contact.viscous_penalty_factor": 60.0, "contact.penalty_factor": 10 ** random.uniform(4, 6),
         "contact.tangential_stiffness": 10 ** random.uniform(4, 5.5),
-        "contact.tangential_damping": random.choice([0.0, 20.0]),
-        "gravity": [0.0, 0.0, 0.0],
-    }
+        "contact.tangential_damping": random.choice([0.0, 20.0]), "gravity": [0.0, 0.0, 0.0],
+    }  # fmt: skip
     if shape == "cylinder":
         values |= {"destination.axis": [1.0, 0.0, 0.0], "contact.location": "outside"}
     if shape == "sphere":

@@ -121,22 +121,16 @@ def parse_xml(text: str) -> dict[str, dict]:
             low, high = "0", "1"
         assert scalar.get("name") not in variables
         variables[scalar.get("name")] = {
-            "reference": int(scalar.get("valueReference")),
-            "base": value.tag,
-            "type": value.get("declaredType"),
-            "causality": scalar.get("causality"),
-            "variability": scalar.get("variability"),
-            "tunable": scalar.get("variability") == "tunable",
-            "initial": scalar.get("initial"),
-            "unit": attribute.get("unit"),
-            "quantity": attribute.get("quantity"),
-            "nominal": attribute.get("nominal"),
-            "min": float(low) if low else -LARGEST,
-            "max": float(high) if high else LARGEST,
+            "reference": int(scalar.get("valueReference")), "base": value.tag,
+            "type": value.get("declaredType"), "causality": scalar.get("causality"),
+            "variability": scalar.get("variability"), "tunable": scalar.get("variability") == "tunable",
+            "initial": scalar.get("initial"), "unit": attribute.get("unit"),
+            "quantity": attribute.get("quantity"), "nominal": attribute.get("nominal"),
+            "min": float(low) if low else -LARGEST, "max": float(high) if high else LARGEST,
             "start": value.get("start"),
             "items": {item.get("name"): int(item.get("value")) for item in declared.iterchildren("Item")},
             "description": scalar.get("description"),
-        }
+        }  # fmt: skip
     return variables
 
 
@@ -213,17 +207,10 @@ def parse_page(text: str) -> dict[str, dict]:
             scalar = name.replace(f"[1..{count}]", f"[{k + 1}]")
             assert scalar not in variables
             variables[scalar] = {
-                "reference": first + k,
-                "causality": causality,
-                "tunable": tunable,
-                "type": type_name,
-                "unit": unit or None,
-                "start": starts[k],
-                "min": low,
-                "max": high,
-                "symbol": symbol,
+                "reference": first + k, "causality": causality, "tunable": tunable, "type": type_name,
+                "unit": unit or None, "start": starts[k], "min": low, "max": high, "symbol": symbol,
                 "meaning": meaning,
-            }
+            }  # fmt: skip
     return variables
 
 

@@ -25,17 +25,12 @@ ROUNDING = 1e-14  # m, of the numbers themselves
 
 def configuration(shape, penalty, damping):
     values = {
-        "source.radius": 0.05,
-        "source.mass": MASS,
-        "source.motion": "free",
+        "source.radius": 0.05, "source.mass": MASS, "source.motion": "free",
         "source.center": [RADIUS * sin(ANGLE), 0.0, -RADIUS * cos(ANGLE)],
-        "source.initial_velocity": [0.0, SPEED, 0.0],
-        "destination.radius": 0.5,
-        "destination.motion": "fixed",
-        "contact.location": "inside",
-        "contact.method": "penalty_dynamic" if damping else "penalty",
-        "contact.penalty_factor": penalty,
-    }
+        "source.initial_velocity": [0.0, SPEED, 0.0], "destination.radius": 0.5,
+        "destination.motion": "fixed", "contact.location": "inside",
+        "contact.method": "penalty_dynamic" if damping else "penalty", "contact.penalty_factor": penalty,
+    }  # fmt: skip
     if damping:
         values["contact.viscous_penalty_factor"] = 2 * damping * sqrt(MASS * penalty)
         values["contact.dashpot"] = "unclamped"
@@ -72,13 +67,9 @@ def reference(shape, penalty, damping):
 def row(shape, damping, penalty):
     place, uncertainty, method = reference(shape, penalty, damping)
     return {
-        "shape": shape,
-        "damping": damping,
-        "penalty_factor": penalty,
-        "position": [float(x) for x in place],
-        "uncertainty": float(f"{uncertainty:.1e}"),
-        "method": method,
-    }
+        "shape": shape, "damping": damping, "penalty_factor": penalty, "position": [float(x) for x in place],
+        "uncertainty": float(f"{uncertainty:.1e}"), "method": method,
+    }  # fmt: skip
 
 
 def main():

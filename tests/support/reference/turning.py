@@ -35,30 +35,19 @@ DISSIPATED, FRICTION, WORK = SUMS + 9, SUMS + 10, SUMS + 11
 SIZE = SUMS + 12
 TINY = 1e-30  # step of derivatives by the imaginary part: no rounding enters, only its square is lost
 ZERO = (0.0, 0.0, 0.0)
-START = START_VALUES | {  # start values of variables.toml
-    "contact.location": "outside",
-    "contact.law": "linear",
-    "contact.friction": "none",
-    "contact.friction_coefficient": 0.3,
-    "contact.static_friction_coefficient": 0.3,
-    "contact.maximum_friction_force": 1e300,
-    "contact.tangential_stiffness": 2e6 / 7,
-    "contact.tangential_damping": 0.0,
-    "contact.tangential_law": "linear",
+START = START_VALUES | {
+    # start values of variables.toml
+    "contact.location": "outside", "contact.law": "linear", "contact.friction": "none",
+    "contact.friction_coefficient": 0.3, "contact.static_friction_coefficient": 0.3,
+    "contact.maximum_friction_force": 1e300, "contact.tangential_stiffness": 2e6 / 7,
+    "contact.tangential_damping": 0.0, "contact.tangential_law": "linear",
     "contact.tangential_ratio": 1.4 / 1.7,  # of two bodies with nu = 0.3
-    "contact.rolling": "none",
-    "contact.rolling_coefficient": 0.01,
-    "contact.characteristic_rolling_rate": 1e-3,
-    "contact.rolling_stiffness": 2.25,
-    "contact.rolling_damping": 0.0,
-    "contact.spinning": "none",
-    "contact.spinning_coefficient": 0.01,
-    "contact.characteristic_spinning_rate": 1e-3,
-    "contact.spinning_stiffness": 2.25,
-    "contact.spinning_damping": 0.0,
-    "contact.hertz_stiffness": 1e9,
-    "contact.hunt_crossley_factor": 0.0,
-}
+    "contact.rolling": "none", "contact.rolling_coefficient": 0.01,
+    "contact.characteristic_rolling_rate": 1e-3, "contact.rolling_stiffness": 2.25,
+    "contact.rolling_damping": 0.0, "contact.spinning": "none", "contact.spinning_coefficient": 0.01,
+    "contact.characteristic_spinning_rate": 1e-3, "contact.spinning_stiffness": 2.25,
+    "contact.spinning_damping": 0.0, "contact.hertz_stiffness": 1e9, "contact.hunt_crossley_factor": 0.0,
+}  # fmt: skip
 
 
 class TurningPair:

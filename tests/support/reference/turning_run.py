@@ -283,12 +283,9 @@ class TurningRun:
         here = self.pair.body_at(list(self.y), BODIES.index(name))
         q = np.array(here.q) / np.linalg.norm(here.q)
         return {
-            "position": np.array(here.x),
-            "velocity": np.array(here.v),
-            "orientation": q,
-            "angular_velocity": np.array(here.omega),
-            "current_axis": np.array(here.axis),
-        }
+            "position": np.array(here.x), "velocity": np.array(here.v), "orientation": q,
+            "angular_velocity": np.array(here.omega), "current_axis": np.array(here.axis),
+        }  # fmt: skip
 
     def now(self):
         """Forces and torques at this instant."""
@@ -300,20 +297,16 @@ class TurningRun:
         for body in BODIES:
             found |= {f"{body}.{name}": value for name, value in self.ends_at(body).items()}
         found |= {
-            "contact.gap": now.place.gap,
-            "contact.gap_rate": now.place.rate,
-            "contact.normal_force": now.force,
-            "contact.source_force": np.array(now.on_source),
+            "contact.gap": now.place.gap, "contact.gap_rate": now.place.rate,
+            "contact.normal_force": now.force, "contact.source_force": np.array(now.on_source),
             "contact.source_torque": np.array(now.source_torque),
             "contact.destination_torque": np.array(now.destination_torque),
-            "contact.friction_force": np.array(now.friction),
-            "contact.slip_velocity": np.array(now.slip),
-            "contact.onsets": len(self.onset_times),
-            "impulse": self.y[SUMS : SUMS + 3].copy(),
+            "contact.friction_force": np.array(now.friction), "contact.slip_velocity": np.array(now.slip),
+            "contact.onsets": len(self.onset_times), "impulse": self.y[SUMS : SUMS + 3].copy(),
             "source_torque_impulse": self.y[SUMS + 3 : SUMS + 6].copy(),
             "destination_torque_impulse": self.y[SUMS + 6 : SUMS + 9].copy(),
             "spring": self.y[SPRINGS["slip"]].copy(),
-        }
+        }  # fmt: skip
         if self.onset_times:
             lasting = self.time - self.onset_times[-1]
             found["contact.last_onset_time"] = self.onset_times[-1]

@@ -32,16 +32,12 @@ def head_on(shape, location, gap=GAP, speed=SPEED, **more):
     inside = location == "inside"
     distance = 0.4 - gap if inside else 0.6 + gap
     values = {
-        **RADII,
-        "source.motion": "free",
-        "destination.motion": "fixed",
+        **RADII, "source.motion": "free", "destination.motion": "fixed",
         "source.center": (distance * ACROSS).tolist(),
         "source.initial_velocity": ((1 if inside else -1) * speed * ACROSS).tolist(),
-        "contact.location": location,
-        "contact.method": "penalty",
-        "contact.penalty_factor": 1e6,
+        "contact.location": location, "contact.method": "penalty", "contact.penalty_factor": 1e6,
         "gravity": [0.0, 0.0, 0.0],
-    }
+    }  # fmt: skip
     if shape == "cylinder":
         values["destination.axis"] = AXIS.tolist()
     values.update({name.replace("_", ".", 1): value for name, value in more.items()})

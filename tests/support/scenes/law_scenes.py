@@ -18,12 +18,9 @@ TURNS = (15.0, 60.0, 200.0)  # radians of the contact's oscillation in a scene, 
 def by_hertz(stiffness, chi):
     """Factors of a scene with Hertz's law"""
     return {
-        "contact.law": "hertz",
-        "contact.method": "penalty_dynamic",
-        "contact.hertz_stiffness": stiffness,
-        "contact.viscous_control": "user_defined",
-        "contact.hunt_crossley_factor": chi,
-    }
+        "contact.law": "hertz", "contact.method": "penalty_dynamic", "contact.hertz_stiffness": stiffness,
+        "contact.viscous_control": "user_defined", "contact.hunt_crossley_factor": chi,
+    }  # fmt: skip
 
 
 def law(draw, seed, mass, speed):
@@ -71,14 +68,11 @@ def law_scene(seed):
     gap = draw.choice([1.0, 0.0]) * 0.03 * speed
     gap = gap or -draw.uniform(0.0, 0.5) * deepest
     values = {
-        "source.radius": radius,
-        "source.mass": masses[0],
-        "source.motion": motions[0],
-        "destination.motion": motions[1],
-        "destination.center": draw.normal(size=3).tolist(),
+        "source.radius": radius, "source.mass": masses[0], "source.motion": motions[0],
+        "destination.motion": motions[1], "destination.center": draw.normal(size=3).tolist(),
         "gravity": (9.81 * (-away * outward + draw.choice([0.0, 0.5, 2.0]) * unit_vector(draw))).tolist(),
         **contact,
-    }
+    }  # fmt: skip
     grazes = seed % 7 == 6 and shape != "plane" and not inside
     if shape != "plane":
         values |= {"destination.radius": other, "contact.location": "inside" if inside else "outside"}

@@ -5,17 +5,10 @@ import numpy as np
 
 KINDS = {
     "sphere": ["outside", "inside", "both free", "moving destination", "driven by a force", "viscous only"],
-    "cylinder": [
-        "outside",
-        "inside",
-        "both free",
-        "moving destination",
-        "finite, leaving",
-        "finite, entering",
-        "viscous only",
-    ],
+    "cylinder": ["outside", "inside", "both free", "moving destination", "finite, leaving",
+        "finite, entering", "viscous only"],
     "plane": ["outside", "both free", "moving destination", "driven by a force", "viscous only"],
-}
+}  # fmt: skip
 DASHPOTS = ["non_adhesive", "unclamped", "approach_only"]
 SEEDS = [0, 1, 2]
 # Out of 2000 scenes: the dashpot switches where the gap rate is zero, and a rounded sign may choose the wrong
@@ -60,23 +53,16 @@ def random_scene(shape, kind, seed):
     side = 1.0 if inside else -1.0  # where contact is, seen from the source
     gravity = 9.81 * (side * outward + 0.5 * unit_vector(random))
     values = {
-        "source.motion": "free",
-        "destination.motion": "fixed",
-        "source.radius": small,
-        "destination.radius": radius,
-        "source.mass": mass,
+        "source.motion": "free", "destination.motion": "fixed", "source.radius": small,
+        "destination.radius": radius, "source.mass": mass,
         "source.initial_displacement": (0.01 * gap * random.normal(size=3)).tolist(),
-        "source.initial_velocity": (
-            side * random.uniform(0.5, 2) * outward + 0.3 * random.normal(size=3)
-        ).tolist(),
+        "source.initial_velocity": (side * random.uniform(0.5,
+            2) * outward + 0.3 * random.normal(size=3)).tolist(),
         "destination.center": random.normal(size=3).tolist(),
-        "contact.location": "inside" if inside else "outside",
-        "contact.method": "penalty_dynamic",
-        "contact.penalty_factor": stiffness,
-        "contact.viscous_penalty_factor": damping,
-        "contact.dashpot": DASHPOTS[random.integers(3)],
-        "gravity": gravity.tolist(),
-    }
+        "contact.location": "inside" if inside else "outside", "contact.method": "penalty_dynamic",
+        "contact.penalty_factor": stiffness, "contact.viscous_penalty_factor": damping,
+        "contact.dashpot": DASHPOTS[random.integers(3)], "gravity": gravity.tolist(),
+    }  # fmt: skip
     if axis is not None:
         values["destination.axis"] = (axis * random.uniform(0.5, 2)).tolist()
         if shape == "cylinder":

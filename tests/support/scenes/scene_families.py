@@ -54,22 +54,16 @@ class FamilyScene:
 
 
 FAMILIES = {
-    "given motions": given_motions,
-    "from zero": from_zero,
-    "round numbers": round_numbers,
-    "through the centre": through_the_centre,
-    "unequal masses": unequal_masses,
-    "beside an event": beside_an_event,
-    "contradictory": contradictory,
-    "approach only": approach_only,
-    "dying away": dying_away,
-    "set down": set_down,
-    "swinging out": swinging_out,
-}
+    "given motions": given_motions, "from zero": from_zero, "round numbers": round_numbers,
+    "through the centre": through_the_centre, "unequal masses": unequal_masses,
+    "beside an event": beside_an_event, "contradictory": contradictory, "approach only": approach_only,
+    "dying away": dying_away, "set down": set_down, "swinging out": swinging_out,
+}  # fmt: skip
 
 
 def drawn(family, seed):
-    """The scene of a family with this seed. What round numbers make without one right answer is drawn again."""
+    """The scene of a family with this seed. What round numbers make without one right answer is drawn
+    again."""
     for attempt in itertools.count():
         random = np.random.default_rng([seed, list(FAMILIES).index(family), attempt])
         shape = ("sphere", "cylinder")[random.integers(2)]

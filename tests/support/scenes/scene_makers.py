@@ -95,14 +95,11 @@ def through_the_centre(random, shape):
     speed = float(chosen(random, [1.0, 2.0, 0.5]))
     velocity = -speed * across / chosen(random, [1, 2, 4])
     values = {
-        "source.center": start.tolist(),
-        "source.initial_velocity": velocity.tolist(),
-        "contact.location": "outside",
-        "contact.dashpot": chosen(random, DASHPOTS),
+        "source.center": start.tolist(), "source.initial_velocity": velocity.tolist(),
+        "contact.location": "outside", "contact.dashpot": chosen(random, DASHPOTS),
         "contact.viscous_penalty_factor": chosen(random, [0.0, 0.1, 0.2, 0.25, 0.5]),
-        "contact.penalty_factor": chosen(random, [0.05, 0.1, 0.5, 1.0, 10.0]),
-        "gravity": NOTHING,
-    }
+        "contact.penalty_factor": chosen(random, [0.05, 0.1, 0.5, 1.0, 10.0]), "gravity": NOTHING,
+    }  # fmt: skip
     if random.random() < 0.5:
         values["contact.penalty_control"] = "viscous_only"
     if shape == "cylinder":
@@ -134,16 +131,12 @@ def unequal_masses(random, shape):
     ratio = 10 ** random.uniform(3, 7)
     masses = (1.0, ratio) if random.random() < 0.7 else (ratio, 1.0)
     values |= {
-        "source.mass": masses[0],
-        "destination.mass": masses[1],
-        "destination.motion": "free",
-        "destination.finite_length": True,
-        "destination.length": length,
-        "source.center": place.tolist(),
+        "source.mass": masses[0], "destination.mass": masses[1], "destination.motion": "free",
+        "destination.finite_length": True, "destination.length": length, "source.center": place.tolist(),
         "source.initial_velocity": (side * speed * axis + slow * towards).tolist(),
         "gravity": chosen(random, [NOTHING, [0.0, 0.0, -9.81]]),
         **factors(10 ** random.uniform(2, 5), chosen(random, [0.0, 0.0, 0.0, 1e-10, 0.05]), 1.0),
-    }
+    }  # fmt: skip
     if random.random() < 0.3:
         values["destination.external_force"] = (random.normal(size=3)).tolist()
     return {"values": values, "shape": "cylinder", "stops": uneven(1.0, random)}

@@ -31,18 +31,13 @@ def pair(random, shape, inside, gap, **more):
     distance = radius - small - gap if inside else radius + small + gap
     center = random.normal(size=3)
     values = {
-        "source.motion": "free",
-        "destination.motion": "fixed",
-        "source.radius": small,
-        "destination.radius": radius,
-        "source.mass": random.uniform(0.2, 2),
+        "source.motion": "free", "destination.motion": "fixed", "source.radius": small,
+        "destination.radius": radius, "source.mass": random.uniform(0.2, 2),
         "destination.center": center.tolist(),
         "source.center": (center + distance * outward).tolist(),
-        "contact.location": "inside" if inside else "outside",
-        "contact.method": "penalty_dynamic",
-        "contact.dashpot": chosen(random, DASHPOTS),
-        "gravity": NOTHING,
-    }
+        "contact.location": "inside" if inside else "outside", "contact.method": "penalty_dynamic",
+        "contact.dashpot": chosen(random, DASHPOTS), "gravity": NOTHING,
+    }  # fmt: skip
     if shape == "cylinder":
         values["destination.axis"] = (axis * random.uniform(0.5, 2)).tolist()
     return values | more, outward
@@ -77,15 +72,11 @@ def rates(stiffness, ratio, mass):
 def touching_values(one):
     """Start values of a scene's own description: centre, speed, law and friction of its pair."""
     return {
-        "source.center": one.place,
-        "source.initial_velocity": one.velocity,
-        "destination.center": NOTHING,
+        "source.center": one.place, "source.initial_velocity": one.velocity, "destination.center": NOTHING,
         "destination.motion": "free" if one.both else "fixed",
-        "contact.location": "inside" if one.inside else "outside",
-        "contact.penalty_factor": one.stiffness,
+        "contact.location": "inside" if one.inside else "outside", "contact.penalty_factor": one.stiffness,
         "contact.viscous_penalty_factor": one.damping,
         "contact.friction": "regularized" if one.friction else "none",
-        "contact.friction_coefficient": one.friction,
-        "contact.slip_velocity_control": "user_defined",
+        "contact.friction_coefficient": one.friction, "contact.slip_velocity_control": "user_defined",
         "contact.characteristic_slip_velocity": one.slip,
-    }
+    }  # fmt: skip

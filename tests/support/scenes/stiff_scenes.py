@@ -57,12 +57,9 @@ def free_sphere():
     return {
         **hollow_sphere(),
         "source.initial_velocity": (1.7 * ALONG + drift).tolist(),
-        "destination.motion": "free",
-        "destination.mass": 0.3,
-        "destination.initial_velocity": drift,
-        "source.external_force": [0.05, 0.1, -0.1],
-        "destination.external_force": [0.2, -0.1, 2.0],
-    }
+        "destination.motion": "free", "destination.mass": 0.3, "destination.initial_velocity": drift,
+        "source.external_force": [0.05, 0.1, -0.1], "destination.external_force": [0.2, -0.1, 2.0],
+    }  # fmt: skip
 
 
 def on_top():

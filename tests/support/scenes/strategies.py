@@ -13,25 +13,16 @@ from support.scenes.scene_parts import pair
 FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 RESULTS = ["contact.onsets", "contact.last_duration", "energy.dissipated", "contact.mean_force"]
 VECTORS = {
-    *(
-        f"{body}.{row}"
-        for body in ("source", "destination")
-        for row in ("center", "initial_velocity", "initial_displacement")
-    ),
-    "source.external_force",
-    "destination.external_force",
-    "destination.prescribed_velocity",
-    "destination.axis",
-    "gravity",
-}
+    *(f"{body}.{row}" for body in ("source", "destination") for row in ("center", "initial_velocity",
+        "initial_displacement")),
+    "source.external_force", "destination.external_force", "destination.prescribed_velocity",
+    "destination.axis", "gravity",
+}  # fmt: skip
 # Derandomized: the same examples each time, so that a failure is the code's and not the day's.
 BOUNDED = settings(
-    derandomize=True,
-    deadline=None,
-    max_examples=int(os.environ.get("CONTACT_SCENES", "40")),
-    database=None,
+    derandomize=True, deadline=None, max_examples=int(os.environ.get("CONTACT_SCENES", "40")), database=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
-)
+)  # fmt: skip
 seeds = st.integers(0, 10**6)
 
 

@@ -33,29 +33,19 @@ def random_tumbling_scene(seed, ends="open"):
     # both fall alike unless the cylinder is held
     thrown = (aim - start) / arrival + velocity - 0.5 * gravity * arrival * held
     return {
-        "source.motion": "free",
-        "source.radius": ball,
-        "source.mass": float(10 ** random.uniform(-1, 1)),
+        "source.motion": "free", "source.radius": ball, "source.mass": float(10 ** random.uniform(-1, 1)),
         "source.center": (middle + start).tolist(),
-        "source.initial_velocity": thrown.tolist(),
-        "destination.motion": "fixed" if held else "free",
-        "destination.rotation": "free",
-        "destination.radius": radius,
-        "destination.mass": float(10 ** random.uniform(-1, 1)),
-        "destination.center": middle.tolist(),
+        "source.initial_velocity": thrown.tolist(), "destination.motion": "fixed" if held else "free",
+        "destination.rotation": "free", "destination.radius": radius,
+        "destination.mass": float(10 ** random.uniform(-1, 1)), "destination.center": middle.tolist(),
         "destination.initial_velocity": velocity.tolist(),
         "destination.axis": (unit_vector(random) * random.uniform(0.5, 2)).tolist(),
-        "destination.finite_length": True,
-        "destination.ends": ends,
-        "destination.length": length,
-        "destination.initial_angular_velocity": (
-            10 ** random.uniform(-0.5, 2.3) * unit_vector(random)
-        ).tolist(),
-        "gravity": gravity.tolist(),
-        "contact.location": "outside",
-        "contact.method": "penalty",
+        "destination.finite_length": True, "destination.ends": ends, "destination.length": length,
+        "destination.initial_angular_velocity": (10 ** random.uniform(-0.5,
+            2.3) * unit_vector(random)).tolist(),
+        "gravity": gravity.tolist(), "contact.location": "outside", "contact.method": "penalty",
         "contact.penalty_factor": 1e6,
-    }
+    }  # fmt: skip
 
 
 def first_onset(fmu, values, expected, method):

@@ -24,28 +24,19 @@ class Case(NamedTuple):
 
 def rubbing(v_0, mu, **more):
     return {
-        "contact.friction": "regularized",
-        "contact.friction_coefficient": mu,
-        "contact.static_friction_coefficient": mu,
-        "contact.slip_velocity_control": "user_defined",
-        "contact.characteristic_slip_velocity": v_0,
-        **more,
-    }
+        "contact.friction": "regularized", "contact.friction_coefficient": mu,
+        "contact.static_friction_coefficient": mu, "contact.slip_velocity_control": "user_defined",
+        "contact.characteristic_slip_velocity": v_0, **more,
+    }  # fmt: skip
 
 
 def ball(stiffness, **more):
     """A free ball of 1 kg that turns, without damping."""
     return {
-        "source.radius": RADIUS,
-        "source.mass": 1.0,
-        "source.motion": "free",
-        "destination.motion": "fixed",
-        "source.rotation": "free",
-        "contact.method": "penalty",
-        "contact.penalty_factor": stiffness,
-        "gravity": [0.0, 0.0, -G],
-        **more,
-    }
+        "source.radius": RADIUS, "source.mass": 1.0, "source.motion": "free", "destination.motion": "fixed",
+        "source.rotation": "free", "contact.method": "penalty", "contact.penalty_factor": stiffness,
+        "gravity": [0.0, 0.0, -G], **more,
+    }  # fmt: skip
 
 
 def excess(u):

@@ -11,15 +11,8 @@ BALANCE = {"event_driven": 1e-9, "cvode_bdf": 1e-7, "cvode_adams": 1e-7}
 TOLERANCE = 1e-10
 MOST_STEPS = 300_000
 TERMS = (
-    "kinetic",
-    "rotational",
-    "potential",
-    "contact",
-    "tangential",
-    "dissipated",
-    "friction",
-    "external_work",
-)
+    "kinetic", "rotational", "potential", "contact", "tangential", "dissipated", "friction", "external_work",
+)  # fmt: skip
 BODIES = ("source", "destination")
 
 

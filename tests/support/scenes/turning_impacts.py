@@ -79,19 +79,12 @@ def rotor(end, spin=(3.0, -4.0, 12.0), axis=(0.6, 0.0, 0.8), length=0.7, radius=
     q = product(first, product(q_0, last))
     e = rotated(first, e)
     values = {
-        "source.motion": "fixed",
-        "source.center": [5.0, 0.0, 0.0],
-        "destination.motion": "free",
-        "destination.rotation": "free",
-        "destination.radius": radius,
-        "destination.mass": mass,
-        "destination.finite_length": True,
-        "destination.length": length,
-        "destination.axis": list(axis),
-        "destination.initial_angular_velocity": list(spin),
-        "gravity": [0.0, 0.0, 0.0],
+        "source.motion": "fixed", "source.center": [5.0, 0.0, 0.0], "destination.motion": "free",
+        "destination.rotation": "free", "destination.radius": radius, "destination.mass": mass,
+        "destination.finite_length": True, "destination.length": length, "destination.axis": list(axis),
+        "destination.initial_angular_velocity": list(spin), "gravity": [0.0, 0.0, 0.0],
         "contact.location": "outside",
-    }
+    }  # fmt: skip
     expected = {
         "destination.orientation": q,
         "destination.current_axis": e,
