@@ -62,21 +62,11 @@ def test_an_instance_without_a_logger_works_and_refuses(fmu):
     assert raw.Instance(fmu, with_logger=False, guid=b"wrong").component is None
 
 
-@pytest.mark.parametrize(
-    "resources",
-    [
-        None,
-        b"",
-        b"file:///with space/and%20space",
-        b"file:///100%/%s%n%d",
-        "file:///Übergröße/ñ/汉字".encode(),
-        b"file:///C:/windows\\style",
-        b"http://elsewhere/resources",
-        b"relative",
-        b"\xff\xfe not utf-8",
-        b"/" * 70_000,
-    ],
-)
+@pytest.mark.parametrize("resources", [
+    None, b"", b"file:///with space/and%20space", b"file:///100%/%s%n%d", "file:///Übergröße/ñ/汉字".encode(),
+    b"file:///C:/windows\\style", b"http://elsewhere/resources", b"relative", b"\xff\xfe not utf-8",
+    b"/" * 70_000,
+])  # fmt: skip
 def test_the_resource_location_does_not_matter(fmu, resources):
     with raw.Instance(fmu, resources=resources) as odd, raw.Instance(fmu) as plain:
         assert odd.initialize().run([0.25] * 3) == plain.initialize().run([0.25] * 3)

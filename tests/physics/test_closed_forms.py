@@ -45,12 +45,9 @@ def test_restitution_duration_and_peaks_are_the_damped_oscillators(
     mass = MASSES[motions][-1]
     damping = 2 * zeta * math.sqrt(STIFFNESS * mass)
     configuration = head_on(
-        shape,
-        location,
-        contact_method="penalty_dynamic",
-        contact_viscous_penalty_factor=damping,
+        shape, location, contact_method="penalty_dynamic", contact_viscous_penalty_factor=damping,
         contact_dashpot=dashpot,
-    )
+    )  # fmt: skip
     configuration |= shared_out(configuration, *MASSES[motions][:-1])
     fmu = run(opened(FMU[shape]), configuration, 2 * END, 1, method=method)
     expected = oscillator(dashpot, mass, STIFFNESS, damping)

@@ -52,18 +52,12 @@ def configuration(scene, shape, dashpot, axes):
     reach = RADII[scene.location]
     force = [row[0] * n + row[1] * across for row in scene.force]
     values = head_on(
-        shape,
-        scene.location,
-        source_mass=scene.mass,
-        source_center=(reach * n).tolist(),
+        shape, scene.location, source_mass=scene.mass, source_center=(reach * n).tolist(),
         source_initial_displacement=(-scene.side * scene.depth * n).tolist(),
         source_initial_velocity=(-scene.side * scene.closing * n + scene.along * across).tolist(),
-        source_external_force=force[0].tolist(),
-        contact_method="penalty_dynamic",
-        contact_dashpot=dashpot,
-        contact_penalty_factor=scene.stiffness,
-        contact_viscous_penalty_factor=scene.damping,
-    )
+        source_external_force=force[0].tolist(), contact_method="penalty_dynamic", contact_dashpot=dashpot,
+        contact_penalty_factor=scene.stiffness, contact_viscous_penalty_factor=scene.damping,
+    )  # fmt: skip
     values["source.external_force.derivatives"] = [row.tolist() for row in force[1:]]
     if shape == "cylinder":
         values["destination.axis"] = axis.tolist()

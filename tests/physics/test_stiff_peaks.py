@@ -84,13 +84,9 @@ def test_a_set_down_ball_whose_speed_is_rounding_is_refused_until_it_settles(ope
 def test_the_peak_of_an_impact_is_known_at_any_stiffness(opened, shape, location, stiffness):
     """v sqrt(m k): the touch is an event, the gap zero there"""
     values = head_on(
-        shape,
-        location,
-        source_mass=2.0,
-        contact_method="penalty_dynamic",
-        contact_penalty_factor=stiffness,
+        shape, location, source_mass=2.0, contact_method="penalty_dynamic", contact_penalty_factor=stiffness,
         contact_viscous_penalty_factor=0.0,
-    )
+    )  # fmt: skip
     fmu = start(opened(FMU[shape]), values, TOLERANCE, METHOD)
     speed = np.linalg.norm(np.array(values["source.initial_velocity"]))
     fmu.step(1.0)

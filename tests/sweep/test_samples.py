@@ -77,18 +77,13 @@ def test_grids_make_every_combination_the_last_fastest(tmp_path):
     assert values["contact.method"][:, 0].tolist() == [1] * 6
 
 
-@pytest.mark.parametrize(
-    "entry,expected",
-    [
-        ('{ distribution = "normal", mean = 2.0, deviation = 0.2 }', stats.norm(2.0, 0.2)),
-        ('{ distribution = "lognormal", median = 2.0, deviation = 0.3 }', stats.lognorm(0.3, scale=2.0)),
-        ('{ distribution = "triangular", range = [1.0, 4.0], mode = 2.0 }', stats.triang(1 / 3, 1.0, 3.0)),
-        (
-            '{ distribution = "normal", mean = 2.0, deviation = 1.0, range = [1.5, 4.0] }',
-            stats.truncnorm(-0.5, 2.0, 2.0, 1.0),
-        ),
-    ],
-)
+@pytest.mark.parametrize("entry,expected", [
+    ('{ distribution = "normal", mean = 2.0, deviation = 0.2 }', stats.norm(2.0, 0.2)),
+    ('{ distribution = "lognormal", median = 2.0, deviation = 0.3 }', stats.lognorm(0.3, scale=2.0)),
+    ('{ distribution = "triangular", range = [1.0, 4.0], mode = 2.0 }', stats.triang(1 / 3, 1.0, 3.0)),
+    ('{ distribution = "normal", mean = 2.0, deviation = 1.0, range = [1.5, 4.0] }',
+        stats.truncnorm(-0.5, 2.0, 2.0, 1.0)),
+])  # fmt: skip
 def test_samples_have_the_distribution_asked_for(tmp_path, entry, expected):
     values = samples_of(tmp_path, {"source.mass": entry}, 5000).values(0, 5000)
     # A Latin hypercube's distribution function is off by less than one stratum.

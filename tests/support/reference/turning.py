@@ -89,14 +89,10 @@ class TurningPair:
         if name == "source" or self.shape == "sphere":
             inertia = inertia and (inertia[0],) * 2
         return SimpleNamespace(
-            name=name,
-            mass=mass if free else None,
-            moved=self.of(f"{name}.motion") == "prescribed",
-            rotation=rotation,
-            inertia=inertia,
-            force=self.of(f"{name}.external_force"),
+            name=name, mass=mass if free else None, moved=self.of(f"{name}.motion") == "prescribed",
+            rotation=rotation, inertia=inertia, force=self.of(f"{name}.external_force"),
             torque=self.of(f"{name}.external_torque"),
-        )
+        )  # fmt: skip
 
     def _law(self):
         self.hertz = self.of("contact.law") == "hertz"
@@ -126,15 +122,10 @@ class TurningPair:
         lever = 1 / (1 / self.r_s + (self.side / self.r_d if self.r_d else 0.0))
         mu = lever * self.of(f"contact.{kind}_coefficient")
         return SimpleNamespace(
-            law=self.of(f"contact.{kind}") if turns else "none",
-            mu=mu,
-            mu_static=mu,
-            largest=math.inf,
-            v_0=self.of(f"contact.characteristic_{kind}_rate"),
-            k=self.of(f"contact.{kind}_stiffness"),
-            c=self.of(f"contact.{kind}_damping"),
-            follows=False,
-        )
+            law=self.of(f"contact.{kind}") if turns else "none", mu=mu, mu_static=mu, largest=math.inf,
+            v_0=self.of(f"contact.characteristic_{kind}_rate"), k=self.of(f"contact.{kind}_stiffness"),
+            c=self.of(f"contact.{kind}_damping"), follows=False,
+        )  # fmt: skip
 
     def first_state(self):
         y = []

@@ -62,13 +62,9 @@ def slide_to_roll(v_0, speed=2.0, spin=0.0, mu=0.2, end=None, stiffness=1e6):
     way = speed * end - 2 / 7 * forwards * (slip * end - area)
     values = ball(
         stiffness,
-        **{
-            "source.center": [0.0, 0.0, RADIUS - G / stiffness],
-            "source.initial_velocity": [speed, 0.0, 0.0],
-            "source.initial_angular_velocity": [0.0, spin, 0.0],
-            **rubbing(v_0, mu),
-        },
-    )
+        **{"source.center": [0.0, 0.0, RADIUS - G / stiffness], "source.initial_velocity": [speed, 0.0, 0.0],
+            "source.initial_angular_velocity": [0.0, spin, 0.0], **rubbing(v_0, mu)},
+    )  # fmt: skip
     turning = spin + 2.5 * (speed - velocity) / RADIUS
     expected = {
         "source.position": np.array([way, 0.0, RADIUS - G / stiffness]),
@@ -95,12 +91,9 @@ def incline(v_0, slope, mu=0.3, end=1.0, stiffness=1e6):
     down, normal = np.array([cosine, 0.0, -sine]), np.array([sine, 0.0, cosine])
     values = ball(
         stiffness,
-        **{
-            "source.center": ((RADIUS - G * cosine / stiffness) * normal).tolist(),
-            "destination.axis": normal.tolist(),
-            **rubbing(v_0, mu),
-        },
-    )
+        **{"source.center": ((RADIUS - G * cosine / stiffness) * normal).tolist(),
+            "destination.axis": normal.tolist(), **rubbing(v_0, mu)},
+    )  # fmt: skip
     expected = {
         "source.velocity": velocity * down,
         "contact.slip_velocity": slip * down,
@@ -116,17 +109,11 @@ def golfers_tube(v_0, mu=1.0, tube=0.5, rate=8.0, stiffness=1e5, turns=2.0, **mo
     rho = stiffness * (tube - RADIUS) / (stiffness - rate**2)
     values = ball(
         stiffness,
-        **{
-            "destination.radius": tube,
-            "destination.axis": [0.0, 0.0, 1.0],
-            "source.center": [rho, 0.0, 0.0],
+        **{"destination.radius": tube, "destination.axis": [0.0, 0.0, 1.0], "source.center": [rho, 0.0, 0.0],
             "source.initial_velocity": [0.0, rate * rho, 0.0],
-            "source.initial_angular_velocity": [0.0, 0.0, -rate * rho / RADIUS],
-            **rubbing(v_0, mu),
-            "contact.location": "inside",
-            **more,
-        },
-    )
+            "source.initial_angular_velocity": [0.0, 0.0, -rate * rho / RADIUS], **rubbing(v_0, mu),
+            "contact.location": "inside", **more},
+    )  # fmt: skip
     end = turns * 2 * math.pi / rate
     slow = math.sqrt(2 / 7) * rate
     depth = 2.5 * G / rate**2
@@ -155,16 +142,11 @@ def turntable(v_0, mu=0.5, rate=3.0, way=(0.4, 0.1), velocity=(0.1, -0.2), stiff
     )
     values = ball(
         stiffness,
-        **{
-            "source.center": [*way, RADIUS - G / stiffness],
-            "source.initial_velocity": [*velocity, 0.0],
-            "source.initial_angular_velocity": spin,
-            "destination.rotation": "prescribed",
+        **{"source.center": [*way, RADIUS - G / stiffness], "source.initial_velocity": [*velocity, 0.0],
+            "source.initial_angular_velocity": spin, "destination.rotation": "prescribed",
             "destination.prescribed_angular_velocity": [0.0, 0.0, rate],
-            "destination.prescribed_axis": [0.0, 0.0, 1.0],
-            **rubbing(v_0, mu),
-        },
-    )
+            "destination.prescribed_axis": [0.0, 0.0, 1.0], **rubbing(v_0, mu)},
+    )  # fmt: skip
     expected = {
         "source.position": np.array([*(middle + turned @ (at - middle)), RADIUS - G / stiffness]),
         "source.velocity": np.array([*(turned @ v), 0.0]),
@@ -182,13 +164,10 @@ def bowl(v_0, stiffness, shape="sphere", angle=1.0, wide=0.5, mu=2.0, quarters=1
     deeper = rho + G * math.cos(angle) / stiffness
     values = ball(
         stiffness,
-        **{
-            "destination.radius": wide,
-            "source.center": [deeper * math.sin(angle), 0.0, -deeper * math.cos(angle)],
-            **rubbing(v_0, mu),
-            "contact.location": "inside",
-        },
-    )
+        **{"destination.radius": wide,
+            "source.center": [deeper * math.sin(angle), 0.0, -deeper * math.cos(angle)], **rubbing(v_0, mu),
+            "contact.location": "inside"},
+    )  # fmt: skip
     if shape == "cylinder":
         values["destination.axis"] = [0.0, 1.0, 0.0]
     sign = -1 if quarters % 4 == 1 else 1
@@ -206,13 +185,9 @@ def leaving(stiffness, mu, v_0=1e-6, angle=0.3, wide=0.5):
     friction = rubbing(v_0, mu) if mu else {"contact.friction": "none"}
     values = ball(
         stiffness,
-        **{
-            "destination.radius": wide,
-            "source.center": [deep * math.sin(angle), 0.0, deep * math.cos(angle)],
-            "contact.location": "outside",
-            **friction,
-        },
-    )
+        **{"destination.radius": wide, "source.center": [deep * math.sin(angle), 0.0, deep * math.cos(angle)],
+            "contact.location": "outside", **friction},
+    )  # fmt: skip
     return Case("sphere", values, 1.0, {"cosine": (10 / 17 if mu else 2 / 3) * math.cos(angle)})
 
 

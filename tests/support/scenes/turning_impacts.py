@@ -24,17 +24,11 @@ def oblique_impact(velocity=(1.0, 0.3, -2.0), spin=(2.0, 5.0, 3.0), stiffness=7e
     }
     values = ball(
         stiffness,
-        **{
-            "source.center": [0.0, 0.0, 0.2],
-            "source.initial_velocity": list(velocity),
-            "source.initial_angular_velocity": list(spin),
-            "gravity": [0.0, 0.0, 0.0],
-            "contact.friction": "elastic",
-            "contact.friction_coefficient": mu,
-            "contact.static_friction_coefficient": mu,
-            "contact.tangential_stiffness": 2 / 7 * stiffness,
-        },
-    )
+        **{"source.center": [0.0, 0.0, 0.2], "source.initial_velocity": list(velocity),
+            "source.initial_angular_velocity": list(spin), "gravity": [0.0, 0.0, 0.0],
+            "contact.friction": "elastic", "contact.friction_coefficient": mu,
+            "contact.static_friction_coefficient": mu, "contact.tangential_stiffness": 2 / 7 * stiffness},
+    )  # fmt: skip
     return Case("plane", values, 0.1, expected)
 
 
@@ -43,20 +37,13 @@ def opposite_spin(mu=0.4, speed=0.2, spin=25.0):
     rubs."""
     values = ball(
         1e7,
-        **{
-            "destination.motion": "free",
-            "destination.rotation": "free",
-            "destination.radius": RADIUS,
-            "source.center": [0.0, 0.0, 0.21],
-            "source.initial_velocity": [0.0, 0.0, -speed],
+        **{"destination.motion": "free", "destination.rotation": "free", "destination.radius": RADIUS,
+            "source.center": [0.0, 0.0, 0.21], "source.initial_velocity": [0.0, 0.0, -speed],
             "destination.initial_velocity": [0.0, 0.0, speed],
             "source.initial_angular_velocity": [0.0, spin, 0.0],
-            "destination.initial_angular_velocity": [0.0, -spin, 0.0],
-            "gravity": [0.0, 0.0, 0.0],
-            "contact.location": "outside",
-            **rubbing(1e-3, mu),
-        },
-    )
+            "destination.initial_angular_velocity": [0.0, -spin, 0.0], "gravity": [0.0, 0.0, 0.0],
+            "contact.location": "outside", **rubbing(1e-3, mu)},
+    )  # fmt: skip
     expected = {
         "source.velocity": np.array([0.0, 0.0, speed]),
         "destination.velocity": np.array([0.0, 0.0, -speed]),
