@@ -17,7 +17,7 @@ from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file, fmus_folder
 from support.checks import check_close
 from support.programs import PATIENCE, environment, python
-from support.reference.turning_run import follow
+from support.reference.turning import follow
 from support.sources import ROOT
 
 EXAMPLES = ROOT / "examples"

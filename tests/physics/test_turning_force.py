@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from support.checks import start
-from support.reference.turning import TurningPair
-from support.reference.turning_instant import outputs
+from support.reference.turning import TurningPair, outputs
 
 COUNT = 40
 VALUES, DERIVATIVES = 1e-12, 1e-9

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from support.checks import METHODS, check_close, check_relative, run
-from support.reference.turning_run import TurningRun
+from support.reference.turning import TurningRun
 
 G, MASS, RADIUS, MU, STIFFNESS = 9.81, 1.0, 0.1, 0.05, 2.25
 INERTIA = 0.4 * MASS * RADIUS**2

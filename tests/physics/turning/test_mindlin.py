@@ -7,7 +7,7 @@ import pytest
 
 from support.checks import METHODS, check_close, check_relative, run, start
 from support.exchange_runs import check_exchange
-from support.reference.turning_run import TurningRun
+from support.reference.turning import TurningRun
 from support.scenes.scene_checks import FMU
 
 K_H, MASS, RADIUS, SPEED = 3e6, 1.2, 0.1, 0.7

@@ -12,7 +12,7 @@ import pytest
 from support.checks import METHODS, check_close, check_relative, run, start
 from support.exchange_runs import check_exchange
 from support.fmi3 import raw
-from support.reference.turning_run import TurningRun
+from support.reference.turning import TurningRun
 from support.scenes import turning_impacts as impacts
 from support.scenes.scene_checks import FMU
 from support.scenes.turning_checks import failures

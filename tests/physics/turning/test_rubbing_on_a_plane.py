@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from support.checks import check_close, differences, run, start
-from support.reference.turning_run import TurningRun
+from support.reference.turning import TurningRun
 from support.scenes.agreement import Scene, check_agreement, seeds
 from support.scenes.plane_scenes import random_plane_scene
 from support.scenes.turning_checks import TurningFmuRun, rows

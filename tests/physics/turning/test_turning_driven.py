@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from support.checks import check_close, start
-from support.reference.turning import TurningPair
-from support.reference.turning_instant import outputs
-from support.reference.turning_run import TurningRun
+from support.reference.turning import TurningPair, TurningRun, outputs
 from support.scenes.scene_checks import FMU
 from support.scenes.turning_checks import failures
 from support.scenes.turning_scenes import FRICTIONS, PLACES, driven_scene

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from support.checks import METHODS, check_close, start
-from support.reference.turning_run import TurningRun
+from support.reference.turning import TurningRun
 from support.scenes.scene_checks import FMU
 from support.scenes.scene_parts import even
 from support.scenes.turning_checks import TERMS, failures
