@@ -5,8 +5,7 @@ from ctypes import byref, c_void_p
 import pytest
 
 from support.caller import Caller, nothing
-from support.fmi2.blob import PHASES, forge
-from support.fmi2.states import NAMES
+from support.fmi2.states import NAMES, PHASES, forge
 from support.fmi3 import raw
 from support.fmi3.call_table import FOREIGN, FUNCTIONS, STATES, allowed
 from support.fmi3.raw import ARGUMENTS, ERROR, OK, WITHOUT_INSTANCE, Instance

@@ -9,9 +9,9 @@ from ctypes import byref, c_void_p
 import pytest
 
 from support.fmi2 import raw, runs
-from support.fmi2.blob import HEADER_SIZE, forge, header
 from support.fmi2.raw import ERROR, OK
 from support.fmi2.runs import RUNS, begin, digest, go_on
+from support.fmi2.states import HEADER_SIZE, forge, header
 from support.programs import PATIENCE, environment, python
 
 

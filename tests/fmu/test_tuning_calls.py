@@ -7,7 +7,7 @@ from support.checks import check_close
 from support.fmi2 import raw
 from support.fmi2.raw import ERROR, MODEL_EXCHANGE, OK, SCENES
 from support.outside import Outside
-from support.reference.tuned_motion import TunedMotion
+from support.reference.integrator import TunedMotion
 
 TUNABLE = ("penalty_factor", "viscous_penalty_factor", "gravity", "dashpot", "absolute_tolerance")
 LAW = {"contact.penalty_factor": 1e5, "contact.viscous_penalty_factor": 60.0, "gravity": [0.0, 0.0, -9.81]}

@@ -6,7 +6,17 @@ import pytest
 
 from support.generator.agreement import disagreements
 from support.generator.freeze_references import current, read_frozen
-from support.generator.generated import CATALOGUE, SCENES, files_of, parse_c, parse_xml, scene_file
+from support.generator.generated import (
+    CATALOGUE,
+    SCENES,
+    SUMS_UP,
+    describe,
+    files_of,
+    parse_c,
+    parse_xml,
+    scene_file,
+    whole,
+)
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -114,3 +124,30 @@ def test_every_number_has_a_symbol_and_every_real_a_unit_quantity_range_and_nomi
             assert float(entry["nominal"]) > 0.0, name
             assert abs(entry["min"]) <= 1e300, name
             assert abs(entry["max"]) <= 1e300, name
+
+
+# What modelDescription.xml says of when a variable changes, and of its start.
+
+TUNABLE = {
+    "penalty_multiplier", "penalty_factor", "characteristic_time", "viscous_penalty_factor", "dashpot",
+    "reference_modulus", "gravity", "relative_tolerance", "absolute_tolerance", "max_internal_steps",
+    "effective_penalty_factor", "effective_viscous_penalty_factor", "effective_hertz_stiffness",
+    "hertz_stiffness", "hunt_crossley_factor", "restitution",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_variability_and_initial_follow_from_causality(scene):
+    """What sums up a step changes at communication points only: nobody is to ask for its derivatives."""
+    for name, entry in describe(scene).items():
+        field = whole(name).rpartition(".")[2]
+        sums_up = field in SUMS_UP
+        varies = "continuous" if entry["base"] == "Real" and not sums_up else "discrete"
+        fixed = "tunable" if field in TUNABLE else "fixed"
+        assert (entry["variability"], entry["initial"]) == {
+            "parameter": (fixed, "exact"),
+            "calculatedParameter": (fixed, "calculated"),
+            "input": (varies, None),
+            "output": (varies, "calculated"),
+            "local": (varies, "calculated"),
+        }[entry["causality"]], name

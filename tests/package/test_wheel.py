@@ -2,6 +2,7 @@
 
 import importlib
 import json
+import re
 import subprocess
 import sys
 import tomllib
@@ -10,6 +11,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import yaml
 
 from contact_fmus import Result
 from contact_fmus.fmu.contact_fmu import ContactFmu
@@ -169,3 +171,33 @@ def test_the_wheel_carries_the_fmus_of_fmi_3_and_what_bench_runs(installed, comm
     text = "from contact_fmus.fmu.host import host_file; print(host_file().is_file())"
     told = subprocess.run([installed / "python", "-c", text], capture_output=True, text=True, check=True)
     assert told.stdout == "True\n"
+
+
+# recipe/recipe.yaml says of the conda package what pyproject.toml and the build say
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+TEXT = (ROOT / "recipe" / "recipe.yaml").read_text()
+RECIPE = yaml.safe_load(TEXT)
+
+
+def names(requirements):
+    return {re.match(r"[\w-]+", one)[0] for one in requirements}
+
+
+def test_the_recipe_has_the_version_and_the_sundials_of_the_build():
+    version = re.search(r"contact_fmus VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
+    assert RECIPE["context"]["version"] == version
+    commit = re.search(
+        r"contact_sundials_commit (\w+)\) # v([0-9.]+)", (ROOT / "cmake/ContactSundials.cmake").read_text()
+    )
+    assert (RECIPE["source"][1]["rev"], RECIPE["context"]["sundials"]) == commit.groups()
+
+
+def test_the_recipe_wants_what_the_package_wants():
+    python = f"python {PROJECT['project']['requires-python']}"
+    wanted = {python, *(one.replace(">=", " >=") for one in PROJECT["project"]["dependencies"])}
+    assert set(RECIPE["requirements"]["run"]) == wanted
+    building = {one for part in ("build", "host") for one in RECIPE["requirements"][part]}
+    assert names(PROJECT["build-system"]["requires"]) <= names(one for one in building if "$" not in one)
+    assert RECIPE["about"]["license"] == PROJECT["project"]["license"]
+    assert all((ROOT / file).is_file() for file in RECIPE["about"]["license_file"])

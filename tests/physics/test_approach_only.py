@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from contact_fmus.stability.motions import GEOMETRIES, PLANE, HeadOn
 from support.checks import check_close, run
-from support.reference.stiff_limit import StiffContact
+from support.reference.stiff_motion import StiffContact
 from support.scenes.agreement import seeds
 
 FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from support.checks import check_close, run, start
 from support.reference.hertz import FULL, factors, follow, pair_of, precise
-from support.scenes.scene_parts import moved_by
+from support.scenes.random_scenes import moved_by
 
 COUNT = int(os.environ.get("CONTACT_SCENES", "20"))
 R_S, R_D, LENGTH = 0.1, 0.5, 1.0

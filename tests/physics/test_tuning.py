@@ -7,7 +7,7 @@ import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError, Status
 from support.checks import METHODS, check_close, start
-from support.reference.tuned_motion import TunedMotion
+from support.reference.integrator import TunedMotion
 
 STEP = 5e-4  # s
 POSITION, VELOCITY = [0.02, 0.01, 0.6015], [0.1, 0.0, -1.0]

@@ -13,7 +13,7 @@ from support.checks import METHODS, check_close, check_relative, run, start
 from support.exchange_runs import check_exchange
 from support.fmi3 import raw
 from support.reference.turning import TurningRun
-from support.scenes import turning_impacts as impacts
+from support.scenes import turning_cases as cases
 from support.scenes.scene_checks import FMU
 from support.scenes.turning_checks import failures
 from support.scenes.turning_scenes import FRICTIONS, PLACES, driven_scene, random_turning_scene, resistance
@@ -160,14 +160,14 @@ def test_a_ball_that_swings_to_rest_passes_every_standstill(opened, shape):
 @pytest.mark.parametrize("resistance", [BOTH, YIELDING], ids=["regularized", "elastic"])
 @pytest.mark.parametrize("friction", ["none", "regularized", "elastic"])
 def test_a_free_pair_keeps_its_momenta(opened, friction, resistance):
-    case = impacts.shell(friction)
+    case = cases.shell(friction)
     values = case.values | resistance
     values |= {"contact.rolling_coefficient": 0.1, "contact.spinning_coefficient": 0.3}
     fmu = start(opened(FMU["sphere"]), values, 1e-10)
-    before, energy = impacts.momenta(fmu, values), fmu["energy.total"]
+    before, energy = cases.momenta(fmu, values), fmu["energy.total"]
     while fmu["contact.onsets"] < 50:
         fmu.step(case.end / 40)
-    after = impacts.momenta(fmu, values)
+    after = cases.momenta(fmu, values)
     check_close("momentum", after[0], before[0], 1e-12 * 7.0)
     check_close("angular momentum", after[1], before[1], 1e-12 * 3.5)
     check_relative("energy", fmu["energy.total"], energy, 1e-9)

@@ -11,7 +11,7 @@ from contact_fmus.fmu.contact_fmu import FmuError
 from contact_fmus.stability.motions import elliptic_stiffness
 from support.checks import check_close, check_relative, start
 from support.reference.pressed import GRAVITY, ended, pressed, unit
-from support.scenes.scene_parts import touching_values
+from support.scenes.random_scenes import touching_values
 
 COUNT = int(os.environ.get("CONTACT_SCENES", "10"))
 METHODS = ("event_driven", "cvode_bdf")

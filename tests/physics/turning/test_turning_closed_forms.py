@@ -9,7 +9,6 @@ import pytest
 from contact_fmus.bench.problems import turning_problems
 from support.checks import METHODS, check_close, check_relative, run, start
 from support.scenes import turning_cases as cases
-from support.scenes import turning_impacts as impacts
 from support.scenes.scene_checks import FMU
 
 CVODE = METHODS[1:]
@@ -122,14 +121,14 @@ def test_rolling_is_approached_in_first_order_of_the_slip_velocity(opened, name)
 @pytest.mark.parametrize("mu", [0.11, 0.5, 5.0])
 def test_an_impact_on_springs_with_two_sevenths_turns_the_slip_round(opened, method, mu):
     """v_c = 0.707 m/s sticks throughout where it is at most 7/2 mu v_n = 7 mu."""
-    case = impacts.oblique_impact(mu=mu)
+    case = cases.oblique_impact(mu=mu)
     agrees(ended(opened, case, method, 1e-12), case, 1e-10 if method == "event_driven" else 1e-8)
 
 
 @pytest.mark.parametrize("factor", [1.0, 100.0])
 def test_balls_with_opposite_spins_do_not_rub(opened, factor):
     """Chung and Ooi 7. They yield by delta, and omega delta is slip: the change falls with p_n's root."""
-    case = impacts.opposite_spin()
+    case = cases.opposite_spin()
     values = {**case.values, "contact.penalty_factor": factor * 1e7}
     fmu = ended(opened, case._replace(values=values))
     agrees(fmu, case, 5e-5 / math.sqrt(factor))
@@ -150,7 +149,7 @@ def test_no_torque_and_no_change_without_a_coefficient(opened, method, friction)
 def test_a_cylinder_tumbles_as_the_closed_form_says(opened):
     """1,000 turns of its angular momentum, in one step and in many."""
     for steps in (1, 13):
-        case = impacts.rotor(2000 * math.pi / 6.0)
+        case = cases.rotor(2000 * math.pi / 6.0)
         fmu = ended(opened, case, steps=steps)
         q, right = fmu["destination.orientation"], case.expected["destination.orientation"]
         check_close("orientation", q * np.sign(q @ right), right, 1e-12)
@@ -174,15 +173,15 @@ def test_a_ball_leaves_a_sphere_at_ten_seventeenths_or_two_thirds(opened, mu):
 
 @pytest.mark.parametrize("friction, count", [("regularized", 100), ("elastic", 1000)])
 def test_a_free_pair_keeps_its_momenta_over_many_impacts(opened, friction, count):
-    case = impacts.shell(friction)
+    case = cases.shell(friction)
     fmu = opened(FMU["sphere"])
     start(fmu, case.values, 1e-10)
-    before, energy = impacts.momenta(fmu, case.values), fmu["energy.total"]
+    before, energy = cases.momenta(fmu, case.values), fmu["energy.total"]
     while fmu["contact.onsets"] < count and fmu.time < 2000.0:
         fmu.step(case.end / 10)
     assert fmu["contact.onsets"] >= count
     # Of the bodies' own: 1 kg at 7 m/s, half a metre off the middle.
-    after = impacts.momenta(fmu, case.values)
+    after = cases.momenta(fmu, case.values)
     check_close("momentum", after[0], before[0], 1e-12 * 7.0)
     check_close("angular momentum", after[1], before[1], 1e-12 * 3.5)
     check_relative("energy", fmu["energy.total"], energy, 1e-9)

@@ -4,7 +4,7 @@
 
 Damped to a tenth of the critical damping: Radau IIA (stiff_motion.py), any stiffness. Undamped: the Taylor
 integrator as long as its steps can be counted out (1e9 N/m), beyond that an expansion in 1/p_n, the fast
-oscillation included (stiff_limit.py). The uncertainty is what a second run gave, a tenfold tolerance or a
+oscillation included (stiff_motion.py). The uncertainty is what a second run gave, a tenfold tolerance or a
 higher order; of the expansion, a bound of what it leaves out.
 """
 
@@ -16,8 +16,7 @@ import numpy as np
 
 from contact_fmus.bench.problems import REFERENCES as FILE
 from support.reference.integrator import Reference
-from support.reference.stiff_limit import StiffContact
-from support.reference.stiff_motion import ANGLE, MASS, RADIUS, SPEED, damped_motion
+from support.reference.stiff_motion import ANGLE, MASS, RADIUS, SPEED, StiffContact, damped_motion
 
 END, DAMPING, COUNTABLE = 2.0, 0.1, 1e9
 ROUNDING = 1e-14  # m, of the numbers themselves

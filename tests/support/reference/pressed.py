@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from support.scenes.scene_parts import touching_values
+from support.scenes.random_scenes import touching_values
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 SMALL = 1e-12  # s, past an event, so that the next integration starts beyond it

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from support.scenes.random_scenes import DASHPOTS, unit_vector
-from support.scenes.scene_parts import chosen, moved_by
+from support.scenes.random_scenes import DASHPOTS, chosen, moved_by, unit_vector
 from support.scenes.turning_scenes import TurningScene
 
 

@@ -5,7 +5,7 @@ from math import sqrt
 
 import numpy as np
 
-from support.reference.stiff_limit import StiffContact
+from support.reference.stiff_motion import StiffContact
 from support.scenes.benchmarks import BENCHMARKS
 
 BALL = {"source.radius": 0.05, "source.mass": 0.1, "destination.radius": 0.5}

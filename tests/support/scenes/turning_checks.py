@@ -4,7 +4,7 @@ import numpy as np
 
 from contact_fmus.fmu.contact_fmu import FmuError
 from support.checks import differences, start
-from support.scenes.scene_parts import even
+from support.scenes.random_scenes import even
 
 ALLOWED = {"event_driven": 1e-7, "cvode_bdf": 1e-5, "cvode_adams": 1e-5}
 BALANCE = {"event_driven": 1e-9, "cvode_bdf": 1e-7, "cvode_adams": 1e-7}
