@@ -4,7 +4,6 @@ contacts."""
 import contextlib
 import fcntl
 import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -13,6 +12,7 @@ import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file
+from support.programs import finished
 
 ROOT = Path(__file__).resolve().parents[1]
 SCENES = ("BallInCorner", "Chain", "Islands", "ThreeBalls", "TripodReversed", "TwoBars", "TwoPairs")
@@ -73,7 +73,7 @@ def build(folder):
     options += ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_C_FLAGS_DEBUG=-O1", "-DCONTACT_FMI3=OFF"]
     configure = ["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja"]
     for command in ([*configure, *options], ["cmake", "--build", str(folder)]):
-        made = subprocess.run(command, capture_output=True, text=True, env=environment)
+        made = finished(command, env=environment)
         assert made.returncode == 0, made.stdout + made.stderr
 
 

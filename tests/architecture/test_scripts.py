@@ -2,13 +2,12 @@
 
 import ast
 import re
-import subprocess
 
 import pytest
 
 from contact_fmus.__main__ import COMMANDS, main
 from support.graph import circle
-from support.programs import PATIENCE
+from support.programs import finished
 from support.sources import ROOT, label
 
 PACKAGE = ROOT / "scripts" / "contact_fmus"
@@ -97,7 +96,7 @@ def test_no_test_takes_times_and_only_what_hangs_is_ended(file):
 
 
 def run(script, *arguments):
-    return subprocess.run([script, *arguments], capture_output=True, text=True, check=False, timeout=PATIENCE)
+    return finished([script, *arguments])
 
 
 def options_of(script):

@@ -3,11 +3,11 @@
 import ast
 import os
 import re
-import subprocess
 import sys
 
 import pytest
 
+from support.programs import finished
 from support.sources import (
     BUILD,
     HEADERS,
@@ -30,7 +30,7 @@ LINE_COLUMNS = 110  # ColumnLimit of .clang-format
 
 def output(*command):
     """What the command says; empty when it is content."""
-    run = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+    run = finished(command, cwd=ROOT)
     return "" if run.returncode == 0 else run.stdout + run.stderr
 
 
@@ -106,12 +106,8 @@ def test_every_folder_of_python_tests_is_run_by_ctest():
 
 
 def repository_files():
-    listed = subprocess.run(
-        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
-        capture_output=True,
-        text=True,
-        check=True,
-        cwd=ROOT,
+    listed = finished(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"], check=True, cwd=ROOT
     ).stdout.splitlines()
     files = [ROOT / name for name in listed if "tests/fuzz/corpus/" not in name]
     return [file for file in files if file.suffix != ".png" and file.is_file()]

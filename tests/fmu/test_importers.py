@@ -1,7 +1,6 @@
 """FMUs of every kind in the importers of requirements.txt, each in a process of its own, in any folder."""
 
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import pytest
 from contact_fmus.errors import UserError
 from contact_fmus.importers.command import AGREE, IMPORTERS, Given, Trial, page, table, tried
 from support.fmi2.raw import KINDS
+from support.programs import finished
 
 ROOT = Path(__file__).resolve().parents[2]
 # One of each kind, and one that rolls
@@ -55,7 +55,7 @@ def test_fmpy_runs_it_from_a_folder_with_blanks_and_umlauts_in_silence(fmu_path,
     folder = tmp_path / "Bälle und Röhren ç"
     folder.mkdir()
     path = shutil.copy(fmu_path(scene), folder / f"{scene} 2.fmu")
-    run = subprocess.run([sys.executable, "-c", SIMULATE, path], capture_output=True, text=True, check=False)
+    run = finished([sys.executable, "-c", SIMULATE, path])
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
 
 

@@ -1,13 +1,12 @@
 """A wrong variables.toml gives one line that names the file and the row, and exit status 2."""
 
 import shutil
-import subprocess
 import sys
 
 import pytest
 
 from support.generator.generated import FOLDER, refused
-from support.programs import PATIENCE
+from support.programs import finished
 
 # What stands in variables.toml (its first occurrence), what it becomes, words of the message in their order.
 BAD = [
@@ -51,5 +50,5 @@ def test_a_bad_catalogue_is_refused_in_one_line(tmp_path, old, new, words):
     assert old in text
     (folder / "variables.toml").write_text(text.replace(old, new, 1), encoding="utf-8")
     command = [sys.executable, "-B", folder / "generate.py", "--table"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
+    done = finished(command)
     refused(done, "modelDescription/variables.toml: ", *words)

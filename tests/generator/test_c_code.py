@@ -4,12 +4,11 @@ import ctypes
 import functools
 import re
 import shutil
-import subprocess
 
 import pytest
 
 from support.generator.generated import ROOT, SCENES, describe, folder_of, generate, scene_file
-from support.programs import PATIENCE
+from support.programs import finished
 
 WARNINGS = [
     "-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wdouble-promotion",
@@ -69,7 +68,7 @@ class Variable(ctypes.Structure):
 
 def compiled(compiler, folder, source, output, *options):
     command = [compiler, *WARNINGS, *options, "-I", ROOT / "fmu_src", "-I", folder, source, "-o", output]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
+    done = finished(command)
     assert done.returncode == 0, done.stderr
 
 
@@ -198,7 +197,7 @@ def test_accessors_of_longer_lists_tell_the_elements_apart(scene_folder, tmp_pat
     folder = scene_folder("Chain")
     (tmp_path / "probe.c").write_text(PROBE)
     compiled(compiler, folder, tmp_path / "probe.c", tmp_path / "probe", folder / "scene_variables.c", "-lm")
-    done = subprocess.run([tmp_path / "probe"], capture_output=True, text=True, timeout=PATIENCE)
+    done = finished([tmp_path / "probe"])
     assert done.stdout == (
         "0 3 0.1 1 0; 0 3 0.1 1 3; 1 1 0.5 1 0; "  # shape, motion, radius, axis z, velocity z
         "0 1 2 2 0; 1 2 1 1 4; "  # source, destination, dashpot, penalty_control, point x

@@ -11,7 +11,7 @@ import pytest
 from contact_fmus.__main__ import COMMANDS
 from contact_fmus.fmu.files import fmu_file
 from support.foreign import XML, foreign_fmu, packed
-from support.programs import PATIENCE, environment
+from support.programs import environment, finished
 from support.sources import ROOT
 
 # A model exchange FMU, and an FMI 3.0 one, as other vendors make them
@@ -170,7 +170,7 @@ SCRIPTS += [("stability", one) for one in ("--fast", "--output", "--beyond", "--
 @pytest.mark.parametrize("name, arguments", SCRIPTS)
 def test_a_script_refuses_what_it_does_not_know(name, arguments):
     command = [ROOT / "scripts" / f"{name}.sh", *arguments.split()]
-    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    run = finished(command)
     assert run.returncode == 2
     assert run.stderr.startswith(f"{name}: ") and arguments.split()[0] in run.stderr
 
@@ -262,18 +262,16 @@ sys.exit(main(sys.argv[1:]))
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_tells_its_options_without_any_extra(name):
     command = [sys.executable, "-c", WITHOUT_EXTRAS, name]
-    run = subprocess.run(
-        [*command, "--help"], capture_output=True, text=True, env=environment(), timeout=PATIENCE
-    )
+    run = finished([*command, "--help"], env=environment())
     assert (run.returncode, run.stderr) == (0, "") and f"usage: contact-fmus {name}" in run.stdout, run
 
 
 def test_what_needs_an_extra_names_it_and_what_draws_nothing_needs_none(tmp_path):
     command = [sys.executable, "-c", WITHOUT_EXTRAS, "plot", "SphereSphere"]
-    run = subprocess.run(command, capture_output=True, text=True, env=environment(), timeout=PATIENCE)
+    run = finished(command, env=environment())
     assert run.returncode == 2 and one_sentence(run.stderr) and "'contact-fmus[plot]'" in run.stderr, run
     command[3:] = ["scenarios", "ball_on_sphere", "--no-plots", "--output", tmp_path]
-    run = subprocess.run(command, capture_output=True, text=True, env=environment(), timeout=PATIENCE)
+    run = finished(command, env=environment())
     assert (run.returncode, run.stderr) == (0, ""), run
 
 

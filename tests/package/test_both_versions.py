@@ -2,7 +2,6 @@
 
 import csv
 import json
-import subprocess
 import sys
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError
 from contact_fmus.fmu.files import fmu_file, fmus_folder
 from contact_fmus.importers.command import AGREE, IMPORTERS, Given, installed, tried
 from contact_fmus.results import Result, notes_file
+from support.programs import finished
 from support.sources import ROOT
 from support.sweeps import read, run_here, write_study
 
@@ -230,7 +230,7 @@ def with_integers(tmp_path_factory):
     folder = tmp_path_factory.mktemp("integer")
     scene = ROOT / "modelDescription" / "scenes" / f"{SCENE}.toml"
     command = [sys.executable, "-m", "contact_fmus", "build", str(scene), "--choices", "integer"]
-    run = subprocess.run([*command, "-o", str(folder)], capture_output=True, text=True, check=False)
+    run = finished([*command, "-o", str(folder)])
     assert run.returncode == 0, run.stdout + run.stderr
     return folder / f"{SCENE}.fmu"
 

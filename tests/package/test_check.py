@@ -3,14 +3,13 @@
 import json
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
 from support.foreign import BROKEN, PLATFORM, XML, foreign_fmu, library, packed
-from support.programs import PATIENCE
+from support.programs import PATIENCE, finished
 from support.sources import ROOT
 
 VERSIONS = (2, 3)
@@ -116,14 +115,7 @@ def action(folder, **inputs):
             for name, text in step.get("env", {}).items()
         }
         assert "${{" not in step["run"], "inputs reach a script by its environment only"
-        done = subprocess.run(
-            ["bash", "-eo", "pipefail", "-c", step["run"]],
-            env=environment | values,
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            timeout=PATIENCE,
-        )
+        done = finished(["bash", "-eo", "pipefail", "-c", step["run"]], env=environment | values, cwd=folder)
         said, status = said + done.stdout + done.stderr, status or done.returncode
     texts = {name: file.read_text() if file.exists() else "" for name, file in files.items()}
     outputs = dict(line.split("=", 1) for line in texts["GITHUB_OUTPUT"].splitlines())

@@ -1,7 +1,6 @@
 """The FMUs of several platforms as one, and universal libraries for macOS"""
 
 import re
-import subprocess
 import sys
 import zipfile
 
@@ -9,6 +8,7 @@ import pytest
 
 from contact_fmus.building.platforms import PLATFORMS, join, toolchains, universal
 from contact_fmus.errors import RunFailure, UserError
+from support.programs import finished
 from support.sources import ROOT
 
 # The first twelve bytes of a library for macOS: magic, processor, variant (mach/machine.h).
@@ -60,7 +60,7 @@ def test_a_joined_fmu_is_the_same_in_fewer_bytes(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "zopfli", None)  # as if it were not installed
     join([first], tmp_path / "usual.fmu")
     unpack = ["cmake", "-E", "tar", "xf", tmp_path / "small.fmu"]
-    run = subprocess.run(unpack, cwd=tmp_path, capture_output=True, text=True, check=False)
+    run = finished(unpack, cwd=tmp_path)
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
     assert (tmp_path / "modelDescription.xml").read_text() == text
     with zipfile.ZipFile(tmp_path / "small.fmu") as small, zipfile.ZipFile(tmp_path / "usual.fmu") as usual:

@@ -3,7 +3,6 @@
 import importlib
 import json
 import re
-import subprocess
 import sys
 import tomllib
 import zipfile
@@ -15,6 +14,7 @@ import yaml
 
 from contact_fmus import Result
 from contact_fmus.fmu.contact_fmu import ContactFmu
+from support.programs import finished
 from support.sources import BUILD, ROOT
 
 SHIPPED = sorted(path.stem for path in (ROOT / "modelDescription" / "scenes").glob("*.toml"))
@@ -76,14 +76,7 @@ def test_the_package_is_imported_by_its_names_and_quickly(installed, far_from_cl
         "    fmu.start(); fmu.step(0.5)\n"
         "    print(fmu_file('SphereSphere'), repr(float(fmu['source.position'][2])))"
     )
-    run = subprocess.run(
-        [installed / "python", "-c", text],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=True,
-        env=far_from_clone,
-    )
+    run = finished([installed / "python", "-c", text], cwd=tmp_path, check=True, env=far_from_clone)
     file, position = run.stdout.split()
     assert str(ROOT) not in file and str(installed.parent) in file
     with ContactFmu(BUILD / "fmus" / "SphereSphere.fmu") as fmu:
@@ -169,7 +162,7 @@ def test_the_wheel_carries_the_fmus_of_fmi_3_and_what_bench_runs(installed, comm
     )
     assert two == three
     text = "from contact_fmus.fmu.host import host_file; print(host_file().is_file())"
-    told = subprocess.run([installed / "python", "-c", text], capture_output=True, text=True, check=True)
+    told = finished([installed / "python", "-c", text], check=True)
     assert told.stdout == "True\n"
 
 

@@ -6,7 +6,6 @@ import itertools
 import json
 import platform
 import re
-import subprocess
 import sys
 from pathlib import Path
 
@@ -47,7 +46,7 @@ from contact_fmus.report.measure import (
 from contact_fmus.stability.motions import LAWS
 from contact_fmus.stability.page import WORDS as ATLAS
 from contact_fmus.stability.scenes import FAMILIES
-from support.programs import PATIENCE
+from support.programs import PATIENCE, finished
 from support.sources import ROOT
 
 PROBLEMS = {
@@ -260,7 +259,7 @@ def test_rows_survive_their_file(tmp_path):
 def test_measuring_without_a_host_says_what_to_do(tmp_path):
     command = [sys.executable, "-m", "contact_fmus", "measure", "--quick", "--output", tmp_path]
     environment = {"PYTHONPATH": str(ROOT / "scripts"), "CONTACT_BUILD": str(tmp_path)}
-    run = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    run = finished(command, env=environment)
     assert run.returncode == 2
     assert "fmu_host does not exist: build it first" in run.stderr and "Traceback" not in run.stderr
 

@@ -6,7 +6,7 @@ import subprocess
 import pytest
 
 from contact_fmus.fmu.host import Case, case_arguments, host_file
-from support.programs import PATIENCE
+from support.programs import finished
 from support.scenes.benchmarks import BENCHMARKS
 
 VALGRIND = [
@@ -17,9 +17,7 @@ VALGRIND = [
 
 
 def checked(*command):
-    return subprocess.run(
-        [*VALGRIND, *command], capture_output=True, text=True, check=False, timeout=PATIENCE
-    )
+    return finished([*VALGRIND, *command])
 
 
 @pytest.mark.parametrize("method", ["event_driven", "cvode_bdf"])

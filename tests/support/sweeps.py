@@ -9,7 +9,7 @@ import time
 from contact_fmus.sweep.drive import make_batch, make_work
 from contact_fmus.sweep.study import read_study
 from contact_fmus.sweep.worker import run_batch
-from support.programs import PATIENCE, environment, python
+from support.programs import PATIENCE, environment, finished, python
 
 # Eight parameters of a ball that bounces on a fixed sphere
 BOUNCES = {
@@ -62,14 +62,7 @@ def command(file, *options):
 
 def sweep(file, *options, status=0):
     """The finished command; its status is checked, and that no traceback was printed"""
-    said = subprocess.run(
-        command(file, *options),
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-        env=environment(),
-    )
+    said = finished(command(file, *options), env=environment())
     assert said.returncode == status, said.stderr
     assert "Traceback" not in said.stderr
     return said
