@@ -100,12 +100,10 @@ def test_a_wrong_place_is_noticed(opened):
 
 # Of millimetres in a tube of 10 m; far from the origin and from each other
 FAR = {
-    "SphereCylinder": [
-        *("source.radius=0.001", "source.center=[0.45,0,0.002]", "source.initial_velocity=[0.5,0,3]"),
-        *("destination.finite_length=true", "destination.length=10"),
-    ],
+    "SphereCylinder": [*("source.radius=0.001", "source.center=[0.45,0,0.002]",
+        "source.initial_velocity=[0.5,0,3]"), *("destination.finite_length=true", "destination.length=10")],
     "SphereSphere": ["source.center=[1e6,2e6,1000001]", "destination.center=[-3e5,0,1e6]"],
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("fmu", FAR)

@@ -23,18 +23,14 @@ HERTZ = {label(file) for file in UNITS if re.fullmatch(r"(?:pair_)?hertz(?:_\w+)
 # law, and for the factors that users see.
 ASKS_FOR_CONSTANTS = r"\bcontact_(?:coefficients|factors)_of\("
 FAST_PATHS = {
-    "fmu_src/touch/pair.c",
-    "fmu_src/touch/segment.c",
-    "fmu_src/touch/chain.c",
+    "fmu_src/touch/pair.c", "fmu_src/touch/segment.c", "fmu_src/touch/chain.c",
     "fmu_src/flight/relative_path.c",
-}
+}  # fmt: skip
 FACTORS = {
-    "fmu_src/model/inputs.c",
-    "fmu_src/model/outputs.c",
-    "fmu_src/model/sensitivity.c",
+    "fmu_src/model/inputs.c", "fmu_src/model/outputs.c", "fmu_src/model/sensitivity.c",
     "fmu_src/integrator/general_step.c",  # whose depth to come is made with k_h
     "fmu_src/scene/evaluate.c",  # whose speed of an onset from rest is made with k_h
-}
+}  # fmt: skip
 
 # k g + c g', by whatever names.
 FORMULA = r"\b(?:k|stiffness) \* [^;]*gap\b[^;]*\+[^;]*\b(?:c|damping) \* [^;]*rate\b"

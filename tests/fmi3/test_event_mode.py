@@ -69,11 +69,9 @@ def test_a_bouncing_ball_returns_at_every_impact(step):
     spring under the ball's weight takes, and no event is told twice."""
     gravity, height, stiffness = 10.0, 0.2, 1e5
     values = {
-        "source.center": [0.0, 0.0, 0.6 + height],
-        "gravity": [0.0, 0.0, -gravity],
-        "contact.method": "penalty",
-        "contact.penalty_factor": stiffness,
-    }
+        "source.center": [0.0, 0.0, 0.6 + height], "gravity": [0.0, 0.0, -gravity],
+        "contact.method": "penalty", "contact.penalty_factor": stiffness,
+    }  # fmt: skip
     fall = math.sqrt(2 * height / gravity)
     omega = math.sqrt(stiffness)  # of 1 kg
     lasts = 2 / omega * (math.pi - math.atan(omega * fall))  # x'' + omega² x = -g, from x = 0 at speed g fall

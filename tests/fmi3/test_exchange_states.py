@@ -9,12 +9,10 @@ from support.fmi3.raw import DISCARD, ERROR, OK
 from support.outside import Outside
 
 CONTACT = {
-    "destination.motion": "free",
-    "source.center": [0.4, 0.3, 0.25],
-    "source.initial_velocity": [-0.3, 0.1, -0.2],
-    "contact.location": "outside",
+    "destination.motion": "free", "source.center": [0.4, 0.3, 0.25],
+    "source.initial_velocity": [-0.3, 0.1, -0.2], "contact.location": "outside",
     "contact.penalty_factor": 1e3,
-}
+}  # fmt: skip
 
 
 def begun(scene="SphereSphere", values=None):

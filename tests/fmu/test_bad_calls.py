@@ -88,12 +88,10 @@ def test_an_fmu_in_a_folder_with_an_odd_name_works(fmu, tmp_path):
 
 EXPERIMENTS = [
     *(("fmi2SetupExperiment", "startTime", (0, 0.0, start, 0, 0.0), {}) for start in NOT_FINITE),
-    *(
-        ("fmi2SetupExperiment", "stopTime", (0, 0.0, 1.0, 1, stop), {"start": 1.0})
-        for stop in (*NOT_FINITE, 0.999, -1.0)
-    ),
+    *(("fmi2SetupExperiment", "stopTime", (0, 0.0, 1.0, 1, stop), {"start": 1.0}) for stop in (*NOT_FINITE,
+        0.999, -1.0)),
     *(("", "tolerance", (1, one, 0.0, 0, 0.0), {"tolerance": 1e-6}) for one in (*NOT_FINITE, 0.0, -1e-6)),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("told, word, arguments, right", EXPERIMENTS)

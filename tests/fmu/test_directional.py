@@ -124,11 +124,9 @@ def test_on_an_edge_the_derivative_is_that_of_the_regime_in_force():
     assert edge(deeper) == -1e6
     # The law is zero where p_n g = -p_nv g': 2^20 N/m times 2^-10 m and 2^10 N s/m times 1 m/s.
     clipped = {
-        **beside,
-        "source.center": [0.75 - 2**-10, 0.0, 0.0],
-        "contact.penalty_factor": 2.0**20,
+        **beside, "source.center": [0.75 - 2**-10, 0.0, 0.0], "contact.penalty_factor": 2.0**20,
         "contact.viscous_penalty_factor": 2.0**10,
-    }
+    }  # fmt: skip
     speed = "source.prescribed_velocity[1]"
     for rate, expected in [(1.0, 0.0), (1.0 - 2**-40, -(2.0**20)), (1.5, 0.0)]:
         assert edge({**clipped, "source.prescribed_velocity": [rate, 0.0, 0.0]}) == expected

@@ -31,11 +31,9 @@ UNIVERSAL = {
 }  # fmt: skip
 # Others that move as the universal FMU does.
 MORE = {
-    "BouncingBall": "SpherePlane",
-    "SpinningBall": "SpherePlane",
-    "Turntable": "SpherePlane",
+    "BouncingBall": "SpherePlane", "SpinningBall": "SpherePlane", "Turntable": "SpherePlane",
     "GolfersDilemma": "SphereCylinder",
-}
+}  # fmt: skip
 # Where an axis is at rest that the universal FMU knows by another start value.
 UPRIGHT = {"Turntable": "destination.prescribed_axis", "GolfersDilemma": "destination.axis"}
 LINEAR = [scene for scene in UNIVERSAL if scene != "HertzImpact"]

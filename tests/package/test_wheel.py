@@ -29,11 +29,9 @@ def test_the_wheel_carries_what_building_and_running_need(wheel):
     wanted = [*sources, "CMakeLists.txt", "LICENSE", "modelDescription/variables.toml", "cmake/pack_fmu.py"]
     wanted += [f"build/fmus/{name}.fmu" for name in SHIPPED]
     wanted += [
-        "docs/sweep.md",
-        "sundials/lib/libsundials_cvode.a",
-        "sundials/include/cvode/cvode.h",
+        "docs/sweep.md", "sundials/lib/libsundials_cvode.a", "sundials/include/cvode/cvode.h",
         "sundials/sundials.txt",
-    ]
+    ]  # fmt: skip
     assert [name for name in wanted if f"contact_fmus/share/{name}" not in names] == []
     assert [name for name in names if "__pycache__" in name or "/tests/" in name] == []
 

@@ -139,11 +139,9 @@ def test_a_ball_whispers_around_a_hollow_body(opened, shape, steps):
         "destination.radius": 0.5,
         "source.center": (0.4 * ACROSS).tolist(),
         "source.initial_velocity": (1.0 * along + 0.01 * ACROSS).tolist(),
-        "contact.location": "inside",
-        "contact.method": "penalty",
-        "contact.penalty_factor": 1e10,
+        "contact.location": "inside", "contact.method": "penalty", "contact.penalty_factor": 1e10,
         "gravity": [0.0, 0.0, 0.0],
-    }
+    }  # fmt: skip
     if shape == "cylinder":
         values["destination.axis"] = AXIS.tolist()
     first = Reference(values, shape, number=Decimal, order=30).run(0.03)

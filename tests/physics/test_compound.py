@@ -21,11 +21,9 @@ COUNT = 40
 VALUES, DERIVATIVES = 1e-12, 1e-9
 SUMS = ("foot.contact_force", "foot.contact_torque")
 KNOWNS = {
-    "foot.prescribed_displacement": "x",
-    "foot.prescribed_velocity": "v",
-    "foot.prescribed_orientation": "q",
+    "foot.prescribed_displacement": "x", "foot.prescribed_velocity": "v", "foot.prescribed_orientation": "q",
     "foot.prescribed_angular_velocity": "omega",
-}
+}  # fmt: skip
 
 
 def random_case(rng):
@@ -33,13 +31,11 @@ def random_case(rng):
         PARTS.values(), 1e6, rng.choice([0.0, 100.0, 3000.0]), rng.uniform(0.0, 1.0), 10 ** rng.uniform(-4, 0)
     )
     motion = {
-        "x": np.array([rng.normal(), rng.normal(), 0.05]),
-        "v": rng.normal(size=3) * [1.0, 1.0, 0.1],
-        "q": np.array([1.0, *rng.normal(size=3) * 0.02])
-        * rng.choice([-1.0, 1.0])
-        * 10.0 ** rng.uniform(-3, 3),
+        "x": np.array([rng.normal(), rng.normal(), 0.05]), "v": rng.normal(size=3) * [1.0, 1.0, 0.1],
+        "q": np.array([1.0, *rng.normal(size=3) * 0.02]) * rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-3,
+            3),
         "omega": rng.normal(size=3),
-    }
+    }  # fmt: skip
     lowest = min(foot.gap(k, motion["x"], matrix(motion["q"])) for k in range(len(PARTS)))
     motion["x"][2] -= lowest + rng.uniform(1e-4, 3e-3)  # the lowest part is so deep
     return foot, motion
@@ -49,12 +45,10 @@ def begun(fmu, foot, motion):
     values = {"foot.center": [0.0, 0.0, 0.0]}
     for name in PARTS:
         values |= {
-            f"{name}.friction": "regularized",
-            f"{name}.slip_velocity_control": "user_defined",
-            f"{name}.characteristic_slip_velocity": foot.v_0,
-            f"{name}.friction_coefficient": foot.mu,
+            f"{name}.friction": "regularized", f"{name}.slip_velocity_control": "user_defined",
+            f"{name}.characteristic_slip_velocity": foot.v_0, f"{name}.friction_coefficient": foot.mu,
             f"{name}.viscous_penalty_factor": foot.p_nv,
-        }
+        }  # fmt: skip
     start(fmu, values)
     for name, field in KNOWNS.items():
         fmu[name] = motion[field]
@@ -67,10 +61,8 @@ def expected(foot, motion):
     for k, name in enumerate(PARTS):
         gap, force, torque = foot.contact(k, *ends)
         found |= {
-            f"{name}.gap": np.array([gap]),
-            f"{name}.source_force": force,
-            f"{name}.source_torque": torque,
-        }
+            f"{name}.gap": np.array([gap]), f"{name}.source_force": force, f"{name}.source_torque": torque,
+        }  # fmt: skip
     return found | dict(zip(SUMS, foot.total(*ends), strict=True))
 
 

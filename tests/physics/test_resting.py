@@ -35,14 +35,12 @@ def at_the_bottom(stiffness=1e6, depth=None, **more):
     """In a hollow body"""
     depth = WEIGHT / stiffness if depth is None else depth
     return {
-        **BALL,
-        "contact.location": "inside",
-        "contact.penalty_factor": stiffness,
+        **BALL, "contact.location": "inside", "contact.penalty_factor": stiffness,
         "source.center": (0.4 * TILTED).tolist(),
         "source.initial_displacement": (depth * TILTED).tolist(),
         "gravity": (WEIGHT * TILTED).tolist(),
         **more,
-    }
+    }  # fmt: skip
 
 
 def pressed_together(**more):

@@ -74,11 +74,9 @@ def test_a_near_miss_of_the_centre_keeps_energy_and_angular_momentum(opened, sha
 
 
 FREE_AND_VISCOUS = {
-    "contact.penalty_control": "viscous_only",
-    "destination.motion": "free",
-    "destination.mass": 4.0,
+    "contact.penalty_control": "viscous_only", "destination.motion": "free", "destination.mass": 4.0,
     "destination.initial_velocity": [0.25, -0.5, 0.0],
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -105,13 +103,11 @@ def led(shape, begin, end, miss=0.0, **more):
     """Along x from `begin` to `end` within a second, past the centre of a solid at a distance `miss`"""
     velocity = ((end - begin) * ACROSS).tolist()
     return solid(shape, ACROSS, **{"contact.penalty_factor": LED, "source.motion": "prescribed"}) | {
-        "contact.viscous_penalty_factor": 0.0,
-        "source.initial_velocity": [0.0, 0.0, 0.0],
+        "contact.viscous_penalty_factor": 0.0, "source.initial_velocity": [0.0, 0.0, 0.0],
         "source.center": (begin * ACROSS + miss * ASIDE).tolist(),
-        "source.prescribed_velocity": velocity,
-        "source.prescribed_displacement.derivatives": [velocity],
+        "source.prescribed_velocity": velocity, "source.prescribed_displacement.derivatives": [velocity],
         **more,
-    }
+    }  # fmt: skip
 
 
 def stored(x, miss):

@@ -218,10 +218,8 @@ def test_what_would_be_beyond_numbers_is_refused_and_the_old_value_stays(opened)
     automatic = {"contact.penalty_control": "automatic", "contact.viscous_control": "automatic"}
     fmu = start(opened("SphereSphere"), {**BALL, **automatic})
     values = {
-        "contact.reference_modulus": 1e150,
-        "contact.penalty_multiplier": 1e140,
-        "gravity": [0.0, 0.0, 1e150],
-    }
+        "contact.reference_modulus": 1e150, "contact.penalty_multiplier": 1e140, "gravity": [0.0, 0.0, 1e150],
+    }  # fmt: skip
     for name, value in values.items():
         fmu[name] = value  # finite, whatever it is good for
     factor = fmu["contact.effective_viscous_penalty_factor"]

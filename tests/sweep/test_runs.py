@@ -80,10 +80,8 @@ def test_a_run_that_fails_leaves_the_others_alone(tmp_path, compiled):
     assert np.isnan(rows.values[0, [1, 3]]).all()
     for place in (1, 3):
         start = {
-            "contact.location": "inside",
-            "source.center": [0, 0, 0],
-            "contact.method": "penalty_dynamic",
-        }
+            "contact.location": "inside", "source.center": [0, 0, 0], "contact.method": "penalty_dynamic",
+        }  # fmt: skip
         start["source.radius"] = values["source.radius"][place, 0]
         with ContactFmu(study.fmu) as fmu, pytest.raises(FmuError) as refused:
             fmu.start(start)

@@ -158,15 +158,13 @@ def stiff_landing(random):
     along = np.cross(normal, [0.6, 0.0, 0.8]) if place == "side" else np.array([0.6, -0.8, 0.0])
     stiffness = float(random.choice([1e8, 1e12, 1e16, 1e18, 1e20]))
     values = CAPPED | {
-        "gravity": list(-10.0 * normal),
-        "source.center": list(center),
-        "source.initial_velocity": list(
-            -float(random.choice([0.0, 0.5, 1.0])) * normal - float(random.choice([0.0, 0.0, 0.1])) * along
-        ),
+        "gravity": list(-10.0 * normal), "source.center": list(center),
+        "source.initial_velocity": list(-float(random.choice([0.0, 0.5,
+            1.0])) * normal - float(random.choice([0.0, 0.0, 0.1])) * along),
         "contact.penalty_factor": stiffness,
         "contact.viscous_penalty_factor": float(random.choice([0.2, 1.0, 3.0])) * 2.0 * np.sqrt(stiffness),
         "contact.dashpot": str(random.choice(["non_adhesive", "approach_only"])),
-    }
+    }  # fmt: skip
     # Hops become smaller without end, and how many of them are seen is rounding's.
     hops = {"onsets": np.inf, "last_onset_time": np.inf, "last_duration": np.inf}
     return Scene("SphereCylinder", values, end=float(random.choice([0.5, 1.0])), floor=hops)
@@ -245,11 +243,9 @@ def test_outputs_agree_at_an_end_whichever_side_rounding_takes(opened, seed):
 
 # The centre goes inside the solid, where the nearest face pushes it out.
 THROUGH_THE_AXIS = CAPPED | {
-    "source.center": [-1.0, 0.0, 0.95],
-    "source.initial_velocity": [4.0, 0.0, -5.5],
-    "contact.penalty_factor": 10.0,
-    "contact.method": "penalty",
-}
+    "source.center": [-1.0, 0.0, 0.95], "source.initial_velocity": [4.0, 0.0, -5.5],
+    "contact.penalty_factor": 10.0, "contact.method": "penalty",
+}  # fmt: skip
 THREE_FACES_AS_NEAR = CAPPED | {
     "source.radius": 0.05, "destination.radius": 0.3, "destination.length": 0.3,
     "source.center": [0.15, 0.0, 0.3], "source.initial_velocity": [0.0, 0.0, -2.0],
@@ -357,11 +353,9 @@ def test_a_centre_deep_inside_as_the_reference_has_it(opened, seed):
 def test_on_the_axis_a_ball_is_pushed_out_in_the_direction_of_the_side(opened):
     """Not along the axis, as the cap does from which it comes; nothing is lost."""
     values = CAPPED | {
-        "source.center": [0.0, 0.0, 1.5],
-        "source.initial_velocity": [0.0, 0.0, -3.0],
-        "contact.penalty_factor": 20.0,
-        "contact.method": "penalty",
-    }
+        "source.center": [0.0, 0.0, 1.5], "source.initial_velocity": [0.0, 0.0, -3.0],
+        "contact.penalty_factor": 20.0, "contact.method": "penalty",
+    }  # fmt: skip
     fmu = run(opened("SphereCylinder"), values, 2.0, 4, 1e-10)
     assert fmu["contact.zone"] == "none"
     assert np.hypot(*fmu["source.position"][:2]) > 0.6

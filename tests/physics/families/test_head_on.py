@@ -28,10 +28,8 @@ def _supports(random):
         return "SpherePlane", {"destination.axis": list(up), "source.center": list(0.1 * up)}, up
     if shape == "cap":
         values = {
-            "destination.axis": list(up),
-            "destination.finite_length": True,
-            "destination.ends": "capped",
-        }
+            "destination.axis": list(up), "destination.finite_length": True, "destination.ends": "capped",
+        }  # fmt: skip
         return "SphereCylinder", values | {"source.center": list(0.6 * up)}, up
     inside = shape in ("shell", "tube")
     away = -0.4 if inside else 0.6

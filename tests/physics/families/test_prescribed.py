@@ -271,10 +271,8 @@ def test_a_force_element_in_the_plane_of_an_open_end_agrees_with_itself(opened, 
 
 def test_the_dashpot_is_clipped_as_the_source_leaves_by_a_rim(opened):
     values = straight([-1.0, 0.0, 0.55], [1.0, 0.0, 0.0]) | {
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.finite_length": True,
-        "destination.ends": "capped",
-    }
+        "destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True, "destination.ends": "capped",
+    }  # fmt: skip
     fmu = start(opened("SphereCylinder"), values, 1e-10)
     fmu.step(2.0)
     check_close("mean force", fmu["contact.mean_force"], [-3.422391823, 0.0, 27254.663548], 1e-5)
@@ -313,13 +311,11 @@ def test_a_source_passes_the_axis_of_a_cylinder_that_turns_about_its_path(opened
     reversed, with -c as far as the dashpot allows."""
     stiffness, damping, reach = 1e4, 1e3, 0.6
     values = HANGING | {
-        "source.prescribed_displacement": [-0.5, 0.0, 0.0],
-        "source.prescribed_velocity": [1.0, 0.0, 0.0],
+        "source.prescribed_displacement": [-0.5, 0.0, 0.0], "source.prescribed_velocity": [1.0, 0.0, 0.0],
         "source.prescribed_displacement.derivatives": [[1.0, 0.0, 0.0]],
-        "destination.prescribed_angular_velocity": [0.7, 0.0, 0.0],
-        "contact.viscous_penalty_factor": damping,
+        "destination.prescribed_angular_velocity": [0.7, 0.0, 0.0], "contact.viscous_penalty_factor": damping,
         "contact.dashpot": dashpot,
-    }
+    }  # fmt: skip
     impulse, peak = impulse_and_peak(opened("TurningForceElement"), values, 1.0, steps)
     pulls = 0.0 if dashpot == "approach_only" else damping
     until = reach - pulls / stiffness if dashpot == "non_adhesive" else reach
@@ -335,12 +331,10 @@ def test_a_source_passes_the_axis_of_a_cylinder_that_turns_about_its_path(opened
 def test_a_gap_rate_that_is_rounding_holds_up_no_step(opened, spin, steps):
     """An approach_only dashpot under a cylinder that begins to turn away from a source at rest."""
     values = {
-        "contact.dashpot": "approach_only",
-        "destination.axis": [1.0, 0.0, 0.0],
-        "destination.prescribed_axis": [1.0, 0.0, 0.0],
-        "source.center": [0.18, 0.52, 0.0],
+        "contact.dashpot": "approach_only", "destination.axis": [1.0, 0.0, 0.0],
+        "destination.prescribed_axis": [1.0, 0.0, 0.0], "source.center": [0.18, 0.52, 0.0],
         "destination.prescribed_angular_velocity": spin,
-    }
+    }  # fmt: skip
     fmu = run(opened("TurningForceElement"), values, 1.0, steps, None, None)
     axis = Rotation.from_rotvec(spin).apply([1.0, 0.0, 0.0])
     place = np.array([0.18, 0.52, 0.0])
@@ -394,13 +388,11 @@ def test_friction_without_a_dashpot_ends_with_the_normal_force(opened, steps):
 def test_a_source_that_slides_along_a_cylinder_exactly_at_the_touch_holds_up_no_step(opened):
     """Rounding decides whether it touches: the force is that of a gap of some 1e-16 m."""
     values = HANGING | {
-        "source.center": [0.0, 0.6, 0.0],
-        "source.prescribed_displacement": [0.0, 0.0, 0.0],
+        "source.center": [0.0, 0.6, 0.0], "source.prescribed_displacement": [0.0, 0.0, 0.0],
         "source.prescribed_velocity": [0.0, 0.0, 1.0],
-        "source.prescribed_displacement.derivatives": [[0.0, 0.0, 1.0]],
-        "contact.dashpot": "approach_only",
+        "source.prescribed_displacement.derivatives": [[0.0, 0.0, 1.0]], "contact.dashpot": "approach_only",
         "contact.friction": "elastic",
-    }
+    }  # fmt: skip
     fmu = start(opened("TurningForceElement"), values)
     fmu.step(1.0)
     check_close("mean force", fmu["contact.mean_force"], [0.0, 0.0, 0.0], 1e-11)

@@ -13,30 +13,24 @@ G, MASS, RADIUS, MU, STIFFNESS = 9.81, 1.0, 0.1, 0.05, 2.25
 INERTIA = 0.4 * MASS * RADIUS**2
 LIMIT = MU * RADIUS * MASS * G  # N m
 BALL = {
-    "source.rotation": "free",
-    "source.mass": MASS,
-    "source.radius": RADIUS,
+    "source.rotation": "free", "source.mass": MASS, "source.radius": RADIUS,
     "source.center": [0.0, 0.0, RADIUS - MASS * G / 1e6],  # lies on its spring
     "contact.penalty_factor": 1e6,
-}
+}  # fmt: skip
 
 
 def resisting(kind, stiffness=STIFFNESS, damping=0.0):
     return {
-        f"contact.{kind}": "elastic",
-        f"contact.{kind}_coefficient": MU,
-        f"contact.{kind}_stiffness": stiffness,
-        f"contact.{kind}_damping": damping,
-    }
+        f"contact.{kind}": "elastic", f"contact.{kind}_coefficient": MU,
+        f"contact.{kind}_stiffness": stiffness, f"contact.{kind}_damping": damping,
+    }  # fmt: skip
 
 
 FRICTION = {
-    "contact.friction": "elastic",
-    "contact.friction_coefficient": 0.5,
-    "contact.static_friction_coefficient": 0.5,
-    "contact.tangential_stiffness": 1e5,
+    "contact.friction": "elastic", "contact.friction_coefficient": 0.5,
+    "contact.static_friction_coefficient": 0.5, "contact.tangential_stiffness": 1e5,
     "contact.tangential_damping": 100.0,
-}
+}  # fmt: skip
 SPEED, RATE = 0.3, 5.0
 MOVED = {
     "spinning": {"source.initial_angular_velocity": [0.0, 0.0, RATE]},

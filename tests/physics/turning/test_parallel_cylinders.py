@@ -145,10 +145,8 @@ def test_contact_lasts_while_the_cylinders_overlap_in_length(opened):
 ])  # fmt: skip
 def test_what_the_pair_cannot_do_is_refused_and_said(opened, wrong, words):
     parallel = {
-        "source.axis": [0.0, 0.0, 1.0],
-        "destination.axis": [0.0, 0.0, 2.0],
-        "source.center": [1.0, 0.0, 0.0],
-    }
+        "source.axis": [0.0, 0.0, 1.0], "destination.axis": [0.0, 0.0, 2.0], "source.center": [1.0, 0.0, 0.0],
+    }  # fmt: skip
     start(opened("CylinderCylinder"), parallel)
     with pytest.raises(FmuError, match=words):
         start(opened("CylinderCylinder"), parallel | wrong)

@@ -36,17 +36,13 @@ YIELDING = {
 BALL = {
     "source.rotation": "free",
     "source.center": [0.0, 0.0, RADIUS - G / 1e6],  # lies on its spring
-    **BOTH,
-    "contact.rolling_coefficient": MU,
-    "contact.spinning_coefficient": MU,
-}
+    **BOTH, "contact.rolling_coefficient": MU, "contact.spinning_coefficient": MU,
+}  # fmt: skip
 RUBS = {
-    "regularized": {
-        "contact.slip_velocity_control": "user_defined",
-        "contact.characteristic_slip_velocity": 1e-7,
-    },
+    "regularized": {"contact.slip_velocity_control": "user_defined",
+        "contact.characteristic_slip_velocity": 1e-7},
     "elastic": {"contact.tangential_damping": 500.0},
-}
+}  # fmt: skip
 # The slip of regularized friction is 1e-7 m/s, which Adams' method cannot follow; springs yield by 1e-6 m.
 ROLLS = [
     (friction, method)

@@ -119,12 +119,10 @@ def test_an_oscillation_that_never_dies_away_costs_little_while_a_ball_slides(op
     way is a sum over Gauss-Legendre panels of a twentieth of a radian and less."""
     unit, end = 1e-3, 0.5
     values = thrown("linear", "free", 2.0 / unit)[0] | {
-        "source.center": [0.0, 0.0, R],
-        "source.initial_velocity": [1.0, 0.3, 0.0],
-        "source.initial_angular_velocity": spin,
-        "contact.method": "penalty",
+        "source.center": [0.0, 0.0, R], "source.initial_velocity": [1.0, 0.3, 0.0],
+        "source.initial_angular_velocity": spin, "contact.method": "penalty",
         "contact.penalty_factor": stiffness,
-    }
+    }  # fmt: skip
     fmu = run(opened("SpherePlane"), values, end, 1, 1e-10)
     assert fmu["solver.steps"] < 100
     begin, swing = slip_of(np.array([1.0, 0.3]), np.array(spin)), math.sqrt(stiffness / M)

@@ -366,10 +366,8 @@ def test_a_driven_roller_drives_another_across_it(opened):
     moves by J/m and turns by J across its axis, with m r^2/2; the lower one turns more slowly, by J too."""
     fmu = start(opened("CrossedRollers"), {}, 1e-10)
     m, inertia, rate = (
-        fmu["source.mass"],
-        fmu["destination.axial_inertia"],
-        fmu["destination.angular_velocity"],
-    )
+        fmu["source.mass"], fmu["destination.axial_inertia"], fmu["destination.angular_velocity"],
+    )  # fmt: skip
     e, up = unit(rate), np.array([0.0, 0.0, 1.0])
     fmu.step(0.3)
     lever = fmu["source.position"][2] - fmu["source.radius"]  # the force acts at the surface of the source

@@ -59,12 +59,10 @@ class Ring:
 
     def values(self) -> dict:
         values = touching_values(self) | {
-            "source.radius": self.ball,
-            "destination.axis": 2.0 * self.frame[0],
-            "destination.radius": self.tube,
-            "destination.ring_radius": self.ring,
+            "source.radius": self.ball, "destination.axis": 2.0 * self.frame[0],
+            "destination.radius": self.tube, "destination.ring_radius": self.ring,
             "destination.side": self.side,
-        }
+        }  # fmt: skip
         for i, body in enumerate(("source", "destination")):
             values[f"{body}.mass"] = self.mass[i]
             if self.turns[i]:
@@ -234,10 +232,8 @@ def test_no_touch_of_a_long_flight_is_missed(opened, first):
             one = Ring(**{**vars(one), "velocity": rng.normal(size=3)})
             one.place = 0.8 * one.ring * rng.normal(size=3) - rng.uniform(10.0, 900.0) * one.velocity
         values = one.values() | {
-            "gravity": [0.0, 0.0, 0.0],
-            "destination.motion": "fixed",
-            "source.rotation": "none",
-        }
+            "gravity": [0.0, 0.0, 0.0], "destination.motion": "fixed", "source.rotation": "none",
+        }  # fmt: skip
         values |= {"destination.rotation": "prescribed", "destination.prescribed_angular_velocity": turn}
         values["destination.prescribed_axis"] = one.frame[0]
         time = np.linspace(0.0, 1000.0, SAMPLES)

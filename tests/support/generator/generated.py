@@ -152,15 +152,13 @@ def parse_c(text: str) -> dict[str, dict]:
         fields = match.groupdict()
         assert fields["name"] not in variables
         variables[fields["name"]] = {
-            "reference": int(fields["reference"]),
-            "base": fields["base"].capitalize(),
+            "reference": int(fields["reference"]), "base": fields["base"].capitalize(),
             "causality": causality.get(fields["causality"], fields["causality"].lower()),
-            "min": float(fields["min"]),
-            "max": float(fields["max"]),
+            "min": float(fields["min"]), "max": float(fields["max"]),
             **{key: fields[key] for key in ("member", "row")},
             **{key: int(fields[key]) for key in ("element", "component", "reinit")},
             "tunable": fields["tunable"] == "1",
-        }
+        }  # fmt: skip
     return variables
 
 

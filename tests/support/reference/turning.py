@@ -68,11 +68,9 @@ def quaternion_rate(q, omega):
     w, x, y, z = q
     a, b, c = omega
     return [
-        -0.5 * (a * x + b * y + c * z),
-        0.5 * (a * w + b * z - c * y),
-        0.5 * (b * w + c * x - a * z),
+        -0.5 * (a * x + b * y + c * z), 0.5 * (a * w + b * z - c * y), 0.5 * (b * w + c * x - a * z),
         0.5 * (c * w + a * y - b * x),
-    ]
+    ]  # fmt: skip
 
 
 # Forces, torques and rates at one instant.
@@ -163,15 +161,13 @@ class TurningPair:
             self.viscous = self.of("contact.viscous_penalty_factor") if damped else 0.0
         self.dashpot = self.of("contact.dashpot")
         slip = SimpleNamespace(
-            law=self.of("contact.friction"),
-            mu=self.of("contact.friction_coefficient"),
+            law=self.of("contact.friction"), mu=self.of("contact.friction_coefficient"),
             mu_static=self.of("contact.static_friction_coefficient"),
             largest=self.of("contact.maximum_friction_force"),
             v_0=self.values.get("contact.characteristic_slip_velocity"),
-            k=self.of("contact.tangential_stiffness"),
-            c=self.of("contact.tangential_damping"),
+            k=self.of("contact.tangential_stiffness"), c=self.of("contact.tangential_damping"),
             follows=self.hertz and self.of("contact.tangential_law") == "mindlin",
-        )
+        )  # fmt: skip
         self.opposed = {"slip": slip} | {kind: self._resistance(kind) for kind in KINDS[1:]}
 
     def _resistance(self, kind):

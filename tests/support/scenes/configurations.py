@@ -6,11 +6,9 @@ from support.reference.law import Motion, vector
 from support.scenes.random_scenes import unit_vector
 
 SHAPES = {
-    "SphereSphere": "sphere",
-    "SphereCylinder": "cylinder",
-    "SpherePlane": "plane",
+    "SphereSphere": "sphere", "SphereCylinder": "cylinder", "SpherePlane": "plane",
     "ForceElement": "cylinder",
-}
+}  # fmt: skip
 INPUTS = [
     f"{body}.prescribed_{row}" for body in ("source", "destination") for row in ("displacement", "velocity")
 ]

@@ -61,13 +61,11 @@ def shared_out(values, source, destination, m_s, m_d):
     share = m_d / (m_s + m_d) if source == destination == "free" else float(source == "free")
     speed = np.array(values["source.initial_velocity"])
     return values | {
-        "source.motion": source,
-        "destination.motion": destination,
-        "source.mass": m_s,
+        "source.motion": source, "destination.motion": destination, "source.mass": m_s,
         "destination.mass": m_d,
         "source.initial_velocity": (share * speed).tolist(),
         "destination.initial_velocity": ((share - 1.0) * speed).tolist(),
-    }
+    }  # fmt: skip
 
 
 def speed_after(fmu, location):

@@ -36,13 +36,11 @@ def ball(random, axis, mass):
     radius, fast = random.uniform(0.05, 0.3), 10 ** random.uniform(-1, 1)
     gap = float(chosen(random, [-1e-3, random.uniform(1e-3, 2e-2)]))
     found = {
-        "source.radius": radius,
-        "source.mass": mass,
-        "source.motion": "free",
+        "source.radius": radius, "source.mass": mass, "source.motion": "free",
         "source.center": ((radius + gap) * axis + random.normal() * along).tolist(),
         "source.initial_velocity": (-random.uniform(0.2, 2.0) * axis + fast * along).tolist(),
         "source.rotation": chosen(random, ["free", "free", "free", "none"]),
-    }
+    }  # fmt: skip
     if found["source.rotation"] == "none":
         return found
     spin = np.cross(axis, along) if random.integers(3) == 0 else random.normal(size=3)

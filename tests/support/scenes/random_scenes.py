@@ -82,16 +82,14 @@ def particulars(kind, random, values, outward, side, axis):
     """What makes the kind of scene what it is."""
     if kind == "both free":
         return {
-            "destination.motion": "free",
-            "destination.mass": random.uniform(0.5, 5),
+            "destination.motion": "free", "destination.mass": random.uniform(0.5, 5),
             "destination.initial_velocity": (-side * outward + 0.2 * random.normal(size=3)).tolist(),
             "source.external_force": (20 * side * outward + random.normal(size=3)).tolist(),
             "destination.external_force": (-20 * side * outward + random.normal(size=3)).tolist(),
-            "contact.penalty_control": "automatic",
-            "contact.penalty_multiplier": 1e-5,
+            "contact.penalty_control": "automatic", "contact.penalty_multiplier": 1e-5,
             "contact.viscous_control": "automatic",
             "contact.characteristic_time": 10 ** random.uniform(-4, -3),
-        }
+        }  # fmt: skip
     if kind == "moving destination":
         rate = (-side * 0.5 * outward + 0.3 * random.normal(size=3)).tolist()
         acceleration = (0.5 * random.normal(size=3)).tolist()

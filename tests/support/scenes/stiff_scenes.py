@@ -99,7 +99,5 @@ def settled(shape, values):
     depth, rate = StiffContact(values, shape).settled()
     speed = np.array(values.get("source.initial_velocity", [0.0] * 3)) + rate
     return {
-        **values,
-        "source.initial_displacement": depth.tolist(),
-        "source.initial_velocity": speed.tolist(),
-    }
+        **values, "source.initial_displacement": depth.tolist(), "source.initial_velocity": speed.tolist(),
+    }  # fmt: skip

@@ -39,17 +39,15 @@ def build(shape, location, law, dashpot, motion, seed):
     values, outward = pair(random, shape, inside, 0.03)
     towards = outward if inside else -outward
     values |= {
-        "destination.motion": motion,
-        "destination.mass": random.uniform(0.5, 2),
+        "destination.motion": motion, "destination.mass": random.uniform(0.5, 2),
         "source.initial_velocity": (towards + 0.2 * random.normal(size=3)).tolist(),
         "source.external_force": random.normal(size=3).tolist(),
         "contact.method": "penalty" if law == "penalty" else "penalty_dynamic",
         "contact.penalty_control": "viscous_only" if law == "viscous_only" else "user_defined",
-        "contact.dashpot": dashpot,
-        "contact.penalty_factor": 10 ** random.uniform(4, 5),
+        "contact.dashpot": dashpot, "contact.penalty_factor": 10 ** random.uniform(4, 5),
         "contact.viscous_penalty_factor": 10 ** random.uniform(0.5, 1.5),
         "gravity": (towards + 0.2 * random.normal(size=3)).tolist(),
-    }
+    }  # fmt: skip
     if motion == "prescribed":
         values["destination.prescribed_velocity"] = (0.3 * random.normal(size=3)).tolist()
     if motion == "free":

@@ -212,11 +212,9 @@ def oblique_impact(velocity=(1.0, 0.3, -2.0), spin=(2.0, 5.0, 3.0), stiffness=7e
     kick = -4 / 7 * slip
     expected = {
         "source.velocity": v + kick - 2 * np.array([0.0, 0.0, v[2]]),
-        "source.angular_velocity": omega + np.cross(arm, kick) / (0.4 * RADIUS**2),
-        "energy.friction": 0.0,
-        "contact.onsets": 1,
-        "contact.last_duration": math.pi / math.sqrt(stiffness),
-    }
+        "source.angular_velocity": omega + np.cross(arm, kick) / (0.4 * RADIUS**2), "energy.friction": 0.0,
+        "contact.onsets": 1, "contact.last_duration": math.pi / math.sqrt(stiffness),
+    }  # fmt: skip
     values = ball(
         stiffness,
         **{"source.center": [0.0, 0.0, 0.2], "source.initial_velocity": list(velocity),
@@ -240,12 +238,10 @@ def opposite_spin(mu=0.4, speed=0.2, spin=25.0):
             "contact.location": "outside", **rubbing(1e-3, mu)},
     )  # fmt: skip
     expected = {
-        "source.velocity": np.array([0.0, 0.0, speed]),
-        "destination.velocity": np.array([0.0, 0.0, -speed]),
+        "source.velocity": np.array([0.0, 0.0, speed]), "destination.velocity": np.array([0.0, 0.0, -speed]),
         "source.angular_velocity": np.array([0.0, spin, 0.0]),
-        "destination.angular_velocity": np.array([0.0, -spin, 0.0]),
-        "contact.onsets": 1,
-    }
+        "destination.angular_velocity": np.array([0.0, -spin, 0.0]), "contact.onsets": 1,
+    }  # fmt: skip
     return Case("sphere", values, 0.1, expected)
 
 

@@ -22,10 +22,8 @@ class TurningFmuRun:
     def __init__(self, fmu, values, end, steps, method, tolerance=TOLERANCE):
         self.fmu = fmu
         self.impulses = {
-            "force": np.zeros(3),
-            "source_torque": np.zeros(3),
-            "destination_torque": np.zeros(3),
-        }
+            "force": np.zeros(3), "source_torque": np.zeros(3), "destination_torque": np.zeros(3),
+        }  # fmt: skip
         start(fmu, {"solver.max_internal_steps": MOST_STEPS, **values}, tolerance, method)
         self.begin, self.stray, self.in_play = fmu["energy.total"], 0.0, 0.0
         self._look()
