@@ -256,36 +256,22 @@ STARTS = {
     "both moved": {"source.motion": "prescribed", "destination.motion": "prescribed"},
     "apart": {"destination.motion": "prescribed", "source.center": [0.0, 0.3, 0.9]},
     "inside, apart": {"destination.motion": "prescribed", "source.center": [0.1, 0.2, 0.1]},
-    "automatic factors": {
-        "destination.motion": "prescribed",
-        "contact.penalty_control": "automatic",
-        "contact.viscous_control": "automatic",
-        "contact.reference_modulus": 2e3,
-    },
-    "automatic stiffness": {
-        "destination.motion": "prescribed",
-        "contact.penalty_control": "automatic",
-        "contact.reference_modulus": 2e3,
-    },
-    "automatic damping": {
-        "destination.motion": "prescribed",
-        "contact.viscous_control": "automatic",
-        "contact.reference_modulus": 2e3,
-    },
-    "viscous only": {
-        "destination.motion": "prescribed",
-        "contact.penalty_control": "viscous_only",
-        "contact.viscous_control": "automatic",
-        "contact.reference_modulus": 1e6,
-    },
+    "automatic factors": {"destination.motion": "prescribed", "contact.penalty_control": "automatic",
+        "contact.viscous_control": "automatic", "contact.reference_modulus": 2e3},
+    "automatic stiffness": {"destination.motion": "prescribed", "contact.penalty_control": "automatic",
+        "contact.reference_modulus": 2e3},
+    "automatic damping": {"destination.motion": "prescribed", "contact.viscous_control": "automatic",
+        "contact.reference_modulus": 2e3},
+    "viscous only": {"destination.motion": "prescribed", "contact.penalty_control": "viscous_only",
+        "contact.viscous_control": "automatic", "contact.reference_modulus": 1e6},
     "no dashpot": {"destination.motion": "prescribed", "contact.method": "penalty"},
     # Receding fast: p_n g + p_nv g' > 0
     "pulling": {"destination.motion": "prescribed", "contact.dashpot": "unclamped",
-                "source.initial_velocity": [6.0, 2.0, 9.0], "contact.viscous_penalty_factor": 50.0},
+        "source.initial_velocity": [6.0, 2.0, 9.0], "contact.viscous_penalty_factor": 50.0},
     "clipped": {"destination.motion": "prescribed", "contact.dashpot": "non_adhesive",
-                "source.initial_velocity": [6.0, 2.0, 9.0], "contact.viscous_penalty_factor": 50.0},
+        "source.initial_velocity": [6.0, 2.0, 9.0], "contact.viscous_penalty_factor": 50.0},
     "restitution": {"destination.motion": "prescribed", "contact.dashpot": "approach_only",
-                 "source.initial_velocity": [6.0, 2.0, 9.0], "contact.viscous_penalty_factor": 50.0},
+        "source.initial_velocity": [6.0, 2.0, 9.0], "contact.viscous_penalty_factor": 50.0},
 }  # fmt: skip
 
 

@@ -213,29 +213,20 @@ LOST, TOTAL, CYLINDER = "energy.dissipated", "energy.total", "SphereCylinder"
 TURNED = 0.0691576057658999  # s, when it comes to the circle
 # FMU, values, end, numbers of steps, what is so at the end and to what
 WAYS = {
-    "leaves by the end": (
-        *(CYLINDER, straight([0.0, 0.0, 0.59], [0.0, 1.0, 0.0]) | END_PLANE, 1.0, (10,)),
-        *({LOST: 0.5, TOTAL: 0.5}, 1e-12),
-    ),
-    "passes both ends on communication points": (
-        *(CYLINDER, straight([0.0, -1.0, 0.59], [0.0, 1.0, 0.0]) | END_PLANE, 2.0, (8,)),
-        *({ONSETS: 1, LASTED: 1.0, LOST: 0.0}, 1e-12),
-    ),
-    "touches on a communication point": (
-        *("SpherePlane", straight([0.0, 0.0, 0.6], [0.0, 0.0, -1.0]), 1.0, (4,)),
-        *({ONSETS: 1, BEGAN: 0.5}, 1e-12),
-    ),
-    "parts on a communication point": (
-        *("SphereSphere", COMES_AND_GOES, 2.0, (8,), {ONSETS: 1, BEGAN: 0.5, LASTED: 0.5}, 1e-12),
-    ),
-    "turns back at an edge and is over the cap between": (
-        *(CYLINDER, TURNS_AT_THE_CIRCLE, 2.5, (1, 2, 22)),
-        *({ONSETS: 1, BEGAN: TURNED, LASTED: 2.0 * (0.8 - TURNED)}, 1e-12),
-    ),
+    "leaves by the end": (CYLINDER, straight([0.0, 0.0, 0.59], [0.0, 1.0, 0.0]) | END_PLANE, 1.0, (10,),
+        {LOST: 0.5, TOTAL: 0.5}, 1e-12),
+    "passes both ends on communication points": (CYLINDER,
+        straight([0.0, -1.0, 0.59], [0.0, 1.0, 0.0]) | END_PLANE, 2.0, (8,),
+        {ONSETS: 1, LASTED: 1.0, LOST: 0.0}, 1e-12),
+    "touches on a communication point": ("SpherePlane", straight([0.0, 0.0, 0.6], [0.0, 0.0, -1.0]), 1.0,
+        (4,), {ONSETS: 1, BEGAN: 0.5}, 1e-12),
+    "parts on a communication point": ("SphereSphere", COMES_AND_GOES, 2.0, (8,),
+        {ONSETS: 1, BEGAN: 0.5, LASTED: 0.5}, 1e-12),
+    "turns back at an edge and is over the cap between": (CYLINDER, TURNS_AT_THE_CIRCLE, 2.5, (1, 2, 22),
+        {ONSETS: 1, BEGAN: TURNED, LASTED: 2.0 * (0.8 - TURNED)}, 1e-12),
     "goes along the side without depth": (CYLINDER, ALONG_THE_SIDE, 1.25, (1, 5, 22), {ONSETS: 0}, 0.0),
-    "has its dashpot clipped before the release wherever a step ends": (
-        *(CYLINDER, CLIPPED_BEFORE_THE_RELEASE, 2.5, (1, 100), {LOST: 0.0366930944}, 1e-9),
-    ),
+    "has its dashpot clipped before the release wherever a step ends": (CYLINDER, CLIPPED_BEFORE_THE_RELEASE,
+        2.5, (1, 100), {LOST: 0.0366930944}, 1e-9),
 }  # fmt: skip
 
 

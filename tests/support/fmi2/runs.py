@@ -141,31 +141,20 @@ _OF_SPHERES = {
     "viscous only": (VISCOUS, 40, True),
     "automatic factors": (AUTOMATIC, 17, True),
     "penalty": ({**SOFT, **_at(0.0, 0.0, 0.65, method="penalty")}, 22, True),
-    "both prescribed, turning and rubbing": (
-        {**ALL_GIVEN, **RUBBING, **RESISTING, **_at(0, 0, 0)}, 15, True, _fed_and_turned,
-    ),
-    "both prescribed, the tangential stiffness follows": (
-        {**ALL_GIVEN, **FOLLOWING, **_at(0, 0, 0)}, 15, True, _fed_and_turned,
-    ),
-    "spinning off a sphere, the tangential stiffness follows": (
-        {**FOLLOWING, **SPINNING, **_at(0.05, 0.0, 0.62),
-         "source.initial_angular_velocity": [3.0, -8.0, 1.0]}, 12, True,
-    ),
-    "both prescribed, turning and yielding": (
-        {**ALL_GIVEN, **RUBBING, **YIELDING, **_at(0, 0, 0)}, 15, True, _fed_and_turned,
-    ),
-    "spinning on springs": (
-        {**SOFT, **RUBBING, **SPINNING, **YIELDING, **_at(0.05, 0.0, 0.62),
-         "source.initial_angular_velocity": [3.0, -8.0, 2.0]}, 12, True,
-    ),
-    "spinning off a sphere": (
-        {**SOFT, **RUBBING, **SPINNING, **_at(0.05, 0.0, 0.62),
-         "source.initial_angular_velocity": [3.0, -8.0, 1.0]}, 12, True,
-    ),
-    "force with a rate": (
-        {**SOFT, **_at(0.0, 0.0, 0.65)}, 20, True, _pushed,
-        lambda time: {"source.external_force": [20 * math.cos(20 * time), 0.0, 1.0]},
-    ),
+    "both prescribed, turning and rubbing": ({**ALL_GIVEN, **RUBBING, **RESISTING, **_at(0, 0, 0)}, 15, True,
+        _fed_and_turned),
+    "both prescribed, the tangential stiffness follows": ({**ALL_GIVEN, **FOLLOWING, **_at(0, 0, 0)}, 15,
+        True, _fed_and_turned),
+    "spinning off a sphere, the tangential stiffness follows": ({**FOLLOWING, **SPINNING,
+        **_at(0.05, 0.0, 0.62), "source.initial_angular_velocity": [3.0, -8.0, 1.0]}, 12, True),
+    "both prescribed, turning and yielding": ({**ALL_GIVEN, **RUBBING, **YIELDING, **_at(0, 0, 0)}, 15, True,
+        _fed_and_turned),
+    "spinning on springs": ({**SOFT, **RUBBING, **SPINNING, **YIELDING, **_at(0.05, 0.0, 0.62),
+        "source.initial_angular_velocity": [3.0, -8.0, 2.0]}, 12, True),
+    "spinning off a sphere": ({**SOFT, **RUBBING, **SPINNING, **_at(0.05, 0.0, 0.62),
+        "source.initial_angular_velocity": [3.0, -8.0, 1.0]}, 12, True),
+    "force with a rate": ({**SOFT, **_at(0.0, 0.0, 0.65)}, 20, True, _pushed,
+        lambda time: {"source.external_force": [20 * math.cos(20 * time), 0.0, 1.0]}),
 }  # fmt: skip
 
 
