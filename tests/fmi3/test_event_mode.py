@@ -68,10 +68,8 @@ def test_a_bouncing_ball_returns_at_every_impact(step):
     """Dropped on the top of a sphere: the flights between the bounces last 2 v / g, the contacts as long as a
     spring under the ball's weight takes, and no event is told twice."""
     gravity, height, stiffness = 10.0, 0.2, 1e5
-    values = {
-        "source.center": [0.0, 0.0, 0.6 + height], "gravity": [0.0, 0.0, -gravity],
-        "contact.method": "penalty", "contact.penalty_factor": stiffness,
-    }  # fmt: skip
+    values = {"source.center": [0.0, 0.0, 0.6 + height], "gravity": [0.0, 0.0, -gravity]}
+    values |= {"contact.method": "penalty", "contact.penalty_factor": stiffness}
     fall = math.sqrt(2 * height / gravity)
     omega = math.sqrt(stiffness)  # of 1 kg
     lasts = 2 / omega * (math.pi - math.atan(omega * fall))  # x'' + omega² x = -g, from x = 0 at speed g fall
@@ -87,11 +85,10 @@ def test_a_bouncing_ball_returns_at_every_impact(step):
 @pytest.mark.parametrize("method", METHODS)
 def test_a_cylinder_that_slides_away_ends_the_contact_at_its_end(method):
     """It moves along its axis at 1 m/s and leaves the ball, deep in a soft contact, after 0.1 s."""
-    values = {
-        "source.mass": 1000.0, "source.center": [0.59, 0.0, 0.0], "destination.motion": "prescribed",
-        "destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True, "destination.length": 0.2,
-        "contact.method": "penalty", "contact.penalty_factor": 1000.0, "gravity": [0.0, 0.0, 0.0],
-    }  # fmt: skip
+    values = {"source.mass": 1000.0, "source.center": [0.59, 0.0, 0.0], "destination.motion": "prescribed"}
+    values |= {"destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True}
+    values |= {"destination.length": 0.2, "contact.method": "penalty", "contact.penalty_factor": 1000.0}
+    values |= {"gravity": [0.0, 0.0, 0.0]}
     with with_events("cylinder", values, method) as instance:
         instance.set({"destination.prescribed_velocity": [0.0, 0.0, -1.0]})
         told = instance.step(0.0, 0.3)

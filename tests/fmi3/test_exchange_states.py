@@ -8,11 +8,9 @@ from support.fmi3 import raw
 from support.fmi3.raw import DISCARD, ERROR, OK
 from support.outside import Outside
 
-CONTACT = {
-    "destination.motion": "free", "source.center": [0.4, 0.3, 0.25],
-    "source.initial_velocity": [-0.3, 0.1, -0.2], "contact.location": "outside",
-    "contact.penalty_factor": 1e3,
-}  # fmt: skip
+CONTACT = {"destination.motion": "free", "source.center": [0.4, 0.3, 0.25]}
+CONTACT |= {"source.initial_velocity": [-0.3, 0.1, -0.2], "contact.location": "outside"}
+CONTACT |= {"contact.penalty_factor": 1e3}
 
 
 def begun(scene="SphereSphere", values=None):
@@ -61,10 +59,8 @@ def test_a_refused_row_leaves_other_variables_alone():
 
 
 def test_a_jump_of_an_input_in_event_mode_is_work_and_one_of_a_state():
-    start = {
-        "destination.motion": "prescribed", "gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, 0.7],
-        "contact.method": "penalty", "contact.penalty_factor": 1e5,
-    }  # fmt: skip
+    start = {"destination.motion": "prescribed", "gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, 0.7]}
+    start |= {"contact.method": "penalty", "contact.penalty_factor": 1e5}
     outside = begun(values=start)
     instance = outside.instance
     instance.ok("EnterEventMode")

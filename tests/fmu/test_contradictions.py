@@ -71,14 +71,12 @@ def test_contradictory_parameters_are_refused_naming_both(scene, values, named, 
 
 
 # Beyond the ranges of the description, whose ends test_bad_input.py has
-SENSELESS = {
-    "contact.friction_coefficient": [-0.1], "contact.characteristic_slip_velocity": [0.0, -1e-3],
-    "contact.maximum_friction_force": [-1.0], "contact.tangential_stiffness": [0.0],
-    "contact.tangential_ratio": [0.0], "contact.tangential_damping": [-1.0],
-    "contact.rolling_stiffness": [0.0], "contact.spinning_damping": [-1.0],
-    "contact.restitution": [1.01, -0.01], "source.poissons_ratio": [0.51, -1.0],
-    "source.youngs_modulus": [0.0], "source.axial_inertia": [0.0],
-}  # fmt: skip
+SENSELESS = {"contact.friction_coefficient": [-0.1], "contact.characteristic_slip_velocity": [0.0, -1e-3]}
+SENSELESS |= {"contact.maximum_friction_force": [-1.0], "contact.tangential_stiffness": [0.0]}
+SENSELESS |= {"contact.tangential_ratio": [0.0], "contact.tangential_damping": [-1.0]}
+SENSELESS |= {"contact.rolling_stiffness": [0.0], "contact.spinning_damping": [-1.0]}
+SENSELESS |= {"contact.restitution": [1.01, -0.01], "source.poissons_ratio": [0.51, -1.0]}
+SENSELESS |= {"source.youngs_modulus": [0.0], "source.axial_inertia": [0.0]}
 
 
 @pytest.mark.parametrize("scene", [*PAIR, *PLANE])

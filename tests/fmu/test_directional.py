@@ -123,10 +123,8 @@ def test_on_an_edge_the_derivative_is_that_of_the_regime_in_force():
     deeper = {**inwards, "source.center": [0.75 - 2**-20, 0.0, 0.0]}
     assert edge(deeper) == -1e6
     # The law is zero where p_n g = -p_nv g': 2^20 N/m times 2^-10 m and 2^10 N s/m times 1 m/s.
-    clipped = {
-        **beside, "source.center": [0.75 - 2**-10, 0.0, 0.0], "contact.penalty_factor": 2.0**20,
-        "contact.viscous_penalty_factor": 2.0**10,
-    }  # fmt: skip
+    clipped = {**beside, "source.center": [0.75 - 2**-10, 0.0, 0.0], "contact.penalty_factor": 2.0**20}
+    clipped |= {"contact.viscous_penalty_factor": 2.0**10}
     speed = "source.prescribed_velocity[1]"
     for rate, expected in [(1.0, 0.0), (1.0 - 2**-40, -(2.0**20)), (1.5, 0.0)]:
         assert edge({**clipped, "source.prescribed_velocity": [rate, 0.0, 0.0]}) == expected
@@ -243,12 +241,10 @@ def test_in_initialization_mode_inputs_are_known_and_parameters_are_not(fmu):
 # differences through the FMU. There the inputs move the start: no work is done, automatic factors follow.
 
 # Bodies that overlap (the gap is -0.04 m) and move; the free one has kinetic and potential energy.
-TOUCHING = {
-    "source.center": [0.3, 0.1, 0.45], "destination.prescribed_displacement": [0.01, -0.02, 0.0],
-    "destination.prescribed_velocity": [0.2, 0.0, 1.5], "source.prescribed_velocity": [0.0, 0.1, -0.4],
-    "source.initial_velocity": [0.3, 0.2, -1.0], "contact.penalty_factor": 2e3,
-    "contact.viscous_penalty_factor": 5.0,
-}  # fmt: skip
+TOUCHING = {"source.center": [0.3, 0.1, 0.45], "destination.prescribed_displacement": [0.01, -0.02, 0.0]}
+TOUCHING |= {"destination.prescribed_velocity": [0.2, 0.0, 1.5]}
+TOUCHING |= {"source.prescribed_velocity": [0.0, 0.1, -0.4], "source.initial_velocity": [0.3, 0.2, -1.0]}
+TOUCHING |= {"contact.penalty_factor": 2e3, "contact.viscous_penalty_factor": 5.0}
 LYING = {"destination.axis": [0.3, 1.0, 0.2]}
 STARTS = {
     "a moved destination": {"destination.motion": "prescribed"},

@@ -24,10 +24,8 @@ def wall(time: float) -> dict:
 
 def test_a_wall_that_inputs_move_does_work():
     """From an elastic wall of 1 m/s the ball leaves with 2 m/s: 2 J, all of it external work."""
-    start = {
-        "destination.motion": "prescribed", "gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, 0.7],
-        "contact.method": "penalty", "contact.penalty_factor": 1e5,
-    }  # fmt: skip
+    start = {"destination.motion": "prescribed", "gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, 0.7]}
+    start |= {"contact.method": "penalty", "contact.penalty_factor": 1e5}
     outside = begun("SphereSphere", start, wall)
     outside.run(0.2, 1e-4)
     get = outside.instance.get
@@ -61,11 +59,9 @@ def test_a_force_element_is_a_function_of_its_inputs():
 @pytest.mark.parametrize("axis", [[0.0, 0.0, 1.0], [0.3, 1.0, 0.2]])
 def test_directional_derivatives_are_those_of_differences(dashpot, axis):
     """Of outputs and rates with respect to states and inputs, in contact, one body free and one led."""
-    start = {
-        "destination.motion": "free", "source.center": [0.4, 0.3, 0.25],
-        "source.initial_velocity": [-0.3, 0.1, -0.2], "destination.axis": axis, "contact.location": "outside",
-        "contact.dashpot": dashpot, "contact.penalty_factor": 1e3,
-    }  # fmt: skip
+    start = {"destination.motion": "free", "source.center": [0.4, 0.3, 0.25]}
+    start |= {"source.initial_velocity": [-0.3, 0.1, -0.2], "destination.axis": axis}
+    start |= {"contact.location": "outside", "contact.dashpot": dashpot, "contact.penalty_factor": 1e3}
     outside = begun("SphereCylinder", start)
     instance, fmu = outside.instance, outside.instance.fmu
     states = [fmu.variables[name] for name in fmu.roles["state"]]

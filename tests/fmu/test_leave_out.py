@@ -24,16 +24,12 @@ ROOT = Path(__file__).resolve().parents[2]
 LIBRARIES = Path(os.environ.get("CONTACT_BUILD", ROOT / "build")).resolve() / "libraries"
 
 # Each pinned scene and the universal FMU whose choices it pins.
-UNIVERSAL = {
-    "BallOnSphere": "SphereSphere", "BallInShell": "SphereSphere", "BallOffRoller": "SphereCylinder",
-    "PinnedEvent": "SphereCylinder", "ForceElement": "SphereCylinder", "HertzImpact": "SphereSphere",
-    "Bowling": "SpherePlane", "TippingRoller": "SphereCylinder",
-}  # fmt: skip
+UNIVERSAL = {"BallOnSphere": "SphereSphere", "BallInShell": "SphereSphere", "BallOffRoller": "SphereCylinder"}
+UNIVERSAL |= {"PinnedEvent": "SphereCylinder", "ForceElement": "SphereCylinder"}
+UNIVERSAL |= {"HertzImpact": "SphereSphere", "Bowling": "SpherePlane", "TippingRoller": "SphereCylinder"}
 # Others that move as the universal FMU does.
-MORE = {
-    "BouncingBall": "SpherePlane", "SpinningBall": "SpherePlane", "Turntable": "SpherePlane",
-    "GolfersDilemma": "SphereCylinder",
-}  # fmt: skip
+MORE = {"BouncingBall": "SpherePlane", "SpinningBall": "SpherePlane", "Turntable": "SpherePlane"}
+MORE |= {"GolfersDilemma": "SphereCylinder"}
 # Where an axis is at rest that the universal FMU knows by another start value.
 UPRIGHT = {"Turntable": "destination.prescribed_axis", "GolfersDilemma": "destination.axis"}
 LINEAR = [scene for scene in UNIVERSAL if scene != "HertzImpact"]

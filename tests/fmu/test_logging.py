@@ -12,10 +12,8 @@ from support.fmi2.runs import RUNS, begin, go_on
 CATEGORIES = [
     "logEvents", "logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal", "logAll",
 ]  # fmt: skip
-STATUS_CATEGORIES = {
-    raw.OK: "logEvents", raw.WARNING: "logStatusWarning", raw.DISCARD: "logStatusDiscard",
-    raw.ERROR: "logStatusError", raw.FATAL: "logStatusFatal",
-}  # fmt: skip
+STATUS_CATEGORIES = {raw.OK: "logEvents", raw.WARNING: "logStatusWarning", raw.DISCARD: "logStatusDiscard"}
+STATUS_CATEGORIES |= {raw.ERROR: "logStatusError", raw.FATAL: "logStatusFatal"}
 
 
 def choose(instance: raw.Instance, on: bool, *names: bytes) -> int:

@@ -8,10 +8,8 @@ from support.fmi2 import raw
 from support.fmi2.raw import DISCARD, ERROR, OK
 from support.fmi2.runs import RUNS, begin, go_on
 
-KINDS = {
-    raw.DO_STEP_STATUS: "fmi2DoStepStatus", raw.PENDING_STATUS: "fmi2PendingStatus",
-    raw.LAST_SUCCESSFUL_TIME: "fmi2LastSuccessfulTime", raw.TERMINATED: "fmi2Terminated",
-}  # fmt: skip
+KINDS = {raw.DO_STEP_STATUS: "fmi2DoStepStatus", raw.PENDING_STATUS: "fmi2PendingStatus"}
+KINDS |= {raw.LAST_SUCCESSFUL_TIME: "fmi2LastSuccessfulTime", raw.TERMINATED: "fmi2Terminated"}
 # The function, its answer's type, a value it would not give, and the kind it answers.
 FUNCTIONS = {
     "GetStatus": (c_int, -7, raw.DO_STEP_STATUS),

@@ -15,10 +15,8 @@ from support.scenes.benchmarks import BENCHMARKS
 
 METHOD, TOLERANCE = "event_driven", 1e-12
 LIMIT = 20_000
-SHELL = {
-    "destination.radius": 0.5, "source.center": [0.1, 0.0, 0.0], "contact.location": "inside",
-    "contact.method": "penalty", "contact.penalty_factor": 1e13, "gravity": [0.0, 0.0, 0.0],
-}  # fmt: skip
+SHELL = {"destination.radius": 0.5, "source.center": [0.1, 0.0, 0.0], "contact.location": "inside"}
+SHELL |= {"contact.method": "penalty", "contact.penalty_factor": 1e13, "gravity": [0.0, 0.0, 0.0]}
 DROP = {"source.center": [0.0, 0.0, 1.1], "contact.method": "penalty"}
 DAMPED_DROP = {"source.center": [0.0, 0.0, 1.1], "contact.method": "penalty_dynamic"}
 UNBOUNDED = {

@@ -27,9 +27,8 @@ from support.generator.generated import (
 from support.generator.turning_page import assert_the_page_explains_turning
 
 PINNED = [scene for scene in PAIRS if scene_file(scene).get("pinned")]
-UNIVERSAL = {
-    "sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane", "torus": "SphereTorus",
-}  # fmt: skip
+UNIVERSAL = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
+UNIVERSAL |= {"torus": "SphereTorus"}
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -161,11 +160,9 @@ SI = {
     "kg.m2": (1, 2, 0, 0),
     "N/m1.5": None,  # FMI has no half exponents
 }  # fmt: skip
-PREFIX = {
-    "mm": 1e3, "ms": 1e3, "g": 1e3, "mm/s": 1e3, "kN": 1e-3, "N/mm": 1e-3, "N.s/mm": 1e-3, "MPa": 1e-6,
-    "mJ": 1e3, "N.mm": 1e3, "rpm": 30.0 / math.pi, "deg/s": 180.0 / math.pi, "deg/s2": 180.0 / math.pi,
-    "deg": 180.0 / math.pi,
-}  # fmt: skip
+PREFIX = {"mm": 1e3, "ms": 1e3, "g": 1e3, "mm/s": 1e3, "kN": 1e-3, "N/mm": 1e-3, "N.s/mm": 1e-3, "MPa": 1e-6}
+PREFIX |= {"mJ": 1e3, "N.mm": 1e3, "rpm": 30.0 / math.pi, "deg/s": 180.0 / math.pi, "deg/s2": 180.0 / math.pi}
+PREFIX |= {"deg": 180.0 / math.pi}
 
 
 @pytest.mark.parametrize("scene", SCENES)

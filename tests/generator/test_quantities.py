@@ -73,10 +73,8 @@ contact = [{{ name = "contact", source = "ball", destination = "globe" }}]
 step_size = {step}
 """
 SI = {"radius": 0.2, "center": [0, 0.0, 3.0], "turning": [0.0, math.pi, 0], "stiffness": 2e6, "step": 0.002}
-WITH_UNITS = {
-    "radius": '"200 mm"', "center": '[0, "0 m", "3000mm"]', "turning": '["0 rpm", "180 deg/s", 0]',
-    "stiffness": '"2 kN/mm"', "step": '"2 ms"',
-}  # fmt: skip
+WITH_UNITS = {"radius": '"200 mm"', "center": '[0, "0 m", "3000mm"]', "turning": '["0 rpm", "180 deg/s", 0]'}
+WITH_UNITS |= {"stiffness": '"2 kN/mm"', "step": '"2 ms"'}
 
 
 def test_a_scene_with_units_is_the_scene_in_si(tmp_path):

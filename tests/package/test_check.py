@@ -102,10 +102,9 @@ def action(folder, **inputs):
     python = folder / "bin" / "python"
     python.write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
     python.chmod(0o755)
-    environment = {
-        **os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}", "GITHUB_ACTION_PATH": str(ROOT),
-        "RUNNER_TEMP": str(folder), **{name: str(file) for name, file in files.items()},
-    }  # fmt: skip
+    environment = {**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}"}
+    environment |= {"GITHUB_ACTION_PATH": str(ROOT), "RUNNER_TEMP": str(folder)}
+    environment |= {name: str(file) for name, file in files.items()}
     said, status = "", 0
     for step in described["runs"]["steps"]:
         if "run" not in step or step.get("id") == "install":  # what an environment of the tests has already

@@ -23,13 +23,11 @@ def sliding(shape, inside, stiffness, ratio, mass, angle, speed):
     turn = speed / reach if shape == "sphere" else 0.0
     load = mass * (9.81 * math.cos(angle) + (reach * turn**2 if inside else -reach * turn**2))
     d = reach + load / stiffness * (1.0 if inside else -1.0)
-    values = {
-        "contact.location": "inside" if inside else "outside", "contact.method": "penalty_dynamic",
-        "contact.dashpot": "approach_only", "contact.penalty_factor": stiffness,
-        "contact.viscous_penalty_factor": 2.0 * ratio * math.sqrt(stiffness * mass), "source.mass": mass,
-        "source.center": [d * math.sin(angle), 0.0, d * height * math.cos(angle)],
-        "source.initial_velocity": [0.0, speed, 0.0], "gravity": [0.0, 0.0, -9.81],
-    }  # fmt: skip
+    values = {"contact.location": "inside" if inside else "outside", "contact.method": "penalty_dynamic"}
+    values |= {"contact.dashpot": "approach_only", "contact.penalty_factor": stiffness}
+    values |= {"contact.viscous_penalty_factor": 2.0 * ratio * math.sqrt(stiffness * mass)}
+    values |= {"source.mass": mass, "source.center": [d * math.sin(angle), 0.0, d * height * math.cos(angle)]}
+    values |= {"source.initial_velocity": [0.0, speed, 0.0], "gravity": [0.0, 0.0, -9.81]}
     if shape == "cylinder":
         values["destination.axis"] = [0.0, 1.0, 0.0]
     return values, 2.0 if inside else 0.3
@@ -105,12 +103,10 @@ def test_a_ball_set_down_under_hertz_s_law_swings_as_dop853_says(opened, shape, 
     load = 9.81
     depth = (load / stiffness) ** (2 / 3)
     unit = math.sqrt(depth / load)
-    values = {
-        "contact.law": "hertz", "contact.hertz_stiffness": stiffness,
-        "contact.hunt_crossley_factor": chi * unit / depth, "contact.dashpot": "approach_only",
-        "source.center": [0.0, 0.0, 0.1 if shape == "SpherePlane" else 0.6],
-        "source.initial_velocity": [0.0] * 3, "gravity": [0.0, 0.0, -load],
-    }  # fmt: skip
+    values = {"contact.law": "hertz", "contact.hertz_stiffness": stiffness}
+    values |= {"contact.hunt_crossley_factor": chi * unit / depth, "contact.dashpot": "approach_only"}
+    values |= {"source.center": [0.0, 0.0, 0.1 if shape == "SpherePlane" else 0.6]}
+    values |= {"source.initial_velocity": [0.0] * 3, "gravity": [0.0, 0.0, -load]}
     if shape == "SphereCylinder":
         values["destination.axis"] = [0.0, 1.0, 0.0]
     fmu = run(opened(shape), values, 30.0 * unit, 1, 1e-9, "event_driven")

@@ -21,13 +21,11 @@ FMU = "SphereCylinder"
 
 def capped(position, velocity=(0.0, 0.0, 0.0), **more):
     """A ball at an upright cylinder, a little damped; `more` with _ for the first dot of the names"""
-    values = {
-        "source.radius": R_S, "source.center": list(position), "source.initial_velocity": list(velocity),
-        "destination.radius": R_D, "destination.finite_length": True, "destination.length": LENGTH,
-        "destination.ends": "capped", "destination.axis": [0.0, 0.0, 1.0], "gravity": [0.0, 0.0, 0.0],
-        "contact.penalty_factor": 1e5, "contact.viscous_penalty_factor": 20.0,
-        "solver.absolute_tolerance": 1e-13,
-    }  # fmt: skip
+    values = {"source.radius": R_S, "source.center": list(position)}
+    values |= {"source.initial_velocity": list(velocity), "destination.radius": R_D}
+    values |= {"destination.finite_length": True, "destination.length": LENGTH, "destination.ends": "capped"}
+    values |= {"destination.axis": [0.0, 0.0, 1.0], "gravity": [0.0, 0.0, 0.0], "contact.penalty_factor": 1e5}
+    values |= {"contact.viscous_penalty_factor": 20.0, "solver.absolute_tolerance": 1e-13}
     return values | {name.replace("_", ".", 1): value for name, value in more.items()}
 
 
@@ -69,12 +67,11 @@ def scene(seed):
     gap = choose.choice([choose.uniform(0, 0.1), 0.0, choose.uniform(0, 2e-3)])
     rim = (other - over) * outward + (length / 2 - choose.choice([0, over])) * axis
     velocity = -choose.uniform(0.2, 2) * n + 0.7 * vector(choose)
-    values = capped(rim + (radius + gap) * n, velocity) | {
-        "source.radius": radius, "source.mass": masses[0], "destination.radius": other,
-        "destination.mass": masses[1], "destination.motion": "free" if free else "fixed",
-        "destination.length": length, "destination.axis": list(axis),
-        "gravity": list(choose.choice([np.zeros(3), -9.81 * n, 5 * vector(choose)])),
-    }  # fmt: skip
+    values = capped(rim + (radius + gap) * n, velocity) | {"source.radius": radius, "source.mass": masses[0]}
+    values |= {"destination.radius": other, "destination.mass": masses[1]}
+    values |= {"destination.motion": "free" if free else "fixed", "destination.length": length}
+    values |= {"destination.axis": list(axis)}
+    values |= {"gravity": list(choose.choice([np.zeros(3), -9.81 * n, 5 * vector(choose)]))}
     mass = masses[0] * masses[1] / sum(masses) if free else masses[0]
     return values | random_law(choose, mass), choose.uniform(0.02, 0.2)
 

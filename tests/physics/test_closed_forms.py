@@ -126,11 +126,9 @@ def test_a_slide_presses_hardest_at_its_lowest_point_with_the_oscillation_on_top
     load falls from its largest in half an oscillation, (turning/omega)^2, and by how soft the wall is: 1e-8.
     """
     weight = 0.1 * 9.81
-    values = {
-        "source.radius": 0.05, "source.mass": 0.1, "source.center": [0.45 * math.sqrt(0.75), 0.0, -0.225],
-        "destination.axis": [0.0, 1.0, 0.0], "contact.location": "inside", "contact.method": "penalty",
-        "contact.penalty_factor": 1e9,
-    }  # fmt: skip
+    values = {"source.radius": 0.05, "source.mass": 0.1}
+    values |= {"source.center": [0.45 * math.sqrt(0.75), 0.0, -0.225], "destination.axis": [0.0, 1.0, 0.0]}
+    values |= {"contact.location": "inside", "contact.method": "penalty", "contact.penalty_factor": 1e9}
     peaks = []
     run(
         opened("SphereCylinder"),

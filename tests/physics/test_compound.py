@@ -20,10 +20,8 @@ PARTS = {
 COUNT = 40
 VALUES, DERIVATIVES = 1e-12, 1e-9
 SUMS = ("foot.contact_force", "foot.contact_torque")
-KNOWNS = {
-    "foot.prescribed_displacement": "x", "foot.prescribed_velocity": "v", "foot.prescribed_orientation": "q",
-    "foot.prescribed_angular_velocity": "omega",
-}  # fmt: skip
+KNOWNS = {"foot.prescribed_displacement": "x", "foot.prescribed_velocity": "v"}
+KNOWNS |= {"foot.prescribed_orientation": "q", "foot.prescribed_angular_velocity": "omega"}
 
 
 def random_case(rng):
@@ -44,11 +42,9 @@ def random_case(rng):
 def begun(fmu, foot, motion):
     values = {"foot.center": [0.0, 0.0, 0.0]}
     for name in PARTS:
-        values |= {
-            f"{name}.friction": "regularized", f"{name}.slip_velocity_control": "user_defined",
-            f"{name}.characteristic_slip_velocity": foot.v_0, f"{name}.friction_coefficient": foot.mu,
-            f"{name}.viscous_penalty_factor": foot.p_nv,
-        }  # fmt: skip
+        values |= {f"{name}.friction": "regularized", f"{name}.slip_velocity_control": "user_defined"}
+        values |= {f"{name}.characteristic_slip_velocity": foot.v_0, f"{name}.friction_coefficient": foot.mu}
+        values |= {f"{name}.viscous_penalty_factor": foot.p_nv}
     start(fmu, values)
     for name, field in KNOWNS.items():
         fmu[name] = motion[field]
@@ -60,9 +56,8 @@ def expected(foot, motion):
     ends = (motion["x"], motion["v"], motion["q"], motion["omega"])
     for k, name in enumerate(PARTS):
         gap, force, torque = foot.contact(k, *ends)
-        found |= {
-            f"{name}.gap": np.array([gap]), f"{name}.source_force": force, f"{name}.source_torque": torque,
-        }  # fmt: skip
+        found |= {f"{name}.gap": np.array([gap]), f"{name}.source_force": force}
+        found |= {f"{name}.source_torque": torque}
     return found | dict(zip(SUMS, foot.total(*ends), strict=True))
 
 
@@ -151,11 +146,9 @@ MASS, INERTIA = 3.0, np.array([0.05, 0.07, 0.09])
 def laws(parts, p_n, p_nv, mu, v_0):
     values = {}
     for name in parts:
-        values |= {
-            f"{name}.penalty_factor": p_n, f"{name}.viscous_penalty_factor": p_nv,
-            f"{name}.friction_coefficient": mu, f"{name}.slip_velocity_control": "user_defined",
-            f"{name}.characteristic_slip_velocity": v_0,
-        }  # fmt: skip
+        values |= {f"{name}.penalty_factor": p_n, f"{name}.viscous_penalty_factor": p_nv}
+        values |= {f"{name}.friction_coefficient": mu, f"{name}.slip_velocity_control": "user_defined"}
+        values |= {f"{name}.characteristic_slip_velocity": v_0}
     return values
 
 
@@ -167,9 +160,8 @@ def state(fmu, body):
 def tripod(p_nv, mu):
     """The start of a tumbling tripod, as parameters, and its reference with the same start"""
     y = np.array([0.0, 0.0, 0.28, 1.0, 0.2, 0.0, 1.0, 0.0, 0.0, 0.0, 0.5, -0.3, 2.0])
-    values = laws(TRIPOD, 1e5, p_nv, mu, 0.01) | {
-        "tripod.center": y[:3], "tripod.initial_velocity": y[3:6], "tripod.initial_angular_velocity": y[10:],
-    }  # fmt: skip
+    values = laws(TRIPOD, 1e5, p_nv, mu, 0.01) | {"tripod.center": y[:3], "tripod.initial_velocity": y[3:6]}
+    values |= {"tripod.initial_angular_velocity": y[10:]}
     return values, FreeBody(Foot(TRIPOD.values(), 1e5, p_nv, mu, 0.01), MASS, INERTIA), y
 
 
@@ -219,11 +211,8 @@ def test_energy_and_its_parts_last(opened, method):
 
 @pytest.mark.parametrize("torque", [(0.0, 0.0, 0.0), (0.02, -0.01, 0.03)])
 def test_a_free_body_with_three_moments_of_inertia_turns_by_eulers_equations(opened, torque):
-    values = {
-        "gravity": [0.0, 0.0, 0.0],
-        "tripod.center": [0.0, 0.0, 5.0],
-        "tripod.initial_velocity": [0.0, 0.0, 0.0],
-    }
+    values = {"gravity": [0.0, 0.0, 0.0], "tripod.center": [0.0, 0.0, 5.0]}
+    values |= {"tripod.initial_velocity": [0.0, 0.0, 0.0]}
     values |= {"tripod.initial_angular_velocity": [0.01, 3.0, 0.02], "tripod.external_torque": torque}
     free = FreeBody(Foot(TRIPOD.values(), 0.0), MASS, INERTIA, (0.0, 0.0, 0.0))
 
@@ -302,11 +291,9 @@ def test_momenta_and_energy_of_bodies_that_meet_by_their_parts_last(opened_sever
             f"{pair}.penalty_factor": 1e5 for pair in pairs
         }
         for body, speed in (("one", 1.0), ("two", -1.0), ("ball", 2.0)):
-            values |= {
-                f"{body}.motion": "free", f"{body}.rotation": "free", f"{body}.mass": masses[body],
-                f"{body}.initial_velocity": [0.0, 0.0, speed],
-                f"{body}.initial_angular_velocity": rng.normal(size=3) * 2.0,
-            }  # fmt: skip
+            values |= {f"{body}.motion": "free", f"{body}.rotation": "free", f"{body}.mass": masses[body]}
+            values |= {f"{body}.initial_velocity": [0.0, 0.0, speed]}
+            values |= {f"{body}.initial_angular_velocity": rng.normal(size=3) * 2.0}
         values |= {f"{body}.initial_orientation": rng.normal(size=4) for body in ("one", "two")}
         start(fmu, values, 1e-9)
         before, energy = momenta(fmu, masses), fmu["energy.total"]

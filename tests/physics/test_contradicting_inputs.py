@@ -14,10 +14,8 @@ FALLING = {  # a ball that falls on a ball that is led away
     "contact.viscous_penalty_factor": 1e4,
     "destination.prescribed_displacement.derivatives": [[-0.9, 0.1, 0.1], [-3.0, 5.0, 3.0]],
 }
-PASSING = {
-    "source.motion": "prescribed", "source.center": [-1.0, 0.1, 0.0], "contact.penalty_factor": 1e4,
-    "contact.viscous_penalty_factor": 1e2, "gravity": [0.0, 0.0, 0.0],
-}  # fmt: skip
+PASSING = {"source.motion": "prescribed", "source.center": [-1.0, 0.1, 0.0], "contact.penalty_factor": 1e4}
+PASSING |= {"contact.viscous_penalty_factor": 1e2, "gravity": [0.0, 0.0, 0.0]}
 WARNED = "destination.prescribed_displacement", "destination.prescribed_velocity", "Given once"
 
 
@@ -49,11 +47,8 @@ def test_a_ball_on_a_contradiction(opened, dashpot, method):
 def test_the_gap_follows_the_displacement(opened, velocity, method, steps):
     """Deepest at 0.1 m between the centres, whatever velocity the law sees, also while it is released."""
     rate = [3.0, 0.0, 0.0]
-    values = {
-        **PASSING,
-        "source.prescribed_velocity": [velocity, 0.0, 0.0],
-        "source.prescribed_displacement.derivatives": [rate],
-    }
+    values = {**PASSING, "source.prescribed_velocity": [velocity, 0.0, 0.0]}
+    values |= {"source.prescribed_displacement.derivatives": [rate]}
     fmu = start(opened("SphereSphere"), values, 1e-10, method)
     deepest = 0.0
     for k in range(steps):

@@ -25,12 +25,10 @@ def dying_scene(draw, shape, inside, frame):
     reduced = 1.0 / (1.0 / mass + 1.0 / other)
     angular = math.sqrt(stiffness / reduced)
     normal, reach, side = unit(draw.normal(size=3)), (0.4 if inside else 0.6), (-1.0 if inside else 1.0)
-    values = {
-        "contact.location": "inside" if inside else "outside", "contact.method": "penalty_dynamic",
-        "contact.dashpot": "unclamped", "contact.penalty_factor": stiffness,
-        "contact.viscous_penalty_factor": 2.0 * ratio * math.sqrt(stiffness * reduced), "source.mass": mass,
-        "gravity": [0.0, 0.0, 0.0],
-    }  # fmt: skip
+    values = {"contact.location": "inside" if inside else "outside", "contact.method": "penalty_dynamic"}
+    values |= {"contact.dashpot": "unclamped", "contact.penalty_factor": stiffness}
+    values |= {"contact.viscous_penalty_factor": 2.0 * ratio * math.sqrt(stiffness * reduced)}
+    values |= {"source.mass": mass, "gravity": [0.0, 0.0, 0.0]}
     if shape == "cylinder":
         axis = unit(draw.normal(size=3))
         values["destination.axis"] = list(axis)

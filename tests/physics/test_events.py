@@ -45,12 +45,10 @@ def test_a_long_throw_comes_down_on_a_small_body_in_one_step(opened, shape, seed
 
 def tube(**more):
     """A ball lying at the bottom of a finite tube along y, sunk in by m g / k, sliding along with 1 m/s."""
-    values = {
-        "source.radius": 0.1, "source.center": [0.0, 0.0, -0.4 - 9.81e-4],
-        "source.initial_velocity": [0.0, 1.0, 0.0], "destination.radius": 0.5,
-        "destination.axis": [0.0, 1.0, 0.0], "destination.finite_length": True, "destination.length": 1.0,
-        "contact.penalty_factor": 1e4, "contact.method": "penalty_dynamic",
-    }  # fmt: skip
+    values = {"source.radius": 0.1, "source.center": [0.0, 0.0, -0.4 - 9.81e-4]}
+    values |= {"source.initial_velocity": [0.0, 1.0, 0.0], "destination.radius": 0.5}
+    values |= {"destination.axis": [0.0, 1.0, 0.0], "destination.finite_length": True}
+    values |= {"destination.length": 1.0, "contact.penalty_factor": 1e4, "contact.method": "penalty_dynamic"}
     return {**values, **more}
 
 

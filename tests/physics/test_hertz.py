@@ -263,10 +263,9 @@ def test_until_the_end_of_initialization_the_damping_of_a_start_in_overlap_follo
 ):
     """By central differences of the formula: chi v = y, v^2 = g'^2 + (4/5) k_h delta^(5/2)/m_red."""
     depth, rate, mass = 2e-3, -0.7, 3.0
-    values = prescribed(dashpot, "restitution") | {
-        "source.center": [0.0, 0.0, 0.6 - depth], "destination.motion": motion, "destination.mass": mass,
-        "source.prescribed_velocity": [0.0, 0.0, rate], "gravity": [0.0, 0.0, 0.0],
-    }  # fmt: skip
+    values = prescribed(dashpot, "restitution") | {"source.center": [0.0, 0.0, 0.6 - depth]}
+    values |= {"destination.motion": motion, "destination.mass": mass}
+    values |= {"source.prescribed_velocity": [0.0, 0.0, rate], "gravity": [0.0, 0.0, 0.0]}
     values = {name: value for name, value in values.items() if not name.endswith("derivatives")}
     fmu = opened("SphereSphere")
     fmu.reset()

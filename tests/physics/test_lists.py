@@ -90,19 +90,15 @@ PAIRS = {
     "SphereSphere": {"source": "ball", "destination": "floor", "contact": "first"},
     "SphereCylinder": {"source": "marble", "destination": "bowl", "contact": "second"},
 }
-BALL = {
-    "source.radius": 0.1, "source.mass": 0.7, "source.center": [0.02, 0.01, 0.4],
-    "source.initial_velocity": [0.3, -0.1, -2.0], "source.motion": "free", "destination.radius": 0.3,
-    "destination.center": [0.0, 0.0, 0.0], "destination.motion": "fixed", "contact.penalty_factor": 3e4,
-    "contact.viscous_penalty_factor": 20.0, "contact.dashpot": "unclamped",
-}  # fmt: skip
-MARBLE = {
-    "source.radius": 0.02, "source.mass": 0.05, "source.center": [5.0, 1.0, 0.325],
-    "source.initial_velocity": [-0.2, 0.5, -1.0], "source.motion": "free", "destination.radius": 0.3,
-    "destination.center": [5.0, 0.0, 0.0], "destination.axis": [0.0, 1.0, 0.0], "destination.motion": "free",
-    "destination.mass": 3.0, "contact.penalty_factor": 2e6, "contact.viscous_penalty_factor": 1.5,
-    "contact.dashpot": "non_adhesive",
-}  # fmt: skip
+BALL = {"source.radius": 0.1, "source.mass": 0.7, "source.center": [0.02, 0.01, 0.4]}
+BALL |= {"source.initial_velocity": [0.3, -0.1, -2.0], "source.motion": "free", "destination.radius": 0.3}
+BALL |= {"destination.center": [0.0, 0.0, 0.0], "destination.motion": "fixed", "contact.penalty_factor": 3e4}
+BALL |= {"contact.viscous_penalty_factor": 20.0, "contact.dashpot": "unclamped"}
+MARBLE = {"source.radius": 0.02, "source.mass": 0.05, "source.center": [5.0, 1.0, 0.325]}
+MARBLE |= {"source.initial_velocity": [-0.2, 0.5, -1.0], "source.motion": "free", "destination.radius": 0.3}
+MARBLE |= {"destination.center": [5.0, 0.0, 0.0], "destination.axis": [0.0, 1.0, 0.0]}
+MARBLE |= {"destination.motion": "free", "destination.mass": 3.0, "contact.penalty_factor": 2e6}
+MARBLE |= {"contact.viscous_penalty_factor": 1.5, "contact.dashpot": "non_adhesive"}
 COMMON = {"contact.penalty_control": "user_defined", "contact.viscous_control": "user_defined"}
 RESTING = {"source.initial_velocity": [0.1, 0.0, 0.0], "source.center": [0.0, 0.0, 0.3999]}
 SIDE_BY_SIDE = {  # ball, marble
@@ -170,10 +166,8 @@ def test_each_of_two_pairs_moves_as_if_it_were_alone(built, fmu_path, case, step
 
 
 PUSH, PULL = 0.03, 0.025  # s, towards each other and apart again
-DRIVEN = {
-    **BALL, "source.center": [0.0, 0.0, 0.41], "source.motion": "prescribed",
-    "destination.motion": "prescribed", "contact.dashpot": "non_adhesive",
-}  # fmt: skip
+DRIVEN = {**BALL, "source.center": [0.0, 0.0, 0.41], "source.motion": "prescribed"}
+DRIVEN |= {"destination.motion": "prescribed", "contact.dashpot": "non_adhesive"}
 
 
 @pytest.mark.parametrize("steps", [1, 7])

@@ -231,10 +231,9 @@ def test_peaks_do_not_follow_the_rounding_of_velocities(opened, name, share, ste
 @pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_the_dashpot_presses_up_to_the_centre(opened, dashpot, method):
     """A ball straight through a solid one: g' falls from -v to +v there, and the force with it"""
-    values = head_on("sphere", "outside", speed=48.0) | {
-        "contact.method": "penalty_dynamic", "contact.dashpot": dashpot, "contact.penalty_factor": 20.0,
-        "contact.viscous_penalty_factor": 0.6, "source.mass": 1.0,
-    }  # fmt: skip
+    values = head_on("sphere", "outside", speed=48.0) | {"contact.method": "penalty_dynamic"}
+    values |= {"contact.dashpot": dashpot, "contact.penalty_factor": 20.0}
+    values |= {"contact.viscous_penalty_factor": 0.6, "source.mass": 1.0}
     peaks = []
     for by in (METHOD, method):
         fmu = run(opened("SphereSphere"), values, 0.1, 1, 1e-9, by)

@@ -79,12 +79,10 @@ def test_polynomial_inputs_are_followed_to_rounding(opened, kind):
 def test_a_growing_load_costs_no_more_on_a_stiffer_plane(opened, stiffness, share):
     """Undamped it swings about the load, damped it follows that: two seconds in one step."""
     values = bounce(gap=0.0, **{"contact.penalty_factor": stiffness})
-    values |= {
-        "source.initial_velocity": [0.0, 0.0, 0.0],
-        "contact.viscous_penalty_factor": 2 * share * math.sqrt(stiffness),
-        "source.external_force": [0.0, 0.0, -1.0],
-        "source.external_force.derivatives": [[2.0, 0.0, -3.0], [0.0, -1.0, 1.0]],
-    }
+    values |= {"source.initial_velocity": [0.0, 0.0, 0.0]}
+    values |= {"contact.viscous_penalty_factor": 2 * share * math.sqrt(stiffness)}
+    values |= {"source.external_force": [0.0, 0.0, -1.0]}
+    values |= {"source.external_force.derivatives": [[2.0, 0.0, -3.0], [0.0, -1.0, 1.0]]}
     fmu = run(opened(FMU), values, 2.0, 1)
     assert fmu["solver.steps"] < 20
     # x'' + 2 z w x' + w^2 x = a + b t + t^2 / 2 for the penetration -x, from rest at 0: powers of t, and an

@@ -136,17 +136,14 @@ def values_of(balls, planes, contacts, gravity):
         name = {0: f"land[{i}]", -1: f"side[{i}]"}.get(j, f"touch[{i},{j}]")
         hertz = one["law"] == "hertz"
         values |= {f"{name}.{key}": one[key] for key in ("law", "dashpot", "friction")}
-        values |= {
-            f"{name}.method": "penalty_dynamic" if one["c"] else "penalty",
-            f"{name}.{'hertz_stiffness' if hertz else 'penalty_factor'}": one["k"],
-            f"{name}.{'hunt_crossley_factor' if hertz else 'viscous_penalty_factor'}": one["c"],
-            f"{name}.friction_coefficient": one["mu"],
-            f"{name}.static_friction_coefficient": one["mu_static"],
-            f"{name}.slip_velocity_control": "user_defined",
-            f"{name}.characteristic_slip_velocity": one["v_0"],
-            f"{name}.tangential_stiffness": one["k_t"],
-            f"{name}.tangential_damping": one["c_t"],
-        }
+        values |= {f"{name}.method": "penalty_dynamic" if one["c"] else "penalty"}
+        values |= {f"{name}.{'hertz_stiffness' if hertz else 'penalty_factor'}": one["k"]}
+        values |= {f"{name}.{'hunt_crossley_factor' if hertz else 'viscous_penalty_factor'}": one["c"]}
+        values |= {f"{name}.friction_coefficient": one["mu"]}
+        values |= {f"{name}.static_friction_coefficient": one["mu_static"]}
+        values |= {f"{name}.slip_velocity_control": "user_defined"}
+        values |= {f"{name}.characteristic_slip_velocity": one["v_0"]}
+        values |= {f"{name}.tangential_stiffness": one["k_t"], f"{name}.tangential_damping": one["c_t"]}
     return values
 
 

@@ -73,10 +73,8 @@ def test_a_near_miss_of_the_centre_keeps_energy_and_angular_momentum(opened, sha
     assert fmu["solver.fallbacks"] == 0
 
 
-FREE_AND_VISCOUS = {
-    "contact.penalty_control": "viscous_only", "destination.motion": "free", "destination.mass": 4.0,
-    "destination.initial_velocity": [0.25, -0.5, 0.0],
-}  # fmt: skip
+FREE_AND_VISCOUS = {"contact.penalty_control": "viscous_only", "destination.motion": "free"}
+FREE_AND_VISCOUS |= {"destination.mass": 4.0, "destination.initial_velocity": [0.25, -0.5, 0.0]}
 
 
 @pytest.mark.parametrize(
@@ -191,15 +189,13 @@ def test_balls_that_fall_together_pass_their_centre_once(opened, shape, gravity,
     """So far that their positions do not tell any more on which side of it they are. A force presses one
     through the other, against a dashpot that lets go there"""
     force, damping, reach, duration = 6.6e-8, 3.4e-5, 0.0040004, 80.0
-    values = {
-        "source.motion": "free", "destination.motion": "free", "source.mass": 0.03, "destination.mass": mass,
-        "source.radius": 4e-7, "destination.radius": 0.004, "source.center": [0.0, 0.0, reach + 5e-8],
-        "source.initial_velocity": [0.0, 0.0, -1e-6], "source.external_force": [0.0, 0.0, -force],
-        "gravity": [0.0, 0.0, -gravity], "contact.location": "outside",
-        "contact.penalty_control": "user_defined", "contact.penalty_factor": 3e-12,
-        "contact.viscous_control": "user_defined", "contact.viscous_penalty_factor": damping,
-        "contact.dashpot": "non_adhesive",
-    }  # fmt: skip
+    values = {"source.motion": "free", "destination.motion": "free", "source.mass": 0.03}
+    values |= {"destination.mass": mass, "source.radius": 4e-7, "destination.radius": 0.004}
+    values |= {"source.center": [0.0, 0.0, reach + 5e-8], "source.initial_velocity": [0.0, 0.0, -1e-6]}
+    values |= {"source.external_force": [0.0, 0.0, -force], "gravity": [0.0, 0.0, -gravity]}
+    values |= {"contact.location": "outside", "contact.penalty_control": "user_defined"}
+    values |= {"contact.penalty_factor": 3e-12, "contact.viscous_control": "user_defined"}
+    values |= {"contact.viscous_penalty_factor": damping, "contact.dashpot": "non_adhesive"}
     if shape == "cylinder":
         values["destination.axis"] = [0.0, 1.0, 0.0]
     name = "SphereSphere" if shape == "sphere" else "SphereCylinder"

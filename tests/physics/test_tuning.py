@@ -144,18 +144,13 @@ def test_what_may_be_set_is_told_so(opened):
 @pytest.mark.parametrize("method", METHODS)
 def test_automatic_factors_follow(opened, method):
     """The same bits as a run to which the products are given."""
-    automatic = {
-        **BALL, "contact.penalty_control": "automatic", "contact.viscous_control": "automatic",
-        "contact.reference_modulus": 1e5, "contact.characteristic_time": 1e-3,
-    }  # fmt: skip
+    automatic = {**BALL, "contact.penalty_control": "automatic", "contact.viscous_control": "automatic"}
+    automatic |= {"contact.reference_modulus": 1e5, "contact.characteristic_time": 1e-3}
     fmu = start(opened("SphereSphere"), automatic, 1e-10, method)
     diagonal = fmu["contact.diagonal"]
     # Between deepest and gone, so that the regime of the new law is another one.
-    changes = {
-        "contact.reference_modulus": 2e5,
-        "contact.penalty_multiplier": 0.75,
-        "contact.characteristic_time": 2e-2,
-    }
+    changes = {"contact.reference_modulus": 2e5, "contact.penalty_multiplier": 0.75}
+    changes |= {"contact.characteristic_time": 2e-2}
 
     def follow(fmu):
         for name, value in changes.items():
@@ -217,9 +212,8 @@ def test_a_deferred_flight_keeps_the_gravity_it_had(opened):
 def test_what_would_be_beyond_numbers_is_refused_and_the_old_value_stays(opened):
     automatic = {"contact.penalty_control": "automatic", "contact.viscous_control": "automatic"}
     fmu = start(opened("SphereSphere"), {**BALL, **automatic})
-    values = {
-        "contact.reference_modulus": 1e150, "contact.penalty_multiplier": 1e140, "gravity": [0.0, 0.0, 1e150],
-    }  # fmt: skip
+    values = {"contact.reference_modulus": 1e150, "contact.penalty_multiplier": 1e140}
+    values |= {"gravity": [0.0, 0.0, 1e150]}
     for name, value in values.items():
         fmu[name] = value  # finite, whatever it is good for
     factor = fmu["contact.effective_viscous_penalty_factor"]

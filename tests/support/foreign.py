@@ -94,9 +94,8 @@ FUNCTIONS = {
     },
 }
 # What FMI 3.0 calls otherwise
-NAMES3 = {
-    "Instantiate": "InstantiateCoSimulation", "GetReal": "GetFloat64", "GetStatus": "GetOutputDerivatives",
-}  # fmt: skip
+NAMES3 = {"Instantiate": "InstantiateCoSimulation", "GetReal": "GetFloat64"}
+NAMES3 |= {"GetStatus": "GetOutputDerivatives"}
 NAMES3 |= {f"{verb}FMUstate": f"{verb}FMUState" for verb in ("Get", "Set", "Free")}
 VALUE = "for (size_t i = 0; i < n; ++i) values[i] = now;"
 

@@ -20,12 +20,11 @@ BOUNCES = {
     "contact.viscous_penalty_factor": '{ range = [1.0, 300.0], scale = "log" }',
     "contact.dashpot": '{ choices = ["unclamped", "non_adhesive"] }',
 }  # fmt: skip
-OUTPUTS = {
-    "height": '"source.position[3]"', "bounces": '"contact.onsets"', "touching": '"contact.active"',
-    "dashpot": '"contact.dashpot"', "peak_force": '{ variable = "contact.peak_force", reduce = "max" }',
-    "gap": '{ variable = "contact.gap", reduce = ["min", "mean"] }',
-    "speed_then": '{ variable = "source.velocity[3]", at = 0.7 }',
-}  # fmt: skip
+OUTPUTS = {"height": '"source.position[3]"', "bounces": '"contact.onsets"', "touching": '"contact.active"'}
+OUTPUTS |= {"dashpot": '"contact.dashpot"'}
+OUTPUTS |= {"peak_force": '{ variable = "contact.peak_force", reduce = "max" }'}
+OUTPUTS |= {"gap": '{ variable = "contact.gap", reduce = ["min", "mean"] }'}
+OUTPUTS |= {"speed_then": '{ variable = "source.velocity[3]", at = 0.7 }'}
 
 
 def study_text(vary=BOUNCES, outputs=OUTPUTS, count=50, experiment="stop_time = 2.0\nsteps = 4", **more):

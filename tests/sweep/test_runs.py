@@ -79,9 +79,8 @@ def test_a_run_that_fails_leaves_the_others_alone(tmp_path, compiled):
     assert sorted(rows.messages) == [1, 3]
     assert np.isnan(rows.values[0, [1, 3]]).all()
     for place in (1, 3):
-        start = {
-            "contact.location": "inside", "source.center": [0, 0, 0], "contact.method": "penalty_dynamic",
-        }  # fmt: skip
+        start = {"contact.location": "inside", "source.center": [0, 0, 0]}
+        start |= {"contact.method": "penalty_dynamic"}
         start["source.radius"] = values["source.radius"][place, 0]
         with ContactFmu(study.fmu) as fmu, pytest.raises(FmuError) as refused:
             fmu.start(start)

@@ -43,11 +43,8 @@ def test_a_latin_hypercube_is_that_of_scipy(tmp_path):
 
 @pytest.mark.parametrize("method", ["latin_hypercube", "random", "sobol", "halton"])
 def test_runs_have_the_same_bits_however_they_are_cut(tmp_path, method):
-    vary = {
-        "contact.dashpot": '["unclamped", "non_adhesive", "approach_only"]',
-        RADIUS: "{ range = [0.05, 0.15] }",
-        FORCE: '{ range = [1e5, 1e8], scale = "log" }',
-    }
+    vary = {"contact.dashpot": '["unclamped", "non_adhesive", "approach_only"]'}
+    vary |= {RADIUS: "{ range = [0.05, 0.15] }", FORCE: '{ range = [1e5, 1e8], scale = "log" }'}
     count = 9000  # more than a block
     samples = samples_of(tmp_path, vary, count, method)
     whole = samples.values(0, 3 * count)
@@ -64,11 +61,8 @@ def test_runs_have_the_same_bits_however_they_are_cut(tmp_path, method):
 
 
 def test_grids_make_every_combination_the_last_fastest(tmp_path):
-    vary = {
-        FORCE: '{ from = 1e4, to = 1e6, count = 3, scale = "log" }',
-        "contact.method": '["penalty"]',
-        "source.center": "[[0.0, 0.0, 1.0], [0.0, 0.0, 2.0]]",
-    }
+    vary = {FORCE: '{ from = 1e4, to = 1e6, count = 3, scale = "log" }', "contact.method": '["penalty"]'}
+    vary |= {"source.center": "[[0.0, 0.0, 1.0], [0.0, 0.0, 2.0]]"}
     text = write_study(tmp_path, vary=vary, count=0)
     text.write_text(text.read_text().replace('[start]\n"contact.method" = "penalty_dynamic"', ""))
     values = read(text).samples().values(0, 6)

@@ -36,11 +36,9 @@ def ball_into_corner(random):
     """Contacts with up to three planes, which begin while others last and end in any order. No touch that
     is head-on falls on the end of the run, where rounding would decide whether it is counted."""
     gaps = [pick(random, 0.0, 0.01, 0.02, 0.03, 0.05, 0.07, 0.9) for _ in range(3)]
-    values = {
-        "ball.center": [0.1 + gap for gap in gaps],
-        "ball.initial_velocity": [-pick(random, 0.5, 1.0, 2.0) for _ in range(3)],
-        "ball.mass": pick(random, 1.0, 0.5),
-    }
+    values = {"ball.center": [0.1 + gap for gap in gaps]}
+    values |= {"ball.initial_velocity": [-pick(random, 0.5, 1.0, 2.0) for _ in range(3)]}
+    values |= {"ball.mass": pick(random, 1.0, 0.5)}
     for contact in CORNER["contacts"]:
         values |= law_of(random, contact)
     if random.integers(3) == 0:
@@ -53,13 +51,10 @@ def balls_in_a_row(random):
     """Balls that touch, nearly touch or are apart, hit along their row or beside it."""
     gaps = [pick(random, 0.0, 1e-4, 0.001, 0.01, 0.05) for _ in range(2)]
     aside = pick(random, 0.0, 0.0, 0.01, 0.05)
-    values = {
-        "left.center": [-0.2 - gaps[0], aside, 0.0],
-        "middle.center": [0.0, 0.0, 0.0],
-        "right.center": [0.2 + gaps[1], pick(random, 0.0, aside), 0.0],
-        "left.initial_velocity": [pick(random, 0.5, 1.0, 2.0), 0.0, 0.0],
-        "right.initial_velocity": [pick(random, 0.0, 0.0, -1.0), 0.0, 0.0],
-    }
+    values = {"left.center": [-0.2 - gaps[0], aside, 0.0], "middle.center": [0.0, 0.0, 0.0]}
+    values |= {"right.center": [0.2 + gaps[1], pick(random, 0.0, aside), 0.0]}
+    values |= {"left.initial_velocity": [pick(random, 0.5, 1.0, 2.0), 0.0, 0.0]}
+    values |= {"right.initial_velocity": [pick(random, 0.0, 0.0, -1.0), 0.0, 0.0]}
     for ball in ROW["bodies"]:
         values[f"{ball}.mass"] = pick(random, 1.0, 1.0, 0.7, 2.0)
     for contact in ROW["contacts"]:
@@ -71,11 +66,9 @@ def balls_in_a_row(random):
 
 def rubbed_in_a_corner(random):
     """Contacts that rub begin while others last; most dashpots act on approach alone, or not at all."""
-    values = {
-        "ball.center": [0.1 + pick(random, 0.0, 0.01, 0.02, 0.05) for _ in range(3)],
-        "ball.initial_velocity": [-pick(random, 0.5, 1.0, 2.0) for _ in range(3)],
-        "ball.rotation": pick(random, "none", "free"),
-    }
+    values = {"ball.center": [0.1 + pick(random, 0.0, 0.01, 0.02, 0.05) for _ in range(3)]}
+    values |= {"ball.initial_velocity": [-pick(random, 0.5, 1.0, 2.0) for _ in range(3)]}
+    values |= {"ball.rotation": pick(random, "none", "free")}
     if values["ball.rotation"] == "free":
         values["ball.initial_angular_velocity"] = [pick(random, 0.0, 0.0, 10.0) for _ in range(3)]
     for contact in CORNER["contacts"]:
@@ -123,14 +116,13 @@ def dropped_without_slip(random):
     """A ball that falls head-on along an axis that has no digits: its slip is rounding alone."""
     normal = direction(random)
     radius = pick(random, 0.01, 0.1)
-    values = {
-        "source.radius": radius, "source.center": list((radius + pick(random, 0.05, 0.1, 0.5)) * normal),
-        "source.rotation": "free", "gravity": list(-9.81 * normal), "contact.friction": "regularized",
-        "contact.friction_coefficient": pick(random, 0.3, 0.5, 1.0),
-        "contact.penalty_factor": pick(random, 1e4, 1e6),
-        "contact.viscous_penalty_factor": pick(random, 0.0, 10.0, 100.0),
-        "solver.max_internal_steps": FEW_STEPS,
-    }  # fmt: skip
+    values = {"source.radius": radius}
+    values |= {"source.center": list((radius + pick(random, 0.05, 0.1, 0.5)) * normal)}
+    values |= {"source.rotation": "free", "gravity": list(-9.81 * normal), "contact.friction": "regularized"}
+    values |= {"contact.friction_coefficient": pick(random, 0.3, 0.5, 1.0)}
+    values |= {"contact.penalty_factor": pick(random, 1e4, 1e6)}
+    values |= {"contact.viscous_penalty_factor": pick(random, 0.0, 10.0, 100.0)}
+    values |= {"solver.max_internal_steps": FEW_STEPS}
     if random.integers(2):
         values["contact.slip_velocity_control"] = "user_defined"
         values["contact.characteristic_slip_velocity"] = pick(random, 1e-3, 1e-6, 1e-9)
@@ -144,12 +136,10 @@ def dropped_without_slip(random):
 
 def rolling_on_a_turntable(random):
     """Friction that rolls from the start on, down to a v_0 that is hardly more than rounding of speeds."""
-    values = {
-        "contact.characteristic_slip_velocity": pick(random, 1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12),
-        "contact.friction_coefficient": pick(random, 0.3, 0.5, 1.0),
-        "destination.prescribed_angular_velocity": [0.0, 0.0, pick(random, 1.0, 3.0, -2.0)],
-        "solver.max_internal_steps": FEW_STEPS,
-    }
+    values = {"contact.characteristic_slip_velocity": pick(random, 1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12)}
+    values |= {"contact.friction_coefficient": pick(random, 0.3, 0.5, 1.0)}
+    values |= {"destination.prescribed_angular_velocity": [0.0, 0.0, pick(random, 1.0, 3.0, -2.0)]}
+    values |= {"solver.max_internal_steps": FEW_STEPS}
     if random.integers(2):
         values["source.initial_angular_velocity"] = [pick(random, 0.0, 14.0), pick(random, 0.0, 4.0), 0.0]
     # The slip has a rounding of speeds whose sum is 4 m/s. Its square, as part of v_0, of 10 N over 2 s is
@@ -212,11 +202,9 @@ def test_a_slip_that_is_rounding_takes_no_steps(opened, seed):
 def test_a_ball_on_an_oblique_plane_bounces_as_on_a_level_one(opened, tolerance):
     heights = []
     for normal in (np.array([0.0, 0.0, 1.0]), np.array([0.6, 0.8, 0.0])):
-        values = {
-            "source.radius": 0.01, "source.center": list(0.06 * normal), "source.rotation": "free",
-            "destination.axis": list(normal), "gravity": list(-9.81 * normal),
-            "contact.friction": "regularized", "solver.max_internal_steps": FEW_STEPS,
-        }  # fmt: skip
+        values = {"source.radius": 0.01, "source.center": list(0.06 * normal), "source.rotation": "free"}
+        values |= {"destination.axis": list(normal), "gravity": list(-9.81 * normal)}
+        values |= {"contact.friction": "regularized", "solver.max_internal_steps": FEW_STEPS}
         fmu = start(opened("SpherePlane"), values, tolerance)
         fmu.step(0.2)
         heights.append(normal @ fmu["source.position"])
@@ -250,13 +238,11 @@ def test_a_turntable_rolls_at_the_smallest_slip(opened, slip_velocity):
 
 def dropped_ball(random):
     """A ball let fall on a plane; it often touches on a communication point, never at the end of the run."""
-    values = {
-        "source.center": [0.0, 0.0, 0.1 + 0.5 * float(random.choice([0.01, 0.25, 1.0])) * 10.0],
-        "gravity": [0.0, 0.0, -10.0],
-        "contact.viscous_penalty_factor": float(random.choice([0.0, 10.0, 100.0])),
-        "contact.dashpot": str(random.choice(["non_adhesive", "unclamped", "approach_only"])),
-        "contact.penalty_factor": float(random.choice([1e3, 1e4, 1e6])),
-    }
+    values = {"source.center": [0.0, 0.0, 0.1 + 0.5 * float(random.choice([0.01, 0.25, 1.0])) * 10.0]}
+    values |= {"gravity": [0.0, 0.0, -10.0]}
+    values |= {"contact.viscous_penalty_factor": float(random.choice([0.0, 10.0, 100.0]))}
+    values |= {"contact.dashpot": str(random.choice(["non_adhesive", "unclamped", "approach_only"]))}
+    values |= {"contact.penalty_factor": float(random.choice([1e3, 1e4, 1e6]))}
     return Scene("SpherePlane", values, end=float(random.choice([0.7, 1.1, 1.7])))
 
 

@@ -27,9 +27,8 @@ def _supports(random):
         up = np.array(pick(random, tuple(up), (0.6, 0.0, 0.8), (3 / 7, -2 / 7, 6 / 7)))
         return "SpherePlane", {"destination.axis": list(up), "source.center": list(0.1 * up)}, up
     if shape == "cap":
-        values = {
-            "destination.axis": list(up), "destination.finite_length": True, "destination.ends": "capped",
-        }  # fmt: skip
+        values = {"destination.axis": list(up), "destination.finite_length": True}
+        values |= {"destination.ends": "capped"}
         return "SphereCylinder", values | {"source.center": list(0.6 * up)}, up
     inside = shape in ("shell", "tube")
     away = -0.4 if inside else 0.6
@@ -45,12 +44,9 @@ def resting(random):
     stiffness = float(pick(random, 1e4, 1e6, 1e9, 1e12))
     mass = float(pick(random, 0.1, 1.0, 2.0))
     critical = 2.0 * np.sqrt(stiffness * mass)
-    values |= {
-        "source.mass": mass,
-        "contact.penalty_factor": stiffness,
-        "contact.viscous_penalty_factor": critical * float(pick(random, 0.1, 0.5, 1.0, 3.0)),
-        "contact.dashpot": str(pick(random, "non_adhesive", "unclamped", "approach_only")),
-    }
+    values |= {"source.mass": mass, "contact.penalty_factor": stiffness}
+    values |= {"contact.viscous_penalty_factor": critical * float(pick(random, 0.1, 0.5, 1.0, 3.0))}
+    values |= {"contact.dashpot": str(pick(random, "non_adhesive", "unclamped", "approach_only"))}
     load = 9.81 * mass
     pushed = pick(random, "gravity", "force", "both free")
     if pushed == "gravity":
@@ -114,15 +110,12 @@ def hertz_impact(random):
     offset = float(pick(random, 0.0, 0.0, 0.1, 0.3))
     speed = float(pick(random, 0.1, 1.0, 5.0))
     gap = float(pick(random, 0.0, 0.001, 0.01))
-    values = {
-        "gravity": [0.0, 0.0, 0.0],
-        "contact.law": "hertz",
-        "contact.hertz_stiffness": float(pick(random, 1e6, 1e9, 1e12)),
-        "contact.dashpot": str(pick(random, "non_adhesive", "unclamped", "approach_only")),
-        "source.center": list(along * (np.sqrt(0.36 - offset**2) + gap) + offset * across),
-        "source.initial_velocity": list(-speed * along),
-        "destination.motion": str(pick(random, "free", "fixed")),
-    }
+    values = {"gravity": [0.0, 0.0, 0.0], "contact.law": "hertz"}
+    values |= {"contact.hertz_stiffness": float(pick(random, 1e6, 1e9, 1e12))}
+    values |= {"contact.dashpot": str(pick(random, "non_adhesive", "unclamped", "approach_only"))}
+    values |= {"source.center": list(along * (np.sqrt(0.36 - offset**2) + gap) + offset * across)}
+    values |= {"source.initial_velocity": list(-speed * along)}
+    values |= {"destination.motion": str(pick(random, "free", "fixed"))}
     if random.integers(4):
         values["contact.viscous_control"] = "restitution"
         values["contact.restitution"] = float(pick(random, 0.0, 0.05, 0.5, 0.95, 1.0))
@@ -218,13 +211,11 @@ def rebound(random):
     gap = float(pick(random, 0.0, 0.1, 0.5))
     coefficient = float(pick(random, 1e-5, 1e-4, 1e-3, 0.01, 0.1, 0.5, 0.9, 1.0))
     axis = [1.0, 0.0, 0.0] if scene == "SphereCylinder" else [0.0, 0.0, 1.0]
-    values = {
-        "gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, touching + gap],
-        "source.initial_velocity": [0.0, 0.0, -1.0], "source.mass": float(pick(random, 0.1, 1.0, 5.0)),
-        "contact.viscous_control": "restitution", "contact.restitution": coefficient,
-        "contact.penalty_factor": float(pick(random, 1e4, 1e6, 1e9)),
-        "contact.dashpot": str(pick(random, "non_adhesive", "unclamped", "approach_only")),
-    }  # fmt: skip
+    values = {"gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, touching + gap]}
+    values |= {"source.initial_velocity": [0.0, 0.0, -1.0], "source.mass": float(pick(random, 0.1, 1.0, 5.0))}
+    values |= {"contact.viscous_control": "restitution", "contact.restitution": coefficient}
+    values |= {"contact.penalty_factor": float(pick(random, 1e4, 1e6, 1e9))}
+    values |= {"contact.dashpot": str(pick(random, "non_adhesive", "unclamped", "approach_only"))}
     if scene != "SphereSphere":
         values["destination.axis"] = axis
     elif random.integers(2):

@@ -26,11 +26,9 @@ def resisting(kind, stiffness=STIFFNESS, damping=0.0):
     }  # fmt: skip
 
 
-FRICTION = {
-    "contact.friction": "elastic", "contact.friction_coefficient": 0.5,
-    "contact.static_friction_coefficient": 0.5, "contact.tangential_stiffness": 1e5,
-    "contact.tangential_damping": 100.0,
-}  # fmt: skip
+FRICTION = {"contact.friction": "elastic", "contact.friction_coefficient": 0.5}
+FRICTION |= {"contact.static_friction_coefficient": 0.5, "contact.tangential_stiffness": 1e5}
+FRICTION |= {"contact.tangential_damping": 100.0}
 SPEED, RATE = 0.3, 5.0
 MOVED = {
     "spinning": {"source.initial_angular_velocity": [0.0, 0.0, RATE]},

@@ -109,14 +109,13 @@ def test_the_automatic_ratio_is_that_of_the_materials(opened, shape):
     g = [e / (2 * (1 + n)) for e, n in zip(E, nu, strict=True)]
     shear = 1 / sum((2 - n) / one for n, one in zip(nu, g, strict=True))
     modulus = 1 / sum((1 - n**2) / e for n, e in zip(nu, E, strict=True))
-    values = {
-        "source.center": [0.0, 0.0, 0.1 + (0.0 if shape == "plane" else 0.5) - depth],
-        "source.motion": "prescribed", "source.prescribed_velocity": [slip, 0.0, 0.0],
-        "source.youngs_modulus": E[0], "source.poissons_ratio": nu[0], "destination.youngs_modulus": E[1],
-        "destination.poissons_ratio": nu[1], "contact.law": "hertz", "contact.penalty_control": "automatic",
-        "contact.method": "penalty", "contact.friction": "elastic", "contact.friction_coefficient": 10.0,
-        "contact.static_friction_coefficient": 10.0, "contact.tangential_law": "mindlin",
-    }  # fmt: skip
+    values = {"source.center": [0.0, 0.0, 0.1 + (0.0 if shape == "plane" else 0.5) - depth]}
+    values |= {"source.motion": "prescribed", "source.prescribed_velocity": [slip, 0.0, 0.0]}
+    values |= {"source.youngs_modulus": E[0], "source.poissons_ratio": nu[0]}
+    values |= {"destination.youngs_modulus": E[1], "destination.poissons_ratio": nu[1]}
+    values |= {"contact.law": "hertz", "contact.penalty_control": "automatic", "contact.method": "penalty"}
+    values |= {"contact.friction": "elastic", "contact.friction_coefficient": 10.0}
+    values |= {"contact.static_friction_coefficient": 10.0, "contact.tangential_law": "mindlin"}
     if shape == "cylinder":
         values["destination.axis"] = [1.0, 0.0, 0.0]
     if shape == "sphere":  # along the surface, and deep enough to feel no curvature in 2e-5 m

@@ -105,11 +105,8 @@ def test_the_scenes_reach_what_they_are_about():
 
 def test_without_friction_a_cylinder_hits_as_a_sphere_of_its_radius_does(opened):
     """To the last bit: the distance of the axes is that of the sphere's centre from the axis."""
-    values = {
-        "source.center": [0.02, 0.1, 0.62],
-        "source.initial_velocity": [0.1, 0.3, -1.0],
-        "destination.axis": [0.0, 1.0, 0.0],
-    }
+    values = {"source.center": [0.02, 0.1, 0.62], "source.initial_velocity": [0.1, 0.3, -1.0]}
+    values |= {"destination.axis": [0.0, 1.0, 0.0]}
     found = []
     for name, more in (("SphereCylinder", {}), ("CylinderCylinder", {"source.axis": [0.0, -3.0, 0.0]})):
         fmu = start(opened(name), values | more, 1e-10)
@@ -144,9 +141,8 @@ def test_contact_lasts_while_the_cylinders_overlap_in_length(opened):
     ({"contact.law": "hertz", "contact.penalty_control": "automatic"}, "parallel cylinders"),
 ])  # fmt: skip
 def test_what_the_pair_cannot_do_is_refused_and_said(opened, wrong, words):
-    parallel = {
-        "source.axis": [0.0, 0.0, 1.0], "destination.axis": [0.0, 0.0, 2.0], "source.center": [1.0, 0.0, 0.0],
-    }  # fmt: skip
+    parallel = {"source.axis": [0.0, 0.0, 1.0], "destination.axis": [0.0, 0.0, 2.0]}
+    parallel |= {"source.center": [1.0, 0.0, 0.0]}
     start(opened("CylinderCylinder"), parallel)
     with pytest.raises(FmuError, match=words):
         start(opened("CylinderCylinder"), parallel | wrong)
@@ -164,11 +160,8 @@ def test_an_angular_velocity_that_would_tilt_the_axis_is_refused_between_steps(o
 
 def test_a_torque_across_the_axis_turns_nothing(opened):
     """Along the axis it turns the roller evenly faster, m r^2/2 for its inertia."""
-    values = {
-        "source.rotation": "free",
-        "source.center": [0.0, 0.0, 5.0],
-        "source.external_torque": [3.0, 0.01, -2.0],
-    }
+    values = {"source.rotation": "free", "source.center": [0.0, 0.0, 5.0]}
+    values |= {"source.external_torque": [3.0, 0.01, -2.0]}
     for method in METHODS:
         fmu = start(opened("CylinderCylinder"), values, 1e-10, method)
         fmu.step(0.3)

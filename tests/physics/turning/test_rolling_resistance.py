@@ -55,12 +55,9 @@ ROLLS = [
 def way_of_rolling(opened, friction, method, rate, speed=1.0):
     """How far a ball rolls on a plane until it stops"""
     values = BALL | RUBS[friction]
-    values |= {
-        "source.initial_velocity": [speed, 0.0, 0.0],
-        "source.initial_angular_velocity": [0.0, speed / RADIUS, 0.0],
-        "contact.friction": friction,
-        "contact.characteristic_rolling_rate": rate,
-    }
+    values |= {"source.initial_velocity": [speed, 0.0, 0.0]}
+    values |= {"source.initial_angular_velocity": [0.0, speed / RADIUS, 0.0], "contact.friction": friction}
+    values |= {"contact.characteristic_rolling_rate": rate}
     fmu = run(opened("SpherePlane"), values, 8.0, 3, 1e-10, method)
     assert np.linalg.norm(fmu["source.velocity"]) < 1e-6
     check_close("energy balance", fmu["energy.total"], fmu["energy.potential"] + fmu["energy.friction"], 1e-4)
@@ -135,13 +132,11 @@ def test_a_given_motion_has_the_torques_that_the_reference_says(opened, seed, la
     assert not lines, f"{lines}\n{values}"
 
 
-IN_A_SHELL = BALL | {
-    "source.center": [0.25, 0.0, -0.3122], "source.initial_angular_velocity": [3.0, -20.0, 8.0],
-    "destination.radius": 0.5, "contact.location": "inside", "contact.penalty_factor": 1e5,
-    "contact.friction": "regularized", "contact.slip_velocity_control": "user_defined",
-    "contact.characteristic_slip_velocity": 1e-2, "contact.characteristic_rolling_rate": 2e-2,
-    "contact.characteristic_spinning_rate": 2e-2,
-}  # fmt: skip
+IN_A_SHELL = BALL | {"source.center": [0.25, 0.0, -0.3122]}
+IN_A_SHELL |= {"source.initial_angular_velocity": [3.0, -20.0, 8.0], "destination.radius": 0.5}
+IN_A_SHELL |= {"contact.location": "inside", "contact.penalty_factor": 1e5, "contact.friction": "regularized"}
+IN_A_SHELL |= {"contact.slip_velocity_control": "user_defined", "contact.characteristic_slip_velocity": 1e-2}
+IN_A_SHELL |= {"contact.characteristic_rolling_rate": 2e-2, "contact.characteristic_spinning_rate": 2e-2}
 
 
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])

@@ -53,12 +53,11 @@ def thrown(law, rotation, ratio, speed=2.0):
     """A ball thrown down to a floor with a slip of 2 m/s, spin about the normal included."""
     unit = speed / ratio if ratio > 0.0 else 0.1
     slip = speed if ratio > 0.0 else 0.0
-    values = {
-        "source.radius": R, "source.mass": M, "source.center": [0.0, 0.0, R + 0.02],
-        "source.rotation": rotation, "contact.friction": "regularized", "contact.friction_coefficient": MU,
-        "contact.slip_velocity_control": "user_defined", "contact.characteristic_slip_velocity": unit,
-        "contact.method": "penalty_dynamic", "gravity": [0.0, 0.0, -G],
-    }  # fmt: skip
+    values = {"source.radius": R, "source.mass": M, "source.center": [0.0, 0.0, R + 0.02]}
+    values |= {"source.rotation": rotation, "contact.friction": "regularized"}
+    values |= {"contact.friction_coefficient": MU, "contact.slip_velocity_control": "user_defined"}
+    values |= {"contact.characteristic_slip_velocity": unit, "contact.method": "penalty_dynamic"}
+    values |= {"gravity": [0.0, 0.0, -G]}
     if rotation == "free":  # v + omega x (-r e_z) = slip (0.6, 0.8, 0)
         values["source.initial_angular_velocity"] = [2.0, -3.0, 15.0]
         values["source.initial_velocity"] = [0.6 * slip - 0.3, 0.8 * slip - 0.2, -1.0]
@@ -118,11 +117,9 @@ def test_an_oscillation_that_never_dies_away_costs_little_while_a_ball_slides(op
     """Set down where it touches, undamped: p = m g (t - sin(w t)/w), 16 or 1,600 swings until it rolls. The
     way is a sum over Gauss-Legendre panels of a twentieth of a radian and less."""
     unit, end = 1e-3, 0.5
-    values = thrown("linear", "free", 2.0 / unit)[0] | {
-        "source.center": [0.0, 0.0, R], "source.initial_velocity": [1.0, 0.3, 0.0],
-        "source.initial_angular_velocity": spin, "contact.method": "penalty",
-        "contact.penalty_factor": stiffness,
-    }  # fmt: skip
+    values = thrown("linear", "free", 2.0 / unit)[0] | {"source.center": [0.0, 0.0, R]}
+    values |= {"source.initial_velocity": [1.0, 0.3, 0.0], "source.initial_angular_velocity": spin}
+    values |= {"contact.method": "penalty", "contact.penalty_factor": stiffness}
     fmu = run(opened("SpherePlane"), values, end, 1, 1e-10)
     assert fmu["solver.steps"] < 100
     begin, swing = slip_of(np.array([1.0, 0.3]), np.array(spin)), math.sqrt(stiffness / M)
@@ -155,11 +152,8 @@ def test_a_cap_that_acts_is_left_to_the_general_segment(opened):
 
 def test_a_load_along_the_plane_that_begins_and_ends_is_followed(opened):
     """A push of 2 N for a tenth of a second on a ball that rolls: the general segment takes that time."""
-    values = thrown("linear", "free", 1e3)[0] | {
-        "source.center": [0.0, 0.0, R - M * G / 1e6],
-        "source.initial_velocity": [0.5, 0.0, 0.0],
-        "source.initial_angular_velocity": [0.0, 5.0, 0.0],
-    }
+    values = thrown("linear", "free", 1e3)[0] | {"source.center": [0.0, 0.0, R - M * G / 1e6]}
+    values |= {"source.initial_velocity": [0.5, 0.0, 0.0], "source.initial_angular_velocity": [0.0, 5.0, 0.0]}
     fmu = start(opened("SpherePlane"), values, 1e-10)
     fmu.step(0.1)
     assert fmu["solver.fallbacks"] == 0

@@ -297,11 +297,9 @@ def crossed_stiffness(modulus: float, r_s: float, r_d: float, angle: float) -> f
 
 
 def hertz_of(opened, angle: float, r_s: float, r_d: float) -> float:
-    values = {
-        "source.radius": r_s, "destination.radius": r_d, "source.center": [0.0, 0.0, 9.0],
-        "source.axis": [1.0, 0.0, 0.0], "destination.axis": [np.cos(angle), np.sin(angle), 0.0],
-        "contact.axes": "skew", "contact.law": "hertz", "contact.penalty_control": "automatic",
-    }  # fmt: skip
+    values = {"source.radius": r_s, "destination.radius": r_d, "source.center": [0.0, 0.0, 9.0]}
+    values |= {"source.axis": [1.0, 0.0, 0.0], "destination.axis": [np.cos(angle), np.sin(angle), 0.0]}
+    values |= {"contact.axes": "skew", "contact.law": "hertz", "contact.penalty_control": "automatic"}
     return start(opened("CylinderCylinder"), values)["contact.effective_hertz_stiffness"]
 
 
@@ -345,13 +343,11 @@ def test_the_approach_of_crossed_cylinders_is_that_of_the_table(opened, cosine, 
 @pytest.mark.parametrize("angle", [2e-6, 1e-4, 1e-2])
 def test_axes_that_are_nearly_parallel_bounce_back(opened, angle):
     """A roller falls flat on another; one point in the overlap takes the impact, m v'' = -k x."""
-    values = {
-        **{f"{body}.finite_length": True for body in BODIES},
-        **{"contact.axes": "skew", "source.axis": [np.cos(angle), np.sin(angle), 0.0]},
-        **{"destination.axis": [-1.0, 0.0, 0.0], "source.length": 0.4, "destination.length": 0.6},
-        **{"source.center": [0.1, 0.0, 0.61], "source.initial_velocity": [0.0, 0.0, -1.0]},
-        **{"gravity": [0.0, 0.0, 0.0], "contact.method": "penalty", "contact.penalty_factor": 1e5},
-    }
+    values = {**{f"{body}.finite_length": True for body in BODIES}}
+    values |= {**{"contact.axes": "skew", "source.axis": [np.cos(angle), np.sin(angle), 0.0]}}
+    values |= {**{"destination.axis": [-1.0, 0.0, 0.0], "source.length": 0.4, "destination.length": 0.6}}
+    values |= {**{"source.center": [0.1, 0.0, 0.61], "source.initial_velocity": [0.0, 0.0, -1.0]}}
+    values |= {**{"gravity": [0.0, 0.0, 0.0], "contact.method": "penalty", "contact.penalty_factor": 1e5}}
     for method in METHODS:
         fmu = start(opened("CylinderCylinder"), values, 1e-10, method)
         fmu.step(0.05)

@@ -86,14 +86,12 @@ def test_a_spring_without_a_dashpot_slides_as_increments_say(opened, number, law
 
 def test_a_spring_relaxes_through_its_dashpot_while_the_contact_pulls(opened):
     """A ball is drawn off the plane. Over the last millimetre E_t falls as exp(-2 k_t t / c_t)."""
-    values = {
-        "source.motion": "prescribed", "source.radius": 0.1, "source.center": [0.0, 0.0, 0.098],
-        "source.prescribed_velocity": [0.05, 0.0, 0.1],
-        "source.prescribed_displacement.derivatives": [[0.05, 0.0, 0.1]], "contact.penalty_factor": 1e4,
-        "contact.viscous_penalty_factor": 100.0, "contact.dashpot": "unclamped",
-        "contact.friction": "elastic", "contact.tangential_stiffness": 1e4,
-        "contact.tangential_damping": 50.0,
-    }  # fmt: skip
+    values = {"source.motion": "prescribed", "source.radius": 0.1, "source.center": [0.0, 0.0, 0.098]}
+    values |= {"source.prescribed_velocity": [0.05, 0.0, 0.1]}
+    values |= {"source.prescribed_displacement.derivatives": [[0.05, 0.0, 0.1]]}
+    values |= {"contact.penalty_factor": 1e4, "contact.viscous_penalty_factor": 100.0}
+    values |= {"contact.dashpot": "unclamped", "contact.friction": "elastic"}
+    values |= {"contact.tangential_stiffness": 1e4, "contact.tangential_damping": 50.0}
     fmu = start(opened("SpherePlane"), values)
     fmu.step(0.012)
     assert fmu["contact.normal_force"] < 0.0

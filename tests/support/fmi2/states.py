@@ -34,11 +34,10 @@ def forge(blob: bytes, **changes) -> bytes:
     return forged
 
 
-NAMES = {
-    "instantiated": "instantiated", "initialization": "initialization mode", "complete": "step mode",
-    "failed": "step mode", "step": "step mode", "event": "event mode", "continuous": "continuous-time mode",
-    "terminated": "terminated", "error": "error", "fatal": "fatal",
-}  # fmt: skip
+NAMES = {"instantiated": "instantiated", "initialization": "initialization mode", "complete": "step mode"}
+NAMES |= {"failed": "step mode", "step": "step mode", "event": "event mode"}
+NAMES |= {"continuous": "continuous-time mode", "terminated": "terminated", "error": "error"}
+NAMES |= {"fatal": "fatal"}
 
 
 def bring_to(instance: raw.Instance, state: str) -> None:

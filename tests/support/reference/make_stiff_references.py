@@ -23,13 +23,12 @@ ROUNDING = 1e-14  # m, of the numbers themselves
 
 
 def configuration(shape, penalty, damping):
-    values = {
-        "source.radius": 0.05, "source.mass": MASS, "source.motion": "free",
-        "source.center": [RADIUS * sin(ANGLE), 0.0, -RADIUS * cos(ANGLE)],
-        "source.initial_velocity": [0.0, SPEED, 0.0], "destination.radius": 0.5,
-        "destination.motion": "fixed", "contact.location": "inside",
-        "contact.method": "penalty_dynamic" if damping else "penalty", "contact.penalty_factor": penalty,
-    }  # fmt: skip
+    values = {"source.radius": 0.05, "source.mass": MASS, "source.motion": "free"}
+    values |= {"source.center": [RADIUS * sin(ANGLE), 0.0, -RADIUS * cos(ANGLE)]}
+    values |= {"source.initial_velocity": [0.0, SPEED, 0.0], "destination.radius": 0.5}
+    values |= {"destination.motion": "fixed", "contact.location": "inside"}
+    values |= {"contact.method": "penalty_dynamic" if damping else "penalty"}
+    values |= {"contact.penalty_factor": penalty}
     if damping:
         values["contact.viscous_penalty_factor"] = 2 * damping * sqrt(MASS * penalty)
         values["contact.dashpot"] = "unclamped"

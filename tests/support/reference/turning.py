@@ -472,17 +472,14 @@ def outputs(pair, m):
     slip, arm, _ = pair.slip(place)
     n, point = np.array(place.n), np.add(place.src.x, arm)
     spin = np.subtract(place.src.omega, place.dst.omega)
-    found = {
-        "gap": place.gap, "gap_rate": place.rate, "normal_force": now.force,
-        "distance": pair.side * (place.gap + pair.r_s) + pair.r_d,
-        "direction": -n if pair.shape == "cylinder" and pair.side < 0 else n,
-        "source_force": now.on_source, "destination_force": -np.array(now.on_source),
-        "friction_force": now.friction, "slip_velocity": slip, "source_point": point,
-        "point": point + place.gap * pair.side * n,
-        "rolling_torque": now.resistance, "rolling_rate": spin - (spin @ n) * n,
-        "spinning_rate": pair.side * (spin @ n),
-        "source_torque": now.source_torque, "destination_torque": now.destination_torque,
-    }  # fmt: skip
+    found = {"gap": place.gap, "gap_rate": place.rate, "normal_force": now.force}
+    found |= {"distance": pair.side * (place.gap + pair.r_s) + pair.r_d}
+    found |= {"direction": -n if pair.shape == "cylinder" and pair.side < 0 else n}
+    found |= {"source_force": now.on_source, "destination_force": -np.array(now.on_source)}
+    found |= {"friction_force": now.friction, "slip_velocity": slip, "source_point": point}
+    found |= {"point": point + place.gap * pair.side * n, "rolling_torque": now.resistance}
+    found |= {"rolling_rate": spin - (spin @ n) * n, "spinning_rate": pair.side * (spin @ n)}
+    found |= {"source_torque": now.source_torque, "destination_torque": now.destination_torque}
     if pair.shape != "sphere":
         found["current_axis"] = place.dst.axis
     return {name: np.atleast_1d(value) for name, value in found.items()}
@@ -809,17 +806,16 @@ class TurningRun:
         now, found = self.now(), {f"energy.{name}": value for name, value in self.energies().items()}
         for body in BODIES:
             found |= {f"{body}.{name}": value for name, value in self.ends_at(body).items()}
-        found |= {
-            "contact.gap": now.place.gap, "contact.gap_rate": now.place.rate,
-            "contact.normal_force": now.force, "contact.source_force": np.array(now.on_source),
-            "contact.source_torque": np.array(now.source_torque),
-            "contact.destination_torque": np.array(now.destination_torque),
-            "contact.friction_force": np.array(now.friction), "contact.slip_velocity": np.array(now.slip),
-            "contact.onsets": len(self.onset_times), "impulse": self.y[SUMS : SUMS + 3].copy(),
-            "source_torque_impulse": self.y[SUMS + 3 : SUMS + 6].copy(),
-            "destination_torque_impulse": self.y[SUMS + 6 : SUMS + 9].copy(),
-            "spring": self.y[SPRINGS["slip"]].copy(),
-        }  # fmt: skip
+        found |= {"contact.gap": now.place.gap, "contact.gap_rate": now.place.rate}
+        found |= {"contact.normal_force": now.force, "contact.source_force": np.array(now.on_source)}
+        found |= {"contact.source_torque": np.array(now.source_torque)}
+        found |= {"contact.destination_torque": np.array(now.destination_torque)}
+        found |= {"contact.friction_force": np.array(now.friction)}
+        found |= {"contact.slip_velocity": np.array(now.slip), "contact.onsets": len(self.onset_times)}
+        found |= {"impulse": self.y[SUMS : SUMS + 3].copy()}
+        found |= {"source_torque_impulse": self.y[SUMS + 3 : SUMS + 6].copy()}
+        found |= {"destination_torque_impulse": self.y[SUMS + 6 : SUMS + 9].copy()}
+        found |= {"spring": self.y[SPRINGS["slip"]].copy()}
         if self.onset_times:
             lasting = self.time - self.onset_times[-1]
             found["contact.last_onset_time"] = self.onset_times[-1]

@@ -5,10 +5,8 @@ import numpy as np
 from support.reference.law import Motion, vector
 from support.scenes.random_scenes import unit_vector
 
-SHAPES = {
-    "SphereSphere": "sphere", "SphereCylinder": "cylinder", "SpherePlane": "plane",
-    "ForceElement": "cylinder",
-}  # fmt: skip
+SHAPES = {"SphereSphere": "sphere", "SphereCylinder": "cylinder", "SpherePlane": "plane"}
+SHAPES |= {"ForceElement": "cylinder"}
 INPUTS = [
     f"{body}.prescribed_{row}" for body in ("source", "destination") for row in ("displacement", "velocity")
 ]

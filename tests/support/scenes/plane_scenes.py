@@ -19,12 +19,9 @@ def random_plane_scene(seed):
     values["contact.friction"] = chosen(random, ["regularized"] * 6 + ["none"])
     if values["contact.friction"] == "regularized":
         mu = random.uniform(0.05, 0.8)
-        values |= {
-            "contact.friction_coefficient": mu,
-            "contact.static_friction_coefficient": mu,
-            "contact.slip_velocity_control": "user_defined",
-            "contact.characteristic_slip_velocity": 10 ** random.uniform(-4, 0),
-        }
+        values |= {"contact.friction_coefficient": mu, "contact.static_friction_coefficient": mu}
+        values |= {"contact.slip_velocity_control": "user_defined"}
+        values |= {"contact.characteristic_slip_velocity": 10 ** random.uniform(-4, 0)}
     steps = int(chosen(random, [1, 1, 2, 3, 7, 31]))
     return TurningScene("plane", values, float(random.uniform(0.05, 0.3)), steps)
 

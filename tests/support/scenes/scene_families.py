@@ -113,12 +113,10 @@ def through_the_centre(random, shape):
     start = chosen(random, fits) * across
     speed = float(chosen(random, [1.0, 2.0, 0.5]))
     velocity = -speed * across / chosen(random, [1, 2, 4])
-    values = {
-        "source.center": start.tolist(), "source.initial_velocity": velocity.tolist(),
-        "contact.location": "outside", "contact.dashpot": chosen(random, DASHPOTS),
-        "contact.viscous_penalty_factor": chosen(random, [0.0, 0.1, 0.2, 0.25, 0.5]),
-        "contact.penalty_factor": chosen(random, [0.05, 0.1, 0.5, 1.0, 10.0]), "gravity": NOTHING,
-    }  # fmt: skip
+    values = {"source.center": start.tolist(), "source.initial_velocity": velocity.tolist()}
+    values |= {"contact.location": "outside", "contact.dashpot": chosen(random, DASHPOTS)}
+    values |= {"contact.viscous_penalty_factor": chosen(random, [0.0, 0.1, 0.2, 0.25, 0.5])}
+    values |= {"contact.penalty_factor": chosen(random, [0.05, 0.1, 0.5, 1.0, 10.0]), "gravity": NOTHING}
     if random.random() < 0.5:
         values["contact.penalty_control"] = "viscous_only"
     if shape == "cylinder":
@@ -339,12 +337,11 @@ class FamilyScene:
         return self.stops[-1]
 
 
-FAMILIES = {
-    "given motions": given_motions, "from zero": from_zero, "round numbers": round_numbers,
-    "through the centre": through_the_centre, "unequal masses": unequal_masses,
-    "beside an event": beside_an_event, "contradictory": contradictory, "approach only": approach_only,
-    "dying away": dying_away, "set down": set_down, "swinging out": swinging_out,
-}  # fmt: skip
+FAMILIES = {"given motions": given_motions, "from zero": from_zero, "round numbers": round_numbers}
+FAMILIES |= {"through the centre": through_the_centre, "unequal masses": unequal_masses}
+FAMILIES |= {"beside an event": beside_an_event, "contradictory": contradictory}
+FAMILIES |= {"approach only": approach_only, "dying away": dying_away, "set down": set_down}
+FAMILIES |= {"swinging out": swinging_out}
 
 
 def drawn(family, seed):

@@ -94,11 +94,8 @@ def incline(v_0, slope, mu=0.3, end=1.0, stiffness=1e6):
         **{"source.center": ((RADIUS - G * cosine / stiffness) * normal).tolist(),
             "destination.axis": normal.tolist(), **rubbing(v_0, mu)},
     )  # fmt: skip
-    expected = {
-        "source.velocity": velocity * down,
-        "contact.slip_velocity": slip * down,
-        "source.angular_velocity": np.array([0.0, (velocity - slip) / RADIUS, 0.0]),
-    }
+    expected = {"source.velocity": velocity * down, "contact.slip_velocity": slip * down}
+    expected |= {"source.angular_velocity": np.array([0.0, (velocity - slip) / RADIUS, 0.0])}
     return Case("plane", values, end, expected)
 
 
@@ -210,11 +207,10 @@ def oblique_impact(velocity=(1.0, 0.3, -2.0), spin=(2.0, 5.0, 3.0), stiffness=7e
     slip = v + np.cross(omega, arm)
     slip[2] = 0.0
     kick = -4 / 7 * slip
-    expected = {
-        "source.velocity": v + kick - 2 * np.array([0.0, 0.0, v[2]]),
-        "source.angular_velocity": omega + np.cross(arm, kick) / (0.4 * RADIUS**2), "energy.friction": 0.0,
-        "contact.onsets": 1, "contact.last_duration": math.pi / math.sqrt(stiffness),
-    }  # fmt: skip
+    expected = {"source.velocity": v + kick - 2 * np.array([0.0, 0.0, v[2]])}
+    expected |= {"source.angular_velocity": omega + np.cross(arm, kick) / (0.4 * RADIUS**2)}
+    expected |= {"energy.friction": 0.0, "contact.onsets": 1}
+    expected |= {"contact.last_duration": math.pi / math.sqrt(stiffness)}
     values = ball(
         stiffness,
         **{"source.center": [0.0, 0.0, 0.2], "source.initial_velocity": list(velocity),
@@ -237,11 +233,10 @@ def opposite_spin(mu=0.4, speed=0.2, spin=25.0):
             "destination.initial_angular_velocity": [0.0, -spin, 0.0], "gravity": [0.0, 0.0, 0.0],
             "contact.location": "outside", **rubbing(1e-3, mu)},
     )  # fmt: skip
-    expected = {
-        "source.velocity": np.array([0.0, 0.0, speed]), "destination.velocity": np.array([0.0, 0.0, -speed]),
-        "source.angular_velocity": np.array([0.0, spin, 0.0]),
-        "destination.angular_velocity": np.array([0.0, -spin, 0.0]), "contact.onsets": 1,
-    }  # fmt: skip
+    expected = {"source.velocity": np.array([0.0, 0.0, speed])}
+    expected |= {"destination.velocity": np.array([0.0, 0.0, -speed])}
+    expected |= {"source.angular_velocity": np.array([0.0, spin, 0.0])}
+    expected |= {"destination.angular_velocity": np.array([0.0, -spin, 0.0]), "contact.onsets": 1}
     return Case("sphere", values, 0.1, expected)
 
 
@@ -256,13 +251,11 @@ def rotor(end, spin=(3.0, -4.0, 12.0), axis=(0.6, 0.0, 0.8), length=0.7, radius=
     last = turn(np.array([0.0, 0.0, 1.0]), (1 - along / across) * (omega @ e) * end)
     q = product(first, product(q_0, last))
     e = rotated(first, e)
-    values = {
-        "source.motion": "fixed", "source.center": [5.0, 0.0, 0.0], "destination.motion": "free",
-        "destination.rotation": "free", "destination.radius": radius, "destination.mass": mass,
-        "destination.finite_length": True, "destination.length": length, "destination.axis": list(axis),
-        "destination.initial_angular_velocity": list(spin), "gravity": [0.0, 0.0, 0.0],
-        "contact.location": "outside",
-    }  # fmt: skip
+    values = {"source.motion": "fixed", "source.center": [5.0, 0.0, 0.0], "destination.motion": "free"}
+    values |= {"destination.rotation": "free", "destination.radius": radius, "destination.mass": mass}
+    values |= {"destination.finite_length": True, "destination.length": length}
+    values |= {"destination.axis": list(axis), "destination.initial_angular_velocity": list(spin)}
+    values |= {"gravity": [0.0, 0.0, 0.0], "contact.location": "outside"}
     expected = {
         "destination.orientation": q,
         "destination.current_axis": e,

@@ -190,13 +190,11 @@ def any_resistance(random, contact, torque):
     """Either law or none against each motion of a contact whose torques are of this size [N m]."""
     found = {}
     for kind in ("rolling", "spinning"):
-        found |= {
-            f"{contact}.{kind}": chosen(random, ["none", "regularized", "elastic", "elastic"]),
-            f"{contact}.{kind}_coefficient": chosen(random, [0.0, 0.05, 0.5]),
-            f"{contact}.characteristic_{kind}_rate": 0.1,
-            f"{contact}.{kind}_stiffness": torque * chosen(random, [1.0, 10.0]),
-            f"{contact}.{kind}_damping": torque * chosen(random, [0.0, 0.01]),
-        }
+        found |= {f"{contact}.{kind}": chosen(random, ["none", "regularized", "elastic", "elastic"])}
+        found |= {f"{contact}.{kind}_coefficient": chosen(random, [0.0, 0.05, 0.5])}
+        found |= {f"{contact}.characteristic_{kind}_rate": 0.1}
+        found |= {f"{contact}.{kind}_stiffness": torque * chosen(random, [1.0, 10.0])}
+        found |= {f"{contact}.{kind}_damping": torque * chosen(random, [0.0, 0.01])}
     return found
 
 
