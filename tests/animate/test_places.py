@@ -12,21 +12,12 @@ from contact_fmus.fmu.files import repository
 from support.pinhole import Camera
 
 PIXELS = 2.0
-SPHERES = {
-    "BallInShell": ("source", "destination"),
-    "BallOffRoller": ("source",),
-    "SpherePlane": ("source",),
-    "ThreeBalls": ("left", "middle", "right"),
-    "free_pair": ("source", "destination"),
-}
+SPHERES = {"BallInShell": ("source", "destination"), "BallOffRoller": ("source",), "SpherePlane": ("source",)}
+SPHERES |= {"ThreeBalls": ("left", "middle", "right"), "free_pair": ("source", "destination")}
 # s; one of each in the middle of a contact
-TIMES = {
-    "BallInShell": (0.0, 0.3032, 0.75, 1.7, 3.0),
-    "BallOffRoller": (0.0, 0.2, 0.45, 0.7, 1.0),
-    "SpherePlane": (0.0, 0.4524, 0.9, 1.3, 2.0),
-    "ThreeBalls": (0.0, 0.08, 0.1015, 0.3, 0.5),
-    "free_pair": (0.0, 0.1, 0.1412, 0.3, 0.5),
-}
+TIMES = {"BallInShell": (0.0, 0.3032, 0.75, 1.7, 3.0), "BallOffRoller": (0.0, 0.2, 0.45, 0.7, 1.0)}
+TIMES |= {"SpherePlane": (0.0, 0.4524, 0.9, 1.3, 2.0), "ThreeBalls": (0.0, 0.08, 0.1015, 0.3, 0.5)}
+TIMES |= {"free_pair": (0.0, 0.1, 0.1412, 0.3, 0.5)}
 
 
 def start_values(case):

@@ -13,11 +13,9 @@ from support.sources import ROOT, label
 PACKAGE = ROOT / "scripts" / "contact_fmus"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 # A package, or a module that stands alone, imports those before it.
-PACKAGES = (
-    "errors", "options", "fmu", "results", "pages", "scenarios", "plot", "animate", "sweep", "building",
-    "bench", "report", "peers", "coupling", "stability", "running", "checking", "importers", "published",
-    "whole_report",
-)  # fmt: skip
+PACKAGES = ("errors", "options", "fmu", "results", "pages", "scenarios", "plot", "animate", "sweep")
+PACKAGES += ("building", "bench", "report", "peers", "coupling", "stability", "running", "checking")
+PACKAGES += ("importers", "published", "whole_report")
 SCRIPTS = sorted(file for file in (ROOT / "scripts").glob("*.sh") if file.stem != "prologue")
 
 

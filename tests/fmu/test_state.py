@@ -103,9 +103,8 @@ def test_reset_from_any_phase(fmu):
     with raw.Instance(fmu) as instance, raw.Instance(fmu) as fresh:
         first = fresh.save()
         expected = fresh.initialize().run([0.1] * 4)
-        steps = [
-            "SetupExperiment", "EnterInitializationMode", "ExitInitializationMode", "DoStep", "Terminate",
-        ]  # fmt: skip
+        steps = ["SetupExperiment", "EnterInitializationMode", "ExitInitializationMode", "DoStep"]
+        steps += ["Terminate"]
         arguments = {"SetupExperiment": (1, 1e-3, 5.0, 1, 7.0), "DoStep": (5.0, 0.5, 1)}
         for count in range(len(steps) + 1):
             for variable in fmu.select("parameter", kind="Real")[:1]:
@@ -119,12 +118,8 @@ def test_reset_from_any_phase(fmu):
 
 def test_the_phase_is_part_of_the_state(fmu):
     """Saved in each phase and restored in each: what is allowed then is what was allowed when saving."""
-    follow_up = {
-        "instantiated": ("EnterInitializationMode",),
-        "initialization": ("ExitInitializationMode",),
-        "stepping": ("DoStep", 0.5, 0.25, 1),
-        "terminated": ("Reset",),
-    }
+    follow_up = {"instantiated": ("EnterInitializationMode",), "initialization": ("ExitInitializationMode",)}
+    follow_up |= {"stepping": ("DoStep", 0.5, 0.25, 1), "terminated": ("Reset",)}
     blobs = {}
     with raw.Instance(fmu) as instance:
         instance.ok("SetupExperiment", 0, 0.0, 0.5, 1, 1.0)

@@ -40,12 +40,8 @@ def refused(instance: raw.Instance, function: str, address: int) -> None:
     state = c_void_p(address)
     size = c_size_t(77)
     room = ctypes.create_string_buffer(GUARD, len(GUARD))
-    arguments = {
-        "SetFMUstate": (state,),
-        "SerializedFMUstateSize": (state, byref(size)),
-        "SerializeFMUstate": (state, room, len(room)),
-        "FreeFMUstate": (byref(state),),
-    }
+    arguments = {"SetFMUstate": (state,), "SerializedFMUstateSize": (state, byref(size))}
+    arguments |= {"SerializeFMUstate": (state, room, len(room)), "FreeFMUstate": (byref(state),)}
     with instance.expect(ERROR, f"fmi2{function}", "unknown") as got:
         got(instance.call(function, *arguments[function]))
     assert (state.value, size.value, room.raw) == (address, 77, GUARD)

@@ -10,10 +10,8 @@ import pytest
 from support.generator.generated import ROOT, SCENES, describe, folder_of, generate, scene_file
 from support.programs import finished
 
-WARNINGS = [
-    "-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wdouble-promotion",
-    "-Wmissing-prototypes", "-Werror",
-]  # fmt: skip
+WARNINGS = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wdouble-promotion"]
+WARNINGS += ["-Wmissing-prototypes", "-Werror"]
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
 CHAIN = """
 name = "Chain"

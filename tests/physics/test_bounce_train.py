@@ -53,12 +53,10 @@ def drop(shape, location, dashpot, stiffness):
     radius = 2.0 if inside else 0.5
     outward = 1.0 if inside else -1.0
     distance = radius - 0.1 - DROP if inside else radius + 0.1 + DROP
-    values = {
-        "source.center": (distance * ACROSS).tolist(),
-        "destination.radius": radius, "contact.location": location, "contact.dashpot": dashpot,
-        "contact.penalty_factor": stiffness, "contact.viscous_penalty_factor": damping(dashpot, stiffness),
-        "gravity": (outward * WEIGHT * ACROSS).tolist(),
-    }  # fmt: skip
+    values = {"source.center": (distance * ACROSS).tolist(), "destination.radius": radius}
+    values |= {"contact.location": location, "contact.dashpot": dashpot, "contact.penalty_factor": stiffness}
+    values |= {"contact.viscous_penalty_factor": damping(dashpot, stiffness)}
+    values |= {"gravity": (outward * WEIGHT * ACROSS).tolist()}
     return {**values, "destination.axis": AXIS.tolist()} if shape == "cylinder" else values
 
 

@@ -11,12 +11,8 @@ from scipy.integrate import solve_ivp
 from support.checks import METHODS, check_close, run, start
 from support.reference.compound import Foot, FreeBody, Pin, matrix
 
-PARTS = {
-    "left_heel": (0.02, (-0.09, 0.03, -0.03)),
-    "right_heel": (0.02, (-0.09, -0.03, -0.03)),
-    "left_ball": (0.015, (0.1, 0.04, -0.035)),
-    "right_ball": (0.015, (0.1, -0.04, -0.035)),
-}
+PARTS = {"left_heel": (0.02, (-0.09, 0.03, -0.03)), "right_heel": (0.02, (-0.09, -0.03, -0.03))}
+PARTS |= {"left_ball": (0.015, (0.1, 0.04, -0.035)), "right_ball": (0.015, (0.1, -0.04, -0.035))}
 COUNT = 40
 VALUES, DERIVATIVES = 1e-12, 1e-9
 SUMS = ("foot.contact_force", "foot.contact_torque")
@@ -134,11 +130,8 @@ def test_an_orientation_of_zero_is_refused(opened):
         fmu.step(1e-3)
 
 
-TRIPOD = {
-    "front": (0.05, (0.3, 0.0, -0.2)),
-    "left": (0.05, (-0.2, 0.25, -0.2)),
-    "right": (0.05, (-0.2, -0.15, -0.2)),
-}
+TRIPOD = {"front": (0.05, (0.3, 0.0, -0.2)), "left": (0.05, (-0.2, 0.25, -0.2))}
+TRIPOD |= {"right": (0.05, (-0.2, -0.15, -0.2))}
 PIN = {"lower": (0.01, (0.0, 0.0, -0.03)), "upper": (0.01, (0.0, 0.0, 0.03))}
 MASS, INERTIA = 3.0, np.array([0.05, 0.07, 0.09])
 

@@ -247,15 +247,13 @@ def test_a_ball_that_is_led_through_the_centre_presses_hardest_before_it(opened,
     """F = p_n (reach - d) + p_nv v until d = 0"""
     stiffness, damping, speed, reach, size = 300.0, 7.0, 1.7, 0.6, 1.3
     way = np.array([0.6, 0.8, 0.0])
-    values = {
-        "source.motion": "prescribed", "destination.motion": "fixed", "source.radius": 0.1,
-        "destination.radius": 0.5, "destination.axis": [0.0, 0.0, 1.0],
-        "source.center": (-0.5 * size * way).tolist(),
-        "source.prescribed_velocity": (speed * way).tolist(),
-        "source.prescribed_displacement.derivatives": [(speed * way).tolist()], "contact.location": "outside",
-        "contact.method": "penalty_dynamic", "contact.dashpot": dashpot, "contact.penalty_factor": stiffness,
-        "contact.viscous_penalty_factor": damping,
-    }  # fmt: skip
+    values = {"source.motion": "prescribed", "destination.motion": "fixed", "source.radius": 0.1}
+    values |= {"destination.radius": 0.5, "destination.axis": [0.0, 0.0, 1.0]}
+    values |= {"source.center": (-0.5 * size * way).tolist()}
+    values |= {"source.prescribed_velocity": (speed * way).tolist()}
+    values |= {"source.prescribed_displacement.derivatives": [(speed * way).tolist()]}
+    values |= {"contact.location": "outside", "contact.method": "penalty_dynamic", "contact.dashpot": dashpot}
+    values |= {"contact.penalty_factor": stiffness, "contact.viscous_penalty_factor": damping}
     fmu = opened(scene)
     known = {variable.name.partition("[")[0] for variable in fmu.description.modelVariables}
     values = {name: x for name, x in values.items() if name.removesuffix(".derivatives") in known}

@@ -23,14 +23,12 @@ LED = 1e4  # N/m, where the ball is led
 
 
 def solid(shape, along, **more):
-    values = {
-        **RADII, "source.motion": "free", "destination.motion": "fixed",
-        "source.center": (-START * along).tolist(),
-        "source.initial_velocity": (SPEED * along).tolist(),
-        "destination.center": [0.0, 0.0, 0.0], "gravity": [0.0, 0.0, 0.0], "contact.location": "outside",
-        "contact.penalty_control": "user_defined", "contact.viscous_control": "user_defined",
-        "contact.dashpot": "unclamped", **more,
-    }  # fmt: skip
+    values = {**RADII, "source.motion": "free", "destination.motion": "fixed"}
+    values |= {"source.center": (-START * along).tolist()}
+    values |= {"source.initial_velocity": (SPEED * along).tolist(), "destination.center": [0.0, 0.0, 0.0]}
+    values |= {"gravity": [0.0, 0.0, 0.0], "contact.location": "outside"}
+    values |= {"contact.penalty_control": "user_defined", "contact.viscous_control": "user_defined"}
+    values |= {"contact.dashpot": "unclamped", **more}
     return values | ({"destination.axis": AXIS.tolist()} if shape == "cylinder" else {})
 
 

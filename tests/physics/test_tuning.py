@@ -117,12 +117,10 @@ def refused(fmu):
         assert np.array_equal(fmu[name], before)
 
 
-TUNABLE = [
-    "contact.penalty_multiplier", "contact.penalty_factor", "contact.characteristic_time",
-    "contact.viscous_penalty_factor", "contact.reference_modulus", "contact.dashpot", "gravity",
-    "contact.hertz_stiffness", "contact.hunt_crossley_factor", "contact.restitution",
-    "solver.relative_tolerance", "solver.absolute_tolerance", "solver.max_internal_steps",
-]  # fmt: skip
+TUNABLE = ["contact.penalty_multiplier", "contact.penalty_factor", "contact.characteristic_time"]
+TUNABLE += ["contact.viscous_penalty_factor", "contact.reference_modulus", "contact.dashpot", "gravity"]
+TUNABLE += ["contact.hertz_stiffness", "contact.hunt_crossley_factor", "contact.restitution"]
+TUNABLE += ["solver.relative_tolerance", "solver.absolute_tolerance", "solver.max_internal_steps"]
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -86,11 +86,8 @@ def test_two_spheres_may_change_their_roles(opened, method, scene):
 
 
 # Exponents of metre, kilogram and second for what a configuration and its results are measured in.
-DIMENSIONS = TABLE["dimensions"] | {
-    "position": (1, 0, 0),
-    "absolute_tolerance": (1, 0, 0),
-    "force": (1, 1, -2),
-}
+DIMENSIONS = TABLE["dimensions"] | {"position": (1, 0, 0), "absolute_tolerance": (1, 0, 0)}
+DIMENSIONS |= {"force": (1, 1, -2)}
 DIMENSIONS |= {"duration": (0, 0, 1), "dissipated": (2, 1, -2)}
 
 

@@ -96,17 +96,15 @@ class Cluster:
             return False
 
     def _start(self, *arguments):
-        line = [
-            sys.executable, "-m", "distributed.cli.dask_" + arguments[0], *arguments[1:], "--no-dashboard",
-        ]  # fmt: skip
+        line = [sys.executable, "-m", "distributed.cli.dask_" + arguments[0], *arguments[1:]]
+        line += ["--no-dashboard"]
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         self.processes.append(subprocess.Popen(line, cwd=self.folder, env=environment(), **quiet))
         return self.processes[-1]
 
     def add_worker(self):
-        options = (
-            "--no-nanny", "--nthreads", "1", "--memory-limit", "0", "--local-directory", str(self.folder),
-        )  # fmt: skip
+        options = ("--no-nanny", "--nthreads", "1", "--memory-limit", "0", "--local-directory")
+        options += (str(self.folder),)
         self.workers.append(self._start("worker", self.address, "--host", "127.0.0.1", *options))
 
     def close(self):

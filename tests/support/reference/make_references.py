@@ -24,13 +24,11 @@ FILES = [FOLDER / f"{name}_references.json" for name in ("wide", "overdamped", "
 ORDER = 30
 NUDGE = 2.0**-30  # relative change of what is given, for the condition numbers
 TRIES = 3
-NUDGED = [
-    "source.radius", "destination.radius", "source.mass", "destination.mass", "contact.penalty_factor",
-    "contact.viscous_penalty_factor", "contact.penalty_multiplier", "contact.characteristic_time",
-    "destination.length", "gravity", "destination.axis", "source.initial_velocity",
-    "destination.initial_velocity", "source.prescribed_velocity", "destination.prescribed_velocity",
-    "source.external_force", "destination.external_force",
-]  # fmt: skip
+NUDGED = ["source.radius", "destination.radius", "source.mass", "destination.mass", "contact.penalty_factor"]
+NUDGED += ["contact.viscous_penalty_factor", "contact.penalty_multiplier", "contact.characteristic_time"]
+NUDGED += ["destination.length", "gravity", "destination.axis", "source.initial_velocity"]
+NUDGED += ["destination.initial_velocity", "source.prescribed_velocity", "destination.prescribed_velocity"]
+NUDGED += ["source.external_force", "destination.external_force"]
 
 
 def outcome(reference):

@@ -78,11 +78,8 @@ class CylinderPair:
     def values(self) -> dict:
         values = touching_values(self)
         for i, body in enumerate(("source", "destination")):
-            values |= {
-                f"{body}.radius": self.radius[i],
-                f"{body}.mass": self.mass[i],
-                f"{body}.axis": (2.0 - 3.0 * i) * self.axes[i],
-            }
+            values |= {f"{body}.radius": self.radius[i], f"{body}.mass": self.mass[i]}
+            values |= {f"{body}.axis": (2.0 - 3.0 * i) * self.axes[i]}
             if np.isfinite(self.length[i]):
                 values |= {f"{body}.finite_length": True, f"{body}.length": self.length[i]}
             if self.turns:

@@ -51,11 +51,8 @@ def ball(random, axis, mass):
 def plane(random, axis):
     """Fixed, prescribed with an acceleration along its normal alone, or free to move."""
     gravity = float(chosen(random, [0.0, 9.81, 9.81]))
-    found = {
-        "destination.axis": axis.tolist(),
-        "gravity": (-gravity * axis).tolist(),
-        "destination.rotation": "none",
-    }
+    found = {"destination.axis": axis.tolist(), "gravity": (-gravity * axis).tolist()}
+    found |= {"destination.rotation": "none"}
     kind = chosen(random, ["fixed", "fixed", "prescribed", "free"])
     if kind == "prescribed":
         return found | moved_by("destination", 0.1 * random.normal(size=3), 0.3 * random.normal() * axis)

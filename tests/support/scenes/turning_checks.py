@@ -10,9 +10,8 @@ ALLOWED = {"event_driven": 1e-7, "cvode_bdf": 1e-5, "cvode_adams": 1e-5}
 BALANCE = {"event_driven": 1e-9, "cvode_bdf": 1e-7, "cvode_adams": 1e-7}
 TOLERANCE = 1e-10
 MOST_STEPS = 300_000
-TERMS = (
-    "kinetic", "rotational", "potential", "contact", "tangential", "dissipated", "friction", "external_work",
-)  # fmt: skip
+TERMS = ("kinetic", "rotational", "potential", "contact", "tangential", "dissipated", "friction")
+TERMS += ("external_work",)
 BODIES = ("source", "destination")
 
 
