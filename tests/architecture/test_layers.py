@@ -22,6 +22,7 @@ from support.sources import (
 
 C_LIBRARY = {"assert.h", "float.h", "limits.h", "math.h", "stdarg.h", "stdbool.h", "stddef.h", "stdint.h"}
 C_LIBRARY |= {"stdio.h", "stdlib.h", "string.h"}
+SUNDIALS = ("cvode", "nvector", "sundials", "sunlinsol", "sunmatrix", "sunnonlinsol")
 
 every_file = pytest.mark.parametrize("file", HEADERS + UNITS, ids=label)
 
@@ -52,14 +53,7 @@ def test_each_layer_includes_only_the_libraries_it_may(file):
         elif name.startswith(ADAPTERS):
             assert layer(file) == name[:4]
         else:
-            assert name.partition("/")[0] in {
-                "cvode",
-                "nvector",
-                "sundials",
-                "sunlinsol",
-                "sunmatrix",
-                "sunnonlinsol",
-            }
+            assert name.partition("/")[0] in SUNDIALS
             assert layer(file) == "integrator"
             assert file.stem.startswith("cvode")
 

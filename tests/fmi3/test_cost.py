@@ -36,11 +36,8 @@ def cost(tmp_path_factory):
             "GLIBC_TUNABLES": TUNABLES,
             "LD_BIND_NOW": "1",
         }  # finding functions is no part of the cost
-        checked(
-            ["valgrind", *options, f"--callgrind-out-file={out}", *command],
-            timeout=PATIENCE,
-            environment=environment,
-        )
+        watched = ["valgrind", *options, f"--callgrind-out-file={out}", *command]
+        checked(watched, timeout=PATIENCE, environment=environment)
         return int(re.search(r"^(?:summary|totals): (\d+)", out.read_text(), re.MULTILINE)[1])
 
     def of(name, version):

@@ -208,15 +208,11 @@ def test_a_step_that_is_not_cut_short_tells_the_end_that_was_asked_for(seed, eve
 
 def test_fmpy_records_the_impact():
     """A ball falls 0.3 m on a sphere; fmpy shortens its step to the instant at which they touch."""
+    settings = {"stop_time": 1.0, "output_interval": 0.05, "relative_tolerance": 1e-10}
+    settings |= {"start_values": {"source.center": [0.0, 0.0, 0.9], "gravity": [0.0, 0.0, -10.0]}}
+    settings |= {"early_return_allowed": True, "use_event_mode": True}
     rows = fmpy.simulate_fmu(
-        str(raw.FMUS / "SphereSphere.fmu"),
-        stop_time=1.0,
-        output_interval=0.05,
-        relative_tolerance=1e-10,
-        start_values={"source.center": [0.0, 0.0, 0.9], "gravity": [0.0, 0.0, -10.0]},
-        early_return_allowed=True,
-        use_event_mode=True,
-        output=["contact.onsets", "contact.gap"],
+        str(raw.FMUS / "SphereSphere.fmu"), output=["contact.onsets", "contact.gap"], **settings
     )
     first = rows[np.flatnonzero(rows["contact.onsets"])[0]]
     check_close("time", first["time"], math.sqrt(2 * 0.3 / 10.0), 1e-12)

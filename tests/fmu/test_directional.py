@@ -154,18 +154,11 @@ def test_directions_add_up(fmu):
         known, unknowns = fmu.select("input", kind="Real"), fmu.select("output", kind="Real")
         matrix = jacobian(instance, unknowns, known)
         direction = np.linspace(-1.0, 2.0, len(known))
-        values = array(c_double, [0.0] * len(unknowns))
+        rows, columns = ([one.reference for one in several] for several in (unknowns, known))
         for repeat in (1, 2):
-            instance.ok(
-                "GetDirectionalDerivative",
-                array(c_uint, [one.reference for one in unknowns]),
-                len(unknowns),
-                array(c_uint, [one.reference for one in known] * repeat),
-                len(known) * repeat,
-                array(c_double, list(direction) * repeat),
-                values,
-            )
-            assert list(values) == pytest.approx(list(repeat * matrix @ direction), rel=1e-12, abs=1e-12)
+            status, values = instance.directional(rows, columns * repeat, list(direction) * repeat)
+            assert status == OK, instance.texts()
+            assert values == pytest.approx(list(repeat * matrix @ direction), rel=1e-12, abs=1e-12)
 
 
 def test_asking_changes_nothing(fmu):
@@ -178,15 +171,7 @@ def test_asking_changes_nothing(fmu):
 
 
 def ask(instance: raw.Instance, unknown: int, known: int, change: float = 1.0) -> int:
-    return instance.call(
-        "GetDirectionalDerivative",
-        array(c_uint, [unknown]),
-        1,
-        array(c_uint, [known]),
-        1,
-        array(c_double, [change]),
-        array(c_double, [0.0]),
-    )
+    return instance.directional([unknown], [known], [change])[0]
 
 
 def test_wrong_references_are_refused(fmu):

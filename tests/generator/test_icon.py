@@ -36,11 +36,8 @@ def test_every_scene_has_an_icon_with_its_bodies_and_a_force(scene):
     assert where(pixels, FORCE).size > 100
     hollow = scene in ("BallInShell", "GolfersDilemma", "GroovedBearing", "PinInHole", "PinJoint")
     assert (where(pixels, DESTINATION).size == 0) == hollow
-    assert pixels[0, 0, 3] == 0 or scene in (
-        "SphereCylinder",
-        "ForceElement",
-        "GaltonBoard",
-    )  # nothing behind it
+    # Nothing is behind it.
+    assert pixels[0, 0, 3] == 0 or scene in ("SphereCylinder", "ForceElement", "GaltonBoard")
 
 
 def test_bodies_are_drawn_to_scale_and_above_each_other(tmp_path):

@@ -127,13 +127,9 @@ def test_a_larger_count_changes_no_value_reference(tmp_path):
     text = re.sub(r'name = "chain_\{i\}"[\s\S]*?count = 2\n', pairs, BODIES)
     text = re.sub(r"\n.*(chain|radius|center|near\[\{i\},\{j\}\]\.penalty).*", "", text)
     more = text.replace("count = 3", "count = 5").replace("count = 2", "count = 4")
-    before, after = (
-        {
-            name: entry["reference"]
-            for name, entry in parse_xml(made(one, folder)["modelDescription.xml"]).items()
-        }
-        for one, folder in ((text, tmp_path / "before"), (more, tmp_path / "after"))
-    )
+    files = [made(text, tmp_path / "before"), made(more, tmp_path / "after")]
+    entries = [parse_xml(one["modelDescription.xml"]).items() for one in files]
+    before, after = ({name: entry["reference"] for name, entry in of_one} for of_one in entries)
     assert "pair[4,5].gap" in after.keys() - before.keys()
     apart = {
         name for name in before if re.match(r"near\[\d,3\]|near\[4", name)

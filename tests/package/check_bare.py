@@ -12,11 +12,8 @@ import pytest
 
 from support.programs import PATIENCE, checked, finished
 
-FROM_HERE = (
-    "/etc/resolv.conf",
-    "/etc/pip.conf",
-    "/etc/ssl/certs/ca-certificates.crt",
-)  # the way to the network
+# The way to the network
+FROM_HERE = ("/etc/resolv.conf", "/etc/pip.conf", "/etc/ssl/certs/ca-certificates.crt")
 GCC = ("cc", "gcc", "gcc-12", "x86_64-linux-gnu-gcc", "x86_64-linux-gnu-gcc-12")
 
 

@@ -131,11 +131,6 @@ def test_a_slide_presses_hardest_at_its_lowest_point_with_the_oscillation_on_top
     values |= {"contact.location": "inside", "contact.method": "penalty", "contact.penalty_factor": 1e9}
     peaks = []
     run(
-        opened("SphereCylinder"),
-        values,
-        0.7,
-        steps,
-        method="event_driven",
-        each=lambda fmu: peaks.append(fmu["contact.peak_force"]),
+        opened("SphereCylinder"), values, 0.7, steps, each=lambda fmu: peaks.append(fmu["contact.peak_force"])
     )
     check_relative("peak force", max(peaks), 2.5 * weight, 2e-8)

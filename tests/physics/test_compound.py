@@ -186,15 +186,7 @@ def test_energy_and_its_parts_last(opened, method):
     values, reference, y = tripod(0.0, 0.0)
     fmu = opened("Tripod")
     at = []
-    run(
-        fmu,
-        values,
-        0.3,
-        steps=30,
-        tolerance=1e-11,
-        method=method,
-        each=lambda fmu: at.append(fmu["energy.total"]),
-    )
+    run(fmu, values, 0.3, 30, 1e-11, method, each=lambda fmu: at.append(fmu["energy.total"]))
     check_close("energy", at, [at[0]] * len(at), 1e-8 * abs(at[0]))
     check_close("energy of the reference", at[0], reference.energy(y), 1e-12 * abs(at[0]))
     rotation = matrix(np.array(fmu["tripod.orientation"]))

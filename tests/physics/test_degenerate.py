@@ -11,19 +11,9 @@ from support.scenes.head_on import ACROSS, AXIS, FMU, GEOMETRIES, approach, head
 
 PRESCRIBED = {"source.motion": "prescribed", "destination.motion": "prescribed"}
 ORIGIN = {"source.center": [0.0, 0.0, 0.0], "destination.center": [0.0, 0.0, 0.0]}
-READ = [
-    f"contact.{row}"
-    for row in (
-        "gap",
-        "gap_rate",
-        "distance",
-        "direction",
-        "normal_force",
-        "source_force",
-        "destination_force",
-        "point",
-    )
-]
+ROWS = ("gap", "gap_rate", "distance", "direction", "normal_force", "source_force", "destination_force")
+ROWS += ("point",)
+READ = [f"contact.{row}" for row in ROWS]
 
 
 def check_finite(fmu):

@@ -63,13 +63,8 @@ def expected(values, moved, length):
 
 def configuration(random):
     values, inside = random_configuration(random, "cylinder")
-    values.update(
-        {
-            "contact.location": "inside" if inside else "outside",
-            "contact.penalty_factor": STIFFNESS,
-            "contact.viscous_penalty_factor": DAMPING,
-        }
-    )
+    values |= {"contact.location": "inside" if inside else "outside"}
+    values |= {"contact.penalty_factor": STIFFNESS, "contact.viscous_penalty_factor": DAMPING}
     return values, inside
 
 

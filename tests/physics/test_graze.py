@@ -82,11 +82,10 @@ def test_a_straight_pass_that_just_does_not(opened, shape, clear, steps):
 def skimming(location, share, speed):
     """Touching exactly at the start, with `share` of the speed into the other body, no gravity"""
     inside = location == "inside"
-    return {
-        "destination.radius": 0.5, "source.center": [0.0, 0.0, 0.4 if inside else 0.6],
-        "source.initial_velocity": [speed, 0.0, (1 if inside else -1) * share * speed],
-        "contact.location": location, "contact.method": "penalty", "gravity": [0.0, 0.0, 0.0],
-    }  # fmt: skip
+    values = {"destination.radius": 0.5, "source.center": [0.0, 0.0, 0.4 if inside else 0.6]}
+    values |= {"source.initial_velocity": [speed, 0.0, (1 if inside else -1) * share * speed]}
+    values |= {"contact.location": location, "contact.method": "penalty", "gravity": [0.0, 0.0, 0.0]}
+    return values
 
 
 @pytest.mark.parametrize("steps", STEPS)

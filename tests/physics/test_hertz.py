@@ -158,14 +158,13 @@ def test_the_load_of_an_onset_knows_how_its_surface_turns(opened, seed):
 
 
 def prescribed(dashpot, control):
-    return {
-        "source.motion": "prescribed", "destination.motion": "fixed", "source.center": [0.0, 0.0, 0.61],
-        "source.prescribed_velocity": [0.0, 0.0, -1.0],
-        "source.prescribed_displacement.derivatives": [[0.0, 0.0, -1.0], [0.0, 0.0, 40.0]],
-        "source.prescribed_velocity.derivatives": [[0.0, 0.0, 40.0], [0.0, 0.0, 0.0]], "contact.law": "hertz",
-        "contact.hertz_stiffness": 1e8, "contact.viscous_control": control,
-        "contact.hunt_crossley_factor": 1.5, "contact.restitution": 0.4, "contact.dashpot": dashpot,
-    }  # fmt: skip
+    values = {"source.motion": "prescribed", "destination.motion": "fixed", "source.center": [0.0, 0.0, 0.61]}
+    values |= {"source.prescribed_velocity": [0.0, 0.0, -1.0]}
+    values |= {"source.prescribed_displacement.derivatives": [[0.0, 0.0, -1.0], [0.0, 0.0, 40.0]]}
+    values |= {"source.prescribed_velocity.derivatives": [[0.0, 0.0, 40.0], [0.0, 0.0, 0.0]]}
+    values |= {"contact.law": "hertz", "contact.hertz_stiffness": 1e8, "contact.viscous_control": control}
+    values |= {"contact.hunt_crossley_factor": 1.5, "contact.restitution": 0.4, "contact.dashpot": dashpot}
+    return values
 
 
 def impulse(dashpot, chi):

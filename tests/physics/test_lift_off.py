@@ -81,17 +81,14 @@ def damping(stiffness, share):
 def pressed(shape, location, dashpot, stiffness, share):
     inward = approach(location)
     values = head_on(shape, location, gap=0.0, speed=0.0)
-    values.update(
-        {
-            "source.initial_displacement": (FORCE / stiffness * inward).tolist(),
-            "source.external_force": (FORCE * inward).tolist(),
-            "source.external_force.derivatives": [(-RATE * inward).tolist()],
-            "contact.method": "penalty_dynamic",
-            "contact.dashpot": dashpot,
-            "contact.penalty_factor": stiffness,
-            "contact.viscous_penalty_factor": damping(stiffness, share),
-        }
-    )
+    values |= {"source.initial_displacement": (FORCE / stiffness * inward).tolist()}
+    values |= {"source.external_force": (FORCE * inward).tolist()}
+    values |= {"source.external_force.derivatives": [(-RATE * inward).tolist()]}
+    values |= {"contact.method": "penalty_dynamic", "contact.dashpot": dashpot}
+    values |= {
+        "contact.penalty_factor": stiffness,
+        "contact.viscous_penalty_factor": damping(stiffness, share),
+    }
     return values
 
 

@@ -21,11 +21,10 @@ STEPS = [1, 997]
 def bounce(normal=(0.0, 0.0, 1.0), gap=0.5, **more):
     """A ball over a plane through the origin."""
     normal = np.array(normal)
-    return {
-        "source.center": ((0.1 + gap) * normal).tolist(),
-        "source.initial_velocity": [0.3, -0.2, 0.0], "destination.axis": normal.tolist(),
-        "contact.penalty_factor": 1e6, "contact.viscous_penalty_factor": 60.0, **more,
-    }  # fmt: skip
+    values = {"source.center": ((0.1 + gap) * normal).tolist(), "source.initial_velocity": [0.3, -0.2, 0.0]}
+    values |= {"destination.axis": normal.tolist(), "contact.penalty_factor": 1e6}
+    values |= {"contact.viscous_penalty_factor": 60.0, **more}
+    return values
 
 
 MOVED = {

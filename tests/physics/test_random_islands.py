@@ -54,14 +54,13 @@ def contact(random, source, destination, turning):
     stiffness = 10.0 ** random.uniform(4.0, 7.0) * (20.0 if law == "hertz" else 0.3)
     damping = random.uniform(0.02, 0.5) if law == "hertz" else random.uniform(0.01, 0.6) * np.sqrt(stiffness)
     mu = random.uniform(0.05, 0.6)
-    return {
-        "source": source, "destination": destination, "law": law, "k": stiffness,
-        "c": pick(random, 0.0, damping),
-        "dashpot": pick(random, "non_adhesive", "unclamped", "approach_only"),
-        "friction": pick(random, "none", "regularized", "elastic") if turning else "none", "mu": mu,
-        "mu_static": mu * pick(random, 1.0, 1.3), "v_0": 10.0 ** random.uniform(-3.0, -1.0),
-        "k_t": 10.0 ** random.uniform(3.0, 5.5), "c_t": 10.0 ** random.uniform(0.0, 2.0),
-    }  # fmt: skip
+    values = {"source": source, "destination": destination, "law": law, "k": stiffness}
+    values |= {"c": pick(random, 0.0, damping)}
+    values |= {"dashpot": pick(random, "non_adhesive", "unclamped", "approach_only")}
+    values |= {"friction": pick(random, "none", "regularized", "elastic") if turning else "none", "mu": mu}
+    values |= {"mu_static": mu * pick(random, 1.0, 1.3), "v_0": 10.0 ** random.uniform(-3.0, -1.0)}
+    values |= {"k_t": 10.0 ** random.uniform(3.0, 5.5), "c_t": 10.0 ** random.uniform(0.0, 2.0)}
+    return values
 
 
 def scene_of(seed):

@@ -25,10 +25,9 @@ UNDAMPED = {"contact.method": "penalty"}
 def on_top(stiffness=1e6, **more):
     """On a ball, with the depth of its weight: the one place from where rounding cannot roll it off"""
     depth = WEIGHT / stiffness
-    return {
-        **BALL, "contact.penalty_factor": stiffness, "source.center": [0.0, 0.0, 0.6],
-        "source.initial_displacement": [0.0, 0.0, -depth], **more,
-    }  # fmt: skip
+    values = {**BALL, "contact.penalty_factor": stiffness, "source.center": [0.0, 0.0, 0.6]}
+    values |= {"source.initial_displacement": [0.0, 0.0, -depth], **more}
+    return values
 
 
 def at_the_bottom(stiffness=1e6, depth=None, **more):

@@ -266,14 +266,8 @@ def test_measuring_without_a_host_says_what_to_do(tmp_path):
 
 # What all pages share: formulas typeset or plain, tables that fit a small screen
 
-WORDS = [
-    *(
-        scenario.read_text(encoding="utf-8")
-        for scenario in sorted((ROOT / "scripts/scenarios").glob("*.toml"))
-    ),
-    *ATLAS["LIMITS"],
-    *ATLAS["AXES"].values(),
-]
+WORDS = [file.read_text(encoding="utf-8") for file in sorted((ROOT / "scripts/scenarios").glob("*.toml"))]
+WORDS += [*ATLAS["LIMITS"], *ATLAS["AXES"].values()]
 
 
 def test_names_are_slanted_and_have_their_indices_below():

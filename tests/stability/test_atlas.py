@@ -5,6 +5,7 @@ import math
 import re
 from collections import Counter
 from dataclasses import replace
+from operator import attrgetter
 
 import pytest
 from lxml import etree
@@ -48,19 +49,8 @@ def rows(scenes):
 def test_event_driven_is_right(rows, family):
     own = [row for row in rows if row.family == family and row.method == "event_driven"]
     assert len(own) >= 4
-    found = [
-        (
-            row.wrong,
-            row.status,
-            row.message,
-            row.value,
-            row.geometry,
-            row.law,
-            row.note,
-            row.communication_steps,
-        )
-        for row in not_right(own, "event_driven")
-    ]
+    told = attrgetter("wrong", "status", "message", "value", "geometry", "law", "note", "communication_steps")
+    found = [told(row) for row in not_right(own, "event_driven")]
     assert found == []
     for row in own:
         assert math.isfinite(row.error), row

@@ -55,13 +55,9 @@ class Browser:
         reads, self.commands = os.pipe()
         self.answers, writes = os.pipe()
         shell = f'exec "$@" 3<&{reads} 4>&{writes}'
-        self.process = subprocess.Popen(
-            ["bash", "-c", shell, "browser", chromium(), *options],
-            pass_fds=(reads, writes),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
+        command = ["bash", "-c", shell, "browser", chromium(), *options]
+        silent = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+        self.process = subprocess.Popen(command, pass_fds=(reads, writes), **silent)
         os.close(reads)
         os.close(writes)
         self.number = 0
@@ -170,13 +166,8 @@ class Page:
             self.browser.wait(0.05)
 
     def resize(self, width: int, height: int) -> None:
-        self.call(
-            "Emulation.setDeviceMetricsOverride",
-            width=width,
-            height=height,
-            deviceScaleFactor=1,
-            mobile=False,
-        )
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+        self.call("Emulation.setDeviceMetricsOverride", **size)
 
     def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)

@@ -30,15 +30,9 @@ def scalars(start: dict, description) -> dict:
 
 def simulate(file: Path, start: dict, stop: float, names: list[str], kind: str = "ModelExchange"):
     description = fmpy.read_model_description(str(file))
-    return fmpy.simulate_fmu(
-        str(file),
-        fmi_type=kind,
-        start_values=scalars(start, description),
-        stop_time=stop,
-        relative_tolerance=TOLERANCE,
-        output=names,
-        output_interval=1e-3,
-    )
+    settings = {"start_values": scalars(start, description), "stop_time": stop, "output": names}
+    settings |= {"relative_tolerance": TOLERANCE, "output_interval": 1e-3}
+    return fmpy.simulate_fmu(str(file), fmi_type=kind, **settings)
 
 
 def check_exchange(fmu, scene: str, values: dict, end: float, vectors: list[str]):

@@ -128,11 +128,10 @@ def test_a_start_on_the_edge(opened, seed):
 
 
 def on_a_cap(stiffness, damping):
-    return CAPPED | {
-        "gravity": [0.0, 0.0, -10.0], "destination.radius": 0.3, "source.center": [0.0, 0.35, 2.1],
-        "source.initial_velocity": [0.0, -1.0, -0.5], "contact.penalty_factor": stiffness,
-        "contact.viscous_penalty_factor": damping,
-    }  # fmt: skip
+    values = CAPPED | {"gravity": [0.0, 0.0, -10.0], "destination.radius": 0.3}
+    values |= {"source.center": [0.0, 0.35, 2.1], "source.initial_velocity": [0.0, -1.0, -0.5]}
+    values |= {"contact.penalty_factor": stiffness, "contact.viscous_penalty_factor": damping}
+    return values
 
 
 @pytest.mark.parametrize("stiffness", [1e12, 1e16, 1e17, 1e18, 1e20, 1e24])
@@ -274,13 +273,11 @@ def soft_law(random, energy, mass, depth):
     """Of a contact that gives by some of `depth` before it has taken `energy`."""
     stiffness = float(f"{energy / (0.5 * depth**2) * pick(random, 0.05, 0.3, 0.9, 1.5):.1g}")
     if random.random() < 0.25:
-        return {
-            "contact.law": "hertz",
-            "contact.penalty_control": "user_defined",
-            "contact.hertz_stiffness": float(f"{stiffness / depth**0.5:.1g}"),
-            "contact.viscous_control": "user_defined",
-            "contact.hunt_crossley_factor": pick(random, 0.0, 0.01, 0.1),
-        }
+        values = {"contact.law": "hertz", "contact.penalty_control": "user_defined"}
+        values |= {"contact.hertz_stiffness": float(f"{stiffness / depth**0.5:.1g}")}
+        values |= {"contact.viscous_control": "user_defined"}
+        values |= {"contact.hunt_crossley_factor": pick(random, 0.0, 0.01, 0.1)}
+        return values
     if random.random() < 0.5:
         return {"contact.method": "penalty", "contact.penalty_factor": stiffness}
     critical = float(f"{2.0 * np.sqrt(stiffness * mass):.1g}")

@@ -22,14 +22,12 @@ def law_of(random, contact):
     if random.integers(2):
         return values | {f"{contact}.method": "penalty"}
     law = pick(random, "linear", "hertz")
-    return values | {
-        f"{contact}.method": "penalty_dynamic",
-        f"{contact}.law": law,
-        f"{contact}.hertz_stiffness": pick(random, 1e5, 1e6),
-        f"{contact}.viscous_penalty_factor": pick(random, 0.0, 1.0, 10.0, 100.0),
-        f"{contact}.hunt_crossley_factor": pick(random, 0.0, 0.1),
-        f"{contact}.dashpot": pick(random, "non_adhesive", "unclamped", "approach_only"),
-    }
+    found = values | {f"{contact}.method": "penalty_dynamic", f"{contact}.law": law}
+    found |= {f"{contact}.hertz_stiffness": pick(random, 1e5, 1e6)}
+    found |= {f"{contact}.viscous_penalty_factor": pick(random, 0.0, 1.0, 10.0, 100.0)}
+    found |= {f"{contact}.hunt_crossley_factor": pick(random, 0.0, 0.1)}
+    found |= {f"{contact}.dashpot": pick(random, "non_adhesive", "unclamped", "approach_only")}
+    return found
 
 
 def ball_into_corner(random):

@@ -20,10 +20,9 @@ BALL = {
 
 
 def resisting(kind, stiffness=STIFFNESS, damping=0.0):
-    return {
-        f"contact.{kind}": "elastic", f"contact.{kind}_coefficient": MU,
-        f"contact.{kind}_stiffness": stiffness, f"contact.{kind}_damping": damping,
-    }  # fmt: skip
+    values = {f"contact.{kind}": "elastic", f"contact.{kind}_coefficient": MU}
+    values |= {f"contact.{kind}_stiffness": stiffness, f"contact.{kind}_damping": damping}
+    return values
 
 
 FRICTION = {"contact.friction": "elastic", "contact.friction_coefficient": 0.5}

@@ -44,12 +44,8 @@ RUBS = {
     "elastic": {"contact.tangential_damping": 500.0},
 }  # fmt: skip
 # The slip of regularized friction is 1e-7 m/s, which Adams' method cannot follow; springs yield by 1e-6 m.
-ROLLS = [
-    (friction, method)
-    for friction in RUBS
-    for method in METHODS
-    if (friction, method) != ("regularized", METHODS[2])
-]
+ROLLS = [(rubs, method) for rubs in RUBS for method in METHODS]
+ROLLS.remove(("regularized", METHODS[2]))
 
 
 def way_of_rolling(opened, friction, method, rate, speed=1.0):

@@ -5,17 +5,12 @@ import pytest
 from contact_fmus.fmu.contact_fmu import FmuError
 from support.checks import start
 
+TURNED = {"source.motion": "fixed", "destination.rotation": "prescribed"}
+
 
 def test_an_axis_of_zero_is_refused_between_steps_and_not_in_force(opened):
-    fmu = start(
-        opened("SphereCylinder"),
-        {
-            "source.motion": "fixed",
-            "destination.rotation": "prescribed",
-            "destination.axis": [0.0, 0.0, 1.0],
-            "destination.prescribed_axis": [0.0, 0.0, 2.0],
-        },
-    )
+    values = TURNED | {"destination.axis": [0.0, 0.0, 1.0], "destination.prescribed_axis": [0.0, 0.0, 2.0]}
+    fmu = start(opened("SphereCylinder"), values)
     fmu.step(0.1)
     fmu["destination.prescribed_axis"] = [0.0, 0.0, 0.0]
     with pytest.raises(FmuError, match=r"destination\.prescribed_axis"):
@@ -33,17 +28,9 @@ def test_an_axis_of_zero_is_refused_between_steps_and_not_in_force(opened):
     ],
 )
 def test_an_axis_that_turns_otherwise_than_its_body_is_warned_of_once(opened, axis, rate, spin, warned):
-    fmu = start(
-        opened("SphereCylinder"),
-        {
-            "source.motion": "fixed",
-            "destination.rotation": "prescribed",
-            "destination.axis": [1.0, 0.0, 0.0],
-            "destination.prescribed_axis": axis,
-            "destination.prescribed_axis.derivatives": [rate],
-            "destination.prescribed_angular_velocity": spin,
-        },
-    )
+    values = TURNED | {"destination.axis": [1.0, 0.0, 0.0], "destination.prescribed_axis": axis}
+    values |= {"destination.prescribed_axis.derivatives": [rate]}
+    fmu = start(opened("SphereCylinder"), values | {"destination.prescribed_angular_velocity": spin})
     for _ in range(3):
         fmu["destination.prescribed_axis"] = axis
         fmu.set_derivative("destination.prescribed_axis", rate, order=1)

@@ -792,10 +792,9 @@ class TurningRun:
         """Of one body: position, velocity, orientation, angular velocity, axis."""
         here = self.pair.body_at(list(self.y), BODIES.index(name))
         q = np.array(here.q) / np.linalg.norm(here.q)
-        return {
-            "position": np.array(here.x), "velocity": np.array(here.v), "orientation": q,
-            "angular_velocity": np.array(here.omega), "current_axis": np.array(here.axis),
-        }  # fmt: skip
+        values = {"position": np.array(here.x), "velocity": np.array(here.v), "orientation": q}
+        values |= {"angular_velocity": np.array(here.omega), "current_axis": np.array(here.axis)}
+        return values
 
     def now(self):
         """Forces and torques at this instant."""

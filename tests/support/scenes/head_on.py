@@ -48,11 +48,9 @@ def of_size(shape, location, radius, gap, speed):
     """head_on with a source of this radius and a destination five times as large."""
     values = head_on(shape, location, speed=speed)
     distance = 4 * radius - gap if location == "inside" else 6 * radius + gap
-    return values | {
-        "source.radius": radius,
-        "destination.radius": 5 * radius,
-        "source.center": (distance * ACROSS).tolist(),
-    }
+    found = values | {"source.radius": radius, "destination.radius": 5 * radius}
+    found |= {"source.center": (distance * ACROSS).tolist()}
+    return found
 
 
 def shared_out(values, source, destination, m_s, m_d):

@@ -68,12 +68,10 @@ def law(random, mass):
     """Linear and below critical damping, or Hertz's with damping of Hunt and Crossley."""
     found = {"contact.dashpot": chosen(random, DASHPOTS), "contact.method": "penalty_dynamic"}
     if random.random() < 0.4:
-        return found | {
-            "contact.law": "hertz",
-            "contact.hertz_stiffness": 10 ** random.uniform(5, 7),
-            "contact.viscous_control": "user_defined",
-            "contact.hunt_crossley_factor": float(chosen(random, [0.0, 0.2, 0.8])),
-        }
+        values = found | {"contact.law": "hertz", "contact.hertz_stiffness": 10 ** random.uniform(5, 7)}
+        values |= {"contact.viscous_control": "user_defined"}
+        values |= {"contact.hunt_crossley_factor": float(chosen(random, [0.0, 0.2, 0.8]))}
+        return values
     stiffness = 10 ** random.uniform(3.5, 6.0)
     return found | {
         "contact.method": chosen(random, ["penalty", "penalty_dynamic", "penalty_dynamic"]),

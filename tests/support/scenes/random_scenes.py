@@ -93,12 +93,10 @@ def particulars(kind, random, values, outward, side, axis):
     if kind == "moving destination":
         rate = (-side * 0.5 * outward + 0.3 * random.normal(size=3)).tolist()
         acceleration = (0.5 * random.normal(size=3)).tolist()
-        return {
-            "destination.motion": "prescribed",
-            "destination.prescribed_velocity": rate,
-            "destination.prescribed_displacement.derivatives": [rate, acceleration],
-            "destination.prescribed_velocity.derivatives": [acceleration],
-        }
+        found = {"destination.motion": "prescribed", "destination.prescribed_velocity": rate}
+        found |= {"destination.prescribed_displacement.derivatives": [rate, acceleration]}
+        found |= {"destination.prescribed_velocity.derivatives": [acceleration]}
+        return found
     if kind == "driven by a force":
         return {
             "source.external_force": (5 * side * outward + random.normal(size=3)).tolist(),
@@ -183,12 +181,10 @@ def factors(stiffness, ratio, mass):
 def moved_by(body, velocity, acceleration=NOTHING):
     """Inputs of a prescribed body that agree with each other."""
     velocity, acceleration = list(map(float, velocity)), list(map(float, acceleration))
-    return {
-        f"{body}.motion": "prescribed",
-        f"{body}.prescribed_velocity": velocity,
-        f"{body}.prescribed_velocity.derivatives": [acceleration],
-        f"{body}.prescribed_displacement.derivatives": [velocity, acceleration],
-    }
+    values = {f"{body}.motion": "prescribed", f"{body}.prescribed_velocity": velocity}
+    values |= {f"{body}.prescribed_velocity.derivatives": [acceleration]}
+    values |= {f"{body}.prescribed_displacement.derivatives": [velocity, acceleration]}
+    return values
 
 
 def rates(stiffness, ratio, mass):
@@ -200,12 +196,11 @@ def rates(stiffness, ratio, mass):
 
 def touching_values(one):
     """Start values of a scene's own description: centre, speed, law and friction of its pair."""
-    return {
-        "source.center": one.place, "source.initial_velocity": one.velocity, "destination.center": NOTHING,
-        "destination.motion": "free" if one.both else "fixed",
-        "contact.location": "inside" if one.inside else "outside", "contact.penalty_factor": one.stiffness,
-        "contact.viscous_penalty_factor": one.damping,
-        "contact.friction": "regularized" if one.friction else "none",
-        "contact.friction_coefficient": one.friction, "contact.slip_velocity_control": "user_defined",
-        "contact.characteristic_slip_velocity": one.slip,
-    }  # fmt: skip
+    values = {"source.center": one.place, "source.initial_velocity": one.velocity}
+    values |= {"destination.center": NOTHING, "destination.motion": "free" if one.both else "fixed"}
+    values |= {"contact.location": "inside" if one.inside else "outside"}
+    values |= {"contact.penalty_factor": one.stiffness, "contact.viscous_penalty_factor": one.damping}
+    values |= {"contact.friction": "regularized" if one.friction else "none"}
+    values |= {"contact.friction_coefficient": one.friction, "contact.slip_velocity_control": "user_defined"}
+    values |= {"contact.characteristic_slip_velocity": one.slip}
+    return values

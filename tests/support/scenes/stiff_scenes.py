@@ -31,12 +31,9 @@ def tilted_cylinder():
 
 def hollow_sphere():
     """Neither in a plane nor on a parallel"""
-    return {
-        **HOLLOW,
-        "source.center": (0.45 * DOWNWARD).tolist(),
-        "source.initial_velocity": (1.7 * ALONG).tolist(),
-        "contact.dashpot": "non_adhesive",
-    }
+    values = {**HOLLOW, "source.center": (0.45 * DOWNWARD).tolist()}
+    values |= {"source.initial_velocity": (1.7 * ALONG).tolist(), "contact.dashpot": "non_adhesive"}
+    return values
 
 
 def moved_sphere():

@@ -23,20 +23,18 @@ class Case(NamedTuple):
 
 
 def rubbing(v_0, mu, **more):
-    return {
-        "contact.friction": "regularized", "contact.friction_coefficient": mu,
-        "contact.static_friction_coefficient": mu, "contact.slip_velocity_control": "user_defined",
-        "contact.characteristic_slip_velocity": v_0, **more,
-    }  # fmt: skip
+    values = {"contact.friction": "regularized", "contact.friction_coefficient": mu}
+    values |= {"contact.static_friction_coefficient": mu, "contact.slip_velocity_control": "user_defined"}
+    values |= {"contact.characteristic_slip_velocity": v_0, **more}
+    return values
 
 
 def ball(stiffness, **more):
     """A free ball of 1 kg that turns, without damping."""
-    return {
-        "source.radius": RADIUS, "source.mass": 1.0, "source.motion": "free", "destination.motion": "fixed",
-        "source.rotation": "free", "contact.method": "penalty", "contact.penalty_factor": stiffness,
-        "gravity": [0.0, 0.0, -G], **more,
-    }  # fmt: skip
+    values = {"source.radius": RADIUS, "source.mass": 1.0, "source.motion": "free"}
+    values |= {"destination.motion": "fixed", "source.rotation": "free", "contact.method": "penalty"}
+    values |= {"contact.penalty_factor": stiffness, "gravity": [0.0, 0.0, -G], **more}
+    return values
 
 
 def excess(u):
@@ -60,11 +58,9 @@ def slide_to_roll(v_0, speed=2.0, spin=0.0, mu=0.2, end=None, stiffness=1e6):
     velocity = speed - 2 / 7 * forwards * (slip - left)
     area = v_0**2 / rate * (excess(-slip / v_0) - excess(u))  # of s over time
     way = speed * end - 2 / 7 * forwards * (slip * end - area)
-    values = ball(
-        stiffness,
-        **{"source.center": [0.0, 0.0, RADIUS - G / stiffness], "source.initial_velocity": [speed, 0.0, 0.0],
-            "source.initial_angular_velocity": [0.0, spin, 0.0], **rubbing(v_0, mu)},
-    )  # fmt: skip
+    values = ball(stiffness) | {"source.center": [0.0, 0.0, RADIUS - G / stiffness]}
+    values |= {"source.initial_velocity": [speed, 0.0, 0.0]}
+    values |= {"source.initial_angular_velocity": [0.0, spin, 0.0], **rubbing(v_0, mu)}
     turning = spin + 2.5 * (speed - velocity) / RADIUS
     expected = {
         "source.position": np.array([way, 0.0, RADIUS - G / stiffness]),
@@ -89,11 +85,11 @@ def incline(v_0, slope, mu=0.3, end=1.0, stiffness=1e6):
         slip = (a - b) * end + v_0 * math.log((a - b * math.exp(-power)) / (a - b))
     velocity = 5 / 7 * a * end + 2 / 7 * slip
     down, normal = np.array([cosine, 0.0, -sine]), np.array([sine, 0.0, cosine])
-    values = ball(
-        stiffness,
-        **{"source.center": ((RADIUS - G * cosine / stiffness) * normal).tolist(),
-            "destination.axis": normal.tolist(), **rubbing(v_0, mu)},
-    )  # fmt: skip
+    values = ball(stiffness) | {
+        "source.center": ((RADIUS - G * cosine / stiffness) * normal).tolist(),
+        "destination.axis": normal.tolist(),
+        **rubbing(v_0, mu),
+    }
     expected = {"source.velocity": velocity * down, "contact.slip_velocity": slip * down}
     expected |= {"source.angular_velocity": np.array([0.0, (velocity - slip) / RADIUS, 0.0])}
     return Case("plane", values, end, expected)
@@ -104,13 +100,10 @@ def golfers_tube(v_0, mu=1.0, tube=0.5, rate=8.0, stiffness=1e5, turns=2.0, **mo
     at any penetration. `rate` is that of the orbit, z = -(5 g/(2 rate^2)) (1 - cos sqrt(2/7) rate t)."""
     # p_n delta = m rate^2 rho with rho = tube - a + delta
     rho = stiffness * (tube - RADIUS) / (stiffness - rate**2)
-    values = ball(
-        stiffness,
-        **{"destination.radius": tube, "destination.axis": [0.0, 0.0, 1.0], "source.center": [rho, 0.0, 0.0],
-            "source.initial_velocity": [0.0, rate * rho, 0.0],
-            "source.initial_angular_velocity": [0.0, 0.0, -rate * rho / RADIUS], **rubbing(v_0, mu),
-            "contact.location": "inside", **more},
-    )  # fmt: skip
+    values = ball(stiffness) | {"destination.radius": tube, "destination.axis": [0.0, 0.0, 1.0]}
+    values |= {"source.center": [rho, 0.0, 0.0], "source.initial_velocity": [0.0, rate * rho, 0.0]}
+    values |= {"source.initial_angular_velocity": [0.0, 0.0, -rate * rho / RADIUS], **rubbing(v_0, mu)}
+    values |= {"contact.location": "inside", **more}
     end = turns * 2 * math.pi / rate
     slow = math.sqrt(2 / 7) * rate
     depth = 2.5 * G / rate**2
@@ -137,13 +130,11 @@ def turntable(v_0, mu=0.5, rate=3.0, way=(0.4, 0.1), velocity=(0.1, -0.2), stiff
     turned = np.array(
         [[math.cos(orbit * end), -math.sin(orbit * end)], [math.sin(orbit * end), math.cos(orbit * end)]]
     )
-    values = ball(
-        stiffness,
-        **{"source.center": [*way, RADIUS - G / stiffness], "source.initial_velocity": [*velocity, 0.0],
-            "source.initial_angular_velocity": spin, "destination.rotation": "prescribed",
-            "destination.prescribed_angular_velocity": [0.0, 0.0, rate],
-            "destination.prescribed_axis": [0.0, 0.0, 1.0], **rubbing(v_0, mu)},
-    )  # fmt: skip
+    values = ball(stiffness) | {"source.center": [*way, RADIUS - G / stiffness]}
+    values |= {"source.initial_velocity": [*velocity, 0.0], "source.initial_angular_velocity": spin}
+    values |= {"destination.rotation": "prescribed"}
+    values |= {"destination.prescribed_angular_velocity": [0.0, 0.0, rate]}
+    values |= {"destination.prescribed_axis": [0.0, 0.0, 1.0], **rubbing(v_0, mu)}
     expected = {
         "source.position": np.array([*(middle + turned @ (at - middle)), RADIUS - G / stiffness]),
         "source.velocity": np.array([*(turned @ v), 0.0]),
@@ -159,12 +150,9 @@ def bowl(v_0, stiffness, shape="sphere", angle=1.0, wide=0.5, mu=2.0, quarters=1
     quarter = math.sqrt(7 * rho / (5 * G)) * float(ellipk(math.sin(angle / 2) ** 2))
     speed = math.sqrt(10 / 7 * G * rho * (1 - math.cos(angle)))
     deeper = rho + G * math.cos(angle) / stiffness
-    values = ball(
-        stiffness,
-        **{"destination.radius": wide,
-            "source.center": [deeper * math.sin(angle), 0.0, -deeper * math.cos(angle)], **rubbing(v_0, mu),
-            "contact.location": "inside"},
-    )  # fmt: skip
+    values = ball(stiffness) | {"destination.radius": wide}
+    values |= {"source.center": [deeper * math.sin(angle), 0.0, -deeper * math.cos(angle)]}
+    values |= {**rubbing(v_0, mu), "contact.location": "inside"}
     if shape == "cylinder":
         values["destination.axis"] = [0.0, 1.0, 0.0]
     sign = -1 if quarters % 4 == 1 else 1
@@ -180,11 +168,9 @@ def leaving(stiffness, mu, v_0=1e-6, angle=0.3, wide=0.5):
     the end, at 2/3 cos(angle) where mu = 0; limits of p_n infinite and mu infinite."""
     deep = wide + RADIUS - G * math.cos(angle) / stiffness
     friction = rubbing(v_0, mu) if mu else {"contact.friction": "none"}
-    values = ball(
-        stiffness,
-        **{"destination.radius": wide, "source.center": [deep * math.sin(angle), 0.0, deep * math.cos(angle)],
-            "contact.location": "outside", **friction},
-    )  # fmt: skip
+    values = ball(stiffness) | {"destination.radius": wide}
+    values |= {"source.center": [deep * math.sin(angle), 0.0, deep * math.cos(angle)]}
+    values |= {"contact.location": "outside", **friction}
     return Case("sphere", values, 1.0, {"cosine": (10 / 17 if mu else 2 / 3) * math.cos(angle)})
 
 
@@ -211,28 +197,23 @@ def oblique_impact(velocity=(1.0, 0.3, -2.0), spin=(2.0, 5.0, 3.0), stiffness=7e
     expected |= {"source.angular_velocity": omega + np.cross(arm, kick) / (0.4 * RADIUS**2)}
     expected |= {"energy.friction": 0.0, "contact.onsets": 1}
     expected |= {"contact.last_duration": math.pi / math.sqrt(stiffness)}
-    values = ball(
-        stiffness,
-        **{"source.center": [0.0, 0.0, 0.2], "source.initial_velocity": list(velocity),
-            "source.initial_angular_velocity": list(spin), "gravity": [0.0, 0.0, 0.0],
-            "contact.friction": "elastic", "contact.friction_coefficient": mu,
-            "contact.static_friction_coefficient": mu, "contact.tangential_stiffness": 2 / 7 * stiffness},
-    )  # fmt: skip
+    values = ball(stiffness) | {"source.center": [0.0, 0.0, 0.2], "source.initial_velocity": list(velocity)}
+    values |= {"source.initial_angular_velocity": list(spin), "gravity": [0.0, 0.0, 0.0]}
+    values |= {"contact.friction": "elastic", "contact.friction_coefficient": mu}
+    values |= {"contact.static_friction_coefficient": mu, "contact.tangential_stiffness": 2 / 7 * stiffness}
     return Case("plane", values, 0.1, expected)
 
 
 def opposite_spin(mu=0.4, speed=0.2, spin=25.0):
     """Chung and Ooi 7: two equal balls meet head-on with opposite spins, their surfaces move alike: nothing
     rubs."""
-    values = ball(
-        1e7,
-        **{"destination.motion": "free", "destination.rotation": "free", "destination.radius": RADIUS,
-            "source.center": [0.0, 0.0, 0.21], "source.initial_velocity": [0.0, 0.0, -speed],
-            "destination.initial_velocity": [0.0, 0.0, speed],
-            "source.initial_angular_velocity": [0.0, spin, 0.0],
-            "destination.initial_angular_velocity": [0.0, -spin, 0.0], "gravity": [0.0, 0.0, 0.0],
-            "contact.location": "outside", **rubbing(1e-3, mu)},
-    )  # fmt: skip
+    values = ball(1e7) | {"destination.motion": "free", "destination.rotation": "free"}
+    values |= {"destination.radius": RADIUS, "source.center": [0.0, 0.0, 0.21]}
+    values |= {"source.initial_velocity": [0.0, 0.0, -speed]}
+    values |= {"destination.initial_velocity": [0.0, 0.0, speed]}
+    values |= {"source.initial_angular_velocity": [0.0, spin, 0.0]}
+    values |= {"destination.initial_angular_velocity": [0.0, -spin, 0.0], "gravity": [0.0, 0.0, 0.0]}
+    values |= {"contact.location": "outside", **rubbing(1e-3, mu)}
     expected = {"source.velocity": np.array([0.0, 0.0, speed])}
     expected |= {"destination.velocity": np.array([0.0, 0.0, -speed])}
     expected |= {"source.angular_velocity": np.array([0.0, spin, 0.0])}
@@ -279,25 +260,14 @@ def rotated(q, v):
 
 
 def shell(friction="regularized"):
-    """A free ball that goes to and fro in a free hollow sphere, without damping and gravity."""
-    values = ball(
-        1e5,
-        **{
-            "source.rotation": "free",
-            "destination.motion": "free",
-            "destination.rotation": "free",
-            "destination.mass": 2.0,
-            "source.center": [0.1, 0.05, 0.0],
-            "source.initial_velocity": [3.0, -4.0, 5.0],
-            "destination.initial_velocity": [-1.5, 2.0, -2.5],  # their middle rests
-            "source.initial_angular_velocity": [5.0, -9.0, 2.0],
-            "destination.initial_angular_velocity": [-1.0, 2.0, 3.0],
-            "gravity": [0.0, 0.0, 0.0],
-            **rubbing(1e-2, 0.3),
-            "contact.friction": friction,
-            "contact.location": "inside",
-        },
-    )
+    """A free ball that goes to and fro in a free hollow sphere, without damping and gravity. Their middle
+    rests."""
+    values = ball(1e5) | {"source.rotation": "free", "destination.motion": "free"}
+    values |= {"destination.rotation": "free", "destination.mass": 2.0, "source.center": [0.1, 0.05, 0.0]}
+    values |= {"source.initial_velocity": [3.0, -4.0, 5.0], "destination.initial_velocity": [-1.5, 2.0, -2.5]}
+    values |= {"source.initial_angular_velocity": [5.0, -9.0, 2.0]}
+    values |= {"destination.initial_angular_velocity": [-1.0, 2.0, 3.0], "gravity": [0.0, 0.0, 0.0]}
+    values |= {**rubbing(1e-2, 0.3), "contact.friction": friction, "contact.location": "inside"}
     if friction == "elastic":
         values["contact.tangential_stiffness"] = 4e4
     return Case("sphere", values, 40.0, {})

@@ -138,12 +138,11 @@ def inertia(random, body, shape, values):
 
 def normal_law(random, mass):
     if random.random() < 0.35:
-        return {
-            "contact.law": "hertz", "contact.hertz_stiffness": 10 ** random.uniform(5, 7),
-            "contact.method": "penalty_dynamic", "contact.viscous_control": "user_defined",
-            "contact.hunt_crossley_factor": float(chosen(random, [0.0, 0.2, 0.8])),
-            "contact.dashpot": chosen(random, DASHPOTS),
-        }  # fmt: skip
+        values = {"contact.law": "hertz", "contact.hertz_stiffness": 10 ** random.uniform(5, 7)}
+        values |= {"contact.method": "penalty_dynamic", "contact.viscous_control": "user_defined"}
+        values |= {"contact.hunt_crossley_factor": float(chosen(random, [0.0, 0.2, 0.8]))}
+        values |= {"contact.dashpot": chosen(random, DASHPOTS)}
+        return values
     stiffness = 10 ** random.uniform(3.5, 5.5)
     return {
         "contact.law": "linear",
