@@ -117,11 +117,6 @@ def elastic(random):
 
 
 @pytest.mark.parametrize("seed", seeds())
-def test_elastic_friction_sticks_and_slides_the_same_at_every_tolerance(opened, seed):
-    check_agreement(opened, elastic(np.random.default_rng(seed)), seed)
-
-
-@pytest.mark.parametrize("seed", seeds())
 def test_so_does_a_tangential_stiffness_that_follows_the_normal_one(opened, seed):
     """Impacts: what lasts under Hertz's law has errors of its own, whatever the friction."""
     random = np.random.default_rng(seed)
@@ -145,8 +140,9 @@ def yielding(random):
 
 
 @pytest.mark.parametrize("seed", seeds())
-def test_resistance_sticks_and_slides_the_same_at_every_tolerance(opened, seed):
-    check_agreement(opened, yielding(np.random.default_rng(seed)), seed)
+@pytest.mark.parametrize("family", [elastic, yielding], ids=["friction", "resistance"])
+def test_elastic_friction_and_resistance_stick_and_slide_the_same_at_every_tolerance(opened, family, seed):
+    check_agreement(opened, family(np.random.default_rng(seed)), seed)
 
 
 def largest_force_of_a_ball_set_down(rate, decay):
