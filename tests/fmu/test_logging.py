@@ -115,17 +115,14 @@ def test_any_instance_name_makes_a_good_message(universal, name):
             assert as_printf(message) == message.text.replace("#", "##").encode()
 
 
-@pytest.mark.parametrize(
-    ("name", "shown"),
-    [
-        (b"Stra\xdfe", "Stra?e at"),  # Latin-1
-        (b"\xff\xfe", "?? at"),
-        (b"\x80ball\xe2\x82", "?ball?? at"),
-        (b"\xc0\xaf\xf5\x80", "???? at"),  # never in UTF-8
-        (b"\xf5\x80\x80\x80", "???? at"),
-        (("€" * 67).encode(), "€" * 66 + "?? at"),  # cut after 200 bytes
-    ],
-)
+@pytest.mark.parametrize(("name", "shown"), [
+    (b"Stra\xdfe", "Stra?e at"),  # Latin-1
+    (b"\xff\xfe", "?? at"),
+    (b"\x80ball\xe2\x82", "?ball?? at"),
+    (b"\xc0\xaf\xf5\x80", "???? at"),  # never in UTF-8
+    (b"\xf5\x80\x80\x80", "???? at"),
+    (("€" * 67).encode(), "€" * 66 + "?? at"),  # cut after 200 bytes
+])  # fmt: skip
 def test_what_is_no_utf_8_becomes_question_marks(universal, name, shown):
     with raw.Instance(universal, name=name) as instance:
         complain(instance)

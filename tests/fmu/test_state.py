@@ -186,28 +186,25 @@ def refused(instance: raw.Instance, blob: bytes, *words: str) -> None:
         got(status)
 
 
-@pytest.mark.parametrize(
-    ("field", "value", "word"),
-    [
-        ("version", 0, "version"),
-        ("version", 3, "version"),
-        ("version", 2**32 - 1, "version"),
-        ("magic", 1, "magic"),
-        ("scene", 0, "model"),
-        ("size", 0, "size"),
-        ("size", 2**63, "size"),
-        ("checksum", 0, "checksum"),
-        ("phase", 0, "header"),
-        ("phase", 6, "header"),
-        ("phase", 64, "header"),
-        ("phase", 2**31, "header"),
-        ("set_up", 2, "header"),
-        ("start_time", float("nan"), "header"),
-        ("start_time", float("inf"), "header"),
-        ("stop_time", float("nan"), "header"),
-        ("stop_time", -1.0, "header"),
-    ],
-)
+@pytest.mark.parametrize(("field", "value", "word"), [
+    ("version", 0, "version"),
+    ("version", 3, "version"),
+    ("version", 2**32 - 1, "version"),
+    ("magic", 1, "magic"),
+    ("scene", 0, "model"),
+    ("size", 0, "size"),
+    ("size", 2**63, "size"),
+    ("checksum", 0, "checksum"),
+    ("phase", 0, "header"),
+    ("phase", 6, "header"),
+    ("phase", 64, "header"),
+    ("phase", 2**31, "header"),
+    ("set_up", 2, "header"),
+    ("start_time", float("nan"), "header"),
+    ("start_time", float("inf"), "header"),
+    ("stop_time", float("nan"), "header"),
+    ("stop_time", -1.0, "header"),
+])  # fmt: skip
 def test_a_state_with_another_header_is_refused(saved, field, value, word):
     instance, blob = saved
     assert header(blob)["version"] == 2

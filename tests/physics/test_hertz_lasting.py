@@ -14,12 +14,12 @@ RADIUS, OTHER = 0.1, 0.5
 
 
 def values_of(stiffness, chi, depth, speed, load, dashpot):
-    return {
-        "source.radius": RADIUS, "source.mass": 1.0, "source.center": [0.0, 0.0, RADIUS + OTHER - depth],
-        "source.initial_velocity": [0.0, 0.0, -speed], "destination.radius": OTHER,
-        "contact.dashpot": dashpot, "gravity": [0.0, 0.0, -load], "solver.max_internal_steps": 20_000,
-        **by_hertz(stiffness, chi),
-    }  # fmt: skip
+    values = {"source.radius": RADIUS, "source.mass": 1.0}
+    values |= {"source.center": [0.0, 0.0, RADIUS + OTHER - depth]}
+    values |= {"source.initial_velocity": [0.0, 0.0, -speed], "destination.radius": OTHER}
+    values |= {"contact.dashpot": dashpot, "gravity": [0.0, 0.0, -load], "solver.max_internal_steps": 20_000}
+    values |= {**by_hertz(stiffness, chi)}
+    return values
 
 
 def creep(stiffness, chi, depth, speed, load, end):
@@ -35,16 +35,13 @@ def creep(stiffness, chi, depth, speed, load, end):
     return depth * y[0], y[1] / chi, force(y)
 
 
-@pytest.mark.parametrize(
-    "chi, depth, speed, load, end, most",
-    [
-        (1e6, 1e-4, 0.0, 9.81, 0.1, 20),  # less deep than at rest: it sinks
-        (1e5, 4e-3, 0.0, 9.81, 0.05, 40),  # deeper: it rises
-        (1e3, 0.03, 0.0, 0.0, 15.0, 40),  # pushed out without a load
-        (1e3, 0.03, 0.0, -20.0, 15.0, 40),  # and pulled
-        (1e7, 1e-7, 0.2, 9.81, 0.2, 100),  # an impact that hardly ends
-    ],
-)
+@pytest.mark.parametrize("chi, depth, speed, load, end, most", [
+    (1e6, 1e-4, 0.0, 9.81, 0.1, 20),  # less deep than at rest: it sinks
+    (1e5, 4e-3, 0.0, 9.81, 0.05, 40),  # deeper: it rises
+    (1e3, 0.03, 0.0, 0.0, 15.0, 40),  # pushed out without a load
+    (1e3, 0.03, 0.0, -20.0, 15.0, 40),  # and pulled
+    (1e7, 1e-7, 0.2, 9.81, 0.2, 100),  # an impact that hardly ends
+])  # fmt: skip
 def test_it_creeps_in_few_steps(opened, chi, depth, speed, load, end, most):
     stiffness, fmu = 1e6, opened("SphereSphere")
     deep, rate, force = creep(stiffness, chi, depth, speed, load, end)
@@ -108,13 +105,13 @@ def resting(modulus, share):
     load = 9.81 + speed**2 / reach
     depth = (mass * load / stiffness) ** (2 / 3)
     critical = 2 * np.sqrt(1.5 * stiffness * np.sqrt(depth) * mass)
-    return {
-        "source.radius": RADIUS, "source.mass": mass, "source.motion": "free",
-        "source.center": [0.0, 0.0, -reach - depth], "source.initial_velocity": [speed, 0.1, 0.0],
-        "destination.radius": OTHER, "destination.motion": "fixed", "destination.axis": [0.0, 1.0, 0.0],
-        "contact.location": "inside", "contact.dashpot": "unclamped",
-        **by_hertz(stiffness, share * critical / (stiffness * depth**1.5)),
-    }  # fmt: skip
+    values = {"source.radius": RADIUS, "source.mass": mass, "source.motion": "free"}
+    values |= {"source.center": [0.0, 0.0, -reach - depth], "source.initial_velocity": [speed, 0.1, 0.0]}
+    values |= {"destination.radius": OTHER, "destination.motion": "fixed"}
+    values |= {"destination.axis": [0.0, 1.0, 0.0], "contact.location": "inside"}
+    values |= {"contact.dashpot": "unclamped"}
+    values |= {**by_hertz(stiffness, share * critical / (stiffness * depth**1.5))}
+    return values
 
 
 @pytest.mark.parametrize("share", [0.1, 1.0, 20.0])

@@ -41,12 +41,12 @@ def ball(random, radius, centre, turning, moves):
     turns = turning and random.random() < 0.8
     force = random.normal(size=3) if moves and random.random() < 0.2 else np.zeros(3)
     velocity = random.normal(size=3) * pick(random, 0.0, 0.3, 1.0) - 1.5 * centre * pick(random, 0.0, 1.0)
-    return {
-        "radius": radius, "mass": random.uniform(0.2, 3.0), "motion": "free" if moves else "fixed",
-        "rotation": "free" if turns else "none", "center": centre,
-        "velocity": velocity if moves else np.zeros(3),
-        "spin": random.normal(size=3) * pick(random, 0.0, 5.0) if turns else np.zeros(3), "force": force,
-    }  # fmt: skip
+    values = {"radius": radius, "mass": random.uniform(0.2, 3.0), "motion": "free" if moves else "fixed"}
+    values |= {"rotation": "free" if turns else "none", "center": centre}
+    values |= {"velocity": velocity if moves else np.zeros(3)}
+    values |= {"spin": random.normal(size=3) * pick(random, 0.0, 5.0) if turns else np.zeros(3)}
+    values |= {"force": force}
+    return values
 
 
 def contact(random, source, destination, turning):

@@ -45,11 +45,11 @@ def at_the_bottom(stiffness=1e6, depth=None, **more):
 def pressed_together(**more):
     """Two free balls, each pushed towards the other"""
     force = 5.0
-    return {
-        **on_top(**more), "source.initial_displacement": [0.0, 0.0, -force / 1e6],
-        "destination.motion": "free", "destination.mass": 2.0, "source.external_force": [0.0, 0.0, -force],
-        "destination.external_force": [0.0, 0.0, force], "gravity": [0.0, 0.0, 0.0],
-    }  # fmt: skip
+    values = {**on_top(**more), "source.initial_displacement": [0.0, 0.0, -force / 1e6]}
+    values |= {"destination.motion": "free", "destination.mass": 2.0}
+    values |= {"source.external_force": [0.0, 0.0, -force], "destination.external_force": [0.0, 0.0, force]}
+    values |= {"gravity": [0.0, 0.0, 0.0]}
+    return values
 
 
 STATES = {

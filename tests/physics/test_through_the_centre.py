@@ -75,13 +75,10 @@ FREE_AND_VISCOUS = {"contact.penalty_control": "viscous_only", "destination.moti
 FREE_AND_VISCOUS |= {"destination.mass": 4.0, "destination.initial_velocity": [0.25, -0.5, 0.0]}
 
 
-@pytest.mark.parametrize(
-    "dashpot, miss, more",
-    [
-        *(("unclamped", 1e-2, {}), ("non_adhesive", 1e-5, {}), ("approach_only", 1e-8, {})),
-        ("non_adhesive", 1e-12, FREE_AND_VISCOUS),
-    ],
-)
+@pytest.mark.parametrize("dashpot, miss, more", [
+    *(("unclamped", 1e-2, {}), ("non_adhesive", 1e-5, {}), ("approach_only", 1e-8, {})),
+    ("non_adhesive", 1e-12, FREE_AND_VISCOUS),
+])  # fmt: skip
 @pytest.mark.parametrize("shape", FMU)
 def test_a_near_miss_of_the_centre_ends_where_the_taylor_reference_does(opened, shape, dashpot, miss, more):
     values = solid(shape, ACROSS, **{"contact.dashpot": dashpot, "contact.penalty_factor": 10.0, **more})

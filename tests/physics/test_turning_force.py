@@ -12,8 +12,8 @@ COUNT = 40
 VALUES, DERIVATIVES = 1e-12, 1e-9
 # A gap of 1e-3 m is the difference of coordinates of a metre: some 1e-16 m of rounding, times p_n [N].
 ROUNDED_FORCE = 1e6 * 2e-15 / VALUES
-SCENES = [("SphereSphere", "sphere", 1), ("SphereSphere", "sphere", -1), ("SphereCylinder", "cylinder", 1),
-          ("SphereCylinder", "cylinder", -1), ("SpherePlane", "plane", 1)]  # fmt: skip
+SCENES = [("SphereSphere", "sphere", 1), ("SphereSphere", "sphere", -1), ("SphereCylinder", "cylinder", 1)]
+SCENES += [("SphereCylinder", "cylinder", -1), ("SpherePlane", "plane", 1)]
 MOTION = {"source.prescribed_displacement": "source.displacement"}
 MOTION |= {"destination.prescribed_displacement": "destination.displacement"}
 MOTION |= {"source.prescribed_velocity": "source.velocity"}

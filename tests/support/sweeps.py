@@ -12,14 +12,14 @@ from contact_fmus.sweep.worker import run_batch
 from support.programs import PATIENCE, environment, finished, python
 
 # Eight parameters of a ball that bounces on a fixed sphere
-BOUNCES = {
-    "source.radius": "{ range = [0.05, 0.15] }", "source.mass": '{ range = [0.1, 10.0], scale = "log" }',
-    "source.center[3]": "{ range = [0.8, 1.5] }", "source.initial_velocity[3]": "{ range = [-2.0, 2.0] }",
-    "destination.radius": "{ range = [0.4, 0.6] }",
-    "contact.penalty_factor": '{ range = [1e5, 1e8], scale = "log" }',
-    "contact.viscous_penalty_factor": '{ range = [1.0, 300.0], scale = "log" }',
-    "contact.dashpot": '{ choices = ["unclamped", "non_adhesive"] }',
-}  # fmt: skip
+BOUNCES = {"source.radius": "{ range = [0.05, 0.15] }"}
+BOUNCES |= {"source.mass": '{ range = [0.1, 10.0], scale = "log" }'}
+BOUNCES |= {"source.center[3]": "{ range = [0.8, 1.5] }"}
+BOUNCES |= {"source.initial_velocity[3]": "{ range = [-2.0, 2.0] }"}
+BOUNCES |= {"destination.radius": "{ range = [0.4, 0.6] }"}
+BOUNCES |= {"contact.penalty_factor": '{ range = [1e5, 1e8], scale = "log" }'}
+BOUNCES |= {"contact.viscous_penalty_factor": '{ range = [1.0, 300.0], scale = "log" }'}
+BOUNCES |= {"contact.dashpot": '{ choices = ["unclamped", "non_adhesive"] }'}
 OUTPUTS = {"height": '"source.position[3]"', "bounces": '"contact.onsets"', "touching": '"contact.active"'}
 OUTPUTS |= {"dashpot": '"contact.dashpot"'}
 OUTPUTS |= {"peak_force": '{ variable = "contact.peak_force", reduce = "max" }'}

@@ -225,14 +225,11 @@ TURNING_PLANE |= {"contact.slip_velocity_control": "user_defined"}
 
 
 @pytest.mark.parametrize("tolerance", TOLERANCES)
-@pytest.mark.parametrize(
-    "velocity, rotation, v_0, end, name, right",
-    [
-        ([0.1, 0.0, -1.0], [0.0, 1.0, 0.0], 1e-7, 0.05, "source.velocity[1]", 0.11984485),
-        ([0.1, 0.0, -1.0], [0.0, 1.0, 0.0], 1e-7, 0.05, "source.angular_velocity[2]", 0.786092),
-        ([1.0, 0.0, -2.0], [0.0, 0.0, 10.0], 1e-8, 0.045, "source.velocity[2]", 0.0810959),
-    ],
-)
+@pytest.mark.parametrize("velocity, rotation, v_0, end, name, right", [
+    ([0.1, 0.0, -1.0], [0.0, 1.0, 0.0], 1e-7, 0.05, "source.velocity[1]", 0.11984485),
+    ([0.1, 0.0, -1.0], [0.0, 1.0, 0.0], 1e-7, 0.05, "source.angular_velocity[2]", 0.786092),
+    ([1.0, 0.0, -2.0], [0.0, 0.0, 10.0], 1e-8, 0.045, "source.velocity[2]", 0.0810959),
+])  # fmt: skip
 def test_a_ball_slides_before_it_leaves_a_plane_that_turns(
     opened, velocity, rotation, v_0, end, name, right, tolerance
 ):

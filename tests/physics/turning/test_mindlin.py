@@ -16,15 +16,15 @@ ALLOWED = {"event_driven": 1e-10, "cvode_bdf": 1e-8, "cvode_adams": 1e-8}
 
 def impact(ratio, mu, slip, damping=0.0):
     """A ball that meets a plane at SPEED, whose surface moves along it at `slip`: half of it is spin."""
-    return {
-        "source.mass": MASS, "source.radius": RADIUS, "source.center": [0.0, 0.0, RADIUS + 0.01],
-        "source.initial_velocity": [0.5 * slip, 0.0, -SPEED], "source.rotation": "free",
-        "source.initial_angular_velocity": [0.0, -0.5 * slip / RADIUS, 0.0], "gravity": [0.0, 0.0, 0.0],
-        "contact.law": "hertz", "contact.hertz_stiffness": K_H, "contact.viscous_control": "user_defined",
-        "contact.hunt_crossley_factor": damping, "contact.friction": "elastic",
-        "contact.friction_coefficient": mu, "contact.static_friction_coefficient": mu,
-        "contact.tangential_law": "mindlin", "contact.tangential_ratio": ratio,
-    }  # fmt: skip
+    values = {"source.mass": MASS, "source.radius": RADIUS, "source.center": [0.0, 0.0, RADIUS + 0.01]}
+    values |= {"source.initial_velocity": [0.5 * slip, 0.0, -SPEED], "source.rotation": "free"}
+    values |= {"source.initial_angular_velocity": [0.0, -0.5 * slip / RADIUS, 0.0]}
+    values |= {"gravity": [0.0, 0.0, 0.0], "contact.law": "hertz", "contact.hertz_stiffness": K_H}
+    values |= {"contact.viscous_control": "user_defined", "contact.hunt_crossley_factor": damping}
+    values |= {"contact.friction": "elastic", "contact.friction_coefficient": mu}
+    values |= {"contact.static_friction_coefficient": mu, "contact.tangential_law": "mindlin"}
+    values |= {"contact.tangential_ratio": ratio}
+    return values
 
 
 def slip_of(fmu):

@@ -371,17 +371,14 @@ def test_a_driven_roller_drives_another_across_it(opened):
     assert fmu["source.position"][2] < 0.0
 
 
-@pytest.mark.parametrize(
-    "wrong, words",
-    [
-        ({"destination.axis": [0.0, -2.0, 0.0]}, "allowed: 1e-6 rad at least"),
-        ({"destination.axis": [1e-8, 1.0, 0.0]}, "to an angle of 1e-08 rad"),
-        ({"destination.axis": [0.0, 0.0, 0.0]}, "has no direction"),
-        ({"contact.location": "inside", "source.radius": 0.1}, "touch from outside"),
-        ({"contact.axes": "parallel"}, "or axes = skew"),
-        ({"source.rotation": "free", "source.initial_angular_velocity": [1.0, 0.0, 0.0]}, "its own axis"),
-    ],
-)
+@pytest.mark.parametrize("wrong, words", [
+    ({"destination.axis": [0.0, -2.0, 0.0]}, "allowed: 1e-6 rad at least"),
+    ({"destination.axis": [1e-8, 1.0, 0.0]}, "to an angle of 1e-08 rad"),
+    ({"destination.axis": [0.0, 0.0, 0.0]}, "has no direction"),
+    ({"contact.location": "inside", "source.radius": 0.1}, "touch from outside"),
+    ({"contact.axes": "parallel"}, "or axes = skew"),
+    ({"source.rotation": "free", "source.initial_angular_velocity": [1.0, 0.0, 0.0]}, "its own axis"),
+])  # fmt: skip
 def test_what_skew_cylinders_cannot_be_is_refused_and_said(opened, wrong, words):
     values = {"contact.axes": "skew", "destination.axis": [1.0, 0.0, 0.0]}
     with pytest.raises(FmuError, match=words):

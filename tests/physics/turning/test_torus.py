@@ -259,15 +259,12 @@ def test_the_stiffness_of_a_groove_is_hertzs(opened, side, curvature):
     check_relative("k_h", fmu["contact.effective_hertz_stiffness"], expected, 1e-9)
 
 
-@pytest.mark.parametrize(
-    "wrong, words",
-    [
-        ({"destination.radius": 1.0}, "has a hole"),
-        ({"source.radius": 0.6}, "all round the hole"),
-        ({"destination.axis": [0.0, 0.0, 0.0]}, "has no direction"),
-        ({"contact.location": "inside", "source.radius": 0.5}, "smaller than its hollow destination"),
-    ],
-)
+@pytest.mark.parametrize("wrong, words", [
+    ({"destination.radius": 1.0}, "has a hole"),
+    ({"source.radius": 0.6}, "all round the hole"),
+    ({"destination.axis": [0.0, 0.0, 0.0]}, "has no direction"),
+    ({"contact.location": "inside", "source.radius": 0.5}, "smaller than its hollow destination"),
+])  # fmt: skip
 def test_what_a_torus_cannot_be_is_refused_and_said(opened, wrong, words):
     with pytest.raises(FmuError, match=words):
         start(opened("SphereTorus"), wrong)

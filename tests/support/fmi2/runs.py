@@ -102,12 +102,11 @@ HIT |= {"destination.axis": [0.0, 1.0, 0.0], "destination.rotation": "free", "de
 
 def _stepped(time: float) -> dict[str, Any]:
     """A foot that rolls over its balls, with its angular velocity along x"""
-    return {
-        "foot.prescribed_displacement": [0.1 * time, 0.0, 0.001 * math.sin(9 * time)],
-        "foot.prescribed_velocity": [0.1, 0.0, 0.009 * math.cos(9 * time)],
-        "foot.prescribed_orientation": [1.5, 0.03 * math.sin(4 * time), 0.0, 0.0],
-        "foot.prescribed_angular_velocity": [0.08 * math.cos(4 * time), 0.0, 0.0],
-    }
+    values = {"foot.prescribed_displacement": [0.1 * time, 0.0, 0.001 * math.sin(9 * time)]}
+    values |= {"foot.prescribed_velocity": [0.1, 0.0, 0.009 * math.cos(9 * time)]}
+    values |= {"foot.prescribed_orientation": [1.5, 0.03 * math.sin(4 * time), 0.0, 0.0]}
+    values |= {"foot.prescribed_angular_velocity": [0.08 * math.cos(4 * time), 0.0, 0.0]}
+    return values
 
 
 FOOT = {f"{part}.friction": "regularized" for part in ("left_heel", "left_ball", "right_ball")}

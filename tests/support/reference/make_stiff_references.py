@@ -64,10 +64,10 @@ def reference(shape, penalty, damping):
 
 def row(shape, damping, penalty):
     place, uncertainty, method = reference(shape, penalty, damping)
-    return {
-        "shape": shape, "damping": damping, "penalty_factor": penalty, "position": [float(x) for x in place],
-        "uncertainty": float(f"{uncertainty:.1e}"), "method": method,
-    }  # fmt: skip
+    values = {"shape": shape, "damping": damping, "penalty_factor": penalty}
+    values |= {"position": [float(x) for x in place], "uncertainty": float(f"{uncertainty:.1e}")}
+    values |= {"method": method}
+    return values
 
 
 def main():

@@ -17,10 +17,10 @@ TURNS = (15.0, 60.0, 200.0)  # radians of the contact's oscillation in a scene, 
 
 def by_hertz(stiffness, chi):
     """Factors of a scene with Hertz's law"""
-    return {
-        "contact.law": "hertz", "contact.method": "penalty_dynamic", "contact.hertz_stiffness": stiffness,
-        "contact.viscous_control": "user_defined", "contact.hunt_crossley_factor": chi,
-    }  # fmt: skip
+    values = {"contact.law": "hertz", "contact.method": "penalty_dynamic"}
+    values |= {"contact.hertz_stiffness": stiffness, "contact.viscous_control": "user_defined"}
+    values |= {"contact.hunt_crossley_factor": chi}
+    return values
 
 
 def law(draw, seed, mass, speed):

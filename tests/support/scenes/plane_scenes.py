@@ -73,8 +73,7 @@ def law(random, mass):
         values |= {"contact.hunt_crossley_factor": float(chosen(random, [0.0, 0.2, 0.8]))}
         return values
     stiffness = 10 ** random.uniform(3.5, 6.0)
-    return found | {
-        "contact.method": chosen(random, ["penalty", "penalty_dynamic", "penalty_dynamic"]),
-        "contact.penalty_factor": stiffness,
-        "contact.viscous_penalty_factor": 2 * math.sqrt(stiffness * mass) * random.uniform(0.02, 0.9),
-    }
+    told = found | {"contact.method": chosen(random, ["penalty", "penalty_dynamic", "penalty_dynamic"])}
+    told |= {"contact.penalty_factor": stiffness}
+    told |= {"contact.viscous_penalty_factor": 2 * math.sqrt(stiffness * mass) * random.uniform(0.02, 0.9)}
+    return told

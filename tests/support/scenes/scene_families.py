@@ -268,9 +268,9 @@ def dying_away(random, shape):
     settled = (math.log(depth) + 36) / slow
     leaves_open = frozenset({"duration", "events"}) if end > 0.7 * settled else frozenset()
     stops = tuple(end * x for x in chosen(random, [(1.0,), (0.05, 1.0), (0.01, 0.02, 1.0), (0.3, 0.6, 1.0)]))
-    return {
-        "values": values, "stops": stops, "straight": True, "settled": settled, "leaves_open": leaves_open,
-    }  # fmt: skip
+    found = {"values": values, "stops": stops, "straight": True, "settled": settled}
+    found |= {"leaves_open": leaves_open}
+    return found
 
 
 def set_down(random, shape):

@@ -95,6 +95,6 @@ def settled(shape, values):
     """The same, started where nothing oscillates"""
     depth, rate = StiffContact(values, shape).settled()
     speed = np.array(values.get("source.initial_velocity", [0.0] * 3)) + rate
-    return {
-        **values, "source.initial_displacement": depth.tolist(), "source.initial_velocity": speed.tolist(),
-    }  # fmt: skip
+    found = {**values, "source.initial_displacement": depth.tolist()}
+    found |= {"source.initial_velocity": speed.tolist()}
+    return found

@@ -109,12 +109,10 @@ def golfers_tube(v_0, mu=1.0, tube=0.5, rate=8.0, stiffness=1e5, turns=2.0, **mo
     depth = 2.5 * G / rate**2
     phase = rate * end
     expected = {
-        "source.position": np.array([
-            rho * math.cos(phase), rho * math.sin(phase), -depth * (1 - math.cos(slow * end)),
-        ]),
-        "source.velocity": np.array([
-            -rate * rho * math.sin(phase), rate * rho * math.cos(phase), -depth * slow * math.sin(slow * end),
-        ]),
+        "source.position": np.array([rho * math.cos(phase), rho * math.sin(phase),
+            -depth * (1 - math.cos(slow * end))]),
+        "source.velocity": np.array([-rate * rho * math.sin(phase), rate * rho * math.cos(phase),
+            -depth * slow * math.sin(slow * end)]),
     }  # fmt: skip
     return Case("cylinder", values, end, expected)
 

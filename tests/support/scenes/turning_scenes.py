@@ -144,13 +144,12 @@ def normal_law(random, mass):
         values |= {"contact.dashpot": chosen(random, DASHPOTS)}
         return values
     stiffness = 10 ** random.uniform(3.5, 5.5)
-    return {
-        "contact.law": "linear",
-        "contact.method": chosen(random, ["penalty", "penalty_dynamic", "penalty_dynamic"]),
-        "contact.penalty_factor": stiffness,
-        "contact.viscous_penalty_factor": 2 * math.sqrt(stiffness * mass) * random.uniform(0.02, 0.4),
-        "contact.dashpot": chosen(random, DASHPOTS),
-    }
+    found = {"contact.law": "linear"}
+    found |= {"contact.method": chosen(random, ["penalty", "penalty_dynamic", "penalty_dynamic"])}
+    found |= {"contact.penalty_factor": stiffness}
+    found |= {"contact.viscous_penalty_factor": 2 * math.sqrt(stiffness * mass) * random.uniform(0.02, 0.4)}
+    found |= {"contact.dashpot": chosen(random, DASHPOTS)}
+    return found
 
 
 def friction_law(random, friction, values):
