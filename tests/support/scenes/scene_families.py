@@ -10,32 +10,18 @@ import numpy as np
 
 from support.reference.integrator import Reference
 from support.reference.law import complete
-from support.scenes.random_scenes import (
-    DASHPOTS,
-    KINDS,
-    NOTHING,
-    chosen,
-    even,
-    factors,
-    moved_by,
-    pair,
-    perpendicular,
-    random_scene,
-    rates,
-    uneven,
-    unit_vector,
-)
+from support.scenes import random_scenes as parts
 
 
 def given_motions(random, shape):
     """Both bodies led, one of them perhaps at rest: a chord through the other one, in places a graze."""
     inside = random.random() < 0.25
-    values, outward = pair(
+    values, outward = parts.pair(
         random, shape, inside, 0.0, **{"contact.penalty_factor": 10 ** random.uniform(3, 6)}
     )
-    values["contact.viscous_penalty_factor"] = chosen(random, [0.0, 10.0, 100.0, 300.0])
+    values["contact.viscous_penalty_factor"] = parts.chosen(random, [0.0, 10.0, 100.0, 300.0])
     reach = values["destination.radius"] + values["source.radius"]
-    across = perpendicular(outward, random)
+    across = parts.perpendicular(outward, random)
     if shape == "cylinder":
         across = np.cross(values["destination.axis"], outward)
         across /= np.linalg.norm(across)
@@ -52,12 +38,12 @@ def given_motions(random, shape):
         jerk = 0.2 * random.normal(size=3) if random.integers(2) else np.zeros(3)
         values["source.prescribed_velocity.derivatives"] = [acceleration.tolist(), jerk.tolist()]
     elif kind == 1:
-        values |= moved_by("source", velocity, acceleration)
+        values |= parts.moved_by("source", velocity, acceleration)
     else:
         other = random.normal(size=3)
-        values |= moved_by("source", velocity + other, acceleration + other)
-        values |= moved_by("destination", other, other)
-    return {"values": values, "stops": even(end, chosen(random, [1, 1, 7, 100]))}
+        values |= parts.moved_by("source", velocity + other, acceleration + other)
+        values |= parts.moved_by("destination", other, other)
+    return {"values": values, "stops": parts.even(end, parts.chosen(random, [1, 1, 7, 100]))}
 
 
 ROUND_PLACES = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0]
@@ -66,7 +52,7 @@ ROUND_AXES = [(0, 0, 1), (1, 0, 0), (1, 1, 1), (1, 0, 1), (1, 2, 2), (1, -1, 0),
 
 
 def round_vector(random, items):
-    return [float(chosen(random, items) * random.choice([-1, 1])) for _ in range(3)]
+    return [float(parts.chosen(random, items) * random.choice([-1, 1])) for _ in range(3)]
 
 
 def round_numbers(random, shape):
@@ -75,19 +61,21 @@ def round_numbers(random, shape):
     values = {
         "source.center": round_vector(random, ROUND_PLACES),
         "contact.location": "inside" if inside else "outside",
-        "contact.penalty_factor": chosen(random, [1.0, 100.0, 1e3, 1e4, 1e5]),
-        "contact.viscous_penalty_factor": chosen(random, [0.0, 0.2, 1.0, 10.0, 100.0]),
-        "contact.dashpot": chosen(random, DASHPOTS),
-        "gravity": chosen(random, [NOTHING, NOTHING, [0.0, 0.0, -9.81], [0.0, 0.0, -10.0], [0.0, -1.0, 0.0]]),
+        "contact.penalty_factor": parts.chosen(random, [1.0, 100.0, 1e3, 1e4, 1e5]),
+        "contact.viscous_penalty_factor": parts.chosen(random, [0.0, 0.2, 1.0, 10.0, 100.0]),
+        "contact.dashpot": parts.chosen(random, parts.DASHPOTS),
+        "gravity": parts.chosen(
+            random, [parts.NOTHING, parts.NOTHING, [0.0, 0.0, -9.81], [0.0, 0.0, -10.0], [0.0, -1.0, 0.0]]
+        ),
     }
     if random.random() < 0.2:
         values["contact.penalty_control"] = "viscous_only"
     if shape == "cylinder":
-        values["destination.axis"] = list(map(float, chosen(random, ROUND_AXES)))
+        values["destination.axis"] = list(map(float, parts.chosen(random, ROUND_AXES)))
         if random.random() < 0.2:
             values |= {
                 "destination.finite_length": True,
-                "destination.length": chosen(random, [0.3, 0.7, 1.5]),
+                "destination.length": parts.chosen(random, [0.3, 0.7, 1.5]),
             }
     speed = round_vector(random, ROUND_SPEEDS)
     kind = random.integers(4)
@@ -96,38 +84,41 @@ def round_numbers(random, shape):
     else:
         values["source.initial_velocity"] = speed
     if kind == 1:
-        values |= moved_by("destination", round_vector(random, ROUND_SPEEDS))
+        values |= parts.moved_by("destination", round_vector(random, ROUND_SPEEDS))
     if kind == 2:
-        values |= {"destination.motion": "free", "destination.mass": chosen(random, [1.0, 2.0, 1000.0])}
-    end = chosen(random, [0.5, 1.0, 1.5, 2.0])
-    return {"values": values, "stops": even(end, chosen(random, [1, 1, 2, 10]))}
+        values |= {"destination.motion": "free", "destination.mass": parts.chosen(random, [1.0, 2.0, 1000.0])}
+    end = parts.chosen(random, [0.5, 1.0, 1.5, 2.0])
+    return {"values": values, "stops": parts.even(end, parts.chosen(random, [1, 1, 2, 10]))}
 
 
 def through_the_centre(random, shape):
     """A free ball exactly through the axis of a solid cylinder that stands askew, or through a ball."""
-    axis = np.array(chosen(random, ROUND_AXES))
+    axis = np.array(parts.chosen(random, ROUND_AXES))
     across = np.zeros(3, int)
     while not across.any():
         across = np.cross(axis, random.integers(-1, 2, 3))
     fits = [x for x in (0.125, 0.25, 0.5, 0.75, 1.0) if 0.1 < x * np.linalg.norm(across) < 1.5]
-    start = chosen(random, fits) * across
-    speed = float(chosen(random, [1.0, 2.0, 0.5]))
-    velocity = -speed * across / chosen(random, [1, 2, 4])
+    start = parts.chosen(random, fits) * across
+    speed = float(parts.chosen(random, [1.0, 2.0, 0.5]))
+    velocity = -speed * across / parts.chosen(random, [1, 2, 4])
     values = {"source.center": start.tolist(), "source.initial_velocity": velocity.tolist()}
-    values |= {"contact.location": "outside", "contact.dashpot": chosen(random, DASHPOTS)}
-    values |= {"contact.viscous_penalty_factor": chosen(random, [0.0, 0.1, 0.2, 0.25, 0.5])}
-    values |= {"contact.penalty_factor": chosen(random, [0.05, 0.1, 0.5, 1.0, 10.0]), "gravity": NOTHING}
+    values |= {"contact.location": "outside", "contact.dashpot": parts.chosen(random, parts.DASHPOTS)}
+    values |= {"contact.viscous_penalty_factor": parts.chosen(random, [0.0, 0.1, 0.2, 0.25, 0.5])}
+    values |= {
+        "contact.penalty_factor": parts.chosen(random, [0.05, 0.1, 0.5, 1.0, 10.0]),
+        "gravity": parts.NOTHING,
+    }
     if random.random() < 0.5:
         values["contact.penalty_control"] = "viscous_only"
     if shape == "cylinder":
         values["destination.axis"] = list(map(float, axis))
-        along = float(chosen(random, [0.0, 0.1, 0.25, 0.5]))
+        along = float(parts.chosen(random, [0.0, 0.1, 0.25, 0.5]))
         values["source.initial_velocity"] = (velocity + along * axis).tolist()
-        values["gravity"] = (chosen(random, [0.0, 0.0, -1.0, 2.0]) * axis).tolist()
+        values["gravity"] = (parts.chosen(random, [0.0, 0.0, -1.0, 2.0]) * axis).tolist()
     if random.random() < 0.3:
-        values |= {"destination.motion": "free", "destination.mass": chosen(random, [1.0, 2.0, 1000.0])}
-    end = chosen(random, [0.5, 1.0, 1.5, 3.0])
-    return {"values": values, "stops": even(end, chosen(random, [1, 1, 3, 10]))}
+        values |= {"destination.motion": "free", "destination.mass": parts.chosen(random, [1.0, 2.0, 1000.0])}
+    end = parts.chosen(random, [0.5, 1.0, 1.5, 3.0])
+    return {"values": values, "stops": parts.even(end, parts.chosen(random, [1, 1, 3, 10]))}
 
 
 def unequal_masses(random, shape):
@@ -136,7 +127,7 @@ def unequal_masses(random, shape):
     inside = random.random() < 0.3
     speed, slow = random.uniform(0.05, 0.5), 10 ** random.uniform(-3, -0.5)
     touches, leaves = random.uniform(0.0, 0.6), random.uniform(1e-3, 0.1)  # s, and how long after it
-    values, outward = pair(random, "cylinder", inside, slow * touches)
+    values, outward = parts.pair(random, "cylinder", inside, slow * touches)
     axis = np.divide(values["destination.axis"], np.linalg.norm(values["destination.axis"]))
     length = random.uniform(0.7, 1.5)
     side = random.choice([-1.0, 1.0])
@@ -151,18 +142,18 @@ def unequal_masses(random, shape):
         "source.mass": masses[0], "destination.mass": masses[1], "destination.motion": "free",
         "destination.finite_length": True, "destination.length": length, "source.center": place.tolist(),
         "source.initial_velocity": (side * speed * axis + slow * towards).tolist(),
-        "gravity": chosen(random, [NOTHING, [0.0, 0.0, -9.81]]),
-        **factors(10 ** random.uniform(2, 5), chosen(random, [0.0, 0.0, 0.0, 1e-10, 0.05]), 1.0),
+        "gravity": parts.chosen(random, [parts.NOTHING, [0.0, 0.0, -9.81]]),
+        **parts.factors(10 ** random.uniform(2, 5), parts.chosen(random, [0.0, 0.0, 0.0, 1e-10, 0.05]), 1.0),
     }  # fmt: skip
     if random.random() < 0.3:
         values["destination.external_force"] = (random.normal(size=3)).tolist()
-    return {"values": values, "shape": "cylinder", "stops": uneven(1.0, random)}
+    return {"values": values, "shape": "cylinder", "stops": parts.uneven(1.0, random)}
 
 
 def beside_an_event(random, shape):
     """A scene of random_scenes.py with a communication point at an event, or a few roundings beside it."""
-    kind = chosen(random, KINDS[shape])
-    values, end = random_scene(shape, kind, int(random.integers(1, 2**31)))
+    kind = parts.chosen(random, parts.KINDS[shape])
+    values, end = parts.random_scene(shape, kind, int(random.integers(1, 2**31)))
     times = [t for t in Reference(values, shape).run(end).event_times if 0 < t < end]
     stops = set()
     for time in random.permutation(times)[: random.integers(1, 4)]:
@@ -181,39 +172,39 @@ def from_zero(random, shape):
     """A load or a given motion that begins at exactly zero, as a ramp or a parabola, on a contact at or
     beyond critical damping."""
     inside = bool(random.integers(2))
-    gap = float(chosen(random, [0.0, -0.004, -0.01]) if random.random() < 0.7 else 1e-3)
-    values, outward = pair(random, shape, inside, gap)
+    gap = float(parts.chosen(random, [0.0, -0.004, -0.01]) if random.random() < 0.7 else 1e-3)
+    values, outward = parts.pair(random, shape, inside, gap)
     stiffness = 10 ** random.uniform(2, 5)
     ratio = 10 ** random.uniform(-0.2, 1.2)
-    values |= factors(stiffness, ratio, values["source.mass"])
-    slow, fast = rates(stiffness, ratio, values["source.mass"])
+    values |= parts.factors(stiffness, ratio, values["source.mass"])
+    slow, fast = parts.rates(stiffness, ratio, values["source.mass"])
     end = min(random.uniform(0.5, 20) / slow, 400 / fast, 1.0)
     towards = outward if inside else -outward
     push = towards + random.normal(size=3)
     size = values["source.mass"] * 0.02 / end**2  # so that it goes some centimetres
     if random.random() < 0.7:
         ramp, parabola = size / end * push, size / end**2 * random.normal(size=3)
-        rows = [[ramp, NOTHING], [NOTHING, parabola], [ramp, parabola]][random.integers(3)]
+        rows = [[ramp, parts.NOTHING], [parts.NOTHING, parabola], [ramp, parabola]][random.integers(3)]
         values["source.external_force.derivatives"] = [list(map(float, row)) for row in rows]
     else:
         led = -push * 0.02 / end**3
         rows = [[led * end, np.zeros(3)], [np.zeros(3), led]][random.integers(2)]
         values["destination.motion"] = "prescribed"
         values["destination.prescribed_velocity.derivatives"] = [row.tolist() for row in rows]
-    return {"values": values, "stops": uneven(end, random)}
+    return {"values": values, "stops": parts.uneven(end, random)}
 
 
 def contradictory(random, shape):
     """A prescribed displacement whose derivatives are not the prescribed velocity."""
     inside = bool(random.integers(2))
-    values, outward = pair(random, shape, inside, random.uniform(-0.01, 0.05))
+    values, outward = parts.pair(random, shape, inside, random.uniform(-0.01, 0.05))
     towards = outward if inside else -outward
     stiffness = 10 ** random.uniform(3, 6)
-    values |= factors(stiffness, chosen(random, [0.0, 0.1, 0.5, 1.5, 5.0]), values["source.mass"])
+    values |= parts.factors(stiffness, parts.chosen(random, [0.0, 0.1, 0.5, 1.5, 5.0]), values["source.mass"])
     end = 0.3
     velocity = 0.3 * towards + 0.2 * random.normal(size=3)
-    rate = [NOTHING, velocity.tolist(), (-velocity).tolist()][random.integers(3)]
-    bent = (random.normal(size=3)).tolist() if random.integers(2) else NOTHING
+    rate = [parts.NOTHING, velocity.tolist(), (-velocity).tolist()][random.integers(3)]
+    bent = (random.normal(size=3)).tolist() if random.integers(2) else parts.NOTHING
     if random.random() < 0.5:
         body, other = "source", 1.0
     else:
@@ -230,44 +221,48 @@ def contradictory(random, shape):
         )
         values |= {"destination.finite_length": True, "destination.length": float(max(0.01, end * away))}
     # Energy is not kept where a body moves otherwise than at its velocity.
-    return {"values": values, "stops": uneven(end, random), "leaves_open": frozenset({"total"})}
+    return {"values": values, "stops": parts.uneven(end, random), "leaves_open": frozenset({"total"})}
 
 
 def approach_only(random, shape):
     """A lasting contact whose dashpot acts on approach only, at and beyond critical damping."""
     inside = random.random() < 0.7
-    values, outward = pair(random, shape, inside, -1e-6 if inside else 0.0)
+    values, outward = parts.pair(random, shape, inside, -1e-6 if inside else 0.0)
     towards = outward if inside else -outward
     stiffness, ratio = 10 ** random.uniform(3, 9.5), 10 ** random.uniform(0, 1)
-    values |= factors(stiffness, ratio, values["source.mass"])
-    fast = rates(stiffness, ratio, values["source.mass"])[1]
+    values |= parts.factors(stiffness, ratio, values["source.mass"])
+    fast = parts.rates(stiffness, ratio, values["source.mass"])[1]
     end = float(min(1.0, 10 ** random.uniform(1.5, 3.3) / fast))
     values |= {
         "contact.dashpot": "approach_only",
-        "gravity": (9.81 * (towards + chosen(random, [0.0, 0.3, 1.0]) * unit_vector(random))).tolist(),
+        "gravity": (
+            9.81 * (towards + parts.chosen(random, [0.0, 0.3, 1.0]) * parts.unit_vector(random))
+        ).tolist(),
         "source.initial_velocity": (0.2 * random.normal(size=3)).tolist(),
     }
-    return {"values": values, "stops": uneven(end, random)}
+    return {"values": values, "stops": parts.uneven(end, random)}
 
 
 def dying_away(random, shape):
     """An unloaded contact beyond critical damping with an unclamped dashpot: it never parts."""
     inside = bool(random.integers(2))
     stiffness, ratio = 10 ** random.uniform(4, 7), 1 + 10 ** random.uniform(-2, 0.7)
-    values, _ = pair(random, shape, inside, 0.0)
+    values, _ = parts.pair(random, shape, inside, 0.0)
     mass = values["source.mass"]
-    slow = rates(stiffness, ratio, mass)[0]
+    slow = parts.rates(stiffness, ratio, mass)[0]
     depth = 10 ** random.uniform(-8, -2)
     away = np.subtract(values["source.center"], values["destination.center"])
     away *= 1 + (depth if inside else -depth) / np.linalg.norm(away)
     center = np.add(values["destination.center"], away)
     end = float(10 ** random.uniform(0, 3)) / slow
-    values |= factors(stiffness, ratio, mass)
+    values |= parts.factors(stiffness, ratio, mass)
     values |= {"contact.dashpot": "unclamped", "source.center": center.tolist()}
     # What is left is below the rounding of the gap: whether the bodies still touch then is open.
     settled = (math.log(depth) + 36) / slow
     leaves_open = frozenset({"duration", "events"}) if end > 0.7 * settled else frozenset()
-    stops = tuple(end * x for x in chosen(random, [(1.0,), (0.05, 1.0), (0.01, 0.02, 1.0), (0.3, 0.6, 1.0)]))
+    stops = tuple(
+        end * x for x in parts.chosen(random, [(1.0,), (0.05, 1.0), (0.01, 0.02, 1.0), (0.3, 0.6, 1.0)])
+    )
     found = {"values": values, "stops": stops, "straight": True, "settled": settled}
     found |= {"leaves_open": leaves_open}
     return found
@@ -278,13 +273,13 @@ def set_down(random, shape):
     largest force stands early in one long step."""
     inside = bool(random.integers(2))
     stiffness, ratio = 10 ** random.uniform(6, 9), random.uniform(1.05, 2.5)
-    values, outward = pair(random, shape, inside, float(chosen(random, [0.0, 0.0, 1e-5])))
+    values, outward = parts.pair(random, shape, inside, float(parts.chosen(random, [0.0, 0.0, 1e-5])))
     mass = values["source.mass"]
     towards = outward if inside else -outward
-    values |= factors(stiffness, ratio, mass)
+    values |= parts.factors(stiffness, ratio, mass)
     values["source.external_force"] = (10.0 * towards).tolist()
     fall = math.sqrt(2 * 1e-5 * mass / 10.0)
-    slow = rates(stiffness, ratio, mass)[0]
+    slow = parts.rates(stiffness, ratio, mass)[0]
     settled = fall + math.log(10.0 / stiffness / 2e-15) / slow  # within what rounding leaves of the gap
     end = float(settled * 10 ** random.uniform(-1.5, 1))
     return {"values": values, "stops": (end,), "straight": True, "settled": settled}
@@ -295,17 +290,17 @@ def swinging_out(random, shape):
     on approach only: every other half swing keeps its energy."""
     inside = bool(random.integers(2))
     stiffness, ratio = 10 ** random.uniform(4, 7.5), 10 ** random.uniform(-2, -0.05)
-    depth = 10.0 / stiffness * float(chosen(random, [0.0, 0.0, 0.5, 0.99]))
-    values, outward = pair(random, shape, inside, -depth)
+    depth = 10.0 / stiffness * float(parts.chosen(random, [0.0, 0.0, 0.5, 0.99]))
+    values, outward = parts.pair(random, shape, inside, -depth)
     omega = math.sqrt(stiffness / values["source.mass"])
-    values |= factors(stiffness, ratio, values["source.mass"])
+    values |= parts.factors(stiffness, ratio, values["source.mass"])
     values |= {
         "contact.dashpot": "approach_only",
         "source.external_force": (10.0 * (outward if inside else -outward)).tolist(),
     }
     # No more than 250 swings, and none below 1e-4 of the first: much smaller ones need no dashpot any more.
     end = min(250.0, 9.0 / (0.5 * ratio)) * random.uniform(0.05, 1.0) / omega
-    return {"values": values, "stops": uneven(end, random), "straight": True}
+    return {"values": values, "stops": parts.uneven(end, random), "straight": True}
 
 
 # Families of seeded random scenes, each about one kind of place where an integrator of contacts goes wrong:
