@@ -12,6 +12,7 @@ import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file
+from support.checks import DASHPOTS, FMU, METHODS
 from support.programs import finished
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -21,6 +22,22 @@ SCENES = ("BallInCorner", "Chain", "Islands", "ThreeBalls", "TripodReversed", "T
 @pytest.fixture(scope="session")
 def fmu_path():
     return fmu_file
+
+
+# A test that takes one of these runs with each, unless it says which.
+@pytest.fixture(params=METHODS)
+def method(request):
+    return request.param
+
+
+@pytest.fixture(params=DASHPOTS)
+def dashpot(request):
+    return request.param
+
+
+@pytest.fixture(params=FMU)
+def shape(request):
+    return request.param
 
 
 @contextlib.contextmanager

@@ -6,10 +6,10 @@ import fmpy
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close
+from support.checks import FMU, check_close
 from support.fmi3 import raw
 from support.fmi3.raw import ERROR, OK, Instance
-from support.scenes.head_on import FMU, GAP, GEOMETRIES, SPEED, head_on
+from support.scenes.head_on import GAP, GEOMETRIES, SPEED, head_on
 
 TOLERANCE = 1e-10
 # s: a gap error of 1e-12 m at 1 m/s; CVODE holds its tolerance by the step
@@ -40,7 +40,6 @@ def events_until(instance, end, step):
     return found
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_steps_end_where_a_contact_begins_and_ends(shape, location, method):
     with with_events(shape, head_on(shape, location), method) as instance:
@@ -82,7 +81,6 @@ def test_a_bouncing_ball_returns_at_every_impact(step):
         assert instance.get("contact.onsets") == (len(found) + 1) // 2
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_a_cylinder_that_slides_away_ends_the_contact_at_its_end(method):
     """It moves along its axis at 1 m/s and leaves the ball, deep in a soft contact, after 0.1 s."""
     values = {"source.mass": 1000.0, "source.center": [0.59, 0.0, 0.0], "destination.motion": "prescribed"}

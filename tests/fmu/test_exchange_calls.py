@@ -55,7 +55,6 @@ def test_a_force_element_is_a_function_of_its_inputs():
         assert outside.states().size == outside.indicators().size == 0
 
 
-@pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])
 @pytest.mark.parametrize("axis", [[0.0, 0.0, 1.0], [0.3, 1.0, 0.2]])
 def test_directional_derivatives_are_those_of_differences(dashpot, axis):
     """Of outputs and rates with respect to states and inputs, in contact, one body free and one led."""

@@ -90,7 +90,6 @@ def test_derivatives_are_those_of_the_motion_that_follows(name):
     assert compared >= 2
 
 
-@pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])
 def test_a_head_on_contact_has_the_derivatives_of_its_oscillator(dashpot):
     """g'' = F/m - 9.81, F = -(k g + c g'), so F' = -(k g' + c g'') and F'' = -(k g'' + c F'/m)"""
     mass, k, c = 1.5, 2e4, 30.0

@@ -121,7 +121,6 @@ def test_a_new_scene_is_built_checked_and_run(command, tmp_path):
     assert values["contact.onsets"] >= 2 and values["ball.position[3]"] > 0.59
 
 
-@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 @pytest.mark.parametrize("inside", [[], ["--inside"]])
 def test_every_new_scene_would_bounce(shape, inside, command, tmp_path):
     """As its values on the universal FMU do; only one is built above"""

@@ -9,11 +9,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from contact_fmus.stability.motions import GEOMETRIES, PLANE, HeadOn
-from support.checks import check_close, run
+from support.checks import FMU, check_close, run
 from support.reference.stiff_motion import StiffContact
 from support.scenes.agreement import seeds
 
-FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 TOLERANCES = [1e-6, 1e-8, 1e-10]
 
 

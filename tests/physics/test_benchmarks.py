@@ -5,7 +5,7 @@ from operator import itemgetter
 
 import pytest
 
-from support.checks import check_close, run
+from support.checks import FMU, check_close, run
 from support.reference.stored import both_bodies, errors_beyond, stored
 from support.scenes.benchmarks import BENCHMARKS
 
@@ -54,7 +54,6 @@ FACTOR = 10
 TOLERANCES = [1e-6, 1e-9, 1e-12]
 METHOD = "event_driven"
 WIDE, CREEPING = stored("wide"), stored("overdamped")
-FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 
 
 def asked(configuration, tolerance, by):

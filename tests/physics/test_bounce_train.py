@@ -14,10 +14,10 @@ import pytest
 from mpmath import mpf, workdps
 from scipy.optimize import brentq
 
-from support.checks import check_close, check_relative, run
+from support.checks import FMU, check_close, check_relative, run
 from support.reference.integrator import Reference
 from support.reference.plane_motion import plane_motion
-from support.scenes.head_on import ACROSS, AXIS, FMU, GEOMETRIES, oscillator
+from support.scenes.head_on import ACROSS, AXIS, GEOMETRIES, oscillator
 
 METHOD, TOLERANCE = "event_driven", 1e-10
 DROP, RESTITUTION, WEIGHT = 1.0, 0.5, 9.81
@@ -128,7 +128,6 @@ def test_the_train_is_told_bounce_by_bounce(opened, dashpot, steps):
 
 
 @pytest.mark.parametrize("steps", [1, 997])
-@pytest.mark.parametrize("shape", FMU)
 def test_a_ball_whispers_around_a_hollow_body(opened, shape, steps):
     """Without gravity and damping each bounce is like the first, a graze at a hundredth of the speed
     along the wall; the period is the reference integrator's, and hundreds of them fit."""

@@ -127,7 +127,6 @@ def test_starts_within_the_solid_leave_by_the_nearest_face(opened, place):
     assert opened(FMU)["contact.within_extents"]
 
 
-@pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])
 @pytest.mark.parametrize("hertz", [False, True])
 def test_a_ball_shot_through_the_circle_of_the_rim_goes_on(opened, hertz, dashpot):
     """At the circle itself all zones meet. It goes on over the cap, as one beside it does."""

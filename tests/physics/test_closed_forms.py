@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close, check_relative, run
-from support.scenes.head_on import DASHPOTS, FMU, GEOMETRIES, SPEED, approach, head_on, oscillator, shared_out
+from support.checks import FMU, check_close, check_relative, run
+from support.scenes.head_on import GEOMETRIES, SPEED, approach, head_on, oscillator, shared_out
 
 RELATIVE = 1e-8  # at tolerance 1e-10
 GAP_ERROR = (
@@ -22,7 +22,6 @@ MASSES = {  # source, destination, effective mass
 }
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("zeta, motions", [
     (0.0, "source free"),
     (0.05, "destination free"),
@@ -30,7 +29,6 @@ MASSES = {  # source, destination, effective mass
     (0.9, "both free"),
     (1.5, "source free"),
 ])  # fmt: skip
-@pytest.mark.parametrize("dashpot", DASHPOTS)
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_restitution_duration_and_peaks_are_the_damped_oscillators(
     opened, shape, location, dashpot, zeta, motions, method
@@ -60,8 +58,6 @@ def test_restitution_duration_and_peaks_are_the_damped_oscillators(
     check_relative("peak force", fmu["contact.peak_force"], expected.peak_force, RELATIVE)
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("dashpot", DASHPOTS)
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_momentum_and_angular_momentum_of_two_free_bodies_stay(opened, shape, location, dashpot, method):
     """An oblique contact with gravity off; the angular momentum about the origin stays for spheres,
@@ -89,8 +85,6 @@ def test_momentum_and_angular_momentum_of_two_free_bodies_stay(opened, shape, lo
         check_close("angular momentum", spins, [spins[0]] * len(spins), 1e-9)
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("dashpot", DASHPOTS)
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_a_body_at_rest_sinks_in_by_weight_over_stiffness_and_stays(opened, shape, location, dashpot, method):
     mass, stiffness, weight = 2.0, 1e4, 9.81

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from support.checks import METHODS, check_close, run, start
+from support.checks import check_close, run, start
 from support.reference.compound import Foot, FreeBody, Pin, matrix
 
 PARTS = {"left_heel": (0.02, (-0.09, 0.03, -0.03)), "right_heel": (0.02, (-0.09, -0.03, -0.03))}
@@ -172,7 +172,6 @@ def pin_after(end):
     return pin.run([1e-6, 0.0, 0.0, 0.1, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.5, 1.0, 3.0], end)
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("p_nv", "mu"), [(0.0, 0.3), (50.0, 0.3), (50.0, 0.0)])
 def test_a_tripod_falls_slides_and_tumbles_as_six_degrees_of_freedom_do(opened, method, p_nv, mu):
     values, _, _ = tripod(p_nv, mu)
@@ -181,7 +180,6 @@ def test_a_tripod_falls_slides_and_tumbles_as_six_degrees_of_freedom_do(opened, 
     check_close("state", state(fmu, "tripod"), tripod_after(p_nv, mu, 0.3), 1e-9)
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_energy_and_its_parts_last(opened, method):
     values, reference, y = tripod(0.0, 0.0)
     fmu = opened("Tripod")
@@ -239,7 +237,6 @@ def test_the_order_of_parts_and_contacts_changes_nothing(opened, opened_several)
     check_close("state", ends[1], ends[0], 1e-11)
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_a_pin_rattles_in_a_hole_as_six_degrees_of_freedom_do(opened, method):
     values = {"hole.radius": 0.0102} | {f"{end}.friction": "none" for end in PIN}
     values["pin.initial_displacement"] = [1e-6, 0.0, 0.0]

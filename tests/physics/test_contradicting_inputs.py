@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from support.checks import METHODS, check_close, start
+from support.checks import check_close, start
 
 FALLING = {  # a ball that falls on a ball that is led away
     "destination.motion": "prescribed",
@@ -27,7 +27,6 @@ def warnings(fmu):
 DURATION = {"non_adhesive": 1.83996919e-3, "approach_only": 1.48625523e-3, "unclamped": 1.84146345e-3}
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("dashpot", DURATION)
 def test_a_ball_on_a_contradiction(opened, dashpot, method):
     fmu = start(opened("SphereSphere"), {**FALLING, "contact.dashpot": dashpot}, 1e-9, method)
@@ -42,7 +41,6 @@ def test_a_ball_on_a_contradiction(opened, dashpot, method):
 
 
 @pytest.mark.parametrize("steps", [1, 7, 200])
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("velocity", [0.0, 3.0, -2.0, 2.9])
 def test_the_gap_follows_the_displacement(opened, velocity, method, steps):
     """Deepest at 0.1 m between the centres, whatever velocity the law sees, also while it is released."""

@@ -6,16 +6,14 @@ import math
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close, run
+from support.checks import FMU, check_close, run
 from support.reference.integrator import Reference
-from support.scenes.head_on import FMU, GAP, GEOMETRIES, SPEED, approach, head_on
+from support.scenes.head_on import GAP, GEOMETRIES, SPEED, approach, head_on
 
 EXACT = 1e-11  # s
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("seed", range(12))
-@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 def test_a_long_throw_comes_down_on_a_small_body_in_one_step(opened, shape, seed, method):
     """A parabola of many seconds aimed within a radius or so of a small body: hit or miss as in the
     reference."""
@@ -52,7 +50,6 @@ def tube(**more):
     return {**values, **more}
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("steps", [1, 10, 1000])
 def test_a_ball_slides_to_the_tubes_end_and_falls(opened, steps, method):
     """The force ends at t = L / 2v = 0.5 s; from there on free fall, and the stored energy is booked as
@@ -68,7 +65,6 @@ def test_a_ball_slides_to_the_tubes_end_and_falls(opened, steps, method):
     assert (fmu["energy.contact"], fmu["contact.normal_force"]) == (0, 0)
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_a_ball_that_enters_overlapping_gets_the_stored_energy(opened, method):
     """Sliding in from outside at a depth held by nothing: the booked work is minus the energy the
     contact then stores."""
@@ -83,7 +79,6 @@ def test_a_ball_that_enters_overlapping_gets_the_stored_energy(opened, method):
     check_close("speed along", fmu["source.velocity"][1], 1.0, 1e-13)
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_a_tube_drawn_over_a_resting_ball_begins_and_ends_with_its_ends(opened, method):
     """The cylinder moves, the ball floats at its wall's depth: within while |c.e_d| <= L/2, 0.1 s to 0.6
     s."""

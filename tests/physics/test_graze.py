@@ -8,9 +8,9 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from support.checks import check_close, run
+from support.checks import FMU, check_close, run
 from support.reference.integrator import Reference
-from support.scenes.head_on import AXIS, FMU, head_on, oscillator, passing
+from support.scenes.head_on import AXIS, head_on, oscillator, passing
 
 METHOD, TOLERANCE = "event_driven", 1e-10
 EPSILON = np.finfo(float).eps
@@ -55,7 +55,6 @@ def test_a_graze_along_a_cylinder(opened, location, share, damping, steps):
 
 @pytest.mark.parametrize("steps", STEPS)
 @pytest.mark.parametrize("overlap", [1e-3, 1e-6, 1e-9, 1e-11, 1e-12, 1e-13])
-@pytest.mark.parametrize("shape", FMU)
 def test_a_straight_pass_that_dips_in(opened, shape, overlap, steps):
     """At the deepest by `overlap`: the impact speed is sqrt(2 overlap / 0.6 m) of the speed, down to 6e-7."""
     values, end = passing(shape, -overlap), 1.5
@@ -72,7 +71,6 @@ def test_a_straight_pass_that_dips_in(opened, shape, overlap, steps):
 
 @pytest.mark.parametrize("steps", STEPS)
 @pytest.mark.parametrize("clear", [1e-6, 1e-9, 1e-12, 1e-13])
-@pytest.mark.parametrize("shape", FMU)
 def test_a_straight_pass_that_just_does_not(opened, shape, clear, steps):
     fmu = run(opened(FMU[shape]), passing(shape, clear), 1.5, steps, TOLERANCE, METHOD)
     assert fmu["contact.onsets"] == 0

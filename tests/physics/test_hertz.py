@@ -10,9 +10,9 @@ from mpmath import mpf
 
 from contact_fmus.published import IMPACTS, outcome, setup_of
 from contact_fmus.stability.motions import elliptic_stiffness
-from support.checks import METHODS, check_close, check_relative, impulse_and_peak, run, start
+from support.checks import FMU, check_close, check_relative, impulse_and_peak, run, start
 from support.reference.hertz import restitution_of
-from support.scenes.head_on import DASHPOTS, FMU, GEOMETRIES, of_size, shared_out, speed_after
+from support.scenes.head_on import GEOMETRIES, of_size, shared_out, speed_after
 
 # Relative, at the tolerance 1e-12 of CVODE; what event_driven does does not depend on the tolerance so.
 ACCURACY = {"event_driven": 1e-10, "cvode_bdf": 1e-10, "cvode_adams": 1e-10}
@@ -43,7 +43,6 @@ def impact(shape, location, stiffness=1e9, speed=1.0, masses="source free", **mo
     return values, (gap + 30 * depth / max(restitution, 0.05)) / speed
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("masses", MASSES)
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_an_undamped_impact_is_that_of_the_power_law(opened, shape, location, masses, method):
@@ -61,8 +60,6 @@ def test_an_undamped_impact_is_that_of_the_power_law(opened, shape, location, ma
         check_relative("speed", speed_after(fmu, location), speed, allowed)
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_restitution_holds_at_every_speed(opened, dashpot, method):
     """And the depth is Hunt and Crossley's for the damping chi v that goes with it."""
     fmu = opened("SphereSphere")
@@ -187,7 +184,6 @@ def impulse(dashpot, chi):
 
 @pytest.mark.parametrize("steps", [1, 3, 16])
 @pytest.mark.parametrize("control", ["user_defined", "restitution"])
-@pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_the_impulse_of_a_prescribed_pass_is_the_integral_of_the_force(opened, dashpot, control, steps):
     fmu = opened("SphereSphere")
     total, _ = impulse_and_peak(fmu, prescribed(dashpot, control), 0.045, steps, 1e-10)
@@ -214,7 +210,6 @@ def check_jacobian(fmu, force, state, relative, absolute=0.0):
 
 
 @pytest.mark.parametrize("control", ["user_defined", "automatic", "restitution"])
-@pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_derivatives_are_those_of_the_formula(opened, dashpot, control):
     """Of the force by place and speed, and once and twice by time, before and after the deepest point."""
     fmu = opened("SphereSphere")
@@ -255,7 +250,6 @@ def test_published_impacts_come_out_to_their_digits(opened, index):
         check_close("LAMMPS", got.slip / got.first, case.lammps, 3e-6)
 
 
-@pytest.mark.parametrize("dashpot", DASHPOTS)
 @pytest.mark.parametrize("motion", ["fixed", "free"])
 def test_until_the_end_of_initialization_the_damping_of_a_start_in_overlap_follows_the_start(
     opened, motion, dashpot

@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from support.checks import check_close, run, start
-from support.scenes.head_on import ACROSS, AXIS, FMU, GEOMETRIES, approach, head_on
+from support.checks import FMU, check_close, run, start
+from support.scenes.head_on import ACROSS, AXIS, GEOMETRIES, approach, head_on
 
 mp.dps = 50
 METHOD = "event_driven"
@@ -117,7 +117,6 @@ def test_a_fading_force_lets_go_once(opened, dashpot, stiffness, share, steps, t
 
 
 @pytest.mark.parametrize("end", [1e-7, 2.5, 1000.0])
-@pytest.mark.parametrize("shape", FMU)
 def test_a_body_drawn_off_leaves_its_small_impulse(opened, shape, end):
     """Pressed in by s, the spring gives k s^2 / (2 V) until it lets go after s / V, small against a turn
     of its oscillation and against its tolerance."""

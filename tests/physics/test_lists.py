@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
-from support.checks import METHODS, check_close
+from support.checks import check_close
 from support.reference.three_balls import BRIEF, CASES, END, NAMED, reference
 
 BALLS = ("left", "middle", "right")
@@ -49,7 +49,6 @@ def test_a_brief_contact_is_felt_however_long_the_step(built, name, steps):
 
 
 @pytest.mark.parametrize("steps", [1, 100])
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("case", CASES)
 def test_a_ball_between_two_others_moves_as_in_the_reference(built, case, method, steps):
     velocities, masses = CASES[case].velocities, CASES[case].masses
@@ -171,7 +170,6 @@ DRIVEN |= {"destination.motion": "prescribed", "contact.dashpot": "non_adhesive"
 
 
 @pytest.mark.parametrize("steps", [1, 7])
-@pytest.mark.parametrize("method", METHODS)
 def test_a_driven_pair_beside_a_free_one_is_no_burden_to_it(built, fmu_path, method, steps):
     """Driven together and apart at a speed V, F = p_n s + p_nv V and then p_n s - p_nv V, down to zero."""
     stiffness, damping = DRIVEN["contact.penalty_factor"], DRIVEN["contact.viscous_penalty_factor"]
@@ -210,7 +208,6 @@ def test_a_driven_pair_beside_a_free_one_is_no_burden_to_it(built, fmu_path, met
 
 
 @pytest.mark.parametrize("steps", [1, 6, 7, 50])
-@pytest.mark.parametrize("method", METHODS)
 def test_a_symmetric_squeeze_leaves_the_middle_ball_where_it_is(built, method, steps):
     """Both contacts end at once, to the digits that an integrator leaves; each ball outside leaves with the
     energy of its own: v = s sqrt(k / m)."""

@@ -16,9 +16,9 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
 from contact_fmus.fmu.contact_fmu import FmuError
-from support.checks import check_close, run, start
+from support.checks import FMU, check_close, run, start
 from support.scenes.agreement import seeds
-from support.scenes.head_on import DASHPOTS, FMU, GEOMETRIES, head_on
+from support.scenes.head_on import GEOMETRIES, head_on
 from support.scenes.stiff_scenes import SCENES, stiff_scene
 
 METHOD = "event_driven"
@@ -132,7 +132,6 @@ def random_pressed(random):
 
 
 @pytest.mark.parametrize("dashpot", ["unclamped", "non_adhesive"])
-@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 @pytest.mark.parametrize("portion", seeds(1))
 def test_peaks_of_a_lasting_contact(opened, shape, dashpot, portion):
     """Set down, landing, settled or pressed deeper, from hardly damped to 100 times critical, under forces
@@ -155,7 +154,6 @@ def test_peaks_of_a_lasting_contact(opened, shape, dashpot, portion):
 
 @pytest.mark.parametrize("ratio", [1.05, 1.2, 3.0, 30.0])
 @pytest.mark.parametrize("stiffness", [1e6, 1e8, 1e9])
-@pytest.mark.parametrize("dashpot", DASHPOTS)
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_a_body_set_down_presses_harder_than_its_weight(opened, shape, location, dashpot, stiffness, ratio):
     """Beyond critical damping F = W - m s'' has its largest value where s'''' = 0: with the two rates a > b
@@ -228,7 +226,6 @@ def test_peaks_do_not_follow_the_rounding_of_velocities(opened, name, share, ste
 
 
 @pytest.mark.parametrize("method", ["cvode_bdf", "cvode_adams"])
-@pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_the_dashpot_presses_up_to_the_centre(opened, dashpot, method):
     """A ball straight through a solid one: g' falls from -v to +v there, and the force with it"""
     values = head_on("sphere", "outside", speed=48.0) | {"contact.method": "penalty_dynamic"}
@@ -241,7 +238,6 @@ def test_the_dashpot_presses_up_to_the_centre(opened, dashpot, method):
     check_close("force", peaks[1], peaks[0], 1e-6 * peaks[0])
 
 
-@pytest.mark.parametrize("dashpot", DASHPOTS)
 @pytest.mark.parametrize("scene", ["SphereSphere", "SphereCylinder", "ForceElement"])
 def test_a_ball_that_is_led_through_the_centre_presses_hardest_before_it(opened, scene, dashpot):
     """F = p_n (reach - d) + p_nv v until d = 0"""

@@ -7,14 +7,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close, run, start
+from support.checks import DASHPOTS, check_close, run, start
 from support.reference.integrator import Reference
 from support.scenes.random_scenes import random_scene
 
 FMU = "SpherePlane"
 TILTED = np.array([0.36, -0.48, 0.8])  # unit, to rounding
 GRAVITY = np.array([0.0, 0.0, -9.81])
-DASHPOTS = ["non_adhesive", "unclamped", "approach_only"]
 STEPS = [1, 997]
 
 
@@ -112,7 +111,6 @@ def test_a_contact_that_lasts_takes_few_steps_at_any_stiffness(opened):
         check_close("slid", fmu["source.displacement"], 50 * slope - 9.81 * 0.8 / stiffness * TILTED, 1e-10)
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_below_the_surface_is_but_a_deeper_contact(opened, method):
     """The centre starts 0.05 m below the plane and passes through its height: no direction is lost."""
     values = bounce(gap=-0.15, **{"contact.method": "penalty", "contact.penalty_factor": 2000.0})

@@ -25,7 +25,6 @@ def reference(shape, kind, seed, steps=1):
     return made.run(end)
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("steps", [1, 10])
 @pytest.mark.parametrize("shape, kind, seed", SCENES)
 def test_a_run_says_what_the_reference_says(opened, shape, kind, seed, steps, method):
@@ -36,7 +35,6 @@ def test_a_run_says_what_the_reference_says(opened, shape, kind, seed, steps, me
 
 
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-9, 1e-10, 1e-11, 1e-12])
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("shape, kind, seed", DELICATE)
 def test_no_tolerance_finds_another_motion(opened, shape, kind, seed, method, tolerance):
     """A wrong branch after a switch does not care for tolerances; it comes and goes with them."""

@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from support.checks import check_close, run
+from support.checks import FMU, check_close, run
 from support.reference.integrator import Reference
 from support.reference.make_stiff_references import COUNTABLE, DAMPING, END, FILE, configuration
 from support.reference.stiff_motion import StiffContact, damped_motion
@@ -26,7 +26,6 @@ FOLLOWED = [1e5, 1e6]  # N/m, where the Taylor integrator is the reference
 LIMIT = [1e7, 1e9, 1e11, 1e13, 1e15]
 UNDAMPED = [1e7, 1e9, 1e11]
 WORK = 150_000  # internal steps of a run at most; one that follows each oscillation stops there and fails
-FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 
 
 def run_bounded(opened, shape, values, end, steps, each=None):

@@ -14,9 +14,9 @@ import pytest
 from scipy.optimize import brentq
 
 from contact_fmus.fmu.contact_fmu import FmuError
-from support.checks import METHODS, check_close, check_relative, impulse_and_peak, run, start
+from support.checks import FMU, check_close, check_relative, impulse_and_peak, run, start
 from support.reference.integrator import Reference
-from support.scenes.head_on import ACROSS, AXIS, FMU, RADII
+from support.scenes.head_on import ACROSS, AXIS, RADII
 
 REACH, SPEED, START, END = 0.6, 3.0, 0.7, 0.7
 LED = 1e4  # N/m, where the ball is led
@@ -32,7 +32,6 @@ def solid(shape, along, **more):
     return values | ({"destination.axis": AXIS.tolist()} if shape == "cylinder" else {})
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("steps", [1, 20])
 def test_a_ball_on_the_axis_of_a_solid_cylinder_is_thrown_out_across_it(opened, steps, method):
     """It keeps its speed along the axis; the energy p_n g^2/2 of the start becomes speed across it."""
@@ -53,7 +52,6 @@ NEAR_MISSES = [1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-15, 1e-16, 1e-17]
 @pytest.mark.parametrize("steps", [1, 70])
 @pytest.mark.parametrize("miss", NEAR_MISSES)
 @pytest.mark.parametrize("stiffness", [0.01, 10.0, 24.0])
-@pytest.mark.parametrize("shape", FMU)
 def test_a_near_miss_of_the_centre_keeps_energy_and_angular_momentum(opened, shape, stiffness, miss, steps):
     """The normal turns by half a turn within miss / speed; steps shrink to that and grow again, each by a
     factor, so that there are some log(size / miss) of them."""
@@ -79,7 +77,6 @@ FREE_AND_VISCOUS |= {"destination.mass": 4.0, "destination.initial_velocity": [0
     *(("unclamped", 1e-2, {}), ("non_adhesive", 1e-5, {}), ("approach_only", 1e-8, {})),
     ("non_adhesive", 1e-12, FREE_AND_VISCOUS),
 ])  # fmt: skip
-@pytest.mark.parametrize("shape", FMU)
 def test_a_near_miss_of_the_centre_ends_where_the_taylor_reference_does(opened, shape, dashpot, miss, more):
     values = solid(shape, ACROSS, **{"contact.dashpot": dashpot, "contact.penalty_factor": 10.0, **more})
     values["contact.viscous_penalty_factor"] = 0.3
@@ -107,10 +104,8 @@ def stored(x, miss):
     return LED * (REACH - math.hypot(x, miss)) ** 2 / 2
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("steps", [1, 7, 13])
 @pytest.mark.parametrize("miss", [0.0, 1e-12, 1e-6, 1e-3, 0.1])
-@pytest.mark.parametrize("shape", FMU)
 def test_a_ball_led_through_a_solid_leaves_the_impulse_of_its_way(opened, shape, miss, steps, method):
     """With x dx = d dd, the integrals of F x / d and F b / d over x, b the distance of the miss, are
     p_n (r d - d^2 / 2) and p_n b (r asinh(x / b) - x), r the reach."""
@@ -135,7 +130,6 @@ def test_a_ball_led_through_a_solid_leaves_the_impulse_of_its_way(opened, shape,
 @pytest.mark.parametrize("dashpot", ["unclamped", "approach_only"])
 @pytest.mark.parametrize("damping", [1e7, 1e9])
 @pytest.mark.parametrize("off", [1e-3, 1e-6, 1e-9])
-@pytest.mark.parametrize("shape", FMU)
 def test_a_far_overdamped_ball_creeps_off_the_centre_as_with_cvode(opened, shape, off, damping, dashpot):
     """It starts beside the centre and goes past it: which way it leaves is decided within off / SPEED."""
     values = solid(shape, ACROSS, **{"contact.dashpot": dashpot, "source.center": (off * ASIDE).tolist()})
@@ -152,7 +146,6 @@ def test_a_far_overdamped_ball_creeps_off_the_centre_as_with_cvode(opened, shape
 
 
 @pytest.mark.parametrize("stop", [0.0, 0.3])
-@pytest.mark.parametrize("shape", FMU)
 def test_a_ball_led_out_of_the_centre_or_to_it_takes_few_panels(opened, shape, stop):
     """The direction that the contact has in the centre is not the one it has on the way"""
     values = led(shape, 0.3 - stop, stop, **{"solver.max_internal_steps": 100})
@@ -161,7 +154,6 @@ def test_a_ball_led_out_of_the_centre_or_to_it_takes_few_panels(opened, shape, s
     check_close("mean force", fmu["contact.mean_force"], mean, 1e-9 * LED)
 
 
-@pytest.mark.parametrize("shape", FMU)
 def test_a_ball_led_past_the_centre_goes_on_from_where_a_limit_stopped_it(opened, shape):
     """The work that is done on it, in parts of few panels each"""
     begin, end, miss = -0.3, 0.6, 1e-3
@@ -179,7 +171,6 @@ def test_a_ball_led_past_the_centre_goes_on_from_where_a_limit_stopped_it(opened
 
 @pytest.mark.parametrize("mass", [1.0, 2e11])
 @pytest.mark.parametrize("gravity", [50.0, 84.0, 85.0, 86.0, 200.0])
-@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 def test_balls_that_fall_together_pass_their_centre_once(opened, shape, gravity, mass):
     """So far that their positions do not tell any more on which side of it they are. A force presses one
     through the other, against a dashpot that lets go there"""

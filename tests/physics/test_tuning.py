@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError, Status
-from support.checks import METHODS, check_close, start
+from support.checks import check_close, start
 from support.reference.integrator import TunedMotion
 
 STEP = 5e-4  # s
@@ -53,8 +53,6 @@ def everything(fmu):
     }
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])
 @pytest.mark.parametrize("when", CHANGES)
 def test_a_run_goes_on_as_one_that_starts_there_with_the_new_values(opened, when, dashpot, method):
     values = {**BALL, "contact.dashpot": dashpot}
@@ -123,7 +121,6 @@ TUNABLE += ["contact.hertz_stiffness", "contact.hunt_crossley_factor", "contact.
 TUNABLE += ["solver.relative_tolerance", "solver.absolute_tolerance", "solver.max_internal_steps"]
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("split", [2, 9, 18, 30])  # in flight, compression, restitution, flight again
 @pytest.mark.parametrize("between", [set_all_again, there_and_back, of_no_use, refused])
 def test_what_changes_nothing_does_not_change_one_bit(opened, between, split, method):
@@ -139,7 +136,6 @@ def test_what_may_be_set_is_told_so(opened):
     assert told == {*TUNABLE, *(f"contact.effective_{factor}" for factor in effective)}
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_automatic_factors_follow(opened, method):
     """The same bits as a run to which the products are given."""
     automatic = {**BALL, "contact.penalty_control": "automatic", "contact.viscous_control": "automatic"}
@@ -171,7 +167,6 @@ def test_automatic_factors_follow(opened, method):
     assert halves(fmu, {**BALL, **factors}, method, given, 16) == rows
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_a_state_saved_after_setting_holds_what_was_set(opened, fmu_path, method):
     fmu = start(opened("SphereSphere"), BALL, 1e-10, method)
     for k in range(8):

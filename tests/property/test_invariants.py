@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from support.checks import METHODS, check_close, run, start
-from support.scenes.strategies import BOUNDED, FMU, RESULTS, build, scenes
+from support.checks import FMU, METHODS, check_close, run, start
+from support.scenes.strategies import BOUNDED, RESULTS, build, scenes
 
 ENDS = ["source.position", "source.velocity", "destination.position", "destination.velocity"]
 ALLOWED = 1e-7

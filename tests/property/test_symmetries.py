@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from contact_fmus.stability.motions import TABLE
-from support.checks import METHODS, check_close, run
-from support.scenes.strategies import BOUNDED, FMU, RESULTS, VECTORS, scenes, seeds
+from support.checks import FMU, METHODS, check_close, run
+from support.scenes.strategies import BOUNDED, RESULTS, VECTORS, scenes, seeds
 
 ALLOWED = 1e-7  # of the size of the motion; both runs at tolerance 1e-10
 OUTPUTS = ["source.position", "source.velocity", "destination.position", "destination.velocity"]

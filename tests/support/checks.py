@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 METHODS = ["event_driven", "cvode_bdf", "cvode_adams"]
+DASHPOTS = ["non_adhesive", "unclamped", "approach_only"]
+FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 
 
 def differences(what, value, expected, allowed):

@@ -5,7 +5,7 @@ import pytest
 
 from contact_fmus.fmu.files import fmu_file
 from support import exchange_runs
-from support.checks import METHODS, check_close, run
+from support.checks import check_close, run
 from support.fmi2 import raw
 from support.outside import Outside
 from support.scenes.agreement import Scene, check_agreement, seeds
@@ -19,7 +19,6 @@ SOFT_LANDING |= {"contact.friction": "regularized", "contact.friction_coefficien
 SOFT_LANDING |= {"contact.viscous_control": "restitution", "contact.restitution": 0.05}
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 def test_a_ball_that_lands_softly_is_rubbed_as_long_as_it_is_pressed(opened, method, tolerance):
     # Momentum: what gravity and impacts press in sum is m (g t + v_z), and friction takes mu of it.

@@ -4,7 +4,7 @@ a run is stepped, and the closed forms that they must agree with."""
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close, check_relative, run, start
+from support.checks import check_close, check_relative, run, start
 from support.scenes.agreement import TOLERANCES, Scene, check_agreement, pick, seeds
 
 STEPS = (1, 2, 7, 22, 100, 300)
@@ -173,7 +173,6 @@ class Driven:
             self.bend = given.get(2, 0.0 if lowest < 2 else self.bend)
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("seed", seeds(20))
 def test_what_is_not_set_of_an_input_goes_on(opened, seed, method):
     """A force on a free body of 1 kg, and the displacement of a prescribed one, in any order of the calls"""

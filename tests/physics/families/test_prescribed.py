@@ -5,11 +5,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from support.checks import check_close, impulse_and_peak, run, start
+from support.checks import DASHPOTS, check_close, impulse_and_peak, run, start
 from support.scenes.agreement import Scene, answer, check_agreement, pick, seeds
 from support.scenes.turning_scenes import any_resistance
 
-DASHPOTS = ("non_adhesive", "unclamped", "approach_only")
 UNITS = [np.array(e, float) for e in np.vstack([np.eye(3), -np.eye(3)])]
 # Impulses, torques and energies come from quadratures to the tolerance; of what they are a fraction the
 # scene's stiffness times a length says, once.
@@ -281,7 +280,6 @@ def test_a_clipped_dashpot_of_what_turns_holds_up_no_step(opened, steps, speed, 
 
 
 @pytest.mark.parametrize("steps", [1, 2, 7])
-@pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_a_source_passes_the_axis_of_a_cylinder_that_turns_about_its_path(opened, dashpot, steps):
     """The distance is |x|, x = t - 0.5: F_n = k (R - |x|) + c before the axis. Behind it the force is
     reversed, with -c as far as the dashpot allows."""

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close, check_relative, run
+from support.checks import check_close, check_relative, run
 from support.reference.turning import TurningRun
 
 G, MASS, RADIUS, MU, STIFFNESS = 9.81, 1.0, 0.1, 0.05, 2.25
@@ -50,7 +50,6 @@ def followed(kind, damping):
     return [made.run(time).figures() for time in TIMES[kind]], [name for _, name in made.events]
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("kind, damping", MOTIONS)
 def test_a_ball_slides_and_then_swings_on_its_spring(opened, kind, damping, method):
     expected, events = followed(kind, damping)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close, check_relative, run, start
+from support.checks import check_close, check_relative, run, start
 from support.exchange_runs import check_exchange
 from support.reference.turning import TurningRun
 from support.scenes.scene_checks import FMU
@@ -31,7 +31,6 @@ def slip_of(fmu):
     return fmu["source.velocity"][0] - RADIUS * fmu["source.angular_velocity"][1]
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_an_impact_with_a_ratio_of_two_sevenths_turns_the_slip_round(opened, method):
     """delta'' = -(k_h/m) delta^1.5, and xi'' = -(7/2) (2/7) 1.5 (k_h/m) delta^0.5 xi is its linearization,
     which 4 delta + t delta' solves, because b^4 delta(b t) is another solution for every b. So xi is
@@ -62,7 +61,6 @@ def test_the_elongation_midway_is_that_of_the_closed_form(opened):
     check_relative("friction", fmu["energy.friction"], gone - 0.5 * force * spring, 1e-9)
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("ratio, damping", [(1.4 / 1.7, 0.0), (1.4 / 1.7, 0.4), (0.05, 0.0)])
 def test_an_impact_that_sticks_goes_as_the_reference_says(opened, method, ratio, damping):
     values = impact(ratio, 1e9, 0.4, damping)
@@ -73,7 +71,6 @@ def test_an_impact_that_sticks_goes_as_the_reference_says(opened, method, ratio,
     check_close("spin", fmu["source.angular_velocity"], spin, ALLOWED[method] / RADIUS)
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("damping", [0.0, 0.4])
 @pytest.mark.parametrize("tangential", [0.0, 3.0])
 def test_an_impact_that_slides_throughout_takes_mu_of_the_normal_impulse(opened, method, damping, tangential):
@@ -87,7 +84,6 @@ def test_an_impact_that_slides_throughout_takes_mu_of_the_normal_impulse(opened,
     check_close("spin", fmu["source.angular_velocity"][1], spin, ALLOWED[method] / RADIUS)
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("factor, sticks", [(0.999, True), (1.001, False)])
 @pytest.mark.parametrize("damping", [0.0, 0.4])
 def test_it_sticks_at_the_touch_where_the_spring_grows_more_slowly_than_its_limit(

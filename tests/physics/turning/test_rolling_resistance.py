@@ -72,7 +72,6 @@ def test_a_ball_that_rolls_stops_where_the_closed_form_says(opened, friction, me
         assert way - coulomb < RADIUS * rate
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_a_ball_that_spins_slows_down_at_a_constant_rate(opened, method):
     """By a = 5 mu g/(2 r), and near rest by u' = -a (1 - exp(-u/omega_0)), which has a closed form."""
     first, rate, a = 40.0, 1e-2, 5 * MU * G / (2 * RADIUS)
@@ -135,7 +134,6 @@ IN_A_SHELL |= {"contact.slip_velocity_control": "user_defined", "contact.charact
 IN_A_SHELL |= {"contact.characteristic_rolling_rate": 2e-2, "contact.characteristic_spinning_rate": 2e-2}
 
 
-@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 def test_a_ball_that_swings_to_rest_passes_every_standstill(opened, shape):
     """In a hollow sphere and in a lying tube: it turns back several times, and stops spinning."""
     values = IN_A_SHELL | ({"destination.axis": [0.0, 1.0, 0.0]} if shape == "cylinder" else {})

@@ -117,7 +117,6 @@ def test_rolling_is_approached_in_first_order_of_the_slip_velocity(opened, name)
     check_relative("order 1, far", errors[0] / errors[2], 1024.0, 0.05)
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("mu", [0.11, 0.5, 5.0])
 def test_an_impact_on_springs_with_two_sevenths_turns_the_slip_round(opened, method, mu):
     """v_c = 0.707 m/s sticks throughout where it is at most 7/2 mu v_n = 7 mu."""
@@ -134,7 +133,6 @@ def test_balls_with_opposite_spins_do_not_rub(opened, factor):
     agrees(fmu, case, 5e-5 / math.sqrt(factor))
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("friction", ["regularized", "elastic"])
 def test_no_torque_and_no_change_without_a_coefficient(opened, method, friction):
     case = cases.slide_to_roll(1e-3, 2.0, -30.0)

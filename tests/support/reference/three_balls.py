@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from support.checks import DASHPOTS
 from support.reference.islands import Islands
 
 REACH, STIFFNESS, END = 0.2, 1e6, 0.5
@@ -62,7 +63,6 @@ def random_case(seed, damped):
     return case._replace(dashpot=DASHPOTS[seed % 3], damping=tuple(damping.tolist()))
 
 
-DASHPOTS = ["non_adhesive", "unclamped", "approach_only"]
 CASES = {
     "almost touching": Case([[-0.3, 0, 0], REST, [0.2001, 0, 0]], [[1.0, 0, 0], REST, REST], [1.0, 1.0, 1.0]),
     "oblique": Case(

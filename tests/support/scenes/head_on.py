@@ -18,8 +18,6 @@ from typing import NamedTuple
 import numpy as np
 
 GEOMETRIES = [(shape, location) for shape in ("sphere", "cylinder") for location in ("outside", "inside")]
-FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
-DASHPOTS = ["non_adhesive", "unclamped", "approach_only"]
 AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
 ACROSS = np.array([1.0, 2.0, 0.0]) / math.sqrt(5.0)  # perpendicular to AXIS
 GAP, SPEED = 0.05, 1.0

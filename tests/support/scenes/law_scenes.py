@@ -4,12 +4,12 @@ from outside and inside, one body fixed, free or prescribed."""
 import mpmath
 import numpy as np
 
+from support.checks import DASHPOTS
 from support.reference.law import ReferenceContact, rising_root
 from support.scenes.random_scenes import perpendicular, unit_vector
 
 GEOMETRIES = ("plane", "sphere outside", "sphere inside", "cylinder outside", "cylinder inside")
 MOTIONS = (("free", "fixed"), ("free", "free"), ("free", "prescribed"), ("prescribed", "free"))
-DASHPOTS = ("non_adhesive", "unclamped", "approach_only")
 FMU = {"plane": "SpherePlane", "sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 LEAST = {"linear": 1e-6, "hertz": 1e-3}  # smaller coefficients of restitution count as this
 TURNS = (15.0, 60.0, 200.0)  # radians of the contact's oscillation in a scene, about

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from support.scenes.random_scenes import DASHPOTS, chosen, moved_by, unit_vector
+from support.checks import DASHPOTS
+from support.scenes.random_scenes import chosen, moved_by, unit_vector
 from support.scenes.turning_scenes import TurningScene
 
 

@@ -5,13 +5,14 @@ import math
 
 import numpy as np
 
+from support.checks import DASHPOTS
+
 KINDS = {
     "sphere": ["outside", "inside", "both free", "moving destination", "driven by a force", "viscous only"],
     "cylinder": ["outside", "inside", "both free", "moving destination", "finite, leaving",
         "finite, entering", "viscous only"],
     "plane": ["outside", "both free", "moving destination", "driven by a force", "viscous only"],
 }  # fmt: skip
-DASHPOTS = ["non_adhesive", "unclamped", "approach_only"]
 SEEDS = [0, 1, 2]
 # Out of 2000 scenes: the dashpot switches where the gap rate is zero, and a rounded sign may choose the wrong
 # branch.

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from support.scenes.random_scenes import pair
 
-FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 RESULTS = ["contact.onsets", "contact.last_duration", "energy.dissipated", "contact.mean_force"]
 VECTORS = {
     *(f"{body}.{row}" for body in ("source", "destination") for row in ("center", "initial_velocity",

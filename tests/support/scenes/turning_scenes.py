@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from support.scenes.random_scenes import DASHPOTS, chosen, moved_by, perpendicular, unit_vector
+from support.checks import DASHPOTS
+from support.scenes.random_scenes import chosen, moved_by, perpendicular, unit_vector
 
 PLACES = (("sphere", False), ("cylinder", False), ("plane", False), ("sphere", True), ("cylinder", True))
 FRICTIONS = ("regularized", "elastic", "regularized", "elastic with dashpot", "elastic, static", "none")
