@@ -9,7 +9,6 @@ from support.generator.agreement import disagreements
 from support.generator.freeze_references import current, read_frozen
 
 
-@pytest.mark.parametrize("scene", generated.SCENES)
 def test_all_generated_files_agree_with_variables_toml(scene):
     assert disagreements(generated.files_of(scene), generated.scene_file(scene)) == []
 
@@ -72,7 +71,6 @@ def test_value_references_never_change():
     assert now.keys() - frozen.keys() == set(), "run support.generator.freeze_references for new variables"
 
 
-@pytest.mark.parametrize("scene", generated.SCENES)
 def test_value_references_are_unique_and_found_in_the_index(scene):
     text = generated.files_of(scene)["scene_variables.c"]
     variables = generated.parse_c(text)
@@ -83,7 +81,6 @@ def test_value_references_are_unique_and_found_in_the_index(scene):
     assert len(index) == len(variables)
 
 
-@pytest.mark.parametrize("scene", generated.SCENES)
 def test_the_c_table_names_the_member_of_its_variable(scene):
     data = generated.scene_file(scene)
     bodies, contacts = ([one["name"] for one in data[kind]] for kind in ("body", "contact"))
@@ -102,7 +99,6 @@ def test_the_c_table_names_the_member_of_its_variable(scene):
         assert entry["member"] == member
 
 
-@pytest.mark.parametrize("scene", generated.SCENES)
 def test_every_number_has_a_symbol_and_every_real_a_unit_quantity_range_and_nominal(scene):
     for name, entry in generated.parse_xml(generated.files_of(scene)["modelDescription.xml"]).items():
         assert entry["description"], name
@@ -126,7 +122,6 @@ TUNABLE = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("scene", generated.SCENES)
 def test_variability_and_initial_follow_from_causality(scene):
     """What sums up a step changes at communication points only: nobody is to ask for its derivatives."""
     for name, entry in generated.describe(scene).items():

@@ -105,7 +105,6 @@ def load(folder):
     return loaded
 
 
-@pytest.mark.parametrize("scene", SCENES)
 def test_the_compiled_table_and_start_values_are_those_of_the_description(scene_folder, scene):
     loaded = load(scene_folder(scene))
     wanted = describe(scene)
@@ -129,7 +128,6 @@ def test_the_compiled_table_and_start_values_are_those_of_the_description(scene_
         assert kind.from_buffer(values, entry.offset).value == float(start), name
 
 
-@pytest.mark.parametrize("scene", SCENES)
 def test_every_reference_is_found_and_no_other(scene_folder, scene):
     loaded = load(scene_folder(scene))
     names = {entry["reference"]: name for name, entry in describe(scene).items()}
@@ -138,7 +136,6 @@ def test_every_reference_is_found_and_no_other(scene_folder, scene):
         assert (found.contents.name.decode() if found else None) == names.get(reference)
 
 
-@pytest.mark.parametrize("scene", SCENES)
 def test_reals_are_read_where_the_table_has_them(scene_folder, scene):
     loaded = load(scene_folder(scene))
     count = ctypes.c_int.in_dll(loaded, "scene_variable_count").value
@@ -207,7 +204,6 @@ def test_both_compilers_are_there():
     assert COMPILERS == ["gcc", "clang"]
 
 
-@pytest.mark.parametrize("scene", SCENES)
 def test_pinned_choices_are_constants_of_the_header(scene_folder, scene):
     header = (scene_folder(scene) / "scene.h").read_text()
     for name, value in scene_file(scene).get("pinned", {}).items():

@@ -17,7 +17,6 @@ UNIVERSAL = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "S
 UNIVERSAL |= {"torus": "SphereTorus"}
 
 
-@pytest.mark.parametrize("scene", generated.SCENES)
 def test_the_description_is_ascii(scene):
     """VDMCheck2 takes one byte for one character; symbols are written as character references."""
     assert (generated.folder_of(scene) / "modelDescription.xml").read_bytes().isascii()
@@ -25,7 +24,6 @@ def test_the_description_is_ascii(scene):
     assert generated.describe(scene)[f"{contact}.gap_rate"]["description"].endswith("(ġ)")
 
 
-@pytest.mark.parametrize("scene", generated.SCENES)
 def test_attributes_of_the_slave(scene):
     root = etree.parse(generated.folder_of(scene) / "modelDescription.xml").getroot()
     slave = dict(root.find("CoSimulation").attrib)
@@ -44,7 +42,6 @@ def test_attributes_of_the_slave(scene):
     assert categories == ["logEvents", *(f"logStatus{level}" for level in levels), "logAll"]
 
 
-@pytest.mark.parametrize("scene", generated.SCENES)
 def test_model_structure_lists_all_outputs_and_all_unknowns(scene):
     root = etree.parse(generated.folder_of(scene) / "modelDescription.xml").getroot()
     names = list(generated.describe(scene))
@@ -66,7 +63,6 @@ def test_model_structure_lists_all_outputs_and_all_unknowns(scene):
     ]
 
 
-@pytest.mark.parametrize("scene", generated.SCENES)
 def test_each_rate_names_its_state_and_stands_in_the_order_of_the_states(scene):
     root = etree.parse(generated.folder_of(scene) / "modelDescription.xml").getroot()
     scalars = root.findall("ModelVariables/ScalarVariable")
@@ -113,7 +109,6 @@ def felt_at_once(output, scene):
     return found
 
 
-@pytest.mark.parametrize("scene", generated.SCENES)
 def test_outputs_depend_on_the_inputs_and_states_that_their_rows_name(scene):
     root = etree.parse(generated.folder_of(scene) / "modelDescription.xml").getroot()
     names = list(generated.describe(scene))
@@ -140,7 +135,6 @@ PREFIX |= {"mJ": 1e3, "N.mm": 1e3, "rpm": 30.0 / math.pi, "deg/s": 180.0 / math.
 PREFIX |= {"deg": 180.0 / math.pi}
 
 
-@pytest.mark.parametrize("scene", generated.SCENES)
 def test_units_are_those_of_the_si(scene):
     root = etree.parse(generated.folder_of(scene) / "modelDescription.xml").getroot()
     units = {unit.get("name"): unit for unit in root.find("UnitDefinitions")}
@@ -228,7 +222,6 @@ def test_the_guid_changes_with_what_is_compiled_in(tmp_path):
     assert len(guids) == 3
 
 
-@pytest.mark.parametrize("scene", generated.SCENES)
 def test_every_licence_of_what_is_inside_is_named(scene):
     page = (generated.folder_of(scene) / "documentation" / "index.html").read_text(encoding="utf-8")
     for link in re.findall(r'href="(licenses/[^"]+)"', page):

@@ -7,7 +7,7 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from support.generator.generated import FOLDER, SCENES, folder_of, run
+from support.generator.generated import FOLDER, folder_of, run
 
 SOURCE, DESTINATION, FORCE = (243, 217, 184), (216, 226, 236), (187, 0, 0)
 
@@ -28,7 +28,6 @@ def where(pixels: np.ndarray, color: tuple) -> np.ndarray:
     return np.array([columns, rows])
 
 
-@pytest.mark.parametrize("scene", SCENES)
 def test_every_scene_has_an_icon_with_its_bodies_and_a_force(scene):
     pixels = pixels_of(folder_of(scene))
     assert pixels.shape == (200, 200, 4)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from support.generator.generated import FOLDER, SCENES, folder_of, run, scene_file
+from support.generator.generated import FOLDER, folder_of, run, scene_file
 
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
 KIND = "contact-fmus.body"
@@ -26,7 +26,6 @@ def terminals(folder, which):
 
 
 @pytest.mark.parametrize("which,description", VERSIONS)
-@pytest.mark.parametrize("scene", SCENES)
 def test_every_body_has_a_terminal_whose_members_are_variables(scene, which, description):
     variables = {
         entry.get("name"): entry.get("causality")
@@ -75,7 +74,6 @@ def test_a_body_in_two_contacts_has_its_forces_numbered(tmp_path):
     assert forces["force_2"] == "second.source_force"
 
 
-@pytest.mark.parametrize("scene", SCENES)
 def test_the_svg_shows_the_bodies_where_the_png_does(scene):
     """The middle of a filled shape has its colour on the PNG, unless something is drawn above; a torus is
     both sections of its tube"""
