@@ -95,11 +95,12 @@ EXPERIMENTS = [
 
 
 @pytest.mark.parametrize("told, word, arguments, right", EXPERIMENTS)
-def test_an_experiment_has_finite_times_in_order_and_a_positive_tolerance(fmu, told, word, arguments, right):
-    with raw.Instance(fmu) as instance:
-        with instance.expect(ERROR, told, word) as got:
-            got(instance.call("SetupExperiment", *arguments))
-        instance.initialize(**right)
+def test_an_experiment_has_finite_times_in_order_and_a_positive_tolerance(
+    instance, told, word, arguments, right
+):
+    with instance.expect(ERROR, told, word) as got:
+        got(instance.call("SetupExperiment", *arguments))
+    instance.initialize(**right)
 
 
 @pytest.mark.parametrize(("tolerance", "used"), [(2.0, 1e-2), (1e-300, 1e-14)])
@@ -112,34 +113,31 @@ def test_a_tolerance_beyond_the_solver_is_clipped_with_a_warning(universal, tole
 
 
 @pytest.mark.parametrize("size", [0.0, -0.0, -1e-3, -math.inf, math.inf, math.nan, 5e-324, 1e-17])
-def test_a_step_size_is_positive_finite_and_felt(fmu, size):
+def test_a_step_size_is_positive_finite_and_felt(instance, size):
     """At t = 1 s the last two sizes do not change the time at all."""
-    with raw.Instance(fmu) as instance:
-        instance.initialize(start=1.0)
-        blob = instance.save()
-        with instance.expect(DISCARD, "fmi2DoStep", "communicationStepSize", "allowed") as got:
-            got(instance.call("DoStep", 1.0, size, 1))
-        assert instance.save() == blob
-        instance.run([0.1], start=1.0)
+    instance.initialize(start=1.0)
+    blob = instance.save()
+    with instance.expect(DISCARD, "fmi2DoStep", "communicationStepSize", "allowed") as got:
+        got(instance.call("DoStep", 1.0, size, 1))
+    assert instance.save() == blob
+    instance.run([0.1], start=1.0)
 
 
-def test_a_step_that_overflows_the_time_is_refused(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.initialize(start=1.7e308)
-        assert instance.call("DoStep", 1.7e308, 1.7e308, 1) == DISCARD
+def test_a_step_that_overflows_the_time_is_refused(instance):
+    instance.initialize(start=1.7e308)
+    assert instance.call("DoStep", 1.7e308, 1.7e308, 1) == DISCARD
 
 
 @pytest.mark.parametrize("begin", [0.0, 3.5])
 @pytest.mark.parametrize("off", [0.5, -0.5, -3.5, 1e-3, 1e300, *NOT_FINITE])
-def test_a_step_starts_where_the_last_one_ended(fmu, off, begin):
+def test_a_step_starts_where_the_last_one_ended(instance, off, begin):
     """The first one starts at the start time."""
-    with raw.Instance(fmu) as instance:
-        instance.initialize(start=begin)
-        blob = instance.save()
-        with instance.expect(ERROR, "currentCommunicationPoint", "expected", f"{begin:g}") as got:
-            got(instance.call("DoStep", begin + off, 0.1, 1))
-        assert instance.save() == blob
-        instance.run([0.1], start=begin)
+    instance.initialize(start=begin)
+    blob = instance.save()
+    with instance.expect(ERROR, "currentCommunicationPoint", "expected", f"{begin:g}") as got:
+        got(instance.call("DoStep", begin + off, 0.1, 1))
+    assert instance.save() == blob
+    instance.run([0.1], start=begin)
 
 
 def test_rounded_communication_points_are_taken(fmu):
@@ -154,17 +152,16 @@ def test_rounded_communication_points_are_taken(fmu):
             time += 1e-3
 
 
-def test_no_step_goes_past_the_stop_time(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.initialize(stop=1.0)
-        instance.run([0.75])
-        blob = instance.save()
-        with instance.expect(ERROR, "stopTime", "1 s", "1.25") as got:
-            got(instance.call("DoStep", 0.75, 0.5, 1))
-        assert instance.save() == blob
-        instance.run([0.25], start=0.75)
-        with instance.expect(ERROR, "stopTime") as got:
-            got(instance.call("DoStep", 1.0, 1e-3, 1))
+def test_no_step_goes_past_the_stop_time(instance):
+    instance.initialize(stop=1.0)
+    instance.run([0.75])
+    blob = instance.save()
+    with instance.expect(ERROR, "stopTime", "1 s", "1.25") as got:
+        got(instance.call("DoStep", 0.75, 0.5, 1))
+    assert instance.save() == blob
+    instance.run([0.25], start=0.75)
+    with instance.expect(ERROR, "stopTime") as got:
+        got(instance.call("DoStep", 1.0, 1e-3, 1))
 
 
 def test_added_up_steps_may_reach_the_stop_time(fmu):
@@ -179,27 +176,26 @@ def test_added_up_steps_may_reach_the_stop_time(fmu):
 
 
 @pytest.mark.parametrize("what", ["input", "output"])
-def test_derivatives_are_checked(fmu, what):
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        blob = instance.save()
-        known = [fmu.select("input", kind="Real")[0], fmu.variables["contact.gap"]]
-        one, other = known if what == "input" else reversed(known)
-        function = "SetRealInputDerivatives" if what == "input" else "GetRealOutputDerivatives"
+def test_derivatives_are_checked(fmu, instance, what):
+    instance.initialize()
+    blob = instance.save()
+    known = [fmu.select("input", kind="Real")[0], fmu.variables["contact.gap"]]
+    one, other = known if what == "input" else reversed(known)
+    function = "SetRealInputDerivatives" if what == "input" else "GetRealOutputDerivatives"
 
-        def call(reference, order, value=1.0):
-            orders, values = array(c_int, [order]), array(c_double, [value])
-            return instance.call(function, array(c_uint, [reference]), 1, orders, values)
+    def call(reference, order, value=1.0):
+        orders, values = array(c_int, [order]), array(c_double, [value])
+        return instance.call(function, array(c_uint, [reference]), 1, orders, values)
 
-        for order in (0, -1, 3, 2**31 - 1):
-            with instance.expect(DISCARD, one.name, str(order), "1 to 2") as got:
-                got(call(one.reference, order))
-        for value in (*NOT_FINITE, 1e300) if what == "input" else ():
-            with instance.expect(DISCARD, one.name, "allowed") as got:
-                got(call(one.reference, 1, value))
-        for wrong in (other.name, "source.radius", "contact.active"):
-            with instance.expect(ERROR, wrong, f"no Real {what}") as got:
-                got(call(fmu.variables[wrong].reference, 1))
-        with instance.expect(ERROR, "unknown value reference", str(UNKNOWN)) as got:
-            got(call(UNKNOWN, 1))
-        assert instance.save() == blob
+    for order in (0, -1, 3, 2**31 - 1):
+        with instance.expect(DISCARD, one.name, str(order), "1 to 2") as got:
+            got(call(one.reference, order))
+    for value in (*NOT_FINITE, 1e300) if what == "input" else ():
+        with instance.expect(DISCARD, one.name, "allowed") as got:
+            got(call(one.reference, 1, value))
+    for wrong in (other.name, "source.radius", "contact.active"):
+        with instance.expect(ERROR, wrong, f"no Real {what}") as got:
+            got(call(fmu.variables[wrong].reference, 1))
+    with instance.expect(ERROR, "unknown value reference", str(UNKNOWN)) as got:
+        got(call(UNKNOWN, 1))
+    assert instance.save() == blob

@@ -85,21 +85,20 @@ def test_a_wrong_type_names_the_variable_and_its_type(either, version):
     assert either.bits("parameter", "input", "output") == before
 
 
-def test_one_bad_reference_spoils_the_whole_call(fmu):
-    with raw.Instance(fmu) as instance:
-        radius = fmu.variables["source.radius"]
-        before = instance.bits("parameter", "input")
-        for bad, status in [
-            ((UNKNOWN, 1.0), ERROR),
-            ((radius.reference, -1.0), DISCARD),
-            ((fmu.variables["contact.gap"].reference, 1.0), ERROR),
-        ]:
-            references = array(c_uint, [radius.reference, bad[0]])
-            assert instance.call("SetReal", references, 2, array(c_double, [0.123, bad[1]])) == status
-            assert instance.bits("parameter", "input") == before
-        values = array(c_double, [-7.0, -7.0])
-        assert instance.call("GetReal", array(c_uint, [radius.reference, UNKNOWN]), 2, values) == ERROR
-        assert list(values) == [-7.0, -7.0]
+def test_one_bad_reference_spoils_the_whole_call(fmu, instance):
+    radius = fmu.variables["source.radius"]
+    before = instance.bits("parameter", "input")
+    for bad, status in [
+        ((UNKNOWN, 1.0), ERROR),
+        ((radius.reference, -1.0), DISCARD),
+        ((fmu.variables["contact.gap"].reference, 1.0), ERROR),
+    ]:
+        references = array(c_uint, [radius.reference, bad[0]])
+        assert instance.call("SetReal", references, 2, array(c_double, [0.123, bad[1]])) == status
+        assert instance.bits("parameter", "input") == before
+    values = array(c_double, [-7.0, -7.0])
+    assert instance.call("GetReal", array(c_uint, [radius.reference, UNKNOWN]), 2, values) == ERROR
+    assert list(values) == [-7.0, -7.0]
 
 
 # null pointers
@@ -128,79 +127,76 @@ OF_DERIVATIVES["GetDirectionalDerivative"] = (
 
 
 @pytest.mark.parametrize("function", OF_DERIVATIVES)
-def test_null_arrays_of_derivatives_are_refused_unless_empty(fmu, function):
+def test_null_arrays_of_derivatives_are_refused_unless_empty(fmu, instance, function):
     words = OF_DERIVATIVES[function]
     gap, known = fmu.variables["contact.gap"].reference, fmu.select("input", kind="Real")[0].reference
     good = [array(c_uint, [gap]), 1, array(c_int, [1]), array(c_double, [0.0])]
     if words is not OF_TIME:
         good[2:3] = [array(c_uint, [known]), 1, array(c_double, [1.0])]
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        before = instance.bits()
-        instance.ok(function, *(0 if word is None else None for word in words))
-        for position, word in enumerate(words):
-            if word is not None:
-                arguments = [None if index == position else one for index, one in enumerate(good)]
-                with instance.expect(ERROR, f"fmi2{function}", word, "null") as got:
-                    got(instance.call(function, *arguments))
-        assert instance.bits() == before
-
-
-def test_null_pointers_of_states_and_statuses_are_refused(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        blob = instance.save()
-        state = c_void_p()
-        instance.ok("GetFMUstate", byref(state))
-        size = c_size_t()
-        cases = [
-            ("GetFMUstate", None),
-            ("SetFMUstate", None),
-            ("SerializedFMUstateSize", None, byref(size)),
-            ("SerializedFMUstateSize", state, None),
-            ("SerializeFMUstate", None, blob, len(blob)),
-            ("SerializeFMUstate", state, None, len(blob)),
-            ("DeSerializeFMUstate", None, len(blob), byref(state)),
-            ("DeSerializeFMUstate", blob, len(blob), None),
-            ("GetStatus", 0, None),
-            ("GetRealStatus", 2, None),
-            ("GetIntegerStatus", 0, None),
-            ("GetBooleanStatus", 3, None),
-            ("GetStringStatus", 1, None),
-            ("SetDebugLogging", 1, 1, None),
-        ]
-        for function, *arguments in cases:
-            with instance.expect(ERROR, f"fmi2{function}", "null") as got:
+    instance.initialize()
+    before = instance.bits()
+    instance.ok(function, *(0 if word is None else None for word in words))
+    for position, word in enumerate(words):
+        if word is not None:
+            arguments = [None if index == position else one for index, one in enumerate(good)]
+            with instance.expect(ERROR, f"fmi2{function}", word, "null") as got:
                 got(instance.call(function, *arguments))
-        instance.ok("FreeFMUstate", None)
-        instance.ok("FreeFMUstate", byref(state))
-        instance.ok("FreeFMUstate", byref(state))
-        fmu.library.fmi2FreeInstance(None)
-        assert instance.save() == blob
+    assert instance.bits() == before
+
+
+def test_null_pointers_of_states_and_statuses_are_refused(fmu, instance):
+    instance.initialize()
+    blob = instance.save()
+    state = c_void_p()
+    instance.ok("GetFMUstate", byref(state))
+    size = c_size_t()
+    cases = [
+        ("GetFMUstate", None),
+        ("SetFMUstate", None),
+        ("SerializedFMUstateSize", None, byref(size)),
+        ("SerializedFMUstateSize", state, None),
+        ("SerializeFMUstate", None, blob, len(blob)),
+        ("SerializeFMUstate", state, None, len(blob)),
+        ("DeSerializeFMUstate", None, len(blob), byref(state)),
+        ("DeSerializeFMUstate", blob, len(blob), None),
+        ("GetStatus", 0, None),
+        ("GetRealStatus", 2, None),
+        ("GetIntegerStatus", 0, None),
+        ("GetBooleanStatus", 3, None),
+        ("GetStringStatus", 1, None),
+        ("SetDebugLogging", 1, 1, None),
+    ]
+    for function, *arguments in cases:
+        with instance.expect(ERROR, f"fmi2{function}", "null") as got:
+            got(instance.call(function, *arguments))
+    instance.ok("FreeFMUstate", None)
+    instance.ok("FreeFMUstate", byref(state))
+    instance.ok("FreeFMUstate", byref(state))
+    fmu.library.fmi2FreeInstance(None)
+    assert instance.save() == blob
 
 
 # values
 
 
-def test_no_real_takes_what_is_not_finite(fmu):
-    with raw.Instance(fmu) as instance:
-        before = instance.bits("parameter", "input")
-        reals = fmu.select("parameter", "input", kind="Real")
-        assert reals
-        for variable in reals:
-            for value in NOT_FINITE:
-                with instance.expect(DISCARD, variable.name, "nan" if value != value else "inf") as got:
-                    got(instance.set_one(variable, value))
-                assert "tested" in instance.messages[0].text
-                assert _range_is_named(variable, instance.messages[0].text), instance.messages[0].text
-        assert instance.bits("parameter", "input") == before
-        instance.initialize()
-        before = instance.bits()
-        for variable in fmu.select("input", kind="Real"):
-            for value in NOT_FINITE:
-                with instance.expect(DISCARD, variable.name) as got:
-                    got(instance.set_one(variable, value))
-        assert instance.bits() == before
+def test_no_real_takes_what_is_not_finite(fmu, instance):
+    before = instance.bits("parameter", "input")
+    reals = fmu.select("parameter", "input", kind="Real")
+    assert reals
+    for variable in reals:
+        for value in NOT_FINITE:
+            with instance.expect(DISCARD, variable.name, "nan" if value != value else "inf") as got:
+                got(instance.set_one(variable, value))
+            assert "tested" in instance.messages[0].text
+            assert _range_is_named(variable, instance.messages[0].text), instance.messages[0].text
+    assert instance.bits("parameter", "input") == before
+    instance.initialize()
+    before = instance.bits()
+    for variable in fmu.select("input", kind="Real"):
+        for value in NOT_FINITE:
+            with instance.expect(DISCARD, variable.name) as got:
+                got(instance.set_one(variable, value))
+    assert instance.bits() == before
 
 
 def _range_is_named(variable: raw.Variable, text: str) -> bool:

@@ -95,11 +95,10 @@ def test_a_refused_call_does_not_end_the_run(fmu):
         assert good.run([0.1] * 5) == disturbed.run([0.1] * 5)
 
 
-def test_initialization_needs_an_experiment(fmu):
-    with raw.Instance(fmu) as instance:
-        with instance.expect(ERROR, "fmi2EnterInitializationMode", "before fmi2SetupExperiment") as got:
-            got(instance.call("EnterInitializationMode"))
-        instance.initialize()
+def test_initialization_needs_an_experiment(instance):
+    with instance.expect(ERROR, "fmi2EnterInitializationMode", "before fmi2SetupExperiment") as got:
+        got(instance.call("EnterInitializationMode"))
+    instance.initialize()
 
 
 def test_start_values_can_be_read_at_once_and_outputs_cannot(every_fmu):
@@ -111,13 +110,12 @@ def test_start_values_can_be_read_at_once_and_outputs_cannot(every_fmu):
             got(instance.call("GetReal", array(c_uint, [gap.reference]), 1, array(c_double, [0])))
 
 
-def test_outputs_are_there_in_initialization_mode(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.enter_initialization({"source.center": [0.9, 0.0, 0.3]})
-        first = instance.get("contact.gap")
-        instance.set({"source.center": [0.8, 0.0, 0.2]})
-        assert instance.get("contact.gap") != first
-        instance.ok("ExitInitializationMode")
+def test_outputs_are_there_in_initialization_mode(instance):
+    instance.enter_initialization({"source.center": [0.9, 0.0, 0.3]})
+    first = instance.get("contact.gap")
+    instance.set({"source.center": [0.8, 0.0, 0.2]})
+    assert instance.get("contact.gap") != first
+    instance.ok("ExitInitializationMode")
 
 
 def test_parameters_are_fixed_after_initialization_unless_they_are_tunable(every_fmu):

@@ -147,18 +147,17 @@ def test_where_there_is_no_direction_the_one_in_use_is_held():
     assert edge(on_axis, "contact.direction[2]") == 0.0
 
 
-def test_directions_add_up(fmu):
+def test_directions_add_up(fmu, instance):
     """J (a + b) = J a + J b; an input named twice counts twice."""
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        known, unknowns = fmu.select("input", kind="Real"), fmu.select("output", kind="Real")
-        matrix = jacobian(instance, unknowns, known)
-        direction = np.linspace(-1.0, 2.0, len(known))
-        rows, columns = ([one.reference for one in several] for several in (unknowns, known))
-        for repeat in (1, 2):
-            status, values = instance.directional(rows, columns * repeat, list(direction) * repeat)
-            assert status == OK, instance.texts()
-            assert values == pytest.approx(list(repeat * matrix @ direction), rel=1e-12, abs=1e-12)
+    instance.initialize()
+    known, unknowns = fmu.select("input", kind="Real"), fmu.select("output", kind="Real")
+    matrix = jacobian(instance, unknowns, known)
+    direction = np.linspace(-1.0, 2.0, len(known))
+    rows, columns = ([one.reference for one in several] for several in (unknowns, known))
+    for repeat in (1, 2):
+        status, values = instance.directional(rows, columns * repeat, list(direction) * repeat)
+        assert status == OK, instance.texts()
+        assert values == pytest.approx(list(repeat * matrix @ direction), rel=1e-12, abs=1e-12)
 
 
 def test_asking_changes_nothing(fmu):
@@ -174,26 +173,25 @@ def ask(instance: raw.Instance, unknown: int, known: int, change: float = 1.0) -
     return instance.directional([unknown], [known], [change])[0]
 
 
-def test_wrong_references_are_refused(fmu):
+def test_wrong_references_are_refused(fmu, instance):
     gap = fmu.variables["contact.gap"].reference
     known = fmu.select("input", kind="Real")[0]
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        for wrong in ("source.radius", "contact.active", known.name):
-            with instance.expect(ERROR, "fmi2GetDirectionalDerivative", wrong, "no Real output") as got:
-                got(ask(instance, fmu.variables[wrong].reference, known.reference))
-        for wrong in ("source.radius", "contact.active", "contact.gap_rate"):
-            with instance.expect(ERROR, "fmi2GetDirectionalDerivative", wrong, "no Real input") as got:
-                got(ask(instance, gap, fmu.variables[wrong].reference))
-        for references in [(UNKNOWN, known.reference), (gap, UNKNOWN)]:
-            with instance.expect(ERROR, "unknown value reference", str(UNKNOWN)) as got:
-                got(ask(instance, *references))
-        for change in (float("nan"), float("inf")):
-            with instance.expect(DISCARD, known.name, "finite") as got:
-                got(ask(instance, gap, known.reference, change))
-        value = array(c_double, [7.0])
-        instance.ok("GetDirectionalDerivative", array(c_uint, [gap]), 1, None, 0, None, value)
-        assert value[0] == 0.0  # along no input nothing changes
+    instance.initialize()
+    for wrong in ("source.radius", "contact.active", known.name):
+        with instance.expect(ERROR, "fmi2GetDirectionalDerivative", wrong, "no Real output") as got:
+            got(ask(instance, fmu.variables[wrong].reference, known.reference))
+    for wrong in ("source.radius", "contact.active", "contact.gap_rate"):
+        with instance.expect(ERROR, "fmi2GetDirectionalDerivative", wrong, "no Real input") as got:
+            got(ask(instance, gap, fmu.variables[wrong].reference))
+    for references in [(UNKNOWN, known.reference), (gap, UNKNOWN)]:
+        with instance.expect(ERROR, "unknown value reference", str(UNKNOWN)) as got:
+            got(ask(instance, *references))
+    for change in (float("nan"), float("inf")):
+        with instance.expect(DISCARD, known.name, "finite") as got:
+            got(ask(instance, gap, known.reference, change))
+    value = array(c_double, [7.0])
+    instance.ok("GetDirectionalDerivative", array(c_uint, [gap]), 1, None, 0, None, value)
+    assert value[0] == 0.0  # along no input nothing changes
 
 
 def test_a_derivative_beyond_the_range_of_numbers_is_refused():
@@ -207,19 +205,18 @@ def test_a_derivative_beyond_the_range_of_numbers_is_refused():
             got(ask(instance, *references, 1e200))
 
 
-def test_in_initialization_mode_inputs_are_known_and_parameters_are_not(fmu):
+def test_in_initialization_mode_inputs_are_known_and_parameters_are_not(fmu, instance):
     gap = fmu.variables["contact.gap"].reference
-    with raw.Instance(fmu) as instance:
-        instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-        assert ask(instance, gap, fmu.select("input")[0].reference) == ERROR
-        instance.ok("EnterInitializationMode")
-        for output in fmu.select("output", "calculatedParameter", kind="Real"):
-            assert ask(instance, output.reference, fmu.select("input")[0].reference) == OK
-        with instance.expect(DISCARD, "parameter source.radius", "not provided") as got:
-            got(ask(instance, gap, fmu.variables["source.radius"].reference))
-        instance.ok("ExitInitializationMode")
-        for constant in fmu.select("calculatedParameter"):
-            assert ask(instance, constant.reference, fmu.select("input")[0].reference) == ERROR
+    instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+    assert ask(instance, gap, fmu.select("input")[0].reference) == ERROR
+    instance.ok("EnterInitializationMode")
+    for output in fmu.select("output", "calculatedParameter", kind="Real"):
+        assert ask(instance, output.reference, fmu.select("input")[0].reference) == OK
+    with instance.expect(DISCARD, "parameter source.radius", "not provided") as got:
+        got(ask(instance, gap, fmu.variables["source.radius"].reference))
+    instance.ok("ExitInitializationMode")
+    for constant in fmu.select("calculatedParameter"):
+        assert ask(instance, constant.reference, fmu.select("input")[0].reference) == ERROR
 
 
 # Directional derivatives in initialization mode: all Real unknowns of it, energies and peaks too, against

@@ -29,20 +29,19 @@ def test_refused_steps_leave_no_trace_in_a_run(fmu):
         assert disturbed.save() == calm.save()
 
 
-def test_reals_are_the_same_however_many_are_read_at_once(fmu):
+def test_reals_are_the_same_however_many_are_read_at_once(fmu, instance):
     reals = [variable.reference for variable in fmu.select("output", kind="Real")]
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        for index in range(20):
-            instance.ok("DoStep", index * 1e-3, 1e-3, 1)
-            alone = {
-                one: instance.get_one(variable)
-                for variable in fmu.variables.values()
-                if (one := variable.reference) in reals
-            }
-            for count in (2, 3, 4, 6):
-                for first in range(len(reals) - count + 1):
-                    for chosen in (reals[first : first + count], reals[first : first + count][::-1]):
-                        values = array(c_double, [math.nan] * count)
-                        instance.ok("GetReal", array(c_uint, chosen), count, values)
-                        assert list(values) == [alone[one] for one in chosen]
+    instance.initialize()
+    for index in range(20):
+        instance.ok("DoStep", index * 1e-3, 1e-3, 1)
+        alone = {
+            one: instance.get_one(variable)
+            for variable in fmu.variables.values()
+            if (one := variable.reference) in reals
+        }
+        for count in (2, 3, 4, 6):
+            for first in range(len(reals) - count + 1):
+                for chosen in (reals[first : first + count], reals[first : first + count][::-1]):
+                    values = array(c_double, [math.nan] * count)
+                    instance.ok("GetReal", array(c_uint, chosen), count, values)
+                    assert list(values) == [alone[one] for one in chosen]

@@ -39,14 +39,13 @@ def test_refusals_are_told_whether_logging_is_on_or_off(fmu, logging):
         assert complain(instance) == ["logStatusDiscard", "logStatusError"]
 
 
-def test_chosen_categories_are_the_only_ones(fmu):
+def test_chosen_categories_are_the_only_ones(instance):
     both = ["logStatusDiscard", "logStatusError"]
     cases = [((b"logStatusDiscard",), both[:1]), ((b"logStatusError",), both[1:]), ((b"logEvents",), [])]
     cases += [((b"logAll",), both), ((), both), ((b"logStatusFatal", b"logStatusError"), both[1:])]
-    with raw.Instance(fmu) as instance:
-        for names, heard in cases:
-            assert choose(instance, True, *names) == OK
-            assert complain(instance) == heard, names
+    for names, heard in cases:
+        assert choose(instance, True, *names) == OK
+        assert complain(instance) == heard, names
 
 
 def test_switching_off_leaves_the_refusals(fmu):
@@ -61,11 +60,10 @@ def test_switching_off_leaves_the_refusals(fmu):
 @pytest.mark.parametrize(
     "name", [b"logEverything", b"", b"logall", b"logStatusError ", "große %s".encode(), b"x" * 9999]
 )
-def test_an_unknown_category_is_refused_naming_the_known(fmu, name):
-    with raw.Instance(fmu) as instance:
-        with instance.expect(ERROR, "fmi2SetDebugLogging", *CATEGORIES) as got:
-            got(choose(instance, True, b"logEvents", name))
-        assert complain(instance) == ["logStatusDiscard", "logStatusError"]
+def test_an_unknown_category_is_refused_naming_the_known(instance, name):
+    with instance.expect(ERROR, "fmi2SetDebugLogging", *CATEGORIES) as got:
+        got(choose(instance, True, b"logEvents", name))
+    assert complain(instance) == ["logStatusDiscard", "logStatusError"]
 
 
 def test_a_null_category_is_refused(fmu):
@@ -93,12 +91,11 @@ def test_listening_does_not_change_the_run():
         assert go_on(heard, run, 0) == go_on(quiet, run, 0) == go_on(mute, run, 0)
 
 
-def test_reset_returns_to_the_logging_of_the_instantiation(fmu):
-    with raw.Instance(fmu) as instance:
-        choose(instance, True, b"logEvents")
-        assert complain(instance) == []
-        instance.ok("Reset")
-        assert complain(instance) == ["logStatusDiscard", "logStatusError"]
+def test_reset_returns_to_the_logging_of_the_instantiation(instance):
+    choose(instance, True, b"logEvents")
+    assert complain(instance) == []
+    instance.ok("Reset")
+    assert complain(instance) == ["logStatusDiscard", "logStatusError"]
 
 
 @pytest.mark.parametrize("name", [

@@ -176,13 +176,12 @@ def test_callbacks_all_null_make_an_instance_and_none_at_all_does_not(fmu):
     assert fmu.library.fmi2Instantiate(b"quiet", CO_SIMULATION, b"?", None, byref(Callbacks()), 0, 1) is None
 
 
-def test_the_callbacks_may_go_once_the_instance_is_made(fmu):
+def test_the_callbacks_may_go_once_the_instance_is_made(instance):
     """The functions are kept, not the place where the importer named them."""
-    with raw.Instance(fmu) as instance:
-        ctypes.memset(byref(instance.callbacks), 0xA5, ctypes.sizeof(instance.callbacks))
-        instance.initialize()
-        assert instance.call("DoStep", 0.0, -1.0, 1) == DISCARD
-        assert len(instance.messages) == 1
+    ctypes.memset(byref(instance.callbacks), 0xA5, ctypes.sizeof(instance.callbacks))
+    instance.initialize()
+    assert instance.call("DoStep", 0.0, -1.0, 1) == DISCARD
+    assert len(instance.messages) == 1
 
 
 def test_a_logger_may_be_told_of_a_failed_instantiation_and_instantiate(fmu):

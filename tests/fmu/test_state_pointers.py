@@ -47,23 +47,22 @@ def refused(instance: raw.Instance, function: str, address: int) -> None:
     assert (state.value, size.value, room.raw) == (address, 77, GUARD)
 
 
-def test_a_state_pointer_is_used_again(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        state = c_void_p()
-        instance.ok("GetFMUstate", byref(state))
-        address = state.value
-        instance.run([0.1])
-        instance.ok("GetFMUstate", byref(state))
-        assert state.value == address
-        blob = instance.save()
-        instance.run([0.1], start=0.1)
-        instance.ok("DeSerializeFMUstate", blob, len(blob), byref(state))
-        assert state.value == address
-        instance.ok("SetFMUstate", state)
-        assert instance.save() == blob
-        instance.ok("FreeFMUstate", byref(state))
-        assert state.value is None
+def test_a_state_pointer_is_used_again(instance):
+    instance.initialize()
+    state = c_void_p()
+    instance.ok("GetFMUstate", byref(state))
+    address = state.value
+    instance.run([0.1])
+    instance.ok("GetFMUstate", byref(state))
+    assert state.value == address
+    blob = instance.save()
+    instance.run([0.1], start=0.1)
+    instance.ok("DeSerializeFMUstate", blob, len(blob), byref(state))
+    assert state.value == address
+    instance.ok("SetFMUstate", state)
+    assert instance.save() == blob
+    instance.ok("FreeFMUstate", byref(state))
+    assert state.value is None
 
 
 @pytest.mark.parametrize("function", ["GetFMUstate", "DeSerializeFMUstate"])

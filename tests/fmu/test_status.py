@@ -42,44 +42,41 @@ def answers(instance: raw.Instance) -> tuple:
     return tuple(value for _, value in found)
 
 
-def test_each_function_answers_its_own_kind_and_leaves_the_value_alone_otherwise(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        instance.run([0.25])
-        for function, (_, untouched, answered) in FUNCTIONS.items():
-            for kind in (*KINDS, 4, -1, 77):
-                del instance.messages[:]
-                status, value = ask(instance, function, kind)
-                if kind == answered:
-                    assert (status, instance.messages) == (OK, [])
-                    assert value != untouched
-                else:
-                    assert (status, value) == (DISCARD, untouched)
-                    (message,) = instance.messages
-                    for word in (f"fmi2{function}", KINDS.get(kind, "(unknown)"), "not available"):
-                        assert word in message.text
+def test_each_function_answers_its_own_kind_and_leaves_the_value_alone_otherwise(instance):
+    instance.initialize()
+    instance.run([0.25])
+    for function, (_, untouched, answered) in FUNCTIONS.items():
+        for kind in (*KINDS, 4, -1, 77):
+            del instance.messages[:]
+            status, value = ask(instance, function, kind)
+            if kind == answered:
+                assert (status, instance.messages) == (OK, [])
+                assert value != untouched
+            else:
+                assert (status, value) == (DISCARD, untouched)
+                (message,) = instance.messages
+                for word in (f"fmi2{function}", KINDS.get(kind, "(unknown)"), "not available"):
+                    assert word in message.text
 
 
-def test_before_the_first_step_all_is_well(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.initialize(start=1.5)
-        assert answers(instance) == (OK, 1.5, 0)
+def test_before_the_first_step_all_is_well(instance):
+    instance.initialize(start=1.5)
+    assert answers(instance) == (OK, 1.5, 0)
 
 
-def test_refused_steps_show_and_good_ones_end_it(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        instance.run([0.25])
-        for arguments, status in [((0.25, -1.0, 1), DISCARD), ((7.0, 0.1, 1), ERROR)]:
-            assert instance.call("DoStep", *arguments) == status
-            assert answers(instance) == (status, 0.25, 0)
-        instance.run([0.25], start=0.25)
-        assert answers(instance) == (OK, 0.5, 0)
-        instance.ok("Terminate")
-        assert answers(instance) == (OK, 0.5, 0)
-        instance.ok("Reset")
-        instance.initialize(start=3.0)
-        assert answers(instance) == (OK, 3.0, 0)
+def test_refused_steps_show_and_good_ones_end_it(instance):
+    instance.initialize()
+    instance.run([0.25])
+    for arguments, status in [((0.25, -1.0, 1), DISCARD), ((7.0, 0.1, 1), ERROR)]:
+        assert instance.call("DoStep", *arguments) == status
+        assert answers(instance) == (status, 0.25, 0)
+    instance.run([0.25], start=0.25)
+    assert answers(instance) == (OK, 0.5, 0)
+    instance.ok("Terminate")
+    assert answers(instance) == (OK, 0.5, 0)
+    instance.ok("Reset")
+    instance.initialize(start=3.0)
+    assert answers(instance) == (OK, 3.0, 0)
 
 
 def stop_early(instance: raw.Instance, end: float) -> float:
