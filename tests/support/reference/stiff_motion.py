@@ -149,9 +149,9 @@ class StiffContact:
 # (0 in a cylinder, where y moves on by itself), x = r cos b sin a, y = r sin b, z = -r cos b cos a,
 # r = R + s:
 #
-# s'' = r b'^2 + r cos^2 b a'^2 + g cos b cos a - (p_n s + p_nv s')/m
-# b'' = -2 s' b'/r - sin b cos b a'^2 - g sin b cos a/r
-# a'' = -2 s' a'/r + 2 tan b b' a' - g sin a/(r cos b)
+#     s'' = r b'^2 + r cos^2 b a'^2 + g cos b cos a - (p_n s + p_nv s')/m
+#     b'' = -2 s' b'/r - sin b cos b a'^2 - g sin b cos a/r
+#     a'' = -2 s' a'/r + 2 tan b b' a' - g sin a/(r cos b)
 #
 # The unknowns for s are the spring's force p_n s and sqrt(m p_n) s', which stay of order 1 however stiff it
 # is.
