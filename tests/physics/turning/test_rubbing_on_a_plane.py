@@ -14,8 +14,8 @@ import pytest
 from support.checks import check_close, differences, run, start
 from support.reference.turning import TurningRun
 from support.scenes.agreement import Scene, check_agreement, seeds
-from support.scenes.plane_scenes import random_plane_scene
 from support.scenes.turning_checks import TurningFmuRun, rows
+from support.scenes.turning_scenes import random_plane_scene
 
 ALLOWED, BALANCE = 1e-9, 1e-12
 
