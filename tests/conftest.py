@@ -1,11 +1,9 @@
 """Shared by all Python tests: FMUs opened once a session and reset for each use, FMUs of scenes with several
-contacts.
-"""
+contacts."""
 
 import contextlib
 import fcntl
 import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -14,6 +12,8 @@ import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file
+from support.checks import DASHPOTS, FMU, METHODS
+from support.programs import finished
 
 ROOT = Path(__file__).resolve().parents[1]
 SCENES = ("BallInCorner", "Chain", "Islands", "ThreeBalls", "TripodReversed", "TwoBars", "TwoPairs")
@@ -22,6 +22,22 @@ SCENES = ("BallInCorner", "Chain", "Islands", "ThreeBalls", "TripodReversed", "T
 @pytest.fixture(scope="session")
 def fmu_path():
     return fmu_file
+
+
+# A test that takes one of these runs with each, unless it says which.
+@pytest.fixture(params=METHODS)
+def method(request):
+    return request.param
+
+
+@pytest.fixture(params=DASHPOTS)
+def dashpot(request):
+    return request.param
+
+
+@pytest.fixture(params=FMU)
+def shape(request):
+    return request.param
 
 
 @contextlib.contextmanager
@@ -74,7 +90,7 @@ def build(folder):
     options += ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_C_FLAGS_DEBUG=-O1", "-DCONTACT_FMI3=OFF"]
     configure = ["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja"]
     for command in ([*configure, *options], ["cmake", "--build", str(folder)]):
-        made = subprocess.run(command, capture_output=True, text=True, env=environment)
+        made = finished(command, env=environment)
         assert made.returncode == 0, made.stdout + made.stderr
 
 

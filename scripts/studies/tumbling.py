@@ -2,7 +2,7 @@
 
 PYTHONPATH=scripts:tests CONTACT_FMUS=build/fmus python scripts/studies/tumbling.py [FIRST [LAST [ENDS]]]
 
-Runs the random scenes FIRST to LAST (0 to 999) of tests/support/scenes/tumbling_checks.py, with cylinders
+Runs the random scenes FIRST to LAST (0 to 999) of tests/support/reference/tumbling.py, with cylinders
 whose ENDS are open or capped; status 1 where one has another number of onsets or another first touch.
 docs/conservative_advancement.md says why none is missed.
 """
@@ -11,7 +11,7 @@ import argparse
 import sys
 
 from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
-from support.scenes.tumbling_checks import failures
+from support.reference.tumbling import failures
 
 
 def arguments():

@@ -76,15 +76,12 @@ def test_an_energy_that_is_rounding_has_no_line():
     assert panels["energy"] == ["kinetic", "stored in contact"]
 
 
-@pytest.mark.parametrize(
-    "patterns, names",
-    [
-        (["contact.gap"], ["contact.gap"]),
-        (["source.position"], ["source.position[1]", "source.position[2]", "source.position[3]"]),
-        (["source.position[3]"], ["source.position[3]"]),
-        (["energy.k*", "*.gap"], ["energy.kinetic", "contact.gap"]),
-    ],
-)
+@pytest.mark.parametrize("patterns, names", [
+    (["contact.gap"], ["contact.gap"]),
+    (["source.position"], ["source.position[1]", "source.position[2]", "source.position[3]"]),
+    (["source.position[3]"], ["source.position[3]"]),
+    (["energy.k*", "*.gap"], ["energy.kinetic", "contact.gap"]),
+])  # fmt: skip
 def test_variables_are_chosen_by_name_vector_or_pattern(shell, patterns, names):
     assert [line.name for panel in chosen(shell, patterns) for line in panel.lines] == names
 

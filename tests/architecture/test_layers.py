@@ -1,9 +1,9 @@
 """Data flows math -> contact -> scene -> flight -> prescribed -> touch -> integrator -> model -> fmi ->
-fmi2 or fmi3; no include points back.
-"""
+fmi2 or fmi3; no include points back."""
 
 import pytest
 
+from support.graph import circle, file_graph, object_symbols, upward
 from support.sources import (
     ADAPTERS,
     COMPILERS,
@@ -22,6 +22,7 @@ from support.sources import (
 
 C_LIBRARY = {"assert.h", "float.h", "limits.h", "math.h", "stdarg.h", "stdbool.h", "stddef.h", "stdint.h"}
 C_LIBRARY |= {"stdio.h", "stdlib.h", "string.h"}
+SUNDIALS = ("cvode", "nvector", "sundials", "sunlinsol", "sunmatrix", "sunnonlinsol")
 
 every_file = pytest.mark.parametrize("file", HEADERS + UNITS, ids=label)
 
@@ -52,14 +53,7 @@ def test_each_layer_includes_only_the_libraries_it_may(file):
         elif name.startswith(ADAPTERS):
             assert layer(file) == name[:4]
         else:
-            assert name.partition("/")[0] in {
-                "cvode",
-                "nvector",
-                "sundials",
-                "sunlinsol",
-                "sunmatrix",
-                "sunnonlinsol",
-            }
+            assert name.partition("/")[0] in SUNDIALS
             assert layer(file) == "integrator"
             assert file.stem.startswith("cvode")
 
@@ -102,3 +96,41 @@ def test_every_unit_compiles_by_itself(tmp_path, compiler, scene):
     units = [header, *units_of(scene)]
     said = {unit.name: compile_c(compiler, unit, scene, "-fsyntax-only") for unit in units}
     assert {name: text for name, text in said.items() if text} == {}
+
+
+# The file graph of fmu_src, read off the object files' own symbols: no circle, no edge to a later folder.
+#
+# Includes tell less: two files may include each other's headers' headers without needing each other, and a
+# prototype may be declared where no include shows it.
+
+
+# The scene that has all files but the one in which a scene's motion is given, and each adapter
+@pytest.fixture(scope="module", params=[("SphereCylinder", "fmi2"), ("ForceElement", "fmi3")], ids=str)
+def edges(request):
+    scene, adapter = request.param
+    units = {
+        unit.relative_to(SOURCE).as_posix(): object_symbols(unit, scene)
+        for unit in units_of(scene, adapter)
+        if unit.is_relative_to(SOURCE)
+    }
+    return file_graph(units)
+
+
+def test_the_graph_has_the_edges_that_one_knows(edges):
+    step = "fmi2/fmi2.c" if "fmi2/fmi2.c" in edges else "fmi3/fmi3.c"
+    assert {"model/model.c", "fmi/instance.c"} <= edges[step]
+    assert "contact/law.c" in edges["model/outputs.c"]
+
+
+def test_no_two_files_need_each_other_even_by_way_of_others(edges):
+    assert circle(edges) is None
+
+
+def test_no_file_needs_one_of_a_later_folder(edges):
+    assert upward(edges, LAYERS) == []
+
+
+def test_an_upward_edge_that_is_added_is_found(edges):
+    assert upward(edges | {"math/polynomial.c": {"scene/evaluate.c"}}, LAYERS) == [
+        "math/polynomial.c -> scene/evaluate.c"
+    ]

@@ -12,13 +12,10 @@ LAW = {"fmu_src/contact/law.h", "fmu_src/contact/law.c"}
 OWN_STIFFNESS = {"fmu_src/touch/pair.h", "fmu_src/touch/pair.c"}
 # Of the tangential spring and dashpot of elastic friction, k_t and c_t: a law of its own.
 OF_FRICTION = {
-    "fmu_src/contact/friction.c",
-    "fmu_src/contact/slopes.c",
-    "fmu_src/scene/evaluate.c",
+    "fmu_src/contact/friction.c", "fmu_src/contact/slopes.c", "fmu_src/scene/evaluate.c",
     "fmu_src/scene/ode.c",  # of friction alone; the normal law it asks
-    "fmu_src/scene/transition.c",
-    "fmu_src/prescribed/prescribed.c",
-}
+    "fmu_src/scene/transition.c", "fmu_src/prescribed/prescribed.c",
+}  # fmt: skip
 # The recurrences of Hertz's law: its series is made with k_h, as closed forms are with p_n.
 HERTZ = {label(file) for file in UNITS if re.fullmatch(r"(?:pair_)?hertz(?:_\w+)?\.c", file.name)}
 
@@ -26,18 +23,14 @@ HERTZ = {label(file) for file in UNITS if re.fullmatch(r"(?:pair_)?hertz(?:_\w+)
 # law, and for the factors that users see.
 ASKS_FOR_CONSTANTS = r"\bcontact_(?:coefficients|factors)_of\("
 FAST_PATHS = {
-    "fmu_src/touch/pair.c",
-    "fmu_src/touch/segment.c",
-    "fmu_src/touch/chain.c",
+    "fmu_src/touch/pair.c", "fmu_src/touch/segment.c", "fmu_src/touch/chain.c",
     "fmu_src/flight/relative_path.c",
-}
+}  # fmt: skip
 FACTORS = {
-    "fmu_src/model/inputs.c",
-    "fmu_src/model/outputs.c",
-    "fmu_src/model/sensitivity.c",
+    "fmu_src/model/inputs.c", "fmu_src/model/outputs.c", "fmu_src/model/sensitivity.c",
     "fmu_src/integrator/general_step.c",  # whose depth to come is made with k_h
     "fmu_src/scene/evaluate.c",  # whose speed of an onset from rest is made with k_h
-}
+}  # fmt: skip
 
 # k g + c g', by whatever names.
 FORMULA = r"\b(?:k|stiffness) \* [^;]*gap\b[^;]*\+[^;]*\b(?:c|damping) \* [^;]*rate\b"

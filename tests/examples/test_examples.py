@@ -16,8 +16,8 @@ from nbclient import NotebookClient
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file, fmus_folder
 from support.checks import check_close
-from support.programs import PATIENCE, environment, python
-from support.reference.turning_run import follow
+from support.programs import PATIENCE, environment, finished, python
+from support.reference.turning import follow
 from support.sources import ROOT
 
 EXAMPLES = ROOT / "examples"
@@ -27,9 +27,7 @@ def said(script, *arguments, folder):
     """What a script prints; run in a folder of its own, without the project's modules"""
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     command = [sys.executable, str(EXAMPLES / script), *map(str, arguments)]
-    done = subprocess.run(
-        command, capture_output=True, text=True, cwd=folder, env=environment, timeout=PATIENCE
-    )
+    done = finished(command, cwd=folder, env=environment)
     assert (done.returncode, done.stderr) == (0, "")
     return done.stdout
 
@@ -159,7 +157,7 @@ def marble(tmp_path_factory):
     gone.parent.mkdir()
     gone.write_text("of a scene that the build had before")
     for command in (configure, ["cmake", "--build", str(folder), "--target", "MarbleOnPipe_fmu"]):
-        made = subprocess.run(command, capture_output=True, text=True, env=environment)
+        made = finished(command, env=environment)
         assert made.returncode == 0, made.stdout + made.stderr
     assert not gone.exists(), "the FMU of a scene that is gone"
     return folder / "fmus" / "MarbleOnPipe.fmu"

@@ -17,12 +17,8 @@ def instance(request):
         values = {"source.motion": "prescribed", "destination.motion": "prescribed"}
         values |= {"source.center": [0.0, 0.0, 1.1], "destination.axis": [0.0, 0.0, 1.0]}
         made.initialize({name: value for name, value in values.items() if name in fmu.variables})
-        made.set(
-            {
-                "source.prescribed_displacement": [0.55, 0.05, -1.0],
-                "source.prescribed_velocity": [0.3, -0.2, -0.4],
-            }
-        )
+        made.set({"source.prescribed_displacement": [0.55, 0.05, -1.0]})
+        made.set({"source.prescribed_velocity": [0.3, -0.2, -0.4]})
         assert made.step(0.0, 0.001).status == raw.OK
         assert abs(max(made.get("contact.source_force"), key=abs)) > 1.0
         yield made

@@ -5,22 +5,17 @@ from ctypes import byref, c_void_p
 import pytest
 
 from support.caller import Caller, nothing
-from support.fmi2.blob import PHASES, forge
-from support.fmi2.states import NAMES
+from support.fmi2.states import NAMES, PHASES, forge
 from support.fmi3 import raw
 from support.fmi3.call_table import FOREIGN, FUNCTIONS, STATES, allowed
 from support.fmi3.raw import ARGUMENTS, ERROR, OK, WITHOUT_INSTANCE, Instance
 from support.outside import Outside
 
-REASONS = {
-    "Clock": "no clocks",
-    "Interval": "no clocks",
-    "Shift": "no clocks",
-    "Configuration": "no structural parameters",
-    "ModelPartition": "Scheduled Execution is not provided",
-    "Evaluate": "providesEvaluateDiscreteStates is false",
-    "Dependencies": "providesPerElementDependencies is false",
-}
+REASONS = {"Clock": "no clocks", "Interval": "no clocks", "Shift": "no clocks"}
+REASONS |= {"Configuration": "no structural parameters"}
+REASONS |= {"ModelPartition": "Scheduled Execution is not provided"}
+REASONS |= {"Evaluate": "providesEvaluateDiscreteStates is false"}
+REASONS |= {"Dependencies": "providesPerElementDependencies is false"}
 SCENES = ["SphereCylinder", "PinnedEvent"]
 KINDS = {"CoSimulation": "Co-Simulation", "ModelExchange": "Model Exchange"}
 EVERY_STATE = [(kind, state) for kind, states in STATES.items() for state in states]

@@ -15,15 +15,10 @@ AWAY = {"source.center": [1e6, 0.0, 0.0]}  # m: nothing to do in a step
 # 50 us of a processor that makes one instruction in a nanosecond, as those that FMUs run on do at least
 MOST_INSTRUCTIONS = 50_000
 LIFE = {
-    2: (
-        "Instantiate",
-        "SetupExperiment",
-        "EnterInitializationMode",
-        "ExitInitializationMode",
-        "FreeInstance",
-    ),
+    2: ("Instantiate", "SetupExperiment", "EnterInitializationMode", "ExitInitializationMode",
+        "FreeInstance"),
     3: ("InstantiateCoSimulation", "EnterInitializationMode", "ExitInitializationMode", "FreeInstance"),
-}
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -41,11 +36,8 @@ def cost(tmp_path_factory):
             "GLIBC_TUNABLES": TUNABLES,
             "LD_BIND_NOW": "1",
         }  # finding functions is no part of the cost
-        checked(
-            ["valgrind", *options, f"--callgrind-out-file={out}", *command],
-            timeout=PATIENCE,
-            environment=environment,
-        )
+        watched = ["valgrind", *options, f"--callgrind-out-file={out}", *command]
+        checked(watched, timeout=PATIENCE, environment=environment)
         return int(re.search(r"^(?:summary|totals): (\d+)", out.read_text(), re.MULTILINE)[1])
 
     def of(name, version):

@@ -6,10 +6,10 @@ import fmpy
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close
+from support.checks import FMU, check_close
 from support.fmi3 import raw
 from support.fmi3.raw import ERROR, OK, Instance
-from support.scenes.head_on import FMU, GAP, GEOMETRIES, SPEED, head_on
+from support.scenes.head_on import GAP, GEOMETRIES, SPEED, head_on
 
 TOLERANCE = 1e-10
 # s: a gap error of 1e-12 m at 1 m/s; CVODE holds its tolerance by the step
@@ -40,7 +40,6 @@ def events_until(instance, end, step):
     return found
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_steps_end_where_a_contact_begins_and_ends(shape, location, method):
     with with_events(shape, head_on(shape, location), method) as instance:
@@ -68,12 +67,8 @@ def test_a_bouncing_ball_returns_at_every_impact(step):
     """Dropped on the top of a sphere: the flights between the bounces last 2 v / g, the contacts as long as a
     spring under the ball's weight takes, and no event is told twice."""
     gravity, height, stiffness = 10.0, 0.2, 1e5
-    values = {
-        "source.center": [0.0, 0.0, 0.6 + height],
-        "gravity": [0.0, 0.0, -gravity],
-        "contact.method": "penalty",
-        "contact.penalty_factor": stiffness,
-    }
+    values = {"source.center": [0.0, 0.0, 0.6 + height], "gravity": [0.0, 0.0, -gravity]}
+    values |= {"contact.method": "penalty", "contact.penalty_factor": stiffness}
     fall = math.sqrt(2 * height / gravity)
     omega = math.sqrt(stiffness)  # of 1 kg
     lasts = 2 / omega * (math.pi - math.atan(omega * fall))  # x'' + omega² x = -g, from x = 0 at speed g fall
@@ -86,20 +81,12 @@ def test_a_bouncing_ball_returns_at_every_impact(step):
         assert instance.get("contact.onsets") == (len(found) + 1) // 2
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_a_cylinder_that_slides_away_ends_the_contact_at_its_end(method):
     """It moves along its axis at 1 m/s and leaves the ball, deep in a soft contact, after 0.1 s."""
-    values = {
-        "source.mass": 1000.0,
-        "source.center": [0.59, 0.0, 0.0],
-        "destination.motion": "prescribed",
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.finite_length": True,
-        "destination.length": 0.2,
-        "contact.method": "penalty",
-        "contact.penalty_factor": 1000.0,
-        "gravity": [0.0, 0.0, 0.0],
-    }
+    values = {"source.mass": 1000.0, "source.center": [0.59, 0.0, 0.0], "destination.motion": "prescribed"}
+    values |= {"destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True}
+    values |= {"destination.length": 0.2, "contact.method": "penalty", "contact.penalty_factor": 1000.0}
+    values |= {"gravity": [0.0, 0.0, 0.0]}
     with with_events("cylinder", values, method) as instance:
         instance.set({"destination.prescribed_velocity": [0.0, 0.0, -1.0]})
         told = instance.step(0.0, 0.3)
@@ -136,10 +123,7 @@ def test_nobody_else_is_interrupted(event_mode, early_return):
 def test_a_run_cut_at_its_events_is_the_same_motion():
     """Impulses of the pieces add up, and the ball is where it is without event mode."""
     values = head_on("sphere", "outside")
-    with (
-        with_events("sphere", values) as cut,
-        with_events("sphere", values, event_mode=False) as whole,
-    ):
+    with with_events("sphere", values) as cut, with_events("sphere", values, event_mode=False) as whole:
         whole.step(0.0, 0.1)
         impulse, time = np.zeros(3), 0.0
         while time < 0.1:
@@ -222,16 +206,69 @@ def test_a_step_that_is_not_cut_short_tells_the_end_that_was_asked_for(seed, eve
 
 def test_fmpy_records_the_impact():
     """A ball falls 0.3 m on a sphere; fmpy shortens its step to the instant at which they touch."""
+    settings = {"stop_time": 1.0, "output_interval": 0.05, "relative_tolerance": 1e-10}
+    settings |= {"start_values": {"source.center": [0.0, 0.0, 0.9], "gravity": [0.0, 0.0, -10.0]}}
+    settings |= {"early_return_allowed": True, "use_event_mode": True}
     rows = fmpy.simulate_fmu(
-        str(raw.FMUS / "SphereSphere.fmu"),
-        stop_time=1.0,
-        output_interval=0.05,
-        relative_tolerance=1e-10,
-        start_values={"source.center": [0.0, 0.0, 0.9], "gravity": [0.0, 0.0, -10.0]},
-        early_return_allowed=True,
-        use_event_mode=True,
-        output=["contact.onsets", "contact.gap"],
+        str(raw.FMUS / "SphereSphere.fmu"), output=["contact.onsets", "contact.gap"], **settings
     )
     first = rows[np.flatnonzero(rows["contact.onsets"])[0]]
     check_close("time", first["time"], math.sqrt(2 * 0.3 / 10.0), 1e-12)
     check_close("gap", first["contact.gap"], 0.0, 1e-12)
+
+
+# Tunable parameters of FMI 3.0: in event mode where the importer uses it, else between steps.
+
+DROPPED = {"source.center": [0.0, 0.0, 0.599], "contact.method": "penalty", "gravity": [0.0, 0.0, -9.81]}
+CHANGED = {"contact.penalty_factor": 3e5, "gravity": [0.0, 1.0, 2.0], "contact.dashpot": "unclamped"}
+
+
+@pytest.mark.parametrize("event_mode", [True, False])
+def test_they_are_set_where_the_standard_has_them(event_mode):
+    """FMI 3.0.2, section 2.4.7.4: with an event if events are supported, else at communication points."""
+    with Instance(raw.load("SphereSphere"), event_mode=event_mode) as instance:
+        instance.initialize(DROPPED)
+        if event_mode:
+            instance.handle_event(enter=False)
+        before = instance.bits("parameter", "output")
+        if event_mode:
+            for name, value in CHANGED.items():
+                with instance.expect(ERROR, name, "tunable parameter", "event mode") as got:
+                    got(instance.set_one(name, value))
+            assert instance.bits("parameter", "output") == before
+            instance.ok("EnterEventMode")
+        instance.set(CHANGED)
+        check_close("force", instance.get("contact.normal_force"), 3e5 * 1e-3, 1e-9)
+        work = (3e5 - 1e6) * 0.5e-6 - 2.0 * 0.599 - 9.81 * 0.599
+        check_close("work", instance.get("energy.external_work"), work, 1e-12)
+        with instance.expect(ERROR, "fixed after initialization") as got:
+            got(instance.set_one("source.mass", 2.0))
+        if event_mode:
+            instance.handle_event(enter=False)
+        assert instance.step(0.0, 1e-3).status == OK
+
+
+def test_both_ways_and_fmi_2_give_the_same_bits(opened):
+    rows = []
+    for event_mode in (True, False):
+        with Instance(raw.load("SphereSphere"), event_mode=event_mode) as instance:
+            instance.initialize(DROPPED)
+            if event_mode:
+                instance.handle_event(enter=False)
+            instance.step(0.0, 1e-3)
+            if event_mode:
+                instance.ok("EnterEventMode")
+            instance.set(CHANGED)
+            if event_mode:
+                instance.handle_event(enter=False)
+            instance.step(1e-3, 0.1)
+            rows.append((tuple(instance.get("source.position")), instance.get("energy.total")))
+    fmu = opened("SphereSphere")
+    fmu.reset()
+    fmu.start(DROPPED)
+    fmu.step(1e-3)
+    for name, value in CHANGED.items():
+        fmu[name] = value
+    fmu.call("doStep", 1e-3, 0.1)
+    rows.append((tuple(fmu["source.position"]), fmu["energy.total"]))
+    assert rows[0] == rows[1] == rows[2]

@@ -25,20 +25,10 @@ GAPS = f"expected {len(raw2.load(SCENE).roles['indicator'])}"
 STOP = 1.0
 START = {"destination.motion": "free", "source.center": [0.1, 0.0, 0.7]}
 # Names of functions and types of FMI 2.0 -> of FMI 3.0
-THIRD = {
-    "GetDerivatives": "GetContinuousStateDerivatives",
-    "NewDiscreteStates": "UpdateDiscreteStates",
-    "GetRealOutputDerivatives": "GetOutputDerivatives",
-    "SetupExperiment": "EnterInitializationMode",
-    "SetReal": "SetFloat64",
-    "GetReal": "GetFloat64",
-    "Real": "Float64",
-    "dvKnown": "seed",
-    "SetFMUstate": "SetFMUState",
-    "FMUstate": "FMUState",
-    "fmi2": "fmi3",
-    "[1]": "",
-}
+THIRD = {"GetDerivatives": "GetContinuousStateDerivatives", "NewDiscreteStates": "UpdateDiscreteStates"}
+THIRD |= {"GetRealOutputDerivatives": "GetOutputDerivatives", "SetupExperiment": "EnterInitializationMode"}
+THIRD |= {"SetReal": "SetFloat64", "GetReal": "GetFloat64", "Real": "Float64", "dvKnown": "seed"}
+THIRD |= {"SetFMUstate": "SetFMUState", "FMUstate": "FMUState", "fmi2": "fmi3", "[1]": ""}
 
 
 class Version(NamedTuple):
@@ -128,94 +118,59 @@ def far_out(one):
 
 # what is asked -> how, status, words
 REFUSALS = {
-    "a time that is no number": (
-        *(lambda one: one.call("SetTime", math.nan), ERROR),
-        *("time", "nan", "allowed: finite, from the last event at 0 s on"),
-    ),
+    "a time that is no number": (lambda one: one.call("SetTime", math.nan), ERROR, "time", "nan",
+        "allowed: finite, from the last event at 0 s on"),
     "a time without end": (lambda one: one.call("SetTime", math.inf), ERROR, "inf", "allowed: finite"),
-    "a time before the last event": (
-        *(lambda one: one.call("SetTime", -0.5), ERROR, "-0.5", "from the last event at 0 s on"),
-    ),
-    "a state that is no number": (
-        *(lambda one: one.states({"source.velocity_state[2]": math.nan}), DISCARD),
-        *("source.velocity_state[2] = nan refused", "allowed: -1e+300 .. 1e+300", "stays as it was"),
-    ),
-    "an infinite state": (
-        *(lambda one: one.states({"energy.friction_state": -math.inf}), DISCARD, "energy.friction_state"),
-    ),
-    "a state out of range": (
-        *(lambda one: one.states({"energy.dissipated_state": 1.1e300}), DISCARD, "energy.dissipated_state"),
-    ),
+    "a time before the last event": (lambda one: one.call("SetTime", -0.5), ERROR, "-0.5",
+        "from the last event at 0 s on"),
+    "a state that is no number": (lambda one: one.states({"source.velocity_state[2]": math.nan}), DISCARD,
+        "source.velocity_state[2] = nan refused", "allowed: -1e+300 .. 1e+300", "stays as it was"),
+    "an infinite state": (lambda one: one.states({"energy.friction_state": -math.inf}), DISCARD,
+        "energy.friction_state"),
+    "a state out of range": (lambda one: one.states({"energy.dissipated_state": 1.1e300}), DISCARD,
+        "energy.dissipated_state"),
     "too few states": (lambda one: one.vector("SetContinuousStates", [0.0] * 3), ERROR, f"3 {WANTED}"),
-    "too many rates": (
-        *(lambda one: one.vector("GetDerivatives", [0.0] * (COUNT + 1)), ERROR, f"{COUNT + 1} {WANTED}"),
-    ),
-    "too few nominals": (
-        *(lambda one: one.vector("GetNominalsOfContinuousStates", [0.0]), ERROR, f"1 {WANTED}"),
-    ),
+    "too many rates": (lambda one: one.vector("GetDerivatives", [0.0] * (COUNT + 1)), ERROR,
+        f"{COUNT + 1} {WANTED}"),
+    "too few nominals": (lambda one: one.vector("GetNominalsOfContinuousStates", [0.0]), ERROR,
+        f"1 {WANTED}"),
     "indicators without end": (lambda one: one.vector("GetEventIndicators", [0.0], 2**64 - 1), ERROR, GAPS),
-    "no array of states": (
-        *(lambda one: one.vector("SetContinuousStates", None, COUNT), ERROR, "null pointer", ELEMENTS),
-    ),
-    "no array for states": (
-        *(lambda one: one.vector("GetContinuousStates", None, COUNT), ERROR, "null pointer", ELEMENTS),
-    ),
-    "no place for what a step says": (
-        *(lambda one: one.call("CompletedIntegratorStep", 1, None, None), ERROR, "enterEventMode"),
-    ),
-    "a step past the stop time": (
-        lambda one: (at(one, 1.5), one.instance.complete_step()),
-        *(ERROR, "step to 1.5 s goes past stopTime = 1 s"),
-    ),
-    "a force that is no number": (
-        *(lambda one: one.set_real("source.external_force", math.nan), DISCARD),
-        *("source.external_force", "nan refused", "allowed: -1e+150 .. 1e+150"),
-    ),
-    "a parameter while it runs": (
-        *(lambda one: one.set_real("source.radius", 0.3), ERROR),
-        "source.radius is a parameter, fixed after initialization",
-    ),
+    "no array of states": (lambda one: one.vector("SetContinuousStates", None, COUNT), ERROR, "null pointer",
+        ELEMENTS),
+    "no array for states": (lambda one: one.vector("GetContinuousStates", None, COUNT), ERROR, "null pointer",
+        ELEMENTS),
+    "no place for what a step says": (lambda one: one.call("CompletedIntegratorStep", 1, None, None), ERROR,
+        "enterEventMode"),
+    "a step past the stop time": (lambda one: (at(one, 1.5), one.instance.complete_step()), ERROR,
+        "step to 1.5 s goes past stopTime = 1 s"),
+    "a force that is no number": (lambda one: one.set_real("source.external_force", math.nan), DISCARD,
+        "source.external_force", "nan refused", "allowed: -1e+150 .. 1e+150"),
+    "a parameter while it runs": (lambda one: one.set_real("source.radius", 0.3), ERROR,
+        "source.radius is a parameter, fixed after initialization"),
     "a rate": (lambda one: one.set_real("source.acceleration", 0.0), ERROR, "calculated and cannot be set"),
-    "an indicator": (
-        lambda one: one.set_real("contact.touch_indicator", 0.0), ERROR, "calculated and cannot be set",
-    ),
+    "an indicator": (lambda one: one.set_real("contact.touch_indicator", 0.0), ERROR,
+        "calculated and cannot be set"),
     "numbers too large for their power": (far_out, DISCARD, "beyond the range of numbers", "allowed:"),
-    "a slope of what is no unknown": (
-        *(lambda one: one.slope("source.velocity_state", "source.velocity_state", 1.0), ERROR),
-        *("source.velocity_state", "output"),
-    ),
-    "a slope by what is no known": (
-        *(lambda one: one.slope("source.acceleration", "source.radius", 1.0), ERROR, "source.radius"),
-    ),
-    "a seed that is no number": (
-        *(lambda one: one.slope("source.acceleration", "source.velocity_state", math.inf), DISCARD),
-        *("source.velocity_state", "inf refused", "allowed: finite"),
-    ),
-    "continuous time twice": (
-        lambda one: one.call("EnterContinuousTimeMode"),
-        *(ERROR, "called in phase continuous-time mode, allowed in: event mode"),
-    ),
-    "states in event mode": (
-        in_event_mode(lambda one: one.states({})),
-        *(ERROR, "called in phase event mode, allowed in: continuous-time mode"),
-    ),
-    "a step in event mode": (
-        in_event_mode(lambda one: one.instance.complete_step()),
-        *(ERROR, "called in phase event mode, allowed in: continuous-time mode"),
-    ),
-    "a new event between events": (
-        lambda one: one.instance.update_discrete_states(),
-        *(ERROR, "called in phase continuous-time mode, allowed in: event mode"),
-    ),
-    "initialization again": (
-        *(lambda one: one.call("ExitInitializationMode"), ERROR),
-        "called in phase continuous-time mode, allowed in: initialization mode",
-    ),
+    "a slope of what is no unknown": (lambda one: one.slope("source.velocity_state", "source.velocity_state",
+        1.0), ERROR, "source.velocity_state", "output"),
+    "a slope by what is no known": (lambda one: one.slope("source.acceleration", "source.radius", 1.0), ERROR,
+        "source.radius"),
+    "a seed that is no number": (lambda one: one.slope("source.acceleration", "source.velocity_state",
+        math.inf), DISCARD, "source.velocity_state", "inf refused", "allowed: finite"),
+    "continuous time twice": (lambda one: one.call("EnterContinuousTimeMode"), ERROR,
+        "called in phase continuous-time mode, allowed in: event mode"),
+    "states in event mode": (in_event_mode(lambda one: one.states({})), ERROR,
+        "called in phase event mode, allowed in: continuous-time mode"),
+    "a step in event mode": (in_event_mode(lambda one: one.instance.complete_step()), ERROR,
+        "called in phase event mode, allowed in: continuous-time mode"),
+    "a new event between events": (lambda one: one.instance.update_discrete_states(), ERROR,
+        "called in phase continuous-time mode, allowed in: event mode"),
+    "initialization again": (lambda one: one.call("ExitInitializationMode"), ERROR,
+        "called in phase continuous-time mode, allowed in: initialization mode"),
     "a state of nobody": (lambda one: one.call("SetFMUstate", None), ERROR, "null pointer"),
-    "derivatives of outputs": (
-        lambda one: one.call("GetRealOutputDerivatives", None, 0, None, None, *[0] * (one.number - 2)),
-        *(ERROR, "called on an instance of Model Exchange, allowed: of Co-Simulation"),
-    ),
+    "derivatives of outputs": (lambda one: one.call("GetRealOutputDerivatives", None, 0, None, None,
+        *[0] * (one.number - 2)), ERROR,
+        "called on an instance of Model Exchange, allowed: of Co-Simulation"),
 }  # fmt: skip
 
 

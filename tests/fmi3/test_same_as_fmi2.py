@@ -7,7 +7,7 @@ from fmpy.fmi2 import fmi2LastSuccessfulTime
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file
 from contact_fmus.fmu.variables import item_value
-from support.checks import METHODS, start
+from support.checks import start
 from support.fmi3 import raw
 from support.scenes.random_scenes import KINDS, random_scene
 
@@ -39,7 +39,6 @@ def differing(second, third):
     return [name for name in names if value_of(second, name) != numbers(third.get(name))]
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("shape, kind", CASES)
 def test_random_scenes_are_the_same_bits(opened, shape, kind, method):
     values, end = random_scene(shape, kind, SEED + len(method))

@@ -54,16 +54,13 @@ def test_an_oblique_flight_touches_where_its_quartic_says():
     check_close("touch", announced(start), first, 1e-11)
 
 
-@pytest.mark.parametrize(
-    "what",
-    [
-        {"source.center": [0.0, 0.0, 0.9], "destination.motion": "prescribed"},
-        {"source.center": [0.0, 0.0, 0.59]},  # they touch already
-        {"source.center": [0.0, 0.0, 0.9], "gravity": [0.0, 0.0, 0.0]},
-        {"source.center": [0.0, 0.9, 0.0]},  # it falls past
-        {"source.center": [0.0, 0.0, 0.6 + 1e-14]},  # too soon to step to
-    ],
-)
+@pytest.mark.parametrize("what", [
+    {"source.center": [0.0, 0.0, 0.9], "destination.motion": "prescribed"},
+    {"source.center": [0.0, 0.0, 0.59]},  # they touch already
+    {"source.center": [0.0, 0.0, 0.9], "gravity": [0.0, 0.0, 0.0]},
+    {"source.center": [0.0, 0.9, 0.0]},  # it falls past
+    {"source.center": [0.0, 0.0, 0.6 + 1e-14]},  # too soon to step to
+])  # fmt: skip
 def test_what_is_not_known_is_not_announced(what):
     assert announced({**DROP, **what}) is None
 

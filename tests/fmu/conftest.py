@@ -14,6 +14,13 @@ def fmu(request) -> raw.Fmu:
     return raw.load(request.param)
 
 
+@pytest.fixture
+def instance(fmu):
+    """One that is just made; freed at the end of the test"""
+    with raw.Instance(fmu) as made:
+        yield made
+
+
 @pytest.fixture(params=raw.SCENES)
 def every_fmu(request) -> raw.Fmu:
     """For what a scene's own table of variables says"""

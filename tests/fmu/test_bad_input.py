@@ -11,8 +11,9 @@ from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
 
 import pytest
 
+from contact_fmus.fmu.files import fmus_folder
 from support.fmi2 import raw
-from support.fmi2.raw import DISCARD, ERROR, OK, array
+from support.fmi2.raw import CO_SIMULATION, DISCARD, ERROR, OK, WARNING, array
 from support.fmi3 import raw as raw3
 
 UNKNOWN = 4_000_000_000
@@ -85,21 +86,20 @@ def test_a_wrong_type_names_the_variable_and_its_type(either, version):
     assert either.bits("parameter", "input", "output") == before
 
 
-def test_one_bad_reference_spoils_the_whole_call(fmu):
-    with raw.Instance(fmu) as instance:
-        radius = fmu.variables["source.radius"]
-        before = instance.bits("parameter", "input")
-        for bad, status in [
-            ((UNKNOWN, 1.0), ERROR),
-            ((radius.reference, -1.0), DISCARD),
-            ((fmu.variables["contact.gap"].reference, 1.0), ERROR),
-        ]:
-            references = array(c_uint, [radius.reference, bad[0]])
-            assert instance.call("SetReal", references, 2, array(c_double, [0.123, bad[1]])) == status
-            assert instance.bits("parameter", "input") == before
-        values = array(c_double, [-7.0, -7.0])
-        assert instance.call("GetReal", array(c_uint, [radius.reference, UNKNOWN]), 2, values) == ERROR
-        assert list(values) == [-7.0, -7.0]
+def test_one_bad_reference_spoils_the_whole_call(fmu, instance):
+    radius = fmu.variables["source.radius"]
+    before = instance.bits("parameter", "input")
+    for bad, status in [
+        ((UNKNOWN, 1.0), ERROR),
+        ((radius.reference, -1.0), DISCARD),
+        ((fmu.variables["contact.gap"].reference, 1.0), ERROR),
+    ]:
+        references = array(c_uint, [radius.reference, bad[0]])
+        assert instance.call("SetReal", references, 2, array(c_double, [0.123, bad[1]])) == status
+        assert instance.bits("parameter", "input") == before
+    values = array(c_double, [-7.0, -7.0])
+    assert instance.call("GetReal", array(c_uint, [radius.reference, UNKNOWN]), 2, values) == ERROR
+    assert list(values) == [-7.0, -7.0]
 
 
 # null pointers
@@ -123,89 +123,81 @@ def test_null_arrays_are_refused_unless_empty(either, version):
 OF_TIME = ("vr", None, "order", "value")
 OF_DERIVATIVES = {"SetRealInputDerivatives": OF_TIME, "GetRealOutputDerivatives": OF_TIME}
 OF_DERIVATIVES["GetDirectionalDerivative"] = (
-    "vUnknown_ref",
-    None,
-    "vKnown_ref",
-    None,
-    "dvKnown",
-    "dvUnknown",
-)
+    "vUnknown_ref", None, "vKnown_ref", None, "dvKnown", "dvUnknown",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("function", OF_DERIVATIVES)
-def test_null_arrays_of_derivatives_are_refused_unless_empty(fmu, function):
+def test_null_arrays_of_derivatives_are_refused_unless_empty(fmu, instance, function):
     words = OF_DERIVATIVES[function]
     gap, known = fmu.variables["contact.gap"].reference, fmu.select("input", kind="Real")[0].reference
     good = [array(c_uint, [gap]), 1, array(c_int, [1]), array(c_double, [0.0])]
     if words is not OF_TIME:
         good[2:3] = [array(c_uint, [known]), 1, array(c_double, [1.0])]
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        before = instance.bits()
-        instance.ok(function, *(0 if word is None else None for word in words))
-        for position, word in enumerate(words):
-            if word is not None:
-                arguments = [None if index == position else one for index, one in enumerate(good)]
-                with instance.expect(ERROR, f"fmi2{function}", word, "null") as got:
-                    got(instance.call(function, *arguments))
-        assert instance.bits() == before
-
-
-def test_null_pointers_of_states_and_statuses_are_refused(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        blob = instance.save()
-        state = c_void_p()
-        instance.ok("GetFMUstate", byref(state))
-        size = c_size_t()
-        cases = [
-            ("GetFMUstate", None),
-            ("SetFMUstate", None),
-            ("SerializedFMUstateSize", None, byref(size)),
-            ("SerializedFMUstateSize", state, None),
-            ("SerializeFMUstate", None, blob, len(blob)),
-            ("SerializeFMUstate", state, None, len(blob)),
-            ("DeSerializeFMUstate", None, len(blob), byref(state)),
-            ("DeSerializeFMUstate", blob, len(blob), None),
-            ("GetStatus", 0, None),
-            ("GetRealStatus", 2, None),
-            ("GetIntegerStatus", 0, None),
-            ("GetBooleanStatus", 3, None),
-            ("GetStringStatus", 1, None),
-            ("SetDebugLogging", 1, 1, None),
-        ]
-        for function, *arguments in cases:
-            with instance.expect(ERROR, f"fmi2{function}", "null") as got:
+    instance.initialize()
+    before = instance.bits()
+    instance.ok(function, *(0 if word is None else None for word in words))
+    for position, word in enumerate(words):
+        if word is not None:
+            arguments = [None if index == position else one for index, one in enumerate(good)]
+            with instance.expect(ERROR, f"fmi2{function}", word, "null") as got:
                 got(instance.call(function, *arguments))
-        instance.ok("FreeFMUstate", None)
-        instance.ok("FreeFMUstate", byref(state))
-        instance.ok("FreeFMUstate", byref(state))
-        fmu.library.fmi2FreeInstance(None)
-        assert instance.save() == blob
+    assert instance.bits() == before
+
+
+def test_null_pointers_of_states_and_statuses_are_refused(fmu, instance):
+    instance.initialize()
+    blob = instance.save()
+    state = c_void_p()
+    instance.ok("GetFMUstate", byref(state))
+    size = c_size_t()
+    cases = [
+        ("GetFMUstate", None),
+        ("SetFMUstate", None),
+        ("SerializedFMUstateSize", None, byref(size)),
+        ("SerializedFMUstateSize", state, None),
+        ("SerializeFMUstate", None, blob, len(blob)),
+        ("SerializeFMUstate", state, None, len(blob)),
+        ("DeSerializeFMUstate", None, len(blob), byref(state)),
+        ("DeSerializeFMUstate", blob, len(blob), None),
+        ("GetStatus", 0, None),
+        ("GetRealStatus", 2, None),
+        ("GetIntegerStatus", 0, None),
+        ("GetBooleanStatus", 3, None),
+        ("GetStringStatus", 1, None),
+        ("SetDebugLogging", 1, 1, None),
+    ]
+    for function, *arguments in cases:
+        with instance.expect(ERROR, f"fmi2{function}", "null") as got:
+            got(instance.call(function, *arguments))
+    instance.ok("FreeFMUstate", None)
+    instance.ok("FreeFMUstate", byref(state))
+    instance.ok("FreeFMUstate", byref(state))
+    fmu.library.fmi2FreeInstance(None)
+    assert instance.save() == blob
 
 
 # values
 
 
-def test_no_real_takes_what_is_not_finite(fmu):
-    with raw.Instance(fmu) as instance:
-        before = instance.bits("parameter", "input")
-        reals = fmu.select("parameter", "input", kind="Real")
-        assert reals
-        for variable in reals:
-            for value in NOT_FINITE:
-                with instance.expect(DISCARD, variable.name, "nan" if value != value else "inf") as got:
-                    got(instance.set_one(variable, value))
-                assert "tested" in instance.messages[0].text
-                assert _range_is_named(variable, instance.messages[0].text), instance.messages[0].text
-        assert instance.bits("parameter", "input") == before
-        instance.initialize()
-        before = instance.bits()
-        for variable in fmu.select("input", kind="Real"):
-            for value in NOT_FINITE:
-                with instance.expect(DISCARD, variable.name) as got:
-                    got(instance.set_one(variable, value))
-        assert instance.bits() == before
+def test_no_real_takes_what_is_not_finite(fmu, instance):
+    before = instance.bits("parameter", "input")
+    reals = fmu.select("parameter", "input", kind="Real")
+    assert reals
+    for variable in reals:
+        for value in NOT_FINITE:
+            with instance.expect(DISCARD, variable.name, "nan" if value != value else "inf") as got:
+                got(instance.set_one(variable, value))
+            assert "tested" in instance.messages[0].text
+            assert _range_is_named(variable, instance.messages[0].text), instance.messages[0].text
+    assert instance.bits("parameter", "input") == before
+    instance.initialize()
+    before = instance.bits()
+    for variable in fmu.select("input", kind="Real"):
+        for value in NOT_FINITE:
+            with instance.expect(DISCARD, variable.name) as got:
+                got(instance.set_one(variable, value))
+    assert instance.bits() == before
 
 
 def _range_is_named(variable: raw.Variable, text: str) -> bool:
@@ -263,3 +255,192 @@ def test_a_prescribed_motion_beyond_all_numbers_is_discarded(universal):
             got(instance.call("DoStep", 0.0, 1e160, 1))
         instance.ok("DoStep", 0.0, 1.0, 1)
         assert all(math.isfinite(number) for number in instance.get("source.position"))
+
+
+# Instances, experiments, steps and derivatives asked for wrongly: refused, told, and the run goes on.
+#
+# The fixture in conftest.py checks in every one of these tests that nothing is printed.
+
+# instantiation
+
+
+@pytest.mark.parametrize(
+    "guid", [b"{00000000-0000-0000-0000-000000000000}", b"no guid", b"50 %s %n #r1#", None]
+)
+def test_a_wrong_guid_makes_no_instance(fmu, guid):
+    instance = raw.Instance(fmu, guid=guid)
+    assert instance.component is None
+    (message,) = instance.messages
+    assert (message.status, message.category) == (ERROR, "logStatusError")
+    assert fmu.guid in message.text
+    assert (guid or b"(null)").decode() in message.text
+
+
+def test_a_guid_of_any_length_makes_no_instance(fmu):
+    for length in (0, 1, 200, 5_000, 100_000):
+        instance = raw.Instance(fmu, guid=b"x" * length or b" ")
+        assert instance.component is None
+        assert fmu.guid in instance.messages[0].text
+
+
+KINDS = ("fmuType", "fmi2CoSimulation or fmi2ModelExchange")
+WRONG = [({"name": name}, ("instanceName",)) for name in (None, b"")]
+WRONG += [({"kind": kind}, KINDS) for kind in (2, 7, -1)]
+
+
+@pytest.mark.parametrize("wrong, words", WRONG)
+def test_an_instance_needs_a_name_and_is_of_co_simulation_or_model_exchange(fmu, wrong, words):
+    instance = raw.Instance(fmu, **wrong)
+    assert instance.component is None
+    assert all(word in instance.messages[0].text for word in words)
+
+
+def test_an_instance_needs_callbacks(fmu):
+    assert fmu.library.fmi2Instantiate(b"a", CO_SIMULATION, fmu.guid.encode(), b"", None, 0, 0) is None
+
+
+def test_an_instance_without_a_logger_works_and_refuses(fmu):
+    with raw.Instance(fmu, with_logger=False) as instance:
+        instance.initialize()
+        assert instance.call("DoStep", 0.0, -1.0, 1) == DISCARD
+        instance.run([0.1])
+    assert raw.Instance(fmu, with_logger=False, guid=b"wrong").component is None
+
+
+@pytest.mark.parametrize("resources", [
+    None, b"", b"file:///with space/and%20space", b"file:///100%/%s%n%d", "file:///Übergröße/ñ/汉字".encode(),
+    b"file:///C:/windows\\style", b"http://elsewhere/resources", b"relative", b"\xff\xfe not utf-8",
+    b"/" * 70_000,
+])  # fmt: skip
+def test_the_resource_location_does_not_matter(fmu, resources):
+    with raw.Instance(fmu, resources=resources) as odd, raw.Instance(fmu) as plain:
+        assert odd.initialize().run([0.25] * 3) == plain.initialize().run([0.25] * 3)
+        assert odd.messages == []
+
+
+def test_an_fmu_in_a_folder_with_an_odd_name_works(fmu, tmp_path):
+    folder = tmp_path / "50 % große Kugel #1 %s"
+    folder.mkdir()
+    path = folder / "a b%d ü.fmu"
+    path.write_bytes((fmus_folder() / f"{fmu.name}.fmu").read_bytes())
+    moved = raw.Fmu(path)
+    with raw.Instance(moved, resources=(moved.folder / "resources").as_uri().encode()) as instance:
+        assert len(instance.initialize().run([0.1])) == 1
+
+
+# experiment and steps
+
+
+EXPERIMENTS = [
+    *(("fmi2SetupExperiment", "startTime", (0, 0.0, start, 0, 0.0), {}) for start in NOT_FINITE),
+    *(("fmi2SetupExperiment", "stopTime", (0, 0.0, 1.0, 1, stop), {"start": 1.0}) for stop in (*NOT_FINITE,
+        0.999, -1.0)),
+    *(("", "tolerance", (1, one, 0.0, 0, 0.0), {"tolerance": 1e-6}) for one in (*NOT_FINITE, 0.0, -1e-6)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("told, word, arguments, right", EXPERIMENTS)
+def test_an_experiment_has_finite_times_in_order_and_a_positive_tolerance(
+    instance, told, word, arguments, right
+):
+    with instance.expect(ERROR, told, word) as got:
+        got(instance.call("SetupExperiment", *arguments))
+    instance.initialize(**right)
+
+
+@pytest.mark.parametrize(("tolerance", "used"), [(2.0, 1e-2), (1e-300, 1e-14)])
+def test_a_tolerance_beyond_the_solver_is_clipped_with_a_warning(universal, tolerance, used):
+    with raw.Instance(universal) as instance:
+        with instance.expect(WARNING, "tolerance", "solver.relative_tolerance") as got:
+            got(instance.call("SetupExperiment", 1, tolerance, 0.0, 0, 0.0))
+        instance.initialize(tolerance=tolerance)
+        assert instance.get("solver.relative_tolerance") == used
+
+
+@pytest.mark.parametrize("size", [0.0, -0.0, -1e-3, -math.inf, math.inf, math.nan, 5e-324, 1e-17])
+def test_a_step_size_is_positive_finite_and_felt(instance, size):
+    """At t = 1 s the last two sizes do not change the time at all."""
+    instance.initialize(start=1.0)
+    blob = instance.save()
+    with instance.expect(DISCARD, "fmi2DoStep", "communicationStepSize", "allowed") as got:
+        got(instance.call("DoStep", 1.0, size, 1))
+    assert instance.save() == blob
+    instance.run([0.1], start=1.0)
+
+
+def test_a_step_that_overflows_the_time_is_refused(instance):
+    instance.initialize(start=1.7e308)
+    assert instance.call("DoStep", 1.7e308, 1.7e308, 1) == DISCARD
+
+
+@pytest.mark.parametrize("begin", [0.0, 3.5])
+@pytest.mark.parametrize("off", [0.5, -0.5, -3.5, 1e-3, 1e300, *NOT_FINITE])
+def test_a_step_starts_where_the_last_one_ended(instance, off, begin):
+    """The first one starts at the start time."""
+    instance.initialize(start=begin)
+    blob = instance.save()
+    with instance.expect(ERROR, "currentCommunicationPoint", "expected", f"{begin:g}") as got:
+        got(instance.call("DoStep", begin + off, 0.1, 1))
+    assert instance.save() == blob
+    instance.run([0.1], start=begin)
+
+
+def test_rounded_communication_points_are_taken(fmu):
+    """Importers compute i*h or add h up: both differ from the FMU's own time by roundings."""
+    with raw.Instance(fmu) as added, raw.Instance(fmu) as multiplied:
+        added.initialize()
+        multiplied.initialize()
+        time = 0.0
+        for index in range(1000):
+            added.ok("DoStep", time, 1e-3, 1)
+            multiplied.ok("DoStep", index * 1e-3, 1e-3, 1)
+            time += 1e-3
+
+
+def test_no_step_goes_past_the_stop_time(instance):
+    instance.initialize(stop=1.0)
+    instance.run([0.75])
+    blob = instance.save()
+    with instance.expect(ERROR, "stopTime", "1 s", "1.25") as got:
+        got(instance.call("DoStep", 0.75, 0.5, 1))
+    assert instance.save() == blob
+    instance.run([0.25], start=0.75)
+    with instance.expect(ERROR, "stopTime") as got:
+        got(instance.call("DoStep", 1.0, 1e-3, 1))
+
+
+def test_added_up_steps_may_reach_the_stop_time(fmu):
+    """Ten times 0.1 is a little less than 1, three times 0.1 a little more than 0.3."""
+    for stop, count in [(1.0, 10), (0.3, 3), (0.7, 7)]:
+        with raw.Instance(fmu) as instance:
+            instance.initialize(stop=stop)
+            instance.run([0.1] * count)
+
+
+# derivatives
+
+
+@pytest.mark.parametrize("what", ["input", "output"])
+def test_derivatives_are_checked(fmu, instance, what):
+    instance.initialize()
+    blob = instance.save()
+    known = [fmu.select("input", kind="Real")[0], fmu.variables["contact.gap"]]
+    one, other = known if what == "input" else reversed(known)
+    function = "SetRealInputDerivatives" if what == "input" else "GetRealOutputDerivatives"
+
+    def call(reference, order, value=1.0):
+        orders, values = array(c_int, [order]), array(c_double, [value])
+        return instance.call(function, array(c_uint, [reference]), 1, orders, values)
+
+    for order in (0, -1, 3, 2**31 - 1):
+        with instance.expect(DISCARD, one.name, str(order), "1 to 2") as got:
+            got(call(one.reference, order))
+    for value in (*NOT_FINITE, 1e300) if what == "input" else ():
+        with instance.expect(DISCARD, one.name, "allowed") as got:
+            got(call(one.reference, 1, value))
+    for wrong in (other.name, "source.radius", "contact.active"):
+        with instance.expect(ERROR, wrong, f"no Real {what}") as got:
+            got(call(fmu.variables[wrong].reference, 1))
+    with instance.expect(ERROR, "unknown value reference", str(UNKNOWN)) as got:
+        got(call(UNKNOWN, 1))
+    assert instance.save() == blob

@@ -10,12 +10,8 @@ from support.fmi2 import raw
 from support.fmi2.raw import DISCARD, ERROR, OK, array
 
 # A ball in a hollow one that is moved: half p_n g^2 is 5e314 J where the wall is 1e150 m away.
-SHELL = {
-    "destination.motion": "prescribed",
-    "contact.location": "inside",
-    "contact.penalty_factor": 1e15,
-    "source.center": [0.05, 0.0, 0.3],
-}
+SHELL = {"destination.motion": "prescribed", "contact.location": "inside", "contact.penalty_factor": 1e15}
+SHELL |= {"source.center": [0.05, 0.0, 0.3]}
 MOVED = "destination.prescribed_displacement[1]"
 
 

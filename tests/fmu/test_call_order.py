@@ -5,45 +5,33 @@ from ctypes import c_double, c_uint, c_void_p
 import pytest
 
 from support.caller import Caller, nothing
+from support.fmi2 import call_table as table
 from support.fmi2 import raw
-from support.fmi2.call_table import (
-    EXCHANGE,
-    EXCHANGE_STATES,
-    FOREIGN,
-    FUNCTIONS,
-    IN_EXCHANGE,
-    STATES,
-    allowed,
-)
 from support.fmi2.raw import DISCARD, ERROR, MODEL_EXCHANGE, OK, array
 from support.fmi2.states import NAMES, bring_to
 
 # What an allowed call returns where that is not fmi2OK: no such status or derivative is provided, and what
 # was too much for one internal step still is.
-ANSWERS = {
-    "GetIntegerStatus": DISCARD,
-    "GetStringStatus": DISCARD,
-    ("DoStep", "failed"): DISCARD,
-}
+ANSWERS = {"GetIntegerStatus": DISCARD, "GetStringStatus": DISCARD, ("DoStep", "failed"): DISCARD}
 
 
 def faults_in(fmu: raw.Fmu, state: str) -> list[str]:
     faults = []
-    for function in FUNCTIONS:
+    for function in table.FUNCTIONS:
         if function != "FreeInstance":
             with raw.Instance(fmu) as instance:
                 bring_to(instance, state)
                 caller, answer = Caller(instance), ANSWERS.get(function, OK)
                 where = f"in phase {NAMES[state]}"
-                if function in EXCHANGE:
+                if function in table.EXCHANGE:
                     where = "on an instance of Co-Simulation, allowed: of Model Exchange"
                 right = ANSWERS.get((function, state), answer)
-                faults.append(caller.fault(function, allowed(function, state), where, right))
+                faults.append(caller.fault(function, table.allowed(function, state), where, right))
                 caller.end()
     return [fault for fault in faults if fault]
 
 
-@pytest.mark.parametrize("state", [state for state in STATES if state not in ("start", "failed")])
+@pytest.mark.parametrize("state", [state for state in table.STATES if state not in ("start", "failed")])
 def test_every_function_in_every_state(fmu, state):
     assert faults_in(fmu, state) == []
 
@@ -54,17 +42,21 @@ def test_every_function_after_a_discarded_step(scene):
     assert faults_in(raw.load(scene), "failed") == []
 
 
-@pytest.mark.parametrize("state", EXCHANGE_STATES)
+@pytest.mark.parametrize("state", table.EXCHANGE_STATES)
 def test_every_function_of_model_exchange_in_every_state(fmu, state):
     faults = []
     calls = [("SetupExperiment", 0, 0.0, 0.0, 0, 0.0), ("EnterInitializationMode",)]
     calls += [("ExitInitializationMode",), ("EnterContinuousTimeMode",), ("Terminate",)]
-    first = {"instantiated": 0, "initialization": 2}.get(state, EXCHANGE_STATES.index(state) + 1)
-    for function, marks in IN_EXCHANGE.items():
+    first = {"instantiated": 0, "initialization": 2}.get(state, table.EXCHANGE_STATES.index(state) + 1)
+    for function, marks in table.IN_EXCHANGE.items():
         with raw.Instance(fmu, kind=MODEL_EXCHANGE) as instance:
             for call in calls[:first] or calls[: function == "EnterInitializationMode"]:
                 instance.ok(*call)
-            where = "on an instance of Model Exchange" if function in FOREIGN else f"in phase {NAMES[state]}"
+            where = (
+                "on an instance of Model Exchange"
+                if function in table.FOREIGN
+                else f"in phase {NAMES[state]}"
+            )
             faults.append(Caller(instance).fault(function, marks[state], where))
     assert [fault for fault in faults if fault] == []
 
@@ -86,7 +78,7 @@ def test_versions_need_no_instance(fmu):
 
 def test_the_table_names_every_function():
     without_instance = {"fmi2GetTypesPlatform", "fmi2GetVersion", "fmi2Instantiate"}
-    assert {f"fmi2{function}" for function in FUNCTIONS} | without_instance == set(raw.ARGUMENTS)
+    assert {f"fmi2{function}" for function in table.FUNCTIONS} | without_instance == set(raw.ARGUMENTS)
 
 
 def test_a_refused_call_does_not_end_the_run(fmu):
@@ -103,11 +95,10 @@ def test_a_refused_call_does_not_end_the_run(fmu):
         assert good.run([0.1] * 5) == disturbed.run([0.1] * 5)
 
 
-def test_initialization_needs_an_experiment(fmu):
-    with raw.Instance(fmu) as instance:
-        with instance.expect(ERROR, "fmi2EnterInitializationMode", "before fmi2SetupExperiment") as got:
-            got(instance.call("EnterInitializationMode"))
-        instance.initialize()
+def test_initialization_needs_an_experiment(instance):
+    with instance.expect(ERROR, "fmi2EnterInitializationMode", "before fmi2SetupExperiment") as got:
+        got(instance.call("EnterInitializationMode"))
+    instance.initialize()
 
 
 def test_start_values_can_be_read_at_once_and_outputs_cannot(every_fmu):
@@ -119,13 +110,12 @@ def test_start_values_can_be_read_at_once_and_outputs_cannot(every_fmu):
             got(instance.call("GetReal", array(c_uint, [gap.reference]), 1, array(c_double, [0])))
 
 
-def test_outputs_are_there_in_initialization_mode(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.enter_initialization({"source.center": [0.9, 0.0, 0.3]})
-        first = instance.get("contact.gap")
-        instance.set({"source.center": [0.8, 0.0, 0.2]})
-        assert instance.get("contact.gap") != first
-        instance.ok("ExitInitializationMode")
+def test_outputs_are_there_in_initialization_mode(instance):
+    instance.enter_initialization({"source.center": [0.9, 0.0, 0.3]})
+    first = instance.get("contact.gap")
+    instance.set({"source.center": [0.8, 0.0, 0.2]})
+    assert instance.get("contact.gap") != first
+    instance.ok("ExitInitializationMode")
 
 
 def test_parameters_are_fixed_after_initialization_unless_they_are_tunable(every_fmu):

@@ -8,7 +8,6 @@ therefore gives the same bits too.
 
 import functools
 import re
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -17,6 +16,7 @@ from support.fmi2 import raw
 from support.fmi2.other_builds import build
 from support.fmi2.raw import WARNING
 from support.fmi2.runs import RUNS, begin, go_on
+from support.programs import finished
 from support.scenes.benchmarks import BENCHMARKS
 
 FUSING = ["-O3", "-mavx2", "-mfma"]
@@ -49,7 +49,7 @@ def test_no_operation_is_fused_for_a_processor_that_could(built):
     """gcc 12 makes some of sums and differences side by side, whatever -ffp-contract says."""
     other = built("SphereCylinder", "gcc", *FUSING)
     command = ["objdump", "-d", "--no-show-raw-insn", str(other.library_file)]
-    code = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    code = finished(command, check=True).stdout
     assert "vmulpd" in code
     assert re.findall(FUSED, code) == []
 

@@ -123,12 +123,8 @@ def test_on_an_edge_the_derivative_is_that_of_the_regime_in_force():
     deeper = {**inwards, "source.center": [0.75 - 2**-20, 0.0, 0.0]}
     assert edge(deeper) == -1e6
     # The law is zero where p_n g = -p_nv g': 2^20 N/m times 2^-10 m and 2^10 N s/m times 1 m/s.
-    clipped = {
-        **beside,
-        "source.center": [0.75 - 2**-10, 0.0, 0.0],
-        "contact.penalty_factor": 2.0**20,
-        "contact.viscous_penalty_factor": 2.0**10,
-    }
+    clipped = {**beside, "source.center": [0.75 - 2**-10, 0.0, 0.0], "contact.penalty_factor": 2.0**20}
+    clipped |= {"contact.viscous_penalty_factor": 2.0**10}
     speed = "source.prescribed_velocity[1]"
     for rate, expected in [(1.0, 0.0), (1.0 - 2**-40, -(2.0**20)), (1.5, 0.0)]:
         assert edge({**clipped, "source.prescribed_velocity": [rate, 0.0, 0.0]}) == expected
@@ -151,25 +147,17 @@ def test_where_there_is_no_direction_the_one_in_use_is_held():
     assert edge(on_axis, "contact.direction[2]") == 0.0
 
 
-def test_directions_add_up(fmu):
+def test_directions_add_up(fmu, instance):
     """J (a + b) = J a + J b; an input named twice counts twice."""
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        known, unknowns = fmu.select("input", kind="Real"), fmu.select("output", kind="Real")
-        matrix = jacobian(instance, unknowns, known)
-        direction = np.linspace(-1.0, 2.0, len(known))
-        values = array(c_double, [0.0] * len(unknowns))
-        for repeat in (1, 2):
-            instance.ok(
-                "GetDirectionalDerivative",
-                array(c_uint, [one.reference for one in unknowns]),
-                len(unknowns),
-                array(c_uint, [one.reference for one in known] * repeat),
-                len(known) * repeat,
-                array(c_double, list(direction) * repeat),
-                values,
-            )
-            assert list(values) == pytest.approx(list(repeat * matrix @ direction), rel=1e-12, abs=1e-12)
+    instance.initialize()
+    known, unknowns = fmu.select("input", kind="Real"), fmu.select("output", kind="Real")
+    matrix = jacobian(instance, unknowns, known)
+    direction = np.linspace(-1.0, 2.0, len(known))
+    rows, columns = ([one.reference for one in several] for several in (unknowns, known))
+    for repeat in (1, 2):
+        status, values = instance.directional(rows, columns * repeat, list(direction) * repeat)
+        assert status == OK, instance.texts()
+        assert values == pytest.approx(list(repeat * matrix @ direction), rel=1e-12, abs=1e-12)
 
 
 def test_asking_changes_nothing(fmu):
@@ -182,37 +170,28 @@ def test_asking_changes_nothing(fmu):
 
 
 def ask(instance: raw.Instance, unknown: int, known: int, change: float = 1.0) -> int:
-    return instance.call(
-        "GetDirectionalDerivative",
-        array(c_uint, [unknown]),
-        1,
-        array(c_uint, [known]),
-        1,
-        array(c_double, [change]),
-        array(c_double, [0.0]),
-    )
+    return instance.directional([unknown], [known], [change])[0]
 
 
-def test_wrong_references_are_refused(fmu):
+def test_wrong_references_are_refused(fmu, instance):
     gap = fmu.variables["contact.gap"].reference
     known = fmu.select("input", kind="Real")[0]
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        for wrong in ("source.radius", "contact.active", known.name):
-            with instance.expect(ERROR, "fmi2GetDirectionalDerivative", wrong, "no Real output") as got:
-                got(ask(instance, fmu.variables[wrong].reference, known.reference))
-        for wrong in ("source.radius", "contact.active", "contact.gap_rate"):
-            with instance.expect(ERROR, "fmi2GetDirectionalDerivative", wrong, "no Real input") as got:
-                got(ask(instance, gap, fmu.variables[wrong].reference))
-        for references in [(UNKNOWN, known.reference), (gap, UNKNOWN)]:
-            with instance.expect(ERROR, "unknown value reference", str(UNKNOWN)) as got:
-                got(ask(instance, *references))
-        for change in (float("nan"), float("inf")):
-            with instance.expect(DISCARD, known.name, "finite") as got:
-                got(ask(instance, gap, known.reference, change))
-        value = array(c_double, [7.0])
-        instance.ok("GetDirectionalDerivative", array(c_uint, [gap]), 1, None, 0, None, value)
-        assert value[0] == 0.0  # along no input nothing changes
+    instance.initialize()
+    for wrong in ("source.radius", "contact.active", known.name):
+        with instance.expect(ERROR, "fmi2GetDirectionalDerivative", wrong, "no Real output") as got:
+            got(ask(instance, fmu.variables[wrong].reference, known.reference))
+    for wrong in ("source.radius", "contact.active", "contact.gap_rate"):
+        with instance.expect(ERROR, "fmi2GetDirectionalDerivative", wrong, "no Real input") as got:
+            got(ask(instance, gap, fmu.variables[wrong].reference))
+    for references in [(UNKNOWN, known.reference), (gap, UNKNOWN)]:
+        with instance.expect(ERROR, "unknown value reference", str(UNKNOWN)) as got:
+            got(ask(instance, *references))
+    for change in (float("nan"), float("inf")):
+        with instance.expect(DISCARD, known.name, "finite") as got:
+            got(ask(instance, gap, known.reference, change))
+    value = array(c_double, [7.0])
+    instance.ok("GetDirectionalDerivative", array(c_uint, [gap]), 1, None, 0, None, value)
+    assert value[0] == 0.0  # along no input nothing changes
 
 
 def test_a_derivative_beyond_the_range_of_numbers_is_refused():
@@ -226,16 +205,72 @@ def test_a_derivative_beyond_the_range_of_numbers_is_refused():
             got(ask(instance, *references, 1e200))
 
 
-def test_in_initialization_mode_inputs_are_known_and_parameters_are_not(fmu):
+def test_in_initialization_mode_inputs_are_known_and_parameters_are_not(fmu, instance):
     gap = fmu.variables["contact.gap"].reference
+    instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+    assert ask(instance, gap, fmu.select("input")[0].reference) == ERROR
+    instance.ok("EnterInitializationMode")
+    for output in fmu.select("output", "calculatedParameter", kind="Real"):
+        assert ask(instance, output.reference, fmu.select("input")[0].reference) == OK
+    with instance.expect(DISCARD, "parameter source.radius", "not provided") as got:
+        got(ask(instance, gap, fmu.variables["source.radius"].reference))
+    instance.ok("ExitInitializationMode")
+    for constant in fmu.select("calculatedParameter"):
+        assert ask(instance, constant.reference, fmu.select("input")[0].reference) == ERROR
+
+
+# Directional derivatives in initialization mode: all Real unknowns of it, energies and peaks too, against
+# differences through the FMU. There the inputs move the start: no work is done, automatic factors follow.
+
+# Bodies that overlap (the gap is -0.04 m) and move; the free one has kinetic and potential energy.
+TOUCHING = {"source.center": [0.3, 0.1, 0.45], "destination.prescribed_displacement": [0.01, -0.02, 0.0]}
+TOUCHING |= {"destination.prescribed_velocity": [0.2, 0.0, 1.5]}
+TOUCHING |= {"source.prescribed_velocity": [0.0, 0.1, -0.4], "source.initial_velocity": [0.3, 0.2, -1.0]}
+TOUCHING |= {"contact.penalty_factor": 2e3, "contact.viscous_penalty_factor": 5.0}
+LYING = {"destination.axis": [0.3, 1.0, 0.2]}
+STARTS = {
+    "a moved destination": {"destination.motion": "prescribed"},
+    "a moved source": {"source.motion": "prescribed", "destination.motion": "free"},
+    "both moved": {"source.motion": "prescribed", "destination.motion": "prescribed"},
+    "apart": {"destination.motion": "prescribed", "source.center": [0.0, 0.3, 0.9]},
+    "inside, apart": {"destination.motion": "prescribed", "source.center": [0.1, 0.2, 0.1]},
+    "automatic factors": {"destination.motion": "prescribed", "contact.penalty_control": "automatic",
+        "contact.viscous_control": "automatic", "contact.reference_modulus": 2e3},
+    "automatic stiffness": {"destination.motion": "prescribed", "contact.penalty_control": "automatic",
+        "contact.reference_modulus": 2e3},
+    "automatic damping": {"destination.motion": "prescribed", "contact.viscous_control": "automatic",
+        "contact.reference_modulus": 2e3},
+    "viscous only": {"destination.motion": "prescribed", "contact.penalty_control": "viscous_only",
+        "contact.viscous_control": "automatic", "contact.reference_modulus": 1e6},
+    "no dashpot": {"destination.motion": "prescribed", "contact.method": "penalty"},
+    # Receding fast: p_n g + p_nv g' > 0
+    "pulling": {"destination.motion": "prescribed", "contact.dashpot": "unclamped",
+        "source.initial_velocity": [6.0, 2.0, 9.0], "contact.viscous_penalty_factor": 50.0},
+    "clipped": {"destination.motion": "prescribed", "contact.dashpot": "non_adhesive",
+        "source.initial_velocity": [6.0, 2.0, 9.0], "contact.viscous_penalty_factor": 50.0},
+    "restitution": {"destination.motion": "prescribed", "contact.dashpot": "approach_only",
+        "source.initial_velocity": [6.0, 2.0, 9.0], "contact.viscous_penalty_factor": 50.0},
+}  # fmt: skip
+
+
+MADE_OF_THE_DIAGONAL = ("automatic factors", "automatic stiffness")
+
+
+@pytest.mark.parametrize("scene", ["SphereSphere", "SphereCylinder"])
+@pytest.mark.parametrize("name", STARTS)
+def test_derivatives_of_the_start_are_those_of_difference_quotients(scene, name):
+    fmu = raw.load(scene)
     with raw.Instance(fmu) as instance:
-        instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-        assert ask(instance, gap, fmu.select("input")[0].reference) == ERROR
-        instance.ok("EnterInitializationMode")
-        for output in fmu.select("output", "calculatedParameter", kind="Real"):
-            assert ask(instance, output.reference, fmu.select("input")[0].reference) == OK
-        with instance.expect(DISCARD, "parameter source.radius", "not provided") as got:
-            got(ask(instance, gap, fmu.variables["source.radius"].reference))
-        instance.ok("ExitInitializationMode")
-        for constant in fmu.select("calculatedParameter"):
-            assert ask(instance, constant.reference, fmu.select("input")[0].reference) == ERROR
+        instance.enter_initialization(
+            {**TOUCHING, **(LYING if scene == "SphereCylinder" else {}), **STARTS[name]}
+        )
+        unknowns = fmu.select("output", "calculatedParameter", kind="Real")
+        knowns = fmu.select("input", kind="Real")
+        given = checked_jacobian(instance, unknowns, knowns)
+        names = [variable.name for variable in unknowns]
+        felt = {names[i] for i in np.argwhere(given != 0.0)[:, 0]}
+        touching = bool(instance.get("contact.active"))
+        assert touching == ("apart" not in name)
+        assert "contact.gap" in felt
+        assert ("contact.peak_penetration" in felt) == touching
+        assert ("contact.effective_penalty_factor" in felt) == (name in MADE_OF_THE_DIAGONAL)

@@ -1,6 +1,5 @@
 """A parameter that was set while nothing reads it is warned of once, naming the choice by which it would be
-read: of every row of variables.toml with `when`, under every combination of the choices that it names.
-"""
+read: of every row of variables.toml with `when`, under every combination of the choices that it names."""
 
 import itertools
 import tomllib

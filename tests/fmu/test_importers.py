@@ -1,7 +1,6 @@
 """FMUs of every kind in the importers of requirements.txt, each in a process of its own, in any folder."""
 
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import pytest
 from contact_fmus.errors import UserError
 from contact_fmus.importers.command import AGREE, IMPORTERS, Given, Trial, page, table, tried
 from support.fmi2.raw import KINDS
+from support.programs import finished
 
 ROOT = Path(__file__).resolve().parents[2]
 # One of each kind, and one that rolls
@@ -39,9 +39,7 @@ assert all(end == ends[0] for end in ends), ends
 # rounds: by so much [N] it differs between importers whose times differ by a rounding. From mu F_n [N],
 # v_0 and the speeds [m/s]:
 ROUNDING = 2.2e-16
-FRICTION_ROUNDS_BY = {
-    "Turntable": 4 * ROUNDING * 4.9 / 1e-5 * 1.5,
-}
+FRICTION_ROUNDS_BY = {"Turntable": 4 * ROUNDING * 4.9 / 1e-5 * 1.5}
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -57,7 +55,7 @@ def test_fmpy_runs_it_from_a_folder_with_blanks_and_umlauts_in_silence(fmu_path,
     folder = tmp_path / "Bälle und Röhren ç"
     folder.mkdir()
     path = shutil.copy(fmu_path(scene), folder / f"{scene} 2.fmu")
-    run = subprocess.run([sys.executable, "-c", SIMULATE, path], capture_output=True, text=True, check=False)
+    run = finished([sys.executable, "-c", SIMULATE, path])
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
 
 

@@ -24,23 +24,12 @@ ROOT = Path(__file__).resolve().parents[2]
 LIBRARIES = Path(os.environ.get("CONTACT_BUILD", ROOT / "build")).resolve() / "libraries"
 
 # Each pinned scene and the universal FMU whose choices it pins.
-UNIVERSAL = {
-    "BallOnSphere": "SphereSphere",
-    "BallInShell": "SphereSphere",
-    "BallOffRoller": "SphereCylinder",
-    "PinnedEvent": "SphereCylinder",
-    "ForceElement": "SphereCylinder",
-    "HertzImpact": "SphereSphere",
-    "Bowling": "SpherePlane",
-    "TippingRoller": "SphereCylinder",
-}
+UNIVERSAL = {"BallOnSphere": "SphereSphere", "BallInShell": "SphereSphere", "BallOffRoller": "SphereCylinder"}
+UNIVERSAL |= {"PinnedEvent": "SphereCylinder", "ForceElement": "SphereCylinder"}
+UNIVERSAL |= {"HertzImpact": "SphereSphere", "Bowling": "SpherePlane", "TippingRoller": "SphereCylinder"}
 # Others that move as the universal FMU does.
-MORE = {
-    "BouncingBall": "SpherePlane",
-    "SpinningBall": "SpherePlane",
-    "Turntable": "SpherePlane",
-    "GolfersDilemma": "SphereCylinder",
-}
+MORE = {"BouncingBall": "SpherePlane", "SpinningBall": "SpherePlane", "Turntable": "SpherePlane"}
+MORE |= {"GolfersDilemma": "SphereCylinder"}
 # Where an axis is at rest that the universal FMU knows by another start value.
 UPRIGHT = {"Turntable": "destination.prescribed_axis", "GolfersDilemma": "destination.axis"}
 LINEAR = [scene for scene in UNIVERSAL if scene != "HertzImpact"]
@@ -50,8 +39,7 @@ SPHERES = ["SphereSphere", "BallOnSphere", "BallInShell"]
 
 def open_start(fmu, name):
     """What lets the FMU with every choice open do the same: what the scene pins, without choices that keep
-    several of their items, and all parameters and inputs, whose start values are others there
-    """
+    several of their items, and all parameters and inputs, whose start values are others there"""
     given = [one for one, of in fmu.variables.items() if of.causality in ("parameter", "input")]
     pinned = {
         key: value
@@ -70,8 +58,7 @@ BY_CVODE = [
 @pytest.mark.parametrize("scene, method", [*((scene, METHODS[0]) for scene in UNIVERSAL | MORE), *BY_CVODE])
 def test_the_universal_fmu_does_the_same(fmu_path, scene, method):
     """With all start values of the scene's FMU: those of the universal one are others. CVODE has more states
-    there, and with them other steps.
-    """
+    there, and with them other steps."""
     ends, start = [], {}
     for name in (scene, (UNIVERSAL | MORE)[scene]):
         with ContactFmu(fmu_path(name)) as fmu:
@@ -169,8 +156,7 @@ def test_the_force_element_has_a_library_of_at_most_97_kb(library_bytes):
     for mean and peaks over a step: the polynomials that tell when contact begins and ends within it, their
     roots, the quadrature between; 4 kB for factors that may be set between steps and the search for peaks;
     4 kB for changes of the law that are located where a dashpot is clipped, and for warnings of parameters
-    that were set and are not in force; 4 kB for values and messages that go one way in FMI 2 and FMI 3.
-    """
+    that were set and are not in force; 4 kB for values and messages that go one way in FMI 2 and FMI 3."""
     assert library_bytes("ForceElement") <= 97_000
 
 

@@ -14,18 +14,14 @@ from pathlib import Path
 import pytest
 
 from support.fmi2 import raw
-from support.programs import PATIENCE, environment, python
+from support.programs import environment, finished, python
 
 HERE = Path(__file__).resolve().parent
 LIBRARIES = Path(os.environ.get("CONTACT_BUILD", HERE.parents[1] / "build")).resolve() / "libraries"
 CRASHES = {
-    "N_VNewEmpty",
-    "N_VCloneEmpty_Serial",
-    "N_VClone_Serial",
-    "SUNHashMap_New",
-    "SUNNonlinSolNewEmpty",
+    "N_VNewEmpty", "N_VCloneEmpty_Serial", "N_VClone_Serial", "SUNHashMap_New", "SUNNonlinSolNewEmpty",
     "SUNNonlinSol_Newton",
-}
+}  # fmt: skip
 OWN = {"instance_create", "model_create", "block_to_write", "integrator_open"}
 EVENT_DRIVEN = 1
 
@@ -43,7 +39,7 @@ def shim(tmp_path_factory) -> Path:
 
 def functions_at(library: Path, addresses: list[int]) -> list[str]:
     command = ["addr2line", "-f", "-e", str(library), *(hex(address - 1) for address in addresses)]
-    lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+    lines = finished(command, check=True).stdout.splitlines()
     return [line.partition(".")[0] for line in lines[::2]]
 
 
@@ -53,9 +49,7 @@ def lives(shim: Path, what: str, scene: str, library: Path, method: int = 0) -> 
     names = ("contact.gap", "solver.method") if method else ("contact.gap",)
     numbers = [*(fmu.variables[name].reference for name in names), 0][:2]
     command = python("support.fmi2.solver_faults", what, library, fmu.guid, *numbers, method)
-    run = subprocess.run(
-        command, capture_output=True, text=True, timeout=PATIENCE, env=environment(LD_PRELOAD=str(shim))
-    )
+    run = finished(command, env=environment(LD_PRELOAD=str(shim)))
     assert run.returncode == 0, run.stderr
     rows = [json.loads(line) for line in run.stdout.splitlines()]
     assert [row for row in rows if "fault" in row] == []

@@ -9,9 +9,9 @@ from ctypes import byref, c_void_p
 import pytest
 
 from support.fmi2 import raw, runs
-from support.fmi2.blob import HEADER_SIZE, forge, header
 from support.fmi2.raw import ERROR, OK
 from support.fmi2.runs import RUNS, begin, digest, go_on
+from support.fmi2.states import HEADER_SIZE, forge, header
 from support.programs import PATIENCE, environment, python
 
 
@@ -103,13 +103,8 @@ def test_reset_from_any_phase(fmu):
     with raw.Instance(fmu) as instance, raw.Instance(fmu) as fresh:
         first = fresh.save()
         expected = fresh.initialize().run([0.1] * 4)
-        steps = [
-            "SetupExperiment",
-            "EnterInitializationMode",
-            "ExitInitializationMode",
-            "DoStep",
-            "Terminate",
-        ]
+        steps = ["SetupExperiment", "EnterInitializationMode", "ExitInitializationMode", "DoStep"]
+        steps += ["Terminate"]
         arguments = {"SetupExperiment": (1, 1e-3, 5.0, 1, 7.0), "DoStep": (5.0, 0.5, 1)}
         for count in range(len(steps) + 1):
             for variable in fmu.select("parameter", kind="Real")[:1]:
@@ -123,12 +118,8 @@ def test_reset_from_any_phase(fmu):
 
 def test_the_phase_is_part_of_the_state(fmu):
     """Saved in each phase and restored in each: what is allowed then is what was allowed when saving."""
-    follow_up = {
-        "instantiated": ("EnterInitializationMode",),
-        "initialization": ("ExitInitializationMode",),
-        "stepping": ("DoStep", 0.5, 0.25, 1),
-        "terminated": ("Reset",),
-    }
+    follow_up = {"instantiated": ("EnterInitializationMode",), "initialization": ("ExitInitializationMode",)}
+    follow_up |= {"stepping": ("DoStep", 0.5, 0.25, 1), "terminated": ("Reset",)}
     blobs = {}
     with raw.Instance(fmu) as instance:
         instance.ok("SetupExperiment", 0, 0.0, 0.5, 1, 1.0)
@@ -195,28 +186,25 @@ def refused(instance: raw.Instance, blob: bytes, *words: str) -> None:
         got(status)
 
 
-@pytest.mark.parametrize(
-    ("field", "value", "word"),
-    [
-        ("version", 0, "version"),
-        ("version", 3, "version"),
-        ("version", 2**32 - 1, "version"),
-        ("magic", 1, "magic"),
-        ("scene", 0, "model"),
-        ("size", 0, "size"),
-        ("size", 2**63, "size"),
-        ("checksum", 0, "checksum"),
-        ("phase", 0, "header"),
-        ("phase", 6, "header"),
-        ("phase", 64, "header"),
-        ("phase", 2**31, "header"),
-        ("set_up", 2, "header"),
-        ("start_time", float("nan"), "header"),
-        ("start_time", float("inf"), "header"),
-        ("stop_time", float("nan"), "header"),
-        ("stop_time", -1.0, "header"),
-    ],
-)
+@pytest.mark.parametrize(("field", "value", "word"), [
+    ("version", 0, "version"),
+    ("version", 3, "version"),
+    ("version", 2**32 - 1, "version"),
+    ("magic", 1, "magic"),
+    ("scene", 0, "model"),
+    ("size", 0, "size"),
+    ("size", 2**63, "size"),
+    ("checksum", 0, "checksum"),
+    ("phase", 0, "header"),
+    ("phase", 6, "header"),
+    ("phase", 64, "header"),
+    ("phase", 2**31, "header"),
+    ("set_up", 2, "header"),
+    ("start_time", float("nan"), "header"),
+    ("start_time", float("inf"), "header"),
+    ("stop_time", float("nan"), "header"),
+    ("stop_time", -1.0, "header"),
+])  # fmt: skip
 def test_a_state_with_another_header_is_refused(saved, field, value, word):
     instance, blob = saved
     assert header(blob)["version"] == 2

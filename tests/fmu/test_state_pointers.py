@@ -40,34 +40,29 @@ def refused(instance: raw.Instance, function: str, address: int) -> None:
     state = c_void_p(address)
     size = c_size_t(77)
     room = ctypes.create_string_buffer(GUARD, len(GUARD))
-    arguments = {
-        "SetFMUstate": (state,),
-        "SerializedFMUstateSize": (state, byref(size)),
-        "SerializeFMUstate": (state, room, len(room)),
-        "FreeFMUstate": (byref(state),),
-    }
+    arguments = {"SetFMUstate": (state,), "SerializedFMUstateSize": (state, byref(size))}
+    arguments |= {"SerializeFMUstate": (state, room, len(room)), "FreeFMUstate": (byref(state),)}
     with instance.expect(ERROR, f"fmi2{function}", "unknown") as got:
         got(instance.call(function, *arguments[function]))
     assert (state.value, size.value, room.raw) == (address, 77, GUARD)
 
 
-def test_a_state_pointer_is_used_again(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        state = c_void_p()
-        instance.ok("GetFMUstate", byref(state))
-        address = state.value
-        instance.run([0.1])
-        instance.ok("GetFMUstate", byref(state))
-        assert state.value == address
-        blob = instance.save()
-        instance.run([0.1], start=0.1)
-        instance.ok("DeSerializeFMUstate", blob, len(blob), byref(state))
-        assert state.value == address
-        instance.ok("SetFMUstate", state)
-        assert instance.save() == blob
-        instance.ok("FreeFMUstate", byref(state))
-        assert state.value is None
+def test_a_state_pointer_is_used_again(instance):
+    instance.initialize()
+    state = c_void_p()
+    instance.ok("GetFMUstate", byref(state))
+    address = state.value
+    instance.run([0.1])
+    instance.ok("GetFMUstate", byref(state))
+    assert state.value == address
+    blob = instance.save()
+    instance.run([0.1], start=0.1)
+    instance.ok("DeSerializeFMUstate", blob, len(blob), byref(state))
+    assert state.value == address
+    instance.ok("SetFMUstate", state)
+    assert instance.save() == blob
+    instance.ok("FreeFMUstate", byref(state))
+    assert state.value is None
 
 
 @pytest.mark.parametrize("function", ["GetFMUstate", "DeSerializeFMUstate"])

@@ -69,17 +69,13 @@ def test_vdmcheck_reports_nothing(fmu_path, vdm_folder, scene, model):
 
 # What is wrong, what to write for what, what the complaint has to name, and which models see it.
 FAULTS = [
-    (
-        rb'(name="source\.radius".*?) start="[^"]*"',
-        rb'\1 start="1e200"',
-        "start 1.0E200 is not within",
-        ["static-model"],
-    ),
+    (rb'(name="source\.radius".*?) start="[^"]*"', rb'\1 start="1e200"', "start 1.0E200 is not within",
+        ["static-model"]),
     (rb'declaredType="Length"', b'declaredType="Lenght"', '"Lenght"', vdmcheck.MODELS),
     (rb'name="source\.radius"', b'name="destination.radius"', "not unique", vdmcheck.MODELS),
     (rb'(name="contact\.gap".*?)"continuous"', rb'\1"fixed"', '"contact.gap"', vdmcheck.MODELS),
     (rb"(<Outputs>\s*)<Unknown[^>]*>", rb"\1", "Outputs section does not match", vdmcheck.MODELS),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("model", vdmcheck.MODELS)
@@ -104,15 +100,10 @@ def test_the_archive_holds_what_the_standard_lists_and_nothing_else(fmu_path, sc
         assert fmu.testzip() is None
     assert len(names) == len(set(names))
     required = {
-        "modelDescription.xml",
-        "model.png",
-        f"binaries/linux64/{scene}.so",
-        "documentation/index.html",
-        "resources/scene.json",
-        "terminalsAndIcons/terminalsAndIcons.xml",
-        "terminalsAndIcons/icon.png",
+        "modelDescription.xml", "model.png", f"binaries/linux64/{scene}.so", "documentation/index.html",
+        "resources/scene.json", "terminalsAndIcons/terminalsAndIcons.xml", "terminalsAndIcons/icon.png",
         "terminalsAndIcons/icon.svg",
-    }
+    }  # fmt: skip
     assert required <= set(names)
     sources = {name for name in names if name.startswith("sources/")}
     assert {"sources/buildDescription.xml", "sources/contact.c", "sources/scene.h"} <= sources

@@ -1,7 +1,5 @@
-"""Parameters that make the work unbounded: solver.max_internal_steps ends the step with fmi2Discard at
-the time reached, with a state that is whole and can go on; what cannot be computed is never answered
-wrongly.
-"""
+"""Parameters that make the work unbounded: solver.max_internal_steps ends the step with fmi2Discard at the
+time reached, with a state that is whole and can go on; what cannot be computed is never answered wrongly."""
 
 import math
 
@@ -17,35 +15,23 @@ from support.scenes.benchmarks import BENCHMARKS
 
 METHOD, TOLERANCE = "event_driven", 1e-12
 LIMIT = 20_000
-SHELL = {
-    "destination.radius": 0.5,
-    "source.center": [0.1, 0.0, 0.0],
-    "contact.location": "inside",
-    "contact.method": "penalty",
-    "contact.penalty_factor": 1e13,
-    "gravity": [0.0, 0.0, 0.0],
-}
+SHELL = {"destination.radius": 0.5, "source.center": [0.1, 0.0, 0.0], "contact.location": "inside"}
+SHELL |= {"contact.method": "penalty", "contact.penalty_factor": 1e13, "gravity": [0.0, 0.0, 0.0]}
 DROP = {"source.center": [0.0, 0.0, 1.1], "contact.method": "penalty"}
 DAMPED_DROP = {"source.center": [0.0, 0.0, 1.1], "contact.method": "penalty_dynamic"}
-UNBOUNDED = {  # configuration and the communication step
+UNBOUNDED = {
+    # configuration and the communication step
     "1e9 bounces across": ({**SHELL, "source.initial_velocity": [1e6, 0.0, 0.0]}, 800.0),
     "1e9 bounces around": ({**SHELL, "source.initial_velocity": [1e6, 3e5, 2e5]}, 800.0),
     "1e9 hops": ({**DROP, "source.center": [0, 0, 0.6 + 1e-9], "contact.penalty_factor": 1e13}, 3e4),
     "contact time below that of time": ({**DROP, "contact.penalty_factor": 1e40}, 1e3),
     "a penalty factor at the end of its range": ({**DROP, "contact.penalty_factor": 1e150}, 1e3),
-    "a damped one": (
-        {**DAMPED_DROP, "contact.penalty_factor": 1e40, "contact.viscous_penalty_factor": 1e20},
-        1e3,
-    ),
-    "a dashpot without spring": (
-        {**DAMPED_DROP, "contact.penalty_control": "viscous_only", "contact.viscous_penalty_factor": 1e40},
-        1e3,
-    ),
-    "at rest on a rock": (
-        {**DAMPED_DROP, "source.center": [0, 0, 0.6], "contact.penalty_factor": 1e30},
-        1e3,
-    ),
-}
+    "a damped one": ({**DAMPED_DROP, "contact.penalty_factor": 1e40, "contact.viscous_penalty_factor": 1e20},
+        1e3),
+    "a dashpot without spring": ({**DAMPED_DROP, "contact.penalty_control": "viscous_only",
+        "contact.viscous_penalty_factor": 1e40}, 1e3),
+    "at rest on a rock": ({**DAMPED_DROP, "source.center": [0, 0, 0.6], "contact.penalty_factor": 1e30}, 1e3),
+}  # fmt: skip
 
 
 def limited(fmu, configuration, limit=LIMIT):
@@ -85,8 +71,7 @@ def discarded(fmu, size):
 @pytest.mark.parametrize("case", UNBOUNDED)
 def test_the_work_is_bounded_and_nothing_breaks(opened, case):
     """Either the step is done after all, or it is discarded at a time in between; then the same call goes
-    on.
-    """
+    on."""
     configuration, size = UNBOUNDED[case]
     fmu = limited(opened("SphereSphere"), configuration)
     energy = mechanical(fmu)
@@ -247,22 +232,17 @@ def test_the_limit_that_a_run_starts_with_is_the_least_work(opened):
 
 
 BOWL = {**SHELL, "gravity": [0.0, 0.0, -9.81], "source.center": [0.2, 0.0, -0.34]}
-ENDLESS = {  # one step of 1e9 s; how many internal steps and events each may take at most
+ENDLESS = {
+    # one step of 1e9 s; how many internal steps and events each may take at most
     "a ball that bounces on a plane": ("SpherePlane", DROP, METHOD, LEAST_WORK),
-    "a ball that bounces on a hollow": (
-        "SphereSphere",
-        {**BOWL, "contact.penalty_factor": 1e6, "source.initial_velocity": [1.0, 0.3, 0.2]},
-        METHOD,
-        LEAST_WORK // 3,
-    ),
-    "a ball that swings in a bowl": (
-        "SphereSphere",
-        {**BOWL, "contact.penalty_factor": 1e6, "contact.method": "penalty_dynamic"},
-        METHOD,
-        LEAST_WORK // 40,
-    ),
+    "a ball that bounces on a hollow": ("SphereSphere",
+        {**BOWL, "contact.penalty_factor": 1e6, "source.initial_velocity": [1.0, 0.3, 0.2]}, METHOD,
+        LEAST_WORK // 3),
+    "a ball that swings in a bowl": ("SphereSphere",
+        {**BOWL, "contact.penalty_factor": 1e6, "contact.method": "penalty_dynamic"}, METHOD,
+        LEAST_WORK // 40),
     "a ball that bounces by CVODE": ("SpherePlane", DROP, "cvode_bdf", LEAST_WORK // 20),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("case", ENDLESS)

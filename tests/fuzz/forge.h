@@ -4,7 +4,7 @@
 
 #include "bytes.h"
 
-/* The adapter's header, as tests/support/fmi2/blob.py has it: magic, version, scene, checksum, size, times,
+/* The adapter's header, as tests/support/fmi2/states.py has it: magic, version, scene, checksum, size, times,
  * flags. */
 enum { HEADER_SIZE = 48, HEADER_CHECKSUM = 12, CHECKED_FROM = 16, LARGEST_BLOCK = 16384 };
 

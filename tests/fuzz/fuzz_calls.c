@@ -64,10 +64,10 @@ static fmi2Status reset_or_fail(struct player *player, struct bytes *b)
 }
 
 static const struct play play = {.count = 16,
-                                 .calls = {player_instantiate, player_leave, player_set_up, enter, leave,
-                                           player_initialize, step, step, ask_status, arrays_call,
-                                           arrays_set_one, player_handle_state, player_debug_logging, stop,
-                                           reset_or_fail, player_read_all}};
+                                 .calls = {{player_instantiate, player_leave, player_set_up, enter, leave,
+                                            player_initialize, step, step, ask_status, arrays_call},
+                                           {arrays_set_one, player_handle_state, player_debug_logging, stop,
+                                            reset_or_fail, player_read_all}}};
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

@@ -79,10 +79,10 @@ static fmi3Status leave(struct player *player, struct bytes *b)
 }
 
 static const struct play play = {.count = 16,
-                                 .calls = {player_instantiate, player_may_leave, player_set_up, leave,
-                                           player_initialize, step, step, step, change_mode, arrays_call,
-                                           arrays_call, arrays_set_one, arrays_set_one, player_handle_state,
-                                           player_log_or_reset, player_read_all}};
+                                 .calls = {{player_instantiate, player_may_leave, player_set_up, leave,
+                                            player_initialize, step, step, step, change_mode, arrays_call},
+                                           {arrays_call, arrays_set_one, arrays_set_one, player_handle_state,
+                                            player_log_or_reset, player_read_all}}};
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

@@ -1,13 +1,72 @@
 /*
  * Random sequences of FMI calls on several instances of Model Exchange: any function at any time, an
- * integrator that steps and handles events, arrays of wrong lengths, states that go from one instance to
- * another or that somebody changed. Whatever is asked must be answered: no crash, a known status, a message
- * for every refusal, finite values, event iterations that end.
+ * integrator that steps and handles events, states set one by one or as a vector, arrays of wrong lengths,
+ * states that go from one instance to another or that somebody changed. Whatever is asked must be answered:
+ * no crash, a known status, a message for every refusal, finite values, event iterations that end.
  */
 #include "forge.h"
 #include "outside.h"
 #include "players.h"
 #include "scene.h"
+
+#if FUZZ_FMI == 3
+
+/* Event mode until nothing changes any more, and out of it. */
+static fmi3Status handle_event(fmi3Instance c)
+{
+    fmi3Boolean again = true, terminate = false, nominals = false, values = false, scheduled = false;
+    const fmi3ValueReference clock = 0;
+    fmi3Float64 next = 0.0, time = 0.0;
+    fmi3Status status = fmi3GetFloat64(c, &clock, 1, &time, 1);
+    for (int i = 0; status <= fmi3Warning && again; ++i) {
+        CLAIM(i < ITERATIONS_AT_MOST);
+        status = fmi3UpdateDiscreteStates(c, &again, &terminate, &nominals, &values, &scheduled, &next);
+        CLAIM(!terminate && !nominals);
+        CLAIM(!scheduled || (next > time && isfinite(next)));
+    }
+    return status <= fmi3Warning ? fmi3EnterContinuousTimeMode(c) : status;
+}
+
+static fmi_status update(fmi_instance c, bool missing)
+{
+    fmi3Boolean flags[5] = {false};
+    fmi3Float64 next = 0.0;
+    return fmi3UpdateDiscreteStates(c, &flags[0], &flags[1], &flags[2], &flags[3], missing ? NULL : &flags[4],
+                                    &next);
+}
+
+static fmi3Status numbers(fmi3Instance c, struct bytes *b)
+{
+    size_t states = SIZE_MAX, indicators = SIZE_MAX;
+    fmi3Status status = fmi3GetNumberOfContinuousStates(c, bytes_one(b) == 255 ? NULL : &states);
+    CLAIM(status > fmi3Warning || states == SCENE_STATES);
+    if (status <= fmi3Warning) {
+        status = fmi3GetNumberOfEventIndicators(c, &indicators);
+        CLAIM(status > fmi3Warning || indicators == SCENE_INDICATORS);
+    }
+    return status;
+}
+
+/* What one version alone has, and calls of Co-Simulation. */
+enum { CHANGES = 9 };
+
+static fmi_status change_otherwise(fmi_instance c, struct bytes *b, unsigned which)
+{
+    fmi3Boolean flags[3] = {false};
+    fmi3Float64 reached = 0.0;
+    if (which == 7) {
+        return numbers(c, b);
+    }
+    return bytes_choice(b, 2) ? fmi3EnterStepMode(c)
+                              : fmi3DoStep(c, 0.0, 0.1, true, &flags[0], &flags[1], &flags[2], &reached);
+}
+
+static fmi_status enter_or_leave(struct player *player, struct bytes *b)
+{
+    return bytes_choice(b, 2) ? player_set_up(player, b) : fmi3ExitInitializationMode(player->instance);
+}
+
+#else
 
 /* Event mode until nothing changes any more, and out of it. */
 static fmi2Status handle_event(fmi2Component c)
@@ -23,34 +82,23 @@ static fmi2Status handle_event(fmi2Component c)
     return status <= fmi2Warning ? fmi2EnterContinuousTimeMode(c) : status;
 }
 
-/* Any of the calls between the modes; places for answers may be missing. */
-static fmi2Status change_mode(struct player *player, struct bytes *b)
+static fmi_status update(fmi_instance c, bool missing)
 {
-    fmi2Component c = player->instance;
     fmi2EventInfo news = {.newDiscreteStatesNeeded = fmi2False};
-    fmi2Boolean flag = fmi2False;
-    switch (bytes_choice(b, 8)) {
-    case 0:
-        return fmi2EnterEventMode(c);
-    case 1:
-        return fmi2EnterContinuousTimeMode(c);
-    case 2:
-        return fmi2NewDiscreteStates(c, bytes_one(b) == 255 ? NULL : &news);
-    case 3:
-        return fmi2CompletedIntegratorStep(c, fmi2True, &flag, bytes_one(b) == 255 ? NULL : &flag);
-    case 4:
-        return fmi2SetTime(c, bytes_real(b));
-    case 5:
-        return handle_event(c);
-    case 6:
-        return bytes_one(b) == 255 ? fmi2Terminate(c) : fmi2EnterEventMode(c);
-    default:
-        return fmi2DoStep(c, 0.0, 0.1, fmi2True);
-    }
+    return fmi2NewDiscreteStates(c, missing ? NULL : &news);
+}
+
+/* A call of Co-Simulation. */
+enum { CHANGES = 8 };
+
+static fmi_status change_otherwise(fmi_instance c, struct bytes *b, unsigned which)
+{
+    (void)b, (void)which;
+    return fmi2DoStep(c, 0.0, 0.1, fmi2True);
 }
 
 /* A state of its own with other bytes: taken over or refused. */
-static fmi2Status bring_forged(fmi2Component c, struct bytes *b)
+static fmi_status bring_forged(fmi_instance c, struct bytes *b)
 {
     static fmi2Byte block[LARGEST_BLOCK];
     fmi2FMUstate state = NULL;
@@ -95,28 +143,48 @@ static fmi2Status forge_or_reset(struct player *player, struct bytes *b)
                                                           : player_reset(player, b);
 }
 
-static const struct play play = {.exchange = true,
-                                 .count = 20,
-                                 .calls = {player_instantiate,
-                                           player_may_leave,
-                                           player_set_up,
-                                           enter_or_leave,
-                                           player_initialize,
-                                           player_initialize,
-                                           march,
-                                           march,
-                                           march,
-                                           change_mode,
-                                           change_mode,
-                                           any_vector,
-                                           any_vector,
-                                           arrays_call,
-                                           arrays_set_one,
-                                           arrays_set_one,
-                                           player_handle_state,
-                                           log_or_fail,
-                                           forge_or_reset,
-                                           player_read_all}};
+#endif
+
+/* Any of the calls between the modes; places for answers may be missing. */
+static fmi_status change_mode(struct player *player, struct bytes *b)
+{
+    fmi_instance c = player->instance;
+    FMI(Boolean) flag = false;
+    const unsigned which = bytes_choice(b, CHANGES);
+    switch (which) {
+    case 0:
+        return FMI(EnterEventMode)(c);
+    case 1:
+        return FMI(EnterContinuousTimeMode)(c);
+    case 2:
+        return update(c, bytes_one(b) == 255);
+    case 3:
+        return FMI(CompletedIntegratorStep)(c, true, &flag, bytes_one(b) == 255 ? NULL : &flag);
+    case 4:
+        return FMI(SetTime)(c, bytes_real(b));
+    case 5:
+        return handle_event(c);
+    case 6:
+        return bytes_one(b) == 255 ? FMI(Terminate)(c) : FMI(EnterEventMode)(c);
+    default:
+        return change_otherwise(c, b, which);
+    }
+}
+
+static const struct play play = {
+    .exchange = true,
+    .count = 20,
+#if FUZZ_FMI == 3
+    .calls = {{player_instantiate, player_may_leave, enter_or_leave, player_initialize, player_initialize,
+               march, march, march, change_mode, change_mode},
+              {any_vector, any_vector, arrays_call, arrays_call, arrays_set_one, arrays_set_one,
+               player_handle_state, player_handle_state, player_log_or_reset, player_read_all}}};
+#else
+    .calls = {{player_instantiate, player_may_leave, player_set_up, enter_or_leave, player_initialize,
+               player_initialize, march, march, march, change_mode},
+              {change_mode, any_vector, any_vector, arrays_call, arrays_set_one, arrays_set_one,
+               player_handle_state, log_or_fail, forge_or_reset, player_read_all}}};
+#endif
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

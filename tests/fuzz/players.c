@@ -235,7 +235,8 @@ int players_play(const uint8_t *data, size_t size, const struct play *play)
         const bool heard = player->instance != NULL && player->hears_all;
         const long messages = host.messages;
         host.told = player->instance;
-        const fmi_status status = play->calls[bytes_choice(&b, play->count)](player, &b);
+        const unsigned call = bytes_choice(&b, play->count);
+        const fmi_status status = play->calls[call / 10][call % 10](player, &b);
         host.told = NULL;
         CLAIM(status >= FMI(OK) && status <= FMI(Error));
         CLAIM(status <= FMI(OK) || !heard || !player->hears_all || host.messages > messages);

@@ -57,11 +57,11 @@ player_call arrays_call;
 /* One variable that exists, a value within its range as far as chance goes. */
 player_call arrays_set_one;
 
-/* What is called, each as often as it is listed, and whether instances are of Model Exchange. */
+/* What is called, each as often as it is listed in both rows, and whether instances are of Model Exchange. */
 struct play {
     bool exchange;
     unsigned count;
-    player_call *calls[20];
+    player_call *calls[2][10];
 };
 
 /* A whole input: whatever is asked is answered with a known status, a message comes with every refusal, and

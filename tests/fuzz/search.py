@@ -69,15 +69,8 @@ def _run(command: list[str]) -> None:
 
 def scene_files(_name: str, length: int) -> bool:
     """Hypothesis with scene files against the generator; True where it finds nothing"""
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        "tests/fuzz/test_scene_files.py",
-    ]
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
+    command += ["tests/fuzz/test_scene_files.py"]
     environment = os.environ | {"CONTACT_FUZZ_MINUTES": str(length)}
     run = subprocess.run(command, cwd=ROOT, env=environment, stdin=subprocess.DEVNULL, check=False)
     return run.returncode == 0

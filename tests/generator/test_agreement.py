@@ -4,14 +4,13 @@ import re
 
 import pytest
 
+from support.generator import generated
 from support.generator.agreement import disagreements
 from support.generator.freeze_references import current, read_frozen
-from support.generator.generated import CATALOGUE, SCENES, files_of, parse_c, parse_xml, scene_file
 
 
-@pytest.mark.parametrize("scene", SCENES)
 def test_all_generated_files_agree_with_variables_toml(scene):
-    assert disagreements(files_of(scene), scene_file(scene)) == []
+    assert disagreements(generated.files_of(scene), generated.scene_file(scene)) == []
 
 
 # file, what to change, into what: each a slip of one hand edit that must not pass.
@@ -45,11 +44,11 @@ ALTERATIONS = [
 
 @pytest.mark.parametrize(("file", "pattern", "replacement"), ALTERATIONS)
 def test_an_altered_file_is_noticed(file, pattern, replacement):
-    original = files_of("SphereCylinder")
+    original = generated.files_of("SphereCylinder")
     altered, count = re.subn(pattern, replacement, original[file], count=1)
     assert count == 1
     try:
-        found = disagreements({**original, file: altered}, scene_file("SphereCylinder"))
+        found = disagreements({**original, file: altered}, generated.scene_file("SphereCylinder"))
     except AssertionError:
         return  # the reader itself refuses the file
     assert found
@@ -57,11 +56,11 @@ def test_an_altered_file_is_noticed(file, pattern, replacement):
 
 def test_a_changed_row_of_variables_toml_is_noticed(monkeypatch):
     """Files made before a row changed are stale: all three are caught."""
-    monkeypatch.setitem(CATALOGUE["variable"]["contact.penalty_factor"], "start", 2e6)
-    found = disagreements(files_of("SphereSphere"), scene_file("SphereSphere"))
+    monkeypatch.setitem(generated.CATALOGUE["variable"]["contact.penalty_factor"], "start", 2e6)
+    found = disagreements(generated.files_of("SphereSphere"), generated.scene_file("SphereSphere"))
     assert sorted(line.split()[0] for line in found) == ["XML", "page"]
-    monkeypatch.setitem(CATALOGUE["variable"]["contact.penalty_factor"], "vr", 99)
-    found = disagreements(files_of("SphereSphere"), scene_file("SphereSphere"))
+    monkeypatch.setitem(generated.CATALOGUE["variable"]["contact.penalty_factor"], "vr", 99)
+    found = disagreements(generated.files_of("SphereSphere"), generated.scene_file("SphereSphere"))
     assert {line.split()[0] for line in found} == {"XML", "C", "page"}
 
 
@@ -72,10 +71,9 @@ def test_value_references_never_change():
     assert now.keys() - frozen.keys() == set(), "run support.generator.freeze_references for new variables"
 
 
-@pytest.mark.parametrize("scene", SCENES)
 def test_value_references_are_unique_and_found_in_the_index(scene):
-    text = files_of(scene)["scene_variables.c"]
-    variables = parse_c(text)
+    text = generated.files_of(scene)["scene_variables.c"]
+    variables = generated.parse_c(text)
     within = max(e["reference"] for e in variables.values() if e["reference"] < 1_000_000) + 1
     index = {int(r): int(p) for r, p in re.findall(r"\[(\d+)\] = (\d+),", text)}
     index = {r if r < within else r - within + 1_000_000: p for r, p in index.items()}  # those behind blocks
@@ -83,11 +81,10 @@ def test_value_references_are_unique_and_found_in_the_index(scene):
     assert len(index) == len(variables)
 
 
-@pytest.mark.parametrize("scene", SCENES)
 def test_the_c_table_names_the_member_of_its_variable(scene):
-    data = scene_file(scene)
+    data = generated.scene_file(scene)
     bodies, contacts = ([one["name"] for one in data[kind]] for kind in ("body", "contact"))
-    for name, entry in parse_c(files_of(scene)["scene_variables.c"]).items():
+    for name, entry in generated.parse_c(generated.files_of(scene)["scene_variables.c"]).items():
         if entry["causality"] == "local":
             assert entry["member"] is None, name  # computed when it is asked for
             continue
@@ -102,9 +99,8 @@ def test_the_c_table_names_the_member_of_its_variable(scene):
         assert entry["member"] == member
 
 
-@pytest.mark.parametrize("scene", SCENES)
 def test_every_number_has_a_symbol_and_every_real_a_unit_quantity_range_and_nominal(scene):
-    for name, entry in parse_xml(files_of(scene)["modelDescription.xml"]).items():
+    for name, entry in generated.parse_xml(generated.files_of(scene)["modelDescription.xml"]).items():
         assert entry["description"], name
         if entry["base"] in ("Real", "Integer"):
             assert entry["description"].endswith(")"), name
@@ -114,3 +110,29 @@ def test_every_number_has_a_symbol_and_every_real_a_unit_quantity_range_and_nomi
             assert float(entry["nominal"]) > 0.0, name
             assert abs(entry["min"]) <= 1e300, name
             assert abs(entry["max"]) <= 1e300, name
+
+
+# What modelDescription.xml says of when a variable changes, and of its start.
+
+TUNABLE = {
+    "penalty_multiplier", "penalty_factor", "characteristic_time", "viscous_penalty_factor", "dashpot",
+    "reference_modulus", "gravity", "relative_tolerance", "absolute_tolerance", "max_internal_steps",
+    "effective_penalty_factor", "effective_viscous_penalty_factor", "effective_hertz_stiffness",
+    "hertz_stiffness", "hunt_crossley_factor", "restitution",
+}  # fmt: skip
+
+
+def test_variability_and_initial_follow_from_causality(scene):
+    """What sums up a step changes at communication points only: nobody is to ask for its derivatives."""
+    for name, entry in generated.describe(scene).items():
+        field = generated.whole(name).rpartition(".")[2]
+        sums_up = field in generated.SUMS_UP
+        varies = "continuous" if entry["base"] == "Real" and not sums_up else "discrete"
+        fixed = "tunable" if field in TUNABLE else "fixed"
+        assert (entry["variability"], entry["initial"]) == {
+            "parameter": (fixed, "exact"),
+            "calculatedParameter": (fixed, "calculated"),
+            "input": (varies, None),
+            "output": (varies, "calculated"),
+            "local": (varies, "calculated"),
+        }[entry["causality"]], name

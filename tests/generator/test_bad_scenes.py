@@ -70,17 +70,11 @@ def test_a_bad_scene_file_is_refused_in_one_line(answer, tmp_path, case):
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(
-    ("start", "depth"),
-    [
-        ('"source.center" = [0.0, 0.3, 0.0]', "0.3 m deep"),  # of 0.1 + 0.5 m, outside as pinned
-        (
-            '"source.center" = [0.0, 0.7, 0.0]\n"source.initial_displacement" = [0.0, -0.15, 0.0]',
-            "0.05 m deep",
-        ),
-        ('"destination.axis" = [3.0, 0.0, 0.0]\n"source.center" = [9.0, 0.0, 0.585]', "0.015 m deep"),
-    ],
-)
+@pytest.mark.parametrize(("start", "depth"), [
+    ('"source.center" = [0.0, 0.3, 0.0]', "0.3 m deep"),  # of 0.1 + 0.5 m, outside as pinned
+    ('"source.center" = [0.0, 0.7, 0.0]\n"source.initial_displacement" = [0.0, -0.15, 0.0]', "0.05 m deep"),
+    ('"destination.axis" = [3.0, 0.0, 0.0]\n"source.center" = [9.0, 0.0, 0.585]', "0.015 m deep"),
+])  # fmt: skip
 def test_a_deep_overlap_at_the_start_is_warned_of(answer, start, depth):
     done = answer(GOOD.replace(PLACES, start))
     assert done.returncode == 0
@@ -89,15 +83,12 @@ def test_a_deep_overlap_at_the_start_is_warned_of(answer, start, depth):
     assert done.stderr.count("\n") == 1
 
 
-@pytest.mark.parametrize(
-    "start",
-    [
-        '"source.center" = [0.0, 0.591, 0.0]',  # 9 mm, less than a tenth of 0.1 m
-        '"source.center" = [0.0, 0.3, 9.0]\n"destination.finite_length" = true',  # beyond the end
-        '"source.center" = [0.0, 0.3, 0.0]\n"source.motion" = "prescribed"\n'
-        '"source.prescribed_displacement" = [0.0, 0.3, 0.0]',
-    ],
-)
+@pytest.mark.parametrize("start", [
+    '"source.center" = [0.0, 0.591, 0.0]',  # 9 mm, less than a tenth of 0.1 m
+    '"source.center" = [0.0, 0.3, 9.0]\n"destination.finite_length" = true',  # beyond the end
+    '"source.center" = [0.0, 0.3, 0.0]\n"source.motion" = "prescribed"\n'
+    '"source.prescribed_displacement" = [0.0, 0.3, 0.0]',
+])  # fmt: skip
 def test_a_little_overlap_or_none_is_not_warned_of(answer, start):
     done = answer(GOOD.replace(PLACES, start))
     assert (done.returncode, done.stderr) == (0, "")

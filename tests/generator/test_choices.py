@@ -41,12 +41,8 @@ def test_a_choice_is_an_integer_with_range_and_items_in_its_description(both):
     for name in changed:
         before, after = plain[name], whole[name]
         assert after["base"] == "Integer"
-        assert {key for key in before if before[key] != after[key]} <= {
-            "base",
-            "description",
-            "items",
-            "quantity",
-        }
+        changed = {key for key in before if before[key] != after[key]}
+        assert changed <= {"base", "description", "items", "quantity"}
         items = dict(re.findall(r"(\d) = (\w+)", after["description"]))
         kind = next(kind for kind in ENUMERATIONS.values() if set(kind) == set(items.values()))
         assert {int(number): item for number, item in items.items()} == {

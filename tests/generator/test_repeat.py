@@ -127,13 +127,9 @@ def test_a_larger_count_changes_no_value_reference(tmp_path):
     text = re.sub(r'name = "chain_\{i\}"[\s\S]*?count = 2\n', pairs, BODIES)
     text = re.sub(r"\n.*(chain|radius|center|near\[\{i\},\{j\}\]\.penalty).*", "", text)
     more = text.replace("count = 3", "count = 5").replace("count = 2", "count = 4")
-    before, after = (
-        {
-            name: entry["reference"]
-            for name, entry in parse_xml(made(one, folder)["modelDescription.xml"]).items()
-        }
-        for one, folder in ((text, tmp_path / "before"), (more, tmp_path / "after"))
-    )
+    files = [made(text, tmp_path / "before"), made(more, tmp_path / "after")]
+    entries = [parse_xml(one["modelDescription.xml"]).items() for one in files]
+    before, after = ({name: entry["reference"] for name, entry in of_one} for of_one in entries)
     assert "pair[4,5].gap" in after.keys() - before.keys()
     apart = {
         name for name in before if re.match(r"near\[\d,3\]|near\[4", name)
@@ -147,50 +143,29 @@ def test_a_larger_count_changes_no_value_reference(tmp_path):
 BAD = {
     "count of none": ("count = 3", "count = 0", ["[[body]] 1: 'count' is 0", "1 to 1000"]),
     "count that is no number": ("count = 3", "count = true", ["[[body]] 1: 'count' is True", "1 to 1000"]),
-    "count of a body without a number": (
-        '"ball[{i}]"',
-        '"ball"',
-        ["[[body]] 1: 'name' is 'ball'", "ball[{i}]"],
-    ),
+    "count of a body without a number": ('"ball[{i}]"', '"ball"',
+        ["[[body]] 1: 'name' is 'ball'", "ball[{i}]"]),
     "number without a count": ("count = 3\n", "", ["[[body]] 1", "'ball[{i}]' without a count"]),
     "more than a thousand bodies": ("count = 3", "count = 999", ["[[body]] 3", "makes 1002", "at most 1000"]),
-    "more than a thousand pairs": (
-        "count = 3",
-        "count = 400",
-        ["[[contact]] 2", "makes 1205", "at most 1000"],
-    ),
+    "more than a thousand pairs": ("count = 3", "count = 400",
+        ["[[contact]] 2", "makes 1205", "at most 1000"]),
     "an empty group": ('"peg[*]", "wall"', "", ["[groups]: group 'solid' is empty", "one or more"]),
     "a group of nobody": ('"all"\n', '"stone[*]"\n', ["[[contact]] 2: group 'stone[*]' is empty", "ball[1]"]),
-    "a group with a stranger": (
-        '"wall"]',
-        '"moon"]',
-        ["[groups]: 'moon' of group 'solid' is no body", "lone"],
-    ),
+    "a group with a stranger": ('"wall"]', '"moon"]',
+        ["[groups]: 'moon' of group 'solid' is no body", "lone"]),
     "a group named as a body": ("solid =", "wall =", ["[groups]: 'wall' is the name of a body"]),
-    "a pair twice": (
-        '"ball[3]"\n',
-        '"wall"\n',
-        ["[[contact]] 3", "'wall' and source 'lone'", "[[contact]] 2"],
-    ),
-    "a pair twice in one table": (
-        '"ball[{i}]"\ndestination = "ball[{i+1}]"',
-        '"ball[1]"\ndestination = "ball[3]"',
-        [
-            "[[contact]] 1",
-            "'ball[3]' and source 'ball[1]' are already those of [[contact]] 1",
-            "each pair once",
-        ],
-    ),
+    "a pair twice": ('"ball[3]"\n', '"wall"\n',
+        ["[[contact]] 3", "'wall' and source 'lone'", "[[contact]] 2"]),
+    "a pair twice in one table": ('"ball[{i}]"\ndestination = "ball[{i+1}]"',
+        '"ball[1]"\ndestination = "ball[3]"', ["[[contact]] 1",
+        "'ball[3]' and source 'ball[1]' are already those of [[contact]] 1", "each pair once"]),
     "pairs of one name": ('"near[{i},{j}]"', '"near[{i}]"', ["[[contact]] 2", "'near[1]' is already"]),
     "pairs without a number": ('"near[{i},{j}]"', '"near"', ["[[contact]] 2: 'name' is 'near'", "near[{i}]"]),
     "beyond the last": ("count = 2\n\n[[contact]]", "count = 3\n\n[[contact]]", ["'ball[4]' is no body"]),
     "values for others": ("0.3]\n", "0.3, 0.4]\n", ["[start]: 'ball[{i}].radius' has 4 values", "3, or one"]),
-    "values of a stranger": (
-        '"peg[{i}].m',
-        '"pig[{i}].m',
-        ["[pinned]: 'pig[{i}].motion'", "allowed: ball[{i}]"],
-    ),
-}
+    "values of a stranger": ('"peg[{i}].m', '"pig[{i}].m',
+        ["[pinned]: 'pig[{i}].motion'", "allowed: ball[{i}]"]),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("case", BAD)

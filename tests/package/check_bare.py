@@ -10,13 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from support.programs import PATIENCE, checked
+from support.programs import PATIENCE, checked, finished
 
-FROM_HERE = (
-    "/etc/resolv.conf",
-    "/etc/pip.conf",
-    "/etc/ssl/certs/ca-certificates.crt",
-)  # the way to the network
+# The way to the network
+FROM_HERE = ("/etc/resolv.conf", "/etc/pip.conf", "/etc/ssl/certs/ca-certificates.crt")
 GCC = ("cc", "gcc", "gcc-12", "x86_64-linux-gnu-gcc", "x86_64-linux-gnu-gcc-12")
 
 
@@ -50,9 +47,7 @@ def from_install_to_animation(bare, wheel, extras):
         contact-fmus run Mine.fmu --csv mine.csv
         contact-fmus animate Mine.fmu"""
     environment = {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "HOME": "/root"}
-    done = subprocess.run(
-        ["chroot", bare, "bash", "-c", script], env=environment, capture_output=True, text=True, check=False
-    )
+    done = finished(["chroot", bare, "bash", "-c", script], env=environment)
     assert done.returncode == 0, done.stdout + done.stderr
     for file in ("SphereSphere.png", "Mine.fmu", "mine.csv", "Mine.html"):
         assert (bare / "work" / file).stat().st_size > 0

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from contact_fmus.__main__ import main
-from support.programs import PATIENCE
+from support.programs import PATIENCE, finished
 from support.sources import BUILD, ROOT
 
 
@@ -27,9 +27,7 @@ def wheel(far_from_clone, tmp_path_factory):
     options = [f"cmake.define.CONTACT_PREBUILT={BUILD}", f"build-dir={folder / 'build'}"]
     settings = [part for option in options for part in ("--config-setting", option)]
     command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", folder]
-    run = subprocess.run(
-        [*command, *settings, ROOT], capture_output=True, text=True, check=False, env=far_from_clone
-    )
+    run = finished([*command, *settings, ROOT], env=far_from_clone)
     assert run.returncode == 0, run.stdout + run.stderr
     (file,) = folder.glob("*.whl")
     return file
@@ -69,12 +67,9 @@ def command(installed, far_from_clone, tmp_path):
     """contact-fmus as a user calls it, in an empty folder"""
 
     def call(*arguments, cwd=tmp_path, timeout=PATIENCE, **variables):
-        run = subprocess.run(
+        run = finished(
             [installed / "contact-fmus", *map(str, arguments)],
             cwd=cwd,
-            capture_output=True,
-            text=True,
-            check=False,
             timeout=timeout,
             stdin=subprocess.DEVNULL,
             env=far_from_clone | variables,

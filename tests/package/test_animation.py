@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from support.browser import Browser
+from support.programs import finished
 from support.sources import ROOT
 
 BUNDLE = "contact_fmus/animate/three.bundle.js"
@@ -36,7 +37,7 @@ def test_a_clone_without_three_js_makes_it(tmp_path):
         shutil.copy(ROOT / name, tmp_path / name)
     for told in ("made", "already installed"):
         command = [sys.executable, "scripts/build_backend.py"]
-        run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+        run = finished(command, cwd=tmp_path, check=True)
         assert run.stdout == f"three.js: {told}\n"
     made = (tmp_path / animate / "three.bundle.js").read_bytes()
     assert made == (ROOT / animate / "three.bundle.js").read_bytes()
@@ -46,7 +47,7 @@ def test_the_source_archive_carries_three_js(far_from_clone, tmp_path):
     command = [sys.executable, "-m", "build", "--sdist", "--no-isolation", "--outdir", tmp_path, ROOT]
     subprocess.run(command, check=True, capture_output=True, env=far_from_clone)
     (file,) = tmp_path.glob("*.tar.gz")
-    names = subprocess.run(["tar", "tzf", file], capture_output=True, text=True, check=True).stdout
+    names = finished(["tar", "tzf", file], check=True).stdout
     assert f"/scripts/{BUNDLE}\n" in names and "/scripts/build_backend.py\n" in names
 
 

@@ -11,7 +11,7 @@ import pytest
 from contact_fmus.__main__ import COMMANDS
 from contact_fmus.fmu.files import fmu_file
 from support.foreign import XML, foreign_fmu, packed
-from support.programs import PATIENCE, environment
+from support.programs import environment, finished
 from support.sources import ROOT
 
 # A model exchange FMU, and an FMI 3.0 one, as other vendors make them
@@ -53,37 +53,25 @@ WRONG = {
     "run: an archive": (["run", "empty.fmu"], "no modelDescription.xml"),
     "run: a scene": (["run", "scene.toml"], "contact-fmus build"),
     "run: a folder": (["run", "folder.fmu"], "folder.fmu"),
-    "run: unknown variable": (
-        ["run", "SphereSphere", "--set", "contact.dashpt=unclamped"],
-        "contact.dashpot",
-    ),
-    "run: unknown item": (
-        ["run", "SphereSphere", "--set", "contact.dashpot=unclamp"],
-        "did you mean 'unclamped'",
-    ),
+    "run: unknown variable": (["run", "SphereSphere", "--set", "contact.dashpt=unclamped"],
+        "contact.dashpot"),
+    "run: unknown item": (["run", "SphereSphere", "--set", "contact.dashpot=unclamp"],
+        "did you mean 'unclamped'"),
     "run: no number": (["run", "SphereSphere", "--set", "source.radius=big"], "a number in m, not 'big'"),
     "run: nan": (["run", "SphereSphere", "--set", "source.radius=nan"], "not 'nan'"),
     "run: half a vector": (["run", "SphereSphere", "--set", "gravity=0,0"], "takes 3 numbers"),
     "run: no truth": (["run", "SphereCylinder", "--set", "destination.finite_length=2"], "true or false"),
-    "run: pinned": (
-        ["run", "BouncingBall", "--set", "contact.law=hertz"],
-        "BouncingBall.fmu has contact.law pinned to linear; SpherePlane has it open",
-    ),
-    "run: left out": (
-        ["run", "fmi3/BouncingBall", "--set", "contact.friction_coefficient=1"],
-        "SpherePlane has it open",
-    ),
+    "run: pinned": (["run", "BouncingBall", "--set", "contact.law=hertz"],
+        "BouncingBall.fmu has contact.law pinned to linear; SpherePlane has it open"),
+    "run: left out": (["run", "fmi3/BouncingBall", "--set", "contact.friction_coefficient=1"],
+        "SpherePlane has it open"),
     "run: no value": (["run", "SphereSphere", "--set", "source.radius"], "NAME=VALUE"),
     "run: an output": (["run", "SphereSphere", "--set", "contact.gap=1"], "of kind output"),
     "run: out of range": (["run", "SphereSphere", "--set", "source.radius=-1"], "allowed: 1e-150"),
-    "run: contradiction": (
-        ["run", "SphereSphere", "--set", "contact.location=inside", "--set", "source.radius=2"],
-        "source.radius",
-    ),
-    "run: tolerance": (
-        ["run", "SphereSphere", "--tolerance", "1e5"],
-        "the tolerance 100000 is refused (allowed: 1e-14 .. 0.01, as solver.relative_tolerance)",
-    ),
+    "run: contradiction": (["run", "SphereSphere", "--set", "contact.location=inside", "--set",
+        "source.radius=2"], "source.radius"),
+    "run: tolerance": (["run", "SphereSphere", "--tolerance", "1e5"],
+        "the tolerance 100000 is refused (allowed: 1e-14 .. 0.01, as solver.relative_tolerance)"),
     "run: stop": (["run", "SphereSphere", "--stop", "-1"], "greater than 0"),
     "run: step": (["run", "SphereSphere", "--step", "1e-300"], "--step"),
     "run: csv": (["run", "SphereSphere", "--stop", "0.01", "--csv", "nowhere/out.csv"], "nowhere/out.csv"),
@@ -94,20 +82,16 @@ WRONG = {
     "run: scenario": (["run", "broken.toml"], "broken.toml"),
     "plot: a scene": (["plot", "scene.toml"], "contact-fmus build"),
     "plot: text": (["plot", "words.csv", "--variables", "x"], "column x holds text"),
-    "plot: no such variable": (
-        ["plot", "BallInShell", "--variables", "contact.gp"],
-        "did you mean 'contact.gap'",
-    ),
+    "plot: no such variable": (["plot", "BallInShell", "--variables", "contact.gp"],
+        "did you mean 'contact.gap'"),
     "plot: unknown format": (["plot", "BallInShell", "-o", "picture.pnk"], "did you mean '.png'"),
     "animate: unknown format": (["animate", "BallInShell", "-o", "page.htm"], "did you mean '.html'"),
     "animate: another kind": (["animate", "picture.png"], "a result (.csv)"),
     "build: no such file": (["build", "nowhere.toml"], "nowhere.toml"),
     "build: no toml": (["build", "text.fmu"], "text.fmu"),
     "build: an FMU": (["build", "text.fmu"], "text.fmu: this is an FMU; a scene (.toml) is needed"),
-    "build: a body's name": (
-        ["build", "sub/bad.toml"],
-        "build: sub/bad.toml: [[body]] 1: 'name' is 'a b', not a name (allowed: small letters and digits,",
-    ),
+    "build: a body's name": (["build", "sub/bad.toml"],
+        "build: sub/bad.toml: [[body]] 1: 'name' is 'a b', not a name (allowed: small letters and digits,"),
     "build: binary": (["build", "bytes.toml"], "bytes.toml"),
     "build: no compiler": (["build", "scene.toml", "--compiler", "nocc"], "nocc: not found"),
     "build: no such platform": (["build", "scene.toml", "--platforms", "amiga"], "there is no 'amiga'"),
@@ -136,7 +120,7 @@ WRONG = {
     "stability": (["stability", "--output", "text.fmu"], "text.fmu"),
     "report": (["report", "--output", "text.fmu"], "text.fmu"),
     "beyond": (["stability", "--beyond", "one", "two"], "one"),
-}
+}  # fmt: skip
 BY_ARGPARSE = ("unknown command", "run: stop", "beyond")  # usage, or another name
 DRAWN = {
     "no such name": (["BallInShel"], "did you mean 'BallInShell'"),
@@ -186,7 +170,7 @@ SCRIPTS += [("stability", one) for one in ("--fast", "--output", "--beyond", "--
 @pytest.mark.parametrize("name, arguments", SCRIPTS)
 def test_a_script_refuses_what_it_does_not_know(name, arguments):
     command = [ROOT / "scripts" / f"{name}.sh", *arguments.split()]
-    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    run = finished(command)
     assert run.returncode == 2
     assert run.stderr.startswith(f"{name}: ") and arguments.split()[0] in run.stderr
 
@@ -278,18 +262,16 @@ sys.exit(main(sys.argv[1:]))
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_tells_its_options_without_any_extra(name):
     command = [sys.executable, "-c", WITHOUT_EXTRAS, name]
-    run = subprocess.run(
-        [*command, "--help"], capture_output=True, text=True, env=environment(), timeout=PATIENCE
-    )
+    run = finished([*command, "--help"], env=environment())
     assert (run.returncode, run.stderr) == (0, "") and f"usage: contact-fmus {name}" in run.stdout, run
 
 
 def test_what_needs_an_extra_names_it_and_what_draws_nothing_needs_none(tmp_path):
     command = [sys.executable, "-c", WITHOUT_EXTRAS, "plot", "SphereSphere"]
-    run = subprocess.run(command, capture_output=True, text=True, env=environment(), timeout=PATIENCE)
+    run = finished(command, env=environment())
     assert run.returncode == 2 and one_sentence(run.stderr) and "'contact-fmus[plot]'" in run.stderr, run
     command[3:] = ["scenarios", "ball_on_sphere", "--no-plots", "--output", tmp_path]
-    run = subprocess.run(command, capture_output=True, text=True, env=environment(), timeout=PATIENCE)
+    run = finished(command, env=environment())
     assert (run.returncode, run.stderr) == (0, ""), run
 
 

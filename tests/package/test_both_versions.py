@@ -2,14 +2,20 @@
 
 import csv
 import json
+import sys
+from pathlib import Path
 
+import fmpy
 import numpy as np
 import pandas
 import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError
-from contact_fmus.fmu.files import fmu_file
+from contact_fmus.fmu.files import fmu_file, fmus_folder
+from contact_fmus.importers.command import AGREE, IMPORTERS, Given, installed, tried
 from contact_fmus.results import Result, notes_file
+from support.programs import finished
+from support.sources import ROOT
 from support.sweeps import read, run_here, write_study
 
 BOTH = ("BouncingBall", "fmi3/BouncingBall")
@@ -160,11 +166,8 @@ def test_a_csv_file_begins_with_its_names_and_its_notes_stand_beside_it(ask, tmp
     assert notes["units"]["contact.gap"] == "m" and notes["parameters"]["source.center[3]"] == -1.0
     assert len(notes["warnings"]) == 1 and notes["fmu"].endswith("BouncingBall.fmu")
     again = Result.read(tmp_path / "run.csv")
-    assert (again.units["time"], again.parameters, again.warnings) == (
-        "s",
-        notes["parameters"],
-        notes["warnings"],
-    )
+    assert again.units["time"] == "s"
+    assert (again.parameters, again.warnings) == (notes["parameters"], notes["warnings"])
 
 
 def test_a_table_alone_is_a_result_too_and_broken_notes_are_named(ask, tmp_path):
@@ -173,3 +176,76 @@ def test_a_table_alone_is_a_result_too_and_broken_notes_are_named(ask, tmp_path)
     (tmp_path / "a.csv.json").write_text("no JSON")
     status, told, _ = ask("plot", "a.csv", "--variables", "x")
     assert status == 2 and "a.csv.json: this is no JSON text" in told
+
+
+# The files of FMI's cross check, for three FMUs by one command, in both versions
+
+NAMES = ("BouncingBall", "BallInShell", "ForceElement")
+
+
+@pytest.mark.parametrize("before, version", [("", "2.0"), ("fmi3/", "3.0")])
+def test_one_command_writes_what_the_cross_check_asks_of_three_fmus(ask, tmp_path, before, version):
+    status, told, out = ask("compatibility", *(before + name for name in NAMES), "-o", "all")
+    assert (status, told) == (0, ""), told
+    assert out.splitlines() == [f"all/{version}/{name}" for name in NAMES]
+    for name in NAMES:
+        folder = tmp_path / "all" / version / name
+        wanted = {f"{name}{end}" for end in (".fmu", "_cc.csv", "_in.csv", "_ref.csv", "_ref.opt")} | {
+            "ReadMe.txt"
+        }
+        assert {file.name for file in folder.iterdir()} == wanted
+        pairs = (line.split(",") for line in (folder / f"{name}_ref.opt").read_text().splitlines())
+        options = {key: float(value) for key, value in pairs}
+        own, other = (pandas.read_csv(folder / f"{name}_{kind}.csv") for kind in ("ref", "cc"))
+        assert (folder / f"{name}_ref.csv").read_text().startswith('"time","')
+        assert list(own.columns) == list(other.columns)
+        assert other["time"].iloc[-1] == own["time"].iloc[-1] == options["StopTime"]
+        # fmpy adds its clock up, so that its steps end rounding beside those of the project's run.
+        last = [table["contact.gap"].iloc[-1] for table in (own, other)]
+        assert last[0] == pytest.approx(last[1], abs=1e-9)
+        assert np.all(np.diff(pandas.read_csv(folder / f"{name}_in.csv")["time"]) >= 0.0)
+        assert f"FMI {version}, Co-Simulation" in (folder / "ReadMe.txt").read_text()
+
+
+def test_the_fmu_itself_is_beside_them(ask, tmp_path):
+    status, told, _ = ask("compatibility", "BouncingBall", "-o", "one")
+    assert (status, told) == (0, "")
+    copy = tmp_path / "one" / "2.0" / "BouncingBall" / "BouncingBall.fmu"
+    assert fmpy.read_model_description(str(copy)).modelName == "BouncingBall"
+
+
+# `--choices integer`, a choice set to another item: importers compute what fmpy does with enumerations.
+
+SCENE = "BallOnSphere"
+CHOICE = {"contact.method": 1}  # penalty; the scene starts with 2, penalty_dynamic
+PYTHON = Path(sys.executable)
+ALWAYS = {"fmpy", "libcosim"}  # are in requirements.txt; others of Python are tried where they are installed
+
+
+@pytest.fixture(scope="module")
+def with_integers(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("integer")
+    scene = ROOT / "modelDescription" / "scenes" / f"{SCENE}.toml"
+    command = [sys.executable, "-m", "contact_fmus", "build", str(scene), "--choices", "integer"]
+    run = finished([*command, "-o", str(folder)])
+    assert run.returncode == 0, run.stdout + run.stderr
+    return folder / f"{SCENE}.fmu"
+
+
+def asked(settings):
+    # The ball has met the sphere, and the laws have parted.
+    return Given(1e-3, 1000, PYTHON, {}, settings)
+
+
+def test_a_choice_set_as_an_integer_computes_what_the_enumeration_does(with_integers):
+    fmpy = IMPORTERS[0]
+    enumeration = fmus_folder() / f"{SCENE}.fmu"
+    reference = tried(fmpy, enumeration, asked(CHOICE))
+    assert reference.problem == ""
+    assert tried(fmpy, enumeration, asked({})).difference(reference) > 1e-3, "the choice changes nothing"
+    present = [importer for importer in IMPORTERS if installed(importer, PYTHON, {})]
+    assert {importer.name for importer in present} >= ALWAYS
+    for importer in present:
+        found = tried(importer, with_integers, asked(CHOICE))
+        assert (importer.name, found.problem) == (importer.name, "")
+        assert found.difference(reference) <= AGREE, importer.name

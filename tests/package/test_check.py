@@ -3,14 +3,13 @@
 import json
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
 from support.foreign import BROKEN, PLATFORM, XML, foreign_fmu, library, packed
-from support.programs import PATIENCE
+from support.programs import PATIENCE, finished
 from support.sources import ROOT
 
 VERSIONS = (2, 3)
@@ -53,10 +52,7 @@ def elsewhere(folder, version):
     places = {2: "win64", 3: "x86_64-windows"}
     return packed(
         folder,
-        {
-            "modelDescription.xml": XML[version],
-            f"binaries/{places[version]}/Other.dll": b"MZ" + bytes(100),
-        },
+        {"modelDescription.xml": XML[version], f"binaries/{places[version]}/Other.dll": b"MZ" + bytes(100)},
     )
 
 
@@ -106,13 +102,9 @@ def action(folder, **inputs):
     python = folder / "bin" / "python"
     python.write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
     python.chmod(0o755)
-    environment = {
-        **os.environ,
-        "PATH": f"{folder / 'bin'}:{os.environ['PATH']}",
-        "GITHUB_ACTION_PATH": str(ROOT),
-        "RUNNER_TEMP": str(folder),
-        **{name: str(file) for name, file in files.items()},
-    }
+    environment = {**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}"}
+    environment |= {"GITHUB_ACTION_PATH": str(ROOT), "RUNNER_TEMP": str(folder)}
+    environment |= {name: str(file) for name, file in files.items()}
     said, status = "", 0
     for step in described["runs"]["steps"]:
         if "run" not in step or step.get("id") == "install":  # what an environment of the tests has already
@@ -122,14 +114,7 @@ def action(folder, **inputs):
             for name, text in step.get("env", {}).items()
         }
         assert "${{" not in step["run"], "inputs reach a script by its environment only"
-        done = subprocess.run(
-            ["bash", "-eo", "pipefail", "-c", step["run"]],
-            env=environment | values,
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            timeout=PATIENCE,
-        )
+        done = finished(["bash", "-eo", "pipefail", "-c", step["run"]], env=environment | values, cwd=folder)
         said, status = said + done.stdout + done.stderr, status or done.returncode
     texts = {name: file.read_text() if file.exists() else "" for name, file in files.items()}
     outputs = dict(line.split("=", 1) for line in texts["GITHUB_OUTPUT"].splitlines())

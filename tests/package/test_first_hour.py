@@ -1,7 +1,6 @@
 """The path of a new user: the wheel in an environment of its own, far from any clone, and a scene from
 `new` to an animation, by FMI 3.0 (test_wheel.py has FMI 2.0). What the user sees is photographed, frame by
-frame; the environment variable CONTACT_SCREENSHOTS names a folder that keeps the pictures.
-"""
+frame; the environment variable CONTACT_SCREENSHOTS names a folder that keeps the pictures."""
 
 import json
 import os

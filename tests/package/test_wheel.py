@@ -2,7 +2,7 @@
 
 import importlib
 import json
-import subprocess
+import re
 import sys
 import tomllib
 import zipfile
@@ -10,9 +10,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import yaml
 
 from contact_fmus import Result
 from contact_fmus.fmu.contact_fmu import ContactFmu
+from support.programs import finished
 from support.sources import BUILD, ROOT
 
 SHIPPED = sorted(path.stem for path in (ROOT / "modelDescription" / "scenes").glob("*.toml"))
@@ -27,11 +29,9 @@ def test_the_wheel_carries_what_building_and_running_need(wheel):
     wanted = [*sources, "CMakeLists.txt", "LICENSE", "modelDescription/variables.toml", "cmake/pack_fmu.py"]
     wanted += [f"build/fmus/{name}.fmu" for name in SHIPPED]
     wanted += [
-        "docs/sweep.md",
-        "sundials/lib/libsundials_cvode.a",
-        "sundials/include/cvode/cvode.h",
+        "docs/sweep.md", "sundials/lib/libsundials_cvode.a", "sundials/include/cvode/cvode.h",
         "sundials/sundials.txt",
-    ]
+    ]  # fmt: skip
     assert [name for name in wanted if f"contact_fmus/share/{name}" not in names] == []
     assert [name for name in names if "__pycache__" in name or "/tests/" in name] == []
 
@@ -74,14 +74,7 @@ def test_the_package_is_imported_by_its_names_and_quickly(installed, far_from_cl
         "    fmu.start(); fmu.step(0.5)\n"
         "    print(fmu_file('SphereSphere'), repr(float(fmu['source.position'][2])))"
     )
-    run = subprocess.run(
-        [installed / "python", "-c", text],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=True,
-        env=far_from_clone,
-    )
+    run = finished([installed / "python", "-c", text], cwd=tmp_path, check=True, env=far_from_clone)
     file, position = run.stdout.split()
     assert str(ROOT) not in file and str(installed.parent) in file
     with ContactFmu(BUILD / "fmus" / "SphereSphere.fmu") as fmu:
@@ -128,7 +121,6 @@ def test_a_new_scene_is_built_checked_and_run(command, tmp_path):
     assert values["contact.onsets"] >= 2 and values["ball.position[3]"] > 0.59
 
 
-@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 @pytest.mark.parametrize("inside", [[], ["--inside"]])
 def test_every_new_scene_would_bounce(shape, inside, command, tmp_path):
     """As its values on the universal FMU do; only one is built above"""
@@ -167,5 +159,35 @@ def test_the_wheel_carries_the_fmus_of_fmi_3_and_what_bench_runs(installed, comm
     )
     assert two == three
     text = "from contact_fmus.fmu.host import host_file; print(host_file().is_file())"
-    told = subprocess.run([installed / "python", "-c", text], capture_output=True, text=True, check=True)
+    told = finished([installed / "python", "-c", text], check=True)
     assert told.stdout == "True\n"
+
+
+# recipe/recipe.yaml says of the conda package what pyproject.toml and the build say
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+TEXT = (ROOT / "recipe" / "recipe.yaml").read_text()
+RECIPE = yaml.safe_load(TEXT)
+
+
+def names(requirements):
+    return {re.match(r"[\w-]+", one)[0] for one in requirements}
+
+
+def test_the_recipe_has_the_version_and_the_sundials_of_the_build():
+    version = re.search(r"contact_fmus VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
+    assert RECIPE["context"]["version"] == version
+    commit = re.search(
+        r"contact_sundials_commit (\w+)\) # v([0-9.]+)", (ROOT / "cmake/ContactSundials.cmake").read_text()
+    )
+    assert (RECIPE["source"][1]["rev"], RECIPE["context"]["sundials"]) == commit.groups()
+
+
+def test_the_recipe_wants_what_the_package_wants():
+    python = f"python {PROJECT['project']['requires-python']}"
+    wanted = {python, *(one.replace(">=", " >=") for one in PROJECT["project"]["dependencies"])}
+    assert set(RECIPE["requirements"]["run"]) == wanted
+    building = {one for part in ("build", "host") for one in RECIPE["requirements"][part]}
+    assert names(PROJECT["build-system"]["requires"]) <= names(one for one in building if "$" not in one)
+    assert RECIPE["about"]["license"] == PROJECT["project"]["license"]
+    assert all((ROOT / file).is_file() for file in RECIPE["about"]["license_file"])

@@ -63,21 +63,13 @@ def test_a_dashpot_alone_stores_nothing(opened):
 @pytest.mark.parametrize("depth", [0.045, 0.05, 0.06, 0.1, 1.0])
 def test_a_plane_that_accelerates_takes_no_more_steps_below_the_centre_than_above(opened, depth):
     """A small ball, far beyond critical damping: a plane has no centre, at any depth. The law is linear, and
-    so is the gap later in the gap at the start.
-    """
+    so is the gap later in the gap at the start."""
     gaps = []
     for start_depth in (0.02, 0.04, depth):
-        values = {
-            "source.radius": 0.05,
-            "source.mass": 1e-3,
-            "source.center": [0.0, 0.0, 0.05 - start_depth],
-            "contact.penalty_factor": 1e3,
-            "contact.viscous_penalty_factor": 1e4,
-            "contact.dashpot": "unclamped",
-            "destination.motion": "prescribed",
-            "destination.prescribed_velocity": [0.0, 0.0, -1.0],
-            "gravity": [0.0, 0.0, 0.0],
-        }
+        values = {"source.radius": 0.05, "source.mass": 1e-3, "source.center": [0.0, 0.0, 0.05 - start_depth]}
+        values |= {"contact.penalty_factor": 1e3, "contact.viscous_penalty_factor": 1e4}
+        values |= {"contact.dashpot": "unclamped", "destination.motion": "prescribed"}
+        values |= {"destination.prescribed_velocity": [0.0, 0.0, -1.0], "gravity": [0.0, 0.0, 0.0]}
         fmu = start(opened("SpherePlane"), values, 1e-8)
         fmu.set_derivative("destination.prescribed_displacement", [0.0, 0.0, -1.0], order=1)
         fmu.set_derivative("destination.prescribed_displacement", [0.0, 0.0, -1.0], order=2)

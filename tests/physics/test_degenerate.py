@@ -1,30 +1,19 @@
 """Concentric bodies, automatic location, kinds of motion that mean the same, and starts in the middle of a
-contact.
-"""
+contact."""
 
 import math
 
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close, check_relative, run, start
-from support.scenes.head_on import ACROSS, AXIS, FMU, GEOMETRIES, approach, head_on
+from support.checks import FMU, check_close, check_relative, run, start
+from support.scenes.head_on import ACROSS, AXIS, GEOMETRIES, approach, head_on
 
 PRESCRIBED = {"source.motion": "prescribed", "destination.motion": "prescribed"}
 ORIGIN = {"source.center": [0.0, 0.0, 0.0], "destination.center": [0.0, 0.0, 0.0]}
-READ = [
-    f"contact.{row}"
-    for row in (
-        "gap",
-        "gap_rate",
-        "distance",
-        "direction",
-        "normal_force",
-        "source_force",
-        "destination_force",
-        "point",
-    )
-]
+ROWS = ("gap", "gap_rate", "distance", "direction", "normal_force", "source_force", "destination_force")
+ROWS += ("point",)
+READ = [f"contact.{row}" for row in ROWS]
 
 
 def check_finite(fmu):
@@ -46,7 +35,6 @@ def concentric(shape, **more):
 
 
 @pytest.mark.parametrize("location", ["automatic", "inside"])
-@pytest.mark.parametrize("shape", FMU)
 def test_concentric_hollow_bodies_do_not_touch(opened, shape, location):
     fmu = start(
         opened(FMU[shape]), concentric(shape, contact_location=location, source_prescribed_velocity=[1, 2, 3])
@@ -62,8 +50,6 @@ def test_concentric_hollow_bodies_do_not_touch(opened, shape, location):
     assert not warnings(fmu)
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("shape", FMU)
 def test_a_ball_flies_through_the_middle_of_a_hollow_body(opened, shape, method):
     """Head-on back and forth through d = 0: four bounces of an undamped ball, one communication step."""
     values = head_on(shape, "inside", gap=0.4)
@@ -75,11 +61,9 @@ def test_a_ball_flies_through_the_middle_of_a_hollow_body(opened, shape, method)
     check_close("position", fmu["source.position"], (0.4 - left) * ACROSS, 1e-6)
 
 
-@pytest.mark.parametrize("shape", FMU)
 def test_overlapping_solids_at_the_same_place_push_along_a_fixed_direction(opened, shape):
     """No normal is defined: a documented unit vector (across a cylinder's axis), one warning, nothing
-    that is not finite.
-    """
+    that is not finite."""
     fmu = start(opened(FMU[shape]), concentric(shape, contact_location="outside", contact_method="penalty"))
     directions = []
     for _ in range(3):
@@ -99,8 +83,7 @@ def test_overlapping_solids_at_the_same_place_push_along_a_fixed_direction(opene
 
 def test_the_direction_at_the_axis_is_that_of_the_step_before(opened):
     """In flight, where steps are deferred: the source comes to the axis of a hollow cylinder at 7/16 s along
-    x = (7/16 - t) / 2, y = (7/16 - t)^2. There e_c, from the axis to the wall, is that of 6/16 s.
-    """
+    x = (7/16 - t) / 2, y = (7/16 - t)^2. There e_c, from the axis to the wall, is that of 6/16 s."""
     values = {"destination.axis": [0.0, 0.0, 1.0], "contact.location": "inside", "gravity": [0.0, 2.0, 0.0]}
     values |= {"source.center": [7 / 32, 49 / 256, 0.0], "source.initial_velocity": [-0.5, -0.875, 0.0]}
     fmu = run(opened("SphereCylinder"), values, 7 / 16, 7)
@@ -108,7 +91,6 @@ def test_the_direction_at_the_axis_is_that_of_the_step_before(opened):
     check_close("direction", fmu["contact.direction"], np.array([8.0, 1.0, 0.0]) / math.sqrt(65.0), 1e-15)
 
 
-@pytest.mark.parametrize("shape", FMU)
 def test_overlapping_solids_keep_the_last_direction(opened, shape):
     fmu = opened(FMU[shape])
     start(
@@ -142,7 +124,6 @@ LOCATIONS = {  # r_s, r_d, d -> location
 
 @pytest.mark.parametrize("case", LOCATIONS)
 @pytest.mark.parametrize("motion", ["prescribed", "free"])
-@pytest.mark.parametrize("shape", FMU)
 def test_automatic_location_is_inside_if_the_centre_starts_inside_and_fits(opened, shape, motion, case):
     """Where the displacement puts the body at the start counts, not the undeformed centre alone."""
     r_s, r_d, distance, location = LOCATIONS[case]
@@ -166,7 +147,6 @@ def test_location_stays_what_it_was_at_the_start(opened, shape, location):
     check_close("gap", fmu["contact.gap"], first - 0.3, 1e-14)
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_a_start_in_the_middle_of_a_contact_counts_as_an_onset(opened, shape, location, method):
     """Let go at depth s with zero speed: it leaves with omega s after a quarter of a period."""

@@ -1,10 +1,11 @@
 """Extra scenes beside the shipped ones: their names"""
 
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from support.programs import finished
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -17,7 +18,7 @@ def test_a_scene_named_like_a_target_of_the_project_is_refused_in_words(tmp_path
     scene.write_text(text.replace('"TwoPairs"', f'"{name}"'), encoding="utf-8")
     command = ["cmake", "-S", str(ROOT), "-B", str(tmp_path / "build"), "-G", "Ninja", "-DCONTACT_FMI3=OFF"]
     options = [f"-DCONTACT_{kind}={scene}", f"-DPython3_EXECUTABLE={sys.executable}"]
-    made = subprocess.run([*command, *options], capture_output=True, text=True)
+    made = finished([*command, *options])
     assert made.returncode != 0
     said = " ".join(made.stderr.split())
     assert f"'name' is '{name}', but this build has another target '{name}' (allowed: any other" in said

@@ -12,13 +12,7 @@ import pytest
 
 from support.checks import differences, start
 from support.reference.law import ReferenceContact, start_motion, vector
-from support.scenes.configurations import (
-    INPUTS,
-    SHAPES,
-    motion_of,
-    random_configuration,
-    random_inputs,
-)
+from support.scenes.configurations import INPUTS, SHAPES, motion_of, random_configuration, random_inputs
 
 RELATIVE = 1e-12
 COUNT = int(os.environ.get("CONTACT_SCENES", "600"))
@@ -80,8 +74,7 @@ def test_force_element_equals_the_recomputation(opened, name):
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_common_offset_of_a_million_metres_costs_no_digits(opened, name):
     """X_dst - X_src is rounded once, relative to itself; the offset itself appears in no tolerance but
-    the point's.
-    """
+    the point's."""
     check_random(opened(name), name, seed=100, count=60, offset=1e6)
 
 
@@ -109,3 +102,194 @@ def test_derivatives_are_forgotten_when_the_input_is_set_again(opened):
     gap = fmu["contact.gap"]
     fmu.step(0.5)
     assert fmu["contact.gap"] == gap
+
+
+# Mean force and peaks of a force element over its step: against closed forms, and against the law and the
+# geometry written once more, sampled so densely that nothing between the samples counts.
+
+CELLS = 40_000
+# A corner of the force inside a cell of the samples: the cell squared, times the change of slope.
+SAMPLED = 1e-6
+EXACT = 1e-12
+
+STIFFNESS, DAMPING = 1e6, 100.0
+REACH = 0.6
+
+
+def polynomial(coefficients, s):
+    return sum(np.multiply.outer(s**k, np.array(c, float)) for k, c in enumerate(coefficients))
+
+
+def law(values, gap, rate):
+    elastic = -STIFFNESS * gap
+    viscous = -DAMPING * rate
+    force = {
+        "non_adhesive": np.maximum(elastic + viscous, 0.0),
+        "unclamped": elastic + viscous,
+        "approach_only": elastic + np.where(rate < 0.0, viscous, 0.0),
+    }[values["contact.dashpot"]]
+    return np.where(gap < 0.0, force, 0.0)
+
+
+def sampled(values, moved, times):
+    """Force on the source, normal force and gap at many times; `moved`: input -> coefficients of time."""
+    at = {name: polynomial(terms, times) for name, terms in moved.items()}
+    apart = np.subtract(values["destination.center"], values["source.center"])
+    c = apart + at["destination.prescribed_displacement"] - at["source.prescribed_displacement"]
+    w = at["destination.prescribed_velocity"] - at["source.prescribed_velocity"]
+    axis = np.array(values["destination.axis"]) / np.linalg.norm(values["destination.axis"])
+    axial = c @ axis
+    across = c - np.outer(axial, axis)
+    distance = np.linalg.norm(across, axis=1)
+    inside = values["contact.location"] == "inside"
+    radii = values["source.radius"], values["destination.radius"]
+    side, reach = (-1, radii[1] - radii[0]) if inside else (1, sum(radii))
+    normal = across / distance[:, None]
+    gap = side * (distance - reach)
+    if values["destination.finite_length"]:
+        gap = np.where(np.abs(axial) <= values["destination.length"] / 2, gap, np.inf)
+    force = law(values, gap, side * np.einsum("ij,ij->i", normal, w))
+    return -side * force[:, None] * normal, force, gap
+
+
+def expected(values, moved, length):
+    """Mean by the midpoint rule, peaks, and by how much force and gap change from one sample to the next"""
+    places = np.concatenate([[0.0], (np.arange(CELLS) + 0.5) / CELLS, [1.0]])
+    vector, force, gap = sampled(values, moved, length * places)
+    depth = np.maximum(-gap, 0.0)
+    steps = [np.abs(np.diff(a)).max() for a in (force, depth)]
+    return vector[1:-1].mean(axis=0), max(force.max(), 0.0), depth.max(), *steps
+
+
+def configuration(random):
+    values, inside = random_configuration(random, "cylinder")
+    values |= {"contact.location": "inside" if inside else "outside"}
+    values |= {"contact.penalty_factor": STIFFNESS, "contact.viscous_penalty_factor": DAMPING}
+    return values, inside
+
+
+def random_paths(random, values, inside, length):
+    """Displacements of degree two, with velocities that are their derivatives or are not."""
+    inputs = random_inputs(random, values, "cylinder", inside, 1.0)
+    size = min(values["source.radius"], values["destination.radius"])
+    moved = {name: [inputs[name], np.zeros(3), np.zeros(3)] for name in INPUTS}
+    for body in ("source", "destination"):
+        rate = size * random.normal(size=3) / length
+        bend = size * random.normal(size=3) / length**2
+        moved[f"{body}.prescribed_displacement"][1:] = [rate, bend]
+        if random.random() < 0.8:
+            moved[f"{body}.prescribed_velocity"] = [rate, 2.0 * bend, np.zeros(3)]
+    return moved
+
+
+def run_step(fmu, values, moved, length):
+    start(fmu, {name: value for name, value in values.items() if name in fmu})
+    for name, terms in moved.items():
+        fmu[name] = list(terms[0])
+        fmu.set_derivative(name, terms[1], order=1)
+        fmu.set_derivative(name, 2.0 * np.array(terms[2]), order=2)
+    fmu.step(length)
+    return [np.array(fmu[f"contact.{name}"]) for name in ("mean_force", "peak_force", "peak_penetration")]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_paths_against_samples(opened, seed):
+    random = np.random.default_rng(seed)
+    touched = 0
+    for k in range(40):
+        values, inside = configuration(random)
+        length = random.choice([1e-3, 0.5])
+        moved = random_paths(random, values, inside, length)
+        got = run_step(opened("ForceElement"), values, moved, length)
+        wanted = expected(values, moved, length)
+        touched += wanted[1] > 0.0
+        mean, peak, depth, force_step, depth_step = wanted
+        # An end of the cylinder, or the onset under a dashpot, is a jump of the force somewhere in a cell.
+        scale = 2.0 * force_step + 1e-12
+        assert np.abs(got[0] - mean).max() < 4.0 * scale / CELLS + SAMPLED * peak, (seed, k, got, wanted)
+        assert -1e-9 * (1.0 + peak) <= got[1] - peak < scale + 1e-9, (seed, k, got, wanted)
+        assert -1e-12 <= got[2] - depth < depth_step + 1e-12, (seed, k, got, wanted)
+    assert touched > 20
+
+
+def head_on(fmu, dashpot, gap, rate, length):
+    """The source comes along x, `gap` metres from the cylinder, at `rate`, and turns back in the middle."""
+    bend = -rate / length
+    moved = {name: [np.zeros(3)] * 3 for name in INPUTS}
+    moved["source.prescribed_displacement"] = [np.array([x, 0, 0]) for x in (gap, rate, bend)]
+    moved["source.prescribed_velocity"] = [np.array([x, 0, 0]) for x in (rate, 2 * bend, 0.0)]
+    values = {"source.center": [REACH, 0, 0], "contact.dashpot": dashpot}
+    return run_step(fmu, values, moved, length)
+
+
+@pytest.mark.parametrize("gap", [1e-3, -1e-4, 1.4e-3])
+@pytest.mark.parametrize("length", [1e-3, 1.0])
+def test_a_parabola_into_the_cylinder_has_the_mean_and_peaks_of_its_integral(opened, gap, length):
+    """g(t) = gap + rate t (1 - t / length); an unclamped dashpot adds nothing to a closed loop."""
+    rate = -6e-3 / length
+    mean, peak, depth = head_on(opened("ForceElement"), "unclamped", gap, rate, length)
+    turn = np.roots([rate / length, -rate, -gap])  # where gap + rate t - rate / length t^2 = 0
+    first = max(turn.min(), 0.0)
+    last = length - first
+
+    def impulse(t):
+        return -STIFFNESS * (gap * t + rate * t**2 / 2 - rate / length * t**3 / 3)
+
+    assert abs(mean[0] - (impulse(last) - impulse(first)) / length) < 1e-10 * abs(mean[0])
+    assert np.abs(mean[1:]).max() == 0.0
+    assert abs(depth + gap + rate * length / 4) < EXACT
+    # F = -k g - c g' on t: largest where k g' + c g'' = 0.
+    top = length / 2 - DAMPING / STIFFNESS
+    top = np.clip(top, first, last)
+
+    def force(t):
+        there = gap + rate * t * (1 - t / length)
+        return -STIFFNESS * there - DAMPING * rate * (1 - 2 * t / length)
+
+    assert abs(peak - force(top)) < 1e-10 * peak
+
+
+@pytest.mark.parametrize("dashpot", ["non_adhesive", "approach_only", "unclamped"])
+def test_one_step_has_the_mean_of_many(opened, dashpot):
+    """Of a thousand steps, each with the inputs of its own beginning"""
+    fmu, count, length = opened("ForceElement"), 1000, 0.5
+    gap, rate = 1e-3, -6e-3 / length
+    whole = head_on(fmu, dashpot, gap, rate, length)
+    start(fmu, {"source.center": [REACH, 0, 0], "contact.dashpot": dashpot})
+    parts = []
+    for t in np.arange(count) * length / count:
+        for name, value, slope in [
+            ("displacement", gap + rate * t * (1 - t / length), rate * (1 - 2 * t / length)),
+            ("velocity", rate * (1 - 2 * t / length), -2 * rate / length),
+        ]:
+            name = f"source.prescribed_{name}"
+            fmu[name] = [value, 0.0, 0.0]
+            fmu.set_derivative(name, [slope, 0.0, 0.0], order=1)
+            bend = -2 * rate / length if name.endswith("displacement") else 0.0
+            fmu.set_derivative(name, [bend, 0.0, 0.0], order=2)
+        fmu.step(length / count)
+        parts.append((fmu["contact.mean_force"][0], fmu["contact.peak_force"]))
+    means, peaks = np.array(parts).T
+    assert abs(means.mean() - whole[0][0]) < 1e-9 * abs(whole[0][0])
+    assert abs(peaks.max() - whole[1]) < 1e-9 * whole[1]
+
+
+def test_held_inputs_have_the_force_of_the_instant_as_mean_and_peak(opened):
+    fmu = start(opened("ForceElement"), {"source.center": [0.0, 0.599, 0.0]})
+    assert list(fmu["contact.mean_force"]) == [0.0, 0.0, 0.0]
+    assert fmu["contact.peak_force"] == fmu["contact.normal_force"] > 0.0
+    fmu["source.prescribed_velocity"] = [0.0, -0.1, 0.0]
+    fmu.step(0.1)
+    assert list(fmu["contact.mean_force"]) == list(fmu["contact.source_force"])
+    assert fmu["contact.peak_force"] == fmu["contact.normal_force"]
+    assert fmu["contact.peak_penetration"] == -fmu["contact.gap"]
+
+
+def test_nothing_is_left_of_the_step_before(opened):
+    fmu = start(opened("ForceElement"), {})
+    fmu.step(0.1)
+    assert fmu["contact.peak_force"] > 0.0
+    fmu["source.prescribed_displacement"] = [1.0, 0.0, 0.0]
+    fmu.step(0.1)
+    assert list(fmu["contact.mean_force"]) == [0.0, 0.0, 0.0]
+    assert (fmu["contact.peak_force"], fmu["contact.peak_penetration"]) == (0.0, 0.0)

@@ -91,20 +91,11 @@ def test_the_benchmarks_by_hertz_on_a_plane_and_over_a_rim_end_at_their_referenc
 def test_a_ball_pushed_out_of_another_takes_what_was_stored(opened, direction):
     """Without gravity, along any line through the centres: what rounding leaves across it is no motion."""
     along = np.array(direction) / np.linalg.norm(direction)
-    values = {
-        "source.radius": 0.0102,
-        "source.mass": 0.001,
-        "source.motion": "free",
-        "source.center": [0.0, 0.0, 0.0],
-        "destination.radius": 0.01,
-        "destination.motion": "fixed",
-        "destination.center": (1e-3 * along).tolist(),
-        "contact.location": "outside",
-        "contact.law": "hertz",
-        "contact.hertz_stiffness": 3e4,
-        "contact.method": "penalty",
-        "gravity": [0.0, 0.0, 0.0],
-    }
+    values = {"source.radius": 0.0102, "source.mass": 0.001, "source.motion": "free"}
+    values |= {"source.center": [0.0, 0.0, 0.0], "destination.radius": 0.01, "destination.motion": "fixed"}
+    values |= {"destination.center": (1e-3 * along).tolist(), "contact.location": "outside"}
+    values |= {"contact.law": "hertz", "contact.hertz_stiffness": 3e4, "contact.method": "penalty"}
+    values |= {"gravity": [0.0, 0.0, 0.0]}
     for steps in (1, 40):
         fmu = run(opened("SphereSphere"), values, 2e-3, steps, 1e-10)
         speed = np.sqrt(2 * 0.4 * 3e4 * 0.0192**2.5 / 0.001)

@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from support.checks import check_close, run, start
-from support.scenes.head_on import ACROSS, AXIS, FMU, GEOMETRIES, approach, head_on
+from support.checks import FMU, check_close, run, start
+from support.scenes.head_on import ACROSS, AXIS, GEOMETRIES, approach, head_on
 
 mp.dps = 50
 METHOD = "event_driven"
@@ -81,17 +81,14 @@ def damping(stiffness, share):
 def pressed(shape, location, dashpot, stiffness, share):
     inward = approach(location)
     values = head_on(shape, location, gap=0.0, speed=0.0)
-    values.update(
-        {
-            "source.initial_displacement": (FORCE / stiffness * inward).tolist(),
-            "source.external_force": (FORCE * inward).tolist(),
-            "source.external_force.derivatives": [(-RATE * inward).tolist()],
-            "contact.method": "penalty_dynamic",
-            "contact.dashpot": dashpot,
-            "contact.penalty_factor": stiffness,
-            "contact.viscous_penalty_factor": damping(stiffness, share),
-        }
-    )
+    values |= {"source.initial_displacement": (FORCE / stiffness * inward).tolist()}
+    values |= {"source.external_force": (FORCE * inward).tolist()}
+    values |= {"source.external_force.derivatives": [(-RATE * inward).tolist()]}
+    values |= {"contact.method": "penalty_dynamic", "contact.dashpot": dashpot}
+    values |= {
+        "contact.penalty_factor": stiffness,
+        "contact.viscous_penalty_factor": damping(stiffness, share),
+    }
     return values
 
 
@@ -120,11 +117,9 @@ def test_a_fading_force_lets_go_once(opened, dashpot, stiffness, share, steps, t
 
 
 @pytest.mark.parametrize("end", [1e-7, 2.5, 1000.0])
-@pytest.mark.parametrize("shape", FMU)
 def test_a_body_drawn_off_leaves_its_small_impulse(opened, shape, end):
     """Pressed in by s, the spring gives k s^2 / (2 V) until it lets go after s / V, small against a turn
-    of its oscillation and against its tolerance.
-    """
+    of its oscillation and against its tolerance."""
     stiffness, mass, speed, depth = 1e5, 75.0, 0.3, 2e-8
     values = head_on(shape, "outside", gap=-depth, speed=0.0, contact_penalty_factor=stiffness)
     values |= {"source.mass": mass, "destination.motion": "prescribed"}

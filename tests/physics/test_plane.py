@@ -7,44 +7,33 @@ from functools import cache
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close, run, start
+from support.checks import DASHPOTS, check_close, run, start
 from support.reference.integrator import Reference
 from support.scenes.random_scenes import random_scene
 
 FMU = "SpherePlane"
 TILTED = np.array([0.36, -0.48, 0.8])  # unit, to rounding
 GRAVITY = np.array([0.0, 0.0, -9.81])
-DASHPOTS = ["non_adhesive", "unclamped", "approach_only"]
 STEPS = [1, 997]
 
 
 def bounce(normal=(0.0, 0.0, 1.0), gap=0.5, **more):
     """A ball over a plane through the origin."""
     normal = np.array(normal)
-    return {
-        "source.center": ((0.1 + gap) * normal).tolist(),
-        "source.initial_velocity": [0.3, -0.2, 0.0],
-        "destination.axis": normal.tolist(),
-        "contact.penalty_factor": 1e6,
-        "contact.viscous_penalty_factor": 60.0,
-        **more,
-    }
+    values = {"source.center": ((0.1 + gap) * normal).tolist(), "source.initial_velocity": [0.3, -0.2, 0.0]}
+    values |= {"destination.axis": normal.tolist(), "contact.penalty_factor": 1e6}
+    values |= {"contact.viscous_penalty_factor": 60.0, **more}
+    return values
 
 
 MOVED = {
-    "free": {
-        "destination.motion": "free",
-        "destination.mass": 2.5,
-        "destination.initial_velocity": [0.1, 0.2, 0.9],
-        "destination.external_force": [0.0, 1.0, 3.0],
-    },
-    "moved steadily": {
-        "destination.motion": "prescribed",
+    "free": {"destination.motion": "free", "destination.mass": 2.5,
+        "destination.initial_velocity": [0.1, 0.2, 0.9], "destination.external_force": [0.0, 1.0, 3.0]},
+    "moved steadily": {"destination.motion": "prescribed",
         "destination.prescribed_velocity": [0.2, -0.1, 0.4],
-        "destination.prescribed_displacement.derivatives": [[0.2, -0.1, 0.4]],
-    },
+        "destination.prescribed_displacement.derivatives": [[0.2, -0.1, 0.4]]},
     "fixed": {},
-}
+}  # fmt: skip
 
 
 @cache
@@ -88,12 +77,10 @@ def test_polynomial_inputs_are_followed_to_rounding(opened, kind):
 def test_a_growing_load_costs_no_more_on_a_stiffer_plane(opened, stiffness, share):
     """Undamped it swings about the load, damped it follows that: two seconds in one step."""
     values = bounce(gap=0.0, **{"contact.penalty_factor": stiffness})
-    values |= {
-        "source.initial_velocity": [0.0, 0.0, 0.0],
-        "contact.viscous_penalty_factor": 2 * share * math.sqrt(stiffness),
-        "source.external_force": [0.0, 0.0, -1.0],
-        "source.external_force.derivatives": [[2.0, 0.0, -3.0], [0.0, -1.0, 1.0]],
-    }
+    values |= {"source.initial_velocity": [0.0, 0.0, 0.0]}
+    values |= {"contact.viscous_penalty_factor": 2 * share * math.sqrt(stiffness)}
+    values |= {"source.external_force": [0.0, 0.0, -1.0]}
+    values |= {"source.external_force.derivatives": [[2.0, 0.0, -3.0], [0.0, -1.0, 1.0]]}
     fmu = run(opened(FMU), values, 2.0, 1)
     assert fmu["solver.steps"] < 20
     # x'' + 2 z w x' + w^2 x = a + b t + t^2 / 2 for the penetration -x, from rest at 0: powers of t, and an
@@ -124,7 +111,6 @@ def test_a_contact_that_lasts_takes_few_steps_at_any_stiffness(opened):
         check_close("slid", fmu["source.displacement"], 50 * slope - 9.81 * 0.8 / stiffness * TILTED, 1e-10)
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_below_the_surface_is_but_a_deeper_contact(opened, method):
     """The centre starts 0.05 m below the plane and passes through its height: no direction is lost."""
     values = bounce(gap=-0.15, **{"contact.method": "penalty", "contact.penalty_factor": 2000.0})

@@ -1,6 +1,5 @@
 """Rest stays rest: steps of 1 ms leave a ball where it lay, to a nanometre, and give it no energy; for an
-hour of simulated time where nothing damps it.
-"""
+hour of simulated time where nothing damps it."""
 
 import ctypes
 import math
@@ -26,70 +25,47 @@ UNDAMPED = {"contact.method": "penalty"}
 def on_top(stiffness=1e6, **more):
     """On a ball, with the depth of its weight: the one place from where rounding cannot roll it off"""
     depth = WEIGHT / stiffness
-    return {
-        **BALL,
-        "contact.penalty_factor": stiffness,
-        "source.center": [0.0, 0.0, 0.6],
-        "source.initial_displacement": [0.0, 0.0, -depth],
-        **more,
-    }
+    values = {**BALL, "contact.penalty_factor": stiffness, "source.center": [0.0, 0.0, 0.6]}
+    values |= {"source.initial_displacement": [0.0, 0.0, -depth], **more}
+    return values
 
 
 def at_the_bottom(stiffness=1e6, depth=None, **more):
     """In a hollow body"""
     depth = WEIGHT / stiffness if depth is None else depth
     return {
-        **BALL,
-        "contact.location": "inside",
-        "contact.penalty_factor": stiffness,
+        **BALL, "contact.location": "inside", "contact.penalty_factor": stiffness,
         "source.center": (0.4 * TILTED).tolist(),
         "source.initial_displacement": (depth * TILTED).tolist(),
         "gravity": (WEIGHT * TILTED).tolist(),
         **more,
-    }
+    }  # fmt: skip
 
 
 def pressed_together(**more):
     """Two free balls, each pushed towards the other"""
     force = 5.0
-    return {
-        **on_top(**more),
-        "source.initial_displacement": [0.0, 0.0, -force / 1e6],
-        "destination.motion": "free",
-        "destination.mass": 2.0,
-        "source.external_force": [0.0, 0.0, -force],
-        "destination.external_force": [0.0, 0.0, force],
-        "gravity": [0.0, 0.0, 0.0],
-    }
+    values = {**on_top(**more), "source.initial_displacement": [0.0, 0.0, -force / 1e6]}
+    values |= {"destination.motion": "free", "destination.mass": 2.0}
+    values |= {"source.external_force": [0.0, 0.0, -force], "destination.external_force": [0.0, 0.0, force]}
+    values |= {"gravity": [0.0, 0.0, 0.0]}
+    return values
 
 
 STATES = {
     "on a ball": ("SphereSphere", on_top(**DAMPED), MINUTES),
-    "in a hollow cylinder, undamped": (
-        "SphereCylinder",
-        at_the_bottom(**UNDAMPED, **{"destination.axis": AXIS.tolist()}),
-        HOUR,
-    ),
+    "in a hollow cylinder, undamped": ("SphereCylinder",
+        at_the_bottom(**UNDAMPED, **{"destination.axis": AXIS.tolist()}), HOUR),
     "on a ball, undamped": ("SphereSphere", on_top(**UNDAMPED), MINUTES),
     "in a hollow ball": ("SphereSphere", at_the_bottom(**DAMPED), MINUTES),
     "in a hollow ball, undamped": ("SphereSphere", at_the_bottom(**UNDAMPED), MINUTES),
-    "in a hollow ball, dashpot of approach": (
-        "SphereSphere",
-        at_the_bottom(**DAMPED, **{"contact.dashpot": "approach_only"}),
-        MINUTES,
-    ),
-    "in a hollow ball, overdamped": (
-        "SphereSphere",
-        at_the_bottom(**{"contact.viscous_penalty_factor": 5e3}),
-        MINUTES,
-    ),
+    "in a hollow ball, dashpot of approach": ("SphereSphere",
+        at_the_bottom(**DAMPED, **{"contact.dashpot": "approach_only"}), MINUTES),
+    "in a hollow ball, overdamped": ("SphereSphere", at_the_bottom(**{"contact.viscous_penalty_factor": 5e3}),
+        MINUTES),
     "two balls pressed together": ("SphereSphere", pressed_together(**DAMPED), MINUTES),
-    "stiff": (
-        "SphereSphere",
-        at_the_bottom(1e10, **{"contact.viscous_penalty_factor": 2e4}),
-        MINUTES // 10,
-    ),
-}
+    "stiff": ("SphereSphere", at_the_bottom(1e10, **{"contact.viscous_penalty_factor": 2e4}), MINUTES // 10),
+}  # fmt: skip
 
 
 def stepper(fmu):

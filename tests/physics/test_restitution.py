@@ -1,7 +1,6 @@
 """contact.restitution of the linear law shows the p_nv of the closed form, is critical damping or a millionth
 at zero, and of no effect without a dashpot. That it is the speed after an impact over the speed before it is
-families/test_head_on.py's and the atlas's claim.
-"""
+families/test_head_on.py's and the atlas's claim."""
 
 import math
 
@@ -9,7 +8,7 @@ import pytest
 
 from support.checks import check_close, check_relative, run, start
 from support.reference.law import ReferenceContact
-from support.scenes.head_on import DASHPOTS, head_on, speed_after
+from support.scenes.head_on import head_on, speed_after
 
 MASS, STIFFNESS = 0.3, 1e6
 
@@ -24,7 +23,6 @@ def impact(dashpot, restitution, **more):
 
 
 @pytest.mark.parametrize("control", ["user_defined", "automatic"])
-@pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_the_factor_shown_is_that_of_the_closed_form(opened, dashpot, control):
     both = {"destination.motion": "free", "destination.mass": 1e3, "contact.penalty_control": control}
     for restitution in (0.05, 0.35, 0.3679, 0.7, 0.99):
@@ -33,7 +31,6 @@ def test_the_factor_shown_is_that_of_the_closed_form(opened, dashpot, control):
         check_relative("p_nv", p_nv, ReferenceContact(values, "sphere").viscous, 1e-14)
 
 
-@pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_zero_is_critical_damping_or_a_millionth(opened, dashpot):
     fmu = start(opened("SphereSphere"), impact(dashpot, 0.0))
     if dashpot == "unclamped":

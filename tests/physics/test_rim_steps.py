@@ -28,24 +28,16 @@ def scene(stiffness, damping=0.0, hertz=False, part=1.0):
 
 def values_of(motion, begin):
     state, hertz = motion.state(*begin), motion.hertz
-    return {
-        "source.radius": motion.radius,
-        "source.mass": motion.mass,
-        "source.center": list(state[:3]),
-        "source.initial_velocity": list(state[3:]),
-        "destination.radius": motion.other_radius,
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.finite_length": True,
-        "destination.length": 2 * motion.half_length,
-        "destination.ends": "capped",
-        "gravity": list(motion.gravity),
-        "contact.law": "hertz" if hertz else "linear",
-        "contact.method": "penalty_dynamic" if motion.damping > 0 else "penalty",
-        "contact.hertz_stiffness" if hertz else "contact.penalty_factor": motion.stiffness,
-        "contact.hunt_crossley_factor" if hertz else "contact.viscous_penalty_factor": motion.damping,
-        "contact.dashpot": "unclamped",
-        "solver.max_internal_steps": 20_000,
-    }
+    values = {"source.radius": motion.radius, "source.mass": motion.mass, "source.center": list(state[:3])}
+    values |= {"source.initial_velocity": list(state[3:]), "destination.radius": motion.other_radius}
+    values |= {"destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True}
+    values |= {"destination.length": 2 * motion.half_length, "destination.ends": "capped"}
+    values |= {"gravity": list(motion.gravity), "contact.law": "hertz" if hertz else "linear"}
+    values |= {"contact.method": "penalty_dynamic" if motion.damping > 0 else "penalty"}
+    values |= {"contact.hertz_stiffness" if hertz else "contact.penalty_factor": motion.stiffness}
+    values |= {"contact.hunt_crossley_factor" if hertz else "contact.viscous_penalty_factor": motion.damping}
+    values |= {"contact.dashpot": "unclamped", "solver.max_internal_steps": 20_000}
+    return values
 
 
 def check(fmu, motion, begin, most, method="Radau", end=END):

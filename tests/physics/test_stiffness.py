@@ -1,18 +1,20 @@
 """Lasting contact at any stiffness: the motion is right to a nanometre from 1e5 to 1e15 N/m, no energy is
 gained, and the work does not follow the stiffness.
 
-References: the Taylor integrator where it can follow the oscillation, and the expansion of stiff_limit.py,
+References: the Taylor integrator where it can follow the oscillation, and the expansion of stiff_motion.py,
 each checked against the other where both reach.
 """
 
+import json
 from functools import cache
 
 import numpy as np
 import pytest
 
-from support.checks import check_close, run
+from support.checks import FMU, check_close, run
 from support.reference.integrator import Reference
-from support.reference.stiff_limit import StiffContact
+from support.reference.make_stiff_references import COUNTABLE, DAMPING, END, FILE, configuration
+from support.reference.stiff_motion import StiffContact, damped_motion
 from support.reference.stored import both_bodies
 from support.scenes.stiff_scenes import SCENES, settled, stiff_scene
 
@@ -24,7 +26,6 @@ FOLLOWED = [1e5, 1e6]  # N/m, where the Taylor integrator is the reference
 LIMIT = [1e7, 1e9, 1e11, 1e13, 1e15]
 UNDAMPED = [1e7, 1e9, 1e11]
 WORK = 150_000  # internal steps of a run at most; one that follows each oscillation stops there and fails
-FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 
 
 def run_bounded(opened, shape, values, end, steps, each=None):
@@ -125,3 +126,33 @@ def test_the_work_does_not_follow_the_stiffness(opened, name):
         shape, values, end = stiff_scene(name, stiffness, SHARE)
         steps[stiffness] = run_bounded(opened, shape, values, end, 1)["solver.steps"]
     assert steps[1e15] <= 1.5 * steps[1e7] + 20, steps
+
+
+# The references of the stiffness sweep: each recomputed a second way.
+
+ROWS = {
+    (row["shape"], row["damping"], row["penalty_factor"]): row
+    for row in json.loads(FILE.read_text(encoding="utf-8"))
+}
+SHAPES = ("cylinder", "sphere")
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_radau_finds_the_stored_position_of_the_stiffest(shape):
+    place, least = damped_motion(shape, 1e15, DAMPING, END, 1e-10)
+    check_close("position", place, ROWS[shape, DAMPING, 1e15]["position"], 1e-12)
+    assert least > 0
+
+
+@pytest.mark.parametrize("shape, damping, penalty", ROWS)
+def test_the_expansion_meets_every_stored_position_within_what_it_leaves_out(shape, damping, penalty):
+    """Those of Radau's method and of the Taylor integrator too"""
+    end = StiffContact(configuration(shape, penalty, damping), shape).end(END)
+    assert end.least_push > 0
+    assert end.left_out < 1e-12 or penalty < COUNTABLE
+    check_close("position", end.position, ROWS[shape, damping, penalty]["position"], end.left_out)
+
+
+def test_the_uncertainties_stay_below_what_is_asked():
+    assert len(ROWS) == 36
+    assert max(row["uncertainty"] for row in ROWS.values()) < 2e-13

@@ -14,33 +14,24 @@ import pytest
 from scipy.optimize import brentq
 
 from contact_fmus.fmu.contact_fmu import FmuError
-from support.checks import METHODS, check_close, check_relative, impulse_and_peak, run, start
+from support.checks import FMU, check_close, check_relative, impulse_and_peak, run, start
 from support.reference.integrator import Reference
-from support.scenes.head_on import ACROSS, AXIS, FMU, RADII
+from support.scenes.head_on import ACROSS, AXIS, RADII
 
 REACH, SPEED, START, END = 0.6, 3.0, 0.7, 0.7
 LED = 1e4  # N/m, where the ball is led
 
 
 def solid(shape, along, **more):
-    values = {
-        **RADII,
-        "source.motion": "free",
-        "destination.motion": "fixed",
-        "source.center": (-START * along).tolist(),
-        "source.initial_velocity": (SPEED * along).tolist(),
-        "destination.center": [0.0, 0.0, 0.0],
-        "gravity": [0.0, 0.0, 0.0],
-        "contact.location": "outside",
-        "contact.penalty_control": "user_defined",
-        "contact.viscous_control": "user_defined",
-        "contact.dashpot": "unclamped",
-        **more,
-    }
+    values = {**RADII, "source.motion": "free", "destination.motion": "fixed"}
+    values |= {"source.center": (-START * along).tolist()}
+    values |= {"source.initial_velocity": (SPEED * along).tolist(), "destination.center": [0.0, 0.0, 0.0]}
+    values |= {"gravity": [0.0, 0.0, 0.0], "contact.location": "outside"}
+    values |= {"contact.penalty_control": "user_defined", "contact.viscous_control": "user_defined"}
+    values |= {"contact.dashpot": "unclamped", **more}
     return values | ({"destination.axis": AXIS.tolist()} if shape == "cylinder" else {})
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("steps", [1, 20])
 def test_a_ball_on_the_axis_of_a_solid_cylinder_is_thrown_out_across_it(opened, steps, method):
     """It keeps its speed along the axis; the energy p_n g^2/2 of the start becomes speed across it."""
@@ -61,11 +52,9 @@ NEAR_MISSES = [1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-15, 1e-16, 1e-17]
 @pytest.mark.parametrize("steps", [1, 70])
 @pytest.mark.parametrize("miss", NEAR_MISSES)
 @pytest.mark.parametrize("stiffness", [0.01, 10.0, 24.0])
-@pytest.mark.parametrize("shape", FMU)
 def test_a_near_miss_of_the_centre_keeps_energy_and_angular_momentum(opened, shape, stiffness, miss, steps):
     """The normal turns by half a turn within miss / speed; steps shrink to that and grow again, each by a
-    factor, so that there are some log(size / miss) of them.
-    """
+    factor, so that there are some log(size / miss) of them."""
     values = solid(shape, ACROSS, **{"contact.penalty_factor": stiffness})
     values["contact.viscous_penalty_factor"] = 0.0
     values["source.center"] = (-START * ACROSS + miss * ASIDE).tolist()
@@ -80,22 +69,14 @@ def test_a_near_miss_of_the_centre_keeps_energy_and_angular_momentum(opened, sha
     assert fmu["solver.fallbacks"] == 0
 
 
-FREE_AND_VISCOUS = {
-    "contact.penalty_control": "viscous_only",
-    "destination.motion": "free",
-    "destination.mass": 4.0,
-    "destination.initial_velocity": [0.25, -0.5, 0.0],
-}
+FREE_AND_VISCOUS = {"contact.penalty_control": "viscous_only", "destination.motion": "free"}
+FREE_AND_VISCOUS |= {"destination.mass": 4.0, "destination.initial_velocity": [0.25, -0.5, 0.0]}
 
 
-@pytest.mark.parametrize(
-    "dashpot, miss, more",
-    [
-        *(("unclamped", 1e-2, {}), ("non_adhesive", 1e-5, {}), ("approach_only", 1e-8, {})),
-        ("non_adhesive", 1e-12, FREE_AND_VISCOUS),
-    ],
-)
-@pytest.mark.parametrize("shape", FMU)
+@pytest.mark.parametrize("dashpot, miss, more", [
+    *(("unclamped", 1e-2, {}), ("non_adhesive", 1e-5, {}), ("approach_only", 1e-8, {})),
+    ("non_adhesive", 1e-12, FREE_AND_VISCOUS),
+])  # fmt: skip
 def test_a_near_miss_of_the_centre_ends_where_the_taylor_reference_does(opened, shape, dashpot, miss, more):
     values = solid(shape, ACROSS, **{"contact.dashpot": dashpot, "contact.penalty_factor": 10.0, **more})
     values["contact.viscous_penalty_factor"] = 0.3
@@ -112,27 +93,22 @@ def led(shape, begin, end, miss=0.0, **more):
     """Along x from `begin` to `end` within a second, past the centre of a solid at a distance `miss`"""
     velocity = ((end - begin) * ACROSS).tolist()
     return solid(shape, ACROSS, **{"contact.penalty_factor": LED, "source.motion": "prescribed"}) | {
-        "contact.viscous_penalty_factor": 0.0,
-        "source.initial_velocity": [0.0, 0.0, 0.0],
+        "contact.viscous_penalty_factor": 0.0, "source.initial_velocity": [0.0, 0.0, 0.0],
         "source.center": (begin * ACROSS + miss * ASIDE).tolist(),
-        "source.prescribed_velocity": velocity,
-        "source.prescribed_displacement.derivatives": [velocity],
+        "source.prescribed_velocity": velocity, "source.prescribed_displacement.derivatives": [velocity],
         **more,
-    }
+    }  # fmt: skip
 
 
 def stored(x, miss):
     return LED * (REACH - math.hypot(x, miss)) ** 2 / 2
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("steps", [1, 7, 13])
 @pytest.mark.parametrize("miss", [0.0, 1e-12, 1e-6, 1e-3, 0.1])
-@pytest.mark.parametrize("shape", FMU)
 def test_a_ball_led_through_a_solid_leaves_the_impulse_of_its_way(opened, shape, miss, steps, method):
     """With x dx = d dd, the integrals of F x / d and F b / d over x, b the distance of the miss, are
-    p_n (r d - d^2 / 2) and p_n b (r asinh(x / b) - x), r the reach.
-    """
+    p_n (r d - d^2 / 2) and p_n b (r asinh(x / b) - x), r the reach."""
     begin, end = -0.35, 0.41
 
     def along(x):
@@ -154,7 +130,6 @@ def test_a_ball_led_through_a_solid_leaves_the_impulse_of_its_way(opened, shape,
 @pytest.mark.parametrize("dashpot", ["unclamped", "approach_only"])
 @pytest.mark.parametrize("damping", [1e7, 1e9])
 @pytest.mark.parametrize("off", [1e-3, 1e-6, 1e-9])
-@pytest.mark.parametrize("shape", FMU)
 def test_a_far_overdamped_ball_creeps_off_the_centre_as_with_cvode(opened, shape, off, damping, dashpot):
     """It starts beside the centre and goes past it: which way it leaves is decided within off / SPEED."""
     values = solid(shape, ACROSS, **{"contact.dashpot": dashpot, "source.center": (off * ASIDE).tolist()})
@@ -171,7 +146,6 @@ def test_a_far_overdamped_ball_creeps_off_the_centre_as_with_cvode(opened, shape
 
 
 @pytest.mark.parametrize("stop", [0.0, 0.3])
-@pytest.mark.parametrize("shape", FMU)
 def test_a_ball_led_out_of_the_centre_or_to_it_takes_few_panels(opened, shape, stop):
     """The direction that the contact has in the centre is not the one it has on the way"""
     values = led(shape, 0.3 - stop, stop, **{"solver.max_internal_steps": 100})
@@ -180,7 +154,6 @@ def test_a_ball_led_out_of_the_centre_or_to_it_takes_few_panels(opened, shape, s
     check_close("mean force", fmu["contact.mean_force"], mean, 1e-9 * LED)
 
 
-@pytest.mark.parametrize("shape", FMU)
 def test_a_ball_led_past_the_centre_goes_on_from_where_a_limit_stopped_it(opened, shape):
     """The work that is done on it, in parts of few panels each"""
     begin, end, miss = -0.3, 0.6, 1e-3
@@ -198,30 +171,17 @@ def test_a_ball_led_past_the_centre_goes_on_from_where_a_limit_stopped_it(opened
 
 @pytest.mark.parametrize("mass", [1.0, 2e11])
 @pytest.mark.parametrize("gravity", [50.0, 84.0, 85.0, 86.0, 200.0])
-@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 def test_balls_that_fall_together_pass_their_centre_once(opened, shape, gravity, mass):
     """So far that their positions do not tell any more on which side of it they are. A force presses one
-    through the other, against a dashpot that lets go there
-    """
+    through the other, against a dashpot that lets go there"""
     force, damping, reach, duration = 6.6e-8, 3.4e-5, 0.0040004, 80.0
-    values = {
-        "source.motion": "free",
-        "destination.motion": "free",
-        "source.mass": 0.03,
-        "destination.mass": mass,
-        "source.radius": 4e-7,
-        "destination.radius": 0.004,
-        "source.center": [0.0, 0.0, reach + 5e-8],
-        "source.initial_velocity": [0.0, 0.0, -1e-6],
-        "source.external_force": [0.0, 0.0, -force],
-        "gravity": [0.0, 0.0, -gravity],
-        "contact.location": "outside",
-        "contact.penalty_control": "user_defined",
-        "contact.penalty_factor": 3e-12,
-        "contact.viscous_control": "user_defined",
-        "contact.viscous_penalty_factor": damping,
-        "contact.dashpot": "non_adhesive",
-    }
+    values = {"source.motion": "free", "destination.motion": "free", "source.mass": 0.03}
+    values |= {"destination.mass": mass, "source.radius": 4e-7, "destination.radius": 0.004}
+    values |= {"source.center": [0.0, 0.0, reach + 5e-8], "source.initial_velocity": [0.0, 0.0, -1e-6]}
+    values |= {"source.external_force": [0.0, 0.0, -force], "gravity": [0.0, 0.0, -gravity]}
+    values |= {"contact.location": "outside", "contact.penalty_control": "user_defined"}
+    values |= {"contact.penalty_factor": 3e-12, "contact.viscous_control": "user_defined"}
+    values |= {"contact.viscous_penalty_factor": damping, "contact.dashpot": "non_adhesive"}
     if shape == "cylinder":
         values["destination.axis"] = [0.0, 1.0, 0.0]
     name = "SphereSphere" if shape == "sphere" else "SphereCylinder"

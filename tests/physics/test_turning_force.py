@@ -1,39 +1,33 @@
 """Forces, torques, slip and friction of bodies that turn, and their directional derivatives, against the
 reference's formulas (support/reference/turning.py): at random motions, all shapes, outside and
-inside, every dashpot. Derivatives are complex steps of those formulas, exact to rounding.
-"""
+inside, every dashpot. Derivatives are complex steps of those formulas, exact to rounding."""
 
 import numpy as np
 import pytest
 
 from support.checks import start
-from support.reference.turning import TurningPair
-from support.reference.turning_instant import outputs
+from support.reference.turning import TurningPair, outputs
 
 COUNT = 40
 VALUES, DERIVATIVES = 1e-12, 1e-9
 # A gap of 1e-3 m is the difference of coordinates of a metre: some 1e-16 m of rounding, times p_n [N].
 ROUNDED_FORCE = 1e6 * 2e-15 / VALUES
-SCENES = [("SphereSphere", "sphere", 1), ("SphereSphere", "sphere", -1), ("SphereCylinder", "cylinder", 1),
-          ("SphereCylinder", "cylinder", -1), ("SpherePlane", "plane", 1)]  # fmt: skip
-MOTION = {
-    "source.prescribed_displacement": "source.displacement",
-    "destination.prescribed_displacement": "destination.displacement",
-    "source.prescribed_velocity": "source.velocity",
-    "destination.prescribed_velocity": "destination.velocity",
-    "source.prescribed_angular_velocity": "source.omega",
-    "destination.prescribed_angular_velocity": "destination.omega",
-    "destination.prescribed_axis": "axis",
-}
+SCENES = [("SphereSphere", "sphere", 1), ("SphereSphere", "sphere", -1), ("SphereCylinder", "cylinder", 1)]
+SCENES += [("SphereCylinder", "cylinder", -1), ("SpherePlane", "plane", 1)]
+MOTION = {"source.prescribed_displacement": "source.displacement"}
+MOTION |= {"destination.prescribed_displacement": "destination.displacement"}
+MOTION |= {"source.prescribed_velocity": "source.velocity"}
+MOTION |= {"destination.prescribed_velocity": "destination.velocity"}
+MOTION |= {"source.prescribed_angular_velocity": "source.omega"}
+MOTION |= {"destination.prescribed_angular_velocity": "destination.omega"}
+MOTION |= {"destination.prescribed_axis": "axis"}
 
 
 def random_case(rng, shape, side):
     """Values of the formulas, and a motion that overlaps three times out of four"""
-    v = {
-        "shape": shape, "side": side, "r_s": rng.uniform(0.05, 0.2), "r_d": rng.uniform(0.4, 0.8), "p_n": 1e6,
-        "p_nv": rng.choice([0.0, 100.0, 3000.0]), "unclamped": bool(rng.integers(2)),
-        "mu": rng.uniform(0.0, 1.0), "v_0": 10 ** rng.uniform(-4, 0), "largest": rng.choice([1e300, 200.0]),
-    }  # fmt: skip
+    v = {"shape": shape, "side": side, "r_s": rng.uniform(0.05, 0.2), "r_d": rng.uniform(0.4, 0.8)}
+    v |= {"p_n": 1e6, "p_nv": rng.choice([0.0, 100.0, 3000.0]), "unclamped": bool(rng.integers(2))}
+    v |= {"mu": rng.uniform(0.0, 1.0), "v_0": 10 ** rng.uniform(-4, 0), "largest": rng.choice([1e300, 200.0])}
     for kind in ("rolling", "spinning"):
         v[kind] = str(rng.choice(["none", "regularized", "regularized"]))
         v[f"{kind}_coefficient"], v[f"{kind}_rate"] = rng.uniform(0.0, 1.0), 10 ** rng.uniform(-2, 1)
@@ -60,20 +54,16 @@ def random_case(rng, shape, side):
 
 
 def settings(v):
-    values = {
-        "source.motion": "prescribed", "destination.motion": "prescribed", "source.rotation": "prescribed",
-        "destination.rotation": "prescribed", "contact.friction": "regularized",
-        "contact.slip_velocity_control": "user_defined", "contact.characteristic_slip_velocity": v["v_0"],
-        "contact.friction_coefficient": v["mu"], "contact.maximum_friction_force": v["largest"],
-        "contact.viscous_penalty_factor": v["p_nv"], "source.radius": v["r_s"],
-        "contact.dashpot": "unclamped" if v["unclamped"] else "non_adhesive",
-    }  # fmt: skip
+    values = {"source.motion": "prescribed", "destination.motion": "prescribed"}
+    values |= {"source.rotation": "prescribed", "destination.rotation": "prescribed"}
+    values |= {"contact.friction": "regularized", "contact.slip_velocity_control": "user_defined"}
+    values |= {"contact.characteristic_slip_velocity": v["v_0"], "contact.friction_coefficient": v["mu"]}
+    values |= {"contact.maximum_friction_force": v["largest"], "contact.viscous_penalty_factor": v["p_nv"]}
+    values |= {"source.radius": v["r_s"]}
+    values |= {"contact.dashpot": "unclamped" if v["unclamped"] else "non_adhesive"}
     for kind in ("rolling", "spinning"):
-        values |= {
-            f"contact.{kind}": v[kind],
-            f"contact.{kind}_coefficient": v[f"{kind}_coefficient"],
-            f"contact.characteristic_{kind}_rate": v[f"{kind}_rate"],
-        }
+        values |= {f"contact.{kind}": v[kind], f"contact.{kind}_coefficient": v[f"{kind}_coefficient"]}
+        values |= {f"contact.characteristic_{kind}_rate": v[f"{kind}_rate"]}
     if v["shape"] != "plane":
         values |= {
             "destination.radius": v["r_d"],

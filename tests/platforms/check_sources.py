@@ -10,17 +10,7 @@ import fmpy
 import pytest
 
 from contact_fmus.building.cmake_build import find_compiler
-from support.portable_host import (
-    HEADERS,
-    SOURCE,
-    STEPS,
-    difference,
-    motion,
-    numbers,
-    outputs,
-    settings,
-    unpacked,
-)
+from support import portable_host
 from support.programs import PATIENCE, checked
 from support.release import CASES, CHECKED, CHECKED_CASES, CVODE, FEW_CASES, FOLDERS, MINGW, fmu_of
 
@@ -38,8 +28,8 @@ def test_mingw_builds_the_sources_and_gives_the_motion_of_linux(case, hosts, rel
         options = ["-std=c11", *WARNINGS, "-O2", "-shared", "-static-libgcc"]
         checked([MINGW, *options, "-o", library, "contact.c"], cwd=folder / "sources")
     program, environment = hosts[2, "win64"]
-    text = motion(program, library, folder, values, end, environment)
-    off = difference(text, of_this_build(case))
+    text = portable_host.motion(program, library, folder, values, end, environment)
+    off = portable_host.difference(text, of_this_build(case))
     print(f"\nmingw {case}: {off:.1e}", file=sys.__stderr__)
     assert off <= bound
 
@@ -65,7 +55,7 @@ def compiled_by_fmpy(work):
                     if not member.startswith("binaries/"):
                         new.writestr(member, old.read(member))
             checked([sys.executable, "-m", "fmpy", "compile", fmu])
-            unpacked(fmu, folder)
+            portable_host.unpacked(fmu, folder)
         return folder
 
     return compiled
@@ -77,11 +67,11 @@ def test_fmpy_compiles_the_sources(case, compiled_by_fmpy, of_this_build):
     name, configuration, end, bound = CASES[case]
     folder = compiled_by_fmpy(name)
     description = fmpy.read_model_description(str(folder))
-    values = {variable.name: value for variable, value in settings(description, configuration)}
-    names = outputs(description)
+    values = {variable.name: value for variable, value in portable_host.settings(description, configuration)}
+    names = portable_host.outputs(description)
     about = {"start_values": values, "output": names, "stop_time": end}
-    rows = fmpy.simulate_fmu(str(folder), output_interval=end / STEPS, **about)
-    expected = numbers(of_this_build(case))[-1][1:]
+    rows = fmpy.simulate_fmu(str(folder), output_interval=end / portable_host.STEPS, **about)
+    expected = portable_host.numbers(of_this_build(case))[-1][1:]
     assert [rows[name][-1] for name in names] == pytest.approx(expected, rel=bound, abs=bound)
 
 
@@ -116,8 +106,8 @@ def test_clang_in_the_mode_of_msvc_gives_the_motion_of_linux(case, hosts, releas
         parts = [folder / "msvc.obj", BESIDE / "msvc_runtime.c"]
         checked([MINGW, "-shared", "-static-libgcc", "-o", library, *parts])
     program, environment = hosts[2, "win64"]
-    text = motion(program, library, folder, values, end, environment)
-    off = difference(text, of_this_build(case))
+    text = portable_host.motion(program, library, folder, values, end, environment)
+    off = portable_host.difference(text, of_this_build(case))
     print(f"\nmsvc {case}: {off:.1e}", file=sys.__stderr__)
     assert off <= bound
 
@@ -138,11 +128,13 @@ def test_a_bare_debian_with_a_c_compiler_builds_and_runs_the_sources(case, bare_
     folder = bare_root / "build" / name
     if not folder.is_dir():
         shutil.copytree(release(name) / "sources", folder)
-        shutil.copytree(HEADERS, bare_root / "build" / "headers", dirs_exist_ok=True)
-        for file in (SOURCE, SOURCE.with_name("host_library.h")):
+        shutil.copytree(portable_host.HEADERS, bare_root / "build" / "headers", dirs_exist_ok=True)
+        for file in (portable_host.SOURCE, portable_host.SOURCE.with_name("host_library.h")):
             shutil.copy(file, bare_root / "build")
         inside = ["chroot", bare_root, "cc", "-std=c11", "-O2"]
         checked([*inside, "-shared", "-fPIC", "-o", f"/build/{name}/a.so", f"/build/{name}/contact.c", "-lm"])
         checked([*inside, "-I/build/headers", "/build/host.c", "-ldl", "-o", "/build/host"])
-    text = motion(["chroot", bare_root, "/build/host"], f"/build/{name}/a.so", release(name), values, end)
-    assert difference(text, of_this_build(case)) <= bound
+    text = portable_host.motion(
+        ["chroot", bare_root, "/build/host"], f"/build/{name}/a.so", release(name), values, end
+    )
+    assert portable_host.difference(text, of_this_build(case)) <= bound

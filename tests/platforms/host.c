@@ -10,16 +10,21 @@
 
 enum { MOST = 64 };
 
-static fmi2SetRealTYPE *set_real;
-static fmi2SetIntegerTYPE *set_integer;
-static fmi2GetRealTYPE *get_real;
-static fmi2InstantiateTYPE *instantiate;
-static fmi2SetupExperimentTYPE *setup_experiment;
-static fmi2EnterInitializationModeTYPE *enter_initialization;
-static fmi2ExitInitializationModeTYPE *exit_initialization;
-static fmi2DoStepTYPE *do_step;
-static fmi2TerminateTYPE *terminate;
-static fmi2FreeInstanceTYPE *free_instance;
+#define FUNCTIONS(ROW)                                                                                       \
+    ROW(SetReal, set_real)                                                                                   \
+    ROW(SetInteger, set_integer)                                                                             \
+    ROW(GetReal, get_real)                                                                                   \
+    ROW(Instantiate, instantiate)                                                                            \
+    ROW(SetupExperiment, setup_experiment)                                                                   \
+    ROW(EnterInitializationMode, enter_initialization)                                                       \
+    ROW(ExitInitializationMode, exit_initialization)                                                         \
+    ROW(DoStep, do_step)                                                                                     \
+    ROW(Terminate, terminate)                                                                                \
+    ROW(FreeInstance, free_instance)
+#define DECLARE(name, place) static fmi2##name##TYPE *place;
+#define FIND(name, place) find(library, "fmi2" #name, &place);
+
+FUNCTIONS(DECLARE)
 
 static void tell(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status,
                  fmi2String category, fmi2String text, ...)
@@ -35,16 +40,7 @@ static void tell(fmi2ComponentEnvironment environment, fmi2String instance, fmi2
 
 static void find_all(void *library)
 {
-    find(library, "fmi2SetReal", &set_real);
-    find(library, "fmi2SetInteger", &set_integer);
-    find(library, "fmi2GetReal", &get_real);
-    find(library, "fmi2Instantiate", &instantiate);
-    find(library, "fmi2SetupExperiment", &setup_experiment);
-    find(library, "fmi2EnterInitializationMode", &enter_initialization);
-    find(library, "fmi2ExitInitializationMode", &exit_initialization);
-    find(library, "fmi2DoStep", &do_step);
-    find(library, "fmi2Terminate", &terminate);
-    find(library, "fmi2FreeInstance", &free_instance);
+    FUNCTIONS(FIND)
 }
 
 static int configure(fmi2Component c, int count, char **words, fmi2ValueReference *wanted)

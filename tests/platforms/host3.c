@@ -14,15 +14,20 @@ struct wanted {
     size_t values; /* of all of them */
 };
 
-static fmi3SetFloat64TYPE *set_float64;
-static fmi3SetInt64TYPE *set_int64;
-static fmi3GetFloat64TYPE *get_float64;
-static fmi3InstantiateCoSimulationTYPE *instantiate;
-static fmi3EnterInitializationModeTYPE *enter_initialization;
-static fmi3ExitInitializationModeTYPE *exit_initialization;
-static fmi3DoStepTYPE *do_step;
-static fmi3TerminateTYPE *terminate;
-static fmi3FreeInstanceTYPE *free_instance;
+#define FUNCTIONS(ROW)                                                                                       \
+    ROW(SetFloat64, set_float64)                                                                             \
+    ROW(SetInt64, set_int64)                                                                                 \
+    ROW(GetFloat64, get_float64)                                                                             \
+    ROW(InstantiateCoSimulation, instantiate)                                                                \
+    ROW(EnterInitializationMode, enter_initialization)                                                       \
+    ROW(ExitInitializationMode, exit_initialization)                                                         \
+    ROW(DoStep, do_step)                                                                                     \
+    ROW(Terminate, terminate)                                                                                \
+    ROW(FreeInstance, free_instance)
+#define DECLARE(name, place) static fmi3##name##TYPE *place;
+#define FIND(name, place) find(library, "fmi3" #name, &place);
+
+FUNCTIONS(DECLARE)
 
 static void tell(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String text)
 {
@@ -34,15 +39,7 @@ static void tell(fmi3InstanceEnvironment environment, fmi3Status status, fmi3Str
 
 static void find_all(void *library)
 {
-    find(library, "fmi3SetFloat64", &set_float64);
-    find(library, "fmi3SetInt64", &set_int64);
-    find(library, "fmi3GetFloat64", &get_float64);
-    find(library, "fmi3InstantiateCoSimulation", &instantiate);
-    find(library, "fmi3EnterInitializationMode", &enter_initialization);
-    find(library, "fmi3ExitInitializationMode", &exit_initialization);
-    find(library, "fmi3DoStep", &do_step);
-    find(library, "fmi3Terminate", &terminate);
-    find(library, "fmi3FreeInstance", &free_instance);
+    FUNCTIONS(FIND)
 }
 
 static size_t length(const char *word)

@@ -1,6 +1,5 @@
 """The sources in the FMUs: any C11 compiler makes a library of them that gives the bits of the one inside"""
 
-import subprocess
 import sys
 import zipfile
 
@@ -10,6 +9,7 @@ import pytest
 from support import portable_host
 from support.fmi2.elf import exported, needed
 from support.portable_host import HEADERS, SOURCE, motion
+from support.programs import finished
 from support.release import cases_of, few_cases_of
 from support.scenes.benchmarks import BENCHMARKS
 from support.sources import BUILD, ROOT
@@ -21,7 +21,7 @@ SCENE_FILES = (ROOT / "modelDescription" / "scenes").glob("*.toml")
 
 
 def compile_c(*arguments, cwd):
-    run = subprocess.run(["gcc", "-std=c11", *map(str, arguments)], cwd=cwd, capture_output=True, text=True)
+    run = finished(["gcc", "-std=c11", *map(str, arguments)], cwd=cwd)
     assert (run.returncode, run.stderr) == (0, "")
 
 
@@ -206,10 +206,8 @@ DECIDED = [
     ("x = a(y) * SCENE_CONTACTS;", "x = a(y) * SCENE_CONTACTS;"),
     ("if (contact_law(v, y) != LAW_LINEAR) {\n        a(y);\n    }\n    b(y);", "b(y);"),
     ("if (SCENE_A) {\n        return a(y);\n    }\n    return b(y);", "return a(y);"),
-    (
-        "if (SCENE_A) {\n        x = a(y);\n    } else {\n        x = b(y);\n    }",
-        "{\n        x = a(y);\n    }",
-    ),
+    ("if (SCENE_A) {\n        x = a(y);\n    } else {\n        x = b(y);\n    }",
+        "{\n        x = a(y);\n    }"),
     (
         "if (y) {\n        x = a(y);\n    } else if (SCENE_A) {\n        x = b(y);\n"
         "    } else {\n        c(y);\n    }",
@@ -218,11 +216,9 @@ DECIDED = [
     ("for (int i = 0; i < y && SCENE_B; ++i) {\n        a(i);\n    }\n    b(y);", "b(y);"),
     ("while (SCENE_A && y) {\n        a(y);\n    }", "while (y) {\n        a(y);\n    }"),
     ("const bool known = SCENE_B;\n    x = known && a(y);", "const bool known = SCENE_B;\n    x = false;"),
-    (
-        "const bool SCENE_A = y;\n    x = SCENE_A && a(y);",
-        "const bool SCENE_A = y;\n    x = SCENE_A && a(y);",
-    ),
-]
+    ("const bool SCENE_A = y;\n    x = SCENE_A && a(y);",
+        "const bool SCENE_A = y;\n    x = SCENE_A && a(y);"),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("before", "after"), DECIDED)
@@ -251,10 +247,7 @@ static inline int body_shape(int body)
 }
 #endif
 """
-UNUSED = (
-    "#define HAS_body_mass 0\n",
-    "static inline int body_shape(int body)\n{\n    return body;\n}\n",
-)
+UNUSED = ("#define HAS_body_mass 0\n", "static inline int body_shape(int body)\n{\n    return body;\n}\n")
 
 
 def test_the_header_of_the_sources_has_what_they_ask_for():
@@ -277,7 +270,7 @@ def test_fmpy_compiles_the_sources(unpacked, tmp_path):
             place = file.relative_to(folder)
             if file.is_file() and place.parts[0] != "binaries":
                 archive.write(file, place)
-    run = subprocess.run([sys.executable, "-m", "fmpy", "compile", str(fmu)], capture_output=True, text=True)
+    run = finished([sys.executable, "-m", "fmpy", "compile", str(fmu)])
     assert run.returncode == 0, run.stdout + run.stderr
     made = fmpy.simulate_fmu(str(fmu), stop_time=0.1, output_interval=0.01)
     inside = fmpy.simulate_fmu(str(BUILD / "fmus" / "ForceElement.fmu"), stop_time=0.1, output_interval=0.01)

@@ -1,6 +1,5 @@
 """What holds for every scene: no pull, action and reaction, steps that may be cut, fixed and prescribed at
-rest, nothing but numbers.
-"""
+rest, nothing but numbers."""
 
 import itertools
 
@@ -9,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from support.checks import METHODS, check_close, run, start
-from support.scenes.strategies import BOUNDED, FMU, RESULTS, build, scenes
+from support.checks import FMU, METHODS, check_close, run, start
+from support.scenes.strategies import BOUNDED, RESULTS, build, scenes
 
 ENDS = ["source.position", "source.velocity", "destination.position", "destination.velocity"]
 ALLOWED = 1e-7
@@ -64,8 +63,7 @@ BALANCE = 1e-8  # of the largest term, at tolerance 1e-10
 
 def check_energy(fmu, values, seen):
     """The total is that of its terms and stays; what is dissipated never falls, and is nothing for a spring
-    alone. Where a cylinder ends the energy of the spring comes and goes at once.
-    """
+    alone. Where a cylinder ends the energy of the spring comes and goes at once."""
     terms = {name: fmu[name] for name in TERMS}
     size, lost = max(map(abs, terms.values())), terms["energy.dissipated"]
     total = sum(terms.values()) - 2 * terms["energy.external_work"]
@@ -84,8 +82,7 @@ def check_energy(fmu, values, seen):
 @given(scene=scenes())
 def test_all_outputs_are_numbers_and_forces_those_of_a_contact(opened, method, scene):
     """Action equals reaction; a non-adhesive contact never pulls; no output is anything but a number; energy
-    is accounted for.
-    """
+    is accounted for."""
     fmu, values = opened(FMU[scene.shape]), scene.configuration
     outputs = [name for name, one in fmu.variables.items() if (one.causality, one.type) == ("output", "Real")]
     assert len(outputs) > 20
@@ -139,8 +136,7 @@ def test_fixed_and_prescribed_at_rest_are_the_same(opened, method, scene):
 @given(scene=scenes(motions=["fixed", "free"]), speed=st.sampled_from([0.5, -3.0]))
 def test_the_same_motion_is_seen_from_a_moving_frame(opened, method, scene, speed):
     """Galilei: all bodies get the same velocity; a fixed destination becomes one prescribed with that
-    velocity.
-    """
+    velocity."""
     drift = speed * np.array([0.6, -0.48, 0.64])
     values = dict(scene.configuration)
     moving = dict(values)

@@ -1,6 +1,5 @@
 """Symmetries of the model, on configurations chosen by hypothesis: the world may be turned, moved, mirrored
-in its roles and rescaled.
-"""
+in its roles and rescaled."""
 
 import numpy as np
 import pytest
@@ -8,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from contact_fmus.stability.motions import TABLE
-from support.checks import METHODS, check_close, run
-from support.scenes.strategies import BOUNDED, FMU, RESULTS, VECTORS, scenes, seeds
+from support.checks import FMU, METHODS, check_close, run
+from support.scenes.strategies import BOUNDED, RESULTS, VECTORS, scenes, seeds
 
 ALLOWED = 1e-7  # of the size of the motion; both runs at tolerance 1e-10
 OUTPUTS = ["source.position", "source.velocity", "destination.position", "destination.velocity"]
@@ -87,11 +86,8 @@ def test_two_spheres_may_change_their_roles(opened, method, scene):
 
 
 # Exponents of metre, kilogram and second for what a configuration and its results are measured in.
-DIMENSIONS = TABLE["dimensions"] | {
-    "position": (1, 0, 0),
-    "absolute_tolerance": (1, 0, 0),
-    "force": (1, 1, -2),
-}
+DIMENSIONS = TABLE["dimensions"] | {"position": (1, 0, 0), "absolute_tolerance": (1, 0, 0)}
+DIMENSIONS |= {"force": (1, 1, -2)}
 DIMENSIONS |= {"duration": (0, 0, 1), "dissipated": (2, 1, -2)}
 
 

@@ -40,22 +40,15 @@ def lagging_dashpot(zeta):
 
 # (integrator, coupling, zeta): the step in 1/omega up to which a lasting contact keeps quiet
 STABLE = {
-    (EULER, "at once", 0.0): 2.0,
-    (EULER, "at once", 0.5): 2 * (math.sqrt(1 + 0.5**2) - 0.5),
+    (EULER, "at once", 0.0): 2.0, (EULER, "at once", 0.5): 2 * (math.sqrt(1 + 0.5**2) - 0.5),
     (EULER, "held", 0.0): 0.0,
     (EULER, "held", 0.5): 0.5,  # z (z - 1)^2 + 2 zeta h w (z - 1) z + ...: |z| = 1 at h w = zeta
-    (EULER, "mean, predicted", 0.0): math.sqrt(2),
-    (EULER, "mean, iterated", 0.0): math.inf,
-    (VERLET, "at once", 0.0): 2.0,
-    (VERLET, "at once", 0.5): lagging_dashpot(0.5),
-    (VERLET, "held", 0.0): 0.0,
-    (VERLET, "derivatives 1, 2", 0.0): 2.0,
-    (VERLET, "mean, predicted", 0.0): 2.0,
-    (VERLET, "mean, predicted", 0.5): lagging_dashpot(0.5),
-    (VERLET, "mean, iterated", 0.0): math.inf,
-    (RUNGE_KUTTA, "at once", 0.0): math.sqrt(8),
-    (RUNGE_KUTTA, "held", 0.0): 0.0,
-}
+    (EULER, "mean, predicted", 0.0): math.sqrt(2), (EULER, "mean, iterated", 0.0): math.inf,
+    (VERLET, "at once", 0.0): 2.0, (VERLET, "at once", 0.5): lagging_dashpot(0.5), (VERLET, "held", 0.0): 0.0,
+    (VERLET, "derivatives 1, 2", 0.0): 2.0, (VERLET, "mean, predicted", 0.0): 2.0,
+    (VERLET, "mean, predicted", 0.5): lagging_dashpot(0.5), (VERLET, "mean, iterated", 0.0): math.inf,
+    (RUNGE_KUTTA, "at once", 0.0): math.sqrt(8), (RUNGE_KUTTA, "held", 0.0): 0.0,
+}  # fmt: skip
 
 
 @every_scheme
@@ -73,8 +66,7 @@ def test_the_eigenvalues_give_the_stable_step_of_theory(integrator, coupling, ze
 
 
 @pytest.mark.parametrize(
-    "integrator, coupling, zeta",
-    [key for key, step in STABLE.items() if 0.0 < step < math.inf],
+    "integrator, coupling, zeta", [key for key, step in STABLE.items() if 0.0 < step < math.inf]
 )
 def test_the_stable_step_measured_on_the_fmu_is_that_of_theory(integrator, coupling, zeta, fmu):
     found = study.stable_step_measured(fmu, BY_NAME[integrator, coupling], zeta, 600)

@@ -6,6 +6,7 @@ import subprocess
 import pytest
 
 from contact_fmus.fmu.host import Case, HostError, HostTimeout, case_arguments, host_file, run_host
+from support.programs import finished
 from support.scenes.benchmarks import BENCHMARKS
 from support.sources import HOST_SOURCES, fmi_headers
 
@@ -21,7 +22,7 @@ def case_of(fmu_path, name, method="event_driven", steps=7, **changes):
 
 
 def run_raw(*arguments):
-    return subprocess.run([host_file(), *arguments], capture_output=True, text=True, check=False)
+    return finished([host_file(), *arguments])
 
 
 @pytest.mark.parametrize("steps", [1, 7])
@@ -174,7 +175,7 @@ def test_the_host_leaks_nothing_and_stays_within_its_memory(fmu_path, checked_ho
         (["--help"], 0),
     ):
         command = [checked_host, *tried]
-        run = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+        run = finished(command, env=environment)
         assert run.returncode == status, run.stderr
         assert "Sanitizer" not in run.stderr and "runtime error" not in run.stderr
 
@@ -188,5 +189,5 @@ def test_the_sanitized_host_would_tell_of_a_leak(checked_host, tmp_path):
     environment = {
         key: value for key, value in os.environ.items() if key not in ("LD_PRELOAD", "ASAN_OPTIONS")
     }
-    run = subprocess.run([program], capture_output=True, text=True, check=False, env=environment)
+    run = finished([program], env=environment)
     assert run.returncode != 0 and "LeakSanitizer" in run.stderr

@@ -6,24 +6,18 @@ import subprocess
 import pytest
 
 from contact_fmus.fmu.host import Case, case_arguments, host_file
-from support.programs import PATIENCE
+from support.programs import finished
 from support.scenes.benchmarks import BENCHMARKS
 
 VALGRIND = [
-    "valgrind",
-    "--quiet",
-    "--error-exitcode=99",
-    "--leak-check=full",
-    "--show-leak-kinds=definite,indirect,possible",
-    "--errors-for-leak-kinds=definite,indirect,possible",
+    "valgrind", "--quiet", "--error-exitcode=99", "--leak-check=full",
+    "--show-leak-kinds=definite,indirect,possible", "--errors-for-leak-kinds=definite,indirect,possible",
     "--keep-debuginfo=yes",  # the host closes the library before leaks are looked for
-]
+]  # fmt: skip
 
 
 def checked(*command):
-    return subprocess.run(
-        [*VALGRIND, *command], capture_output=True, text=True, check=False, timeout=PATIENCE
-    )
+    return finished([*VALGRIND, *command])
 
 
 @pytest.mark.parametrize("method", ["event_driven", "cvode_bdf"])

@@ -43,11 +43,8 @@ WRONG = {
     "unknown key of input": ("values = [", "vales = [", "[[input]] 1: unknown key 'vales'"),
     "falling times": ("times = [0.0, 1.0]", "times = [1.0, 0.0]", "[[input]] 1: times must rise"),
     "mixed forms": ("values = [1.0, 2.0]", "frequency = 1.0", "times, frequency do not go together"),
-    "derivative of nothing": (
-        "times = [0.0, 1.0]\nvalues = [1.0, 2.0]",
-        'derivative_of = "x"',
-        "[[input]] 1: derivative_of = 'x' is no input before it",
-    ),
+    "derivative of nothing": ("times = [0.0, 1.0]\nvalues = [1.0, 2.0]", 'derivative_of = "x"',
+        "[[input]] 1: derivative_of = 'x' is no input before it"),
     "unknown check": ('"final_value"', '"final"', "[[claim]] 1: check is one of angular_momentum, "),
     "unknown key of claim": ("variable = \"contact.gap\"", "vriable = 1", "unknown key 'vriable'"),
     "missing argument": ("expected = 0.0", "", "[[claim]] 1: key 'expected' is missing"),

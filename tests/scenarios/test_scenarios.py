@@ -57,19 +57,12 @@ def test_a_wrong_expectation_fails_and_the_exit_status_says_so(tmp_path, capsys)
     assert "3 do not hold" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        (
-            '"contact.dashpot" = "unclamped"',
-            '"contact.dashpots" = "unclamped"',
-            "no variable 'contact.dashpots'",
-        ),
-        ('"contact.dashpot" = "unclamped"', '"contact.dashpot" = "soft"', "one of non_adhesive, unclamped"),
-        ('"source.center" = [0.03, 0.04, 1.1]', '"source.radius" = -1.0', "source.radius"),
-        ('fmu = "BallOnSphere"', 'fmu = "BallOnCone"', "BallOnCone.fmu does not exist"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "message"), [
+    ('"contact.dashpot" = "unclamped"', '"contact.dashpots" = "unclamped"', "no variable 'contact.dashpots'"),
+    ('"contact.dashpot" = "unclamped"', '"contact.dashpot" = "soft"', "one of non_adhesive, unclamped"),
+    ('"source.center" = [0.03, 0.04, 1.1]', '"source.radius" = -1.0', "source.radius"),
+    ('fmu = "BallOnSphere"', 'fmu = "BallOnCone"', "BallOnCone.fmu does not exist"),
+])  # fmt: skip
 def test_what_the_fmu_refuses_is_reported_with_the_run_and_fails(old, new, message, tmp_path, capsys):
     text = (FOLDER / "ball_on_sphere.toml").read_text(encoding="utf-8")
     assert old in text

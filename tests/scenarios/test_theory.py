@@ -13,7 +13,6 @@ DAMPING_RATIOS = (0.0, 1e-3, 0.05, 0.3, 0.7, 0.99, 1.01, 2.5, 20.0)
 
 
 @pytest.mark.parametrize("zeta", DAMPING_RATIOS)
-@pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])
 def test_restitution_and_duration_are_those_of_the_oscillator_by_complex_phases(dashpot, zeta):
     if dashpot == "unclamped" and zeta > 0.98:
         assert closed_forms.restitution(dashpot, zeta) < 1e-9

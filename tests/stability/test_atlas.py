@@ -5,28 +5,19 @@ import math
 import re
 from collections import Counter
 from dataclasses import replace
+from operator import attrgetter
 
 import pytest
 from lxml import etree
 
 from contact_fmus.stability import command
+from contact_fmus.stability import run as runs
 from contact_fmus.stability.command import QUICK
 from contact_fmus.stability.motions import HeadOn, Rolling, Similar, Units, bases
 from contact_fmus.stability.page import draw_page, groups, write_csv
-from contact_fmus.stability.run import (
-    LIMITS,
-    METHODS,
-    Figures,
-    Outcome,
-    not_right,
-    row_of,
-    run_all,
-    run_scene,
-    thinned,
-)
 from contact_fmus.stability.scenes import FAMILIES, Scene, all_scenes
 
-CVODE = METHODS[1:]
+CVODE = runs.METHODS[1:]
 # What the page names as limits of CVODE: the depth of an impact below its tolerance, flights it does not see.
 NAMED = ("mass ratio", "jump", "all at once")
 
@@ -41,26 +32,15 @@ def scenes():
 @pytest.fixture(scope="module")
 def rows(scenes):
     """A third of what `scripts/stability.sh --quick` runs"""
-    return [row for _, found in run_all(thinned(scenes, QUICK), 2) for row in found]
+    return [row for _, found in runs.run_all(runs.thinned(scenes, QUICK), 2) for row in found]
 
 
 @pytest.mark.parametrize("family", [family.name for family in FAMILIES])
 def test_event_driven_is_right(rows, family):
     own = [row for row in rows if row.family == family and row.method == "event_driven"]
     assert len(own) >= 4
-    found = [
-        (
-            row.wrong,
-            row.status,
-            row.message,
-            row.value,
-            row.geometry,
-            row.law,
-            row.note,
-            row.communication_steps,
-        )
-        for row in not_right(own, "event_driven")
-    ]
+    told = attrgetter("wrong", "status", "message", "value", "geometry", "law", "note", "communication_steps")
+    found = [told(row) for row in runs.not_right(own, "event_driven")]
     assert found == []
     for row in own:
         assert math.isfinite(row.error), row
@@ -71,7 +51,7 @@ def test_event_driven_is_right(rows, family):
 def test_the_last_line_names_the_methods(rows):
     few = [
         replace(row, wrong="energy" if row.method == "cvode_bdf" else "", status="ok")
-        for row in rows[: 4 * len(METHODS)]
+        for row in rows[: 4 * len(runs.METHODS)]
     ]
     assert command.ending(few) == "12 runs, 4 wrong (cvode_bdf 4), 0 refused"
 
@@ -79,17 +59,17 @@ def test_the_last_line_names_the_methods(rows):
 def test_a_run_that_did_not_come_to_its_end_is_not_right():
     """Figures of nothing are never wrong: the status has to be asked for."""
     scene = Scene("damping", 0.2, HeadOn(ratio=0.2))
-    right = run_scene(scene, ("event_driven",))
-    assert not_right(right, "event_driven") == []
+    right = runs.run_scene(scene, ("event_driven",))
+    assert runs.not_right(right, "event_driven") == []
     for status in ("refused", "discarded", "error"):
-        outcome = Outcome(status=status, message="fmi2DoStep failed with status 3 (error).")
-        row = row_of(scene, "event_driven", 1, outcome, Figures())
-        assert row.wrong == "" and not_right([*right, row], "event_driven") == [row]
+        outcome = runs.Outcome(status=status, message="fmi2DoStep failed with status 3 (error).")
+        row = runs.row_of(scene, "event_driven", 1, outcome, runs.Figures())
+        assert row.wrong == "" and runs.not_right([*right, row], "event_driven") == [row]
 
 
 def test_the_check_fails_where_a_run_did_not_come_to_its_end(monkeypatch, tmp_path, capsys):
     scene = Scene("damping", 0.2, HeadOn(ratio=0.2))
-    rows = run_scene(scene, ("event_driven",))
+    rows = runs.run_scene(scene, ("event_driven",))
     monkeypatch.setattr(command, "_measured", lambda options: rows)
     monkeypatch.setattr(command, "draw_page", lambda *_: [])
     assert command.main(["--check", "--output", str(tmp_path)]) == 0
@@ -168,7 +148,9 @@ def test_other_units_give_the_same_bits():
         found = [
             row
             for system in units
-            for row in run_scene(Scene("units", 0.0, Similar(number, system), steps=(3,)), METHODS[:1])
+            for row in runs.run_scene(
+                Scene("units", 0.0, Similar(number, system), steps=(3,)), runs.METHODS[:1]
+            )
         ]
         assert [row.status for row in found] == ["ok"] * len(units), (name, [row.message for row in found])
         assert all(row.bits for row in found), name
@@ -177,30 +159,30 @@ def test_other_units_give_the_same_bits():
 
 def test_a_wrong_answer_is_found():
     """Of each check, the least that is too much"""
-    for method in METHODS:
-        for name, limit in LIMITS[method].items():
-            assert Figures(**{name: 1.01 * limit}).failures(method) == [name]
-            assert Figures(**{name: 0.99 * limit}).failures(method) == []
-        assert Figures(missed=True).failures(method) == ["onsets"]
-        assert Figures(finite=False).failures(method) == ["finite"]
+    for method in runs.METHODS:
+        for name, limit in runs.LIMITS[method].items():
+            assert runs.Figures(**{name: 1.01 * limit}).failures(method) == [name]
+            assert runs.Figures(**{name: 0.99 * limit}).failures(method) == []
+        assert runs.Figures(missed=True).failures(method) == ["onsets"]
+        assert runs.Figures(finite=False).failures(method) == ["finite"]
 
 
 def test_a_scene_of_another_law_is_told_apart(monkeypatch):
     """The closed form of one damping against the FMU with another one"""
     scene = Scene("damping", 0.2, HeadOn(ratio=0.2))
-    assert {row.wrong for row in run_scene(scene)} == {""}
+    assert {row.wrong for row in runs.run_scene(scene)} == {""}
     expected = Scene("damping", 0.2, HeadOn(ratio=0.2001)).expected()
     monkeypatch.setattr(Scene, "expected", lambda _: expected)
-    assert all("error" in row.wrong for row in run_scene(scene))
+    assert all("error" in row.wrong for row in runs.run_scene(scene))
 
 
 def test_a_wrong_orientation_is_found(monkeypatch):
     """The closed form of one spin against the FMU with another one; the ball is where it should be"""
     scene = Scene("spin", 100.0, Rolling(spin=-100.0, end=0.1))
-    assert not_right(run_scene(scene), "event_driven") == []
+    assert runs.not_right(runs.run_scene(scene), "event_driven") == []
     expected = dict.fromkeys(scene.steps, replace(scene.motion.expected(), turned=-9.8))
     monkeypatch.setattr(Scene, "expected", lambda _: expected)
-    assert {row.wrong for row in run_scene(scene)} == {"error"}
+    assert {row.wrong for row in runs.run_scene(scene)} == {"error"}
 
 
 def test_the_page_stands_alone_and_tells_every_refusal(rows, tmp_path):

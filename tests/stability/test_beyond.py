@@ -22,8 +22,7 @@ def test_the_first_seeds_are_right(first):
 @pytest.mark.parametrize("seed", [655, 705, 756, 785, 1117, 1439, 1779, 5273])
 def test_seeds_that_were_wrong_or_refused_are_right(seed):
     """Dashpots that let a contact die away or hold it; swings far out of a hollow body; a touch at a
-    communication point; a centre that is passed after a long fall
-    """
+    communication point; a centre that is passed after a long fall"""
     rows = command.run_seed(seed)
     assert len(rows) == 2
     assert [command.line_of(row) for row in rows if row.wrong or row.status != "ok"] == []

@@ -49,7 +49,6 @@ def test_random_deep_impacts_touch_once_each(group, number):
     check_right(Scene("all at once", group, scenes[group, number]))
 
 
-@pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])
 @pytest.mark.parametrize("geometry", GEOMETRIES)
 def test_a_ball_that_a_dashpot_has_stopped_causes_no_more_events(geometry, dashpot):
     """Its gap rate has become 0, which is neither approach nor parting."""

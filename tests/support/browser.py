@@ -28,22 +28,13 @@ from PIL import Image
 from support.programs import PATIENCE
 
 OPTIONS = (
-    "--headless=new",
-    "--remote-debugging-pipe",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--disable-quic",
-    "--disable-extensions",
-    "--hide-scrollbars",
-    "--force-device-scale-factor=1",
+    "--headless=new", "--remote-debugging-pipe", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync", "--disable-quic", "--disable-extensions",
+    "--hide-scrollbars", "--force-device-scale-factor=1",
     # WebGL by the processor: the machines of the tests have no graphics card
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
+    "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
     "--disable-gpu-compositing",  # putting pages together by that as well would take longer than drawing
-)
+)  # fmt: skip
 
 
 def chromium() -> str:
@@ -64,13 +55,9 @@ class Browser:
         reads, self.commands = os.pipe()
         self.answers, writes = os.pipe()
         shell = f'exec "$@" 3<&{reads} 4>&{writes}'
-        self.process = subprocess.Popen(
-            ["bash", "-c", shell, "browser", chromium(), *options],
-            pass_fds=(reads, writes),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
+        command = ["bash", "-c", shell, "browser", chromium(), *options]
+        silent = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+        self.process = subprocess.Popen(command, pass_fds=(reads, writes), **silent)
         os.close(reads)
         os.close(writes)
         self.number = 0
@@ -179,13 +166,8 @@ class Page:
             self.browser.wait(0.05)
 
     def resize(self, width: int, height: int) -> None:
-        self.call(
-            "Emulation.setDeviceMetricsOverride",
-            width=width,
-            height=height,
-            deviceScaleFactor=1,
-            mobile=False,
-        )
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+        self.call("Emulation.setDeviceMetricsOverride", **size)
 
     def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)

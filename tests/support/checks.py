@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 METHODS = ["event_driven", "cvode_bdf", "cvode_adams"]
+DASHPOTS = ["non_adhesive", "unclamped", "approach_only"]
+FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 
 
 def differences(what, value, expected, allowed):
     """Empty when every |value - expected| <= allowed (scalars or vectors); otherwise a line with both
-    values.
-    """
+    values."""
     value, expected = np.asarray(value, np.longdouble), np.asarray(expected, np.longdouble)
     error = np.max(np.abs(value - expected))
     if error <= allowed:  # False for NaN
@@ -57,8 +58,7 @@ def start(fmu, configuration, tolerance=None, method=None):
 
 def run(fmu, configuration, end, steps=10, tolerance=1e-10, method="event_driven", each=None):
     """From 0 to `end` in equal communication steps; `each(fmu)` is called at the start and after every
-    step.
-    """
+    step."""
     start(fmu, configuration, tolerance, method)
     if each:
         each(fmu)

@@ -30,21 +30,14 @@ def scalars(start: dict, description) -> dict:
 
 def simulate(file: Path, start: dict, stop: float, names: list[str], kind: str = "ModelExchange"):
     description = fmpy.read_model_description(str(file))
-    return fmpy.simulate_fmu(
-        str(file),
-        fmi_type=kind,
-        start_values=scalars(start, description),
-        stop_time=stop,
-        relative_tolerance=TOLERANCE,
-        output=names,
-        output_interval=1e-3,
-    )
+    settings = {"start_values": scalars(start, description), "stop_time": stop, "output": names}
+    settings |= {"relative_tolerance": TOLERANCE, "output_interval": 1e-3}
+    return fmpy.simulate_fmu(str(file), fmi_type=kind, **settings)
 
 
 def check_exchange(fmu, scene: str, values: dict, end: float, vectors: list[str]):
     """The Model Exchange of both versions has the same vectors, work of friction and balance at the end as
-    `fmu`, an FMU for Co-Simulation that has come there.
-    """
+    `fmu`, an FMU for Co-Simulation that has come there."""
     scalar = [f"{name}[{k}]" for name in vectors for k in (1, 2, 3)]
     for file, names in ((fmu_file(scene), scalar), (FMUS / f"{scene}.fmu", vectors)):
         found = simulate(file, values, end, [*names, "energy.friction", "energy.total"])

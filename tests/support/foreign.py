@@ -94,11 +94,8 @@ FUNCTIONS = {
     },
 }
 # What FMI 3.0 calls otherwise
-NAMES3 = {
-    "Instantiate": "InstantiateCoSimulation",
-    "GetReal": "GetFloat64",
-    "GetStatus": "GetOutputDerivatives",
-}
+NAMES3 = {"Instantiate": "InstantiateCoSimulation", "GetReal": "GetFloat64"}
+NAMES3 |= {"GetStatus": "GetOutputDerivatives"}
 NAMES3 |= {f"{verb}FMUstate": f"{verb}FMUState" for verb in ("Get", "Set", "Free")}
 VALUE = "for (size_t i = 0; i < n; ++i) values[i] = now;"
 
@@ -173,29 +170,18 @@ BROKEN = {
     "no binary at all": (_files(binary=None), "binaries", "neither binaries nor sources"),
     "a missing binary": (_files(binary="binaries/{platform}/Else.so"), "binaries", "Other.so is missing"),
     "a library of another kind": (_files(content=b"MZ" + bytes(100)), "binaries", "is no library for"),
-    "a wrong token": (
-        _files(description=lambda text: text.replace(TOKEN, "{2}")),
-        "run",
-        "Instantiate",
-    ),
+    "a wrong token": (_files(description=lambda text: text.replace(TOKEN, "{2}")), "run", "Instantiate"),
     "XML that does not end": (_files(description=lambda text: text[:-40]), "description", "line"),
-    "XML against the schema": (
-        _files(description=lambda text: text.replace('causality="output"', 'causality="outputs"')),
-        "description",
-        "outputs",
-    ),
+    "XML against the schema": (_files(description=lambda text: text.replace('causality="output"',
+        'causality="outputs"')), "description", "outputs"),
     "a crash in a step": (_bodies(DoStep="abort();"), "run", "signal SIGABRT"),
     "a fault of memory in a step": (_bodies(DoStep="*(volatile int *)8 = 1;"), "run", "signal SIGSEGV"),
     "the process's end": (_bodies(DoStep="exit(0);"), "run", "ended its process"),
     "a hang in a step": (_bodies(DoStep="for (volatile int k = 0;;) k = 1;"), "run", "not done after"),
     "a missing function": (_bodies(GetStatus=None), "exports", "does not export fmi"),
-    "a number that is none": (
-        _bodies(GetReal="now = 0.0 / 0.0;" + VALUE),
-        "run",
-        "m[1,2] is not finite",
-    ),
+    "a number that is none": (_bodies(GetReal="now = 0.0 / 0.0;" + VALUE), "run", "m[1,2] is not finite"),
     "a state that does not restore": (_bodies(SetFMUstate="return 0;"), "state", "right after the state was"),
     "a refused step": (_bodies(DoStep='say("too steep"); return 3;'), "run", "too steep"),
     "a refused start": (_bodies(ExitInitializationMode=NEVER), "run", "an infinite body has no inertia"),
     "a damaged member": (_damaged, "archive", "checksum"),
-}
+}  # fmt: skip

@@ -1,10 +1,10 @@
 """Which file of fmu_src needs which, by the symbols of its object files; circles in such graphs."""
 
 import functools
-import subprocess
 import tempfile
 from pathlib import Path
 
+from support.programs import finished
 from support.sources import SOURCE, compile_c
 
 _kept = tempfile.TemporaryDirectory()
@@ -23,7 +23,7 @@ def compiled(unit: Path, scene: str) -> Path:
 
 def symbols(unit: Path, scene: str) -> list[list[str]]:
     """What nm says of the unit, in words"""
-    told = subprocess.run(["nm", compiled(unit, scene)], capture_output=True, text=True, check=True).stdout
+    told = finished(["nm", compiled(unit, scene)], check=True).stdout
     return [line.split() for line in told.splitlines()]
 
 

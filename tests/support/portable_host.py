@@ -2,13 +2,12 @@
 
 import itertools
 import os
-import subprocess
 import zipfile
 from pathlib import Path
 
 import fmpy
 
-from support.programs import PATIENCE
+from support.programs import finished
 from support.sources import ROOT
 
 # Outputs, of a scene those that it has, and how many numbers: separate in FMI 2.0, an array in FMI 3.0.
@@ -88,9 +87,7 @@ def _of_arrays(by_name, configuration):
 def motion(host, library, folder, configuration, end, environment=None):
     """What the host prints, a line of time and outputs for each step; host: the words that start it"""
     command = [*map(str, host), str(library), *host_arguments(folder, configuration, end)]
-    run = subprocess.run(
-        command, capture_output=True, text=True, timeout=PATIENCE, env={**os.environ, **(environment or {})}
-    )
+    run = finished(command, env={**os.environ, **(environment or {})})
     assert run.returncode == 0, run.stderr
     assert len(run.stdout.splitlines()) == STEPS
     return run.stdout

@@ -21,16 +21,15 @@ def environment(**more):
     return {**os.environ, "PYTHONPATH": folders, **more}
 
 
+def finished(command, **options):
+    """A program that has ended, with its status and what it said"""
+    said = {"capture_output": True, "text": True, "timeout": PATIENCE, "check": False}
+    return subprocess.run([str(word) for word in command], **(said | options))
+
+
 def checked(command, cwd=None, timeout=PATIENCE, status=0, environment=None):
     """What a program says; its status must be `status`, or any where that is None"""
-    run = subprocess.run(
-        [str(word) for word in command],
-        cwd=cwd,
-        timeout=timeout,
-        capture_output=True,
-        text=True,
-        env={**os.environ, **(environment or {})},
-        stdin=subprocess.DEVNULL,
-    )
+    whole = {**os.environ, **(environment or {})}
+    run = finished(command, cwd=cwd, timeout=timeout, env=whole, stdin=subprocess.DEVNULL)
     assert status in (None, run.returncode), f"{command}: {run.stdout[-2000:]}{run.stderr[-2000:]}"
     return run.stdout + run.stderr

@@ -1,6 +1,5 @@
 """What calls by ctypes have in common for FMI 2.0 and FMI 3.0: the functions and their types, read from the
-headers of the standard, and an instance that records what its logger was told.
-"""
+headers of the standard, and an instance that records what its logger was told."""
 
 from __future__ import annotations
 
@@ -84,8 +83,7 @@ class AnyFmu:
 
 class AnyInstance:
     """`fmu.library` has its functions, `prefix` begins their names; it never raises for a refused call, `ok`
-    does. `messages` have a status and a text.
-    """
+    does. `messages` have a status and a text."""
 
     prefix = "fmi"
     STATE = "FMUState"  # how the version writes it

@@ -21,13 +21,10 @@ METHODS = ("cvode_bdf", "cvode_adams")
 CVODE = {f"P2 {method}": {**BENCHMARKS["P2"].configuration, "solver.method": method} for method in METHODS}
 CASES |= {name: ("SphereSphere", values, 1.5, 1e-9) for name, values in CVODE.items()}
 # A force element stands still from its start values on: here its bodies move, turn and rub in every step.
-DRIVEN = {
-    "source.prescribed_displacement": [0.0, 0.0, 0.1],
-    "source.prescribed_velocity": [-0.01, 0.3, 0.2],
-    "source.prescribed_angular_velocity": [2.0, -3.0, 1.0],
-    "destination.prescribed_angular_velocity": [0.5, 0.4, -0.3],
-    "destination.prescribed_axis": [0.01, 0.02, 1.0],
-}
+DRIVEN = {"source.prescribed_displacement": [0.0, 0.0, 0.1], "source.prescribed_velocity": [-0.01, 0.3, 0.2]}
+DRIVEN |= {"source.prescribed_angular_velocity": [2.0, -3.0, 1.0]}
+DRIVEN |= {"destination.prescribed_angular_velocity": [0.5, 0.4, -0.3]}
+DRIVEN |= {"destination.prescribed_axis": [0.01, 0.02, 1.0]}
 for friction in ("regularized", "elastic"):
     values = {**DRIVEN, "contact.friction": friction}
     CASES[f"TurningForceElement {friction}"] = ("TurningForceElement", values, 2.0, 1e-9)
@@ -47,13 +44,8 @@ CHECKED_CASES = cases_of(CHECKED)
 FEW_CASES = few_cases_of(CHECKED)
 # How the library in each platform's folder ends. FMI 2.0 has one folder for both processors of macOS.
 ENDINGS = {"linux64": "so", "win64": "dll", "aarch64-linux": "so", "darwin64": "dylib"}
-ENDINGS3 = {
-    "x86_64-linux": "so",
-    "x86_64-windows": "dll",
-    "aarch64-linux": "so",
-    "x86_64-darwin": "dylib",
-    "aarch64-darwin": "dylib",
-}
+ENDINGS3 = {"x86_64-linux": "so", "x86_64-windows": "dll", "aarch64-linux": "so", "x86_64-darwin": "dylib"}
+ENDINGS3 |= {"aarch64-darwin": "dylib"}
 LIBRARIES = {2: ENDINGS, 3: ENDINGS3}
 FOLDERS = {2: "fmus", 3: "fmus-fmi3"}
 # Platforms that something here runs

@@ -9,28 +9,22 @@ import time
 from contact_fmus.sweep.drive import make_batch, make_work
 from contact_fmus.sweep.study import read_study
 from contact_fmus.sweep.worker import run_batch
-from support.programs import PATIENCE, environment, python
+from support.programs import PATIENCE, environment, finished, python
 
 # Eight parameters of a ball that bounces on a fixed sphere
-BOUNCES = {
-    "source.radius": "{ range = [0.05, 0.15] }",
-    "source.mass": '{ range = [0.1, 10.0], scale = "log" }',
-    "source.center[3]": "{ range = [0.8, 1.5] }",
-    "source.initial_velocity[3]": "{ range = [-2.0, 2.0] }",
-    "destination.radius": "{ range = [0.4, 0.6] }",
-    "contact.penalty_factor": '{ range = [1e5, 1e8], scale = "log" }',
-    "contact.viscous_penalty_factor": '{ range = [1.0, 300.0], scale = "log" }',
-    "contact.dashpot": '{ choices = ["unclamped", "non_adhesive"] }',
-}
-OUTPUTS = {
-    "height": '"source.position[3]"',
-    "bounces": '"contact.onsets"',
-    "touching": '"contact.active"',
-    "dashpot": '"contact.dashpot"',
-    "peak_force": '{ variable = "contact.peak_force", reduce = "max" }',
-    "gap": '{ variable = "contact.gap", reduce = ["min", "mean"] }',
-    "speed_then": '{ variable = "source.velocity[3]", at = 0.7 }',
-}
+BOUNCES = {"source.radius": "{ range = [0.05, 0.15] }"}
+BOUNCES |= {"source.mass": '{ range = [0.1, 10.0], scale = "log" }'}
+BOUNCES |= {"source.center[3]": "{ range = [0.8, 1.5] }"}
+BOUNCES |= {"source.initial_velocity[3]": "{ range = [-2.0, 2.0] }"}
+BOUNCES |= {"destination.radius": "{ range = [0.4, 0.6] }"}
+BOUNCES |= {"contact.penalty_factor": '{ range = [1e5, 1e8], scale = "log" }'}
+BOUNCES |= {"contact.viscous_penalty_factor": '{ range = [1.0, 300.0], scale = "log" }'}
+BOUNCES |= {"contact.dashpot": '{ choices = ["unclamped", "non_adhesive"] }'}
+OUTPUTS = {"height": '"source.position[3]"', "bounces": '"contact.onsets"', "touching": '"contact.active"'}
+OUTPUTS |= {"dashpot": '"contact.dashpot"'}
+OUTPUTS |= {"peak_force": '{ variable = "contact.peak_force", reduce = "max" }'}
+OUTPUTS |= {"gap": '{ variable = "contact.gap", reduce = ["min", "mean"] }'}
+OUTPUTS |= {"speed_then": '{ variable = "source.velocity[3]", at = 0.7 }'}
 
 
 def study_text(vary=BOUNCES, outputs=OUTPUTS, count=50, experiment="stop_time = 2.0\nsteps = 4", **more):
@@ -65,14 +59,7 @@ def command(file, *options):
 
 def sweep(file, *options, status=0):
     """The finished command; its status is checked, and that no traceback was printed"""
-    said = subprocess.run(
-        command(file, *options),
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-        env=environment(),
-    )
+    said = finished(command(file, *options), env=environment())
     assert said.returncode == status, said.stderr
     assert "Traceback" not in said.stderr
     return said
@@ -109,27 +96,15 @@ class Cluster:
             return False
 
     def _start(self, *arguments):
-        line = [
-            sys.executable,
-            "-m",
-            "distributed.cli.dask_" + arguments[0],
-            *arguments[1:],
-            "--no-dashboard",
-        ]
+        line = [sys.executable, "-m", "distributed.cli.dask_" + arguments[0], *arguments[1:]]
+        line += ["--no-dashboard"]
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         self.processes.append(subprocess.Popen(line, cwd=self.folder, env=environment(), **quiet))
         return self.processes[-1]
 
     def add_worker(self):
-        options = (
-            "--no-nanny",
-            "--nthreads",
-            "1",
-            "--memory-limit",
-            "0",
-            "--local-directory",
-            str(self.folder),
-        )
+        options = ("--no-nanny", "--nthreads", "1", "--memory-limit", "0", "--local-directory")
+        options += (str(self.folder),)
         self.workers.append(self._start("worker", self.address, "--host", "127.0.0.1", *options))
 
     def close(self):

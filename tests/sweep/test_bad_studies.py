@@ -22,10 +22,8 @@ CASES = {
     "unknown output": (text(outputs={"h": '"source.positon[3]"'}), "source.position"),
     "unknown reduction": (text(outputs={"h": '{ variable = "contact.gap", reduce = "maximum" }'}), "max"),
     "late output": (text(outputs={"h": '{ variable = "contact.gap", at = 9.0 }'}), "2.0"),
-    "max of an enumeration": (
-        text(outputs={"h": '{ variable = "contact.dashpot", reduce = "max" }'}),
-        "enumeration",
-    ),
+    "max of an enumeration": (text(outputs={"h": '{ variable = "contact.dashpot", reduce = "max" }'}),
+        "enumeration"),
     "two columns": (text(outputs={"status": '"contact.gap"'}), "status"),
     "unknown parameter": (text(vary={"source.radios": "[1.0]"}), "source.radius"),
     "an output set": (text(vary={"source.position[1]": "[1.0]"}), "output"),
@@ -42,10 +40,8 @@ CASES = {
     "no samples": (text(count=0.5), "whole number"),
     "nothing sampled": (text(vary={"source.radius": "[0.1]"}), "nothing is sampled"),
     "said twice": (text(vary={"contact.method": '["penalty"]'}, count=0), "already"),
-    "component said twice": (
-        text(vary={"source.center": "[[0,0,1]]", "source.center[3]": "[1]"}),
-        "source.center",
-    ),
+    "component said twice": (text(vary={"source.center": "[[0,0,1]]", "source.center[3]": "[1]"}),
+        "source.center"),
     "stop before start": (text(experiment="stop_time = -1.0"), "stop_time"),
     "step and steps": (text(experiment="stop_time = 1.0\nstep = 0.1\nsteps = 10"), "not both"),
     "too many steps": (text(experiment="stop_time = 1.0\nstep = 1e-9"), "at most"),
@@ -57,7 +53,7 @@ CASES = {
         text(vary={"source.mass": '{ distribution = "normal", mean = -1e6, deviation = 1 }'}),
         "no value",
     ),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", CASES)

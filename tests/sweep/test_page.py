@@ -2,11 +2,11 @@
 
 import os
 import re
-import subprocess
 import sys
 
 from contact_fmus.options import commands
 from contact_fmus.sweep import store, study
+from support.programs import finished
 from support.sources import ROOT
 from support.sweeps import read, run_here, write_study
 
@@ -20,17 +20,8 @@ def block(language):
 def test_every_word_of_a_study_is_explained():
     words = {*study.REDUCTIONS, *study.METHODS, *study.GRID, *study.SAMPLED, *store.STATUSES, "choices"}
     words |= {
-        "title",
-        "fmu",
-        "start_time",
-        "stop_time",
-        "step",
-        "steps",
-        "tolerance",
-        "count",
-        "seed",
-        "method",
-    }
+        "title", "fmu", "start_time", "stop_time", "step", "steps", "tolerance", "count", "seed", "method",
+    }  # fmt: skip
     assert sorted(word for word in words if not re.search(rf"[`{{ ]{word}\b", PAGE)) == []
     assert sorted(word for word in study.DISTRIBUTIONS if word not in PAGE and word != "uniform") == []
 
@@ -53,9 +44,7 @@ def test_its_study_and_its_python_lines_run(tmp_path, capsys):
     made.close()
     script = tmp_path / "read.py"
     script.write_text(block("python"))
-    told = subprocess.run(
-        [sys.executable, script], cwd=tmp_path, capture_output=True, text=True, env=os.environ
-    )
+    told = finished([sys.executable, script], cwd=tmp_path, env=os.environ)
     assert told.returncode == 0, told.stderr
     assert "unclamped" in told.stdout
     assert told.stdout.rstrip().endswith("b'm'")

@@ -43,11 +43,8 @@ def test_a_latin_hypercube_is_that_of_scipy(tmp_path):
 
 @pytest.mark.parametrize("method", ["latin_hypercube", "random", "sobol", "halton"])
 def test_runs_have_the_same_bits_however_they_are_cut(tmp_path, method):
-    vary = {
-        "contact.dashpot": '["unclamped", "non_adhesive", "approach_only"]',
-        RADIUS: "{ range = [0.05, 0.15] }",
-        FORCE: '{ range = [1e5, 1e8], scale = "log" }',
-    }
+    vary = {"contact.dashpot": '["unclamped", "non_adhesive", "approach_only"]'}
+    vary |= {RADIUS: "{ range = [0.05, 0.15] }", FORCE: '{ range = [1e5, 1e8], scale = "log" }'}
     count = 9000  # more than a block
     samples = samples_of(tmp_path, vary, count, method)
     whole = samples.values(0, 3 * count)
@@ -64,11 +61,8 @@ def test_runs_have_the_same_bits_however_they_are_cut(tmp_path, method):
 
 
 def test_grids_make_every_combination_the_last_fastest(tmp_path):
-    vary = {
-        FORCE: '{ from = 1e4, to = 1e6, count = 3, scale = "log" }',
-        "contact.method": '["penalty"]',
-        "source.center": "[[0.0, 0.0, 1.0], [0.0, 0.0, 2.0]]",
-    }
+    vary = {FORCE: '{ from = 1e4, to = 1e6, count = 3, scale = "log" }', "contact.method": '["penalty"]'}
+    vary |= {"source.center": "[[0.0, 0.0, 1.0], [0.0, 0.0, 2.0]]"}
     text = write_study(tmp_path, vary=vary, count=0)
     text.write_text(text.read_text().replace('[start]\n"contact.method" = "penalty_dynamic"', ""))
     values = read(text).samples().values(0, 6)
@@ -77,18 +71,13 @@ def test_grids_make_every_combination_the_last_fastest(tmp_path):
     assert values["contact.method"][:, 0].tolist() == [1] * 6
 
 
-@pytest.mark.parametrize(
-    "entry,expected",
-    [
-        ('{ distribution = "normal", mean = 2.0, deviation = 0.2 }', stats.norm(2.0, 0.2)),
-        ('{ distribution = "lognormal", median = 2.0, deviation = 0.3 }', stats.lognorm(0.3, scale=2.0)),
-        ('{ distribution = "triangular", range = [1.0, 4.0], mode = 2.0 }', stats.triang(1 / 3, 1.0, 3.0)),
-        (
-            '{ distribution = "normal", mean = 2.0, deviation = 1.0, range = [1.5, 4.0] }',
-            stats.truncnorm(-0.5, 2.0, 2.0, 1.0),
-        ),
-    ],
-)
+@pytest.mark.parametrize("entry,expected", [
+    ('{ distribution = "normal", mean = 2.0, deviation = 0.2 }', stats.norm(2.0, 0.2)),
+    ('{ distribution = "lognormal", median = 2.0, deviation = 0.3 }', stats.lognorm(0.3, scale=2.0)),
+    ('{ distribution = "triangular", range = [1.0, 4.0], mode = 2.0 }', stats.triang(1 / 3, 1.0, 3.0)),
+    ('{ distribution = "normal", mean = 2.0, deviation = 1.0, range = [1.5, 4.0] }',
+        stats.truncnorm(-0.5, 2.0, 2.0, 1.0)),
+])  # fmt: skip
 def test_samples_have_the_distribution_asked_for(tmp_path, entry, expected):
     values = samples_of(tmp_path, {"source.mass": entry}, 5000).values(0, 5000)
     # A Latin hypercube's distribution function is off by less than one stratum.

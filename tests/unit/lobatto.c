@@ -1,4 +1,4 @@
-/* Functions known at the Gauss-Lobatto nodes; tests/generator/test_constants.py has the tables. */
+/* Functions known at the Gauss-Lobatto nodes; tests/generator/test_c_code.py has the tables. */
 #include "math/nodes.h"
 
 #include <float.h>

@@ -1,16 +1,14 @@
 """Contact between bodies that the importer moves: random scenes of numbers that people type, and the scenes
-in which a run once hung, was changed by a reading, or missed a change of the law.
-"""
+in which a run once hung, was changed by a reading, or missed a change of the law."""
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from support.checks import check_close, impulse_and_peak, run, start
+from support.checks import DASHPOTS, check_close, impulse_and_peak, run, start
 from support.scenes.agreement import Scene, answer, check_agreement, pick, seeds
 from support.scenes.turning_scenes import any_resistance
 
-DASHPOTS = ("non_adhesive", "unclamped", "approach_only")
 UNITS = [np.array(e, float) for e in np.vstack([np.eye(3), -np.eye(3)])]
 # Impulses, torques and energies come from quadratures to the tolerance; of what they are a fraction the
 # scene's stiffness times a length says, once.
@@ -38,8 +36,7 @@ def motion(values, body, velocity, acceleration):
 
 def pass_by(random, values, middle, speeds=(0.5, 1.0, 2.0)):
     """The source comes to `middle` after 0.5 or 0.4 of the run, straight or on a parabola that turns there;
-    the end of the run, which often puts events on communication points.
-    """
+    the end of the run, which often puts events on communication points."""
     end = pick(random, 0.5, 1.0, 2.0)
     speed = pick(random, *speeds)
     along = UNITS[random.integers(6)] if random.random() < 0.7 else np.array([0.6, 0.8, 0.0])
@@ -97,14 +94,9 @@ def straight_or_bent(random):
 
 def over_a_rim(random):
     """A capped cylinder, whose rim the source passes once or twice, shallow or deep."""
-    values = {
-        "gravity": [0.0, 0.0, 0.0],
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.finite_length": True,
-        "destination.length": 1.0,
-        "destination.ends": "capped",
-        "source.radius": pick(random, 0.05, 0.1, 0.5),
-    }
+    values = {"gravity": [0.0, 0.0, 0.0], "destination.axis": [0.0, 0.0, 1.0]}
+    values |= {"destination.finite_length": True, "destination.length": 1.0, "destination.ends": "capped"}
+    values |= {"source.radius": pick(random, 0.05, 0.1, 0.5)}
     across = np.array([1.0, 0.0, 0.0]) if random.random() < 0.7 else np.array([0.6, 0.8, 0.0])
     depth = values["source.radius"] * pick(random, 0.01, 0.1, 0.5, 0.9)
     height = 0.5 + values["source.radius"] - depth
@@ -135,11 +127,9 @@ def turning_and_rubbing(random):
         del values["destination.prescribed_axis"]
     values["contact.friction"] = pick(random, "none", "regularized", "elastic")
     if values["contact.friction"] == "elastic":
-        values |= {
-            "contact.tangential_stiffness": 0.5 * stiffness,
-            "contact.tangential_damping": pick(random, 1.0, 100.0),
-            "contact.static_friction_coefficient": 0.5,
-        }
+        values |= {"contact.tangential_stiffness": 0.5 * stiffness}
+        values |= {"contact.tangential_damping": pick(random, 1.0, 100.0)}
+        values |= {"contact.static_friction_coefficient": 0.5}
     values["contact.friction_coefficient"] = pick(random, 0.0, 0.5)
     values |= any_resistance(random, "contact", 1e-3 * stiffness)
     if fmu.startswith("Turning"):
@@ -181,13 +171,8 @@ def straight(center, velocity, **more):
     return values | {name.replace("__", "."): value for name, value in more.items()}
 
 
-END_PLANE = {
-    "destination.axis": [0.0, 1.0, 0.0],
-    "destination.finite_length": True,
-    "destination.length": 1.0,
-    "contact.penalty_factor": 1e4,
-    "contact.method": "penalty",
-}
+END_PLANE = {"destination.axis": [0.0, 1.0, 0.0], "destination.finite_length": True}
+END_PLANE |= {"destination.length": 1.0, "contact.penalty_factor": 1e4, "contact.method": "penalty"}
 
 
 # The source comes at -1.5 m/s and turns back: z = 1.1 - 1.5 t + t^2 is 0.6 at 0.5 s and at 1 s.
@@ -197,61 +182,41 @@ COMES_AND_GOES = straight([0.0, 0.0, 1.1], [0.0, 0.0, -1.5], contact__viscous_pe
 }
 # It turns back just over the rim's circle, half-way between its two passages: the distance from the axis is
 # 0.5 at 0.10718, 0.8 and 1.49282 s; the gap is zero where it is 0.5433.
-TURNS_AT_THE_CIRCLE = straight([0.02, -0.64, 0.525], [1.2, 1.6, 0.0]) | {
-    "gravity": [0.0, 0.0, 0.0],
-    "destination.axis": [0.0, 0.0, 1.0],
-    "destination.finite_length": True,
-    "destination.length": 1.0,
-    "destination.ends": "capped",
-    "source.radius": 0.05,
-    "source.prescribed_displacement.derivatives": [[1.2, 1.6, 0.0], [-1.5, -2.0, 0.0]],
-    "source.prescribed_velocity.derivatives": [[-1.5, -2.0, 0.0]],
-    "contact.penalty_factor": 1e4,
-    "contact.viscous_penalty_factor": 0.0,
-}
-ALONG_THE_SIDE = TURNS_AT_THE_CIRCLE | {
-    "source.center": [0.55, 0.0, 0.775],
-    "source.prescribed_velocity": [0.0, 0.0, -0.5],
-    "source.prescribed_displacement.derivatives": [[0.0, 0.0, -0.5]],
-    "source.prescribed_velocity.derivatives": [[0.0, 0.0, 0.0]],
-}
+TURNS_AT_THE_CIRCLE = straight([0.02, -0.64, 0.525], [1.2, 1.6, 0.0]) | {"gravity": [0.0, 0.0, 0.0]}
+TURNS_AT_THE_CIRCLE |= {"destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True}
+TURNS_AT_THE_CIRCLE |= {"destination.length": 1.0, "destination.ends": "capped", "source.radius": 0.05}
+TURNS_AT_THE_CIRCLE |= {"source.prescribed_displacement.derivatives": [[1.2, 1.6, 0.0], [-1.5, -2.0, 0.0]]}
+TURNS_AT_THE_CIRCLE |= {"source.prescribed_velocity.derivatives": [[-1.5, -2.0, 0.0]]}
+TURNS_AT_THE_CIRCLE |= {"contact.penalty_factor": 1e4, "contact.viscous_penalty_factor": 0.0}
+ALONG_THE_SIDE = TURNS_AT_THE_CIRCLE | {"source.center": [0.55, 0.0, 0.775]}
+ALONG_THE_SIDE |= {"source.prescribed_velocity": [0.0, 0.0, -0.5]}
+ALONG_THE_SIDE |= {"source.prescribed_displacement.derivatives": [[0.0, 0.0, -0.5]]}
+ALONG_THE_SIDE |= {"source.prescribed_velocity.derivatives": [[0.0, 0.0, 0.0]]}
 CLIPPED_BEFORE_THE_RELEASE = TURNS_AT_THE_CIRCLE | {
-    "source.radius": 0.5,
-    "source.center": [0.55, 0.0, 1.795],
-    "source.prescribed_velocity": [0.0, 0.0, -2.0],
+    "source.radius": 0.5, "source.center": [0.55, 0.0, 1.795], "source.prescribed_velocity": [0.0, 0.0, -2.0],
     "source.prescribed_displacement.derivatives": [[0.0, 0.0, -2.0], [0.0, 0.0, 2.5]],
-    "source.prescribed_velocity.derivatives": [[0.0, 0.0, 2.5]],
-    "contact.penalty_factor": 1e6,
+    "source.prescribed_velocity.derivatives": [[0.0, 0.0, 2.5]], "contact.penalty_factor": 1e6,
     "contact.viscous_penalty_factor": 100.0,
-}
+}  # fmt: skip
 ONSETS, BEGAN, LASTED = "contact.onsets", "contact.last_onset_time", "contact.last_duration"
 LOST, TOTAL, CYLINDER = "energy.dissipated", "energy.total", "SphereCylinder"
 TURNED = 0.0691576057658999  # s, when it comes to the circle
 # FMU, values, end, numbers of steps, what is so at the end and to what
 WAYS = {
-    "leaves by the end": (
-        *(CYLINDER, straight([0.0, 0.0, 0.59], [0.0, 1.0, 0.0]) | END_PLANE, 1.0, (10,)),
-        *({LOST: 0.5, TOTAL: 0.5}, 1e-12),
-    ),
-    "passes both ends on communication points": (
-        *(CYLINDER, straight([0.0, -1.0, 0.59], [0.0, 1.0, 0.0]) | END_PLANE, 2.0, (8,)),
-        *({ONSETS: 1, LASTED: 1.0, LOST: 0.0}, 1e-12),
-    ),
-    "touches on a communication point": (
-        *("SpherePlane", straight([0.0, 0.0, 0.6], [0.0, 0.0, -1.0]), 1.0, (4,)),
-        *({ONSETS: 1, BEGAN: 0.5}, 1e-12),
-    ),
-    "parts on a communication point": (
-        *("SphereSphere", COMES_AND_GOES, 2.0, (8,), {ONSETS: 1, BEGAN: 0.5, LASTED: 0.5}, 1e-12),
-    ),
-    "turns back at an edge and is over the cap between": (
-        *(CYLINDER, TURNS_AT_THE_CIRCLE, 2.5, (1, 2, 22)),
-        *({ONSETS: 1, BEGAN: TURNED, LASTED: 2.0 * (0.8 - TURNED)}, 1e-12),
-    ),
+    "leaves by the end": (CYLINDER, straight([0.0, 0.0, 0.59], [0.0, 1.0, 0.0]) | END_PLANE, 1.0, (10,),
+        {LOST: 0.5, TOTAL: 0.5}, 1e-12),
+    "passes both ends on communication points": (CYLINDER,
+        straight([0.0, -1.0, 0.59], [0.0, 1.0, 0.0]) | END_PLANE, 2.0, (8,),
+        {ONSETS: 1, LASTED: 1.0, LOST: 0.0}, 1e-12),
+    "touches on a communication point": ("SpherePlane", straight([0.0, 0.0, 0.6], [0.0, 0.0, -1.0]), 1.0,
+        (4,), {ONSETS: 1, BEGAN: 0.5}, 1e-12),
+    "parts on a communication point": ("SphereSphere", COMES_AND_GOES, 2.0, (8,),
+        {ONSETS: 1, BEGAN: 0.5, LASTED: 0.5}, 1e-12),
+    "turns back at an edge and is over the cap between": (CYLINDER, TURNS_AT_THE_CIRCLE, 2.5, (1, 2, 22),
+        {ONSETS: 1, BEGAN: TURNED, LASTED: 2.0 * (0.8 - TURNED)}, 1e-12),
     "goes along the side without depth": (CYLINDER, ALONG_THE_SIDE, 1.25, (1, 5, 22), {ONSETS: 0}, 0.0),
-    "has its dashpot clipped before the release wherever a step ends": (
-        *(CYLINDER, CLIPPED_BEFORE_THE_RELEASE, 2.5, (1, 100), {LOST: 0.0366930944}, 1e-9),
-    ),
+    "has its dashpot clipped before the release wherever a step ends": (CYLINDER, CLIPPED_BEFORE_THE_RELEASE,
+        2.5, (1, 100), {LOST: 0.0366930944}, 1e-9),
 }  # fmt: skip
 
 
@@ -273,14 +238,10 @@ def test_events_at_edges_and_communication_points_are_those_of_the_closed_form(o
 @pytest.mark.parametrize("velocity", [[0.0, 0.0, 0.0], [0.0, 1e-3, 0.0]])
 def test_a_force_element_in_the_plane_of_an_open_end_agrees_with_itself(opened, axial, velocity):
     """|c.e_d| = L/2 is within: what is active has a mean and a peak."""
-    values = {
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.finite_length": True,
-        "destination.length": 1.0,
-        "source.center": [0.599, 0.0, axial],
-        "source.prescribed_displacement.derivatives": [velocity],
-        "contact.viscous_penalty_factor": 0.0,
-    }
+    values = {"destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True}
+    values |= {"destination.length": 1.0, "source.center": [0.599, 0.0, axial]}
+    values |= {"source.prescribed_displacement.derivatives": [velocity]}
+    values |= {"contact.viscous_penalty_factor": 0.0}
     fmu = start(opened("ForceElement"), values)
     fmu.step(0.1)
     assert fmu["contact.active"] and fmu["contact.within_extents"]
@@ -289,28 +250,18 @@ def test_a_force_element_in_the_plane_of_an_open_end_agrees_with_itself(opened, 
 
 
 def test_the_dashpot_is_clipped_as_the_source_leaves_by_a_rim(opened):
-    values = straight([-1.0, 0.0, 0.55], [1.0, 0.0, 0.0]) | {
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.finite_length": True,
-        "destination.ends": "capped",
-    }
+    values = straight([-1.0, 0.0, 0.55], [1.0, 0.0, 0.0]) | {"destination.axis": [0.0, 0.0, 1.0]}
+    values |= {"destination.finite_length": True, "destination.ends": "capped"}
     fmu = start(opened("SphereCylinder"), values, 1e-10)
     fmu.step(2.0)
     check_close("mean force", fmu["contact.mean_force"], [-3.422391823, 0.0, 27254.663548], 1e-5)
     check_close("dissipated", fmu["energy.dissipated"], 6.844783647, 1e-8)
 
 
-HANGING = {
-    "source.radius": 0.1,
-    "destination.radius": 0.5,
-    "destination.axis": [0.0, 0.0, 1.0],
-    "contact.location": "outside",
-    "contact.penalty_factor": 1e4,
-    "contact.viscous_penalty_factor": 200.0,
-    "source.center": [0.0, 0.0, 0.0],
-    "source.prescribed_displacement": [0.59, 0.0, 0.0],
-    "contact.friction": "none",
-}
+HANGING = {"source.radius": 0.1, "destination.radius": 0.5, "destination.axis": [0.0, 0.0, 1.0]}
+HANGING |= {"contact.location": "outside", "contact.penalty_factor": 1e4}
+HANGING |= {"contact.viscous_penalty_factor": 200.0, "source.center": [0.0, 0.0, 0.0]}
+HANGING |= {"source.prescribed_displacement": [0.59, 0.0, 0.0], "contact.friction": "none"}
 
 
 @pytest.mark.parametrize("steps", [1, 10, 30])
@@ -318,13 +269,10 @@ HANGING = {
 @pytest.mark.parametrize("spin", [0.0, 1.0])
 def test_a_clipped_dashpot_of_what_turns_holds_up_no_step(opened, steps, speed, spin):
     """gap = speed t - 0.01: at 1 m/s the dashpot would pull from the start; at 0.4 m/s from 2 mm on,
-    where 1e4 N/m 2 mm = 200 N s/m 0.4 m/s / 4: clipped from 1e4 (0.01 - 0.4 t) = 80, t = 5 ms, on.
-    """
-    values = HANGING | {
-        "source.prescribed_velocity": [speed, 0.0, 0.0],
-        "source.prescribed_displacement.derivatives": [[speed, 0.0, 0.0]],
-        "source.prescribed_angular_velocity": [0.0, 0.0, spin],
-    }
+    where 1e4 N/m 2 mm = 200 N s/m 0.4 m/s / 4: clipped from 1e4 (0.01 - 0.4 t) = 80, t = 5 ms, on."""
+    values = HANGING | {"source.prescribed_velocity": [speed, 0.0, 0.0]}
+    values |= {"source.prescribed_displacement.derivatives": [[speed, 0.0, 0.0]]}
+    values |= {"source.prescribed_angular_velocity": [0.0, 0.0, spin]}
     impulse, _ = impulse_and_peak(opened("TurningForceElement"), values, 0.03, steps)
     until = max(0.0, (0.01 - 200.0 * speed / 1e4) / speed)
     expected = (100.0 - 200.0 * speed) * until - 0.5e4 * speed * until**2
@@ -332,20 +280,15 @@ def test_a_clipped_dashpot_of_what_turns_holds_up_no_step(opened, steps, speed, 
 
 
 @pytest.mark.parametrize("steps", [1, 2, 7])
-@pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_a_source_passes_the_axis_of_a_cylinder_that_turns_about_its_path(opened, dashpot, steps):
     """The distance is |x|, x = t - 0.5: F_n = k (R - |x|) + c before the axis. Behind it the force is
-    reversed, with -c as far as the dashpot allows.
-    """
+    reversed, with -c as far as the dashpot allows."""
     stiffness, damping, reach = 1e4, 1e3, 0.6
-    values = HANGING | {
-        "source.prescribed_displacement": [-0.5, 0.0, 0.0],
-        "source.prescribed_velocity": [1.0, 0.0, 0.0],
-        "source.prescribed_displacement.derivatives": [[1.0, 0.0, 0.0]],
-        "destination.prescribed_angular_velocity": [0.7, 0.0, 0.0],
-        "contact.viscous_penalty_factor": damping,
-        "contact.dashpot": dashpot,
-    }
+    values = HANGING | {"source.prescribed_displacement": [-0.5, 0.0, 0.0]}
+    values |= {"source.prescribed_velocity": [1.0, 0.0, 0.0]}
+    values |= {"source.prescribed_displacement.derivatives": [[1.0, 0.0, 0.0]]}
+    values |= {"destination.prescribed_angular_velocity": [0.7, 0.0, 0.0]}
+    values |= {"contact.viscous_penalty_factor": damping, "contact.dashpot": dashpot}
     impulse, peak = impulse_and_peak(opened("TurningForceElement"), values, 1.0, steps)
     pulls = 0.0 if dashpot == "approach_only" else damping
     until = reach - pulls / stiffness if dashpot == "non_adhesive" else reach
@@ -360,13 +303,9 @@ def test_a_source_passes_the_axis_of_a_cylinder_that_turns_about_its_path(opened
 @pytest.mark.parametrize("steps", [1, 10])
 def test_a_gap_rate_that_is_rounding_holds_up_no_step(opened, spin, steps):
     """An approach_only dashpot under a cylinder that begins to turn away from a source at rest."""
-    values = {
-        "contact.dashpot": "approach_only",
-        "destination.axis": [1.0, 0.0, 0.0],
-        "destination.prescribed_axis": [1.0, 0.0, 0.0],
-        "source.center": [0.18, 0.52, 0.0],
-        "destination.prescribed_angular_velocity": spin,
-    }
+    values = {"contact.dashpot": "approach_only", "destination.axis": [1.0, 0.0, 0.0]}
+    values |= {"destination.prescribed_axis": [1.0, 0.0, 0.0], "source.center": [0.18, 0.52, 0.0]}
+    values |= {"destination.prescribed_angular_velocity": spin}
     fmu = run(opened("TurningForceElement"), values, 1.0, steps, None, None)
     axis = Rotation.from_rotvec(spin).apply([1.0, 0.0, 0.0])
     place = np.array([0.18, 0.52, 0.0])
@@ -379,28 +318,18 @@ def test_a_gap_rate_that_is_rounding_holds_up_no_step(opened, spin, steps):
 @pytest.mark.parametrize("steps", [1, 3])
 def test_what_rises_above_a_spinning_cap_before_it_falls_is_met(opened, motion, steps):
     """gap = 0.2 + t - 2 t^2: the axis of the cylinder stands still, and the source moves along it alone."""
-    values = {
-        "source.motion": motion,
-        "source.radius": 0.1,
-        "source.center": [0.2, 0.0, 0.8],
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.finite_length": True,
-        "destination.length": 1.0,
-        "destination.ends": "capped",
-        "destination.rotation": "prescribed",
-        "destination.prescribed_axis": [0.0, 0.0, 1.0],
-        "destination.prescribed_angular_velocity": [0.0, 0.0, 1.0],
-        "contact.penalty_factor": 1.0,
-        "contact.viscous_penalty_factor": 0.0,
-    }
+    values = {"source.motion": motion, "source.radius": 0.1, "source.center": [0.2, 0.0, 0.8]}
+    values |= {"destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True}
+    values |= {"destination.length": 1.0, "destination.ends": "capped", "destination.rotation": "prescribed"}
+    values |= {"destination.prescribed_axis": [0.0, 0.0, 1.0]}
+    values |= {"destination.prescribed_angular_velocity": [0.0, 0.0, 1.0], "contact.penalty_factor": 1.0}
+    values |= {"contact.viscous_penalty_factor": 0.0}
     if motion == "free":
         values |= {"source.initial_velocity": [0.0, 0.0, 1.0], "gravity": [0.0, 0.0, -4.0]}
     else:
-        values |= {
-            "source.prescribed_velocity": [0.0, 0.0, 1.0],
-            "source.prescribed_displacement.derivatives": [[0.0, 0.0, 1.0], [0.0, 0.0, -4.0]],
-            "source.prescribed_velocity.derivatives": [[0.0, 0.0, -4.0]],
-        }
+        values |= {"source.prescribed_velocity": [0.0, 0.0, 1.0]}
+        values |= {"source.prescribed_displacement.derivatives": [[0.0, 0.0, 1.0], [0.0, 0.0, -4.0]]}
+        values |= {"source.prescribed_velocity.derivatives": [[0.0, 0.0, -4.0]]}
     fmu = run(opened("SphereCylinder"), values, 3.0, steps, None, None)
     assert (fmu["contact.onsets"], fmu["contact.active"]) == (1, False)
     check_close("onset", fmu["contact.last_onset_time"], 0.25 * (1.0 + np.sqrt(2.6)), 1e-12)
@@ -409,19 +338,13 @@ def test_what_rises_above_a_spinning_cap_before_it_falls_is_met(opened, motion, 
 @pytest.mark.parametrize("steps", [1, 7, 30])
 def test_friction_without_a_dashpot_ends_with_the_normal_force(opened, steps):
     """gap = 0.4 t - 0.35: the normal force falls from 3100 N to 0 at 0.775 s; the slip is (5, 0, 0.4) m/s."""
-    values = HANGING | {
-        "source.radius": 0.5,
-        "source.prescribed_displacement": [0.0, 0.65, 0.0],
-        "source.prescribed_velocity": [0.0, 0.4, 0.4],
-        "source.prescribed_displacement.derivatives": [[0.0, 0.4, 0.4]],
-        "source.prescribed_angular_velocity": [0.0, 1.0, 10.0],
-        "contact.viscous_penalty_factor": 1000.0,
-        "contact.friction": "elastic",
-        "contact.friction_coefficient": 0.3,
-        "contact.static_friction_coefficient": 0.5,
-        "contact.tangential_stiffness": 5e3,
-        "contact.tangential_damping": 0.0,
-    }
+    values = HANGING | {"source.radius": 0.5, "source.prescribed_displacement": [0.0, 0.65, 0.0]}
+    values |= {"source.prescribed_velocity": [0.0, 0.4, 0.4]}
+    values |= {"source.prescribed_displacement.derivatives": [[0.0, 0.4, 0.4]]}
+    values |= {"source.prescribed_angular_velocity": [0.0, 1.0, 10.0]}
+    values |= {"contact.viscous_penalty_factor": 1000.0, "contact.friction": "elastic"}
+    values |= {"contact.friction_coefficient": 0.3, "contact.static_friction_coefficient": 0.5}
+    values |= {"contact.tangential_stiffness": 5e3, "contact.tangential_damping": 0.0}
     impulse, _ = impulse_and_peak(opened("TurningForceElement"), values, 1.0, steps)
     check_close("impulse", impulse[1], 3100.0 * 0.775 / 2.0, 1e-6)
     check_close("friction", impulse[2] / impulse[0], 0.4 / 5.0, 1e-9)
@@ -429,14 +352,10 @@ def test_friction_without_a_dashpot_ends_with_the_normal_force(opened, steps):
 
 def test_a_source_that_slides_along_a_cylinder_exactly_at_the_touch_holds_up_no_step(opened):
     """Rounding decides whether it touches: the force is that of a gap of some 1e-16 m."""
-    values = HANGING | {
-        "source.center": [0.0, 0.6, 0.0],
-        "source.prescribed_displacement": [0.0, 0.0, 0.0],
-        "source.prescribed_velocity": [0.0, 0.0, 1.0],
-        "source.prescribed_displacement.derivatives": [[0.0, 0.0, 1.0]],
-        "contact.dashpot": "approach_only",
-        "contact.friction": "elastic",
-    }
+    values = HANGING | {"source.center": [0.0, 0.6, 0.0], "source.prescribed_displacement": [0.0, 0.0, 0.0]}
+    values |= {"source.prescribed_velocity": [0.0, 0.0, 1.0]}
+    values |= {"source.prescribed_displacement.derivatives": [[0.0, 0.0, 1.0]]}
+    values |= {"contact.dashpot": "approach_only", "contact.friction": "elastic"}
     fmu = start(opened("TurningForceElement"), values)
     fmu.step(1.0)
     check_close("mean force", fmu["contact.mean_force"], [0.0, 0.0, 0.0], 1e-11)
@@ -444,11 +363,9 @@ def test_a_source_that_slides_along_a_cylinder_exactly_at_the_touch_holds_up_no_
 
 def test_what_changes_without_end_is_refused_with_a_message(opened):
     """A wheel that goes round a million times in one step, about a direction that turns."""
-    values = HANGING | {
-        "source.prescribed_velocity": [0.0, 0.0, 0.0],
-        "destination.prescribed_angular_velocity": [1e6, 0.0, 0.0],
-        "destination.prescribed_angular_velocity.derivatives": [[0.0, 1e6, 0.0]],
-    }
+    values = HANGING | {"source.prescribed_velocity": [0.0, 0.0, 0.0]}
+    values |= {"destination.prescribed_angular_velocity": [1e6, 0.0, 0.0]}
+    values |= {"destination.prescribed_angular_velocity.derivatives": [[0.0, 1e6, 0.0]]}
     fmu = start(opened("TurningForceElement"), values)
     with pytest.raises(Exception, match="more often than can be followed"):
         fmu.step(10.0)
@@ -458,16 +375,10 @@ def test_what_changes_without_end_is_refused_with_a_message(opened):
 
 def test_springs_of_elastic_friction_count_for_the_work_that_they_take(opened):
     """A panel with springs counts as two: turning on for 1,500 s takes more panels than one step may."""
-    values = {
-        "source.motion": "prescribed",
-        "source.rotation": "prescribed",
-        "source.center": [0.0, 0.0, 0.05],
-        "source.prescribed_angular_velocity": [1.0, 2.0, 3.0],
-        "destination.motion": "prescribed",
-        "destination.rotation": "prescribed",
-        "destination.prescribed_angular_velocity": [0.1, 1.0, 0.3],
-        "contact.friction": "elastic",
-    }
+    values = {"source.motion": "prescribed", "source.rotation": "prescribed"}
+    values |= {"source.center": [0.0, 0.0, 0.05], "source.prescribed_angular_velocity": [1.0, 2.0, 3.0]}
+    values |= {"destination.motion": "prescribed", "destination.rotation": "prescribed"}
+    values |= {"destination.prescribed_angular_velocity": [0.1, 1.0, 0.3], "contact.friction": "elastic"}
     fmu = start(opened("SpherePlane"), values)
     with pytest.raises(Exception, match="more often than can be followed"):
         fmu.step(1500.0)
@@ -479,19 +390,10 @@ def test_springs_of_elastic_friction_count_for_the_work_that_they_take(opened):
 @pytest.mark.parametrize("motion", ["prescribed", "free"])
 def test_a_source_that_turns_enters_by_the_end_while_its_gap_stays(opened, motion, steps):
     """It moves along the cylinder, 1 mm deep, so that the end alone tells when contact begins and ends."""
-    values = {
-        "gravity": [0.0, 0.0, 0.0],
-        "source.radius": 0.1,
-        "source.center": [0.599, 0.0, 2.0],
-        "source.motion": motion,
-        "source.rotation": motion,
-        "destination.radius": 0.5,
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.finite_length": True,
-        "destination.length": 1.0,
-        "contact.location": "outside",
-        "contact.penalty_factor": 1000.0,
-    }
+    values = {"gravity": [0.0, 0.0, 0.0], "source.radius": 0.1, "source.center": [0.599, 0.0, 2.0]}
+    values |= {"source.motion": motion, "source.rotation": motion, "destination.radius": 0.5}
+    values |= {"destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True}
+    values |= {"destination.length": 1.0, "contact.location": "outside", "contact.penalty_factor": 1000.0}
     if motion == "prescribed":
         values["source.prescribed_velocity"] = [0.0, 0.0, -2.0]
         values["source.prescribed_displacement.derivatives"] = [[0.0, 0.0, -2.0]]
@@ -507,22 +409,14 @@ def test_a_source_that_turns_enters_by_the_end_while_its_gap_stays(opened, motio
 @pytest.mark.parametrize("steps", [1, 2, 100])
 def test_a_spring_whose_slip_is_rounding_needs_no_panels(opened, steps):
     """A source sinks straight into a cylinder that turns about the normal."""
-    values = {
-        "source.radius": 0.1,
-        "source.center": [0.0, 0.0, 1.09],
-        "source.prescribed_velocity": [0.0, 0.0, -0.5],
-        "source.prescribed_displacement.derivatives": [[0.0, 0.0, -0.5]],
-        "destination.radius": 0.5,
-        "destination.axis": [0.0, 1.0, 0.0],
-        "destination.prescribed_axis": [0.0, 1.0, 0.0],
-        "destination.prescribed_angular_velocity": [0.0, 0.0, 0.5],
-        "contact.penalty_factor": 1e6,
-        "contact.viscous_penalty_factor": 10.0,
-        "contact.friction": "elastic",
-        "contact.static_friction_coefficient": 0.5,
-        "contact.tangential_stiffness": 5e5,
-        "contact.tangential_damping": 1.0,
-    }
+    values = {"source.radius": 0.1, "source.center": [0.0, 0.0, 1.09]}
+    values |= {"source.prescribed_velocity": [0.0, 0.0, -0.5]}
+    values |= {"source.prescribed_displacement.derivatives": [[0.0, 0.0, -0.5]], "destination.radius": 0.5}
+    values |= {"destination.axis": [0.0, 1.0, 0.0], "destination.prescribed_axis": [0.0, 1.0, 0.0]}
+    values |= {"destination.prescribed_angular_velocity": [0.0, 0.0, 0.5], "contact.penalty_factor": 1e6}
+    values |= {"contact.viscous_penalty_factor": 10.0, "contact.friction": "elastic"}
+    values |= {"contact.static_friction_coefficient": 0.5, "contact.tangential_stiffness": 5e5}
+    values |= {"contact.tangential_damping": 1.0}
     fmu = run(opened("TurningForceElement"), values, 1.5, steps, None, None)
     check_close("force", fmu["contact.normal_force"], 0.26 * 1e6 + 0.5 * 10.0, 1e-6)
     check_close("friction", fmu["contact.friction_force"], [0.0, 0.0, 0.0], 1e-9)
@@ -530,20 +424,14 @@ def test_a_spring_whose_slip_is_rounding_needs_no_panels(opened, steps):
 
 def test_a_plane_that_moves_and_turns_away_has_no_deeper_penetration_than_samples_show(opened):
     """A contact that separates was once followed along the plane's first normal."""
-    values = {
-        "gravity": [0.0, 0.0, 0.0],
-        "source.center": [-0.32, 0.0, 0.15],
-        "source.initial_velocity": [0.0, 0.0, -0.46],
-        "contact.penalty_factor": 6.1e4,
-        "contact.viscous_penalty_factor": 64.0,
-        "destination.motion": "prescribed",
-        "destination.rotation": "prescribed",
-        "destination.axis": [0.0, 0.0, 1.0],
-        "destination.prescribed_axis": [0.0, 0.0, 1.0],
-        "destination.prescribed_velocity": [0.33, 0.04, 0.11],
-        "destination.prescribed_displacement.derivatives": [[0.33, 0.04, 0.11]],
-        "destination.prescribed_angular_velocity": [0.0, -0.9, 0.17],
-    }
+    values = {"gravity": [0.0, 0.0, 0.0], "source.center": [-0.32, 0.0, 0.15]}
+    values |= {"source.initial_velocity": [0.0, 0.0, -0.46], "contact.penalty_factor": 6.1e4}
+    values |= {"contact.viscous_penalty_factor": 64.0, "destination.motion": "prescribed"}
+    values |= {"destination.rotation": "prescribed", "destination.axis": [0.0, 0.0, 1.0]}
+    values |= {"destination.prescribed_axis": [0.0, 0.0, 1.0]}
+    values |= {"destination.prescribed_velocity": [0.33, 0.04, 0.11]}
+    values |= {"destination.prescribed_displacement.derivatives": [[0.33, 0.04, 0.11]]}
+    values |= {"destination.prescribed_angular_velocity": [0.0, -0.9, 0.17]}
     scene = Scene("SpherePlane", values, 0.5)
     whole = answer(opened("SpherePlane"), scene, 1e-10, 1, readings=True)
     parts = answer(opened("SpherePlane"), scene, 1e-10, 400, readings=True)

@@ -6,46 +6,34 @@ import math
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close, check_relative, run
-from support.reference.turning_run import TurningRun
+from support.checks import check_close, check_relative, run
+from support.reference.turning import TurningRun
 
 G, MASS, RADIUS, MU, STIFFNESS = 9.81, 1.0, 0.1, 0.05, 2.25
 INERTIA = 0.4 * MASS * RADIUS**2
 LIMIT = MU * RADIUS * MASS * G  # N m
 BALL = {
-    "source.rotation": "free",
-    "source.mass": MASS,
-    "source.radius": RADIUS,
+    "source.rotation": "free", "source.mass": MASS, "source.radius": RADIUS,
     "source.center": [0.0, 0.0, RADIUS - MASS * G / 1e6],  # lies on its spring
     "contact.penalty_factor": 1e6,
-}
+}  # fmt: skip
 
 
 def resisting(kind, stiffness=STIFFNESS, damping=0.0):
-    return {
-        f"contact.{kind}": "elastic",
-        f"contact.{kind}_coefficient": MU,
-        f"contact.{kind}_stiffness": stiffness,
-        f"contact.{kind}_damping": damping,
-    }
+    values = {f"contact.{kind}": "elastic", f"contact.{kind}_coefficient": MU}
+    values |= {f"contact.{kind}_stiffness": stiffness, f"contact.{kind}_damping": damping}
+    return values
 
 
-FRICTION = {
-    "contact.friction": "elastic",
-    "contact.friction_coefficient": 0.5,
-    "contact.static_friction_coefficient": 0.5,
-    "contact.tangential_stiffness": 1e5,
-    "contact.tangential_damping": 100.0,
-}
+FRICTION = {"contact.friction": "elastic", "contact.friction_coefficient": 0.5}
+FRICTION |= {"contact.static_friction_coefficient": 0.5, "contact.tangential_stiffness": 1e5}
+FRICTION |= {"contact.tangential_damping": 100.0}
 SPEED, RATE = 0.3, 5.0
 MOVED = {
     "spinning": {"source.initial_angular_velocity": [0.0, 0.0, RATE]},
-    "rolling": FRICTION
-    | {
-        "source.initial_velocity": [SPEED, 0.0, 0.0],
-        "source.initial_angular_velocity": [0.0, SPEED / RADIUS, 0.0],
-    },
-}
+    "rolling": FRICTION | {"source.initial_velocity": [SPEED, 0.0, 0.0],
+        "source.initial_angular_velocity": [0.0, SPEED / RADIUS, 0.0]},
+}  # fmt: skip
 ENERGY = {"spinning": 0.5 * INERTIA * RATE**2, "rolling": 0.7 * MASS * SPEED**2}
 # Before it slides, while it does, just before it sticks, and while it swings on its spring. Without a dashpot
 # spinning comes back to its limit, but for rounding, after half a swing at 0.54 s.
@@ -62,7 +50,6 @@ def followed(kind, damping):
     return [made.run(time).figures() for time in TIMES[kind]], [name for _, name in made.events]
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("kind, damping", MOTIONS)
 def test_a_ball_slides_and_then_swings_on_its_spring(opened, kind, damping, method):
     expected, events = followed(kind, damping)
@@ -104,8 +91,7 @@ def test_a_ball_on_a_sticking_spring_swings_with_the_period_of_rolling_without_s
 @pytest.mark.parametrize("stiffness", [20.0, 200.0])
 def test_the_way_of_rolling_approaches_that_of_a_rigid_resistance(opened, stiffness):
     """7 v^2/(10 mu_r g): L takes all energy, since the dashpot lets the spring slide from the start on; then
-    the ball rolls back by the spring's angle L/k. Friction, whose spring is stiff, adds 1e-7 m.
-    """
+    the ball rolls back by the spring's angle L/k. Friction, whose spring is stiff, adds 1e-7 m."""
     speed, inertia = 0.3, 1.4 * MASS * RADIUS**2
     rigid = {"contact.tangential_stiffness": 1e7, "contact.tangential_damping": 2000.0}
     damping = 2.0 * math.sqrt(stiffness * inertia)

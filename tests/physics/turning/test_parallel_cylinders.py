@@ -105,11 +105,8 @@ def test_the_scenes_reach_what_they_are_about():
 
 def test_without_friction_a_cylinder_hits_as_a_sphere_of_its_radius_does(opened):
     """To the last bit: the distance of the axes is that of the sphere's centre from the axis."""
-    values = {
-        "source.center": [0.02, 0.1, 0.62],
-        "source.initial_velocity": [0.1, 0.3, -1.0],
-        "destination.axis": [0.0, 1.0, 0.0],
-    }
+    values = {"source.center": [0.02, 0.1, 0.62], "source.initial_velocity": [0.1, 0.3, -1.0]}
+    values |= {"destination.axis": [0.0, 1.0, 0.0]}
     found = []
     for name, more in (("SphereCylinder", {}), ("CylinderCylinder", {"source.axis": [0.0, -3.0, 0.0]})):
         fmu = start(opened(name), values | more, 1e-10)
@@ -122,16 +119,11 @@ def test_without_friction_a_cylinder_hits_as_a_sphere_of_its_radius_does(opened)
 def test_contact_lasts_while_the_cylinders_overlap_in_length(opened):
     """A roller that slides along another leaves it where half of both lengths is between the centres."""
     values = {
-        "source.axis": [0.0, 1.0, 0.0],
-        "destination.axis": [0.0, 1.0, 0.0],
+        "source.axis": [0.0, 1.0, 0.0], "destination.axis": [0.0, 1.0, 0.0],
         "source.center": [0.0, 0.0, 0.6 - 9.81e-6],  # where it lies at rest
-        "source.initial_velocity": [0.0, 1.0, 0.0],
-        "contact.method": "penalty",
-        "source.finite_length": True,
-        "source.length": 0.4,
-        "destination.finite_length": True,
-        "destination.length": 1.0,
-    }
+        "source.initial_velocity": [0.0, 1.0, 0.0], "contact.method": "penalty", "source.finite_length": True,
+        "source.length": 0.4, "destination.finite_length": True, "destination.length": 1.0,
+    }  # fmt: skip
     fmu = start(opened("CylinderCylinder"), values, 1e-10)
     fmu.step(0.9)
     check_close(
@@ -140,28 +132,17 @@ def test_contact_lasts_while_the_cylinders_overlap_in_length(opened):
     check_close("contact ended", fmu["contact.last_duration"], 0.7, 1e-9)
 
 
-@pytest.mark.parametrize(
-    "wrong, words",
-    [
-        ({"source.axis": [0.0, 1e-9, 1.0]}, "parallel axes"),
-        ({"source.axis": [0.0, 0.0, 0.0]}, "has no direction"),
-        (
-            {"source.rotation": "free", "source.initial_angular_velocity": [1.0, 0.0, 3.0]},
-            "about its own axis",
-        ),
-        (
-            {"source.rotation": "prescribed", "source.prescribed_angular_velocity": [1.0, 0.0, 3.0]},
-            "about its own axis",
-        ),
-        ({"contact.law": "hertz", "contact.penalty_control": "automatic"}, "parallel cylinders"),
-    ],
-)
+@pytest.mark.parametrize("wrong, words", [
+    ({"source.axis": [0.0, 1e-9, 1.0]}, "parallel axes"),
+    ({"source.axis": [0.0, 0.0, 0.0]}, "has no direction"),
+    ({"source.rotation": "free", "source.initial_angular_velocity": [1.0, 0.0, 3.0]}, "about its own axis"),
+    ({"source.rotation": "prescribed", "source.prescribed_angular_velocity": [1.0, 0.0, 3.0]},
+        "about its own axis"),
+    ({"contact.law": "hertz", "contact.penalty_control": "automatic"}, "parallel cylinders"),
+])  # fmt: skip
 def test_what_the_pair_cannot_do_is_refused_and_said(opened, wrong, words):
-    parallel = {
-        "source.axis": [0.0, 0.0, 1.0],
-        "destination.axis": [0.0, 0.0, 2.0],
-        "source.center": [1.0, 0.0, 0.0],
-    }
+    parallel = {"source.axis": [0.0, 0.0, 1.0], "destination.axis": [0.0, 0.0, 2.0]}
+    parallel |= {"source.center": [1.0, 0.0, 0.0]}
     start(opened("CylinderCylinder"), parallel)
     with pytest.raises(FmuError, match=words):
         start(opened("CylinderCylinder"), parallel | wrong)
@@ -179,11 +160,8 @@ def test_an_angular_velocity_that_would_tilt_the_axis_is_refused_between_steps(o
 
 def test_a_torque_across_the_axis_turns_nothing(opened):
     """Along the axis it turns the roller evenly faster, m r^2/2 for its inertia."""
-    values = {
-        "source.rotation": "free",
-        "source.center": [0.0, 0.0, 5.0],
-        "source.external_torque": [3.0, 0.01, -2.0],
-    }
+    values = {"source.rotation": "free", "source.center": [0.0, 0.0, 5.0]}
+    values |= {"source.external_torque": [3.0, 0.01, -2.0]}
     for method in METHODS:
         fmu = start(opened("CylinderCylinder"), values, 1e-10, method)
         fmu.step(0.3)

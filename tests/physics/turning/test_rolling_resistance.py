@@ -12,8 +12,8 @@ import pytest
 from support.checks import METHODS, check_close, check_relative, run, start
 from support.exchange_runs import check_exchange
 from support.fmi3 import raw
-from support.reference.turning_run import TurningRun
-from support.scenes import turning_impacts as impacts
+from support.reference.turning import TurningRun
+from support.scenes import turning_cases as cases
 from support.scenes.scene_checks import FMU
 from support.scenes.turning_checks import failures
 from support.scenes.turning_scenes import FRICTIONS, PLACES, driven_scene, random_turning_scene, resistance
@@ -36,35 +36,24 @@ YIELDING = {
 BALL = {
     "source.rotation": "free",
     "source.center": [0.0, 0.0, RADIUS - G / 1e6],  # lies on its spring
-    **BOTH,
-    "contact.rolling_coefficient": MU,
-    "contact.spinning_coefficient": MU,
-}
+    **BOTH, "contact.rolling_coefficient": MU, "contact.spinning_coefficient": MU,
+}  # fmt: skip
 RUBS = {
-    "regularized": {
-        "contact.slip_velocity_control": "user_defined",
-        "contact.characteristic_slip_velocity": 1e-7,
-    },
+    "regularized": {"contact.slip_velocity_control": "user_defined",
+        "contact.characteristic_slip_velocity": 1e-7},
     "elastic": {"contact.tangential_damping": 500.0},
-}
+}  # fmt: skip
 # The slip of regularized friction is 1e-7 m/s, which Adams' method cannot follow; springs yield by 1e-6 m.
-ROLLS = [
-    (friction, method)
-    for friction in RUBS
-    for method in METHODS
-    if (friction, method) != ("regularized", METHODS[2])
-]
+ROLLS = [(rubs, method) for rubs in RUBS for method in METHODS]
+ROLLS.remove(("regularized", METHODS[2]))
 
 
 def way_of_rolling(opened, friction, method, rate, speed=1.0):
     """How far a ball rolls on a plane until it stops"""
     values = BALL | RUBS[friction]
-    values |= {
-        "source.initial_velocity": [speed, 0.0, 0.0],
-        "source.initial_angular_velocity": [0.0, speed / RADIUS, 0.0],
-        "contact.friction": friction,
-        "contact.characteristic_rolling_rate": rate,
-    }
+    values |= {"source.initial_velocity": [speed, 0.0, 0.0]}
+    values |= {"source.initial_angular_velocity": [0.0, speed / RADIUS, 0.0], "contact.friction": friction}
+    values |= {"contact.characteristic_rolling_rate": rate}
     fmu = run(opened("SpherePlane"), values, 8.0, 3, 1e-10, method)
     assert np.linalg.norm(fmu["source.velocity"]) < 1e-6
     check_close("energy balance", fmu["energy.total"], fmu["energy.potential"] + fmu["energy.friction"], 1e-4)
@@ -74,8 +63,7 @@ def way_of_rolling(opened, friction, method, rate, speed=1.0):
 @pytest.mark.parametrize("friction, method", ROLLS)
 def test_a_ball_that_rolls_stops_where_the_closed_form_says(opened, friction, method):
     """Without slip (7/5) m r^2 omega' = -mu r m g (1 - exp(-omega/omega_0)), so that the way is
-    7/(5 mu g) (v^2/2 + (pi r omega_0)^2/6) where the start is far above omega_0.
-    """
+    7/(5 mu g) (v^2/2 + (pi r omega_0)^2/6) where the start is far above omega_0."""
     coulomb = 7 / (10 * MU * G)
     for rate in (1e-3, 0.5):
         more = 7 / (5 * MU * G) * (math.pi * RADIUS * rate) ** 2 / 6
@@ -84,7 +72,6 @@ def test_a_ball_that_rolls_stops_where_the_closed_form_says(opened, friction, me
         assert way - coulomb < RADIUS * rate
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_a_ball_that_spins_slows_down_at_a_constant_rate(opened, method):
     """By a = 5 mu g/(2 r), and near rest by u' = -a (1 - exp(-u/omega_0)), which has a closed form."""
     first, rate, a = 40.0, 1e-2, 5 * MU * G / (2 * RADIUS)
@@ -140,21 +127,13 @@ def test_a_given_motion_has_the_torques_that_the_reference_says(opened, seed, la
     assert not lines, f"{lines}\n{values}"
 
 
-IN_A_SHELL = BALL | {
-    "source.center": [0.25, 0.0, -0.3122],
-    "source.initial_angular_velocity": [3.0, -20.0, 8.0],
-    "destination.radius": 0.5,
-    "contact.location": "inside",
-    "contact.penalty_factor": 1e5,
-    "contact.friction": "regularized",
-    "contact.slip_velocity_control": "user_defined",
-    "contact.characteristic_slip_velocity": 1e-2,
-    "contact.characteristic_rolling_rate": 2e-2,
-    "contact.characteristic_spinning_rate": 2e-2,
-}
+IN_A_SHELL = BALL | {"source.center": [0.25, 0.0, -0.3122]}
+IN_A_SHELL |= {"source.initial_angular_velocity": [3.0, -20.0, 8.0], "destination.radius": 0.5}
+IN_A_SHELL |= {"contact.location": "inside", "contact.penalty_factor": 1e5, "contact.friction": "regularized"}
+IN_A_SHELL |= {"contact.slip_velocity_control": "user_defined", "contact.characteristic_slip_velocity": 1e-2}
+IN_A_SHELL |= {"contact.characteristic_rolling_rate": 2e-2, "contact.characteristic_spinning_rate": 2e-2}
 
 
-@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 def test_a_ball_that_swings_to_rest_passes_every_standstill(opened, shape):
     """In a hollow sphere and in a lying tube: it turns back several times, and stops spinning."""
     values = IN_A_SHELL | ({"destination.axis": [0.0, 1.0, 0.0]} if shape == "cylinder" else {})
@@ -166,45 +145,31 @@ def test_a_ball_that_swings_to_rest_passes_every_standstill(opened, shape):
 @pytest.mark.parametrize("resistance", [BOTH, YIELDING], ids=["regularized", "elastic"])
 @pytest.mark.parametrize("friction", ["none", "regularized", "elastic"])
 def test_a_free_pair_keeps_its_momenta(opened, friction, resistance):
-    case = impacts.shell(friction)
+    case = cases.shell(friction)
     values = case.values | resistance
     values |= {"contact.rolling_coefficient": 0.1, "contact.spinning_coefficient": 0.3}
     fmu = start(opened(FMU["sphere"]), values, 1e-10)
-    before, energy = impacts.momenta(fmu, values), fmu["energy.total"]
+    before, energy = cases.momenta(fmu, values), fmu["energy.total"]
     while fmu["contact.onsets"] < 50:
         fmu.step(case.end / 40)
-    after = impacts.momenta(fmu, values)
+    after = cases.momenta(fmu, values)
     check_close("momentum", after[0], before[0], 1e-12 * 7.0)
     check_close("angular momentum", after[1], before[1], 1e-12 * 3.5)
     check_relative("energy", fmu["energy.total"], energy, 1e-9)
 
 
 EXCHANGED = {
-    "SpherePlane": BALL
-    | {
-        "source.initial_velocity": [0.5, 0.0, 0.0],
-        "source.initial_angular_velocity": [0.0, 5.0, 3.0],
-        "contact.friction": "elastic",
-        "contact.tangential_damping": 100.0,
-    },
+    "SpherePlane": BALL | {"source.initial_velocity": [0.5, 0.0, 0.0],
+        "source.initial_angular_velocity": [0.0, 5.0, 3.0], "contact.friction": "elastic",
+        "contact.tangential_damping": 100.0},
     "SphereSphere": IN_A_SHELL,
-    "CylinderCylinder": {
-        "source.rotation": "free",
-        "source.center": [0.1, 0.0, 0.5916],
-        "source.initial_angular_velocity": [0.0, 9.0, 0.0],
-        "contact.penalty_factor": 1e5,
-        "contact.rolling": "regularized",
-        "contact.rolling_coefficient": 0.2,
-    },
-    "SphereTorus": {
-        "source.rotation": "free",
-        "source.center": [1.02, 0.0, 0.5999],
-        "source.initial_angular_velocity": [2.0, 9.0, 5.0],
-        "contact.penalty_factor": 1e5,
-        **BOTH,
-        "contact.rolling_coefficient": 0.2,
-    },
-}
+    "CylinderCylinder": {"source.rotation": "free", "source.center": [0.1, 0.0, 0.5916],
+        "source.initial_angular_velocity": [0.0, 9.0, 0.0], "contact.penalty_factor": 1e5,
+        "contact.rolling": "regularized", "contact.rolling_coefficient": 0.2},
+    "SphereTorus": {"source.rotation": "free", "source.center": [1.02, 0.0, 0.5999],
+        "source.initial_angular_velocity": [2.0, 9.0, 5.0], "contact.penalty_factor": 1e5, **BOTH,
+        "contact.rolling_coefficient": 0.2},
+}  # fmt: skip
 EXCHANGED |= {  # name of a case: its values, by which the scene is known
     f"{scene}, elastic": EXCHANGED[scene]
     | {name: value for name, value in YIELDING.items() if scene != "CylinderCylinder" or "spin" not in name}

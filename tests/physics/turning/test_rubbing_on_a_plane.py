@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from support.checks import check_close, differences, run, start
-from support.reference.turning_run import TurningRun
+from support.reference.turning import TurningRun
 from support.scenes.agreement import Scene, check_agreement, seeds
-from support.scenes.plane_scenes import random_plane_scene
 from support.scenes.turning_checks import TurningFmuRun, rows
+from support.scenes.turning_scenes import random_plane_scene
 
 ALLOWED, BALANCE = 1e-9, 1e-12
 
@@ -41,37 +41,23 @@ def test_a_ball_on_a_plane_goes_the_same_at_every_tolerance_and_step(opened, see
 
 R, M, MU, G = 0.1, 1.3, 0.3, 9.81
 LAWS = {
-    "linear": {
-        "contact.penalty_factor": 1e6,
-        "contact.viscous_penalty_factor": 30.0,
-        "contact.dashpot": "non_adhesive",
-    },
-    "hertz": {
-        "contact.law": "hertz",
-        "contact.hertz_stiffness": 3e7,
-        "contact.viscous_control": "user_defined",
-        "contact.hunt_crossley_factor": 0.1,
-        "contact.dashpot": "non_adhesive",
-    },
-}
+    "linear": {"contact.penalty_factor": 1e6, "contact.viscous_penalty_factor": 30.0,
+        "contact.dashpot": "non_adhesive"},
+    "hertz": {"contact.law": "hertz", "contact.hertz_stiffness": 3e7,
+        "contact.viscous_control": "user_defined", "contact.hunt_crossley_factor": 0.1,
+        "contact.dashpot": "non_adhesive"},
+}  # fmt: skip
 
 
 def thrown(law, rotation, ratio, speed=2.0):
     """A ball thrown down to a floor with a slip of 2 m/s, spin about the normal included."""
     unit = speed / ratio if ratio > 0.0 else 0.1
     slip = speed if ratio > 0.0 else 0.0
-    values = {
-        "source.radius": R,
-        "source.mass": M,
-        "source.center": [0.0, 0.0, R + 0.02],
-        "source.rotation": rotation,
-        "contact.friction": "regularized",
-        "contact.friction_coefficient": MU,
-        "contact.slip_velocity_control": "user_defined",
-        "contact.characteristic_slip_velocity": unit,
-        "contact.method": "penalty_dynamic",
-        "gravity": [0.0, 0.0, -G],
-    }
+    values = {"source.radius": R, "source.mass": M, "source.center": [0.0, 0.0, R + 0.02]}
+    values |= {"source.rotation": rotation, "contact.friction": "regularized"}
+    values |= {"contact.friction_coefficient": MU, "contact.slip_velocity_control": "user_defined"}
+    values |= {"contact.characteristic_slip_velocity": unit, "contact.method": "penalty_dynamic"}
+    values |= {"gravity": [0.0, 0.0, -G]}
     if rotation == "free":  # v + omega x (-r e_z) = slip (0.6, 0.8, 0)
         values["source.initial_angular_velocity"] = [2.0, -3.0, 15.0]
         values["source.initial_velocity"] = [0.6 * slip - 0.3, 0.8 * slip - 0.2, -1.0]
@@ -129,16 +115,11 @@ def test_the_slip_is_that_of_the_formula_through_all_bounces(opened, law, rotati
 @pytest.mark.parametrize("spin", [[0.0, 0.0, 0.0], [3.0, -5.0, 20.0]])
 def test_an_oscillation_that_never_dies_away_costs_little_while_a_ball_slides(opened, stiffness, spin):
     """Set down where it touches, undamped: p = m g (t - sin(w t)/w), 16 or 1,600 swings until it rolls. The
-    way is a sum over Gauss-Legendre panels of a twentieth of a radian and less.
-    """
+    way is a sum over Gauss-Legendre panels of a twentieth of a radian and less."""
     unit, end = 1e-3, 0.5
-    values = thrown("linear", "free", 2.0 / unit)[0] | {
-        "source.center": [0.0, 0.0, R],
-        "source.initial_velocity": [1.0, 0.3, 0.0],
-        "source.initial_angular_velocity": spin,
-        "contact.method": "penalty",
-        "contact.penalty_factor": stiffness,
-    }
+    values = thrown("linear", "free", 2.0 / unit)[0] | {"source.center": [0.0, 0.0, R]}
+    values |= {"source.initial_velocity": [1.0, 0.3, 0.0], "source.initial_angular_velocity": spin}
+    values |= {"contact.method": "penalty", "contact.penalty_factor": stiffness}
     fmu = run(opened("SpherePlane"), values, end, 1, 1e-10)
     assert fmu["solver.steps"] < 100
     begin, swing = slip_of(np.array([1.0, 0.3]), np.array(spin)), math.sqrt(stiffness / M)
@@ -171,11 +152,8 @@ def test_a_cap_that_acts_is_left_to_the_general_segment(opened):
 
 def test_a_load_along_the_plane_that_begins_and_ends_is_followed(opened):
     """A push of 2 N for a tenth of a second on a ball that rolls: the general segment takes that time."""
-    values = thrown("linear", "free", 1e3)[0] | {
-        "source.center": [0.0, 0.0, R - M * G / 1e6],
-        "source.initial_velocity": [0.5, 0.0, 0.0],
-        "source.initial_angular_velocity": [0.0, 5.0, 0.0],
-    }
+    values = thrown("linear", "free", 1e3)[0] | {"source.center": [0.0, 0.0, R - M * G / 1e6]}
+    values |= {"source.initial_velocity": [0.5, 0.0, 0.0], "source.initial_angular_velocity": [0.0, 5.0, 0.0]}
     fmu = start(opened("SpherePlane"), values, 1e-10)
     fmu.step(0.1)
     assert fmu["solver.fallbacks"] == 0
@@ -188,15 +166,6 @@ def test_a_load_along_the_plane_that_begins_and_ends_is_followed(opened):
     assert fmu["solver.fallbacks"] == between
     # rolling, up to the creep of 2 v_0/7 F / (mu m g): 5/7 of the push's acceleration
     check_close("speed", fmu["source.velocity"][0], 0.5 + 5 / 7 * 2.0 / M * 0.1, 1e-9)
-    check_close(
-        "energy",
-        fmu["energy.total"],
-        fmu["energy.kinetic"]
-        + fmu["energy.rotational"]
-        + fmu["energy.potential"]
-        + fmu["energy.contact"]
-        + fmu["energy.dissipated"]
-        + fmu["energy.friction"]
-        - fmu["energy.external_work"],
-        1e-12,
-    )
+    parts = ("kinetic", "rotational", "potential", "contact", "dissipated", "friction")
+    whole = sum(fmu[f"energy.{part}"] for part in parts) - fmu["energy.external_work"]
+    check_close("energy", fmu["energy.total"], whole, 1e-12)

@@ -175,11 +175,8 @@ def test_the_scenes_reach_what_they_are_about():
     assert sum(len(zones) > 1 for zones in met) >= 4
     for what in ("both", "turns"):
         assert {getattr(scene, what) for scene in scenes} == {False, True}, what
-    assert (
-        {scene.friction > 0.0 for scene in scenes}
-        == {scene.damping > 0.0 for scene in scenes}
-        == {False, True}
-    )
+    for what in ("friction", "damping"):
+        assert {getattr(scene, what) > 0.0 for scene in scenes} == {False, True}, what
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -297,16 +294,9 @@ def crossed_stiffness(modulus: float, r_s: float, r_d: float, angle: float) -> f
 
 
 def hertz_of(opened, angle: float, r_s: float, r_d: float) -> float:
-    values = {
-        "source.radius": r_s,
-        "destination.radius": r_d,
-        "source.center": [0.0, 0.0, 9.0],
-        "source.axis": [1.0, 0.0, 0.0],
-        "destination.axis": [np.cos(angle), np.sin(angle), 0.0],
-        "contact.axes": "skew",
-        "contact.law": "hertz",
-        "contact.penalty_control": "automatic",
-    }
+    values = {"source.radius": r_s, "destination.radius": r_d, "source.center": [0.0, 0.0, 9.0]}
+    values |= {"source.axis": [1.0, 0.0, 0.0], "destination.axis": [np.cos(angle), np.sin(angle), 0.0]}
+    values |= {"contact.axes": "skew", "contact.law": "hertz", "contact.penalty_control": "automatic"}
     return start(opened("CylinderCylinder"), values)["contact.effective_hertz_stiffness"]
 
 
@@ -326,15 +316,8 @@ def test_equal_cylinders_at_right_angles_are_as_stiff_as_a_sphere_on_a_plane(ope
 
 
 # cos(theta) and lambda of Roark's Formulas for Stress and Strain (Young and Budynas), table 14.1, case 4
-TABULATED = [
-    (0.0, 0.750),
-    (0.2, 0.743),
-    (0.4, 0.721),
-    (0.6, 0.678),
-    (0.8, 0.594),
-    (0.9, 0.510),
-    (0.98, 0.345),
-]
+TABULATED = [(0.0, 0.750), (0.2, 0.743), (0.4, 0.721), (0.6, 0.678), (0.8, 0.594), (0.9, 0.510)]
+TABULATED += [(0.98, 0.345)]
 
 
 @pytest.mark.parametrize("cosine, approach", TABULATED)
@@ -350,13 +333,11 @@ def test_the_approach_of_crossed_cylinders_is_that_of_the_table(opened, cosine, 
 @pytest.mark.parametrize("angle", [2e-6, 1e-4, 1e-2])
 def test_axes_that_are_nearly_parallel_bounce_back(opened, angle):
     """A roller falls flat on another; one point in the overlap takes the impact, m v'' = -k x."""
-    values = {
-        **{f"{body}.finite_length": True for body in BODIES},
-        **{"contact.axes": "skew", "source.axis": [np.cos(angle), np.sin(angle), 0.0]},
-        **{"destination.axis": [-1.0, 0.0, 0.0], "source.length": 0.4, "destination.length": 0.6},
-        **{"source.center": [0.1, 0.0, 0.61], "source.initial_velocity": [0.0, 0.0, -1.0]},
-        **{"gravity": [0.0, 0.0, 0.0], "contact.method": "penalty", "contact.penalty_factor": 1e5},
-    }
+    values = {**{f"{body}.finite_length": True for body in BODIES}}
+    values |= {**{"contact.axes": "skew", "source.axis": [np.cos(angle), np.sin(angle), 0.0]}}
+    values |= {**{"destination.axis": [-1.0, 0.0, 0.0], "source.length": 0.4, "destination.length": 0.6}}
+    values |= {**{"source.center": [0.1, 0.0, 0.61], "source.initial_velocity": [0.0, 0.0, -1.0]}}
+    values |= {**{"gravity": [0.0, 0.0, 0.0], "contact.method": "penalty", "contact.penalty_factor": 1e5}}
     for method in METHODS:
         fmu = start(opened("CylinderCylinder"), values, 1e-10, method)
         fmu.step(0.05)
@@ -371,10 +352,8 @@ def test_a_driven_roller_drives_another_across_it(opened):
     moves by J/m and turns by J across its axis, with m r^2/2; the lower one turns more slowly, by J too."""
     fmu = start(opened("CrossedRollers"), {}, 1e-10)
     m, inertia, rate = (
-        fmu["source.mass"],
-        fmu["destination.axial_inertia"],
-        fmu["destination.angular_velocity"],
-    )
+        fmu["source.mass"], fmu["destination.axial_inertia"], fmu["destination.angular_velocity"],
+    )  # fmt: skip
     e, up = unit(rate), np.array([0.0, 0.0, 1.0])
     fmu.step(0.3)
     lever = fmu["source.position"][2] - fmu["source.radius"]  # the force acts at the surface of the source
@@ -392,17 +371,14 @@ def test_a_driven_roller_drives_another_across_it(opened):
     assert fmu["source.position"][2] < 0.0
 
 
-@pytest.mark.parametrize(
-    "wrong, words",
-    [
-        ({"destination.axis": [0.0, -2.0, 0.0]}, "allowed: 1e-6 rad at least"),
-        ({"destination.axis": [1e-8, 1.0, 0.0]}, "to an angle of 1e-08 rad"),
-        ({"destination.axis": [0.0, 0.0, 0.0]}, "has no direction"),
-        ({"contact.location": "inside", "source.radius": 0.1}, "touch from outside"),
-        ({"contact.axes": "parallel"}, "or axes = skew"),
-        ({"source.rotation": "free", "source.initial_angular_velocity": [1.0, 0.0, 0.0]}, "its own axis"),
-    ],
-)
+@pytest.mark.parametrize("wrong, words", [
+    ({"destination.axis": [0.0, -2.0, 0.0]}, "allowed: 1e-6 rad at least"),
+    ({"destination.axis": [1e-8, 1.0, 0.0]}, "to an angle of 1e-08 rad"),
+    ({"destination.axis": [0.0, 0.0, 0.0]}, "has no direction"),
+    ({"contact.location": "inside", "source.radius": 0.1}, "touch from outside"),
+    ({"contact.axes": "parallel"}, "or axes = skew"),
+    ({"source.rotation": "free", "source.initial_angular_velocity": [1.0, 0.0, 0.0]}, "its own axis"),
+])  # fmt: skip
 def test_what_skew_cylinders_cannot_be_is_refused_and_said(opened, wrong, words):
     values = {"contact.axes": "skew", "destination.axis": [1.0, 0.0, 0.0]}
     with pytest.raises(FmuError, match=words):

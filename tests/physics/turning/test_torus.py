@@ -11,7 +11,7 @@ from contact_fmus.fmu.contact_fmu import FmuError
 from contact_fmus.stability.motions import elliptic_stiffness
 from support.checks import check_close, check_relative, start
 from support.reference.pressed import GRAVITY, ended, pressed, unit
-from support.scenes.scene_parts import touching_values
+from support.scenes.random_scenes import touching_values
 
 COUNT = int(os.environ.get("CONTACT_SCENES", "10"))
 METHODS = ("event_driven", "cvode_bdf")
@@ -58,13 +58,9 @@ class Ring:
     end: float = 0.15
 
     def values(self) -> dict:
-        values = touching_values(self) | {
-            "source.radius": self.ball,
-            "destination.axis": 2.0 * self.frame[0],
-            "destination.radius": self.tube,
-            "destination.ring_radius": self.ring,
-            "destination.side": self.side,
-        }
+        values = touching_values(self) | {"source.radius": self.ball, "destination.axis": 2.0 * self.frame[0]}
+        values |= {"destination.radius": self.tube, "destination.ring_radius": self.ring}
+        values |= {"destination.side": self.side}
         for i, body in enumerate(("source", "destination")):
             values[f"{body}.mass"] = self.mass[i]
             if self.turns[i]:
@@ -233,11 +229,8 @@ def test_no_touch_of_a_long_flight_is_missed(opened, first):
         else:
             one = Ring(**{**vars(one), "velocity": rng.normal(size=3)})
             one.place = 0.8 * one.ring * rng.normal(size=3) - rng.uniform(10.0, 900.0) * one.velocity
-        values = one.values() | {
-            "gravity": [0.0, 0.0, 0.0],
-            "destination.motion": "fixed",
-            "source.rotation": "none",
-        }
+        values = one.values() | {"gravity": [0.0, 0.0, 0.0], "destination.motion": "fixed"}
+        values |= {"source.rotation": "none"}
         values |= {"destination.rotation": "prescribed", "destination.prescribed_angular_velocity": turn}
         values["destination.prescribed_axis"] = one.frame[0]
         time = np.linspace(0.0, 1000.0, SAMPLES)
@@ -254,16 +247,9 @@ def test_no_touch_of_a_long_flight_is_missed(opened, first):
 @pytest.mark.parametrize("side, curvature", [("whole", 0.0), ("inner_race", 1.0), ("outer_race", -1.0)])
 def test_the_stiffness_of_a_groove_is_hertzs(opened, side, curvature):
     """Of a deep-groove ball bearing with balls of 12.7 mm, at the bottom of either race."""
-    values = {
-        "source.radius": 0.00635,
-        "destination.radius": 0.0066,
-        "destination.ring_radius": 0.0325,
-        "source.center": [0.0325, 0.0, 0.0],
-        "destination.side": side,
-        "contact.location": "inside",
-        "contact.law": "hertz",
-        "contact.penalty_control": "automatic",
-    }
+    values = {"source.radius": 0.00635, "destination.radius": 0.0066, "destination.ring_radius": 0.0325}
+    values |= {"source.center": [0.0325, 0.0, 0.0], "destination.side": side, "contact.location": "inside"}
+    values |= {"contact.law": "hertz", "contact.penalty_control": "automatic"}
     fmu = start(opened("SphereTorus"), values)
     modulus = 2.1e11 / 2.0 / (1.0 - 0.09)
     tight = 1.0 / 0.00635 - 1.0 / 0.0066
@@ -273,15 +259,12 @@ def test_the_stiffness_of_a_groove_is_hertzs(opened, side, curvature):
     check_relative("k_h", fmu["contact.effective_hertz_stiffness"], expected, 1e-9)
 
 
-@pytest.mark.parametrize(
-    "wrong, words",
-    [
-        ({"destination.radius": 1.0}, "has a hole"),
-        ({"source.radius": 0.6}, "all round the hole"),
-        ({"destination.axis": [0.0, 0.0, 0.0]}, "has no direction"),
-        ({"contact.location": "inside", "source.radius": 0.5}, "smaller than its hollow destination"),
-    ],
-)
+@pytest.mark.parametrize("wrong, words", [
+    ({"destination.radius": 1.0}, "has a hole"),
+    ({"source.radius": 0.6}, "all round the hole"),
+    ({"destination.axis": [0.0, 0.0, 0.0]}, "has no direction"),
+    ({"contact.location": "inside", "source.radius": 0.5}, "smaller than its hollow destination"),
+])  # fmt: skip
 def test_what_a_torus_cannot_be_is_refused_and_said(opened, wrong, words):
     with pytest.raises(FmuError, match=words):
         start(opened("SphereTorus"), wrong)

@@ -1,7 +1,6 @@
 """Derivatives of a contact with a capped cylinder that the importer moves and turns: with respect to inputs,
 axis and angular velocities among them, and to time, in every zone and at both ends; against differences of
-the outputs themselves.
-"""
+the outputs themselves."""
 
 from math import cos, sin
 
@@ -51,24 +50,15 @@ def scene(place, law):
     foot = across * outward + along * axis
     centre = foot + (RADIUS + gap) * (n_across * outward + n_along * axis)
     values = {
-        "source.radius": RADIUS,
-        "destination.radius": OTHER,
-        "destination.finite_length": True,
-        "destination.length": 2 * HALF,
-        "destination.ends": "capped",
-        "destination.axis": axis.tolist(),
-        "source.center": centre.tolist(),
-        "contact.dashpot": "unclamped",
-        "contact.penalty_factor": 100.0,
-        "contact.viscous_penalty_factor": 3.0,
-        "contact.hertz_stiffness": 300.0,
-        "contact.hunt_crossley_factor": 0.1,
-        "contact.slip_velocity_control": "user_defined",
-        "contact.characteristic_slip_velocity": 0.5,
-        "contact.tangential_stiffness": 50.0,
+        "source.radius": RADIUS, "destination.radius": OTHER, "destination.finite_length": True,
+        "destination.length": 2 * HALF, "destination.ends": "capped", "destination.axis": axis.tolist(),
+        "source.center": centre.tolist(), "contact.dashpot": "unclamped", "contact.penalty_factor": 100.0,
+        "contact.viscous_penalty_factor": 3.0, "contact.hertz_stiffness": 300.0,
+        "contact.hunt_crossley_factor": 0.1, "contact.slip_velocity_control": "user_defined",
+        "contact.characteristic_slip_velocity": 0.5, "contact.tangential_stiffness": 50.0,
         "contact.tangential_damping": 1.0,
-        **{f"{body}.{kind}": "prescribed" for body in ("source", "destination")
-           for kind in ("motion", "rotation")},
+        **{f"{body}.{kind}": "prescribed" for body in ("source", "destination") for kind in ("motion",
+            "rotation")},
     }  # fmt: skip
     inputs = {name: 0.1 * draw.normal(size=3) for name in INPUTS}
     inputs |= {f"{body}.prescribed_displacement": np.zeros(3) for body in ("source", "destination")}

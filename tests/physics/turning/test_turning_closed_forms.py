@@ -1,6 +1,5 @@
 """Bodies that turn and rub against closed forms: sliding, rolling, back-spin, tubes, bowls, turntables,
-rotors.
-"""
+rotors."""
 
 import math
 
@@ -10,7 +9,6 @@ import pytest
 from contact_fmus.bench.problems import turning_problems
 from support.checks import METHODS, check_close, check_relative, run, start
 from support.scenes import turning_cases as cases
-from support.scenes import turning_impacts as impacts
 from support.scenes.scene_checks import FMU
 
 CVODE = METHODS[1:]
@@ -54,8 +52,7 @@ def test_the_way_approaches_that_of_coulomb_in_second_order(opened):
 @pytest.mark.parametrize("slope", [0.1, 0.4, 0.8, 0.9, 1.2])
 def test_a_ball_rolls_down_an_incline_or_slides(opened, method, v_0, slope):
     """It rolls where tan <= 7 mu/2 = 1.05, with 5/7 g sin and a creep of order v_0; beyond, it slides as
-    well.
-    """
+    well."""
     case = cases.incline(v_0, slope)
     agrees(ended(opened, case, method), case, ALLOWED[method])
 
@@ -77,8 +74,7 @@ def test_a_ball_comes_up_again_in_a_tube_at_any_penetration(opened, stiffness):
 @pytest.mark.parametrize("made", [cases.turntable, lambda v_0: cases.incline(v_0, 0.4, end=10.0)])
 def test_rolling_costs_no_more_where_less_slip_is_needed(opened, made):
     """Internal steps at v_0 = 1e-6 and 1e-9 m/s, and the evaluations in them, are at most twice those at
-    1e-3.
-    """
+    1e-3."""
     steps, evaluations = [], []
     for v_0 in (1e-3, 1e-6, 1e-9):
         fmu = ended(opened, made(v_0))
@@ -91,8 +87,7 @@ def test_rolling_costs_no_more_where_less_slip_is_needed(opened, made):
 @pytest.mark.parametrize("name", ["F2", "F3"])
 def test_few_steps_of_rolling_are_rejected(opened, name):
     """In a bowl for 10 s, and in the golfer's tube; where simplified iterations fail a step is no shorter
-    for it.
-    """
+    for it."""
     problem = turning_problems()[name]
     fmu = run(opened(problem.fmu), problem.start, problem.stop, steps=1, tolerance=1e-8)
     check_close("position", fmu["source.position"], problem.position, 1e-10)
@@ -122,24 +117,22 @@ def test_rolling_is_approached_in_first_order_of_the_slip_velocity(opened, name)
     check_relative("order 1, far", errors[0] / errors[2], 1024.0, 0.05)
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("mu", [0.11, 0.5, 5.0])
 def test_an_impact_on_springs_with_two_sevenths_turns_the_slip_round(opened, method, mu):
     """v_c = 0.707 m/s sticks throughout where it is at most 7/2 mu v_n = 7 mu."""
-    case = impacts.oblique_impact(mu=mu)
+    case = cases.oblique_impact(mu=mu)
     agrees(ended(opened, case, method, 1e-12), case, 1e-10 if method == "event_driven" else 1e-8)
 
 
 @pytest.mark.parametrize("factor", [1.0, 100.0])
 def test_balls_with_opposite_spins_do_not_rub(opened, factor):
     """Chung and Ooi 7. They yield by delta, and omega delta is slip: the change falls with p_n's root."""
-    case = impacts.opposite_spin()
+    case = cases.opposite_spin()
     values = {**case.values, "contact.penalty_factor": factor * 1e7}
     fmu = ended(opened, case._replace(values=values))
     agrees(fmu, case, 5e-5 / math.sqrt(factor))
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("friction", ["regularized", "elastic"])
 def test_no_torque_and_no_change_without_a_coefficient(opened, method, friction):
     case = cases.slide_to_roll(1e-3, 2.0, -30.0)
@@ -154,7 +147,7 @@ def test_no_torque_and_no_change_without_a_coefficient(opened, method, friction)
 def test_a_cylinder_tumbles_as_the_closed_form_says(opened):
     """1,000 turns of its angular momentum, in one step and in many."""
     for steps in (1, 13):
-        case = impacts.rotor(2000 * math.pi / 6.0)
+        case = cases.rotor(2000 * math.pi / 6.0)
         fmu = ended(opened, case, steps=steps)
         q, right = fmu["destination.orientation"], case.expected["destination.orientation"]
         check_close("orientation", q * np.sign(q @ right), right, 1e-12)
@@ -178,15 +171,15 @@ def test_a_ball_leaves_a_sphere_at_ten_seventeenths_or_two_thirds(opened, mu):
 
 @pytest.mark.parametrize("friction, count", [("regularized", 100), ("elastic", 1000)])
 def test_a_free_pair_keeps_its_momenta_over_many_impacts(opened, friction, count):
-    case = impacts.shell(friction)
+    case = cases.shell(friction)
     fmu = opened(FMU["sphere"])
     start(fmu, case.values, 1e-10)
-    before, energy = impacts.momenta(fmu, case.values), fmu["energy.total"]
+    before, energy = cases.momenta(fmu, case.values), fmu["energy.total"]
     while fmu["contact.onsets"] < count and fmu.time < 2000.0:
         fmu.step(case.end / 10)
     assert fmu["contact.onsets"] >= count
     # Of the bodies' own: 1 kg at 7 m/s, half a metre off the middle.
-    after = impacts.momenta(fmu, case.values)
+    after = cases.momenta(fmu, case.values)
     check_close("momentum", after[0], before[0], 1e-12 * 7.0)
     check_close("angular momentum", after[1], before[1], 1e-12 * 3.5)
     check_relative("energy", fmu["energy.total"], energy, 1e-9)

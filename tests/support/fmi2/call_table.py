@@ -71,11 +71,9 @@ GetStatus                     . . . . .
 """
 
 # Of Model Exchange alone: refused on an instance of Co-Simulation, whatever its state.
-EXCHANGE = (
-    "EnterEventMode", "NewDiscreteStates", "EnterContinuousTimeMode", "CompletedIntegratorStep", "SetTime",
-    "SetContinuousStates", "GetDerivatives", "GetEventIndicators", "GetContinuousStates",
-    "GetNominalsOfContinuousStates",
-)  # fmt: skip
+EXCHANGE = ("EnterEventMode", "NewDiscreteStates", "EnterContinuousTimeMode", "CompletedIntegratorStep")
+EXCHANGE += ("SetTime", "SetContinuousStates", "GetDerivatives", "GetEventIndicators", "GetContinuousStates")
+EXCHANGE += ("GetNominalsOfContinuousStates",)
 
 # Calls these FMUs allow beyond the standard, none of which can harm:
 # - start values may be read while instantiated;

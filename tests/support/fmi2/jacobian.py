@@ -1,30 +1,20 @@
 """Directional derivatives that an FMU gives, compared with difference quotients through the FMU itself"""
 
-from ctypes import c_double, c_uint
-
 import numpy as np
 
 from support.fmi2 import raw
-from support.fmi2.raw import OK, array
+from support.fmi2.raw import OK
 
 STEP = 1e-4
 
 
 def jacobian(instance: raw.Instance, unknowns, knowns) -> np.ndarray:
     columns = []
-    values = array(c_double, [0.0] * len(unknowns))
-    rows = array(c_uint, [variable.reference for variable in unknowns])
+    rows = [variable.reference for variable in unknowns]
     for known in knowns:
-        instance.ok(
-            "GetDirectionalDerivative",
-            rows,
-            len(unknowns),
-            array(c_uint, [known.reference]),
-            1,
-            array(c_double, [1.0]),
-            values,
-        )
-        columns.append(list(values))
+        status, values = instance.directional(rows, [known.reference], [1.0])
+        assert status == OK, instance.texts()
+        columns.append(values)
     return np.array(columns).T
 
 

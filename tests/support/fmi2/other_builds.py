@@ -3,12 +3,12 @@
 import itertools
 import os
 import shlex
-import subprocess
 from collections.abc import Iterable
 from pathlib import Path
 
 from contact_fmus.fmu.files import fmus_folder
 from support.fmi2 import raw
+from support.programs import finished
 
 BUILD = Path(os.environ.get("CONTACT_BUILD") or fmus_folder().parent).resolve()
 # Both compilers optimize whole programs in ways of their own; without that the code is one unit all the same.
@@ -17,11 +17,8 @@ LEFT_OUT = ("-flto", "-fno-fat-lto", "-fwhole-program", "-O", "-M", "-g")
 
 def _commands(scene: str) -> tuple[list[str], list[str]]:
     """How ninja compiles the scene's one unit, and how it links the library"""
-    told = subprocess.run(
-        ["ninja", "-C", str(BUILD), "-t", "commands", f"libraries/{scene}.so"],
-        capture_output=True,
-        text=True,
-        check=True,
+    told = finished(
+        ["ninja", "-C", str(BUILD), "-t", "commands", f"libraries/{scene}.so"], check=True
     ).stdout.splitlines()
     link = next(line for line in told if f"-o libraries/{scene}.so " in line)
     unit = next(word for word in shlex.split(link) if word.endswith(".c.o"))
@@ -49,6 +46,6 @@ def build(scene: str, compiler: str, flags: Iterable[str], folder: Path) -> raw.
         [compiler, *flags, *compile_, "-w", "-o", str(unit)],
         [compiler, *flags, *link, "-o", str(library)],
     ):
-        done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=BUILD)
+        done = finished(command, cwd=BUILD)
         assert done.returncode == 0, done.stderr
     return raw.load(scene).with_library(library)

@@ -17,13 +17,8 @@ SIZES = (0.01, 0.003, 0.017, 0.0001)
 BODIES = ("source", "destination")
 SOFT = {"contact.penalty_factor": 2e3, "contact.viscous_penalty_factor": 5.0}
 OVER_CYLINDER = {"destination.axis": [0.0, 1.0, 0.0], "source.center": [0.05, 0.0, 0.7]}
-TOWARDS_THE_END = {
-    **OVER_CYLINDER,
-    **SOFT,
-    "destination.finite_length": 1,
-    "source.center": [0.0, 0.3, 0.6],
-    "source.initial_velocity": [0.0, 1.0, 0.0],
-}
+TOWARDS_THE_END = {**OVER_CYLINDER, **SOFT, "destination.finite_length": 1, "source.center": [0.0, 0.3, 0.6]}
+TOWARDS_THE_END |= {"source.initial_velocity": [0.0, 1.0, 0.0]}
 
 
 class Run(NamedTuple):
@@ -107,12 +102,11 @@ HIT |= {"destination.axis": [0.0, 1.0, 0.0], "destination.rotation": "free", "de
 
 def _stepped(time: float) -> dict[str, Any]:
     """A foot that rolls over its balls, with its angular velocity along x"""
-    return {
-        "foot.prescribed_displacement": [0.1 * time, 0.0, 0.001 * math.sin(9 * time)],
-        "foot.prescribed_velocity": [0.1, 0.0, 0.009 * math.cos(9 * time)],
-        "foot.prescribed_orientation": [1.5, 0.03 * math.sin(4 * time), 0.0, 0.0],
-        "foot.prescribed_angular_velocity": [0.08 * math.cos(4 * time), 0.0, 0.0],
-    }
+    values = {"foot.prescribed_displacement": [0.1 * time, 0.0, 0.001 * math.sin(9 * time)]}
+    values |= {"foot.prescribed_velocity": [0.1, 0.0, 0.009 * math.cos(9 * time)]}
+    values |= {"foot.prescribed_orientation": [1.5, 0.03 * math.sin(4 * time), 0.0, 0.0]}
+    values |= {"foot.prescribed_angular_velocity": [0.08 * math.cos(4 * time), 0.0, 0.0]}
+    return values
 
 
 FOOT = {f"{part}.friction": "regularized" for part in ("left_heel", "left_ball", "right_ball")}
@@ -144,165 +138,97 @@ _OF_SPHERES = {
     "viscous only": (VISCOUS, 40, True),
     "automatic factors": (AUTOMATIC, 17, True),
     "penalty": ({**SOFT, **_at(0.0, 0.0, 0.65, method="penalty")}, 22, True),
-    "both prescribed, turning and rubbing": (
-        {**ALL_GIVEN, **RUBBING, **RESISTING, **_at(0, 0, 0)}, 15, True, _fed_and_turned,
-    ),
-    "both prescribed, the tangential stiffness follows": (
-        {**ALL_GIVEN, **FOLLOWING, **_at(0, 0, 0)}, 15, True, _fed_and_turned,
-    ),
-    "spinning off a sphere, the tangential stiffness follows": (
-        {**FOLLOWING, **SPINNING, **_at(0.05, 0.0, 0.62),
-         "source.initial_angular_velocity": [3.0, -8.0, 1.0]}, 12, True,
-    ),
-    "both prescribed, turning and yielding": (
-        {**ALL_GIVEN, **RUBBING, **YIELDING, **_at(0, 0, 0)}, 15, True, _fed_and_turned,
-    ),
-    "spinning on springs": (
-        {**SOFT, **RUBBING, **SPINNING, **YIELDING, **_at(0.05, 0.0, 0.62),
-         "source.initial_angular_velocity": [3.0, -8.0, 2.0]}, 12, True,
-    ),
-    "spinning off a sphere": (
-        {**SOFT, **RUBBING, **SPINNING, **_at(0.05, 0.0, 0.62),
-         "source.initial_angular_velocity": [3.0, -8.0, 1.0]}, 12, True,
-    ),
-    "force with a rate": (
-        {**SOFT, **_at(0.0, 0.0, 0.65)}, 20, True, _pushed,
-        lambda time: {"source.external_force": [20 * math.cos(20 * time), 0.0, 1.0]},
-    ),
+    "both prescribed, turning and rubbing": ({**ALL_GIVEN, **RUBBING, **RESISTING, **_at(0, 0, 0)}, 15, True,
+        _fed_and_turned),
+    "both prescribed, the tangential stiffness follows": ({**ALL_GIVEN, **FOLLOWING, **_at(0, 0, 0)}, 15,
+        True, _fed_and_turned),
+    "spinning off a sphere, the tangential stiffness follows": ({**FOLLOWING, **SPINNING,
+        **_at(0.05, 0.0, 0.62), "source.initial_angular_velocity": [3.0, -8.0, 1.0]}, 12, True),
+    "both prescribed, turning and yielding": ({**ALL_GIVEN, **RUBBING, **YIELDING, **_at(0, 0, 0)}, 15, True,
+        _fed_and_turned),
+    "spinning on springs": ({**SOFT, **RUBBING, **SPINNING, **YIELDING, **_at(0.05, 0.0, 0.62),
+        "source.initial_angular_velocity": [3.0, -8.0, 2.0]}, 12, True),
+    "spinning off a sphere": ({**SOFT, **RUBBING, **SPINNING, **_at(0.05, 0.0, 0.62),
+        "source.initial_angular_velocity": [3.0, -8.0, 1.0]}, 12, True),
+    "force with a rate": ({**SOFT, **_at(0.0, 0.0, 0.65)}, 20, True, _pushed,
+        lambda time: {"source.external_force": [20 * math.cos(20 * time), 0.0, 1.0]}),
 }  # fmt: skip
+
+
+def _run(scene: str, saved_at: int, touching: bool, *parts: dict[str, Any], **more: Any) -> Run:
+    """Of parameters that stand in several dictionaries"""
+    values: dict[str, Any] = {}
+    for part in parts:
+        values |= part
+    return Run(scene, values, saved_at, touching, **more)
+
+
+def _torqued(time: float) -> dict[str, Any]:
+    return {"destination.external_torque": [0.3, 3.0 - time, 0.2]}
+
+
+def _fed_beside_a_tilted_axis(time: float) -> dict[str, Any]:
+    still = {"destination.prescribed_angular_velocity": [0, 0, 0], "destination.prescribed_axis": TILTED}
+    return _fed_and_turned(time) | still
+
+
 _GIVEN = {"source.motion": "prescribed", "destination.motion": "prescribed"}
+_UNTURNED = {f"{body}.rotation": "none" for body in BODIES}
+_ROLLS = {name: value for name, value in RESISTING.items() if "spinning" not in name}
+_ROLLER = {"source.initial_velocity": [0.1, 0.3, 0.0], "source.initial_angular_velocity": [0.0, 7.0, 0.0]}
+_RACE = {"destination.side": "outer_race", "destination.rotation": "free", "destination.radius": 0.3}
+_RACE |= {
+    "source.initial_velocity": [1.0, 0.6, 0.4],
+    "destination.initial_angular_velocity": [0.5, -0.3, 0.8],
+}
 RUNS = {name: Run("SphereSphere", *run) for name, run in _OF_SPHERES.items()} | {
-    "both prescribed": Run("SphereCylinder", {**_GIVEN, **_at(0, 0, 0)}, 15, True, _fed),
-    "on a cylinder": Run("SphereCylinder", {**SOFT, **OVER_CYLINDER}, 25, True),
-    "in a cylinder": Run("SphereCylinder", {**SOFT, **OVER_CYLINDER, **_at(0.3, 0, 0)}, 40, True),
-    "cylinder in flight": Run("SphereCylinder", {**OVER_CYLINDER, **_at(0.05, 0.0, 1.2)}, 20, False),
+    "both prescribed": _run("SphereCylinder", 15, True, _GIVEN, _at(0, 0, 0), inputs=_fed),
+    "on a cylinder": _run("SphereCylinder", 25, True, SOFT, OVER_CYLINDER),
+    "in a cylinder": _run("SphereCylinder", 40, True, SOFT, OVER_CYLINDER, _at(0.3, 0, 0)),
+    "cylinder in flight": _run("SphereCylinder", 20, False, OVER_CYLINDER, _at(0.05, 0.0, 1.2)),
     "off a cylinder's end": Run("SphereCylinder", TOWARDS_THE_END, 30, False),
     "up to a cylinder's end": Run("SphereCylinder", TOWARDS_THE_END, 20, True),
-    "a cylinder hit off its middle": Run(
-        "SphereCylinder", {**SOFT, **ROLLING, **SPINNING, **WEIGHTLESS, **HIT}, 6, True
-    ),
-    "a cylinder hit that resists rolling": Run(
-        "SphereCylinder",
-        {**SOFT, **RESISTING, **SPINNING, **WEIGHTLESS, **HIT, "contact.dashpot": "unclamped"},
-        *(6, True),
-    ),
-    "on an inclined plane": Run(
-        "SpherePlane", {**SOFT, "destination.axis": [0.3, -0.1, 1.0], **_at(0.05, 0.0, 0.15)}, 20, True
-    ),
-    "on a shaken plane": Run("SpherePlane", {**SHAKEN, **_at(0.02, 0.0, 0.15)}, 8, True, _shaken),
-    "sliding on a plane, the tangential stiffness follows": Run(
-        "SpherePlane",
-        {
-            **FOLLOWING,
-            **SPINNING,
-            **_at(0.0, 0.0, 0.095, tangential_damping=0.0),
-            "source.initial_velocity": [1.0, 0.2, 0.0],
-        },
-        *(9, True),
-    ),
-    "rolling on a plane": Run(
-        "SpherePlane",
-        {**SOFT, **ROLLING, **SPINNING, **_at(0.0, 0.0, 0.0955), "source.initial_velocity": [1.0, 0.0, 0.0]},
-        *(20, True),
-    ),
-    "a roller on another": Run(
-        "CylinderCylinder",
-        {
-            **SOFT,
-            **RUBBING,
-            **{name: value for name, value in RESISTING.items() if "spinning" not in name},
-            **SPINNING,
-            **_at(0.05, 0.02, 0.62),
-            "source.initial_velocity": [0.1, 0.3, 0.0],
-            "destination.rotation": "free",
-            "source.initial_angular_velocity": [0.0, 7.0, 0.0],
-        },
-        *(12, True, lambda time: {"destination.external_torque": [0.3, 3.0 - time, 0.2]}),
-    ),
-    "across another roller": Run(
-        "CylinderCylinder",
-        {**CROSSED, **RUBBING, "source.initial_velocity": [0.1, 0.3, -0.2]},
-        *(12, True, lambda time: {"destination.external_torque": [0.3, 3.0 - time, 0.2]}),
-    ),
-    "across the end of another roller": Run(
-        "CylinderCylinder",
-        {**CROSSED, **ROLLING, **_at(0.05, 0.47, 0.6), "source.initial_velocity": [0.1, 0.8, -0.4]},
-        *(9, True),
-    ),
-    "end to end with another roller": Run(
-        "CylinderCylinder",
-        {**CROSSED, **RUBBING, **_at(0.47, 0.6, 0.6), "source.initial_velocity": [0.5, 0.2, -0.4]},
-        *(4, True),
-    ),
-    "moved across another roller": Run(
-        "CylinderCylinder",
-        {**CROSSED, **ALL_GIVEN, **RUBBING, **_at(0, 0, 0), **{f"{one}.rotation": "none" for one in BODIES}},
-        *(15, True, _fed),
-    ),
-    "both turning and rubbing on a torus": Run(
-        "SphereTorus",
-        {**ALL_GIVEN, **RUBBING, **_at(0, 0, 0), "destination.axis": TILTED},
-        *(
-            15,
-            True,
-            lambda time: (
-                _fed_and_turned(time)
-                | {
-                    "destination.prescribed_angular_velocity": [0, 0, 0],
-                    "destination.prescribed_axis": TILTED,
-                }
-            ),
-        ),
-    ),
-    "rolling on a torus": Run(
-        "SphereTorus",
-        {
-            **SOFT,
-            **ROLLING,
-            **RESISTING,
-            **SPINNING,
-            **_at(1.05, 0.1, 0.62),
-            "destination.radius": 0.5,
-            "contact.characteristic_slip_velocity": 0.1,
-        },
-        12,
-        True,
-    ),
-    "a ball in a tumbling race": Run(
-        "SphereTorus",
-        {
-            **SOFT,
-            **RUBBING,
-            **SPINNING,
-            **YIELDING,
-            **WEIGHTLESS,
-            **_at(1.1, 0.2, 0.1, location="inside"),
-            "destination.side": "outer_race",
-            "destination.rotation": "free",
-            "destination.radius": 0.3,
-            "source.initial_velocity": [1.0, 0.6, 0.4],
-            "destination.initial_angular_velocity": [0.5, -0.3, 0.8],
-        },
-        *(9, True),
-    ),
+    "a cylinder hit off its middle": _run("SphereCylinder", 6, True, SOFT, ROLLING, SPINNING, WEIGHTLESS,
+        HIT),
+    "a cylinder hit that resists rolling": _run("SphereCylinder", 6, True, SOFT, RESISTING, SPINNING,
+        WEIGHTLESS, HIT, {"contact.dashpot": "unclamped"}),
+    "on an inclined plane": _run("SpherePlane", 20, True, SOFT, {"destination.axis": [0.3, -0.1, 1.0]},
+        _at(0.05, 0.0, 0.15)),
+    "on a shaken plane": _run("SpherePlane", 8, True, SHAKEN, _at(0.02, 0.0, 0.15), inputs=_shaken),
+    "sliding on a plane, the tangential stiffness follows": _run(*("SpherePlane", 9, True, FOLLOWING,
+        SPINNING, _at(0.0, 0.0, 0.095, tangential_damping=0.0)),
+        {"source.initial_velocity": [1.0, 0.2, 0.0]}),
+    "rolling on a plane": _run(*("SpherePlane", 20, True, SOFT, ROLLING, SPINNING, _at(0.0, 0.0, 0.0955)),
+        {"source.initial_velocity": [1.0, 0.0, 0.0]}),
+    "a roller on another": _run(*("CylinderCylinder", 12, True, SOFT, RUBBING, _ROLLS, SPINNING,
+        _at(0.05, 0.02, 0.62), _ROLLER), *({"destination.rotation": "free"}, ), inputs=_torqued),
+    "across another roller": _run(*("CylinderCylinder", 12, True, CROSSED, RUBBING,
+        {"source.initial_velocity": [0.1, 0.3, -0.2]}), inputs=_torqued),
+    "across the end of another roller": _run(*("CylinderCylinder", 9, True, CROSSED, ROLLING,
+        _at(0.05, 0.47, 0.6)), {"source.initial_velocity": [0.1, 0.8, -0.4]}),
+    "end to end with another roller": _run(*("CylinderCylinder", 4, True, CROSSED, RUBBING,
+        _at(0.47, 0.6, 0.6)), {"source.initial_velocity": [0.5, 0.2, -0.4]}),
+    "moved across another roller": _run("CylinderCylinder", 15, True, CROSSED, ALL_GIVEN, RUBBING,
+        _at(0, 0, 0), _UNTURNED, inputs=_fed),
+    "both turning and rubbing on a torus": _run(*("SphereTorus", 15, True, ALL_GIVEN, RUBBING, _at(0, 0, 0),
+        {"destination.axis": TILTED}), inputs=_fed_beside_a_tilted_axis),
+    "rolling on a torus": _run(*("SphereTorus", 12, True, SOFT, ROLLING, RESISTING, SPINNING,
+        _at(1.05, 0.1, 0.62)), {"destination.radius": 0.5, "contact.characteristic_slip_velocity": 0.1}),
+    "a ball in a tumbling race": _run(*("SphereTorus", 9, True, SOFT, RUBBING, SPINNING, YIELDING,
+        WEIGHTLESS), *(_at(1.1, 0.2, 0.1, location="inside"), _RACE)),
     "a foot that is moved": Run("FootForceElement", FOOT, 15, True, _stepped),
-    "a tripod that slides": Run(
-        "Tripod",
-        TRIPOD,
-        *(12, True, lambda time: {"tripod.external_torque": [0.3, 3.0 - time, 0.2]}),
-    ),
+    "a tripod that slides": Run("Tripod", TRIPOD, 12, True,
+        lambda time: {"tripod.external_torque": [0.3, 3.0 - time, 0.2]}),
     "a pin in a hole": Run("PinInHole", PINNED, 19, True),
     "bouncing ball": Run("BouncingBall", _at(0.0, 0.0, 0.11), 30, False),
-    "ball on sphere": Run("BallOnSphere", {**_at(0.03, 0.04, 0.7), **SOFT}, 24, True),
+    "ball on sphere": _run("BallOnSphere", 24, True, _at(0.03, 0.04, 0.7), SOFT),
     "ball in shell": Run("BallInShell", SOFT, 45, True),
     "ball on roller": Run("BallOffRoller", SOFT, 20, True),
     "ball off roller": Run("BallOffRoller", SOFT, 85, False),
     "force element": Run("ForceElement", _at(0, 0, 0), 15, True, _fed),
-    "force element extrapolating": Run(
-        *("ForceElement", _at(0, 0, 0), 15, True, _fed),
-        lambda time: {"source.prescribed_displacement": [0.0, 1.5 * math.cos(5 * time), -0.1]},
-    ),
-}
+    "force element extrapolating": Run(*("ForceElement", _at(0, 0, 0), 15, True, _fed),
+        lambda time: {"source.prescribed_displacement": [0.0, 1.5 * math.cos(5 * time), -0.1]}),
+}  # fmt: skip
 RUNS["adams in contact"] = RUNS["adams in contact"]._replace(tolerance=1e-10)
 
 

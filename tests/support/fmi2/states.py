@@ -1,16 +1,43 @@
-"""Brings an instance into any state of the call tables"""
+"""The layout of a serialized state, written down a second time so that tests can forge one, and ways into any
+state of the call tables."""
 
+import struct
 from ctypes import byref
 
 from support.fmi2 import raw
-from support.fmi2.blob import PHASES, forge
 from support.fmi2.raw import DISCARD, OK
 
-NAMES = {
-    "instantiated": "instantiated", "initialization": "initialization mode", "complete": "step mode",
-    "failed": "step mode", "step": "step mode", "event": "event mode", "continuous": "continuous-time mode",
-    "terminated": "terminated", "error": "error", "fatal": "fatal",
-}  # fmt: skip
+_HEADER = struct.Struct("<IIII Q dd II")
+FIELDS = ("magic", "version", "scene", "checksum", "size", "start_time", "stop_time", "set_up", "phase")
+HEADER_SIZE = _HEADER.size
+PHASES = {"instantiated": 1, "initialization": 2, "complete": 4, "terminated": 8, "error": 16, "fatal": 32}
+
+
+def header(blob: bytes) -> dict:
+    return dict(zip(FIELDS, _HEADER.unpack_from(blob), strict=True))
+
+
+def checksum(blob: bytes) -> int:
+    """FNV-1a, by words of 32 bits, of everything behind the checksum"""
+    value = 2166136261
+    for (word,) in struct.iter_unpack("<I", blob[16:]):
+        value = ((value ^ word) * 16777619) & 0xFFFFFFFF
+    return value
+
+
+def forge(blob: bytes, **changes) -> bytes:
+    """The blob with other header fields and, unless that is one of them, the checksum that fits"""
+    fields = header(blob) | changes
+    forged = _HEADER.pack(*fields.values()) + blob[HEADER_SIZE:]
+    if "checksum" not in changes:
+        forged = forged[:12] + struct.pack("<I", checksum(forged)) + forged[16:]
+    return forged
+
+
+NAMES = {"instantiated": "instantiated", "initialization": "initialization mode", "complete": "step mode"}
+NAMES |= {"failed": "step mode", "step": "step mode", "event": "event mode"}
+NAMES |= {"continuous": "continuous-time mode", "terminated": "terminated", "error": "error"}
+NAMES |= {"fatal": "fatal"}
 
 
 def bring_to(instance: raw.Instance, state: str) -> None:

@@ -48,15 +48,13 @@ def check(file, model, folder=None):
         *sorted(str(rules) for rules in (folder / f"fmi2-{model}").glob("Rules/*.adoc")),
     ]
     command = [
-        *JAVA,
-        "-Dvdmj.parser.merge_comments=true",
+        *JAVA, "-Dvdmj.parser.merge_comments=true",
         "-Dfmureader.noschema=true",  # the schema has a test of its own
         "-Dfmureader.xsd=fmi2schema/fmi2.xsd",
         *("-cp", os.pathsep.join(str(jar) for jar in sorted((folder / "jars").glob("*.jar")))),
-        *("com.fujitsu.vdmj.VDMJ", "-vdmsl", "-q", "-annotations", "-e", EXPRESSION),
-        *sources,
+        *("com.fujitsu.vdmj.VDMJ", "-vdmsl", "-q", "-annotations", "-e", EXPRESSION), *sources,
         str(Path(file).resolve()),
-    ]
+    ]  # fmt: skip
     run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     # Its exit code is 0 either way. The verdict is the last line, complaints come before it.
     said = (run.stdout + run.stderr).split("\n")

@@ -12,10 +12,7 @@ from support.fmi3.raw import ARGUMENTS, TYPES, WITHOUT_INSTANCE
 
 COMMON = ("instantiated", "initialization", "event")
 AFTER = ("terminated", "error", "fatal")
-STATES = {
-    "CoSimulation": (*COMMON, "step", *AFTER),
-    "ModelExchange": (*COMMON, "continuous", *AFTER),
-}
+STATES = {"CoSimulation": (*COMMON, "step", *AFTER), "ModelExchange": (*COMMON, "continuous", *AFTER)}
 
 _COMMON = """
 SetDebugLogging           x x x x x x .

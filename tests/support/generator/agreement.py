@@ -24,23 +24,13 @@ def expected(name: str, scene: dict) -> dict:
         "Enumeration": lambda: (min(items.values()), max(items.values())),
         "Boolean": lambda: (0, 1),
     }.get(kind["base"], lambda: (row.get("min", kind.get("min")), row.get("max", kind.get("max"))))()
-    return {
-        "key": key,
-        "reference": 100 * blocks.get(owner, 0) + row["vr"] + component,
-        "base": kind["base"],
-        "type": row["type"],
-        "causality": row["causality"],
-        "tunable": row.get("tunable", False),
-        "unit": kind.get("unit"),
-        "min": float(low),
-        "max": float(high),
-        "start": start[component] if isinstance(start, list) else start,
-        "component": component,
-        "reinit": row.get("reinit", False),
-        "symbol": row.get("symbol"),
-        "items": items,
-        "description": row["description"],
-    }
+    values = {"key": key, "reference": 100 * blocks.get(owner, 0) + row["vr"] + component}
+    values |= {"base": kind["base"], "type": row["type"], "causality": row["causality"]}
+    values |= {"tunable": row.get("tunable", False), "unit": kind.get("unit"), "min": float(low)}
+    values |= {"max": float(high), "start": start[component] if isinstance(start, list) else start}
+    values |= {"component": component, "reinit": row.get("reinit", False), "symbol": row.get("symbol")}
+    values |= {"items": items, "description": row["description"]}
+    return values
 
 
 def disagreements(files: dict[str, str], scene: dict) -> list[str]:

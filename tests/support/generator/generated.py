@@ -121,22 +121,16 @@ def parse_xml(text: str) -> dict[str, dict]:
             low, high = "0", "1"
         assert scalar.get("name") not in variables
         variables[scalar.get("name")] = {
-            "reference": int(scalar.get("valueReference")),
-            "base": value.tag,
-            "type": value.get("declaredType"),
-            "causality": scalar.get("causality"),
-            "variability": scalar.get("variability"),
-            "tunable": scalar.get("variability") == "tunable",
-            "initial": scalar.get("initial"),
-            "unit": attribute.get("unit"),
-            "quantity": attribute.get("quantity"),
-            "nominal": attribute.get("nominal"),
-            "min": float(low) if low else -LARGEST,
-            "max": float(high) if high else LARGEST,
+            "reference": int(scalar.get("valueReference")), "base": value.tag,
+            "type": value.get("declaredType"), "causality": scalar.get("causality"),
+            "variability": scalar.get("variability"), "tunable": scalar.get("variability") == "tunable",
+            "initial": scalar.get("initial"), "unit": attribute.get("unit"),
+            "quantity": attribute.get("quantity"), "nominal": attribute.get("nominal"),
+            "min": float(low) if low else -LARGEST, "max": float(high) if high else LARGEST,
             "start": value.get("start"),
             "items": {item.get("name"): int(item.get("value")) for item in declared.iterchildren("Item")},
             "description": scalar.get("description"),
-        }
+        }  # fmt: skip
     return variables
 
 
@@ -158,15 +152,13 @@ def parse_c(text: str) -> dict[str, dict]:
         fields = match.groupdict()
         assert fields["name"] not in variables
         variables[fields["name"]] = {
-            "reference": int(fields["reference"]),
-            "base": fields["base"].capitalize(),
+            "reference": int(fields["reference"]), "base": fields["base"].capitalize(),
             "causality": causality.get(fields["causality"], fields["causality"].lower()),
-            "min": float(fields["min"]),
-            "max": float(fields["max"]),
+            "min": float(fields["min"]), "max": float(fields["max"]),
             **{key: fields[key] for key in ("member", "row")},
             **{key: int(fields[key]) for key in ("element", "component", "reinit")},
             "tunable": fields["tunable"] == "1",
-        }
+        }  # fmt: skip
     return variables
 
 
@@ -213,17 +205,10 @@ def parse_page(text: str) -> dict[str, dict]:
             scalar = name.replace(f"[1..{count}]", f"[{k + 1}]")
             assert scalar not in variables
             variables[scalar] = {
-                "reference": first + k,
-                "causality": causality,
-                "tunable": tunable,
-                "type": type_name,
-                "unit": unit or None,
-                "start": starts[k],
-                "min": low,
-                "max": high,
-                "symbol": symbol,
+                "reference": first + k, "causality": causality, "tunable": tunable, "type": type_name,
+                "unit": unit or None, "start": starts[k], "min": low, "max": high, "symbol": symbol,
                 "meaning": meaning,
-            }
+            }  # fmt: skip
     return variables
 
 

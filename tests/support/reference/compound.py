@@ -98,12 +98,7 @@ class FreeBody:
         w, p = q[0], q[1:]
         turned = np.array([-omega @ p, *(w * omega + np.cross(omega, p))]) / 2.0
         return np.concatenate(
-            [
-                v,
-                self.gravity + force / self.mass,
-                turned,
-                inverse @ (torque - np.cross(omega, momentum)),
-            ]
+            [v, self.gravity + force / self.mass, turned, inverse @ (torque - np.cross(omega, momentum))]
         )
 
     def run(self, y, end):

@@ -160,20 +160,15 @@ def pair_of(fmu, values, stiffness, damping, damped=None):
         axis = axis / np.sqrt(axis @ axis)
     begin = {"free": "initial", "prescribed": "prescribed", "fixed": "no"}
     pair = HertzPair(
-        stiffness,
-        damping,
-        values.get("contact.dashpot", "non_adhesive"),
-        ball if capped else other - ball if inside else other + ball,
-        -1 if inside else 1,
+        stiffness, damping, values.get("contact.dashpot", "non_adhesive"),
+        ball if capped else other - ball if inside else other + ball, -1 if inside else 1,
         tuple(values.get(f"{b}.mass", 1.0) if motions[b] == "free" else np.inf for b in motions),
-        values.get("gravity", (0.0, 0.0, -9.81)),
-        axis if fmu == "SphereCylinder" else None,
+        values.get("gravity", (0.0, 0.0, -9.81)), axis if fmu == "SphereCylinder" else None,
         axis if fmu == "SpherePlane" else None,
         (other, values["destination.length"] / 2) if capped else None,
-        linear=values.get("contact.law") != "hertz",
-        damped=damped,
+        linear=values.get("contact.law") != "hertz", damped=damped,
         given=tuple(values.get(f"{b}.prescribed_velocity.derivatives", [STILL])[0] for b in motions),
-    )
+    )  # fmt: skip
     centers = [x for body in motions for x in values.get(f"{body}.center", STILL)]
     rates = [x for b, kind in motions.items() for x in values.get(f"{b}.{begin[kind]}_velocity", STILL)]
     return pair, [*centers, *rates]

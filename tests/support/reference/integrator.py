@@ -11,10 +11,386 @@ The number type is float (quick) or decimal.Decimal (40 digits, the check of flo
 external work and impulse ride along as further states.
 """
 
+import math
+from dataclasses import dataclass
+from decimal import Decimal, getcontext
+from functools import lru_cache
+from itertools import pairwise
+from operator import mul
+
 from support.reference.law import ReferenceContact, complete, start_motion
-from support.reference.paths import GivenPath, shifted
-from support.reference.series import evaluate, first_root, highest, square_root
-from support.reference.span import CLIPPED, FLIGHT, FULL, SPRING, SpanMaker
+
+# Given motions of the reference: where an importer puts a body, as polynomials of time.
+#
+# The place of a prescribed body is its displacement input with the derivatives given for it. Where none are
+# given, the displacement follows the velocity input, unless every body of the scene is prescribed: then it
+# stays where it was put. Its velocity is the velocity input with its own derivatives,
+# whatever the displacement does: the two disagree where the importer makes them.
+
+
+def shifted(coefficients, time):
+    """The polynomial's coefficients about `time`, by Horner's scheme."""
+    row = list(coefficients)
+    for done in range(len(row) - 1):
+        for i in range(len(row) - 2, done - 1, -1):
+            row[i] = row[i] + time * row[i + 1]
+    return row
+
+
+class GivenPath:
+    """Rows of coefficients in time: three of the position and three of the velocity."""
+
+    def __init__(self, values, body, number):
+        def rows(name, orders):
+            given = [values[name], *values.get(f"{name}.derivatives", [])]
+            given += [[0.0] * 3] * (orders - len(given))
+            return [[number(x) for x in row] for row in zip(*given, strict=True)]
+
+        place = f"{body}.prescribed_displacement"
+        speed = rows(f"{body}.prescribed_velocity", 3)
+        self.velocity = [[v, a, j / 2] for v, a, j in speed]
+        center = [number(x) for x in values[f"{body}.center"]]
+        alone = all(values[f"{name}.motion"] == "prescribed" for name in ("source", "destination"))
+        moved = rows(place, 3)
+        if f"{place}.derivatives" in values or alone:
+            self.position = [[c + u, v, a / 2, number(0)] for c, (u, v, a) in zip(center, moved, strict=True)]
+        else:
+            self.position = [
+                [c + u[0], v, a / 2, j / 6] for c, u, (v, a, j) in zip(center, moved, speed, strict=True)
+            ]
+
+    def at(self, time):
+        return tuple([shifted(row, time) for row in rows] for rows in (self.position, self.velocity))
+
+
+# Truncated power series of an ordinary differential equation, and the first root of one.
+#
+# A Tape is a list of rows of coefficients with the rule that makes coefficient k of each from what stands
+# before it; `grow` runs it order by order. The numbers may be float or decimal.Decimal.
+
+getcontext().prec = 40
+
+
+def square_root(value):
+    return value.sqrt() if isinstance(value, Decimal) else math.sqrt(value)
+
+
+class Tape:
+    def __init__(self, number):
+        self.number = number
+        self.zero = number(0)
+        self.rows = []
+        self.states = []
+
+    def row(self, rule):
+        coefficients = []
+        self.rows.append((coefficients, rule))
+        return coefficients
+
+    def state(self, value):
+        """A row that starts with its value and goes on by integration, see `integrate`."""
+        return [value]
+
+    def integrate(self, state, rate):
+        self.states.append((state, rate))
+
+    def polynomial(self, coefficients):
+        return self.row(lambda k: coefficients[k] if k < len(coefficients) else self.zero)
+
+    def linear(self, terms, constant=None):
+        """Sum of factor * row over `terms`, plus a constant."""
+
+        def rule(k):
+            total = constant if k == 0 and constant is not None else self.zero
+            for factor, row in terms:
+                total = total + factor * row[k]
+            return total
+
+        return self.row(rule)
+
+    def dot(self, first, second):
+        """Sum of the products of two lists of rows."""
+        pairs = list(zip(first, second, strict=True))
+
+        def rule(k):
+            total = self.zero
+            for a, b in pairs:
+                total = total + sum(map(mul, a[: k + 1], b[k::-1]))
+            return total
+
+        return self.row(rule)
+
+    def product(self, a, b):
+        return self.dot([a], [b])
+
+    def root(self, square):
+        result = []
+
+        def rule(k):
+            if k == 0:
+                return square_root(square[0])
+            middle = sum(map(mul, result[1:k], result[k - 1 : 0 : -1]))
+            return (square[k] - middle) / (2 * result[0])
+
+        self.rows.append((result, rule))
+        return result
+
+    def quotient(self, a, b):
+        result = []
+
+        def rule(k):
+            known = sum(map(mul, b[1 : k + 1], result[k - 1 :: -1])) if k else self.zero
+            return (a[k] - known) / b[0]
+
+        self.rows.append((result, rule))
+        return result
+
+    def grow(self, order):
+        for k in range(order):
+            for row, rule in self.rows:
+                row.append(rule(k))
+            for state, rate in self.states:
+                state.append(rate[k] / (k + 1))
+
+
+def evaluate(row, step):
+    total = row[-1]
+    for coefficient in row[-2::-1]:
+        total = total * step + coefficient
+    return total
+
+
+@lru_cache
+def bernstein_matrix(degree, number):
+    """Row i: what turns the coefficients of t^k on [0, 1] into Bernstein coefficient i."""
+    return [
+        [number(math.comb(i, k)) / number(math.comb(degree, k)) for k in range(i + 1)]
+        for i in range(degree + 1)
+    ]
+
+
+def split(points):
+    """de Casteljau at 1/2: Bernstein coefficients of the left and the right half."""
+    left, right = [points[0]], [points[-1]]
+    while len(points) > 1:
+        points = [(a + b) / 2 for a, b in pairwise(points)]
+        left.append(points[0])
+        right.append(points[-1])
+    return left, right[::-1]
+
+
+def first_crossing(points, start, width, depth):
+    """First place in [start, start + width] where the polynomial goes below zero; None when it stays
+    above."""
+    if all(p >= 0 for p in points):
+        return None
+    if points[0] < 0 or depth == 0:
+        return start
+    left, right = split(points)
+    found = first_crossing(left, start, width / 2, depth - 1)
+    return found if found is not None else first_crossing(right, start + width / 2, width / 2, depth - 1)
+
+
+def first_root(row, span, number, fresh=False):
+    """First time in (0, span] where the series, positive at first, goes below zero; None if it does not.
+
+    `fresh`: the series starts exactly on its root; the factor t is divided out instead of trusting the
+    rounding of row[0]."""
+    scaled, power = [], number(1)
+    for coefficient in row:
+        scaled.append(coefficient * power)
+        power = power * span
+    if fresh:
+        scaled = scaled[1:]
+        noise = max(map(abs, scaled)) * number(10) ** (-14)
+        while len(scaled) > 1 and scaled[0] <= 0 and -scaled[0] < noise:
+            scaled = scaled[1:]
+    if scaled[0] > sum(map(abs, scaled[1:])):
+        return None
+    degree = len(scaled) - 1
+    matrix = bernstein_matrix(degree, number)
+    points = [sum(map(mul, weights, scaled)) for weights in matrix]
+    bits = 60 if number is float else 120
+    place = first_crossing(points, number(0), number(1), bits)
+    return None if place is None else polished(scaled, place, number) * span
+
+
+def highest(row, span, number, known):
+    """The larger of `known` and the largest value of the series on [0, span], to 14 digits: Bernstein
+    coefficients bound it, and halves that cannot hold more than is known are left alone."""
+    scaled, power = [], number(1)
+    for coefficient in row:
+        scaled.append(coefficient * power)
+        power = power * span
+    open_parts = [[sum(map(mul, weights, scaled)) for weights in bernstein_matrix(len(row) - 1, number)]]
+    best = max(known, open_parts[0][0], open_parts[0][-1])
+    slack = max(map(abs, open_parts[0])) * number(10) ** (-14)
+    while open_parts:
+        points = open_parts.pop()
+        if max(points) > best + slack:
+            left, right = split(points)
+            best = max(best, right[0])
+            open_parts += [left, right]
+    return best
+
+
+def polished(scaled, place, number):
+    """Newton on a root known to rounding of the bisection; refused where the root is nearly double."""
+    slopes = [k * c for k, c in enumerate(scaled)][1:]
+    for _ in range(3):
+        slope = evaluate(slopes, place) if slopes else number(0)
+        if slope == 0:
+            break
+        better = place - evaluate(scaled, place) / slope
+        if abs(better - place) > number(10) ** (-9):
+            break
+        place = max(better, number(0))
+    return place
+
+
+# The equations of motion as power series over one step: states, conditions whose roots are
+# events, and what is integrated along with them.
+
+FLIGHT, FULL, SPRING, CLIPPED = "flight", "spring and dashpot", "spring alone", "clipped"
+
+
+@dataclass
+class Span:
+    """The series of one step: states by name, and what events and step length are read from."""
+
+    states: dict
+    conditions: list  # (event name, row, sign that makes it positive now)
+    resolved: list  # rows that limit the step; none in flight
+    loads: tuple = ()  # rows of normal force, gap and its rate, whose extremes are noted; none in flight
+
+
+class SpanMaker:
+    """The part of Reference that makes its series, from its present position, velocity and regime."""
+
+    def outer_rate(self, body):
+        """Row of accelerations without the contact, and the external force as polynomials in the
+        time since now."""
+        kind = self.values[f"{body}.motion"]
+        force = [[self.zero]] * 3
+        if kind != "free":
+            return [[self.zero]] * 3, force
+        given = [
+            self.values[f"{body}.external_force"],
+            *self.values.get(f"{body}.external_force.derivatives", []),
+        ]
+        given += [[0.0] * 3] * (3 - len(given))
+        mass = self.number(self.values[f"{body}.mass"])
+        rates, forces = [], []
+        for weight, row in zip(self.vector("gravity"), zip(*given, strict=True), strict=True):
+            f0, f1, f2 = map(self.number, row)
+            forces.append(shifted([f0, f1, f2 / 2], self.time))
+            rates.append([weight + forces[-1][0] / mass, forces[-1][1] / mass, forces[-1][2] / mass])
+        return rates, forces
+
+    def span(self, regime):
+        tape = Tape(self.number)
+        x = {body: [tape.state(p) for p in self.position[body]] for body in self.position}
+        v = {body: [tape.state(p) for p in self.velocity[body]] for body in self.velocity}
+        for body, path in self.given.items():
+            x[body], v[body] = ([tape.polynomial(row) for row in rows] for rows in path.at(self.time))
+        c = [tape.linear([(1, b), (-1, a)]) for a, b in zip(x["source"], x["destination"], strict=True)]
+        w = [tape.linear([(1, b), (-1, a)]) for a, b in zip(v["source"], v["destination"], strict=True)]
+        conditions = []
+        if self.axis:
+            along = tape.linear(list(zip(self.axis, c, strict=True)))
+            along_rate = tape.linear(list(zip(self.axis, w, strict=True)))
+            c = [tape.linear([(1, row), (-e, along)]) for e, row in zip(self.axis, c, strict=True)]
+            w = [tape.linear([(1, row), (-e, along_rate)]) for e, row in zip(self.axis, w, strict=True)]
+            if self.half_length is not None:
+                conditions += [
+                    (name, tape.linear([(side, along)], self.half_length), 1)
+                    for name, side in (("end+", -1), ("end-", 1))
+                ]
+        if self.line:
+            distance = tape.linear(list(zip(self.line, c, strict=True)))
+            beyond = tape.linear([(self.sign, distance)], -self.sign * self.surface)
+            if not self.flat and (regime != FLIGHT or self.inside):
+                conditions.append(("centre", distance, 1))
+        else:
+            square = tape.dot(c, c)
+            beyond = tape.linear([(self.sign, square)], -self.sign * self.surface**2)
+            distance = tape.root(square) if regime != FLIGHT else None
+        conditions.append(("gap", beyond, -1 if self.touching else 1))  # g times a positive length
+        push, rates, resolved, loads = None, {}, [], ()
+        if regime != FLIGHT:
+            gap, gap_rate, formula, force, push = self.contact_rows(tape, regime, c, w, distance)
+            resolved, loads = [*c, gap], (force, gap, gap_rate)
+            if self.dashpot == "approach_only" and self.viscous:
+                conditions.append(("rate", gap_rate, -1 if regime == FULL else 1))
+            if self.dashpot == "non_adhesive" and self.viscous:  # without a dashpot the gap ends it all
+                conditions.append(("force", formula, -1 if regime == CLIPPED else 1))
+            lost = tape.linear([(1, force), (self.penalty, gap)])
+            rates["dissipated"] = tape.linear([(-1, tape.product(lost, gap_rate))])
+        states = {("position", body): x[body] for body in x} | {("velocity", body): v[body] for body in v}
+        powers = []
+        for body, side in (("source", 1), ("destination", -1)):
+            self.equation_of_motion(tape, body, side, x[body], v[body], push, powers)
+        rates["external_work"] = tape.linear([(1, power) for power in powers])
+        if push:
+            states["impulse"] = [tape.state(p) for p in self.impulse]
+            for state, row in zip(states["impulse"], push, strict=True):
+                tape.integrate(state, row)
+        for name, row in rates.items():
+            states[name] = tape.state(getattr(self, name))
+            tape.integrate(states[name], row)
+        tape.grow(10 if regime == FLIGHT else self.order)
+        return Span(states, self.oriented(conditions), resolved, loads)
+
+    def contact_rows(self, tape, regime, c, w, distance):
+        """g, its rate, the formula's force, the force and its vector on the source (along -/+ rho
+        outside/inside)."""
+        if self.line:
+            rate = tape.linear(list(zip(self.line, w, strict=True)))
+        else:
+            rate = tape.quotient(tape.dot(c, w), distance)
+        gap = tape.linear([(self.sign, distance)], -self.sign * self.surface)
+        gap_rate = tape.linear([(self.sign, rate)])
+        formula = tape.linear([(-self.penalty, gap), (-self.viscous, gap_rate)])
+        force = {
+            FULL: formula,
+            SPRING: tape.linear([(-self.penalty, gap)]),
+            CLIPPED: tape.polynomial([self.zero]),
+        }[regime]
+        if self.line:
+            push = [tape.linear([(-self.sign * n, force)]) for n in self.line]
+            return gap, gap_rate, formula, force, push
+        ratio = tape.quotient(force, distance)
+        push = [tape.linear([(-self.sign, tape.product(ratio, row))]) for row in c]
+        return gap, gap_rate, formula, force, push
+
+    def equation_of_motion(self, tape, body, side, position, velocity, push, powers):
+        outer, force = self.outer_rate(body)
+        kind = self.values[f"{body}.motion"]
+        mass = self.number(self.values[f"{body}.mass"])
+        for i in range(3):
+            if kind != "prescribed":
+                rate = tape.polynomial(outer[i])
+                if push and kind == "free":
+                    rate = tape.linear([(1, rate), (side / mass, push[i])])
+                tape.integrate(position[i], velocity[i])
+                tape.integrate(velocity[i], rate)
+            if kind == "free":
+                powers.append(tape.product(tape.polynomial(force[i]), velocity[i]))
+            elif kind == "prescribed" and push:  # what moves the body works against the contact
+                powers.append(tape.linear([(-side, tape.product(push[i], velocity[i]))]))
+
+    def oriented(self, conditions):
+        """Each condition with the sign that makes it positive on this side of its event."""
+        result = []
+        for name, row, sign in conditions:
+            if name.startswith("end"):
+                sign = 1 if self.within or name != self.nearer_end() else -1
+            result.append((name, [sign * c for c in row]))
+        return result
+
+    def nearer_end(self):
+        return "end+" if self.present()[2] > 0 else "end-"
+
 
 # A gap at the start that eight roundings of its terms could have made is none: the bodies just touch. With
 # forty digits the gap is that of the numbers given, to the last one.
@@ -257,3 +633,30 @@ class Reference(SpanMaker):
                 self.impulse = [evaluate(row, step) for row in rows]
             else:
                 setattr(self, key, evaluate(rows, step))
+
+
+# The reference for parameters that change during a run: it goes on with new ones from where it stands.
+
+
+class TunedMotion(Reference):
+    """A ball of 0.1 m and 1 kg meets a fixed sphere of 0.5 m at the origin; `values` by their FMI names."""
+
+    def __init__(self, values, position, velocity):
+        start = {"source.center": position, "source.initial_velocity": velocity}
+        super().__init__({**start, "contact.location": "outside", **values}, "sphere")
+
+    def energies(self):
+        """Potential and stored energy"""
+        gravity = self.vector("gravity")
+        height = sum(g * x for g, x in zip(gravity, self.position["source"], strict=True))
+        return self.stored_energy() - height
+
+    def change(self, values):
+        before = self.energies()
+        self.values |= values
+        self.penalty = self.values["contact.penalty_factor"]
+        self.viscous = self.values["contact.viscous_penalty_factor"]
+        self.dashpot = self.values["contact.dashpot"]
+        self.external_work += self.energies() - before
+        if self.touching:
+            self.begin_law()

@@ -17,42 +17,20 @@ import numpy as np
 REAL = np.longdouble
 
 START_VALUES = {
-    "source.radius": 0.1,
-    "destination.radius": 0.5,
-    "source.mass": 1.0,
-    "destination.mass": 1.0,
-    "source.center": [0.0, 0.0, 1.1],
-    "destination.center": [0.0, 0.0, 0.0],
-    "source.motion": "free",
+    "source.radius": 0.1, "destination.radius": 0.5, "source.mass": 1.0, "destination.mass": 1.0,
+    "source.center": [0.0, 0.0, 1.1], "destination.center": [0.0, 0.0, 0.0], "source.motion": "free",
     "destination.motion": "fixed",
-    **{
-        f"{body}.{row}": [0.0, 0.0, 0.0]
-        for body in ("source", "destination")
-        for row in (
-            "initial_displacement",
-            "initial_velocity",
-            "prescribed_displacement",
-            "prescribed_velocity",
-            "external_force",
-        )
-    },
-    "destination.axis": [0.0, 0.0, 1.0],
-    "destination.finite_length": False,
-    "destination.length": 1.0,
-    "contact.location": "automatic",
-    "contact.method": "penalty_dynamic",
-    "contact.penalty_control": "user_defined",
-    "contact.penalty_multiplier": 1.0,
-    "contact.penalty_factor": 1e6,
-    "contact.viscous_control": "user_defined",
-    "contact.characteristic_time": 1e-4,
-    "contact.viscous_penalty_factor": 100.0,
-    "contact.reference_modulus": 1e9,
-    "contact.restitution": 0.8,
-    "contact.dashpot": "non_adhesive",
-    "contact.gap_beyond_ends": 1e30,
-    "gravity": [0.0, 0.0, -9.81],
-}
+    **{f"{body}.{row}": [0.0, 0.0, 0.0] for body in ("source",
+        "destination") for row in ("initial_displacement", "initial_velocity", "prescribed_displacement",
+        "prescribed_velocity", "external_force")},
+    "destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": False, "destination.length": 1.0,
+    "contact.location": "automatic", "contact.method": "penalty_dynamic",
+    "contact.penalty_control": "user_defined", "contact.penalty_multiplier": 1.0,
+    "contact.penalty_factor": 1e6, "contact.viscous_control": "user_defined",
+    "contact.characteristic_time": 1e-4, "contact.viscous_penalty_factor": 100.0,
+    "contact.reference_modulus": 1e9, "contact.restitution": 0.8, "contact.dashpot": "non_adhesive",
+    "contact.gap_beyond_ends": 1e30, "gravity": [0.0, 0.0, -9.81],
+}  # fmt: skip
 
 
 def complete(configuration):

@@ -24,25 +24,11 @@ FILES = [FOLDER / f"{name}_references.json" for name in ("wide", "overdamped", "
 ORDER = 30
 NUDGE = 2.0**-30  # relative change of what is given, for the condition numbers
 TRIES = 3
-NUDGED = [
-    "source.radius",
-    "destination.radius",
-    "source.mass",
-    "destination.mass",
-    "contact.penalty_factor",
-    "contact.viscous_penalty_factor",
-    "contact.penalty_multiplier",
-    "contact.characteristic_time",
-    "destination.length",
-    "gravity",
-    "destination.axis",
-    "source.initial_velocity",
-    "destination.initial_velocity",
-    "source.prescribed_velocity",
-    "destination.prescribed_velocity",
-    "source.external_force",
-    "destination.external_force",
-]
+NUDGED = ["source.radius", "destination.radius", "source.mass", "destination.mass", "contact.penalty_factor"]
+NUDGED += ["contact.viscous_penalty_factor", "contact.penalty_multiplier", "contact.characteristic_time"]
+NUDGED += ["destination.length", "gravity", "destination.axis", "source.initial_velocity"]
+NUDGED += ["destination.initial_velocity", "source.prescribed_velocity", "destination.prescribed_velocity"]
+NUDGED += ["source.external_force", "destination.external_force"]
 
 
 def outcome(reference):
@@ -56,15 +42,12 @@ def outcome(reference):
         for x, start in zip(row, reference.values[f"{body}.center"], strict=True)
     ]
     return {
-        "displacement": moved,
-        "velocity": [float(x) for row in reference.velocity.values() for x in row],
-        "energy.contact": float(reference.stored_energy()),
-        "energy.dissipated": float(reference.dissipated),
+        "displacement": moved, "velocity": [float(x) for row in reference.velocity.values() for x in row],
+        "energy.contact": float(reference.stored_energy()), "energy.dissipated": float(reference.dissipated),
         "energy.external_work": float(reference.external_work),
         "contact.last_onset_time": float(reference.onset_times[-1]) if reference.onsets else 0.0,
-        "contact.last_duration": float(duration),
-        "impulse": [float(x) for x in reference.impulse],
-    }
+        "contact.last_duration": float(duration), "impulse": [float(x) for x in reference.impulse],
+    }  # fmt: skip
 
 
 def nudged(values, random):

@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 from contact_fmus.bench.problems import ISLANDS, PAIRS, TURNING, Setting, stored_problems
 from contact_fmus.fmu.host import run_host
 from support.reference.chain import POWER, motion
-from support.reference.turning_run import TurningRun
+from support.reference.turning import TurningRun
 from support.scenes.scene_checks import FMU
 from support.sources import ROOT
 

@@ -4,7 +4,7 @@
 
 Damped to a tenth of the critical damping: Radau IIA (stiff_motion.py), any stiffness. Undamped: the Taylor
 integrator as long as its steps can be counted out (1e9 N/m), beyond that an expansion in 1/p_n, the fast
-oscillation included (stiff_limit.py). The uncertainty is what a second run gave, a tenfold tolerance or a
+oscillation included (stiff_motion.py). The uncertainty is what a second run gave, a tenfold tolerance or a
 higher order; of the expansion, a bound of what it leaves out.
 """
 
@@ -16,26 +16,19 @@ import numpy as np
 
 from contact_fmus.bench.problems import REFERENCES as FILE
 from support.reference.integrator import Reference
-from support.reference.stiff_limit import StiffContact
-from support.reference.stiff_motion import ANGLE, MASS, RADIUS, SPEED, damped_motion
+from support.reference.stiff_motion import ANGLE, MASS, RADIUS, SPEED, StiffContact, damped_motion
 
 END, DAMPING, COUNTABLE = 2.0, 0.1, 1e9
 ROUNDING = 1e-14  # m, of the numbers themselves
 
 
 def configuration(shape, penalty, damping):
-    values = {
-        "source.radius": 0.05,
-        "source.mass": MASS,
-        "source.motion": "free",
-        "source.center": [RADIUS * sin(ANGLE), 0.0, -RADIUS * cos(ANGLE)],
-        "source.initial_velocity": [0.0, SPEED, 0.0],
-        "destination.radius": 0.5,
-        "destination.motion": "fixed",
-        "contact.location": "inside",
-        "contact.method": "penalty_dynamic" if damping else "penalty",
-        "contact.penalty_factor": penalty,
-    }
+    values = {"source.radius": 0.05, "source.mass": MASS, "source.motion": "free"}
+    values |= {"source.center": [RADIUS * sin(ANGLE), 0.0, -RADIUS * cos(ANGLE)]}
+    values |= {"source.initial_velocity": [0.0, SPEED, 0.0], "destination.radius": 0.5}
+    values |= {"destination.motion": "fixed", "contact.location": "inside"}
+    values |= {"contact.method": "penalty_dynamic" if damping else "penalty"}
+    values |= {"contact.penalty_factor": penalty}
     if damping:
         values["contact.viscous_penalty_factor"] = 2 * damping * sqrt(MASS * penalty)
         values["contact.dashpot"] = "unclamped"
@@ -71,14 +64,10 @@ def reference(shape, penalty, damping):
 
 def row(shape, damping, penalty):
     place, uncertainty, method = reference(shape, penalty, damping)
-    return {
-        "shape": shape,
-        "damping": damping,
-        "penalty_factor": penalty,
-        "position": [float(x) for x in place],
-        "uncertainty": float(f"{uncertainty:.1e}"),
-        "method": method,
-    }
+    values = {"shape": shape, "damping": damping, "penalty_factor": penalty}
+    values |= {"position": [float(x) for x in place], "uncertainty": float(f"{uncertainty:.1e}")}
+    values |= {"method": method}
+    return values
 
 
 def main():

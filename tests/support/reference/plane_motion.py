@@ -1,6 +1,5 @@
 """A ball on a plane in closed form, to sixty digits, where all that acts is constant: the atlas's motion on a
-line, with the gap as its coordinate. A ball that is dropped straight on a body is the same.
-"""
+line, with the gap as its coordinate. A ball that is dropped straight on a body is the same."""
 
 from mpmath import mpf
 

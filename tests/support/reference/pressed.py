@@ -1,13 +1,12 @@
 """What the references of two cylinders and of a torus share. A scene `one` has stiffness, damping,
-friction and slip velocity of its contact, and the masses and radii of source and destination.
-"""
+friction and slip velocity of its contact, and the masses and radii of source and destination."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from support.scenes.scene_parts import touching_values
+from support.scenes.random_scenes import touching_values
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 SMALL = 1e-12  # s, past an event, so that the next integration starts beyond it
@@ -79,11 +78,8 @@ class CylinderPair:
     def values(self) -> dict:
         values = touching_values(self)
         for i, body in enumerate(("source", "destination")):
-            values |= {
-                f"{body}.radius": self.radius[i],
-                f"{body}.mass": self.mass[i],
-                f"{body}.axis": (2.0 - 3.0 * i) * self.axes[i],
-            }
+            values |= {f"{body}.radius": self.radius[i], f"{body}.mass": self.mass[i]}
+            values |= {f"{body}.axis": (2.0 - 3.0 * i) * self.axes[i]}
             if np.isfinite(self.length[i]):
                 values |= {f"{body}.finite_length": True, f"{body}.length": self.length[i]}
             if self.turns:

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from support.checks import DASHPOTS
 from support.reference.islands import Islands
 
 REACH, STIFFNESS, END = 0.2, 1e6, 0.5
@@ -62,7 +63,6 @@ def random_case(seed, damped):
     return case._replace(dashpot=DASHPOTS[seed % 3], damping=tuple(damping.tolist()))
 
 
-DASHPOTS = ["non_adhesive", "unclamped", "approach_only"]
 CASES = {
     "almost touching": Case([[-0.3, 0, 0], REST, [0.2001, 0, 0]], [[1.0, 0, 0], REST, REST], [1.0, 1.0, 1.0]),
     "oblique": Case(
@@ -77,33 +77,15 @@ CASES |= {f"damped {seed}": random_case(seed, damped=True) for seed in range(18)
 # Contacts that are brief beside the end and, under Hertz's law, begin without a force that would tell how
 # brief; and a ball that flies past, or strikes, one of a slow pair.
 BRIEF = {
-    "struck from both sides": Case(
-        [[0, 0, 0], [0.7002, 0, 0], [1.6702, 0, 0]],
-        [[70, 0, -0.7], [-14, 13, 5], [-75, -1, -0.6]],
-        [0.03, 0.6, 30.0],
-        radii=(0.5, 0.2, 0.7),
-        laws=("hertz", "linear"),
-        stiffness=(1e4, 5e3),
-        end=0.2,
-    ),
-    "nearly touching": Case(
-        [[0, 0, 0], [0.681, 0, 0], [1.1850008, 0.3780006, 0]],
-        [[0.3, 0, 0], [0, -0.1, 0], [-0.3, 0, 0]],
-        [1.5, 14.0, 1.4],
-        radii=(0.08, 0.6, 0.03),
-        laws=("linear", "hertz"),
-        stiffness=(5e6, 1e7),
-        end=28.0,
-    ),
-    "glancing": Case(
-        [[0, 0, 0], [1.088, -0.306, 0.0227], [1.4172, -0.3126, 0.0457]],
-        [[0, 0, 0], [25, -0.4, -30], [0.4, -0.5, -1.8]],
-        [0.035, 11.0, 1.2],
-        radii=(0.9, 0.23, 0.1),
-        laws=("hertz", "hertz"),
-        stiffness=(1.4e6, 2.8e7),
-        end=0.165,
-    ),
+    "struck from both sides": Case([[0, 0, 0], [0.7002, 0, 0], [1.6702, 0, 0]],
+        [[70, 0, -0.7], [-14, 13, 5], [-75, -1, -0.6]], [0.03, 0.6, 30.0], radii=(0.5, 0.2, 0.7),
+        laws=("hertz", "linear"), stiffness=(1e4, 5e3), end=0.2),
+    "nearly touching": Case([[0, 0, 0], [0.681, 0, 0], [1.1850008, 0.3780006, 0]],
+        [[0.3, 0, 0], [0, -0.1, 0], [-0.3, 0, 0]], [1.5, 14.0, 1.4], radii=(0.08, 0.6, 0.03),
+        laws=("linear", "hertz"), stiffness=(5e6, 1e7), end=28.0),
+    "glancing": Case([[0, 0, 0], [1.088, -0.306, 0.0227], [1.4172, -0.3126, 0.0457]],
+        [[0, 0, 0], [25, -0.4, -30], [0.4, -0.5, -1.8]], [0.035, 11.0, 1.2], radii=(0.9, 0.23, 0.1),
+        laws=("hertz", "hertz"), stiffness=(1.4e6, 2.8e7), end=0.165),
     "struck in passing": Case(  # a step of the soft pair is longer than the third ball's whole way
         [[0, 0, 0], [0.28, 0, 0], [5.28, 0.15, 0]],
         [[0, 0, 0], [0, 0, 0], [-50, 0, 0]],
@@ -120,4 +102,4 @@ BRIEF = {
         stiffness=(30.0, 1e6),
         end=0.104,  # before it would strike the other one
     ),
-}
+}  # fmt: skip

@@ -40,8 +40,7 @@ class Scene:
     """`values` as of support.checks.start; `floor` replaces least scales, by a quantity's last name;
     `slack` is how many tolerances a quantity may be off (the family says why it is more than 10);
     `each` is called with the FMU before every step, for what the importer does on the way;
-    `bodies` and `contacts` are the names of those that are compared, where they are not a pair's.
-    """
+    `bodies` and `contacts` are the names of those that are compared, where they are not a pair's."""
 
     fmu: str
     values: dict

@@ -5,12 +5,8 @@ import numpy as np
 from support.reference.law import Motion, vector
 from support.scenes.random_scenes import unit_vector
 
-SHAPES = {
-    "SphereSphere": "sphere",
-    "SphereCylinder": "cylinder",
-    "SpherePlane": "plane",
-    "ForceElement": "cylinder",
-}
+SHAPES = {"SphereSphere": "sphere", "SphereCylinder": "cylinder", "SpherePlane": "plane"}
+SHAPES |= {"ForceElement": "cylinder"}
 INPUTS = [
     f"{body}.prescribed_{row}" for body in ("source", "destination") for row in ("displacement", "velocity")
 ]
@@ -44,12 +40,8 @@ def random_configuration(random, shape, scale=1.0, offset=0.0):
         radii = np.sort(radii) * [1.0, 1.1]
     control = str(random.choice(["user_defined", "automatic", "viscous_only"]))
     values = {
-        "source.motion": "prescribed",
-        "destination.motion": "prescribed",
-        "source.radius": radii[0],
-        "destination.radius": radii[1],
-        "contact.location": location,
-        "contact.penalty_control": control,
+        "source.motion": "prescribed", "destination.motion": "prescribed", "source.radius": radii[0],
+        "destination.radius": radii[1], "contact.location": location, "contact.penalty_control": control,
         "contact.method": "penalty_dynamic"
         if control == "viscous_only"
         else str(random.choice(["penalty", "penalty_dynamic"])),
@@ -60,7 +52,7 @@ def random_configuration(random, shape, scale=1.0, offset=0.0):
         "contact.characteristic_time": 10 ** random.uniform(-6, -2),
         "contact.viscous_penalty_factor": 10 ** random.uniform(0, 5),
         "contact.reference_modulus": 10 ** random.uniform(5, 10),
-    }
+    }  # fmt: skip
     if shape == "cylinder":
         values["destination.axis"] = (unit_vector(random) * 10 ** random.uniform(-3, 3)).tolist()
         values["destination.finite_length"] = bool(random.random() < 0.5)

@@ -18,8 +18,6 @@ from typing import NamedTuple
 import numpy as np
 
 GEOMETRIES = [(shape, location) for shape in ("sphere", "cylinder") for location in ("outside", "inside")]
-FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
-DASHPOTS = ["non_adhesive", "unclamped", "approach_only"]
 AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
 ACROSS = np.array([1.0, 2.0, 0.0]) / math.sqrt(5.0)  # perpendicular to AXIS
 GAP, SPEED = 0.05, 1.0
@@ -28,21 +26,16 @@ RADII = {"source.radius": 0.1, "destination.radius": 0.5}
 
 def head_on(shape, location, gap=GAP, speed=SPEED, **more):
     """The source comes along ACROSS and closes `gap` with `speed`; `more` is added with _ for the first
-    dot of the names.
-    """
+    dot of the names."""
     inside = location == "inside"
     distance = 0.4 - gap if inside else 0.6 + gap
     values = {
-        **RADII,
-        "source.motion": "free",
-        "destination.motion": "fixed",
+        **RADII, "source.motion": "free", "destination.motion": "fixed",
         "source.center": (distance * ACROSS).tolist(),
         "source.initial_velocity": ((1 if inside else -1) * speed * ACROSS).tolist(),
-        "contact.location": location,
-        "contact.method": "penalty",
-        "contact.penalty_factor": 1e6,
+        "contact.location": location, "contact.method": "penalty", "contact.penalty_factor": 1e6,
         "gravity": [0.0, 0.0, 0.0],
-    }
+    }  # fmt: skip
     if shape == "cylinder":
         values["destination.axis"] = AXIS.tolist()
     values.update({name.replace("_", ".", 1): value for name, value in more.items()})
@@ -53,27 +46,22 @@ def of_size(shape, location, radius, gap, speed):
     """head_on with a source of this radius and a destination five times as large."""
     values = head_on(shape, location, speed=speed)
     distance = 4 * radius - gap if location == "inside" else 6 * radius + gap
-    return values | {
-        "source.radius": radius,
-        "destination.radius": 5 * radius,
-        "source.center": (distance * ACROSS).tolist(),
-    }
+    found = values | {"source.radius": radius, "destination.radius": 5 * radius}
+    found |= {"source.center": (distance * ACROSS).tolist()}
+    return found
 
 
 def shared_out(values, source, destination, m_s, m_d):
     """Motions and masses; the pair closes with the same speed whoever moves. Where both are free their centre
-    of mass rests.
-    """
+    of mass rests."""
     share = m_d / (m_s + m_d) if source == destination == "free" else float(source == "free")
     speed = np.array(values["source.initial_velocity"])
     return values | {
-        "source.motion": source,
-        "destination.motion": destination,
-        "source.mass": m_s,
+        "source.motion": source, "destination.motion": destination, "source.mass": m_s,
         "destination.mass": m_d,
         "source.initial_velocity": (share * speed).tolist(),
         "destination.initial_velocity": ((share - 1.0) * speed).tolist(),
-    }
+    }  # fmt: skip
 
 
 def speed_after(fmu, location):
@@ -116,8 +104,7 @@ def oscillator(dashpot, mass, stiffness, damping, speed=SPEED):
 
 def passing(shape, miss, speed=3.0):
     """A straight pass whose closest approach to the touching distance is `miss` (negative: overlap),
-    gravity off.
-    """
+    gravity off."""
     values = head_on(shape, "outside")
     across = np.cross(AXIS, ACROSS)
     along = 0.3 * AXIS if shape == "cylinder" else 0.0

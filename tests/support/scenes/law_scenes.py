@@ -1,16 +1,15 @@
 """Random scenes of planes, of Hertz's law and of restitution: both laws, all dashpots, spheres and cylinders
-from outside and inside, one body fixed, free or prescribed.
-"""
+from outside and inside, one body fixed, free or prescribed."""
 
 import mpmath
 import numpy as np
 
+from support.checks import DASHPOTS
 from support.reference.law import ReferenceContact, rising_root
 from support.scenes.random_scenes import perpendicular, unit_vector
 
 GEOMETRIES = ("plane", "sphere outside", "sphere inside", "cylinder outside", "cylinder inside")
 MOTIONS = (("free", "fixed"), ("free", "free"), ("free", "prescribed"), ("prescribed", "free"))
-DASHPOTS = ("non_adhesive", "unclamped", "approach_only")
 FMU = {"plane": "SpherePlane", "sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 LEAST = {"linear": 1e-6, "hertz": 1e-3}  # smaller coefficients of restitution count as this
 TURNS = (15.0, 60.0, 200.0)  # radians of the contact's oscillation in a scene, about
@@ -18,13 +17,10 @@ TURNS = (15.0, 60.0, 200.0)  # radians of the contact's oscillation in a scene, 
 
 def by_hertz(stiffness, chi):
     """Factors of a scene with Hertz's law"""
-    return {
-        "contact.law": "hertz",
-        "contact.method": "penalty_dynamic",
-        "contact.hertz_stiffness": stiffness,
-        "contact.viscous_control": "user_defined",
-        "contact.hunt_crossley_factor": chi,
-    }
+    values = {"contact.law": "hertz", "contact.method": "penalty_dynamic"}
+    values |= {"contact.hertz_stiffness": stiffness, "contact.viscous_control": "user_defined"}
+    values |= {"contact.hunt_crossley_factor": chi}
+    return values
 
 
 def law(draw, seed, mass, speed):
@@ -72,14 +68,11 @@ def law_scene(seed):
     gap = draw.choice([1.0, 0.0]) * 0.03 * speed
     gap = gap or -draw.uniform(0.0, 0.5) * deepest
     values = {
-        "source.radius": radius,
-        "source.mass": masses[0],
-        "source.motion": motions[0],
-        "destination.motion": motions[1],
-        "destination.center": draw.normal(size=3).tolist(),
+        "source.radius": radius, "source.mass": masses[0], "source.motion": motions[0],
+        "destination.motion": motions[1], "destination.center": draw.normal(size=3).tolist(),
         "gravity": (9.81 * (-away * outward + draw.choice([0.0, 0.5, 2.0]) * unit_vector(draw))).tolist(),
         **contact,
-    }
+    }  # fmt: skip
     grazes = seed % 7 == 6 and shape != "plane" and not inside
     if shape != "plane":
         values |= {"destination.radius": other, "contact.location": "inside" if inside else "outside"}

@@ -1,6 +1,5 @@
 """One run of a random scene compared with the reference in all that it says: place, velocity, energies,
-onsets, durations, impulse, peaks, events and internal steps.
-"""
+onsets, durations, impulse, peaks, events and internal steps."""
 
 import numpy as np
 
@@ -59,11 +58,8 @@ def figures(run, expected, stops, allowed):
         rows[f"{body}.velocity"] = fmu[f"{body}.velocity"], expected.velocity[body], 10 * allowed * fastest
     energy = 10 * allowed * max(1.0, run.in_play)  # as the velocities
     rows["total"] = run.stray, 0.0, energy / 10
-    works = {
-        "energy.contact": expected.stored_energy(),
-        "energy.dissipated": expected.dissipated,
-        "energy.external_work": expected.external_work,
-    }
+    works = {"energy.contact": expected.stored_energy(), "energy.dissipated": expected.dissipated}
+    works |= {"energy.external_work": expected.external_work}
     rows |= {name: (fmu[name], work, energy) for name, work in works.items()}
     scale = max(1.0, float(np.linalg.norm(expected.impulse)))
     rows["impulse"] = run.impulse, expected.impulse, 10 * allowed * scale

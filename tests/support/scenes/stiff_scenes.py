@@ -1,12 +1,11 @@
 """Lasting contact on walls of any stiffness: P3 and its like in hollow cylinders and spheres, on fixed,
-moved and free bodies, and on the outside of a sphere.
-"""
+moved and free bodies, and on the outside of a sphere."""
 
 from math import sqrt
 
 import numpy as np
 
-from support.reference.stiff_limit import StiffContact
+from support.reference.stiff_motion import StiffContact
 from support.scenes.benchmarks import BENCHMARKS
 
 BALL = {"source.radius": 0.05, "source.mass": 0.1, "destination.radius": 0.5}
@@ -32,12 +31,9 @@ def tilted_cylinder():
 
 def hollow_sphere():
     """Neither in a plane nor on a parallel"""
-    return {
-        **HOLLOW,
-        "source.center": (0.45 * DOWNWARD).tolist(),
-        "source.initial_velocity": (1.7 * ALONG).tolist(),
-        "contact.dashpot": "non_adhesive",
-    }
+    values = {**HOLLOW, "source.center": (0.45 * DOWNWARD).tolist()}
+    values |= {"source.initial_velocity": (1.7 * ALONG).tolist(), "contact.dashpot": "non_adhesive"}
+    return values
 
 
 def moved_sphere():
@@ -58,12 +54,9 @@ def free_sphere():
     return {
         **hollow_sphere(),
         "source.initial_velocity": (1.7 * ALONG + drift).tolist(),
-        "destination.motion": "free",
-        "destination.mass": 0.3,
-        "destination.initial_velocity": drift,
-        "source.external_force": [0.05, 0.1, -0.1],
-        "destination.external_force": [0.2, -0.1, 2.0],
-    }
+        "destination.motion": "free", "destination.mass": 0.3, "destination.initial_velocity": drift,
+        "source.external_force": [0.05, 0.1, -0.1], "destination.external_force": [0.2, -0.1, 2.0],
+    }  # fmt: skip
 
 
 def on_top():
@@ -102,8 +95,6 @@ def settled(shape, values):
     """The same, started where nothing oscillates"""
     depth, rate = StiffContact(values, shape).settled()
     speed = np.array(values.get("source.initial_velocity", [0.0] * 3)) + rate
-    return {
-        **values,
-        "source.initial_displacement": depth.tolist(),
-        "source.initial_velocity": speed.tolist(),
-    }
+    found = {**values, "source.initial_displacement": depth.tolist()}
+    found |= {"source.initial_velocity": speed.tolist()}
+    return found

@@ -1,6 +1,5 @@
 """What hypothesis chooses from: scenes of one or two contacts with every law, dashpot, shape and kind of
-motion.
-"""
+motion."""
 
 import os
 from typing import NamedTuple
@@ -9,30 +8,20 @@ import numpy as np
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
-from support.scenes.scene_parts import pair
+from support.scenes.random_scenes import pair
 
-FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 RESULTS = ["contact.onsets", "contact.last_duration", "energy.dissipated", "contact.mean_force"]
 VECTORS = {
-    *(
-        f"{body}.{row}"
-        for body in ("source", "destination")
-        for row in ("center", "initial_velocity", "initial_displacement")
-    ),
-    "source.external_force",
-    "destination.external_force",
-    "destination.prescribed_velocity",
-    "destination.axis",
-    "gravity",
-}
+    *(f"{body}.{row}" for body in ("source", "destination") for row in ("center", "initial_velocity",
+        "initial_displacement")),
+    "source.external_force", "destination.external_force", "destination.prescribed_velocity",
+    "destination.axis", "gravity",
+}  # fmt: skip
 # Derandomized: the same examples each time, so that a failure is the code's and not the day's.
 BOUNDED = settings(
-    derandomize=True,
-    deadline=None,
-    max_examples=int(os.environ.get("CONTACT_SCENES", "40")),
-    database=None,
+    derandomize=True, deadline=None, max_examples=int(os.environ.get("CONTACT_SCENES", "40")), database=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
-)
+)  # fmt: skip
 seeds = st.integers(0, 10**6)
 
 
@@ -49,17 +38,15 @@ def build(shape, location, law, dashpot, motion, seed):
     values, outward = pair(random, shape, inside, 0.03)
     towards = outward if inside else -outward
     values |= {
-        "destination.motion": motion,
-        "destination.mass": random.uniform(0.5, 2),
+        "destination.motion": motion, "destination.mass": random.uniform(0.5, 2),
         "source.initial_velocity": (towards + 0.2 * random.normal(size=3)).tolist(),
         "source.external_force": random.normal(size=3).tolist(),
         "contact.method": "penalty" if law == "penalty" else "penalty_dynamic",
         "contact.penalty_control": "viscous_only" if law == "viscous_only" else "user_defined",
-        "contact.dashpot": dashpot,
-        "contact.penalty_factor": 10 ** random.uniform(4, 5),
+        "contact.dashpot": dashpot, "contact.penalty_factor": 10 ** random.uniform(4, 5),
         "contact.viscous_penalty_factor": 10 ** random.uniform(0.5, 1.5),
         "gravity": (towards + 0.2 * random.normal(size=3)).tolist(),
-    }
+    }  # fmt: skip
     if motion == "prescribed":
         values["destination.prescribed_velocity"] = (0.3 * random.normal(size=3)).tolist()
     if motion == "free":

@@ -4,22 +4,14 @@ import numpy as np
 
 from contact_fmus.fmu.contact_fmu import FmuError
 from support.checks import differences, start
-from support.scenes.scene_parts import even
+from support.scenes.random_scenes import even
 
 ALLOWED = {"event_driven": 1e-7, "cvode_bdf": 1e-5, "cvode_adams": 1e-5}
 BALANCE = {"event_driven": 1e-9, "cvode_bdf": 1e-7, "cvode_adams": 1e-7}
 TOLERANCE = 1e-10
 MOST_STEPS = 300_000
-TERMS = (
-    "kinetic",
-    "rotational",
-    "potential",
-    "contact",
-    "tangential",
-    "dissipated",
-    "friction",
-    "external_work",
-)
+TERMS = ("kinetic", "rotational", "potential", "contact", "tangential", "dissipated", "friction")
+TERMS += ("external_work",)
 BODIES = ("source", "destination")
 
 
@@ -29,10 +21,8 @@ class TurningFmuRun:
     def __init__(self, fmu, values, end, steps, method, tolerance=TOLERANCE):
         self.fmu = fmu
         self.impulses = {
-            "force": np.zeros(3),
-            "source_torque": np.zeros(3),
-            "destination_torque": np.zeros(3),
-        }
+            "force": np.zeros(3), "source_torque": np.zeros(3), "destination_torque": np.zeros(3),
+        }  # fmt: skip
         start(fmu, {"solver.max_internal_steps": MOST_STEPS, **values}, tolerance, method)
         self.begin, self.stray, self.in_play = fmu["energy.total"], 0.0, 0.0
         self._look()
@@ -50,8 +40,7 @@ class TurningFmuRun:
 
 def failures(fmu, values, end, steps, method, expected):
     """A line for each figure that is off, or for the refusal of the run; `expected` are the reference's
-    figures.
-    """
+    figures."""
     try:
         run = TurningFmuRun(fmu, values, end, steps, method)
     except FmuError as error:
