@@ -615,6 +615,16 @@ static enum contact_regime regime_at_time(const struct advancement_path *path, c
                              contact_within_extents(&path->shape, at.geometry.axial));
 }
 
+/* Returns the regime of bodies that touch from now on. Where the source passes an end plane, rounding decides
+ * on which side of the plane it is. */
+static enum contact_regime regime_of_touch(const struct advancement_path *path, const struct contact_law *law,
+                                           double time)
+{
+    struct advancement_instant at;
+    advancement_at(path, ADVANCEMENT_TOUCH, time, &at);
+    return contact_regime_of(law, fmin(at.geometry.gap, -DBL_MIN), at.geometry.gap_rate, true);
+}
+
 static double halve_to_regime(const struct advancement_path *path, const struct contact_law *law,
                               enum contact_regime present, double before, double after)
 {
@@ -669,10 +679,7 @@ static struct prediction advancement_prediction(const struct scene_values *v, co
         found.searched = horizon;
         found.next.regime = !apart              ? REGIME_APART
                             : change.gap == 0.0 ? REGIME_COMPRESSION
-                                                : regime_at_time(&path, &law, change.after);
-        if (found.next.regime == REGIME_APART && apart) {
-            found.next.regime = REGIME_COMPRESSION; /* the source is on the end plane, to rounding */
-        }
+                                                : regime_of_touch(&path, &law, change.after);
     }
     if (!apart && contact_has_events(&law)) {
         look_for_law(&path, &law, present, fmin(change.after, change.searched), budget, &found);

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from contact_fmus.stability.motions import GEOMETRIES, PLANE, HeadOn
-from support.checks import FMU, check_close, run
+from support.checks import FMU, check_close, run, start
 from support.reference.stiff_motion import StiffContact
 from support.scenes.agreement import seeds
 
@@ -133,3 +133,25 @@ def settled_depth(chi, end):
         )
         time, y, approaches = path.t[-1], [path.y[0][-1], 0.0], not approaches
     return path.y[0][-1]
+
+
+@pytest.mark.parametrize("k", [0, 24, 30, 54])
+def test_a_source_that_leaves_as_it_passes_the_end_of_a_turning_cylinder_meets_no_dashpot(opened, k):
+    """It overlaps the side and moves away from it: only the spring acts, whatever the dashpot. In all but the
+    first case rounding puts the source on the far side of the end plane at the touch.
+    """
+    fmu = opened("SphereCylinder")
+    values = {"source.motion": "free", "destination.rotation": "prescribed", "contact.location": "outside"}
+    values |= {"destination.finite_length": True, "destination.length": 1.0, "destination.radius": 0.3}
+    values |= {"source.radius": 0.1, "source.center": [0.36, 0.01 * (k % 11) / 7, 0.55 + 0.0013 * k]}
+    values |= {"source.initial_velocity": [0.6, 0.0, -1.3], "contact.penalty_factor": 1e4}
+    values |= {"gravity": [0.0, 0.0, -9.81], "destination.axis": [0.0, 0.0, 1.0]}
+    ends = []
+    for dashpot in (0.0, 60.0):
+        damped = {"contact.method": "penalty_dynamic", "contact.dashpot": "approach_only"}
+        start(fmu, values | damped | {"contact.viscous_penalty_factor": dashpot}, 1e-9)
+        fmu["destination.prescribed_angular_velocity"] = [0.1, 0.2 + 0.001 * k, 0.0]
+        fmu.step(1.2)
+        ends.append(fmu["source.velocity"])
+    check_close("velocity", ends[1], ends[0], 1e-12)
+    assert fmu["contact.onsets"] == 1

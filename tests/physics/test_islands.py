@@ -150,7 +150,7 @@ def test_islands_are_contacts_in_touch_that_share_free_bodies(opened_several):
     assert (fmu["solver.islands"], fmu["solver.largest_island"]) == (0, 0)
 
 
-def bouncing(friction, moving):
+def bouncing(friction, moving, stiffness, heights):
     """Start values of Islands.fmu: balls that bounce and slide on the floor, one after another, too far from
     each other to touch; those not in `moving` are fixed far away. An external force acts on each.
     """
@@ -159,6 +159,7 @@ def bouncing(friction, moving):
         values |= {
             f"land[{i}].friction": friction,
             f"land[{i}].method": "penalty",
+            f"land[{i}].penalty_factor": stiffness,
             f"ball[{i}].center": [i, 1e3, 1e3],
         }
         if i not in moving:
@@ -166,7 +167,7 @@ def bouncing(friction, moving):
             continue
         values |= {
             f"ball[{i}].rotation": "free",
-            f"ball[{i}].center": [i, 0.0, 0.13 + 0.02 * i],
+            f"ball[{i}].center": [i, 0.0, 0.13 + 0.02 * heights[i - 1]],
             f"ball[{i}].initial_velocity": [0.3, 0.02 * i, 0.0],
             f"ball[{i}].initial_angular_velocity": [2.0, -5.0, float(i)],
             f"ball[{i}].external_force": [0.1 * i, 0.0, 0.5],
@@ -180,7 +181,7 @@ def test_balls_that_never_meet_move_as_each_does_alone(opened_several, friction,
     fmu, names = opened_several("Islands"), ("position", "velocity", "angular_velocity", "orientation")
 
     def run(moving):
-        start(fmu, bouncing(friction, moving), 1e-9)
+        start(fmu, bouncing(friction, moving, 1e4, (1, 2, 3, 0, 1, 2)), 1e-9)
         before, islands = fmu["energy.total"], 0
         for _ in range(steps):
             fmu.step(0.5 / steps)
@@ -199,7 +200,15 @@ def test_what_flies_is_not_integrated_and_islands_are_solved_one_by_one(built):
     all were integrated whenever one was in contact, they cost twelve times as much.
     """
     counts = [
-        instructions(Case("balls", built["Islands"], 0.5, start=bouncing("elastic", moving), tolerance=1e-9))
+        instructions(
+            Case(
+                "balls",
+                built["Islands"],
+                0.5,
+                start=bouncing("elastic", moving, 1e6, range(1, 7)),
+                tolerance=1e-9,
+            )
+        )
         for moving in ([1], range(1, 7))
     ]
     assert counts[1] < 9 * counts[0]
