@@ -153,7 +153,8 @@ def test_arrays_are_the_states_and_their_rates():
         assert outside.indicators().tolist() == indicators
 
 
-# Model Exchange of FMI 3.0: states set one by one, jumps, derivatives both ways, saved states, stop time.
+# The tests from here on are of Model Exchange of FMI 3.0: they set states one by one, make inputs jump, ask
+# for derivatives both ways, save states and pass the stop time.
 
 CONTACT = {"destination.motion": "free", "source.center": [0.4, 0.3, 0.25]}
 CONTACT |= {"source.initial_velocity": [-0.3, 0.1, -0.2], "contact.location": "outside"}

@@ -257,7 +257,8 @@ def test_a_prescribed_motion_beyond_all_numbers_is_discarded(universal):
         assert all(math.isfinite(number) for number in instance.get("source.position"))
 
 
-# Instances, experiments, steps and derivatives asked for wrongly: refused, told, and the run goes on.
+# The next tests ask wrongly for instances, experiments, steps and derivatives. The FMU refuses each call,
+# says why, and the run goes on.
 #
 # The fixture in conftest.py checks in every one of these tests that nothing is printed.
 

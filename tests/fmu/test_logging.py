@@ -161,8 +161,8 @@ def test_every_message_carries_the_category_of_its_status(fmu):
         ] == []
 
 
-# A logger that calls the instance which is telling it something: reading is answered, everything else is
-# refused without a message, and the run goes the way it goes without such a logger.
+# In the next tests a logger calls the instance that is telling it something. The instance answers readings
+# and refuses everything else without a message, and the run goes as it does without such a logger.
 
 READING = {
     *(f"Get{kind}" for kind in ("Real", "Integer", "Boolean", "String")),

@@ -143,7 +143,7 @@ def test_getting_and_setting_needs_no_memory(fmu):
         assert heap.count == before
 
 
-# Callbacks that are missing or gone. What a logger may call is test_logging.py's.
+# In the next tests callbacks are missing or gone. test_logging.py tests what a logger may call.
 
 
 @pytest.mark.parametrize("logger", [False, True])

@@ -66,7 +66,8 @@ def test_extreme_sizes_are_drawn(size, tmp_path):
     assert where(icon(scene, tmp_path), SOURCE).size > 10
 
 
-# terminalsAndIcons.xml: valid by the schema of FMI 3.0, a terminal for each body, its members variables.
+# The next tests hold that terminalsAndIcons.xml is valid by the schema of FMI 3.0, and that each body has a
+# terminal, whose members are variables.
 
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
 KIND = "contact-fmus.body"

@@ -238,7 +238,7 @@ def test_a_parabola_into_the_cylinder_has_the_mean_and_peaks_of_its_integral(ope
     assert abs(mean[0] - (impulse(last) - impulse(first)) / length) < 1e-10 * abs(mean[0])
     assert np.abs(mean[1:]).max() == 0.0
     assert abs(depth + gap + rate * length / 4) < EXACT
-    # F = -k g - c g' on t: largest where k g' + c g'' = 0.
+    # The force F = -k g - c g' is largest at the time t where k g' + c g'' = 0.
     top = length / 2 - DAMPING / STIFFNESS
     top = np.clip(top, first, last)
 

@@ -326,8 +326,9 @@ def test_a_ball_hardly_smaller_than_its_shell_is_warned_of(opened):
         assert not found or "destination.radius" in found[0].text
 
 
-# Lasting contact under Hertz's law: what creeps is followed in few steps, its force is as exact as the
-# motion, an oscillation is followed as long as it matters, and the work does not follow the modulus
+# The next tests are of lasting contact under Hertz's law. A creeping body takes few steps, and its force is
+# as exact as its motion. An oscillation is followed as long as it matters. The work does not grow with the
+# modulus.
 
 RADIUS, OTHER = 0.1, 0.5
 

@@ -259,7 +259,7 @@ def test_a_ball_that_is_led_through_the_centre_presses_hardest_before_it(opened,
     check_close("depth", fmu["contact.peak_penetration"], reach, 1e-14)
 
 
-# contact.peak_force and contact.peak_penetration of contacts whose rounding counts: right, or refused
+# Where rounding counts, contact.peak_force and contact.peak_penetration are right, or cannot be read.
 
 STIFF = (1e23, 1e25, 1e26, 1e27, 1e28, 1e30, 1e33, 1e50, 1e100)
 

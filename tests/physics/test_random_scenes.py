@@ -44,7 +44,8 @@ def test_no_tolerance_finds_another_motion(opened, shape, kind, seed, method, to
     check_close("source.position", fmu["source.position"], position, max(ALLOWED, 1e3 * tolerance))
 
 
-# Scenes of every family of scene_families.py with all methods, against the independent integrator.
+# The next test runs scenes of every family of scene_families.py by all methods, and compares them with the
+# independent integrator.
 #
 # CONTACT_SCENES is the number of scenes of a family, CONTACT_FIRST_SCENE the first one's seed.
 

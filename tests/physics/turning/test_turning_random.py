@@ -97,7 +97,8 @@ def test_a_grazing_impact_with_friction_gains_no_energy(opened, seed):
     check_close("balance", fmu["energy.total"], begin, 1e-9 * size)
 
 
-# Many communication steps where bodies turn or rub: one internal step goes on beyond several of them.
+# The next tests make many communication steps where bodies turn or rub: one internal step goes on beyond
+# several of them.
 
 MANY = 400
 

@@ -20,7 +20,7 @@ from operator import mul
 
 from support.reference.law import ReferenceContact, complete, start_motion
 
-# Given motions of the reference: where an importer puts a body, as polynomials of time.
+# The next functions give the prescribed motions: polynomials of time for where an importer puts a body.
 #
 # The place of a prescribed body is its displacement input with the derivatives given for it. Where none are
 # given, the displacement follows the velocity input, unless every body of the scene is prescribed: then it

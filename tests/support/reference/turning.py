@@ -73,9 +73,9 @@ def quaternion_rate(q, omega):
     ]  # fmt: skip
 
 
-# Forces, torques and rates at one instant.
+# The next functions give forces, torques and rates at one instant.
 #
-# One sphere against a sphere, a cylinder or a plane. The state is a flat list: of each body position,
+# A sphere meets a sphere, a cylinder or a plane. The state is a flat list: of each body position,
 # velocity, orientation and spin (its angular momentum where it turns freely, else its angular velocity), then
 # the springs of friction, rolling and spinning, then what is summed up: impulse and torque impulses,
 # dissipated energy, friction's work, external work. Everything is in the world frame, but for spinning: its
@@ -295,7 +295,8 @@ class TurningPair:
         return add(times(self.stiffness_of(one, place.gap), spring), times(one.c, motion))
 
 
-# Rates of that state: Newton and Euler, the two laws of friction, and what is summed up.
+# The next functions give the rates of the state by Newton, Euler and the two laws of friction, and those of
+# the sums.
 #
 # `touching` says which side of its events the contact is on, and `sticking` names the opposed motions that
 # stick; they are remembered by who integrates, not recomputed from a rounded gap.
@@ -485,7 +486,7 @@ def outputs(pair, m):
     return {name: np.atleast_1d(value) for name, value in found.items()}
 
 
-# Where a function of time passes zero, between samples and at extremes between them.
+# The next functions find where a function of time passes zero: between samples, and at extremes between them.
 
 FALLS, RISES, BOTH = -1, 1, 0
 

@@ -130,7 +130,7 @@ def side_offset(values, axis):
     return away - np.dot(away, axis) * axis
 
 
-# What the families of random scenes are put together from.
+# Families of random scenes are put together from the parts that follow.
 
 NOTHING = [0.0, 0.0, 0.0]
 

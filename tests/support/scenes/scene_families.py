@@ -164,8 +164,8 @@ def beside_an_event(random, shape):
     return {"values": values, "stops": (*sorted(stops), end), "leaves_open": leaves_open}
 
 
-# Families of random scenes about loads from zero, inputs that contradict each other and contacts beyond
-# critical damping; as those above.
+# The next functions draw scenes whose loads begin at zero, whose inputs contradict each other, or whose
+# contacts are damped beyond the critical.
 
 
 def from_zero(random, shape):
@@ -303,10 +303,10 @@ def swinging_out(random, shape):
     return {"values": values, "stops": parts.uneven(end, random), "straight": True}
 
 
-# Families of seeded random scenes, each about one kind of place where an integrator of contacts goes wrong:
-# two given motions passing by, loads that begin at zero, round numbers, the way through the centre, unequal
-# masses at a cylinder's end, communication points beside an event, inputs that contradict each other, and
-# contacts beyond critical damping.
+# The functions from here on are families of seeded random scenes. Each family is about one kind of place
+# where an integrator of contacts goes wrong: two prescribed bodies that pass each other, loads that begin at
+# zero, round numbers, the way through the centre, unequal masses at a cylinder's end, communication points
+# beside an event, inputs that contradict each other, and contacts beyond critical damping.
 #
 # `drawn(family, seed)` makes a scene; `expected(scene)` integrates it with reference/integrator.py.
 
