@@ -313,34 +313,30 @@ static void divide_quaternions(const double *a, const double *b, double *quotien
 }
 
 /* Change of a quaternion whose rates are given for its value at the start: by sweeps, which converge as the
- * series of the exponential function does. */
+ * series of the exponential function does. Each stage uses the changes of the stages before it at once. */
 static void turn_quaternion(struct radau_step *p, int first)
 {
     const int s = p->stages->stages;
     double turning[RADAU_MOST_STAGES][4];
     double rates[RADAU_MOST_STAGES * 4];
-    double change[4];
     const double *start = p->y + first;
     for (int i = 0; i < s; ++i) {
         divide_quaternions(p->rates + i * p->stride + first, start, turning[i]);
-        memcpy(rates + 4 * i, p->rates + i * p->stride + first, sizeof change);
-        memset(p->change + i * p->stride + first, 0, sizeof change);
+        memcpy(rates + 4 * i, p->rates + i * p->stride + first, sizeof turning[i]);
+        memset(p->change + i * p->stride + first, 0, sizeof turning[i]);
     }
     double largest = 1.0;
     for (int sweep = 0; sweep < MOST_SWEEPS && largest > DBL_EPSILON; ++sweep) {
         largest = 0.0;
         for (int i = 0; i < s; ++i) {
             double *known = p->change + i * p->stride + first;
+            double change[4];
+            double now[4];
             radau_combine(change, p->stages->integral + i * s, s, rates, 4, 4);
             for (int k = 0; k < 4; ++k) {
                 largest = fmax(largest, fabs(p->length * change[k] - known[k]));
                 known[k] = p->length * change[k];
-            }
-        }
-        for (int i = 0; i < s; ++i) {
-            double now[4];
-            for (int k = 0; k < 4; ++k) {
-                now[k] = start[k] + p->change[i * p->stride + first + k];
+                now[k] = start[k] + known[k];
             }
             multiply_quaternions(turning[i], now, rates + 4 * i);
         }
