@@ -328,6 +328,19 @@ double flight_work(const struct scene_values *v, int body, struct body_state sta
     return flight_work_along(velocity, terms, force, time);
 }
 
+void flight_deviate(const struct scene_values *v, struct scene_state *q, int body, double time,
+                    struct vec3 moved, struct vec3 velocity)
+{
+    struct vec3 force[3];
+    flight_force(q, body, q->clock, force);
+    if (!path_rests(force)) {
+        q->external_work += flight_work(v, body, q->body[body], force, time);
+    }
+    const struct body_state flown = flight_from(v, body, q->body[body], force, time);
+    q->body[body].moved = vec3_add(flown.moved, moved);
+    q->body[body].velocity = vec3_add(flown.velocity, velocity);
+}
+
 struct body_state flight_body_at(const struct scene_values *v, const struct scene_state *q, int body,
                                  double clock)
 {

@@ -83,6 +83,11 @@ struct body_state flight_from(const struct scene_values *v, int body, struct bod
 double flight_work(const struct scene_values *v, int body, struct body_state start,
                    const struct vec3 force[3], double time);
 
+/* Flies a free body for `time` seconds, and adds what contact forces change [m, m/s]. Books the work of the
+ * external force along the flight alone. */
+void flight_deviate(const struct scene_values *v, struct scene_state *q, int body, double time,
+                    struct vec3 moved, struct vec3 velocity);
+
 /* Returns a free body's state at a clock, by the polynomial from the clock's origin. */
 struct body_state flight_body_at(const struct scene_values *v, const struct scene_state *q, int body,
                                  double clock);

@@ -336,16 +336,11 @@ static const double ROUNDING_OF_GAP = 0.5;
 static const double WITHIN_SHARE = 1e-2;
 static const double TURNING_WITHIN_SHARE = 1e-3;
 
-/* From this relative tolerance on a long step has eight stages, and twelve below it. At 1e-8 eight stages take
- * 25 to 35 % fewer instructions in F4, the rollers, Hertz's cradle and the bearing of the report, as many in
- * F3, and 27 % more in F2. At 1e-3 they take 5 to 50 % fewer in all of them; at 1e-9 F3 takes 8 % more. */
-static const double LOOSE = 1e-8;
-
-/* Length of a step of four or eight stages, divided by the length of an equally accurate step of the most
- * stages. The oscillation y'' = -y has an error of 1e-12 after steps of 0.18, 2 and 5 radians with four, eight
- * and twelve (measured). */
-static const double REACH_OF_FOUR = 0.035;
-static const double REACH_OF_EIGHT = 0.4;
+/* Length of a step of four stages, divided by the length of an equally accurate step of eight. The oscillation
+ * y'' = -y has an error of 1e-12 after steps of 0.18 and 2 radians (measured). Long steps have eight stages: with
+ * twelve the problems F2 to F4 of the report take 5 to 60 % more instructions at tolerances from 1e-3 to 1e-12,
+ * because Newton's method limits the steps as much as their error does. */
+static const double REACH_OF_FOUR = 0.09;
 
 /* Limits of the growth and shrinkage from one step to the next. */
 static const double GROWTH = 4.0;
@@ -365,25 +360,10 @@ static const double NOISE_OF_DECREASE = 0.1;
 /* The next step is shorter by this factor than the error would allow. */
 static const double SAFETY = 0.9;
 
-static bool is_loose(const struct general *g)
+/* Returns the length of an accurate step of these stages, divided by the length of a long one. */
+static double reach_of(const struct radau_stages *stages)
 {
-    return solver_relative_tolerance(g->ode.values) >= LOOSE;
-}
-
-/* Returns the length of an accurate step of these stages, divided by the length of one of the most stages. */
-static double reach_of(const struct general *g, const struct radau_stages *stages)
-{
-    const double of_most = is_loose(g) ? REACH_OF_EIGHT : 1.0;
-    return stages->stages == 4   ? REACH_OF_FOUR / of_most
-           : stages->stages == 8 ? REACH_OF_EIGHT / of_most
-                                 : 1.0;
-}
-
-static const struct radau_stages *stages_for(const struct general *g, double length)
-{
-    return length <= reach_of(g, &radau_stages_4) * g->longest   ? &radau_stages_4
-           : length <= reach_of(g, &radau_stages_8) * g->longest ? &radau_stages_8
-                                                                 : &radau_stages_12;
+    return stages->stages == 4 ? REACH_OF_FOUR : 1.0;
 }
 
 /* Above this multiple of v_0 regularized friction is at its limit: exp(-40) is below the rounding of 1. */
@@ -614,7 +594,7 @@ double general_finish_step(struct general *g)
     const struct radau_error error = radau_step_error(p);
     g->error_within = error.within;
     g->error_at_end = fmax(error.at_end, g->within_share * error.within);
-    g->error_of_start = g->fully ? radau_step_start_error(p) : 0.0;
+    g->error_of_start = g->fully ? g->within_share * radau_step_start_error(p) : 0.0;
     if (g->fully && fastest_decay_of(p, p->stage_others) < END_OF_ROLLING * g->fastest_decay) {
         g->error_at_end = fmax(g->error_at_end, error.within);
     }
@@ -761,7 +741,7 @@ static struct attempt plan_attempt(const struct general *g, double limit)
         }
         next.length = fmin(next.length, BENDS_APART / (1.0 + BENDS_APART) * ahead);
     }
-    next.stages = stages_for(g, next.length);
+    next.stages = next.length <= REACH_OF_FOUR * g->longest ? &radau_stages_4 : &radau_stages_8;
     return next;
 }
 
@@ -815,7 +795,7 @@ static void shorten(struct general *g, const struct attempt *before, const struc
     if (before->stages && now->error < (double)INFINITY && any_force_bends(g)) {
         factor = fmin(factor, factor_after(before, now));
     }
-    g->longest = fmin(now->length / reach_of(g, now->stages) * factor, 0.9 * g->longest);
+    g->longest = fmin(now->length / reach_of(now->stages) * factor, 0.9 * g->longest);
 }
 
 /* Behind a touch an accurate step is longer than one from the touch by this factor. */
@@ -825,8 +805,7 @@ static const double AFTER_TOUCH = 2.0;
 static void lengthen(struct general *g, const struct attempt *now)
 {
     const double paced = now->stages->pace == RADAU_FROM_TOUCH ? AFTER_TOUCH : 1.0;
-    const double next =
-        now->length / reach_of(g, now->stages) * paced * factor_of(g, now->error, now->stages);
+    const double next = now->length / reach_of(now->stages) * paced * factor_of(g, now->error, now->stages);
     /* a step that a touch or a release has shortened says little about the longest step */
     g->longest = now->length < g->longest && any_force_bends(g)
                      ? fmax(next, g->longest)

@@ -12,6 +12,7 @@
 #include "prescribed/prescribed.h"
 #include "scene/evaluate.h"
 #include "touch/chain.h"
+#include "touch/island.h"
 #include "touch/rubbing.h"
 
 /*
@@ -21,12 +22,19 @@
  * phase_start alone: communication points within the phase only read it, and a restored state makes the
  * segments again, bit by bit.
  */
+enum phase_form {
+    PHASE_OF_SEGMENTS, /* of pairs that share no free body */
+    PHASE_OF_CHAIN,    /* all contacts in touch are a row (touch/chain.h) */
+    PHASE_OF_ISLAND    /* all contacts in touch have one power series (touch/island.h) */
+};
+
 struct pair_phase {
     struct segment segment[SCENE_CONTACTS];
-    bool is_chain; /* all contacts in touch move as a chain (touch/chain.h), without segments */
+    enum phase_form form;
     struct chain chain;
-    double longest, time; /* limit and length of the phase [s] */
-    int terminal;         /* the contact with a terminal event at the phase's end; -1: none */
+    struct island *island; /* behind this struct, where there may be one */
+    double longest, time;  /* limit and length of the phase [s] */
+    int terminal;          /* the contact with a terminal event at the phase's end; -1: none */
     enum contact_regime next;
     bool changes;                 /* whether the regime or the zone of that contact changes at the end */
     bool is_cut;                  /* whether it ends only because another contact may begin after it */
@@ -39,12 +47,13 @@ bool integrator_open(struct integrator *s, const struct scene_values *v,
 {
     s->message[0] = '\0';
     if (s->pairs == NULL) {
-        s->pairs = memory->allocate(1, sizeof *s->pairs);
+        s->pairs = memory->allocate(1, sizeof *s->pairs + (SCENE_HAS_ISLANDS ? sizeof *s->pairs->island : 0));
         s->release = memory->release;
         if (s->pairs == NULL) {
             snprintf(s->message, sizeof s->message, "the integrator's memory could not be had");
             return false;
         }
+        s->pairs->island = SCENE_HAS_ISLANDS ? (void *)(s->pairs + 1) : NULL;
     }
     if (!scene_uses_ode(v) || (scene_is_force_element(v) && !scene_turns(v))) {
         return true;
@@ -181,14 +190,14 @@ static double tolerance_of(const struct scene_values *v, const struct scene_stat
     return fmax(1e-3 * asked * (distance / size), 8.0 * DBL_EPSILON * size);
 }
 
-/* Whether a chain may be made: contacts act on each other through free bodies. */
-static bool may_be_chain(const struct scene_values *v, const struct scene_state *q)
+/* Whether contacts act on each other through free bodies. */
+static bool any_is_coupled(const struct scene_values *v, const struct scene_state *q)
 {
     bool any = false;
-    for (int j = 0; SCENE_HAS_CHAINS && j < SCENE_CONTACTS; ++j) {
+    for (int j = 0; SCENE_HAS_ISLANDS && j < SCENE_CONTACTS; ++j) {
         any = any || contact_is_coupled(v, q, j);
     }
-    return SCENE_HAS_CHAINS && any && chain_may_be(v, q);
+    return any;
 }
 
 /* Whether the gap of a contact that is apart changes no faster than its separation does, so that a bound of
@@ -217,9 +226,18 @@ static bool pairs_are_alone(const struct scene_values *v, const struct scene_sta
     return true;
 }
 
+/* Whether a step of the general segment reaches beyond the present: it goes on before an island is tried. */
+static bool general_goes_on(const struct scene_values *v, const struct scene_state *q)
+{
+    return SCENE_HAS_GENERAL && !q->integrator_fresh && scene_keeps_steps(v) &&
+           q->unfinished.present == q->clock && q->unfinished.end > q->clock;
+}
+
 static bool is_in_closed_form(const struct scene_values *v, const struct scene_state *q)
 {
-    return solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && (may_be_chain(v, q) || pairs_are_alone(v, q));
+    return solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN &&
+           (pairs_are_alone(v, q) ||
+            (SCENE_HAS_ISLANDS && any_is_coupled(v, q) && island_may_be(v, q) && !general_goes_on(v, q)));
 }
 
 /* Returns a bound of the mean speed at which the flight of a contact's bodies changes their separation within
@@ -315,11 +333,6 @@ static double others_apart_for(const struct scene_values *v, const struct scene_
     return time;
 }
 
-static bool has_segment(const struct scene_values *v, const struct scene_state *q, int contact)
-{
-    return contact_transmits(q, contact) && !contact_is_prescribed(v, contact);
-}
-
 /* A segment that lasts at least this part of the time asked for ends there within rounding. Such a segment
  * does not shorten the segments of the other pairs. */
 static const double ALL_OF_IT = 1.0 - 4.0 * DBL_EPSILON;
@@ -357,13 +370,13 @@ static bool add_pair(struct pair_phase *all, const struct scene_values *v, const
 static bool make_chain(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
                        const struct scene_instant *at, double longest)
 {
-    if (!SCENE_HAS_CHAINS || !may_be_chain(v, q)) {
+    struct chain *c = &all->chain;
+    if (!SCENE_HAS_CHAINS || !chain_may_be(v, q) || !chain_make(c, v, q, at)) {
         return false;
     }
-    struct chain *c = &all->chain;
+    all->form = PHASE_OF_CHAIN;
     all->terminal = -1;
-    all->is_chain = chain_make(c, v, q, at);
-    all->longest = all->is_chain ? others_apart_for(v, q, at, c, longest) : 0.0;
+    all->longest = others_apart_for(v, q, at, c, longest);
     if (!(all->longest > 0.0)) {
         return false;
     }
@@ -378,6 +391,41 @@ static bool make_chain(struct pair_phase *all, const struct scene_values *v, con
     return true;
 }
 
+/* Makes the power series of all contacts in touch. */
+static bool make_island(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
+                        const struct scene_instant *at, double longest)
+{
+    struct island *s = all->island;
+    double quiet = (double)INFINITY;
+    if (!SCENE_HAS_ISLANDS || !island_may_be(v, q)) {
+        return false;
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_transmits(q, j)) {
+            quiet = fmin(quiet, tolerance_of(v, q, at, j));
+        }
+    }
+    if (!island_make(s, v, q, at, longest, quiet)) {
+        return false;
+    }
+    all->form = PHASE_OF_ISLAND;
+    all->longest = longest;
+    all->time = fmin(s->time, longest);
+    all->terminal = s->terminal;
+    all->next = s->next;
+    all->changes = s->terminal >= 0;
+    all->lifts = false;
+    return true;
+}
+
+/* Makes the chain or the island of contacts that act on each other. */
+static bool make_coupled(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, double longest)
+{
+    return any_is_coupled(v, q) &&
+           (make_chain(all, v, q, at, longest) || make_island(all, v, q, at, longest));
+}
+
 /* Makes the segments of all pairs. Where one pair shortens the phase, the segments made before are made
  * again, because a segment is most accurate at its own end. */
 static bool make_segments(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
@@ -385,7 +433,7 @@ static bool make_segments(struct pair_phase *all, const struct scene_values *v, 
 {
     all->longest = all->time = longest;
     all->terminal = -1;
-    all->is_chain = false;
+    all->form = PHASE_OF_SEGMENTS;
     if (!pairs_are_alone(v, q)) {
         return false;
     }
@@ -398,7 +446,7 @@ static bool make_segments(struct pair_phase *all, const struct scene_values *v, 
     for (double before = (double)INFINITY; all->time < before;) {
         before = SCENE_CONTACTS > 1 ? all->time : 0.0;
         for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            if (has_segment(v, q, j) && j != all->terminal && !add_pair(all, v, q, at, j)) {
+            if (contact_pushes(v, q, j) && j != all->terminal && !add_pair(all, v, q, at, j)) {
                 return false;
             }
         }
@@ -523,13 +571,17 @@ static void follow_pairs(struct pair_phase *all, const struct scene_values *v, s
         q->clock = q->phase.clock;
     }
     const double stored = stored_in_separating(v, q);
-    if (SCENE_HAS_CHAINS && all->is_chain && time > 0.0) {
-        chain_advance(&all->chain, from, time, v, q);
+    if (SCENE_HAS_ISLANDS && all->form != PHASE_OF_SEGMENTS && time > 0.0) {
+        if (SCENE_HAS_CHAINS && all->form == PHASE_OF_CHAIN) {
+            chain_advance(&all->chain, from, time, v, q);
+        } else {
+            island_advance(all->island, from, time, v, q);
+        }
         counter_add(&q->counters.steps, 1);
         counter_add(&q->counters.force_evaluations, 1);
     }
-    for (int j = 0; !all->is_chain && time > 0.0 && j < SCENE_CONTACTS; ++j) {
-        if (has_segment(v, q, j)) {
+    for (int j = 0; all->form == PHASE_OF_SEGMENTS && time > 0.0 && j < SCENE_CONTACTS; ++j) {
+        if (contact_pushes(v, q, j)) {
             struct segment *p = &all->segment[j];
             const bool is_shortened = j == all->terminal || time < segment_time(p, p->end);
             const double s = is_shortened ? segment_place(p, time) : p->end;
@@ -555,8 +607,12 @@ static void follow_pairs(struct pair_phase *all, const struct scene_values *v, s
 
 static long work_of_pairs(const struct pair_phase *all)
 {
-    long sum = SCENE_HAS_CHAINS && all->is_chain ? chain_work(&all->chain) : 0;
-    for (int j = 0; !all->is_chain && j < SCENE_CONTACTS; ++j) {
+    if (SCENE_HAS_ISLANDS && all->form != PHASE_OF_SEGMENTS) {
+        return SCENE_HAS_CHAINS && all->form == PHASE_OF_CHAIN ? chain_work(&all->chain)
+                                                               : island_work(all->island);
+    }
+    long sum = 0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
         sum += all->segment[j].work;
     }
     return sum;
@@ -575,7 +631,7 @@ static bool restore_pairs(struct pair_phase *all, const struct scene_values *v, 
     start.clock = start.phase.clock;
     scene_kinematics_now(v, &start, &at);
     all->made_from = q->phase;
-    return make_chain(all, v, &start, &at, q->phase.longest) ||
+    return make_coupled(all, v, &start, &at, q->phase.longest) ||
            make_segments(all, v, &start, &at, q->phase.longest);
 }
 
@@ -585,9 +641,9 @@ static bool longer_does_harm(const struct pair_phase *all, const struct scene_va
                              const struct scene_state *q)
 {
     bool any = false;
-    for (int j = 0; !all->is_chain && j < SCENE_CONTACTS; ++j) {
+    for (int j = 0; all->form == PHASE_OF_SEGMENTS && j < SCENE_CONTACTS; ++j) {
         const struct segment *p = &all->segment[j];
-        any = any || (has_segment(v, q, j) && segment_is_deep(p)) ||
+        any = any || (contact_pushes(v, q, j) && segment_is_deep(p)) ||
               (SCENE_ANY_FRICTION && p->rubs && rubbing_is_long(p, v, q, j));
     }
     return any;
@@ -603,7 +659,7 @@ static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, st
         step->is_now = false; /* the instant is computed as restore_pairs computes it */
     }
     all->made_from.end = 0.0;
-    bool made = make_chain(all, v, q, advance_now(step, v, q), longest);
+    bool made = make_coupled(all, v, q, advance_now(step, v, q), longest);
     const double apart = made ? all->longest : others_apart_for(v, q, advance_now(step, v, q), NULL, longest);
     const bool cut = apart < longest;
     if (cut) {
@@ -643,7 +699,7 @@ static double unforeseen_until(const struct scene_values *v, const struct scene_
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         /* a segment shows every change of its contact but the passage of a cylinder's end */
         const bool foreseen =
-            contact_is_foreseen(v, q, j) && (!has_segment(v, q, j) || scene_ends_suddenly(v, j));
+            contact_is_foreseen(v, q, j) && (!contact_pushes(v, q, j) || scene_ends_suddenly(v, j));
         until = fmin(until, q->contact[j].schedule.change_clock);
         until = foreseen ? fmin(until, q->horizon_clock) : until;
         if (SCENE_ANY_PRESCRIBED_CONTACT && contact_is_prescribed(v, j)) {

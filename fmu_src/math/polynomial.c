@@ -445,8 +445,23 @@ void bernstein_restrict(double *coefficients, int count, double from, double to)
     }
 }
 
-/* First the powers of x = 2 s - 1 become those of s, by Horner's scheme at x = -1; then a[k] divided by
- * binomial(n, k) is summed as in Pascal's triangle. */
+/* a[k] divided by binomial(n, k) is summed as in Pascal's triangle. */
+void bernstein_from_powers(double *coefficients, int count)
+{
+    const int n = count - 1;
+    double scale = 1.0;
+    for (int k = 1; k < count; ++k) {
+        scale *= (double)k / (n - k + 1);
+        coefficients[k] *= scale;
+    }
+    for (int k = 1; k < count; ++k) {
+        for (int i = n; i >= k; --i) {
+            coefficients[i] += coefficients[i - 1];
+        }
+    }
+}
+
+/* The powers of x = 2 s - 1 become those of s, by Horner's scheme at x = -1. */
 void bernstein_from_taylor(double *coefficients, int count)
 {
     const int n = count - 1;
@@ -457,12 +472,8 @@ void bernstein_from_taylor(double *coefficients, int count)
         }
     }
     for (int k = 1; k < count; ++k) {
-        scale *= 2.0 * k / (n - k + 1);
+        scale *= 2.0;
         coefficients[k] *= scale;
     }
-    for (int k = 1; k < count; ++k) {
-        for (int i = n; i >= k; --i) {
-            coefficients[i] += coefficients[i - 1];
-        }
-    }
+    bernstein_from_powers(coefficients, count);
 }

@@ -69,7 +69,7 @@ double root_lowest(root_function *f, const void *data, const struct root_place p
 
 /* Where a polynomial, given by its Bernstein coefficients on [0, 1], first falls through zero. */
 
-enum { BERNSTEIN_MOST = 13 }; /* coefficients */
+enum { BERNSTEIN_MOST = 25 }; /* coefficients */
 
 /* A bracket of the place where the polynomial plus `offset` falls through zero, with no other change of sign
  * in it; low = INFINITY: no such place. */
@@ -92,5 +92,8 @@ double bernstein_at(const double *coefficients, int count, double place);
 /* Replaces the coefficients a[k] of the polynomial's sum of a[k] x^k, x in [-1, 1], by its Bernstein
  * coefficients on [0, 1], where x = 2 s - 1. */
 void bernstein_from_taylor(double *coefficients, int count);
+
+/* Replaces the coefficients a[k] of the polynomial's sum of a[k] s^k by its Bernstein coefficients. */
+void bernstein_from_powers(double *coefficients, int count);
 
 #endif

@@ -264,6 +264,11 @@ bool scene_is_apart(const struct scene_state *q)
     return true;
 }
 
+bool contact_pushes(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    return contact_transmits(q, contact) && !contact_is_prescribed(v, contact);
+}
+
 bool body_is_loaded(const struct scene_state *q, int body, int except)
 {
 #if SCENE_CONTACTS > 1

@@ -336,6 +336,9 @@ bool scene_is_apart(const struct scene_state *q);
 bool contact_transmits(const struct scene_state *q, int contact);
 bool body_is_loaded(const struct scene_state *q, int body, int except);
 
+/* Whether a contact transmits a force and one of its bodies is free. */
+bool contact_pushes(const struct scene_values *v, const struct scene_state *q, int contact);
+
 /* Islands are sets of contacts in touch that share free bodies. Contacts of one island have one number, which
  * counts from zero; -1: apart. */
 struct islands {

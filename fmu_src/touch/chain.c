@@ -19,12 +19,6 @@ static const double LEAST_STIFFNESS = 16.0 * DBL_EPSILON;
 /* A chain lasts at most this many radians of the fastest mode. To search them costs some ten milliseconds. */
 static const double CHAIN_LONGEST = 10000.0;
 
-/* Whether a contact pushes bodies of which one is free. */
-static bool is_in_touch(const struct scene_values *v, const struct scene_state *q, int contact)
-{
-    return contact_transmits(q, contact) && !contact_is_prescribed(v, contact);
-}
-
 bool chain_may_be(const struct scene_values *v, const struct scene_state *q)
 {
     int touching = 0;
@@ -32,7 +26,7 @@ bool chain_may_be(const struct scene_values *v, const struct scene_state *q)
         return false;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (is_in_touch(v, q, j)) {
+        if (contact_pushes(v, q, j)) {
             const struct contact_law law = scene_contact_law(v, q, j);
             const double k = contact_coefficients_of(&law, REGIME_COMPRESSION).k; /* 0 under Hertz's law */
             if (!contact_is_elastic(&law) || !(k > 0.0)) {
@@ -362,7 +356,7 @@ static void bound_gaps(struct chain *c)
 
 /* A piece of the motion lasts a radian of the fastest mode. There a Taylor polynomial of degree 12 about the
  * middle has an error of 0.5^13/13! = 2e-14 of the modes. */
-enum { CHAIN_TERMS = BERNSTEIN_MOST };
+enum { CHAIN_TERMS = 13 };
 
 /* The Taylor coefficients of all modes about the middle of a piece, by the time divided by half the piece. */
 struct chain_piece {
@@ -514,7 +508,7 @@ bool chain_make(struct chain *c, const struct scene_values *v, const struct scen
     c->rows = 0;
     note_sizes(c, v, q, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (is_in_touch(v, q, j) && !chain_add(c, v, q, at, j)) {
+        if (contact_pushes(v, q, j) && !chain_add(c, v, q, at, j)) {
             return false;
         }
     }
@@ -640,20 +634,6 @@ static void push_body(struct body_change *body, double sign, double mass, struct
     body->moved = vec3_axpy(body->moved, sign * second / mass, push);
 }
 
-/* Flies a body and adds the change, which does work too against the external force. */
-static void move_body_by(const struct body_change *by, double time, const struct scene_values *v,
-                         struct scene_state *q, int body)
-{
-    struct vec3 force[3];
-    flight_force(q, body, q->clock, force);
-    if (!path_rests(force)) {
-        q->external_work += flight_work(v, body, q->body[body], force, time) + vec3_dot(force[0], by->moved);
-    }
-    const struct body_state flown = flight_from(v, body, q->body[body], force, time);
-    q->body[body].moved = vec3_add(flown.moved, by->moved);
-    q->body[body].velocity = vec3_add(flown.velocity, by->velocity);
-}
-
 void chain_advance(const struct chain *c, double from, double time, const struct scene_values *v,
                    struct scene_state *q)
 {
@@ -689,7 +669,8 @@ void chain_advance(const struct chain *c, double from, double time, const struct
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (change[i].is_loaded) {
-            move_body_by(&change[i], time, v, q, i);
+            q->external_work += vec3_dot(q->path[i].force[0], change[i].moved);
+            flight_deviate(v, q, i, time, change[i].moved, change[i].velocity);
         }
     }
 }

@@ -228,19 +228,6 @@ double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_
     return counts || p->coefficients.k >= PAIR_STIFF ? rounding : 0.0;
 }
 
-static inline void move_body(const struct scene_values *v, struct scene_state *q, int body, double time,
-                             struct vec3 r, struct vec3 r_rate)
-{
-    struct vec3 force[3];
-    flight_force(q, body, q->clock, force);
-    if (!path_rests(force)) {
-        q->external_work += flight_work(v, body, q->body[body], force, time);
-    }
-    const struct body_state flown = flight_from(v, body, q->body[body], force, time);
-    q->body[body].moved = vec3_add(flown.moved, r);
-    q->body[body].velocity = vec3_add(flown.velocity, r_rate);
-}
-
 /* Returns the part of a vector that does not act on head-on motion: along a plane or a cylinder's axis; zero
  * at a sphere. */
 static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
@@ -342,7 +329,7 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change, 
             move_head_on(p, change, v, q, ends[end], share, &common);
         } else {
             q->external_work += p->work[end].factor * change->work[end];
-            move_body(v, q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, r_rate));
+            flight_deviate(v, q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, r_rate));
         }
     }
     q->dissipated += change->dissipated;

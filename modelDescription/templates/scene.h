@@ -83,6 +83,7 @@
 #define SCENE_HAS_TORQUES {{ lever | int }} /* may a normal force have a torque? never about a sphere's centre */
 #define SCENE_HAS_CVODE {{ has_cvode | int }} /* may CVODE be needed? else SUNDIALS is not linked */
 #define SCENE_HAS_CHAINS {{ (scene.contacts | length > 1 and any_linear and any_free) | int }} /* may contacts be a chain? */
+#define SCENE_HAS_ISLANDS {{ (scene.contacts | length > 1 and any_free) | int }} /* may contacts share a free body? */
 #define SCENE_HAS_GENERAL {{ has_general | int }} /* may event_driven need the general segment? */
 
 /* Every row of variables.toml, whether this scene has it or not. */

@@ -1,0 +1,848 @@
+#include "touch/island.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "flight/flight.h"
+#include "math/compiler.h"
+#include "math/polynomial.h"
+#include "scene/evaluate.h"
+
+#if SCENE_HAS_ISLANDS
+
+static inline void put(struct two_way *to, int i, double value)
+{
+    to->row[i] = value;
+    to->back[TAYLOR_ORDER - i] = value;
+}
+
+/* Returns coefficient i of the product. Coefficients that are not known yet are zero. */
+static inline double product(const struct two_way *a, const struct two_way *b, int i)
+{
+    const double *back = b->back + (TAYLOR_ORDER - i);
+    double2 sum[PARTS];
+    memset(sum, 0, sizeof sum);
+    for (int k = 0; k <= i; k += LANES) {
+        sum[part(k)] += double2_at(a->row, k) * double2_at(back, k);
+    }
+    return parts_together(sum);
+}
+
+/* Returns coefficient i of the series times the pace. */
+static inline double paced(const struct island *s, const struct two_way *a, int i)
+{
+    return s->paced_by < 0 ? a->row[i] : product(&s->pace, a, i);
+}
+
+bool island_may_be(const struct scene_values *v, const struct scene_state *q)
+{
+    int touching = 0;
+    for (int j = 0; j < SCENE_CONTACTS && !scene_turns(v); ++j) {
+        touching += contact_pushes(v, q, j) ? 1 : 0;
+    }
+    return touching > 0 && touching <= ISLAND_MOST;
+}
+
+/* The error of a series, divided by the whole: a few roundings. A larger error would save few steps, and weak
+ * forces that grow within a step would be lost. */
+static const double ACCURACY = 1e-15;
+
+/* Whether the series know the shape: a sphere, a plane, or a cylinder whose ends are not met. */
+static bool knows_shape(const struct scene_values *v, const struct contact_shape *shape, int contact)
+{
+    return !contact_is_zoned(shape) && !contact_is_circle(shape) && !scene_ends_suddenly(v, contact) &&
+           !body_is_compound(contact_source(contact)) && !body_is_compound(contact_destination(contact));
+}
+
+/* Whether a body rests, or flies under a constant force. */
+static bool is_simple(const struct scene_values *v, const struct scene_state *q, int body)
+{
+    return body_is_free(v, body)
+               ? vec3_is_zero(q->path[body].force[1]) && vec3_is_zero(q->path[body].force[2])
+               : !body_is_prescribed(v, body);
+}
+
+/* A dashpot faster than the spring by this factor makes decays that are much faster than the motion. */
+static const double MOST_DAMPED = 4.0;
+
+/* The rates of a contact in touch at the start [1/s], and the depth to which it leads [m]. */
+struct island_pace {
+    double spring, dashpot, depth;
+};
+
+/* An impact without damping under Hertz's law reaches delta^(5/2) = 5/4 v^2 m / k. */
+static struct island_pace pace_of(const struct island_row *r, double by_mass)
+{
+    const double depth = fmax(-r->gap.row[0], 0.0);
+    const double k = r->stiffness * by_mass;
+    if (!r->is_hertz) {
+        return (struct island_pace){sqrt(k), r->damping * by_mass, depth};
+    }
+    const double rate = r->rate.row[0];
+    const double deepest = fmax(depth, pow(1.25 * rate * rate / k, 0.4));
+    const double root = sqrt(deepest);
+    return (struct island_pace){sqrt(1.5 * k * root), k * r->damping * deepest * root, deepest};
+}
+
+static int add_body(struct island *s, const struct scene_values *v, int body)
+{
+    if (s->index[body] < 0) {
+        s->index[body] = s->bodies;
+        memset(&s->body[s->bodies], 0, sizeof s->body[0]);
+        s->body[s->bodies].body = body;
+        s->body[s->bodies].by_mass = body_inverse_mass(v, body);
+        s->bodies += 1;
+    }
+    return s->index[body];
+}
+
+static void put_law(struct island_row *r, const struct scene_values *v, const struct scene_state *q,
+                    const struct scene_instant *at, double tolerated)
+{
+    const struct contact_law law = scene_contact_law(v, q, r->contact);
+    const struct contact_geometry *g = &at->geometry[r->contact];
+    const enum contact_regime regime = (enum contact_regime)q->contact[r->contact].regime;
+    r->is_hertz = contact_is_hertz(&law);
+    const struct contact_coefficients of =
+        r->is_hertz ? contact_factors_of(&law) : contact_coefficients_of(&law, regime);
+    r->stiffness = of.k;
+    r->damping = r->is_hertz && regime == REGIME_RESTITUTION ? 0.0 : of.c;
+    r->by_gap = r->by_rate = r->margin = 0.0;
+    if (contact_has_events(&law)) {
+        const struct contact_slopes slopes = contact_event_slopes(&law, regime, g->gap, g->gap_rate);
+        r->by_gap = slopes.by_gap;
+        r->by_rate = slopes.by_rate;
+        r->margin = contact_event(&law, regime, g->gap, g->gap_rate) +
+                    rounding_margin_offset(v, q, at, r->contact, tolerated);
+    }
+}
+
+static bool add_touching(struct island *s, const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, int contact)
+{
+    struct island_row *r = &s->row[s->rows];
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const int bodies[2] = {contact_source(contact), contact_destination(contact)};
+    if (g->degenerate || !knows_shape(v, &shape, contact) || !is_simple(v, q, bodies[0]) ||
+        !is_simple(v, q, bodies[1])) {
+        return false;
+    }
+    memset(r, 0, sizeof *r);
+    r->contact = contact;
+    r->side = shape.side;
+    r->is_straight = contact_is_plane(&shape);
+    r->axis = contact_is_cylinder(&shape) ? shape.axis : vec3_make(0.0, 0.0, 0.0);
+    r->flight = separation_path_of(v, q, at, q->clock, contact);
+    put_law(r, v, q, at, ACCURACY * vec3_norm(at->rate[contact]));
+    put(&r->gap, 0, g->gap);
+    r->by_distance = 1.0 / g->distance;
+    put(&r->rate, 0, g->gap_rate);
+    for (int k = 0; k < ISLAND_AXES; ++k) {
+        put(&r->n[k], 0, vec3_get(g->normal, k));
+    }
+    r->offset = fmax(g->gap, 0.0) + rounding_of_gap(v, at, contact);
+    for (int end = 0; end < 2; ++end) {
+        r->end[end] = body_is_free(v, bodies[end]) ? add_body(s, v, bodies[end]) : -1;
+    }
+    s->rows += 1;
+    return true;
+}
+
+/* Returns the part of a vector across the axis of a cylinder; the vector itself for other shapes. */
+static struct vec3 part_across(const struct island_row *r, struct vec3 a)
+{
+    return vec3_axpy(a, -vec3_dot(a, r->axis), r->axis);
+}
+
+/* Finds the axes of the world along which contact forces act, and the degree of the flights in time. Where
+ * there is one axis, no normal turns. */
+static void find_axes(struct island *s)
+{
+    s->axes = 0;
+    s->degree = 1;
+    for (int k = 0; k < ISLAND_AXES; ++k) {
+        bool lives = false;
+        for (int i = 0; i < s->rows; ++i) {
+            const struct island_row *r = &s->row[i];
+            lives = lives || r->n[k].row[0] != 0.0;
+            for (int p = 1; p <= SEPARATION_DEGREE; ++p) {
+                const double flown = vec3_get(part_across(r, r->flight.c[p]), k);
+                lives = lives || (!r->is_straight && flown != 0.0);
+                s->degree = vec3_is_zero(r->flight.c[p]) || p < s->degree ? s->degree : p;
+            }
+        }
+        if (lives) {
+            s->axis[s->axes++] = k;
+        }
+    }
+    for (int i = 0; i < s->rows && s->axes == 1; ++i) {
+        s->row[i].is_straight = true;
+    }
+}
+
+/* Sets g'' of the contacts in touch at the start. */
+static void find_bends(struct island *s, const struct scene_values *v, const struct scene_state *q,
+                       const struct scene_instant *at)
+{
+    struct vec3 by_contacts[2 * ISLAND_MOST];
+    memset(by_contacts, 0, sizeof by_contacts);
+    for (int i = 0; i < s->rows; ++i) {
+        const struct island_row *r = &s->row[i];
+        const struct contact_geometry *g = &at->geometry[r->contact];
+        const struct contact_law law = scene_contact_law(v, q, r->contact);
+        const double force =
+            contact_force(&law, (enum contact_regime)q->contact[r->contact].regime, g->gap, g->gap_rate);
+        for (int e = 0; e < 2; ++e) {
+            if (r->end[e] >= 0) {
+                const double by = (e == 0 ? -r->side : r->side) * force * s->body[r->end[e]].by_mass;
+                by_contacts[r->end[e]] = vec3_axpy(by_contacts[r->end[e]], by, g->normal);
+            }
+        }
+    }
+    for (int i = 0; i < s->rows; ++i) {
+        struct island_row *r = &s->row[i];
+        const struct contact_geometry *g = &at->geometry[r->contact];
+        const struct contact_shape shape = scene_contact_shape(v, q, r->contact);
+        const struct vec3 w = at->rate[r->contact];
+        struct vec3 a = vec3_scale(2.0, r->flight.c[2]);
+        for (int e = 0; e < 2; ++e) {
+            a = r->end[e] >= 0 ? vec3_axpy(a, e == 0 ? -1.0 : 1.0, by_contacts[r->end[e]]) : a;
+        }
+        const double turning = r->is_straight ? 0.0 : contact_turning_rate(&shape, g, w, w) * r->by_distance;
+        r->bend = r->side * (vec3_dot(g->normal, a) + turning);
+    }
+}
+
+/* Returns how far the nearest zero of the depth is in time, which may be complex [s], by delta, delta' and
+ * delta''. */
+static double time_from_zero(const struct island_row *r)
+{
+    const double depth = fmax(-r->gap.row[0], 0.0);
+    const double rate = r->rate.row[0];
+    const double square = rate * rate + 2.0 * depth * r->bend;
+    return square >= 0.0 ? 2.0 * depth / (fabs(rate) + sqrt(square)) : sqrt(2.0 * depth / -r->bend);
+}
+
+/* The depth is nearly linear in time between its zero and the start, and u analytic, if delta delta'' is at
+ * most this part of delta'^2. It is 0.7 of a contact that another one has pushed from rest at the touch. */
+static const double NEARLY_LINEAR = 0.4;
+
+/* Chooses the row whose u is the pace, and the unit of s. Returns false where a dashpot is too fast, or where
+ * a contact under Hertz's law starts at the touch at rest: time does not go on with s there. */
+static bool choose_pace(struct island *s, const struct scene_values *v)
+{
+    double fastest = 0.0;
+    double least = (double)INFINITY;
+    double root = 1.0;
+    s->paced_by = -1;
+    for (int i = 0; i < s->rows; ++i) {
+        const struct island_row *r = &s->row[i];
+        const struct island_pace of = pace_of(r, scene_inverse_mass(v, r->contact));
+        const double depth = fmax(-r->gap.row[0], 0.0);
+        const double rate = r->rate.row[0];
+        if (of.dashpot > MOST_DAMPED * of.spring || (r->is_hertz && depth == 0.0 && rate == 0.0)) {
+            return false;
+        }
+        fastest = fmax(fastest, fmax(of.spring, of.dashpot));
+        const bool may_pace =
+            SCENE_ANY_HERTZ && r->is_hertz && -r->bend * depth <= NEARLY_LINEAR * rate * rate;
+        if (may_pace && time_from_zero(r) < least) {
+            least = time_from_zero(r);
+            s->paced_by = i;
+            root = sqrt(of.depth);
+        }
+    }
+    s->unit = 1.0 / (fastest * root);
+    return isfinite(s->unit) && s->unit > 0.0;
+}
+
+/* Sets coefficient i of the powers of time. */
+static void put_time(struct island *s, int i)
+{
+    for (int p = 2; p <= s->degree; ++p) {
+        put(&s->power_of_time[p], i,
+            s->paced_by < 0 ? (i == p ? s->power_of_time[p - 1].row[p - 1] * s->unit : 0.0)
+                            : product(&s->power_of_time[1], &s->power_of_time[p - 1], i));
+    }
+}
+
+/* Returns coefficient i of a polynomial of time with `count` coefficients along an axis of the world. */
+static inline double term_of_path(const struct island *s, const struct vec3 *of, int count, int k, int i)
+{
+    double sum = i == 0 ? vec3_get(of[0], k) : 0.0;
+    for (int p = 1; p < count; ++p) {
+        sum += vec3_get(of[p], k) * s->power_of_time[p].row[i];
+    }
+    return sum;
+}
+
+/* Returns coefficient i of r_d - r_s, or with `rates` of its rate, along an axis. */
+static inline double deviation(const struct island *s, const int end[2], int k, int i, bool rates)
+{
+    double sum = 0.0;
+    for (int e = 0; e < 2; ++e) {
+        if (end[e] >= 0) {
+            const struct island_body *body = &s->body[end[e]];
+            const double of = rates ? body->rate[k].row[i] : body->moved[k][i];
+            sum += e == 0 ? -of : of;
+        }
+    }
+    return sum;
+}
+
+/* Sets coefficient i of the separation, its rate, and n. */
+static void put_motion(struct island *s, struct island_row *r, int i)
+{
+    double c[ISLAND_AXES] = {0.0};
+    for (int a = 0; a < s->axes; ++a) {
+        const int k = s->axis[a];
+        r->rate_of_c[k].row[i] =
+            term_of_path(s, r->flight.w, s->degree, k, i) + deviation(s, r->end, k, i, true);
+        if (!r->is_straight) {
+            c[k] = term_of_path(s, r->flight.c, s->degree + 1, k, i) + deviation(s, r->end, k, i, false);
+        }
+    }
+    if (r->is_straight || i == 0) {
+        return;
+    }
+    const struct vec3 across = part_across(r, vec3_from(c));
+    put(&r->d, i, r->side * r->gap.row[i]);
+    for (int a = 0; a < s->axes; ++a) {
+        const int k = s->axis[a];
+        put(&r->n[k], i, (vec3_get(across, k) - product(&r->d, &r->n[k], i)) * r->by_distance);
+    }
+}
+
+/* Sets coefficient i of g and g'. The pace's own gap is -u^2; the other gaps are integrals. */
+static void put_gap(const struct island *s, struct island_row *r, bool is_pace, int i)
+{
+    if (is_pace) {
+        put(&r->depth, i, product(&s->pace, &s->pace, i));
+        put(&r->gap, i, i == 0 ? r->gap.row[0] : -r->depth.row[i]);
+    } else if (r->is_hertz) {
+        put(&r->depth, i, i == 0 ? fmax(-r->gap.row[0], 0.0) : -r->gap.row[i]);
+    }
+}
+
+static void put_rate(const struct island *s, struct island_row *r, int i)
+{
+    double speed = 0.0;
+    for (int a = 0; a < s->axes; ++a) {
+        const int k = s->axis[a];
+        speed +=
+            r->is_straight ? r->n[k].row[0] * r->rate_of_c[k].row[i] : product(&r->rate_of_c[k], &r->n[k], i);
+    }
+    if (i > 0) {
+        put(&r->rate, i, r->side * speed);
+    }
+}
+
+/* Returns coefficient i of delta^(3/2). Where a contact begins as the pace does, delta goes with s^2. */
+static double power_term(const struct island *s, const struct island_row *r, bool is_pace, int i)
+{
+    if (is_pace) {
+        return product(&s->pace, &r->depth, i);
+    }
+    if (r->depth.row[0] > 0.0) {
+        return taylor_power(r->depth.row, 1.5, r->power.row, i);
+    }
+    return i < 3 ? 0.0 : taylor_power(r->depth.row + 2, 1.5, r->power.row + 3, i - 3);
+}
+
+static void put_force(const struct island *s, struct island_row *r, bool is_pace, int i)
+{
+    if (SCENE_ANY_HERTZ && r->is_hertz) {
+        put(&r->power, i, power_term(s, r, is_pace, i));
+        put(&r->drag, i,
+            r->damping > 0.0 ? r->stiffness * r->damping * product(&r->power, &r->rate, i) : 0.0);
+        put(&r->force, i, r->stiffness * r->power.row[i] - r->drag.row[i]);
+    } else {
+        put(&r->drag, i, r->damping * r->rate.row[i]);
+        put(&r->force, i, -r->stiffness * r->gap.row[i] - r->drag.row[i]);
+    }
+    put(&r->impulse, i, paced(s, &r->force, i));
+}
+
+/* Sets coefficient i + 1 of what a contact integrates, and its part of the rates of its bodies. */
+static void push_bodies(struct island *s, struct island_row *r, int i)
+{
+    const double unit = s->unit / (i + 1);
+    for (int a = 0; a < s->axes; ++a) {
+        const int k = s->axis[a];
+        const double push =
+            r->is_straight ? r->impulse.row[i] * r->n[k].row[0] : product(&r->impulse, &r->n[k], i);
+        r->pushed[k][i + 1] = unit * r->side * push;
+        for (int e = 0; e < 2; ++e) {
+            if (r->end[e] >= 0) {
+                struct island_body *body = &s->body[r->end[e]];
+                const double by = r->pushed[k][i + 1] * body->by_mass;
+                put(&body->rate[k], i + 1, body->rate[k].row[i + 1] + (e == 0 ? -by : by));
+            }
+        }
+    }
+}
+
+static void put_integrals(struct island *s, int i)
+{
+    const double unit = s->unit / (i + 1);
+    put(&s->power_of_time[1], i + 1, unit * s->pace.row[i]);
+    for (int n = 0; n < s->rows; ++n) {
+        struct island_row *r = &s->row[n];
+        if (n == s->paced_by) {
+            put(&s->pace, i + 1, -0.5 * unit * r->rate.row[i]);
+        } else {
+            put(&r->gap, i + 1, unit * paced(s, &r->rate, i));
+        }
+        push_bodies(s, r, i);
+    }
+    for (int b = 0; b < s->bodies; ++b) {
+        for (int a = 0; a < s->axes; ++a) {
+            s->body[b].moved[s->axis[a]][i + 1] = unit * paced(s, &s->body[b].rate[s->axis[a]], i);
+        }
+    }
+}
+
+static void make_terms(struct island *s)
+{
+    for (int i = 0; i < TAYLOR_ORDER; ++i) {
+        put_time(s, i);
+        for (int n = 0; n < s->rows; ++n) {
+            struct island_row *r = &s->row[n];
+            put_gap(s, r, n == s->paced_by, i);
+            put_motion(s, r, i);
+            put_rate(s, r, i);
+            put_force(s, r, n == s->paced_by, i);
+        }
+        put_integrals(s, i);
+    }
+}
+
+/* Whether no contact oscillates by more than `quiet` [m]. A spring and its dashpot would make such an
+ * oscillation of the present g' and g''. */
+static bool is_quiet(const struct island *s, const struct scene_values *v, double quiet)
+{
+    for (int i = 0; i < s->rows; ++i) {
+        const struct island_row *r = &s->row[i];
+        const struct island_pace of = pace_of(r, scene_inverse_mass(v, r->contact));
+        const double fast = fmax(of.spring, of.dashpot);
+        if (!(fabs(r->bend) / (fast * fast) + fabs(r->rate.row[0]) / fast <= quiet)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static double larger_of(double a, double b)
+{
+    return a > b ? a : b; /* ignores NaN in a */
+}
+
+/* Returns the s at which the first omitted terms, divided by the whole, are ACCURACY (Jorba and Zou). */
+static double reliable_end(const struct island *s)
+{
+    double opened = 0.0;
+    double pushed = 0.0;
+    double pace = 0.0;
+    double growth = -(double)INFINITY; /* minus the binary logarithm of the radius of convergence */
+    for (int n = 0; n < s->rows; ++n) {
+        for (int i = 0; i < TAYLOR_TERMS; ++i) {
+            pace = larger_of(fabs(s->pace.row[i]), pace);
+            opened = larger_of(fabs(s->row[n].gap.row[i]), opened);
+            for (int k = 0; k < ISLAND_AXES; ++k) {
+                pushed = larger_of(fabs(s->row[n].pushed[k][i]), pushed);
+            }
+        }
+    }
+    for (int n = 0; n < s->rows; ++n) {
+        for (int i = TAYLOR_ORDER - 3; i < TAYLOR_TERMS; ++i) {
+            double part = larger_of(fabs(s->row[n].gap.row[i]) / opened, fabs(s->pace.row[i]) / pace);
+            for (int k = 0; k < ISLAND_AXES; ++k) {
+                part = larger_of(fabs(s->row[n].pushed[k][i]) / pushed, part);
+            }
+            growth = larger_of(log2(part) / i, growth);
+        }
+    }
+    return exp2(log2(ACCURACY) / TAYLOR_TERMS - growth);
+}
+
+/* The series of delta^(3/2) differs from the power of that of delta by at most this part of the largest
+ * force. Beyond the radius of convergence the difference is of the size of the force itself. */
+static const double AGREEMENT = 1e-13;
+
+/* Whether the series of the forces converge at a place, by the law. The last coefficients do not tell, where
+ * they become small before they grow. */
+static bool agrees(const struct island *s, double place)
+{
+    double largest = 0.0;
+    double worst = 0.0;
+    for (int n = 0; n < s->rows; ++n) {
+        const struct island_row *r = &s->row[n];
+        largest =
+            fmax(largest, fmax(fabs(r->force.row[0]), fabs(taylor_at(r->force.row, TAYLOR_TERMS, place))));
+        if (SCENE_ANY_HERTZ && r->is_hertz && n != s->paced_by) {
+            const double depth = fmax(taylor_at(r->depth.row, TAYLOR_TERMS, place), 0.0);
+            const double power = taylor_at(r->power.row, TAYLOR_TERMS, place);
+            worst = fmax(worst, r->stiffness * fabs(power - depth * sqrt(depth)));
+        }
+    }
+    return worst <= AGREEMENT * largest;
+}
+
+/* A series that does not converge at its end is shortened by this factor. */
+static const double SHORTENING = 0.8;
+enum { MOST_SHORTENINGS = 40 };
+
+static void island_series_at(const void *row, double place, double *value, double *slope)
+{
+    double of[3];
+    taylor_derivatives(row, TAYLOR_TERMS, place, of);
+    *value = of[0];
+    *slope = of[1];
+}
+
+/* Returns the first s up to `end` at which a series falls through zero; INFINITY: it does not. */
+static double series_first_fall(const double *row, double end)
+{
+    double of[TAYLOR_TERMS];
+    double power = 1.0;
+    double size = 0.0;
+    for (int i = 0; i < TAYLOR_TERMS; ++i) {
+        of[i] = row[i] * power;
+        size += i > 0 ? fabs(of[i]) : 0.0;
+        power *= end;
+    }
+    if (of[0] > size) {
+        return (double)INFINITY;
+    }
+    bernstein_from_powers(of, TAYLOR_TERMS);
+    const struct bernstein_fall fall = bernstein_first_fall(of, TAYLOR_TERMS, 0.0);
+    return fall.low < (double)INFINITY
+               ? root_in_bracket(island_series_at, row, fall.low * end, fall.high * end)
+               : (double)INFINITY;
+}
+
+/* Ends the series at s where a contact changes its regime there and before the present end. */
+static void note_change(struct island *s, double at, int contact, enum contact_regime next)
+{
+    if (at < s->end) {
+        s->end = at;
+        s->terminal = contact;
+        s->next = next;
+    }
+}
+
+/* Finds where the contacts in touch end or change their regimes. */
+static void find_changes(struct island *s, const struct scene_values *v, const struct scene_state *q)
+{
+    double of[TAYLOR_TERMS];
+    for (int n = 0; n < s->rows; ++n) {
+        const struct island_row *r = &s->row[n];
+        for (int i = 0; i < TAYLOR_TERMS; ++i) {
+            of[i] = n == s->paced_by ? s->pace.row[i] : (i == 0 ? r->offset : 0.0) - r->gap.row[i];
+        }
+        note_change(s, series_first_fall(of, s->end), r->contact, REGIME_APART);
+        if (r->margin > 0.0) {
+            const struct contact_law law = scene_contact_law(v, q, r->contact);
+            for (int i = 0; i < TAYLOR_TERMS; ++i) {
+                of[i] = i == 0 ? r->margin : r->by_gap * r->gap.row[i] + r->by_rate * r->rate.row[i];
+            }
+            note_change(s, series_first_fall(of, s->end), r->contact,
+                        contact_regime_after(&law, (enum contact_regime)q->contact[r->contact].regime));
+        }
+    }
+}
+
+/* The separation of bodies that are apart, less its value at the start. */
+struct island_path {
+    struct two_way c[ISLAND_AXES];
+};
+
+static void make_path(const struct island *s, const struct separation_path *flight, const int end[2],
+                      struct island_path *path)
+{
+    for (int k = 0; k < ISLAND_AXES; ++k) {
+        for (int i = 1; i < TAYLOR_TERMS; ++i) {
+            put(&path->c[k], i,
+                term_of_path(s, flight->c, SEPARATION_DEGREE + 1, k, i) + deviation(s, end, k, i, false));
+        }
+    }
+}
+
+/* Sets how far the contacts take each body off its flight within the series, at most. */
+static void bound_deviations(struct island *s)
+{
+    for (int b = 0; b < s->bodies; ++b) {
+        struct island_body *body = &s->body[b];
+        double power = 1.0;
+        body->farthest = 0.0;
+        for (int i = 1; i < TAYLOR_TERMS; ++i) {
+            power *= s->end;
+            for (int a = 0; a < s->axes; ++a) {
+                body->farthest += power * fabs(body->moved[s->axis[a]][i]);
+            }
+        }
+    }
+}
+
+/* Returns a bound of the change of a separation within the series. */
+static double separation_within(const struct island *s, const struct separation_path *flight,
+                                const int end[2])
+{
+    const double time = taylor_at(s->power_of_time[1].row, TAYLOR_TERMS, s->end);
+    double length = 0.0;
+    for (int p = SEPARATION_DEGREE; p > 0; --p) {
+        length = (length + vec3_norm(flight->c[p])) * time;
+    }
+    for (int e = 0; e < 2; ++e) {
+        length += end[e] >= 0 ? s->body[end[e]].farthest : 0.0;
+    }
+    return length;
+}
+
+/* Returns where bodies that are apart touch within the series, by a function of the gap that is a polynomial
+ * of the path: the gap at a plane, else side (d^2 - reach^2) = g (2 reach + side g). */
+static double touch_within(const struct island *s, const struct contact_shape *shape, struct vec3 c,
+                           const struct contact_geometry *g, double offset, struct island_path *path)
+{
+    double of[TAYLOR_TERMS];
+    const bool is_flat = contact_is_plane(shape);
+    const double reach = contact_reach(shape);
+    const struct vec3 axis = contact_is_cylinder(shape) ? shape->axis : vec3_make(0.0, 0.0, 0.0);
+    const struct vec3 start = vec3_axpy(c, -vec3_dot(c, axis), axis);
+    for (int i = 0; i < TAYLOR_TERMS; ++i) {
+        const double axial =
+            path->c[0].row[i] * axis.x + path->c[1].row[i] * axis.y + path->c[2].row[i] * axis.z;
+        of[i] = 0.0;
+        for (int k = 0; k < ISLAND_AXES; ++k) {
+            put(&path->c[k], i, path->c[k].row[i] - axial * vec3_get(axis, k));
+            of[i] += is_flat ? shape->side * vec3_get(g->normal, k) * path->c[k].row[i]
+                             : shape->side * (2.0 * vec3_get(start, k) * path->c[k].row[i] +
+                                              product(&path->c[k], &path->c[k], i));
+        }
+    }
+    const double gap = g->gap + offset;
+    of[0] = is_flat ? gap : gap * (2.0 * reach + shape->side * gap);
+    return series_first_fall(of, s->end);
+}
+
+/* The end is halved at most so often for a contact that might begin and whose shape is not known. */
+enum { MOST_HALVINGS = 6 };
+
+/* Finds where contacts that are apart begin. Returns false where one might that the series do not know. */
+static bool find_touches(struct island *s, const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at)
+{
+    bound_deviations(s);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const int end[2] = {s->index[contact_source(j)], s->index[contact_destination(j)]};
+        if (contact_transmits(q, j) || !contact_is_coupled(v, q, j) || (end[0] < 0 && end[1] < 0)) {
+            continue;
+        }
+        const struct contact_geometry *g = &at->geometry[j];
+        const struct contact_shape shape = scene_contact_shape(v, q, j);
+        const struct separation_path flight = separation_path_of(v, q, at, q->clock, j);
+        const double offset = fmax(-g->gap, 0.0) + rounding_of_gap(v, at, j);
+        const bool is_apart = q->contact[j].regime == (int32_t)REGIME_APART;
+        bool may_touch = !(separation_within(s, &flight, end) < g->gap);
+        if (is_apart && may_touch && knows_shape(v, &shape, j)) {
+            struct island_path path = {{{{0.0}, {0.0}}}};
+            make_path(s, &flight, end, &path);
+            note_change(s, touch_within(s, &shape, flight.c[0], g, offset, &path), j, REGIME_COMPRESSION);
+            continue;
+        }
+        for (int i = 0; may_touch && i < MOST_HALVINGS; ++i) {
+            s->end *= 0.5;
+            s->terminal = -1;
+            bound_deviations(s);
+            may_touch = !(separation_within(s, &flight, end) < g->gap);
+        }
+        if (may_touch) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static double time_at(const struct island *s, double place)
+{
+    return taylor_at(s->power_of_time[1].row, TAYLOR_TERMS, place);
+}
+
+/* The time of the series less a given one, as a root_function. */
+static double place_of(const struct island *s, double time)
+{
+    double of[TAYLOR_TERMS];
+    if (s->paced_by < 0) {
+        return fmin(time / s->unit, s->end);
+    }
+    memcpy(of, s->power_of_time[1].row, sizeof of);
+    of[0] = -time;
+    return time < s->time ? root_in_bracket(island_series_at, of, 0.0, s->end) : s->end;
+}
+
+long island_work(const struct island *s)
+{
+    return 4 + 4L * s->rows;
+}
+
+bool island_make(struct island *s, const struct scene_values *v, const struct scene_state *q,
+                 const struct scene_instant *at, double longest, double quiet)
+{
+    s->rows = s->bodies = 0;
+    memset(s->index, -1, sizeof s->index);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_pushes(v, q, j) && !add_touching(s, v, q, at, j)) {
+            return false;
+        }
+    }
+    find_axes(s);
+    find_bends(s, v, q, at);
+    if (is_quiet(s, v, quiet) || !choose_pace(s, v)) {
+        return false;
+    }
+    memset(&s->pace, 0, sizeof s->pace);
+    memset(s->power_of_time, 0, sizeof s->power_of_time);
+    put(&s->pace, 0, s->paced_by < 0 ? 1.0 : sqrt(fmax(-s->row[s->paced_by].gap.row[0], 0.0)));
+    make_terms(s);
+    s->end = reliable_end(s);
+    s->terminal = -1;
+    if (!(s->end > 0.0) || !isfinite(s->end)) {
+        return false;
+    }
+    for (int i = 0; SCENE_ANY_HERTZ && !agrees(s, s->end); ++i) {
+        s->end *= SHORTENING;
+        if (i == MOST_SHORTENINGS) {
+            return false;
+        }
+    }
+    s->time = time_at(s, s->end);
+    if (s->time > longest) {
+        s->end = place_of(s, longest);
+    }
+    find_changes(s, v, q);
+    if (!find_touches(s, v, q, at)) {
+        return false;
+    }
+    s->time = time_at(s, s->end);
+    return true;
+}
+
+/* In so many parts of a series a force or a depth has one maximum each. */
+enum { ISLAND_PARTS = 4 };
+
+/* Returns the largest value of a series from one place to another. */
+static double largest_within(const double *row, double from, double to)
+{
+    double slopes[TAYLOR_TERMS];
+    double before[3];
+    double after[3];
+    for (int i = 0; i < TAYLOR_TERMS; ++i) {
+        slopes[i] = i < TAYLOR_ORDER ? (i + 1) * row[i + 1] : 0.0;
+    }
+    taylor_derivatives(row, TAYLOR_TERMS, from, before);
+    double largest = before[0];
+    for (int i = 0; i < ISLAND_PARTS; ++i) {
+        const double start = from + (to - from) * i / ISLAND_PARTS;
+        const double end = i + 1 < ISLAND_PARTS ? from + (to - from) * (i + 1) / ISLAND_PARTS : to;
+        taylor_derivatives(row, TAYLOR_TERMS, end, after);
+        largest = fmax(largest, after[0]);
+        if (before[1] > 0.0 && after[1] < 0.0) {
+            const double top = root_in_bracket(island_series_at, slopes, start, end);
+            largest = fmax(largest, taylor_at(row, TAYLOR_TERMS, top));
+        }
+        memcpy(before, after, sizeof before);
+    }
+    return largest;
+}
+
+static void note_peaks_of_island(const struct island *s, double from, double to, struct scene_state *q)
+{
+    double depth[TAYLOR_TERMS];
+    for (int n = 0; n < s->rows; ++n) {
+        const struct island_row *r = &s->row[n];
+        for (int i = 0; i < TAYLOR_TERMS; ++i) {
+            depth[i] = -r->gap.row[i];
+        }
+        contact_peaks_note(&q->contact[r->contact].peaks, largest_within(r->force.row, from, to),
+                           largest_within(depth, from, to));
+    }
+}
+
+static struct vec3 three_at(const double (*rows)[TAYLOR_TERMS], double place)
+{
+    return vec3_make(taylor_at(rows[0], TAYLOR_TERMS, place), taylor_at(rows[1], TAYLOR_TERMS, place),
+                     taylor_at(rows[2], TAYLOR_TERMS, place));
+}
+
+/* Returns the impulse of the torque on the destination about its centre: the integral of c x F, where F acts
+ * on the source. */
+static struct vec3 twist_of(const struct island *s, const struct island_row *r, double place)
+{
+    double of[ISLAND_AXES][TAYLOR_TERMS] = {{0.0}};
+    struct two_way push[ISLAND_AXES]; /* the derivative by s of the impulse on the source */
+    struct island_path path = {{{{0.0}, {0.0}}}};
+    memset(push, 0, sizeof push);
+    make_path(s, &r->flight, r->end, &path);
+    for (int k = 0; k < ISLAND_AXES; ++k) {
+        put(&path.c[k], 0, vec3_get(r->flight.c[0], k));
+        for (int i = 0; i < TAYLOR_ORDER; ++i) {
+            put(&push[k], i, -(i + 1) * r->pushed[k][i + 1]);
+        }
+    }
+    for (int k = 0; k < ISLAND_AXES; ++k) {
+        const int a = (k + 1) % ISLAND_AXES;
+        const int b = (k + 2) % ISLAND_AXES;
+        for (int i = 0; i < TAYLOR_ORDER; ++i) {
+            of[k][i + 1] = (product(&path.c[a], &push[b], i) - product(&path.c[b], &push[a], i)) / (i + 1);
+        }
+    }
+    return three_at((const double(*)[TAYLOR_TERMS])of, place);
+}
+
+/* Returns the energy that the dashpot has dissipated up to s [J]: the integral of drag g' pace. */
+static double dissipated_by(const struct island *s, const struct island_row *r, double place)
+{
+    struct two_way power;
+    double of[TAYLOR_TERMS] = {0.0};
+    memset(&power, 0, sizeof power);
+    for (int i = 0; i < TAYLOR_ORDER; ++i) {
+        put(&power, i, product(&r->drag, &r->rate, i));
+        of[i + 1] = s->unit / (i + 1) * paced(s, &power, i);
+    }
+    return taylor_at(of, TAYLOR_TERMS, place);
+}
+
+void island_advance(const struct island *s, double from, double time, const struct scene_values *v,
+                    struct scene_state *q)
+{
+    const double place = time < s->time ? place_of(s, time) : s->end;
+    if (from < time) {
+        note_peaks_of_island(s, from > 0.0 ? place_of(s, from) : 0.0, place, q);
+    }
+    for (int n = 0; n < s->rows; ++n) {
+        const struct island_row *r = &s->row[n];
+        struct contact_state *state = &q->contact[r->contact];
+        state->physics.impulse = vec3_sub(state->physics.impulse, three_at(r->pushed, place));
+        if (SCENE_HAS_TORQUES && body_has_axis(contact_destination(r->contact))) {
+            state->torques.destination_impulse =
+                vec3_add(state->torques.destination_impulse, twist_of(s, r, place));
+        }
+        q->dissipated += r->damping > 0.0 ? dissipated_by(s, r, place) : 0.0;
+        state->physics.accumulated_gap = taylor_at(r->gap.row, TAYLOR_TERMS, place);
+        state->physics.rate_rounding = 0.0;
+    }
+    for (int b = 0; b < s->bodies; ++b) {
+        const struct island_body *body = &s->body[b];
+        struct vec3 rate;
+        double *of[ISLAND_AXES] = {&rate.x, &rate.y, &rate.z};
+        for (int k = 0; k < ISLAND_AXES; ++k) {
+            *of[k] = taylor_at(body->rate[k].row, TAYLOR_TERMS, place);
+        }
+        const struct vec3 moved = three_at(body->moved, place);
+        q->external_work += vec3_dot(q->path[body->body].force[0], moved);
+        flight_deviate(v, q, body->body, time, moved, rate);
+    }
+}
+
+#endif
