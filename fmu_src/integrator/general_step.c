@@ -336,10 +336,10 @@ static const double ROUNDING_OF_GAP = 0.5;
 static const double WITHIN_SHARE = 1e-2;
 static const double TURNING_WITHIN_SHARE = 1e-3;
 
-/* Length of a step of four stages, divided by the length of an equally accurate step of eight. The oscillation
- * y'' = -y has an error of 1e-12 after steps of 0.18 and 2 radians (measured). Long steps have eight stages: with
- * twelve the problems F2 to F4 of the report take 5 to 60 % more instructions at tolerances from 1e-3 to 1e-12,
- * because Newton's method limits the steps as much as their error does. */
+/* Length of a step of four stages, divided by the length of an equally accurate step of eight. The
+ * oscillation y'' = -y has an error of 1e-12 after steps of 0.18 and 2 radians (measured). Long steps have
+ * eight stages: with twelve the problems F2 to F4 of the report take 5 to 60 % more instructions at
+ * tolerances from 1e-3 to 1e-12, because Newton's method limits the steps as much as their error does. */
 static const double REACH_OF_FOUR = 0.09;
 
 /* Limits of the growth and shrinkage from one step to the next. */

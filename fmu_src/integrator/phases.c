@@ -194,8 +194,8 @@ static double tolerance_of(const struct scene_values *v, const struct scene_stat
 static bool any_is_coupled(const struct scene_values *v, const struct scene_state *q)
 {
     bool any = false;
-    for (int j = 0; SCENE_HAS_ISLANDS && j < SCENE_CONTACTS; ++j) {
-        any = any || contact_is_coupled(v, q, j);
+    for (int j = 0; SCENE_HAS_ISLANDS && !any && j < SCENE_CONTACTS; ++j) {
+        any = contact_is_coupled(v, q, j);
     }
     return any;
 }
@@ -410,7 +410,7 @@ static bool make_island(struct pair_phase *all, const struct scene_values *v, co
     }
     all->form = PHASE_OF_ISLAND;
     all->longest = longest;
-    all->time = fmin(s->time, longest);
+    all->time = s->terminal < 0 && s->time >= longest * ALL_OF_IT ? longest : fmin(s->time, longest);
     all->terminal = s->terminal;
     all->next = s->next;
     all->changes = s->terminal >= 0;

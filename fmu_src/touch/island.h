@@ -33,24 +33,25 @@ struct two_way {
 
 /* A contact in touch. */
 struct island_row {
-    int contact, end[2]; /* the contact, and its source and destination among the bodies */
+    int contact, end[2]; /* the contact, and its source and destination among the bodies; -1: not free */
     double side;
-    bool is_hertz, is_straight;      /* straight: n never turns */
-    double stiffness, damping;       /* k and c of the linear law, k_h and chi of Hertz's, in the regime */
-    double by_gap, by_rate, margin;  /* the event function of the law, linear in g and g' */
-    double offset;                   /* the contact ends where its gap exceeds this [m] */
-    struct vec3 axis;                /* of a cylinder; else zero */
+    bool is_hertz, is_straight; /* straight: n never turns */
+    double stiffness, damping;  /* k and c of the linear law, k_h and chi of Hertz's, in the regime */
+    double by_gap, by_rate,
+        margin;               /* the event function of the law, linear in g and g'; margin: at the start */
+    double offset;            /* the contact ends where its gap exceeds this [m] */
+    double by_distance, bend; /* 1/d [1/m] and g'' [m/s^2] at the start */
+    struct vec3 axis;         /* of a cylinder; else zero */
     struct separation_path flight;   /* C */
     struct two_way gap, rate, force; /* g [m], g' [m/s], F [N] */
-    struct two_way d;                /* without its coefficient 0 [m] */
-    struct two_way impulse;          /* F pace */
-    struct two_way rate_of_c[ISLAND_AXES]; /* only forwards [m/s] */
-    double by_distance, bend;              /* 1/d [1/m] and g'' [m/s^2] at the start */
+    struct two_way impulse, drag;    /* F pace, and the dashpot's part of -F [N] */
     struct two_way n[ISLAND_AXES];
-    struct two_way depth, power;              /* delta and delta^(3/2) under Hertz's law */
-    struct two_way drag;                      /* the dashpot's part of -F [N] */
-    double pushed[ISLAND_AXES][TAYLOR_TERMS]; /* momentum given to the destination [N s] */
-    double dissipated[TAYLOR_TERMS];          /* [J] */
+    struct two_way depth, power;                     /* delta and delta^(3/2) under Hertz's law */
+    double slope[TAYLOR_TERMS + 1];                  /* i times coefficient i of delta */
+    double d[TAYLOR_TERMS + 1];                      /* from coefficient 1 on [m] */
+    double rate_of_c[ISLAND_AXES][TAYLOR_TERMS + 1]; /* [m/s] */
+    double lower_push[ISLAND_AXES];                  /* the part of the next push by lower coefficients */
+    double pushed[ISLAND_AXES][TAYLOR_TERMS];        /* momentum given to the destination [N s] */
 };
 
 /* A free body on which contacts of the island act. */
