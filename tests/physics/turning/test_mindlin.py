@@ -7,7 +7,7 @@ import pytest
 
 from support.checks import check_close, check_relative, run, start
 from support.exchange_runs import check_exchange
-from support.reference.turning import TurningRun
+from support.reference.turning import follow
 from support.scenes.scene_checks import FMU
 
 K_H, MASS, RADIUS, SPEED = 3e6, 1.2, 0.1, 0.7
@@ -64,7 +64,7 @@ def test_the_elongation_midway_is_that_of_the_closed_form(opened):
 @pytest.mark.parametrize("ratio, damping", [(1.4 / 1.7, 0.0), (1.4 / 1.7, 0.4), (0.05, 0.0)])
 def test_an_impact_that_sticks_goes_as_the_reference_says(opened, method, ratio, damping):
     values = impact(ratio, 1e9, 0.4, damping)
-    expected = TurningRun(values, "plane").run(0.05).figures()
+    expected = follow(values, "plane", 0.05)
     fmu = run(opened(FMU["plane"]), values, 0.05, 1, 1e-12, method)
     check_close("velocity", fmu["source.velocity"], expected["source.velocity"], ALLOWED[method])
     spin = expected["source.angular_velocity"]

@@ -12,7 +12,7 @@ import pytest
 from support.checks import METHODS, check_close, check_relative, run, start
 from support.exchange_runs import check_exchange
 from support.fmi3 import raw
-from support.reference.turning import TurningRun
+from support.reference.turning import follow
 from support.scenes import turning_cases as cases
 from support.scenes.scene_checks import FMU
 from support.scenes.turning_checks import failures
@@ -94,7 +94,7 @@ def test_a_ball_that_spins_slows_down_at_a_constant_rate(opened, method):
 def test_a_scene_goes_as_the_reference_says(opened, seed, law):
     scene = random_turning_scene(seed)
     values = scene.values | resistance(np.random.default_rng([27, seed]), law)
-    expected = TurningRun(values, scene.shape).run(scene.end).figures()
+    expected = follow(values, scene.shape, scene.end)
     fmu, wrong = opened(FMU[scene.shape]), {}
     for method in METHODS:
         lines = failures(fmu, values, scene.end, scene.steps, method, expected)
@@ -109,7 +109,7 @@ def test_the_elastic_scenes_stick_and_slide():
     for seed in range(12):
         scene = random_turning_scene(seed)
         values = scene.values | resistance(np.random.default_rng([27, seed]), "elastic")
-        seen |= {name for _, name in TurningRun(values, scene.shape).run(scene.end).events}
+        seen |= set(follow(values, scene.shape, scene.end)["events"])
     assert {f"{kind} {does}" for kind in ("rolling", "spinning") for does in ("sticks", "slips")} <= seen
 
 
@@ -122,7 +122,7 @@ def test_a_given_motion_has_the_torques_that_the_reference_says(opened, seed, la
     if seed % 2:
         name = "source.prescribed_angular_velocity"
         values[f"{name}.derivatives"] = [(-2.0 / end * np.array(values[name])).tolist()]
-    expected = TurningRun(values, shape).run(end).figures()
+    expected = follow(values, shape, end)
     lines = failures(opened(FMU[shape]), values, end, 1, "event_driven", expected)
     assert not lines, f"{lines}\n{values}"
 
@@ -137,7 +137,7 @@ IN_A_SHELL |= {"contact.characteristic_rolling_rate": 2e-2, "contact.characteris
 def test_a_ball_that_swings_to_rest_passes_every_standstill(opened, shape):
     """In a hollow sphere and in a lying tube: it turns back several times, and stops spinning."""
     values = IN_A_SHELL | ({"destination.axis": [0.0, 1.0, 0.0]} if shape == "cylinder" else {})
-    expected = TurningRun(values, shape).run(1.5).figures()
+    expected = follow(values, shape, 1.5)
     lines = failures(opened(FMU[shape]), values, 1.5, 4, "event_driven", expected)
     assert not lines, lines
 

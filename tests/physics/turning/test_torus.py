@@ -115,7 +115,7 @@ class Ring:
         events = [lambda _t, y: self.forces(y)[3], lambda _t, y: self.forces(y)[4]]
         events = events[: 1 if self.side == "whole" else 2]
         options = {"rtol": 1e-11, "atol": 1e-12, "max_step": 5e-4}
-        return ended(self.rates, y, self.end, events, **options)[:21]
+        return ended(self, self.rates, y, events, **options)[:21]
 
 
 @cache

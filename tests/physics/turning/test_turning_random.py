@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from support.checks import METHODS, check_close, run, start
-from support.reference.turning import TurningPair, TurningRun, outputs
+from support.reference.turning import TurningPair, follow, outputs
 from support.scenes import turning_cases as cases
 from support.scenes.random_scenes import even
 from support.scenes.scene_checks import FMU
@@ -25,12 +25,11 @@ SEEDS = range(FIRST, FIRST + COUNT)
 @cache
 def expected(seed):
     scene = random_turning_scene(seed)
-    return TurningRun(scene.values, scene.shape).run(scene.end).figures()
+    return follow(scene.values, scene.shape, scene.end)
 
 
 # Two events at once, of which neither may be passed over: Hertz's law with a dashpot that may pull, whose
-# force ends with the contact (342, 394, 409, 642); a corner of the law at which the slip no longer stretches
-# the spring (410, 457).
+# force ends with the contact (342, 394, 409, 642); the slip stops stretching the spring (410, 457).
 TWO_EVENTS = (342, 394, 409, 410, 457, 642)
 # Neither turns nor rubs: only the mean torque is new.
 NO_TURNING = (179, 329, 537, 657)
@@ -97,8 +96,7 @@ def test_a_grazing_impact_with_friction_gains_no_energy(opened, seed):
     check_close("balance", fmu["energy.total"], begin, 1e-9 * size)
 
 
-# The next tests make many communication steps where bodies turn or rub: one internal step goes on beyond
-# several of them.
+# In the next tests bodies turn or rub in many communication steps: an internal step goes on beyond several.
 
 MANY = 400
 
@@ -173,7 +171,7 @@ INCREMENTS = 4000  # of the incremental spring, whose error goes with the first 
 @pytest.mark.parametrize("seed", SCENES)
 def test_a_given_motion_has_the_forces_that_the_reference_says(opened, seed):
     shape, values, end, _ = driven_scene(seed)
-    expected = TurningRun(values, shape).run(end).figures()
+    expected = follow(values, shape, end)
     lines = failures(opened(FMU[shape]), values, end, 1, "event_driven", expected)
     assert not lines, f"{lines}\n{values}"
 

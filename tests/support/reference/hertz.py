@@ -11,6 +11,8 @@ from typing import NamedTuple
 import mpmath
 import numpy as np
 
+from support.reference.kept import kept
+
 LONG = np.longdouble
 COLUMNS = 8  # of the extrapolation: order 16
 TOLERANCE = LONG("1e-15")  # of a step, relative to sizes and speeds
@@ -298,7 +300,9 @@ def run(pair, state, end, first=None, tolerance=TOLERANCE):
 
 def follow(fmu, values, end, tolerance="1e-14"):
     """A scene with factors of its own from its start to `end`"""
-    return run(*pair_of(fmu, values, *factors(values)), end, tolerance=LONG(tolerance))
+    pair, state = pair_of(fmu, values, *factors(values))
+    scene = ["hertz", fmu, values, end, tolerance]
+    return kept(scene, lambda: run(pair, state, end, tolerance=LONG(tolerance)))
 
 
 def settle(pair, state, branch):
@@ -311,8 +315,7 @@ def settle(pair, state, branch):
 
 
 def restitution_of(number, dashpot):
-    """e of Hunt and Crossley's law with y = chi v. Of full damping it is in u exp(-u) = (1 + y) exp(-1 - y),
-    u = 1 - e y."""
+    """e of Hunt and Crossley, y = chi v; of full damping in u exp(-u) = (1 + y) exp(-1 - y), u = 1 - e y."""
     y = mpmath.mpf(number)
     if dashpot == "approach_only":
         return float(mpmath.sqrt(2 * (y - mpmath.log(1 + y))) / y)

@@ -1,5 +1,4 @@
-"""An independent reference for the motion: Taylor series of the equations of DESIGN section 1 with events
-found on the series.
+"""An independent reference for the motion: Taylor series of the equations of DESIGN section 1, with events.
 
 The motion is integrated regime by regime: within a regime the right-hand side is analytic, a step carries
 the power series of positions and velocities to a high order, and an event is the first root of a series,
@@ -180,8 +179,7 @@ def split(points):
 
 
 def first_crossing(points, start, width, depth):
-    """First place in [start, start + width] where the polynomial goes below zero; None when it stays
-    above."""
+    """First place in [start, start + width] where the polynomial goes below zero; None when it never does."""
     if all(p >= 0 for p in points):
         return None
     if points[0] < 0 or depth == 0:
@@ -268,8 +266,7 @@ class SpanMaker:
     """The part of Reference that makes its series, from its present position, velocity and regime."""
 
     def outer_rate(self, body):
-        """Row of accelerations without the contact, and the external force as polynomials in the
-        time since now."""
+        """Row of accelerations without the contact, and the external force as polynomials of time from now"""
         kind = self.values[f"{body}.motion"]
         force = [[self.zero]] * 3
         if kind != "free":
@@ -342,8 +339,7 @@ class SpanMaker:
         return Span(states, self.oriented(conditions), resolved, loads)
 
     def contact_rows(self, tape, regime, c, w, distance):
-        """g, its rate, the formula's force, the force and its vector on the source (along -/+ rho
-        outside/inside)."""
+        """g, its rate, the formula's force, the force and its vector on the source (along -/+ rho)"""
         if self.line:
             rate = tape.linear(list(zip(self.line, w, strict=True)))
         else:

@@ -38,8 +38,7 @@ class End(NamedTuple):
 
 
 class StiffContact:
-    """Configuration as for ReferenceContact; a destination may be fixed, free, or prescribed with constant
-    acceleration."""
+    """Configuration of a ReferenceContact; a destination is fixed, free, or prescribed at one acceleration"""
 
     def __init__(self, configuration, shape):
         given = {k: v for k, v in configuration.items() if not k.endswith(".derivatives")}
@@ -88,8 +87,7 @@ class StiffContact:
         return np.concatenate([np.cross(turn, n) / distance**2, distance * np.cross(n, self.acceleration)])
 
     def relative_end(self, end, order):
-        """x across the axis at the end, the least push on the way, and what the curvature's part in w is
-        worth"""
+        """x across the axis at the end, the least push, and the share of the curvature's part in w"""
         apart = self.across(self.place[0] - self.place[1])
         speed = self.across(self.speed[0] - self.speed[1])
         distance = np.linalg.norm(apart)
@@ -153,8 +151,7 @@ class StiffContact:
 #     b'' = -2 s' b'/r - sin b cos b a'^2 - g sin b cos a/r
 #     a'' = -2 s' a'/r + 2 tan b b' a' - g sin a/(r cos b)
 #
-# The unknowns for s are the spring's force p_n s and sqrt(m p_n) s', which stay of order 1 however stiff it
-# is.
+# The unknowns for s are the spring's force p_n s and sqrt(m p_n) s', of order 1 however stiff it is.
 
 MASS, GRAVITY, RADIUS, SPEED, ANGLE = 0.1, 9.81, 0.45, 0.1, pi / 3
 

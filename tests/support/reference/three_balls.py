@@ -7,6 +7,7 @@ import numpy as np
 
 from support.checks import DASHPOTS
 from support.reference.islands import Islands
+from support.reference.kept import kept
 
 REACH, STIFFNESS, END = 0.2, 1e6, 0.5
 REST = [0.0, 0.0, 0.0]
@@ -43,7 +44,8 @@ def reference(name):
         )
     ]
     contacts = [one | {"dashpot": case.dashpot} for one in contacts]
-    return Islands(balls, [], contacts, REST).run(case.end, 1e-12, case.end / 80)[0][:, :3]
+    scene = (balls, [], contacts, REST)
+    return kept([*scene, case.end], lambda: Islands(*scene).run(case.end, 1e-12, case.end / 80)[0][:, :3])
 
 
 def random_case(seed, damped):

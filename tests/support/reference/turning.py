@@ -12,6 +12,7 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq, minimize_scalar
 
+from support.reference.kept import kept
 from support.reference.law import START_VALUES
 
 
@@ -295,8 +296,7 @@ class TurningPair:
         return add(times(self.stiffness_of(one, place.gap), spring), times(one.c, motion))
 
 
-# The next functions give the rates of the state by Newton, Euler and the two laws of friction, and those of
-# the sums.
+# The next functions give the rates of the state by Newton, Euler and the laws of friction, and of the sums.
 #
 # `touching` says which side of its events the contact is on, and `sticking` names the opposed motions that
 # stick; they are remembered by who integrates, not recomputed from a rounded gap.
@@ -823,5 +823,11 @@ class TurningRun:
         return found
 
 
-def follow(values, shape, end, **more):
-    return TurningRun(values, shape, **more).run(end)
+def follow(values, shape, end):
+    """The figures of a run at its end, and the names of its events"""
+
+    def find():
+        run = TurningRun(values, shape).run(end)
+        return run.figures() | {"events": [name for _, name in run.events]}
+
+    return kept(["TurningRun", values, shape, end], find)
