@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -223,11 +224,11 @@ ALWAYS = {"fmpy", "libcosim"}  # are in requirements.txt; others of Python are t
 
 
 @pytest.fixture(scope="module")
-def with_integers(tmp_path_factory):
+def with_integers(tmp_path_factory, quick_compiler):
     folder = tmp_path_factory.mktemp("integer")
     scene = ROOT / "modelDescription" / "scenes" / f"{SCENE}.toml"
     command = [sys.executable, "-m", "contact_fmus", "build", str(scene), "--choices", "integer"]
-    run = finished([*command, "-o", str(folder)])
+    run = finished([*command, "-o", str(folder)], env=os.environ | {"CC": quick_compiler})
     assert run.returncode == 0, run.stdout + run.stderr
     return folder / f"{SCENE}.fmu"
 

@@ -18,8 +18,9 @@ from support.sources import ROOT
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
+def folder(tmp_path, monkeypatch, quick_compiler):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("CC", quick_compiler)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     return tmp_path
 
