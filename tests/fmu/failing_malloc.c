@@ -34,8 +34,7 @@ static int find_end(struct dl_phdr_info *info, size_t size, void *wanted)
     return 1;
 }
 
-/* From now on the allocations of the library that has this function are counted from 0, and those from..to
- * fail. */
+/* From now on the allocations of the library with this function are counted from 0; those from..to fail. */
 void failing_malloc_watch(const void *function, long from, long to)
 {
     Dl_info info;

@@ -7,13 +7,13 @@ The fixture in conftest.py checks in every one of these tests that nothing is pr
 import itertools
 import math
 import re
-from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import byref, c_double, c_int, c_size_t, c_uint
 
 import pytest
 
 from contact_fmus.fmu.files import fmus_folder
 from support.fmi2 import raw
-from support.fmi2.raw import CO_SIMULATION, DISCARD, ERROR, OK, WARNING, array
+from support.fmi2.raw import DISCARD, ERROR, OK, WARNING, array
 from support.fmi3 import raw as raw3
 
 UNKNOWN = 4_000_000_000
@@ -148,8 +148,7 @@ def test_null_arrays_of_derivatives_are_refused_unless_empty(fmu, instance, func
 def test_null_pointers_of_states_and_statuses_are_refused(fmu, instance):
     instance.initialize()
     blob = instance.save()
-    state = c_void_p()
-    instance.ok("GetFMUstate", byref(state))
+    state = instance.state()
     size = c_size_t()
     cases = [
         ("GetFMUstate", None),
@@ -265,23 +264,18 @@ def test_a_prescribed_motion_beyond_all_numbers_is_discarded(universal):
 # instantiation
 
 
-@pytest.mark.parametrize(
-    "guid", [b"{00000000-0000-0000-0000-000000000000}", b"no guid", b"50 %s %n #r1#", None]
-)
-def test_a_wrong_guid_makes_no_instance(fmu, guid):
+GUIDS = [b"{00000000-0000-0000-0000-000000000000}", b"no guid", b"50 %s %n #r1#", None, b" "]
+GUIDS += [b"x" * length for length in (1, 200, 5_000, 100_000)]
+
+
+@pytest.mark.parametrize("guid", GUIDS, ids=range(len(GUIDS)))
+def test_a_wrong_guid_of_any_length_makes_no_instance(fmu, guid):
     instance = raw.Instance(fmu, guid=guid)
     assert instance.component is None
     (message,) = instance.messages
     assert (message.status, message.category) == (ERROR, "logStatusError")
     assert fmu.guid in message.text
-    assert (guid or b"(null)").decode() in message.text
-
-
-def test_a_guid_of_any_length_makes_no_instance(fmu):
-    for length in (0, 1, 200, 5_000, 100_000):
-        instance = raw.Instance(fmu, guid=b"x" * length or b" ")
-        assert instance.component is None
-        assert fmu.guid in instance.messages[0].text
+    assert (guid or b"(null)").decode()[:200] in message.text
 
 
 KINDS = ("fmuType", "fmi2CoSimulation or fmi2ModelExchange")
@@ -294,18 +288,6 @@ def test_an_instance_needs_a_name_and_is_of_co_simulation_or_model_exchange(fmu,
     instance = raw.Instance(fmu, **wrong)
     assert instance.component is None
     assert all(word in instance.messages[0].text for word in words)
-
-
-def test_an_instance_needs_callbacks(fmu):
-    assert fmu.library.fmi2Instantiate(b"a", CO_SIMULATION, fmu.guid.encode(), b"", None, 0, 0) is None
-
-
-def test_an_instance_without_a_logger_works_and_refuses(fmu):
-    with raw.Instance(fmu, with_logger=False) as instance:
-        instance.initialize()
-        assert instance.call("DoStep", 0.0, -1.0, 1) == DISCARD
-        instance.run([0.1])
-    assert raw.Instance(fmu, with_logger=False, guid=b"wrong").component is None
 
 
 @pytest.mark.parametrize("resources", [

@@ -220,8 +220,7 @@ def test_in_initialization_mode_inputs_are_known_and_parameters_are_not(fmu, ins
 
 
 # The next tests compare the directional derivatives of all Real unknowns of initialization mode, energies and
-# peaks too, with differences through the FMU. Inputs move the start there: no work is done, and automatic
-# factors follow.
+# peaks too, with differences through the FMU. Inputs move the start: no work is done, and factors follow.
 
 # Bodies that overlap (the gap is -0.04 m) and move; the free one has kinetic and potential energy.
 TOUCHING = {"source.center": [0.3, 0.1, 0.45], "destination.prescribed_displacement": [0.01, -0.02, 0.0]}

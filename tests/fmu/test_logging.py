@@ -1,7 +1,7 @@
 """Messages: who hears which, and that each is a complete text of bounded length whatever its parts are."""
 
 import ctypes
-from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint
 
 import pytest
 
@@ -347,8 +347,7 @@ def test_what_is_not_freed_while_telling_is_freed_afterwards(fmu):
         instance.initialize()
         instance.prepare()
         assert wrong_reading(instance) == ERROR
-        state, size = c_void_p(), c_size_t()
-        instance.ok("GetFMUstate", byref(state))
+        state, size = instance.state(), c_size_t()
         instance.ok("SerializedFMUstateSize", state, byref(size))
         instance.ok("FreeFMUstate", byref(state))
         instance.run([0.1])

@@ -145,8 +145,7 @@ def test_the_time_is_that_of_the_motion_at_every_step():
             assert instance.get("source.position")[1] == pytest.approx(0.3 + time, rel=1e-13)
 
 
-# The FMU does steps and readings in flight by shorter ways. The next tests hold that the answers are the
-# same.
+# The FMU does steps and readings in flight by shorter ways. The next tests hold that the answers are alike.
 
 
 def test_refused_steps_leave_no_trace_in_a_run(fmu):

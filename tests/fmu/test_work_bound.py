@@ -70,8 +70,7 @@ def discarded(fmu, size):
 
 @pytest.mark.parametrize("case", UNBOUNDED)
 def test_the_work_is_bounded_and_nothing_breaks(opened, case):
-    """Either the step is done after all, or it is discarded at a time in between; then the same call goes
-    on."""
+    """The step is done after all, or discarded at a time in between; then the same call goes on."""
     configuration, size = UNBOUNDED[case]
     fmu = limited(opened("SphereSphere"), configuration)
     energy = mechanical(fmu)

@@ -289,6 +289,12 @@ class Instance(prototypes.AnyInstance):
 
     # states
 
+    def state(self) -> c_void_p:
+        """One that is saved, for the importer to free"""
+        state = c_void_p()
+        self.ok("GetFMUstate", byref(state))
+        return state
+
     def deserialize(self, blob: bytes) -> tuple[int, c_void_p]:
         state = c_void_p()
         return self.call("DeSerializeFMUstate", blob, len(blob), byref(state)), state
