@@ -34,6 +34,7 @@ SUMS_UP = {
 }  # fmt: skip
 
 
+@cache
 def whole(name: str) -> str:
     """A variable without the number of its component."""
     return re.sub(r"\[\d\]$", "", name)
@@ -227,6 +228,7 @@ def row_of(name: str, scene: dict) -> tuple[str, dict]:
     return plain, row | row.get(f"of_{shapes.get(owner)}", {})
 
 
+@cache
 def scene_file(scene: str) -> dict:
     return written_out(tomllib.loads((FOLDER / "scenes" / f"{scene}.toml").read_text(encoding="utf-8")))
 
