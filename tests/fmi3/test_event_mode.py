@@ -217,8 +217,7 @@ def test_fmpy_records_the_impact():
     check_close("gap", first["contact.gap"], 0.0, 1e-12)
 
 
-# The next tests change tunable parameters of FMI 3.0: in event mode where the importer uses that mode, else
-# between steps.
+# The next tests change tunable parameters of FMI 3.0: in event mode where there is one, else between steps.
 
 DROPPED = {"source.center": [0.0, 0.0, 0.599], "contact.method": "penalty", "gravity": [0.0, 0.0, -9.81]}
 CHANGED = {"contact.penalty_factor": 3e5, "gravity": [0.0, 1.0, 2.0], "contact.dashpot": "unclamped"}

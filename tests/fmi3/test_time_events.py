@@ -80,8 +80,7 @@ PASSES = 0.0505  # s
 
 
 def graze(speed, depth):
-    """Without gravity, past the pole of the sphere, so low that the bodies overlap for a moment in the middle
-    of a millisecond"""
+    """Without gravity, past the pole of the sphere, in overlap for a moment in the middle of a millisecond"""
     height = REACH - depth
     half = math.sqrt(REACH**2 - height**2) / speed
     start = {"gravity": [0.0, 0.0, 0.0], "source.center": [-PASSES * speed, 0.0, height]}

@@ -1,5 +1,4 @@
-"""Concentric bodies, automatic location, kinds of motion that mean the same, and starts in the middle of a
-contact."""
+"""Concentric bodies, automatic location, kinds of motion that mean the same, and starts in mid-contact."""
 
 import math
 
@@ -62,8 +61,7 @@ def test_a_ball_flies_through_the_middle_of_a_hollow_body(opened, shape, method)
 
 
 def test_overlapping_solids_at_the_same_place_push_along_a_fixed_direction(opened, shape):
-    """No normal is defined: a documented unit vector (across a cylinder's axis), one warning, nothing
-    that is not finite."""
+    """No normal is defined: a documented unit vector (across a cylinder's axis), one warning, all finite"""
     fmu = start(opened(FMU[shape]), concentric(shape, contact_location="outside", contact_method="penalty"))
     directions = []
     for _ in range(3):

@@ -73,8 +73,7 @@ def test_force_element_equals_the_recomputation(opened, name):
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_common_offset_of_a_million_metres_costs_no_digits(opened, name):
-    """X_dst - X_src is rounded once, relative to itself; the offset itself appears in no tolerance but
-    the point's."""
+    """X_dst - X_src is rounded once, relative to itself; only the point's tolerance has the offset in it."""
     check_random(opened(name), name, seed=100, count=60, offset=1e6)
 
 

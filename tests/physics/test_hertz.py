@@ -327,8 +327,7 @@ def test_a_ball_hardly_smaller_than_its_shell_is_warned_of(opened):
 
 
 # The next tests are of lasting contact under Hertz's law. A creeping body takes few steps, and its force is
-# as exact as its motion. An oscillation is followed as long as it matters. The work does not grow with the
-# modulus.
+# as exact as its motion. An oscillation is followed while it matters. The work is the same for any modulus.
 
 RADIUS, OTHER = 0.1, 0.5
 

@@ -1,5 +1,4 @@
-"""contact.peak_force and contact.peak_penetration, against a reference that follows the contact through every
-turn.
+"""contact.peak_force and contact.peak_penetration, against a reference that follows every turn of a contact.
 
 The reference is the motion of a ball pressed on a fixed body in a plane, in polar coordinates about the
 body's centre, so that the gap has digits of its own:
@@ -185,8 +184,7 @@ def test_a_body_set_down_presses_harder_than_its_weight(opened, shape, location,
 def test_the_search_ends_where_a_turn_has_no_digits(
     opened, shape, location, stiffness, mass, pull, end, share
 ):
-    """A ball that settles under a load which doubles until the middle of the step and falls back: the peaks
-    are the load's"""
+    """A ball settles under a load that doubles until mid-step and falls back: the peaks are the load's."""
     load = pull * mass
     side = -1 if location == "inside" else 1
     force = -side * np.array([[load, 0.0], [4 * load / end, 0.0], [-8 * load / end**2, 0.0]])

@@ -81,8 +81,7 @@ def check_energy(fmu, values, seen):
 @BOUNDED
 @given(scene=scenes())
 def test_all_outputs_are_numbers_and_forces_those_of_a_contact(opened, method, scene):
-    """Action equals reaction; a non-adhesive contact never pulls; no output is anything but a number; energy
-    is accounted for."""
+    """Action equals reaction; a non-adhesive contact never pulls; outputs are numbers; no energy is lost."""
     fmu, values = opened(FMU[scene.shape]), scene.configuration
     outputs = [name for name, one in fmu.variables.items() if (one.causality, one.type) == ("output", "Real")]
     assert len(outputs) > 20
@@ -135,8 +134,7 @@ def test_fixed_and_prescribed_at_rest_are_the_same(opened, method, scene):
 @BOUNDED
 @given(scene=scenes(motions=["fixed", "free"]), speed=st.sampled_from([0.5, -3.0]))
 def test_the_same_motion_is_seen_from_a_moving_frame(opened, method, scene, speed):
-    """Galilei: all bodies get the same velocity; a fixed destination becomes one prescribed with that
-    velocity."""
+    """Galilei: all bodies get the same velocity; a fixed destination becomes a prescribed one."""
     drift = speed * np.array([0.6, -0.48, 0.64])
     values = dict(scene.configuration)
     moving = dict(values)

@@ -1,7 +1,6 @@
 """The peers of the report: each is given the FMU's problem, comes near the reference, and says why it cannot.
 
-scipy is always there; of the other peers those that are installed are run, and the others must say that they
-are not."""
+scipy is always there; of the other peers those installed are run, and the rest must say that they are not."""
 
 import importlib.util
 import itertools

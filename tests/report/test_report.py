@@ -57,8 +57,7 @@ FIGURES, STEPS = [*SETS, "stiffness"], QUICK.communication_steps
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
-    """What `scripts/report.sh --quick` leaves, without set-up, build, the optional parts and repetitions of
-    runs that take long"""
+    """What `scripts/report.sh --quick` leaves, less set-up, build, optional parts and repeated long runs"""
     folder = tmp_path_factory.mktemp("report")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(measure, "QUICK", dataclasses.replace(QUICK, limit=PATIENCE, budget=1e-3))

@@ -16,8 +16,7 @@ struct scenario {
     uint64_t digest;
 };
 
-/* An instance of scenario 0 .. SCENARIOS - 1, initialized. Ends the process with a message when a call
- * fails, as all here. */
+/* An instance of scenario 0 .. SCENARIOS - 1, initialized. Ends the process with a message if a call fails */
 struct scenario scenario_begin(int index);
 
 /* The communication steps in order. */

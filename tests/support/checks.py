@@ -9,8 +9,7 @@ FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 
 
 def differences(what, value, expected, allowed):
-    """Empty when every |value - expected| <= allowed (scalars or vectors); otherwise a line with both
-    values."""
+    """Empty when every |value - expected| <= allowed (scalars or vectors); otherwise a line with both"""
     value, expected = np.asarray(value, np.longdouble), np.asarray(expected, np.longdouble)
     error = np.max(np.abs(value - expected))
     if error <= allowed:  # False for NaN
@@ -57,8 +56,7 @@ def start(fmu, configuration, tolerance=None, method=None):
 
 
 def run(fmu, configuration, end, steps=10, tolerance=1e-10, method="event_driven", each=None):
-    """From 0 to `end` in equal communication steps; `each(fmu)` is called at the start and after every
-    step."""
+    """From 0 to `end` in equal communication steps; calls `each(fmu)` at the start and after every step."""
     start(fmu, configuration, tolerance, method)
     if each:
         each(fmu)

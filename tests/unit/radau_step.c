@@ -325,8 +325,7 @@ TEST(a_fall_is_the_first_change_from_above_to_below)
     CHECK(bernstein_first_fall(dip, 3, 1e-6).low == (double)INFINITY);
 }
 
-/* The first secant of a straight line rounds to its root, on either side; the bracket is closed all the
- * same. */
+/* The first secant of a straight line rounds to its root, on either side; the bracket is closed anyway. */
 TEST(a_straight_line_falls_where_it_does)
 {
     for (int k = 1; k < 1000; ++k) {

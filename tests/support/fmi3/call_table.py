@@ -58,8 +58,7 @@ GetNumberOfEventIndicators     x . x . . . .
 
 TYPED = [*TYPES, "Binary"]
 NUMBERS = ("GetNumberOfContinuousStates", "GetNumberOfEventIndicators")
-# Start values may be read while instantiated, and numbers that never change are always told: nobody is
-# harmed.
+# Start values may be read while instantiated, and numbers that never change are told: that harms nobody.
 _LENIENT = {
     "instantiated": {f"Get{name}" for name in TYPED},
     **{state: set(NUMBERS) for state in ("initialization", "continuous", "terminated", "error")},

@@ -52,8 +52,7 @@ def of_size(shape, location, radius, gap, speed):
 
 
 def shared_out(values, source, destination, m_s, m_d):
-    """Motions and masses; the pair closes with the same speed whoever moves. Where both are free their centre
-    of mass rests."""
+    """Motions and masses; the pair closes at one speed whoever moves. Of two free bodies the centre rests."""
     share = m_d / (m_s + m_d) if source == destination == "free" else float(source == "free")
     speed = np.array(values["source.initial_velocity"])
     return values | {
@@ -103,8 +102,7 @@ def oscillator(dashpot, mass, stiffness, damping, speed=SPEED):
 
 
 def passing(shape, miss, speed=3.0):
-    """A straight pass whose closest approach to the touching distance is `miss` (negative: overlap),
-    gravity off."""
+    """A straight pass, without gravity, whose least distance beyond touch is `miss` (negative: overlap)."""
     values = head_on(shape, "outside")
     across = np.cross(AXIS, ACROSS)
     along = 0.3 * AXIS if shape == "cylinder" else 0.0

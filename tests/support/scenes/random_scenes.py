@@ -14,8 +14,7 @@ KINDS = {
     "plane": ["outside", "both free", "moving destination", "driven by a force", "viscous only"],
 }  # fmt: skip
 SEEDS = [0, 1, 2]
-# Out of 2000 scenes: the dashpot switches where the gap rate is zero, and a rounded sign may choose the wrong
-# branch.
+# Out of 2000 scenes: the dashpot switches where the gap rate is 0; a rounded sign may take the wrong branch.
 DELICATE = [("sphere", "viscous only", seed) for seed in (14, 47, 75, 89, 129, 161)]
 DELICATE.append(("cylinder", "inside", 130))
 SCENES = [(shape, kind, seed) for shape, kinds in KINDS.items() for kind in kinds for seed in SEEDS]

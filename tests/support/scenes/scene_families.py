@@ -340,8 +340,7 @@ FAMILIES |= {"swinging out": swinging_out}
 
 
 def drawn(family, seed):
-    """The scene of a family with this seed. What round numbers make without one right answer is drawn
-    again."""
+    """The scene of a family with this seed. Where round numbers leave no right answer it is drawn again."""
     for attempt in itertools.count():
         random = np.random.default_rng([seed, list(FAMILIES).index(family), attempt])
         shape = ("sphere", "cylinder")[random.integers(2)]

@@ -203,8 +203,7 @@ def oblique_impact(velocity=(1.0, 0.3, -2.0), spin=(2.0, 5.0, 3.0), stiffness=7e
 
 
 def opposite_spin(mu=0.4, speed=0.2, spin=25.0):
-    """Chung and Ooi 7: two equal balls meet head-on with opposite spins, their surfaces move alike: nothing
-    rubs."""
+    """Chung and Ooi 7: equal balls meet head-on with opposite spins; surfaces move alike: nothing rubs."""
     values = ball(1e7) | {"destination.motion": "free", "destination.rotation": "free"}
     values |= {"destination.radius": RADIUS, "source.center": [0.0, 0.0, 0.21]}
     values |= {"source.initial_velocity": [0.0, 0.0, -speed]}
@@ -220,8 +219,7 @@ def opposite_spin(mu=0.4, speed=0.2, spin=25.0):
 
 
 def rotor(end, spin=(3.0, -4.0, 12.0), axis=(0.6, 0.0, 0.8), length=0.7, radius=0.2, mass=2.0):
-    """A cylinder that flies and tumbles: R(t) = Rot(L, |L| t/I_1) R_0 Rot(e_3, (1 - I_3/I_1) omega_3 t).
-    Exact."""
+    """A cylinder flies and tumbles: R(t) = Rot(L, |L| t/I_1) R_0 Rot(e_3, (1 - I_3/I_1) omega_3 t). Exact."""
     along, across = 0.5 * mass * radius**2, mass * (3 * radius**2 + length**2) / 12
     e, omega = np.array(axis), np.array(spin)
     momentum = across * omega + (along - across) * (omega @ e) * e
@@ -258,8 +256,7 @@ def rotated(q, v):
 
 
 def shell(friction="regularized"):
-    """A free ball that goes to and fro in a free hollow sphere, without damping and gravity. Their middle
-    rests."""
+    """A free ball goes to and fro in a free hollow sphere, without damping or gravity. Their middle rests."""
     values = ball(1e5) | {"source.rotation": "free", "destination.motion": "free"}
     values |= {"destination.rotation": "free", "destination.mass": 2.0, "source.center": [0.1, 0.05, 0.0]}
     values |= {"source.initial_velocity": [3.0, -4.0, 5.0], "destination.initial_velocity": [-1.5, 2.0, -2.5]}

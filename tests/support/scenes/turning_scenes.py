@@ -1,5 +1,4 @@
-"""Seeded random scenes of bodies that turn and rub: shapes, laws, friction, rotation, fixed, prescribed or
-free."""
+"""Seeded random scenes of bodies that turn and rub: shapes, laws, friction, rotation, and all motions."""
 
 import math
 from typing import NamedTuple
