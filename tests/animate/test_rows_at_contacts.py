@@ -27,8 +27,7 @@ def rows_of(name, file, steps):
             rows += [row(fmu) for _ in touching.step(time)] if time > 0.0 else []
             drive(fmu)
             rows.append(row(fmu))
-        columns = [np.array(column) for column in zip(*rows, strict=True)]
-        return columns, everything(fmu), stop
+        return [np.array(column) for column in zip(*rows, strict=True)], everything(fmu), stop
 
 
 def drive(fmu):

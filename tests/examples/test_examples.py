@@ -181,8 +181,7 @@ def test_the_guide_to_scene_files_shows_the_same_scene():
 
 
 def test_the_readme_names_every_example():
-    text = (EXAMPLES / "README.md").read_text(encoding="utf-8")
-    links = re.findall(r"\]\(([^)]+)\)", text)
+    links = re.findall(r"\]\(([^)]+)\)", (EXAMPLES / "README.md").read_text(encoding="utf-8"))
     assert all((EXAMPLES / link).exists() for link in links)
     named = {link.partition("/")[0] for link in links if not link.startswith("..")}
     assert {path.name for path in EXAMPLES.iterdir()} - {".ipynb_checkpoints"} == named | {"README.md"}

@@ -35,8 +35,7 @@ def test_many_variables_in_one_call(instance):
     """A scalar between two arrays, and time"""
     names = ["source.center", "source.radius", "destination.center"]
     chosen = [instance.fmu.variables[name] for name in names]
-    values = [1.5, 2.5, 3.5, 0.25, -1.0, -2.0, -3.0]
-    instance.ok("SetFloat64", references(chosen), 3, reals(values), 7)
+    instance.ok("SetFloat64", references(chosen), 3, reals([1.5, 2.5, 3.5, 0.25, -1.0, -2.0, -3.0]), 7)
     chosen.insert(1, instance.fmu.variables["time"])
     told = reals([math.nan] * 8)
     instance.ok("GetFloat64", references(chosen), 4, told, 8)

@@ -41,9 +41,8 @@ def cost(tmp_path_factory):
         return int(re.search(r"^(?:summary|totals): (\d+)", out.read_text(), re.MULTILINE)[1])
 
     def of(name, version):
-        place = unpacked(
-            BUILD / ("fmus" if version == 2 else "fmus-fmi3") / f"{name}.fmu", folder / f"{name}{version}"
-        )
+        fmus = BUILD / ("fmus" if version == 2 else "fmus-fmi3")
+        place = unpacked(fmus / f"{name}.fmu", folder / f"{name}{version}")
         (library,) = place.glob("binaries/*/*.so")
 
         def command(values, steps):

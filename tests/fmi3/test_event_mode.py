@@ -138,8 +138,7 @@ def test_a_run_cut_at_its_events_is_the_same_motion():
 
 
 def test_inputs_may_jump_in_event_mode():
-    values = head_on("sphere", "outside", speed=0.0)
-    with with_events("sphere", values) as instance:
+    with with_events("sphere", head_on("sphere", "outside", speed=0.0)) as instance:
         instance.step(0.0, 0.01)
         instance.ok("EnterEventMode")
         instance.set({"source.external_force": [1.0, 0.0, 0.0]})
@@ -209,9 +208,8 @@ def test_fmpy_records_the_impact():
     settings = {"stop_time": 1.0, "output_interval": 0.05, "relative_tolerance": 1e-10}
     settings |= {"start_values": {"source.center": [0.0, 0.0, 0.9], "gravity": [0.0, 0.0, -10.0]}}
     settings |= {"early_return_allowed": True, "use_event_mode": True}
-    rows = fmpy.simulate_fmu(
-        str(raw.FMUS / "SphereSphere.fmu"), output=["contact.onsets", "contact.gap"], **settings
-    )
+    settings |= {"output": ["contact.onsets", "contact.gap"]}
+    rows = fmpy.simulate_fmu(str(raw.FMUS / "SphereSphere.fmu"), **settings)
     first = rows[np.flatnonzero(rows["contact.onsets"])[0]]
     check_close("time", first["time"], math.sqrt(2 * 0.3 / 10.0), 1e-12)
     check_close("gap", first["contact.gap"], 0.0, 1e-12)

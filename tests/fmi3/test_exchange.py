@@ -86,9 +86,7 @@ def moving(fmu, seed):
         for one in fmu.select("input")
     }
     rest = {name: [0.0, 0.0, 2.0] if name.endswith("_axis") else np.zeros(3) for name in waves}
-    return lambda time: {
-        name: (rest[name] + wave * np.sin(rate * time)).tolist() for name, (wave, rate) in waves.items()
-    }
+    return lambda t: {name: (rest[name] + a * np.sin(rate * t)).tolist() for name, (a, rate) in waves.items()}
 
 
 def values(instance, fmu3):
@@ -162,8 +160,7 @@ CONTACT |= {"contact.penalty_factor": 1e3}
 
 
 def begun(scene="SphereSphere", values=None):
-    instance = raw.Instance(raw.load(scene), exchange=True)
-    return Outside(instance.initialize(values or CONTACT)).begin()
+    return Outside(raw.Instance(raw.load(scene), exchange=True).initialize(values or CONTACT)).begin()
 
 
 def test_a_state_set_by_its_name_is_that_of_the_vector():

@@ -37,9 +37,7 @@ def test_outputs_read_there_are_those_of_the_instant_and_reading_changes_nothing
 
     def read(time, *_flags):
         assert instance.get("time") == time
-        seen.append(
-            {name: instance.get(name) for name in ("contact.active", "contact.gap", "source.velocity")}
-        )
+        seen.append({one: instance.get(one) for one in ("contact.active", "contact.gap", "source.velocity")})
         seen[-1]["mean"] = math.hypot(*instance.get("contact.mean_force"))
         instance.bits("output")
         instance.output_derivative("source.velocity", 1)
@@ -129,6 +127,4 @@ def test_variables_asked_for_must_exist(reference):
     """135 is the second component of source.position, which FMI 3.0 does not see."""
     with Instance(raw.load("SphereSphere"), required=[134, reference], update=lambda *_: None) as instance:
         assert instance.component is None
-        assert (
-            "requiredIntermediateVariables" in instance.texts()[0] and str(reference) in instance.texts()[0]
-        )
+        assert all(one in instance.texts()[0] for one in ("requiredIntermediateVariables", str(reference)))

@@ -62,12 +62,10 @@ class Version(NamedTuple):
 
     def set_real(self, name: str, value: float) -> int:
         """All components of a variable to the same value; FMI 2.0 is told of the first one alone"""
-        known = self.instance.fmu.variables
-        count = known[name].length if self.number == 3 else 1
+        count = self.instance.fmu.variables[name].length if self.number == 3 else 1
         more = (count,) if self.number == 3 else ()
-        return self.call(
-            "SetReal", (c_uint * 1)(self.reference(name)), 1, (c_double * count)(*[value] * count), *more
-        )
+        one, values = (c_uint * 1)(self.reference(name)), (c_double * count)(*[value] * count)
+        return self.call("SetReal", one, 1, values, *more)
 
     def slope(self, unknown: str, known: str, seed: float) -> int:
         """A directional derivative"""
@@ -75,12 +73,11 @@ class Version(NamedTuple):
         if self.number == 3:
             counts = [self.instance.fmu.variables[name].length for name in (unknown, known)]
         one = [(c_uint * 1)(self.reference(name)) for name in (unknown, known)]
+        about = ("GetDirectionalDerivative", one[0], 1, one[1], 1)
         seeds, values = (c_double * 3)(seed, seed, seed), (c_double * 3)()
         if self.number == 2:
-            return self.call("GetDirectionalDerivative", one[0], 1, one[1], 1, seeds, values)
-        return self.call(
-            *("GetDirectionalDerivative", one[0], 1, one[1], 1, seeds, counts[1], values, counts[0])
-        )
+            return self.call(*about, seeds, values)
+        return self.call(*about, seeds, counts[1], values, counts[0])
 
     def event_mode(self) -> None:
         self.instance.ok("EnterEventMode")
@@ -185,9 +182,7 @@ STEPPING = {
     "a force that is no number": lambda one: one.set_real("source.external_force", math.nan),
     "an output set": lambda one: one.set_real("contact.gap", 1.0),
     "a state set": lambda one: (one.instance.initialize(), one.set_real("source.velocity_state", 0.0)),
-    "a parameter after the start": lambda one: (
-        *(one.instance.initialize(), one.set_real("source.radius", 0.3)),
-    ),
+    "a parameter after the start": lambda one: (one.instance.initialize(), one.set_real("source.radius", 2)),
     "an output before the start": lambda one: one.instance.get("contact.gap"),
     "a step backwards": lambda one: one.step(0.0, -0.1),
     "a step of no length": lambda one: one.step(0.0, 0.0),

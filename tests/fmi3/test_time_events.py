@@ -49,8 +49,7 @@ def test_an_oblique_flight_touches_where_its_quartic_says():
     terms = [np.array([0.0, 0.0, -GRAVITY / 2]), speed, place]
     squared = sum(np.convolve(along, along) for along in np.transpose(terms))
     squared[-1] -= REACH**2
-    roots = np.roots(squared)
-    first = min(root.real for root in roots if abs(root.imag) < 1e-9 and root.real > 0)
+    first = min(root.real for root in np.roots(squared) if abs(root.imag) < 1e-9 and root.real > 0)
     check_close("touch", announced(start), first, 1e-11)
 
 

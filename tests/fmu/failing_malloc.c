@@ -1,7 +1,6 @@
 /*
  * Preloaded into a process: lets one allocation of one library fail. Only calls that come from the
- * library's own code count, whatever it was linked from; the rest of the process (an interpreter, say) has
- * all the memory it wants.
+ * library's own code count, whatever it was linked from; the rest of the process has all it wants.
  */
 #include <dlfcn.h>
 #include <link.h>

@@ -42,9 +42,7 @@ def either(request, version):
 
 
 def functions(version):
-    return [
-        (f"{verb}{name}", kind) for verb in ("Get", "Set") for name, kind in VERSIONS[version].TYPES.items()
-    ]
+    return [(f"{do}{name}", kind) for do in ("Get", "Set") for name, kind in VERSIONS[version].TYPES.items()]
 
 
 def test_an_unknown_value_reference_is_named(either, version):
@@ -258,8 +256,6 @@ def test_a_prescribed_motion_beyond_all_numbers_is_discarded(universal):
 
 # The next tests ask wrongly for instances, experiments, steps and derivatives. The FMU refuses each call,
 # says why, and the run goes on.
-#
-# The fixture in conftest.py checks in every one of these tests that nothing is printed.
 
 # instantiation
 

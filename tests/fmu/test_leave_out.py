@@ -5,10 +5,8 @@ stripped. Each claim of absence stands beside one of presence in the universal F
 makes the test fail, not empty.
 """
 
-import os
 import re
 import zipfile
-from pathlib import Path
 
 import fmpy
 import numpy as np
@@ -18,10 +16,9 @@ from contact_fmus.fmu.contact_fmu import ContactFmu
 from support.checks import METHODS
 from support.fmi2 import elf
 from support.generator.generated import scene_file
-from support.sources import units_of
+from support.sources import BUILD, ROOT, units_of
 
-ROOT = Path(__file__).resolve().parents[2]
-LIBRARIES = Path(os.environ.get("CONTACT_BUILD", ROOT / "build")).resolve() / "libraries"
+LIBRARIES = BUILD / "libraries"
 
 # Each pinned scene and the universal FMU whose choices it pins.
 UNIVERSAL = {"BallOnSphere": "SphereSphere", "BallInShell": "SphereSphere", "BallOffRoller": "SphereCylinder"}
@@ -50,9 +47,7 @@ def open_start(fmu, name):
     return {one: fmu[one] for one in given if not one.endswith("]")} | pinned | upright
 
 
-BY_CVODE = [
-    (scene, method) for scene in ("BallOnSphere", "BallInShell", "BallOffRoller") for method in METHODS[1:]
-]
+BY_CVODE = [(one, by) for one in ("BallOnSphere", "BallInShell", "BallOffRoller") for by in METHODS[1:]]
 
 
 @pytest.mark.parametrize("scene, method", [*((scene, METHODS[0]) for scene in UNIVERSAL | MORE), *BY_CVODE])
@@ -80,9 +75,7 @@ def test_the_universal_fmu_does_the_same(fmu_path, scene, method):
 
 @pytest.fixture(scope="session")
 def variables(fmu_path):
-    return lambda scene: {
-        variable.name for variable in fmpy.read_model_description(str(fmu_path(scene))).modelVariables
-    }
+    return lambda scene: {v.name for v in fmpy.read_model_description(str(fmu_path(scene))).modelVariables}
 
 
 @pytest.fixture(scope="session")
@@ -94,9 +87,8 @@ def library_bytes(fmu_path):
 @pytest.fixture
 def strings(fmu_path, tmp_path):
     """The printable strings of the library inside the FMU."""
-    return lambda scene: elf.text(
-        zipfile.ZipFile(fmu_path(scene)).extract(f"binaries/linux64/{scene}.so", tmp_path)
-    )
+    library = "binaries/linux64/{}.so".format
+    return lambda scene: elf.text(zipfile.ZipFile(fmu_path(scene)).extract(library(scene), tmp_path))
 
 
 @pytest.fixture(scope="session")

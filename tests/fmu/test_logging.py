@@ -156,9 +156,7 @@ def test_every_message_carries_the_category_of_its_status(fmu):
         instance.call("DoStep", 0.0, -1.0, 1)
         instance.call("CancelStep")
         instance.run([0.5] * 4)
-        assert [
-            message for message in instance.messages if STATUS_CATEGORIES[message.status] != message.category
-        ] == []
+        assert [m for m in instance.messages if STATUS_CATEGORIES[m.status] != m.category] == []
 
 
 # In the next tests a logger calls the instance that is telling it something. The instance answers readings

@@ -135,8 +135,7 @@ def test_getting_and_setting_needs_no_memory(fmu):
         for variable in fmu.select("input"):
             assert instance.set_one(variable, 0.0) == OK
         assert instance.set_one(fmu.select("input")[0], float("nan")) == DISCARD
-        value = (c_int * 1)()
-        assert instance.call("GetInteger", raw.array(raw.c_uint, [0]), 1, value) == ERROR
+        assert instance.call("GetInteger", raw.array(raw.c_uint, [0]), 1, (c_int * 1)()) == ERROR
         assert heap.count == before
 
 

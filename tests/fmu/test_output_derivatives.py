@@ -22,9 +22,7 @@ RELATIVE = 1e-6
 
 
 def provided(fmu: raw.Fmu) -> list[raw.Variable]:
-    return [
-        one for one in fmu.select("output", kind="Real") if not any(part in one.name for part in SUMMED_UP)
-    ]
+    return [v for v in fmu.select("output", kind="Real") if not any(part in v.name for part in SUMMED_UP)]
 
 
 def keep_promises(instance: raw.Instance) -> None:
@@ -34,10 +32,8 @@ def keep_promises(instance: raw.Instance) -> None:
     if given != [2, 2] and not instance.fmu.name.endswith("ForceElement"):
         return
     acceleration = np.array([0.7, -2.0, 1.1])
-    bodies = (
-        {"foot": 0.1} if instance.fmu.name == "FootForceElement" else {"source": 1.0, "destination": -0.5}
-    )
-    for body, sign in bodies.items():
+    foot = instance.fmu.name == "FootForceElement"
+    for body, sign in ({"foot": 0.1} if foot else {"source": 1.0, "destination": -0.5}).items():
         given = f"{body}.prescribed"
         velocity = instance.get(f"{given}_velocity")
         for row in ("displacement", "velocity"):  # from here, wherever earlier derivatives have led

@@ -50,8 +50,7 @@ def test_another_process_goes_on_with_the_same_bits():
             went_on[name] = digest(go_on(instance, run, run.saved_at))
     command = python("support.fmi2.runs")
     given = {"input": pickle.dumps(saved), "timeout": PATIENCE, "env": environment()}
-    other = subprocess.run(command, capture_output=True, check=True, **given)
-    assert pickle.loads(other.stdout) == went_on
+    assert pickle.loads(subprocess.run(command, capture_output=True, check=True, **given).stdout) == went_on
 
 
 def test_saving_twice_gives_the_same_bytes(run):

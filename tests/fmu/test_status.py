@@ -32,8 +32,7 @@ def ask(instance: raw.Instance, function: str, kind: int):
     """(status, value)"""
     ctype, value, _ = FUNCTIONS[function]
     holder = ctype(value)
-    pointer = cast(byref(holder), POINTER(ctype))
-    return instance.call(function, kind, pointer), holder.value
+    return instance.call(function, kind, cast(byref(holder), POINTER(ctype))), holder.value
 
 
 def answers(instance: raw.Instance) -> tuple:

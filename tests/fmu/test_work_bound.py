@@ -131,8 +131,7 @@ def test_going_on_after_a_discard_changes_nothing(opened, name, way):
     fmu = start(opened(problem.fmu), problem.configuration, TOLERANCE, METHOD)
     fmu.step(problem.end)
     whole, work = everything(fmu), fmu["solver.steps"]
-    limit = max(3, work // 7)
-    fmu = limited(opened(problem.fmu), problem.configuration, limit)
+    fmu = limited(opened(problem.fmu), problem.configuration, max(3, work // 7))
     discarded(fmu, problem.end)
     if way == "a larger limit":
         fmu["solver.max_internal_steps"] = 10 * work + 100
@@ -188,8 +187,7 @@ def test_an_impact_is_right_or_refused_however_short_it_is(opened, stiffness, be
         check_close("energy.total", fmu["energy.total"], energy, 1e-9)
         return
     with workdps(200):  # at 1e150 N/m the contact lasts 1e-75 s
-        gap = mpf(1.1) - mpf(0.1) - mpf(0.5)
-        right = plane_motion(gap, 0, -9.81, 1, stiffness, 0, "unclamped", 0.5)
+        right = plane_motion(mpf(1.1) - mpf(0.1) - mpf(0.5), 0, -9.81, 1, stiffness, 0, "unclamped", 0.5)
         lasts, expected = right.end_times[0] - right.onset_times[0], mpf(0.1) + mpf(0.5) + right.place
     check_close("height", fmu["source.position"][2], float(expected), 1e-9)
     check_close("energy.total", fmu["energy.total"], energy, 1e-8)

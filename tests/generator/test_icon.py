@@ -146,7 +146,5 @@ def test_the_svg_shows_the_bodies_where_the_png_does(scene):
         assert "#" + "".join(f"{value:02x}" for value in pixels[y, x, :3]) == last.get("fill")
     assert len(list(picture.iter(f"{space}polygon"))) == 1
     shapes = len(list(picture.iter(f"{space}circle"))) + len(list(picture.iter(f"{space}rect")))
-    drawn = [
-        2 if body["shape"] == "torus" else len(body.get("part", [1])) for body in scene_file(scene)["body"]
-    ]
+    drawn = [2 if b["shape"] == "torus" else len(b.get("part", [1])) for b in scene_file(scene)["body"]]
     assert shapes == sum(drawn)

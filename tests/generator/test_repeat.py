@@ -108,9 +108,7 @@ def made(text, folder):
 
 
 def without_references(files):
-    plain = {
-        name: dict(entry, reference=0) for name, entry in parse_xml(files["modelDescription.xml"]).items()
-    }
+    plain = {name: dict(row, reference=0) for name, row in parse_xml(files["modelDescription.xml"]).items()}
     return plain, files["resources/scene.json"], files["terminals2/terminalsAndIcons.xml"]
 
 

@@ -36,8 +36,7 @@ def test_a_clone_without_three_js_makes_it(tmp_path):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
     for told in ("made", "already installed"):
-        command = [sys.executable, "scripts/build_backend.py"]
-        run = finished(command, cwd=tmp_path, check=True)
+        run = finished([sys.executable, "scripts/build_backend.py"], cwd=tmp_path, check=True)
         assert run.stdout == f"three.js: {told}\n"
     made = (tmp_path / animate / "three.bundle.js").read_bytes()
     assert made == (ROOT / animate / "three.bundle.js").read_bytes()

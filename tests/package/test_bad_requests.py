@@ -12,7 +12,6 @@ from contact_fmus.__main__ import COMMANDS
 from contact_fmus.fmu.files import fmu_file
 from support.foreign import XML, foreign_fmu, packed
 from support.programs import environment, finished
-from support.sources import ROOT
 
 # A model exchange FMU, and an FMI 3.0 one, as other vendors make them
 MODEL_EXCHANGE = """<?xml version="1.0" encoding="UTF-8"?>
@@ -163,18 +162,6 @@ def test_a_bad_request_ends_in_one_sentence_and_status_2(case, ask, tmp_path):
     assert told.startswith(f"contact-fmus {arguments[0]}: ") or case in BY_ARGPARSE, told
 
 
-SCRIPTS = [("report", "--fast"), ("report", "--output")]
-SCRIPTS += [("stability", one) for one in ("--fast", "--output", "--beyond", "--beyond 1")]
-
-
-@pytest.mark.parametrize("name, arguments", SCRIPTS)
-def test_a_script_refuses_what_it_does_not_know(name, arguments):
-    command = [ROOT / "scripts" / f"{name}.sh", *arguments.split()]
-    run = finished(command)
-    assert run.returncode == 2
-    assert run.stderr.startswith(f"{name}: ") and arguments.split()[0] in run.stderr
-
-
 @pytest.mark.parametrize("name", COMMANDS)
 def test_an_unknown_option_is_refused_by_every_command(name, ask):
     status, told, _ = ask(name, "--no-such-option")
@@ -192,8 +179,7 @@ def test_an_fmu_of_another_kind_says_what_is_needed(ask, tmp_path):
 
 def test_an_fmu_without_a_library_or_with_a_broken_one_is_named(ask, tmp_path):
     for members in ({}, {"binaries/linux64/Other.so": "no library"}):
-        file = packed(tmp_path, {"modelDescription.xml": XML[2]} | members)
-        status, told, _ = ask("run", file)
+        status, told, _ = ask("run", packed(tmp_path, {"modelDescription.xml": XML[2]} | members))
         assert (status, one_sentence(told)) == (2, True) and "cannot be loaded" in told, told
 
 
@@ -261,9 +247,8 @@ sys.exit(main(sys.argv[1:]))
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_tells_its_options_without_any_extra(name):
-    command = [sys.executable, "-c", WITHOUT_EXTRAS, name]
-    run = finished([*command, "--help"], env=environment())
-    assert (run.returncode, run.stderr) == (0, "") and f"usage: contact-fmus {name}" in run.stdout, run
+    run = finished([*[sys.executable, "-c", WITHOUT_EXTRAS, name], "--help"], env=environment())
+    assert run.returncode == 0 and run.stderr == "" and f"usage: contact-fmus {name}" in run.stdout, run
 
 
 def test_what_needs_an_extra_names_it_and_what_draws_nothing_needs_none(tmp_path):

@@ -1,5 +1,4 @@
-"""Bounce trains that die out: as many contacts as there are, when they are, in one communication step as
-in 997.
+"""Bounce trains that die out: as many contacts as there are, when they are, in one step or 997.
 
 A ball is dropped by 1 m with a restitution of one half, on and in spheres and cylinders; plane_motion.py has
 each bounce in closed form, in sixty digits.

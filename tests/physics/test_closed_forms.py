@@ -9,9 +9,7 @@ from support.checks import FMU, check_close, check_relative, run
 from support.scenes.head_on import GEOMETRIES, SPEED, approach, head_on, oscillator, shared_out
 
 RELATIVE = 1e-8  # at tolerance 1e-10
-GAP_ERROR = (
-    2e-10  # m, the tolerance on distances of 0.6 m; decides when a contact ends while its dashpot still acts
-)
+GAP_ERROR = 2e-10  # m, of distances of 0.6 m; decides when a contact ends while its dashpot still acts
 STIFFNESS = 1e6
 END = 0.1  # onset at 0.05 s, contact over well before
 
@@ -60,8 +58,7 @@ def test_restitution_duration_and_peaks_are_the_damped_oscillators(
 
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_momentum_and_angular_momentum_of_two_free_bodies_stay(opened, shape, location, dashpot, method):
-    """An oblique contact with gravity off; the angular momentum about the origin stays for spheres,
-    about the axis for both."""
+    """Oblique, without gravity: angular momentum stays about the axis, for spheres about the origin."""
     configuration = head_on(
         shape, location, contact_method="penalty_dynamic", contact_dashpot=dashpot, destination_motion="free"
     )

@@ -5,17 +5,16 @@ Each configuration is read three times: after initialization, after new inputs w
 step in which the inputs move as polynomials. Equality to 1e-12 of the size of the terms that are added up.
 """
 
-import os
-
 import numpy as np
 import pytest
 
 from support.checks import differences, start
 from support.reference.law import ReferenceContact, start_motion, vector
+from support.scenes.agreement import seeds
 from support.scenes.configurations import INPUTS, SHAPES, motion_of, random_configuration, random_inputs
 
 RELATIVE = 1e-12
-COUNT = int(os.environ.get("CONTACT_SCENES", "600"))
+COUNT = len(seeds(600))
 
 
 def outputs_that_differ(fmu, when, expected):
@@ -217,8 +216,7 @@ def head_on(fmu, dashpot, gap, rate, length):
     moved = {name: [np.zeros(3)] * 3 for name in INPUTS}
     moved["source.prescribed_displacement"] = [np.array([x, 0, 0]) for x in (gap, rate, bend)]
     moved["source.prescribed_velocity"] = [np.array([x, 0, 0]) for x in (rate, 2 * bend, 0.0)]
-    values = {"source.center": [REACH, 0, 0], "contact.dashpot": dashpot}
-    return run_step(fmu, values, moved, length)
+    return run_step(fmu, {"source.center": [REACH, 0, 0], "contact.dashpot": dashpot}, moved, length)
 
 
 @pytest.mark.parametrize("gap", [1e-3, -1e-4, 1.4e-3])

@@ -38,9 +38,8 @@ def test_a_graze_along_a_cylinder(opened, location, share, damping, steps):
     expected = reference(values, "cylinder", end)
     assert fmu["contact.onsets"] == expected.onsets == 1
     length = ROUNDING * EPSILON * along * end
-    check_close(
-        "onset", fmu["contact.last_onset_time"], float(expected.onset_times[0]), length / speed + 1e-15
-    )
+    onset = float(expected.onset_times[0])
+    check_close("onset", fmu["contact.last_onset_time"], onset, length / speed + 1e-15)
     duration = oscillator("non_adhesive", 1.0, stiffness, damping).duration
     check_close("duration of the reference", float(expected.durations[0]), duration, 1e-15)
     check_close("last_duration", fmu["contact.last_duration"], duration, length / speed + 1e-12 * duration)

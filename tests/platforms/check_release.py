@@ -67,8 +67,7 @@ def test_linux_libraries_want_an_old_c_library_only(name, version, release):
 
 @pytest.mark.parametrize(("name", "version"), EVERY_LIBRARY)
 def test_windows_libraries_want_windows_only_and_show_the_functions_of_fmi(name, version, release):
-    platform = RUN[version][1]
-    library = lief.parse(str(library_in(release(name, version), name, platform)))
+    library = lief.parse(str(library_in(release(name, version), name, RUN[version][1])))
     assert {entry.name.lower() for entry in library.imports} == {"ucrtbase.dll"}
     assert {entry.name for entry in library.get_export().entries} == functions_of_fmi(name, version)
 

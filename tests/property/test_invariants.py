@@ -140,9 +140,8 @@ def test_the_same_motion_is_seen_from_a_moving_frame(opened, method, scene, spee
     moving = dict(values)
     moving["source.initial_velocity"] = (np.array(values["source.initial_velocity"]) + drift).tolist()
     if values["destination.motion"] == "free":
-        moving["destination.initial_velocity"] = (
-            np.array(values["destination.initial_velocity"]) + drift
-        ).tolist()
+        velocity = np.array(values["destination.initial_velocity"])
+        moving["destination.initial_velocity"] = (velocity + drift).tolist()
     else:
         moving.update({"destination.motion": "prescribed", "destination.prescribed_velocity": drift.tolist()})
     names = [*ENDS, *RESULTS]

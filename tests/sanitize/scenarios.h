@@ -1,6 +1,5 @@
 /* Runs that differ in method, law and motion, for programs that look at memory and threads. Every run is a
- * row of steps, so that many can be interleaved; what it gave is a number made of the bits of all its
- * outputs. */
+ * row of steps, so that many can be interleaved; what it gave is a number of the bits of all outputs. */
 #ifndef SANITIZE_SCENARIOS_H
 #define SANITIZE_SCENARIOS_H
 

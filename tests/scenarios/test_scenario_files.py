@@ -62,9 +62,7 @@ WRONG = {
 def test_shipped_scenario_is_valid_and_each_of_its_claims_meets_a_run(file):
     scenario = read_scenario(file)
     for claim in scenario.claims:
-        assert any(
-            all(run.choice[name] == value for name, value in claim.when.items()) for run in scenario.variants
-        )
+        assert any(all(run.choice[n] == x for n, x in claim.when.items()) for run in scenario.variants)
     assert scenario.plotted()
 
 

@@ -73,8 +73,7 @@ def test_a_driven_roller_turns_as_its_equation_says(slip):
         return [0.2 / 0.01 * 3.0 * -np.expm1(-(2.0 - 0.2 * y[0]) / slip)]
 
     run = solve_ivp(faster, (0.0, 0.4), [0.0], "Radau", rtol=1e-10, atol=1e-12)
-    expected = closed_forms.friction_drive(run.t, 2.0, 0.2, 0.01, 3.0, slip)
-    assert expected == pytest.approx(run.y[0], abs=1e-7)
+    assert closed_forms.friction_drive(run.t, 2.0, 0.2, 0.01, 3.0, slip) == pytest.approx(run.y[0], abs=1e-7)
 
 
 def test_a_ball_rolls_in_a_groove_as_without_slip():

@@ -67,6 +67,12 @@ def run(fmu, configuration, end, steps=10, tolerance=1e-10, method="event_driven
     return fmu
 
 
+def by_methods(failures_of):
+    """What `failures_of(method)` lists, of the methods of which it lists anything"""
+    found = {method: failures_of(method) for method in METHODS}
+    return {method: lines for method, lines in found.items() if lines}
+
+
 def impulse_and_peak(fmu, configuration, end, steps, tolerance=None, method=None):
     """Of the force on the source, over all steps of such a run"""
     start(fmu, configuration, tolerance, method)

@@ -31,12 +31,10 @@ def read(version: int, known: dict[str, Any]) -> dict[str, Prototype]:
     types |= dict.fromkeys(re.findall(r"typedef enum \{[^}]*\}\s*(\w+);", text), c_int)
     return {
         name: Prototype(
-            _plain(result, types) if result != "void" else None,
-            [_argument(one, types) for one in arguments.split(",") if one.strip() != "void"],
+            _plain(kind, types) if kind != "void" else None,
+            [_argument(one, types) for one in given.split(",") if one.strip() != "void"],
         )
-        for result, name, arguments in re.findall(
-            r"typedef\s+([\w ]+?\*?)\s+(fmi\d\w+)TYPE\s*\(([^)]*)\);", text
-        )
+        for kind, name, given in re.findall(r"typedef\s+([\w ]+?\*?)\s+(fmi\d\w+)TYPE\s*\(([^)]*)\);", text)
     }
 
 

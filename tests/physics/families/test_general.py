@@ -41,8 +41,7 @@ def ball_into_corner(random):
         values |= law_of(random, contact)
     if random.integers(3) == 0:
         values["gravity"] = [0.0, 0.0, -10.0]
-    end = pick(random, 0.055, 0.11, 0.22)
-    return Scene("BallInCorner", values, end, **CORNER)
+    return Scene("BallInCorner", values, pick(random, 0.055, 0.11, 0.22), **CORNER)
 
 
 def balls_in_a_row(random):
@@ -58,8 +57,7 @@ def balls_in_a_row(random):
     for contact in ROW["contacts"]:
         values |= law_of(random, contact)
     rests = gaps[1] == 0.0 and not any(values["right.initial_velocity"])
-    end = pick(random, 0.055, 0.11, 0.22)
-    return Scene("ThreeBalls", values, end, AT_REST if rests else {}, **ROW)
+    return Scene("ThreeBalls", values, pick(random, 0.055, 0.11, 0.22), AT_REST if rests else {}, **ROW)
 
 
 def rubbed_in_a_corner(random):
@@ -180,9 +178,7 @@ def test_impacts_by_hertz_law_that_overlap_are_those_of_each_plane(opened_severa
     lasts = 2.943275184 * (1.25 / HERTZ["hertz_stiffness"]) ** 0.4
     check_close("velocity", fmu["ball.velocity"], [1.0, 1.0, 0.0], 1e-11)
     check_close("place", fmu["ball.position"][:2], 0.1 + 0.2 - lasts - np.array([gap, 0.02]), 1e-9 * lasts)
-    check_close(
-        "durations", [fmu[f"at_{one}.last_duration"] for one in ("wall", "side")], lasts, 1e-9 * lasts
-    )
+    check_close("durations", [fmu[f"at_{n}.last_duration"] for n in ("wall", "side")], lasts, 1e-9 * lasts)
     assert fmu["solver.force_evaluations"] < 1000
 
 

@@ -2,8 +2,6 @@
 that a run says against the reference, and against the formula
 
     u = v_0 ln(1 + (exp(u_0/v_0) - 1) exp(-mu kappa p / v_0)),   p = integral of F_n dt,   kappa = 1/m + r^2/I
-
-CONTACT_SCENES is the number of scenes, CONTACT_FIRST_SCENE the first one's seed: 300 are a long test.
 """
 
 import math

@@ -1,25 +1,18 @@
-"""Random scenes of bodies that turn and rub against the reference, in all that a run says.
+"""Random scenes of bodies that turn and rub against the reference, in all that a run says."""
 
-CONTACT_SCENES is the number of scenes, CONTACT_FIRST_SCENE the first one's seed: 300 are a long test.
-"""
-
-import os
 from functools import cache
 
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close, run, start
+from support.checks import by_methods, check_close, run, start
 from support.reference.turning import TurningPair, follow, outputs
 from support.scenes import turning_cases as cases
+from support.scenes.agreement import seeds
 from support.scenes.random_scenes import even
 from support.scenes.scene_checks import FMU
 from support.scenes.turning_checks import TERMS, failures
 from support.scenes.turning_scenes import FRICTIONS, PLACES, driven_scene, random_turning_scene
-
-COUNT = int(os.environ.get("CONTACT_SCENES", "30"))
-FIRST = int(os.environ.get("CONTACT_FIRST_SCENE", "0"))
-SEEDS = range(FIRST, FIRST + COUNT)
 
 
 @cache
@@ -37,14 +30,11 @@ NO_TURNING = (179, 329, 537, 657)
 RELAXING = (1248,)
 
 
-@pytest.mark.parametrize("seed", dict.fromkeys([*SEEDS, *TWO_EVENTS, *NO_TURNING, *RELAXING]))
+@pytest.mark.parametrize("seed", dict.fromkeys([*seeds(30), *TWO_EVENTS, *NO_TURNING, *RELAXING]))
 def test_a_scene_goes_as_the_reference_says(opened, seed):
-    scene, wrong = random_turning_scene(seed), {}
-    for method in METHODS:
-        fmu = opened(FMU[scene.shape])
-        lines = failures(fmu, scene.values, scene.end, scene.steps, method, expected(seed))
-        if lines:
-            wrong[method] = lines
+    scene, right = random_turning_scene(seed), expected(seed)
+    run_of = (opened(FMU[scene.shape]), scene.values, scene.end, scene.steps)
+    wrong = by_methods(lambda method: failures(*run_of, method, right))
     assert not wrong, f"{wrong}\n{scene}"
 
 
@@ -171,8 +161,7 @@ INCREMENTS = 4000  # of the incremental spring, whose error goes with the first 
 @pytest.mark.parametrize("seed", SCENES)
 def test_a_given_motion_has_the_forces_that_the_reference_says(opened, seed):
     shape, values, end, _ = driven_scene(seed)
-    expected = follow(values, shape, end)
-    lines = failures(opened(FMU[shape]), values, end, 1, "event_driven", expected)
+    lines = failures(opened(FMU[shape]), values, end, 1, "event_driven", follow(values, shape, end))
     assert not lines, f"{lines}\n{values}"
 
 

@@ -127,9 +127,7 @@ def _variable(scalar: Any) -> Variable:
     values = [int(item.value) for item in items] or [0, 1]
     wide = (-1.8e308, 1.8e308) if scalar.type in ("Real", "Integer") else (values[0], values[-1])
     low, high = (
-        next(
-            (one for one in (getattr(scalar, name), getattr(declared, name, None)) if one is not None), limit
-        )
+        next((x for x in (getattr(scalar, name), getattr(declared, name, None)) if x is not None), limit)
         for name, limit in zip(("min", "max"), wide, strict=True)
     )
     names = tuple(item.name for item in items)
@@ -240,8 +238,7 @@ class Instance(prototypes.AnyInstance):
         """Status and values of a directional derivative, by value references"""
         values = array(c_double, [0.0] * len(unknowns))
         about = (array(c_uint, unknowns), len(unknowns), array(c_uint, knowns), len(knowns))
-        status = self.call("GetDirectionalDerivative", *about, array(c_double, seed), values)
-        return status, list(values)
+        return self.call("GetDirectionalDerivative", *about, array(c_double, seed), values), list(values)
 
     def output_derivatives(self, variables: Iterable[Variable], order: int) -> list[float]:
         references = [variable.reference for variable in variables]

@@ -57,9 +57,7 @@ def disagreements(files: dict[str, str], scene: dict) -> list[str]:
         found += _differences(f"page {name}", page[name], wanted, ("tunable",))
         found += _page_texts(name, page[name], xml[name], wanted)
         if not _same_start(xml[name], wanted["start"]):
-            found.append(
-                f"XML {name}: start {xml[name]['start']}, variables.toml and scene {wanted['start']}"
-            )
+            found.append(f"XML {name}: start {xml[name]['start']}, expected {wanted['start']}")
     return found
 
 

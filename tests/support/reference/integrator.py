@@ -3,8 +3,7 @@
 The motion is integrated regime by regime: within a regime the right-hand side is analytic, a step carries
 the power series of positions and velocities to a high order, and an event is the first root of a series,
 isolated by Bernstein signs (nothing is missed between samples, there are none). Free flight is a polynomial
-and takes one step however long it is. Which side of an event the motion is on is remembered, not recomputed
-from a rounded gap.
+and takes one step however long it is. Which side of an event the motion is on is remembered.
 
 The number type is float (quick) or decimal.Decimal (40 digits, the check of float). Dissipated work,
 external work and impulse ride along as further states.
@@ -54,9 +53,8 @@ class GivenPath:
         if f"{place}.derivatives" in values or alone:
             self.position = [[c + u, v, a / 2, number(0)] for c, (u, v, a) in zip(center, moved, strict=True)]
         else:
-            self.position = [
-                [c + u[0], v, a / 2, j / 6] for c, u, (v, a, j) in zip(center, moved, speed, strict=True)
-            ]
+            terms = zip(center, moved, speed, strict=True)
+            self.position = [[c + u[0], v, a / 2, j / 6] for c, u, (v, a, j) in terms]
 
     def at(self, time):
         return tuple([shifted(row, time) for row in rows] for rows in (self.position, self.velocity))
@@ -206,8 +204,7 @@ def first_root(row, span, number, fresh=False):
     if scaled[0] > sum(map(abs, scaled[1:])):
         return None
     degree = len(scaled) - 1
-    matrix = bernstein_matrix(degree, number)
-    points = [sum(map(mul, weights, scaled)) for weights in matrix]
+    points = [sum(map(mul, weights, scaled)) for weights in bernstein_matrix(degree, number)]
     bits = 60 if number is float else 120
     place = first_crossing(points, number(0), number(1), bits)
     return None if place is None else polished(scaled, place, number) * span
@@ -601,9 +598,8 @@ class Reference(SpanMaker):
             self.on_root = None
             self.time = end if event is None and step >= end - self.time else self.time + step
             for body, path in self.given.items():
-                self.position[body], self.velocity[body] = (
-                    [r[0] for r in rows] for rows in path.at(self.time)
-                )
+                place, speed = path.at(self.time)
+                self.position[body], self.velocity[body] = [r[0] for r in place], [r[0] for r in speed]
             if event is not None:
                 self.happen(event)
         return self
@@ -611,8 +607,7 @@ class Reference(SpanMaker):
     def note_peaks(self, span, step):
         if span.loads and self.dashpot == "approach_only":
             side = -1 if self.law_regime == FULL else 1
-            rate = [side * c for c in span.loads[2]]
-            self.clearest = highest(rate, step, self.number, self.clearest)
+            self.clearest = highest([side * c for c in span.loads[2]], step, self.number, self.clearest)
         skipped = max(self.zero, self.window - self.time)
         if span.loads and skipped <= step:
             force, gap, _ = (shifted(row, skipped) if skipped else row for row in span.loads)

@@ -1,7 +1,7 @@
 """What references that integrate slowly have found of scenes, in kept_references.json.
 
-A scene that does not stand there is computed when a test asks for it. One in sixteen of the others is computed
-too, and what is stored must be found again. After a change of a reference or of the scenes:
+A scene that is missing there is computed when a test asks for it; of the others one in sixteen is, and must
+be found again. After a change of a reference or of the scenes:
 
     CONTACT_KEEP=1 PYTHONPATH=scripts:tests .venv/bin/python -m pytest tests/physics      # some minutes
 """
@@ -26,8 +26,8 @@ def stored():
 
 
 def kept(scene, find):
-    """What `find` returns: numbers, texts, and arrays, lists and dicts of them; `scene` is all that it knows."""
-    key = sha256(json.dumps(scene, default=plain).encode()).hexdigest()[:20]
+    """What `find` returns: numbers, texts, and arrays, lists and dicts of them; `scene` is all it knows."""
+    key = sha256(json.dumps(scene, default=plain, sort_keys=True).encode()).hexdigest()[:20]
     before = stored().get(key)
     if key not in made and (before is None or key.startswith("0")):
         made[key] = json.loads(json.dumps(find(), default=plain))

@@ -73,8 +73,7 @@ def start_motion(configuration):
     """Displacements and velocities at the end of initialization, by each body's kind of motion."""
     values = {}
     for body in ("source", "destination"):
-        kind = configuration[f"{body}.motion"]
-        prefix = {"free": "initial", "prescribed": "prescribed"}.get(kind)
+        prefix = {"free": "initial", "prescribed": "prescribed"}.get(configuration[f"{body}.motion"])
         for row in ("displacement", "velocity"):
             start = configuration[f"{body}.{prefix}_{row}"] if prefix else (0.0, 0.0, 0.0)
             values[f"{body}_{row}"] = vector(start)
@@ -108,8 +107,7 @@ class ReferenceContact:
         self.penalty, self.viscous = self.factors()
 
     def connection(self, motion):
-        """c = x_dst - x_src and the size of its terms; a common offset of the centres cancels
-        before anything is added."""
+        """c = x_dst - x_src and the size of its terms; a common offset of the centres cancels first."""
         offset = vector(self.values["destination.center"]) - vector(self.values["source.center"])
         moved = motion.destination_displacement - motion.source_displacement
         return offset + moved, norm(offset) + norm(moved)
@@ -138,8 +136,7 @@ class ReferenceContact:
                 reach = reach + self.half_length * np.abs(self.axis)
         apart, _ = self.connection(motion)
         lowest = np.minimum(-self.source_radius, apart - reach)
-        highest = np.maximum(self.source_radius, apart + reach)
-        return norm(highest - lowest)
+        return norm(np.maximum(self.source_radius, apart + reach) - lowest)
 
     def factors(self):
         """p_n and p_nv in force; p_n is 0 for viscous only, p_nv is 0 for the method without a dashpot."""

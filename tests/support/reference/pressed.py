@@ -102,9 +102,7 @@ class CylinderPair:
         if self.both:
             rates[6:9], rates[9:12] = y[9:12], GRAVITY - force / self.mass[1]
         if self.turns:
-            rates[12:14] = [
-                2.0 * t / (m * r * r) for t, m, r in zip(torques, self.mass, self.radius, strict=True)
-            ]
+            rates[12:14] = 2.0 * np.array(torques) / (np.array(self.mass) * np.square(self.radius))
         return rates
 
     def events(self) -> list:

@@ -94,9 +94,7 @@ class StiffContact:
         n = apart / distance
         start = np.concatenate([n, np.cross(apart, speed)])
         solution = solve_ivp(lambda t, y: self.slow(y, order), (0, end), start, **EXACT)
-        pushes = [
-            self.side * (y[3:] @ y[3:] / self.reach**3 + self.acceleration @ y[:3]) for y in solution.y.T
-        ]
+        inwards = [y[3:] @ y[3:] / self.reach**3 + self.acceleration @ y[:3] for y in solution.y.T]
         depth, rate = self.penetration(n, start[3:], order)
         last = solution.y[:3, -1] / np.linalg.norm(solution.y[:3, -1])
         final = self.penetration(last, solution.y[3:, -1], order)[0]
@@ -104,7 +102,7 @@ class StiffContact:
         swing = self.oscillation(shift, speed @ n - rate, end)
         fastest = max(y[3:] @ y[3:] for y in solution.y.T) / self.reach**4
         late = abs(shift) * np.exp(-self.share * self.angular * end) * 3 * fastest * end / (2 * self.angular)
-        return (self.reach + final + swing) * last, min(pushes), late
+        return (self.reach + final + swing) * last, min(self.side * np.array(inwards)), late
 
     def oscillation(self, shift, rate, end):
         """The free oscillation s'' + 2 zeta w s' + w^2 s = 0 from s = shift, s' = rate"""
@@ -120,9 +118,8 @@ class StiffContact:
         along = (gap + (self.speed[0] - self.speed[1]) * time) @ self.axis
         along += (self.pull[0] - self.pull[1]) @ self.axis * time**2 / 2
         apart = fine + along * self.axis
-        alone = [
-            x + v * time + a * time**2 / 2 for x, v, a in zip(self.place, self.speed, self.pull, strict=True)
-        ]
+        motions = zip(self.place, self.speed, self.pull, strict=True)
+        alone = [x + v * time + a * time**2 / 2 for x, v, a in motions]
         destination = alone[1]
         if np.isfinite(self.mass[1]):  # the centre of mass moves as if nothing touched
             middle = (self.mass @ np.array(alone)) / self.mass.sum()
@@ -173,9 +170,8 @@ def start_angles(shape):
 
 
 def position(shape, r, a, b, end):
-    return np.array(
-        [r * cos(b) * sin(a), r * sin(b) if shape == "sphere" else SPEED * end, -r * cos(b) * cos(a)]
-    )
+    y = r * sin(b) if shape == "sphere" else SPEED * end
+    return np.array([r * cos(b) * sin(a), y, -r * cos(b) * cos(a)])
 
 
 def damped_motion(shape, penalty, damping, end, tolerance):
@@ -193,9 +189,8 @@ def damped_motion(shape, penalty, damping, end, tolerance):
             *(y[3], a_second, y[5], b_second),
         ]
 
-    solution = solve_ivp(
-        rates, (0.0, end), [0.0, 0.0, *start_angles(shape)], "Radau", rtol=tolerance, atol=tolerance
-    )
+    begin = [0.0, 0.0, *start_angles(shape)]
+    solution = solve_ivp(rates, (0.0, end), begin, "Radau", rtol=tolerance, atol=tolerance)
     late = solution.t > 0.5 * pi / frequency
     y = solution.y[:, -1]
     return position(shape, RADIUS + y[0] / penalty, y[2], y[4], end), solution.y[0, late].min()

@@ -234,9 +234,8 @@ class TurningPair:
             shift = times(1 / distance, minus(w_across, times(dot(n, w_across), n)))
         g = distance - self.r_s - self.r_d if self.side > 0 else self.r_d - self.r_s - distance
         n_rate = add(shift, cross(dst.omega, n))
-        return SimpleNamespace(
-            src=src, dst=dst, gap=g, rate=self.side * dot(n, w), n=n, n_rate=n_rate, along=along
-        )
+        rate = self.side * dot(n, w)
+        return SimpleNamespace(src=src, dst=dst, gap=g, rate=rate, n=n, n_rate=n_rate, along=along)
 
     def law_force(self, gap, rate):
         """F_n before it is clipped: linear, or Hertz with Hunt and Crossley."""
@@ -440,8 +439,7 @@ def at_limit(pair, kind, y, now, out):
     along = dot(motion, unit)
     if norm(spring) < SHORT:  # keeps its direction up to the release, which costs no steps
         return times(grows, unit), norm(motion)
-    across = minus(motion, times(along, unit))
-    return add(across, times(grows, unit)), along - grows
+    return add(minus(motion, times(along, unit)), times(grows, unit)), along - grows
 
 
 def sliding_rate(pair, kind, y, sticking):

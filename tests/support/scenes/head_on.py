@@ -25,8 +25,7 @@ RADII = {"source.radius": 0.1, "destination.radius": 0.5}
 
 
 def head_on(shape, location, gap=GAP, speed=SPEED, **more):
-    """The source comes along ACROSS and closes `gap` with `speed`; `more` is added with _ for the first
-    dot of the names."""
+    """The source comes along ACROSS and closes `gap` with `speed`; `more` has _ for dots of names"""
     inside = location == "inside"
     distance = 0.4 - gap if inside else 0.6 + gap
     values = {

@@ -35,9 +35,8 @@ def random_scene(shape, kind, seed):
     """Configuration and end. Names as FMI variables; "<input>.derivatives" as in checks.start."""
     kinds = [name for names in KINDS.values() for name in names]
     random = np.random.default_rng([seed, kinds.index(kind), len(shape)])
-    inside = kind in ("inside", "finite, leaving", "finite, entering") or (
-        kind == "viscous only" and shape == "cylinder"
-    )
+    tube = kind == "viscous only" and shape == "cylinder"
+    inside = tube or kind in ("inside", "finite, leaving", "finite, entering")
     radius = random.uniform(0.3, 0.6)
     small = radius * random.uniform(0.1, 0.4)
     axis = unit_vector(random) if shape == "cylinder" else None

@@ -16,9 +16,8 @@ from support.scenes import random_scenes as parts
 def given_motions(random, shape):
     """Both bodies led, one of them perhaps at rest: a chord through the other one, in places a graze."""
     inside = random.random() < 0.25
-    values, outward = parts.pair(
-        random, shape, inside, 0.0, **{"contact.penalty_factor": 10 ** random.uniform(3, 6)}
-    )
+    stiffness = 10 ** random.uniform(3, 6)
+    values, outward = parts.pair(random, shape, inside, 0.0, **{"contact.penalty_factor": stiffness})
     values["contact.viscous_penalty_factor"] = parts.chosen(random, [0.0, 10.0, 100.0, 300.0])
     reach = values["destination.radius"] + values["source.radius"]
     across = parts.perpendicular(outward, random)

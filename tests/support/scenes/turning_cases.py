@@ -1,8 +1,7 @@
 """Scenes with friction and rotation whose end has a closed form: values, end, and what is then true.
 
 A solid ball has I = 2/5 m a^2, so its surface answers a tangential force with 7/2 of its mass. Where a form
-is exact for the regularized law at any v_0 it is given so; where it is a limit its order in v_0 or 1/p_n is
-said.
+is exact for the regularized law at any v_0 it is given so; of a limit the order in v_0 or 1/p_n is said.
 """
 
 import math
@@ -48,7 +47,7 @@ def slide_to_roll(v_0, speed=2.0, spin=0.0, mu=0.2, end=None, stiffness=1e6):
     """Set down on a plane with `speed` along x and `spin` about y, in balance with its weight: slip s obeys
     s' = -(7/2) mu g (1 - exp(-s/v_0)), v = v(0) - 2/7 (s(0) - s), or
     the mirror image of that. In the limit v_0 = 0 it rolls from t = 2
-    s(0)/(7 mu g) on; the way is longer than then by (2/7) (pi^2/6) v_0^2/((7/2) mu g)."""
+    s(0)/(7 mu g) on; the way is longer than then by (pi^2/21) v_0^2/((7/2) mu g)."""
     begin, rate = speed - RADIUS * spin, 3.5 * mu * G
     slip, forwards = abs(begin), math.copysign(1.0, begin)
     end = end or 1.5 * slip / rate

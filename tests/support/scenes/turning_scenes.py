@@ -26,8 +26,7 @@ def random_turning_scene(seed):
     friction = FRICTIONS[seed // len(PLACES) % len(FRICTIONS)]
     outward, values = place(random, shape, inside)
     side = 1.0 if inside else -1.0
-    speed = random.uniform(0.5, 2.0)
-    values |= motions(random, shape, side * outward, speed)
+    values |= motions(random, shape, side * outward, random.uniform(0.5, 2.0))
     values |= rotations(random, shape, values)
     values |= normal_law(random, values["source.mass"])
     values |= friction_law(random, friction, values)
