@@ -35,13 +35,14 @@ def shape(request):
 
 @contextlib.contextmanager
 def instances(path_of):
-    """FMU by name, one instance each; `run` and `start` of support/checks.py reset it."""
+    """FMU by name, one instance each, which is reset"""
     made = {}
     with contextlib.ExitStack() as stack:
 
         def get(name):
             if name not in made:
                 made[name] = stack.enter_context(ContactFmu(path_of(name), instance_name=name))
+            made[name].reset()
             return made[name]
 
         yield get

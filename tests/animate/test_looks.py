@@ -234,9 +234,8 @@ def test_a_ball_that_is_tiny_in_its_scene_is_whole_when_looked_at(fmu, shown, tm
     file = tmp_path / "far.html"
     assert animate([fmu, *settings, "--stop", "0.4", "-o", str(file)]) == 0
     page = shown(file, width=900, height=700)
-    page.run(
-        "contactAnimation.seek(0.3); contactAnimation.world.follow('source'); contactAnimation.seek(0.3)"
-    )
+    for deed in ("seek(0.3)", "world.follow('source')", "seek(0.3)"):
+        page.run(f"contactAnimation.{deed}")
     camera = Camera(page.run("contactAnimation.camera()"))
     middle, pixels = discs(page, ["source"])["source"]
     size = page.run("[contactAnimation.camera().width, contactAnimation.camera().height]")

@@ -1,5 +1,4 @@
-"""Data flows math -> contact -> scene -> flight -> prescribed -> touch -> integrator -> model -> fmi ->
-fmi2 or fmi3; no include points back."""
+"""Includes never point back: math, contact, scene, flight, prescribed, touch, integrator, model, fmi, fmi2/3."""
 
 import pytest
 

@@ -32,10 +32,7 @@ def cost(tmp_path_factory):
     def counted(functions, command):
         out = folder / "counts"
         options = ["--quiet", "--tool=callgrind", *(f"--toggle-collect={function}" for function in functions)]
-        environment = {
-            "GLIBC_TUNABLES": TUNABLES,
-            "LD_BIND_NOW": "1",
-        }  # finding functions is no part of the cost
+        environment = {"GLIBC_TUNABLES": TUNABLES, "LD_BIND_NOW": "1"}  # without finding functions
         watched = ["valgrind", *options, f"--callgrind-out-file={out}", *command]
         checked(watched, timeout=PATIENCE, environment=environment)
         return int(re.search(r"^(?:summary|totals): (\d+)", out.read_text(), re.MULTILINE)[1])

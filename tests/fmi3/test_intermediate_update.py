@@ -96,10 +96,9 @@ def test_only_reading_is_in_order_there():
     refused = []
 
     def meddle(_time, *_flags):
-        number = c_double()
         calls = {
             "SetFloat64": (references([force]), 1, reals([1.0, 2.0, 3.0]), 3),
-            "DoStep": (0.0, 0.1, True, None, None, None, number),
+            "DoStep": (0.0, 0.1, True, None, None, None, c_double()),
             "Reset": (),
             "Terminate": (),
             "EnterEventMode": (),

@@ -88,8 +88,7 @@ def graze(speed, depth):
 
 
 def test_a_contact_shorter_than_a_step_is_not_missed():
-    """fmpy looks at the event indicators once a millisecond; the bodies touch for a third of one, and
-    without the announcement it sees nothing."""
+    """fmpy looks at the event indicators once a millisecond; the bodies touch for a third of one."""
     start, begins, lasts = graze(100.0, 2e-4)
     assert lasts < 4e-4
     check_close("touch", announced(start), begins, 1e-12)

@@ -120,8 +120,8 @@ def test_continuous_time_mode_refuses_them_and_names_event_mode(scene):
             assert instance.set_one(variable, variable.start_value) == OK
         instance.ok("EnterContinuousTimeMode")
         for variable in reals:
-            with instance.expect(ERROR, variable.name, "tunable parameter", "event mode") as got:
-                got(instance.set_one(variable, variable.start_value))
+            refused = instance.expect(ERROR, variable.name, "tunable parameter", "event mode")
+            refused(instance.set_one(variable, variable.start_value))
 
 
 def test_they_are_parameters_like_others_while_it_is_set_up_and_none_when_it_is_over():

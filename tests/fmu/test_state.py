@@ -148,8 +148,7 @@ def test_whether_the_experiment_is_set_up_is_part_of_the_state(fmu):
         for blob in (before, after, before):
             other.restore(blob)
             assert other.save() == blob
-        with other.expect(ERROR, "before fmi2SetupExperiment") as got:
-            got(other.call("EnterInitializationMode"))
+        other.expect(ERROR, "before fmi2SetupExperiment")(other.call("EnterInitializationMode"))
         other.restore(after)
         other.ok("EnterInitializationMode")
 
@@ -159,8 +158,7 @@ def test_the_stop_time_is_part_of_the_state(fmu):
         instance.initialize(stop=1.0)
         other.initialize()
         other.restore(instance.save())
-        with other.expect(ERROR, "stopTime") as got:
-            got(other.call("DoStep", 0.0, 1.5, 1))
+        other.expect(ERROR, "stopTime")(other.call("DoStep", 0.0, 1.5, 1))
 
 
 # damaged states
@@ -178,10 +176,10 @@ def saved(fmu):
 
 
 def refused(instance: raw.Instance, blob: bytes, *words: str) -> None:
-    with instance.expect(ERROR, "fmi2DeSerializeFMUstate", *words) as got:
-        status, state = instance.deserialize(blob)
-        assert state.value is None
-        got(status)
+    expected = instance.expect(ERROR, "fmi2DeSerializeFMUstate", *words)
+    status, state = instance.deserialize(blob)
+    assert state.value is None
+    expected(status)
 
 
 @pytest.mark.parametrize(("field", "value", "word"), [
@@ -261,8 +259,8 @@ def test_a_buffer_too_small_is_not_written(saved):
     instance, blob = saved
     state = instance.state()
     buffer = bytes(len(blob))
-    with instance.expect(ERROR, "fmi2SerializeFMUstate", str(len(blob) - 1), str(len(blob))) as got:
-        got(instance.call("SerializeFMUstate", state, buffer, len(blob) - 1))
+    expected = instance.expect(ERROR, "fmi2SerializeFMUstate", str(len(blob) - 1), str(len(blob)))
+    expected(instance.call("SerializeFMUstate", state, buffer, len(blob) - 1))
     assert buffer == bytes(len(blob))
     instance.ok("FreeFMUstate", byref(state))
 

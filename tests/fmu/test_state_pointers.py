@@ -42,8 +42,7 @@ def refused(instance: raw.Instance, function: str, address: int) -> None:
     room = ctypes.create_string_buffer(GUARD, len(GUARD))
     arguments = {"SetFMUstate": (state,), "SerializedFMUstateSize": (state, byref(size))}
     arguments |= {"SerializeFMUstate": (state, room, len(room)), "FreeFMUstate": (byref(state),)}
-    with instance.expect(ERROR, f"fmi2{function}", "unknown") as got:
-        got(instance.call(function, *arguments[function]))
+    instance.expect(ERROR, f"fmi2{function}", "unknown")(instance.call(function, *arguments[function]))
     assert (state.value, size.value, room.raw) == (address, 77, GUARD)
 
 
@@ -149,8 +148,8 @@ def test_without_memory_the_pointer_stays(fmu, guarded):
         state = c_void_p(guarded)
         for function, arguments in [("GetFMUstate", ()), ("DeSerializeFMUstate", (blob, len(blob)))]:
             heap.failing = heap.count
-            with instance.expect(ERROR, f"fmi2{function}", "memory") as got:
-                got(instance.call(function, *arguments, byref(state)))
+            expected = instance.expect(ERROR, f"fmi2{function}", "memory")
+            expected(instance.call(function, *arguments, byref(state)))
             assert state.value == guarded
             assert instance.call(function, *arguments, byref(state)) == OK
             state.value = guarded

@@ -177,7 +177,6 @@ def test_an_impact_is_right_or_refused_however_short_it_is(opened, stiffness, be
     """Down to contacts that last no longer than the last digit of the time, and are no deeper than the last
     digit of the radius; at a late time as at zero."""
     fmu = opened("SphereSphere")
-    fmu.reset()
     values = {**DROP, "contact.penalty_factor": stiffness, "solver.max_internal_steps": LIMIT}
     fmu.start({**values, "solver.method": METHOD}, start_time=begin)
     energy = fmu["energy.total"]
@@ -223,7 +222,6 @@ def test_a_larger_limit_allows_more_evaluations(opened):
 
 def test_the_limit_that_a_run_starts_with_is_the_least_work(opened):
     fmu = opened("SpherePlane")
-    fmu.reset()
     fmu.start({})
     assert fmu["solver.max_internal_steps"] == LEAST_WORK
 

@@ -205,9 +205,8 @@ def test_a_full_disk_is_named_with_status_3(ask):
 
 def test_a_reader_that_goes_away_is_no_fault(installed, far_from_clone):
     arguments = [installed / "contact-fmus", "run", "SphereSphere", "--csv", "/dev/stdout"]
-    with subprocess.Popen(
-        arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=far_from_clone
-    ) as run:
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(arguments, env=far_from_clone, **streams) as run:
         run.stdout.readline()
         run.stdout.close()
         assert run.stderr.read() == b""

@@ -130,11 +130,10 @@ def test_the_train_is_told_bounce_by_bounce(opened, dashpot, steps):
 def test_a_ball_whispers_around_a_hollow_body(opened, shape, steps):
     """Without gravity and damping each bounce is like the first, a graze at a hundredth of the speed
     along the wall; the period is the reference integrator's, and hundreds of them fit."""
-    along = np.cross(AXIS, ACROSS)
     values = {
         "destination.radius": 0.5,
         "source.center": (0.4 * ACROSS).tolist(),
-        "source.initial_velocity": (1.0 * along + 0.01 * ACROSS).tolist(),
+        "source.initial_velocity": (1.0 * np.cross(AXIS, ACROSS) + 0.01 * ACROSS).tolist(),
         "contact.location": "inside", "contact.method": "penalty", "contact.penalty_factor": 1e10,
         "gravity": [0.0, 0.0, 0.0],
     }  # fmt: skip

@@ -117,7 +117,6 @@ def test_a_chain_of_beads_carries_a_solitary_wave(opened_several):
     """Its peak force, the speed of its beads and its own, as of the long wave in a chain under Hertz's law
     (units of stiffness, mass and the speed of the striker)"""
     fmu = opened_several("Chain")
-    fmu.reset()
     chain(fmu, 40, "hertz")
     step, rows = 0.02, []
     for _ in range(1950):
@@ -137,10 +136,8 @@ def test_a_chain_of_beads_carries_a_solitary_wave(opened_several):
 
 
 def test_islands_are_contacts_in_touch_that_share_free_bodies(opened_several):
-    """Of eight balls, two rows of three and a pair touch, overlapping a little; the middle one is prescribed
-    by nobody: a gap parts the rows"""
+    """Of eight balls, two rows of three and a pair touch, overlapping a little; a gap parts the rows"""
     fmu = opened_several("Chain")
-    fmu.reset()
     places = [0, 0.99, 1.98, 10, 10.99, 20, 20.99, 21.98, 22.97]
     values = {f"ball[{i}].center": [x, 0, 0] for i, x in enumerate(places, 1)}
     fmu.start(values | {f"ball[{i}].center": [1e3 * i, 0, 0] for i in range(len(places) + 1, 41)})
@@ -409,10 +406,8 @@ def row_of(seed):
         (tuple(-along), tuple((places[5] + radii[5] + away[1]) * along)),
     ]
     pairs = [(i, j) for i in range(6) for j in (*range(i + 1, 6), -1, -2)]
-    elastic = {"law": "linear", "c": 0.0}
-    contacts = [
-        contact(random, i, j, False) | elastic | {"k": 10.0 ** random.uniform(3.5, 7.0)} for i, j in pairs
-    ]
+    made = (contact(random, i, j, False) | {"k": 10.0 ** random.uniform(3.5, 7.0)} for i, j in pairs)
+    contacts = [one | {"law": "linear", "c": 0.0} for one in made]
     return balls, planes, contacts, tuple(-9.81 * pick(random, 0.0, 1.0) * along)
 
 

@@ -1,7 +1,6 @@
 """Bodies and contacts are lists: three balls in a row, two contacts on the middle one; two pairs at a time.
 
-The reference of the three balls is three_balls.py, that of each pair the FMU of the pair alone. The FMUs are
-built by conftest.py.
+The reference of the three balls is three_balls.py, that of each pair the FMU of the pair alone.
 """
 
 import numpy as np
@@ -33,8 +32,7 @@ def values_of(case, method="event_driven"):
 @pytest.mark.parametrize("steps", [1, 2, 40])
 @pytest.mark.parametrize("name", BRIEF)
 def test_a_brief_contact_is_felt_however_long_the_step(built, name, steps):
-    """Brief beside the communication step, begun without a force, as under Hertz's law, or between bodies
-    that fly past each other"""
+    """Brief beside the communication step, begun without a force, as under Hertz's law, or in passing"""
     case, expected = BRIEF[name], reference(name)
     with ContactFmu(built["ThreeBalls"]) as fmu:
         fmu.start(values_of(case), tolerance=1e-9)

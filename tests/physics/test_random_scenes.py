@@ -44,8 +44,7 @@ def test_no_tolerance_finds_another_motion(opened, shape, kind, seed, method, to
     check_close("source.position", fmu["source.position"], position, max(ALLOWED, 1e3 * tolerance))
 
 
-# The next test runs scenes of every family of scene_families.py by all methods, and compares them with the
-# independent integrator.
+# The next test compares scenes of every family of scene_families.py, by all methods, with the integrator.
 
 
 @cache

@@ -80,9 +80,8 @@ def test_macos_libraries_have_both_processors_and_show_the_functions_of_fmi(name
     parts = [file.at(i) for file in files for i in range(file.size)]  # which live as long as `files`
     assert [part.header.cpu_type.name for part in parts] == ["X86_64", "ARM64"]
     for part in parts:
-        assert [one.name for one in part.libraries if one.command.name != "ID_DYLIB"] == [
-            "/usr/lib/libSystem.B.dylib"
-        ]
+        (wanted,) = (one.name for one in part.libraries if one.command.name != "ID_DYLIB")
+        assert wanted == "/usr/lib/libSystem.B.dylib"
         assert list(part.build_version.minos)[:2] == [11, 0]
         shown = {symbol.name.removeprefix("_") for symbol in part.exported_symbols}
         shown -= {"__dso_handle", "_mh_dylib_header"}  # the linker's, in every library

@@ -1,5 +1,4 @@
-"""What holds for every scene: no pull, action and reaction, steps that may be cut, fixed and prescribed at
-rest, nothing but numbers."""
+"""What holds in every scene: no pull, action and reaction, steps may be cut, fixed is prescribed at rest."""
 
 import itertools
 

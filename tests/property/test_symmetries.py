@@ -1,5 +1,4 @@
-"""Symmetries of the model, on configurations chosen by hypothesis: the world may be turned, moved, mirrored
-in its roles and rescaled."""
+"""Symmetries of the model, on configurations chosen by hypothesis: turned, moved, roles changed, rescaled."""
 
 import numpy as np
 import pytest

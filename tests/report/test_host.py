@@ -35,7 +35,6 @@ def test_the_host_computes_what_fmpy_computes(fmu_path, opened, name, method, st
     result = run_host([case_of(fmu_path, name, method, steps, tolerance=1e-9)])[0]
     problem = BENCHMARKS[name]
     fmu = opened(problem.fmu)
-    fmu.reset()
     fmu.start({**problem.configuration, "solver.method": method}, tolerance=1e-9)
     for k in range(steps):
         fmu.step(problem.end * ((k + 1) / steps) - fmu.time)

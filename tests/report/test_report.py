@@ -87,10 +87,8 @@ def test_a_run_that_takes_too_long_ends_its_ladder(opened, monkeypatch):
 
     monkeypatch.setattr(measure, "run_host", hurried)
     plan = dataclasses.replace(QUICK, limit=0.1, budget=PATIENCE)
-    family = [
-        one for one in problems.stiff_families()["stiff cylinder, undamped"] if one.penalty_factor >= 1e7
-    ]
-    slow = [Setting(problem, "cvode_bdf", 1e-9, 1) for problem in family]
+    family = problems.stiff_families()["stiff cylinder, undamped"]
+    slow = [Setting(one, "cvode_bdf", 1e-9, 1) for one in family if one.penalty_factor >= 1e7]
     quick = [Setting(problems.benchmarks()["P2"], "event_driven", 1e-9, 1)]
     rows = [measure.row_of(*pair) for pair in measure.run_ladders([slow, quick], plan).items()]
     assert rows[0].note == "not done after 0.1 s"
@@ -211,10 +209,8 @@ def test_a_part_measured_by_itself_leaves_the_others_alone(with_parts, monkeypat
     asked = ["--quick", "--only", "pairs", "--note", "It rained.", "--output", str(with_parts)]
     assert measure.main(asked) == report_page.main(asked[-2:]) == 0
     found, pairs = read_rows(with_parts / "results.csv"), SETS["pairs"][1]()
-    assert [row for row in found if row.problem not in pairs] == [
-        row for row in rows if row.problem not in pairs
-    ]
-    assert len([row for row in found if row.problem in pairs]) == len(pairs) * len(METHODS)
+    alone, before = ([row for row in some if row.problem not in pairs] for some in (found, rows))
+    assert alone == before and len(found) == len(alone) + len(pairs) * len(METHODS)
     text = (with_parts / "README.md").read_text(encoding="utf-8")
     assert text.count("measure --only pairs. It rained. A quick run") == text.count("Measured by itself") == 1
 

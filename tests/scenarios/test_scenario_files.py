@@ -99,9 +99,8 @@ def test_vary_makes_a_run_of_every_combination(tmp_path):
 
 
 def test_table_input_is_straight_lines_and_a_corner_belongs_to_the_line_after_it():
-    signal = InputSignal.make(
-        "x", 1, {"times": [1.0, 2.0, 4.0], "values": [[0.0, 5.0], [1.0, 5.0], [0.0, 9.0]]}
-    )
+    table = {"times": [1.0, 2.0, 4.0], "values": [[0.0, 5.0], [1.0, 5.0], [0.0, 9.0]]}
+    signal = InputSignal.make("x", 1, table)
     times = (0.0, 1.0, 1.5, 2.0, 3.0, 4.0, 9.0)
     assert [signal.evaluate(time, 0)[0] for time in times] == [0.0, 0.0, 0.5, 1.0, 0.5, 0.0, 0.0]
     assert [signal.evaluate(time, 1)[0] for time in times] == [0.0, 1.0, 1.0, -0.5, -0.5, 0.0, 0.0]

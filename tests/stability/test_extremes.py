@@ -143,8 +143,7 @@ def test_a_ball_thrown_between_near_walls_touches_each_once(geometry, clearance,
 
 def test_a_penetration_that_has_died_away_does_not_open_again():
     """Far overdamped, without any load: what is left after so many decay times is noise of 1e-119 m."""
-    tube = HeadOn(
-        geometry="cylinder inside", law="unclamped", source_radius=0.0037, destination_radius=24581.0
-    )
-    slow = replace(tube, gap=3608.0, speed=0.54, source_mass=1582.0, destination_mass=3e-5, gravity=0.0)
+    tube = HeadOn(geometry="cylinder inside", law="unclamped", speed=0.54, gap=3608.0, gravity=0.0)
+    tube = replace(tube, source_radius=0.0037, destination_radius=24581.0)
+    slow = replace(tube, source_mass=1582.0, destination_mass=3e-5)
     check_right(Scene("died away", 0.0, replace(slow, penalty=1.66e8, ratio=43.0, end=16746.0), steps=(1, 7)))

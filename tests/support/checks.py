@@ -41,9 +41,7 @@ def start(fmu, configuration, tolerance=None, method=None):
     values = {name: value for name, value in configuration.items() if not name.endswith(".derivatives")}
     if method:
         values["solver.method"] = method
-    if (
-        "solver.max_internal_steps" in fmu
-    ):  # far more than any run here needs: a run that is stuck fails within seconds
+    if "solver.max_internal_steps" in fmu:  # far more than any run needs: one that is stuck fails soon
         values.setdefault("solver.max_internal_steps", 300_000)
     fmu.start(values, tolerance=tolerance)
     # Tests set more than a scene needs, such as that limit; test_idle_parameters.py has these warnings.

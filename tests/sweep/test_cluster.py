@@ -79,9 +79,8 @@ def test_a_killed_worker_and_an_interrupted_client_lose_nothing(tmp_path, cluste
     kept = {file.name: file.stat().st_mtime_ns for file in (folder / "batches").glob("*.parquet")}
     assert 0 < done(folder) < COUNT
     again = begin(study, "-o", folder, "--scheduler", cluster.address, "--resume")
-    wait_for(
-        lambda: done(folder) > sum(int(name[14:27]) - int(name[:13]) for name in kept) or again.poll() == 0
-    )
+    rows = sum(int(name[14:27]) - int(name[:13]) for name in kept)
+    wait_for(lambda: done(folder) > rows or again.poll() == 0)
     if (folder / "batches").exists():
         now = {file.name: file.stat().st_mtime_ns for file in (folder / "batches").glob("*.parquet")}
         assert not now or {name: now.get(name) for name in kept} == kept  # none is run again

@@ -56,8 +56,7 @@ TEST(the_gap_of_bodies_that_almost_touch_has_no_rounding)
     }
 }
 
-/* Where c is along the axis to rounding, what the projection leaves points anywhere; a normal made of it must
- * not push along the axis. */
+/* Where c is along the axis to rounding, what the projection leaves must not make a normal along it. */
 TEST(near_the_axis_the_normal_still_lies_across)
 {
     struct random r = {11};

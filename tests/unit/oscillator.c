@@ -204,8 +204,7 @@ TEST(the_envelope_bounds_the_oscillation_tightly)
     }
 }
 
-/* Under a load that alone would take it to load / omega2, 1e6 times as far as it is: what it moves does not
- * lack digits of that. */
+/* Under a load that alone would take it to load / omega2, 1e6 times as far: its motion lacks no digits. */
 TEST(what_has_hardly_begun_keeps_its_digits)
 {
     struct random r = {29};

@@ -34,8 +34,7 @@ TEST(a_matrix_with_many_blocks_of_zeros_gives_the_solution_of_its_system)
     }
 }
 
-/* x'' = -x - damping x' as (x, v), a quaternion turned by the angular velocity v about its first axis, and
- * the integral of v^2. */
+/* x'' = -x - damping x' as (x, v), a quaternion that turns about its first axis by v, the integral of v^2 */
 enum { PLACE, SPEED, TURN, SQUARE = 6, SIZE };
 
 static void oscillator_rates(const void *damping, double clock, const double *y, double *rates)

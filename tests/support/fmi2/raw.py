@@ -188,9 +188,7 @@ class Instance(prototypes.AnyInstance):
     def set(self, values: dict[str, Any]) -> None:
         for name, value in values.items():
             for variable, number in self._scalars(name, value):
-                assert self.set_one(variable, number) <= WARNING, (
-                    f"{variable.name} = {number}: {self.texts()}"
-                )
+                assert self.set_one(variable, number) <= WARNING, (variable.name, number, self.texts())
 
     def _scalars(self, name: str, value: Any) -> Iterable[tuple[Variable, float | int]]:
         variables = self.fmu.variables
@@ -202,10 +200,8 @@ class Instance(prototypes.AnyInstance):
         return [(variable, value)]
 
     def set_one(self, variable: Variable, value: float | int) -> int:
-        kind = c_double if variable.type == "Real" else c_int
-        return self.call(
-            f"Set{variable.call_type}", array(c_uint, [variable.reference]), 1, array(kind, [value])
-        )
+        values = array(c_double if variable.type == "Real" else c_int, [value])
+        return self.call(f"Set{variable.call_type}", array(c_uint, [variable.reference]), 1, values)
 
     def get_one(self, variable: Variable) -> float | int:
         value = array(c_double if variable.type == "Real" else c_int, [0])

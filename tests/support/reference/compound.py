@@ -102,8 +102,7 @@ class FreeBody:
 
     def run(self, y, end):
         """The state at `end`, integrated from touch to touch, so that no step crosses a change of the law.
-        The dense output that finds a touch is coarser than a step: a step of its own goes there, and Newton's
-        method corrects it."""
+        The dense output that finds a touch is coarser than a step: another one goes there, by Newton."""
 
         def gap_of(k):
             def gap(_t, y):

@@ -190,8 +190,7 @@ def first_crossing(points, start, width, depth):
 def first_root(row, span, number, fresh=False):
     """First time in (0, span] where the series, positive at first, goes below zero; None if it does not.
 
-    `fresh`: the series starts exactly on its root; the factor t is divided out instead of trusting the
-    rounding of row[0]."""
+    `fresh`: the series starts exactly on its root; the factor t is divided out."""
     scaled, power = [], number(1)
     for coefficient in row:
         scaled.append(coefficient * power)
@@ -243,8 +242,7 @@ def polished(scaled, place, number):
     return place
 
 
-# The equations of motion as power series over one step: states, conditions whose roots are
-# events, and what is integrated along with them.
+# The equations of motion as power series over one step: states, conditions whose roots are events, and sums.
 
 FLIGHT, FULL, SPRING, CLIPPED = "flight", "spring and dashpot", "spring alone", "clipped"
 
@@ -392,12 +390,10 @@ SLIGHT = 1e-10  # m/s of the rate, m of the gap: the tolerance that runs are ask
 
 
 class Reference(SpanMaker):
-    """Configuration as for ReferenceContact; "<input>.derivatives" gives a list of first and second
-    derivatives at time 0.
+    """Configuration as for ReferenceContact; "<input>.derivatives" are the first and second at time 0.
 
     `straight`: the bodies move on the line through their centres (or across the axis) and may pass the
-    centre, where the normal turns round. The distance is then the place on that line with a sign, whose
-    change is an event."""
+    centre, where the normal turns round. The distance then has a sign, whose change is an event."""
 
     def __init__(self, configuration, shape, number=float, order=24, straight=False):
         derivatives = {k: v for k, v in configuration.items() if k.endswith(".derivatives")}

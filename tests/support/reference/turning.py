@@ -304,8 +304,7 @@ SHORT = 1e-9  # m or rad; below, its direction follows that of the slip within a
 
 
 def along_spring(spring, slip, rate):
-    """Unit vector of the spring; that of the slip while the bodies approach, at `rate`, and the spring is too
-    short to have one of its own."""
+    """Unit vector of the spring; that of the slip, at `rate`, while bodies approach and it is too short"""
     size = norm(spring)
     if size > (SHORT if rate < 0 else 0.0):
         return times(1 / size, spring)
@@ -686,10 +685,9 @@ class TurningRun:
         return rates(self.pair, y, self.touching, self.sticking)
 
     def _solver(self, end, first=None):
-        scale = ABSOLUTE * np.ones(SIZE)
         return DOP853(
             self._rates, self.time, self.y, end, first_step=first, max_step=self.longest,
-            rtol=self.relative, atol=scale,
+            rtol=self.relative, atol=ABSOLUTE * np.ones(SIZE),
         )  # fmt: skip
 
     def _after(self, length):

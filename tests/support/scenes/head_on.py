@@ -7,8 +7,7 @@ the effective mass. With zeta = c / (2 sqrt(k m)) = sin(phi), omega = sqrt(k/m),
     s'  =  v / cos phi         exp(-theta tan phi) cos(theta + phi)
     F   = -m s'' = m omega v / cos phi exp(-theta tan phi) sin(theta + 2 phi)
 
-(each derivative turns the phase by phi). phi is complex for zeta > 1 and the formulas stay, with real
-results.
+(each derivative turns the phase by phi). phi is complex for zeta > 1, with real results.
 """
 
 import cmath
@@ -90,9 +89,7 @@ def oscillator(dashpot, mass, stiffness, damping, speed=SPEED):
     deepest = speed / omega * cmath.exp(-slope * turned)
     if dashpot == "unclamped":  # until s = 0
         restitution, duration = cmath.exp(-slope * math.pi), math.pi / rate
-    elif (
-        dashpot == "non_adhesive"
-    ):  # F = 0 at theta = pi - 2 phi, then on with constant speed; s / s' there is 2 zeta / omega
+    elif dashpot == "non_adhesive":  # F = 0 at theta = pi - 2 phi, where s / s' is 2 zeta / omega; then on
         restitution, duration = cmath.exp(-slope * 2 * turned), 2 * turned / rate + 2 * zeta / omega
     else:  # from the deepest point on undamped
         restitution, duration = cmath.exp(-slope * turned), turned / rate + math.pi / (2 * omega)

@@ -1,5 +1,4 @@
-"""Seeded random scenes with motion, for all shapes: the FMU's solvers are compared with
-reference/integrator.py on them."""
+"""Seeded random scenes with motion, for all shapes: for comparison with reference/integrator.py."""
 
 import math
 

@@ -124,9 +124,8 @@ def turntable(v_0, mu=0.5, rate=3.0, way=(0.4, 0.1), velocity=(0.1, -0.2), stiff
     wanted = rate * np.array([-at[1], at[0]]) - v
     spin = [wanted[1] / RADIUS, -wanted[0] / RADIUS, 0.7]
     middle = at + np.array([-v[1], v[0]]) / orbit
-    turned = np.array(
-        [[math.cos(orbit * end), -math.sin(orbit * end)], [math.sin(orbit * end), math.cos(orbit * end)]]
-    )
+    c, s = math.cos(orbit * end), math.sin(orbit * end)
+    turned = np.array([[c, -s], [s, c]])
     values = ball(stiffness) | {"source.center": [*way, RADIUS - G / stiffness]}
     values |= {"source.initial_velocity": [*velocity, 0.0], "source.initial_angular_velocity": spin}
     values |= {"destination.rotation": "prescribed"}
