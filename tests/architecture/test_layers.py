@@ -1,4 +1,4 @@
-"""Includes never point back: math, contact, scene, flight, prescribed, touch, integrator, model, fmi, fmi2/3."""
+"""No include points back: math, contact, scene, flight, prescribed, touch, integrator, model, fmi, fmi2."""
 
 import pytest
 

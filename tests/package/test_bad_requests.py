@@ -9,6 +9,7 @@ import zipfile
 import pytest
 
 from contact_fmus.__main__ import COMMANDS
+from contact_fmus.building.command import scene_text
 from contact_fmus.fmu.files import fmu_file
 from support.foreign import XML, foreign_fmu, packed
 from support.programs import environment, finished
@@ -149,9 +150,9 @@ def test_a_bad_request_ends_in_one_sentence_and_status_2(case, ask, tmp_path):
     (tmp_path / "picture.png").write_bytes(b"\x89PNG")
     (tmp_path / "study.toml").write_text(STUDY)
     packed(tmp_path, {"readme.txt": "nothing"}).rename(tmp_path / "empty.fmu")
-    assert ask("new", "scene")[0] == 0
+    text = scene_text("scene", None, "sphere", False, [])
+    (tmp_path / "scene.toml").write_text(text)
     (tmp_path / "sub").mkdir()
-    text = (tmp_path / "scene.toml").read_text()
     (tmp_path / "sub" / "bad.toml").write_text(text.replace('name = "ball"', 'name = "a b"'))
     arguments, words = WRONG[case]
     status, told, _ = ask(*arguments)
