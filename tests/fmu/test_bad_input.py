@@ -145,7 +145,7 @@ def test_null_arrays_of_derivatives_are_refused_unless_empty(fmu, instance, func
 def test_null_pointers_of_states_and_statuses_are_refused(fmu, instance):
     instance.initialize()
     blob = instance.save()
-    state = instance.state()
+    state = instance.taken()
     cases = [
         ("GetFMUstate", None),
         ("SetFMUstate", None),

@@ -342,7 +342,7 @@ def test_what_is_not_freed_while_telling_is_freed_afterwards(fmu):
         instance.initialize()
         instance.prepare()
         assert wrong_reading(instance) == ERROR
-        state, size = instance.state(), c_size_t()
+        state, size = instance.taken(), c_size_t()
         instance.ok("SerializedFMUstateSize", state, byref(size))
         instance.ok("FreeFMUstate", byref(state))
         instance.run([0.1])

@@ -22,7 +22,7 @@ def test_the_importers_memory_is_used_and_all_of_it_comes_back(name):
     after_initialization = heap.count
     go_on(instance, run, 0)
     assert heap.count == after_initialization, "allocated during steps"
-    state = instance.state()
+    state = instance.taken()
     assert state.value in heap.living
     blob = instance.save()
     assert instance.deserialize(blob[:-1])[0] == ERROR
@@ -40,7 +40,7 @@ def test_states_the_importer_forgot_come_back_with_the_instance(fmu):
     before = set(heap.living)
     blob = instance.save()
     assert set(heap.living) == before
-    states = [instance.state() for _ in range(3)]
+    states = [instance.taken() for _ in range(3)]
     status, brought = instance.deserialize(blob)
     assert status == OK
     instance.ok("FreeFMUstate", byref(states[1]))

@@ -30,7 +30,7 @@ def bring(run: runs.Run) -> raw.Instance:
 
 def test_restored_runs_have_the_bits_of_the_run_that_went_on(run):
     with bring(run) as instance, raw.Instance(instance.fmu) as fresh:
-        state = instance.state()
+        state = instance.taken()
         blob = instance.save()
         went_on = go_on(instance, run, run.saved_at)
         assert len({digest([row]) for row in went_on}) > 1
@@ -257,7 +257,7 @@ def test_a_forged_model_part_never_crashes(saved):
 
 def test_a_buffer_too_small_is_not_written(saved):
     instance, blob = saved
-    state = instance.state()
+    state = instance.taken()
     buffer = bytes(len(blob))
     expected = instance.expect(ERROR, "fmi2SerializeFMUstate", str(len(blob) - 1), str(len(blob)))
     expected(instance.call("SerializeFMUstate", state, buffer, len(blob) - 1))

@@ -48,7 +48,7 @@ def refused(instance: raw.Instance, function: str, address: int) -> None:
 
 def test_a_state_pointer_is_used_again(instance):
     instance.initialize()
-    state = instance.state()
+    state = instance.taken()
     address = state.value
     instance.run([0.1])
     instance.ok("GetFMUstate", byref(state))
@@ -84,7 +84,7 @@ def test_a_pointer_never_initialised_is_not_followed(fmu, guarded, function):
 def test_a_pointer_never_initialised_is_refused(fmu, guarded, function):
     with counted(fmu) as (instance, _heap):
         blob = instance.save()
-        state = instance.state()
+        state = instance.taken()
         for address in (guarded, NO_ADDRESS, state.value + 8, state.value - 8):
             refused(instance, function, address)
         assert instance.save() == blob
@@ -94,7 +94,7 @@ def test_a_pointer_never_initialised_is_refused(fmu, guarded, function):
 def test_a_freed_state_is_refused(fmu, function):
     """A copy of the pointer outlives the state; the ones taken before and after it are not harmed."""
     with counted(fmu) as (instance, _heap):
-        states = [instance.state() for _ in range(3)]
+        states = [instance.taken() for _ in range(3)]
         freed = states[1].value
         instance.ok("FreeFMUstate", byref(states[1]))
         refused(instance, function, freed)
@@ -107,7 +107,7 @@ def test_a_freed_state_is_refused(fmu, function):
 def test_a_state_of_another_instance_is_refused(fmu, function):
     """The way from one instance to another is serialization: the owner may be gone, or running elsewhere."""
     with counted(fmu) as (owner, _), counted(fmu) as (other, _):
-        state = owner.state()
+        state = owner.taken()
         blob = owner.save()
         refused(other, function, state.value)
         owner.ok("SetFMUstate", state)
@@ -117,7 +117,7 @@ def test_a_state_of_another_instance_is_refused(fmu, function):
 
 def test_get_leaves_a_state_of_another_instance_to_its_owner(fmu):
     with counted(fmu) as (owner, owners), counted(fmu) as (other, others):
-        state = owner.state()
+        state = owner.taken()
         kept = c_void_p(state.value)
         blob = owner.save()
         other.run([0.1])
@@ -132,7 +132,7 @@ def test_get_leaves_a_state_of_another_instance_to_its_owner(fmu):
 def test_states_outlive_a_reset(fmu):
     with counted(fmu) as (instance, _heap):
         instance.run([0.1])
-        blob, state = instance.save(), instance.state()
+        blob, state = instance.save(), instance.taken()
         instance.ok("Reset")
         instance.ok("SetFMUstate", state)
         assert instance.save() == blob

@@ -2,7 +2,6 @@
 
 import csv
 import json
-import os
 import sys
 from pathlib import Path
 
@@ -220,11 +219,11 @@ ALWAYS = {"fmpy", "libcosim"}  # are in requirements.txt; others of Python are t
 
 
 @pytest.fixture(scope="module")
-def with_integers(tmp_path_factory, quick_compiler):
+def with_integers(tmp_path_factory):
     folder = tmp_path_factory.mktemp("integer")
     scene = ROOT / "modelDescription" / "scenes" / f"{SCENE}.toml"
     command = [sys.executable, "-m", "contact_fmus", "build", str(scene), "--choices", "integer"]
-    run = finished([*command, "-o", str(folder)], env=os.environ | {"CC": quick_compiler})
+    run = finished([*command, "-o", str(folder)])
     assert run.returncode == 0, run.stdout + run.stderr
     return folder / f"{SCENE}.fmu"
 

@@ -94,7 +94,8 @@ def programs(tmp_path, monkeypatch):
 
 
 def test_the_first_that_works_is_taken(programs):
-    assert find_compiler(None) == [str(programs(gcc="no_headers", clang="works", cc="works") / "clang")]
+    folder = programs(gcc="no_headers", clang="works", cc="works")
+    assert find_compiler(None) == [str(folder / "clang")]
 
 
 def test_what_is_asked_for_is_taken_with_its_arguments(programs, monkeypatch):

@@ -120,8 +120,9 @@ def test_a_ball_rests_balanced_on_the_rim(opened):
 @pytest.mark.parametrize("place", [(0.47, 0.0, 0.42), (0.45, 0.0, 0.48), (0.1, 0.2, 0.3), (0, 0.48, -0.499)])
 def test_starts_within_the_solid_leave_by_the_nearest_face(opened, place):
     values = capped(place, contact_penalty_factor=1e3, contact_viscous_penalty_factor=0.0)
-    check_scene(opened(FMU), f"inside {place}", values, 0.05)
-    assert opened(FMU)["contact.within_extents"]
+    fmu = opened(FMU)
+    check_scene(fmu, f"inside {place}", values, 0.05)
+    assert fmu["contact.within_extents"]
 
 
 @pytest.mark.parametrize("hertz", [False, True])

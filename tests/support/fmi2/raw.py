@@ -282,8 +282,8 @@ class Instance(prototypes.AnyInstance):
 
     # states
 
-    def state(self) -> c_void_p:
-        """One that is saved, for the importer to free"""
+    def taken(self) -> c_void_p:
+        """A state of now, for the importer to free"""
         state = c_void_p()
         self.ok("GetFMUstate", byref(state))
         return state
