@@ -134,7 +134,7 @@ def test_a_body_in_two_contacts_has_its_forces_numbered(tmp_path):
 
 
 def test_the_svg_shows_the_bodies_where_the_png_does(scene):
-    """The middle of a filled shape has its colour on the PNG, unless it is covered; a torus is a ring"""
+    """The middle of a filled shape has its colour on the PNG, unless covered; a torus is two sections"""
     picture = etree.parse(folder_of(scene) / "icon.svg")
     pixels = np.round(255 * matplotlib.image.imread(folder_of(scene) / "model.png")).astype(int)
     space = "{http://www.w3.org/2000/svg}"

@@ -3,7 +3,7 @@
 A scene that is missing there is computed when a test asks for it; of the others one in sixteen is, and must
 be found again. After a change of a reference or of the scenes:
 
-    CONTACT_KEEP=1 PYTHONPATH=scripts:tests .venv/bin/python -m pytest tests/physics      # some minutes
+    CONTACT_KEEP=1 PYTHONPATH=scripts:tests .venv/bin/python -m pytest tests/physics tests/examples
 """
 
 import atexit
