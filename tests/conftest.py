@@ -1,22 +1,15 @@
-"""Shared by all Python tests: FMUs opened once a session and reset for each use, FMUs of scenes with several
-contacts."""
+"""Shared by all Python tests: FMUs opened once a session and reset for each use, and quick ways to FMUs."""
 
 import contextlib
-import fcntl
-import os
-import sys
-from pathlib import Path
+import shutil
 
 import lark
 import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file
+from support import scene_fmus
 from support.checks import DASHPOTS, FMU, METHODS
-from support.programs import finished
-
-ROOT = Path(__file__).resolve().parents[1]
-SCENES = ("BallInCorner", "Chain", "Islands", "ThreeBalls", "TripodReversed", "TwoBars", "TwoPairs")
 
 
 @pytest.fixture(scope="session")
@@ -42,13 +35,14 @@ def shape(request):
 
 @contextlib.contextmanager
 def instances(path_of):
-    """FMU by name, one instance each; `run` and `start` of support/checks.py reset it."""
+    """FMU by name, one instance each, which is reset"""
     made = {}
     with contextlib.ExitStack() as stack:
 
         def get(name):
             if name not in made:
                 made[name] = stack.enter_context(ContactFmu(path_of(name), instance_name=name))
+            made[name].reset()
             return made[name]
 
         yield get
@@ -68,6 +62,15 @@ def opened_several(built):
 
 
 @pytest.fixture(scope="session")
+def quick_compiler(tmp_path_factory):
+    """gcc that optimizes nothing, for FMUs that need not be fast"""
+    file = tmp_path_factory.mktemp("compiler") / "gcc"
+    file.write_text(f'#!/bin/sh\nexec {shutil.which("gcc")} "$@" -O0\n')
+    file.chmod(0o755)
+    return str(file)
+
+
+@pytest.fixture(scope="session")
 def names_parsed_once():
     """fmpy parses the names of variables slowly, and FMUs have the same ones."""
     parse, known = lark.Lark.parse, {}
@@ -82,25 +85,7 @@ def names_parsed_once():
         yield
 
 
-def build(folder):
-    """Their bits are those of Release, and they are built sooner."""
-    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
-    scenes = ";".join(str(ROOT / "tests" / "physics" / "scenes" / f"{name}.toml") for name in SCENES)
-    options = [f"-DCONTACT_SCENES={scenes}", f"-DPython3_EXECUTABLE={sys.executable}"]
-    options += ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_C_FLAGS_DEBUG=-O1", "-DCONTACT_FMI3=OFF"]
-    configure = ["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja"]
-    for command in ([*configure, *options], ["cmake", "--build", str(folder)]):
-        made = finished(command, env=environment)
-        assert made.returncode == 0, made.stdout + made.stderr
-
-
 @pytest.fixture(scope="session")
-def built(tmp_path_factory, worker_id):
-    """The FMUs of SCENES, by name, built once by whichever process needs them first."""
-    folder = tmp_path_factory.getbasetemp()
-    folder = (folder if worker_id == "master" else folder.parent) / "scenes"
-    with folder.with_suffix(".lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not folder.exists():
-            build(folder)
-    return {name: folder / "fmus" / f"{name}.fmu" for name in SCENES}
+def built():
+    """The FMUs of tests/physics/scenes, by name"""
+    return scene_fmus.built()

@@ -50,9 +50,7 @@ def covered(page, body):
 @pytest.mark.parametrize("view", ["fit", "x y"])
 def test_the_name_of_a_plane_stands_on_it(view, opened):
     page = opened("SpherePlane", width=900, height=800)
-    page.run(
-        f"[...document.querySelectorAll('.views button')].find((one) => one.textContent === '{view}').click()"
-    )
+    page.run(f"[...document.querySelectorAll('.views button')].find((b) => b.innerText === '{view}').click()")
     page.wait_for(f"'destination' in {NAMES}")  # a busy browser may not have drawn yet
     x, y = page.run(NAMES)["destination"]
     assert covered(page, "destination")[int(y), int(x)]
@@ -78,9 +76,7 @@ def test_an_infinite_cylinder_leaves_room_in_the_picture(case, opened):
 
 def test_bodies_that_could_move_have_colours_of_their_own(opened):
     page = opened("ForceElement", width=900, height=700)
-    colors = page.run(
-        "contactAnimation.world.bodies.map((one) => '#' + one.materials[0].color.getHexString())"
-    )
+    colors = page.run("contactAnimation.world.bodies.map((b) => '#' + b.materials[0].color.getHexString())")
     assert len({*colors, page.run(STILL)}) == 3
     still = opened("SphereCylinder", width=900, height=700)
     of_floor = still.run("'#' + contactAnimation.world.bodies[1].materials[0].color.getHexString()")
@@ -140,8 +136,7 @@ def test_a_table_that_turns_is_seen_to_turn(opened):
 
 def test_a_floor_that_stands_still_keeps_its_looks(opened):
     """The ball alone moves over it, and turns."""
-    floor = opened("SpinningBall", width=700, height=500)
-    first, later = pictures(floor, (0.0, 0.1))
+    first, later = pictures(opened("SpinningBall", width=700, height=500), (0.0, 0.1))
     assert 0.0 < changed(first, later) < 0.2
 
 
@@ -239,9 +234,8 @@ def test_a_ball_that_is_tiny_in_its_scene_is_whole_when_looked_at(fmu, shown, tm
     file = tmp_path / "far.html"
     assert animate([fmu, *settings, "--stop", "0.4", "-o", str(file)]) == 0
     page = shown(file, width=900, height=700)
-    page.run(
-        "contactAnimation.seek(0.3); contactAnimation.world.follow('source'); contactAnimation.seek(0.3)"
-    )
+    for deed in ("seek(0.3)", "world.follow('source')", "seek(0.3)"):
+        page.run(f"contactAnimation.{deed}")
     camera = Camera(page.run("contactAnimation.camera()"))
     middle, pixels = discs(page, ["source"])["source"]
     size = page.run("[contactAnimation.camera().width, contactAnimation.camera().height]")

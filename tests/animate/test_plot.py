@@ -31,8 +31,7 @@ def test_every_contact_of_a_run_is_found_and_shown(shell):
 
 def test_a_contact_between_prescribed_motions_is_read_from_the_gap():
     time = np.linspace(0.0, 1.0, 11)
-    result = Result(time, {"c.gap": 0.35 - time, "d.gap": np.abs(time - 0.5) - 0.25})
-    found = touches(result)
+    found = touches(Result(time, {"c.gap": 0.35 - time, "d.gap": np.abs(time - 0.5) - 0.25}))
     assert [(t.contact, t.begin, t.end) for t in found] == [
         ("d", pytest.approx(0.25), pytest.approx(0.75)),
         ("c", pytest.approx(0.35), 1.0),

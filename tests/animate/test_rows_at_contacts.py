@@ -17,8 +17,7 @@ STEPS = {"BouncingBall": (1, 7, 400), "BallInShell": (1, 30), "ThreeBalls": (1, 
 
 
 def rows_of(name, file, steps):
-    """Time, and of each contact whether it is active, its force, its gap and how often it began; besides what
-    the run ends with, and when"""
+    """Time, and of each contact whether it is active, its force, its gap, its onsets; and the end"""
     with ContactFmu(file) as fmu:
         stop = float(fmu.description.defaultExperiment.stopTime)
         fmu.start(stop_time=stop)
@@ -27,8 +26,7 @@ def rows_of(name, file, steps):
             rows += [row(fmu) for _ in touching.step(time)] if time > 0.0 else []
             drive(fmu)
             rows.append(row(fmu))
-        columns = [np.array(column) for column in zip(*rows, strict=True)]
-        return columns, everything(fmu), stop
+        return [np.array(column) for column in zip(*rows, strict=True)], everything(fmu), stop
 
 
 def drive(fmu):

@@ -51,9 +51,8 @@ def test_there_is_no_global_mutable_state(scene):
 @pytest.mark.parametrize("scene", sources.SCENES)
 def test_the_state_of_motion_has_no_padding(scene):
     """Saved states are its bytes, with a checksum over all of them."""
-    said = sources.compile_c(
-        "gcc", sources.SOURCE / "scene" / "scene_state.c", scene, "-Wpadded", "-fsyntax-only"
-    )
+    unit = sources.SOURCE / "scene" / "scene_state.c"
+    said = sources.compile_c("gcc", unit, scene, "-Wpadded", "-fsyntax-only")
     assert [line for line in said.splitlines() if "scene_state.h" in line and "error:" in line] == []
 
 

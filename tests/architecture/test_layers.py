@@ -1,24 +1,10 @@
-"""Data flows math -> contact -> scene -> flight -> prescribed -> touch -> integrator -> model -> fmi ->
-fmi2 or fmi3; no include points back."""
+"""No include points back: math, contact, scene, flight, prescribed, touch, integrator, model, fmi, fmi2."""
 
 import pytest
 
+from support import sources
 from support.graph import circle, file_graph, object_symbols, upward
-from support.sources import (
-    ADAPTERS,
-    COMPILERS,
-    HEADERS,
-    LAYERS,
-    SCENES,
-    SOURCE,
-    UNITS,
-    compile_c,
-    headers_of,
-    includes,
-    label,
-    layer,
-    units_of,
-)
+from support.sources import ADAPTERS, HEADERS, LAYERS, SCENES, SOURCE, UNITS, includes, label, layer
 
 C_LIBRARY = {"assert.h", "float.h", "limits.h", "math.h", "stdarg.h", "stdbool.h", "stddef.h", "stdint.h"}
 C_LIBRARY |= {"stdio.h", "stdlib.h", "string.h"}
@@ -71,19 +57,19 @@ def test_no_header_includes_itself_by_way_of_others():
 
 
 def test_every_source_is_one_of_some_scene():
-    assert set(UNITS) <= {unit for scene in SCENES for unit in units_of(scene)}
-    assert set(HEADERS) == {header for scene in SCENES for header in headers_of(scene)}
+    assert set(UNITS) <= {unit for scene in SCENES for unit in sources.units_of(scene)}
+    assert set(HEADERS) == {header for scene in SCENES for header in sources.headers_of(scene)}
 
 
 @pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", sources.COMPILERS)
 def test_every_header_compiles_alone(tmp_path, compiler, scene):
     said = {}
-    for file in headers_of(scene):
+    for file in sources.headers_of(scene):
         unit = tmp_path / "alone.c"
         name = file.relative_to(SOURCE).as_posix()
         unit.write_text(f'#include "{name}"\n#include "{name}"\n')
-        said[name] = compile_c(compiler, unit, scene, "-fsyntax-only")
+        said[name] = sources.compile_c(compiler, unit, scene, "-fsyntax-only")
     assert {name: text for name, text in said.items() if text} == {}
 
 
@@ -93,8 +79,8 @@ def test_every_unit_compiles_by_itself(tmp_path, compiler, scene):
     """The FMUs compile all of it as one unit, which would hide a missing include."""
     header = tmp_path / "alone.c"
     header.write_text('#include "scene.h"\n#include "scene.h"\n')
-    units = [header, *units_of(scene)]
-    said = {unit.name: compile_c(compiler, unit, scene, "-fsyntax-only") for unit in units}
+    units = [header, *sources.units_of(scene)]
+    said = {unit.name: sources.compile_c(compiler, unit, scene, "-fsyntax-only") for unit in units}
     assert {name: text for name, text in said.items() if text} == {}
 
 
@@ -110,7 +96,7 @@ def edges(request):
     scene, adapter = request.param
     units = {
         unit.relative_to(SOURCE).as_posix(): object_symbols(unit, scene)
-        for unit in units_of(scene, adapter)
+        for unit in sources.units_of(scene, adapter)
         if unit.is_relative_to(SOURCE)
     }
     return file_graph(units)

@@ -33,9 +33,7 @@ def test_readme_is_two_screens():
 
 def test_every_page_is_in_the_index():
     index = ROOT / "docs" / "index.md"
-    linked = {
-        (index.parent / target).resolve() for target, _ in LINK.findall(index.read_text(encoding="utf-8"))
-    }
+    linked = {(index.parent / to).resolve() for to, _ in LINK.findall(index.read_text(encoding="utf-8"))}
     pages = {page for page in PAGES if page.is_relative_to(ROOT / "docs")} - {index}
     assert pages <= linked, f"not in docs/index.md: {sorted(map(str, pages - linked))}"
 

@@ -1,7 +1,6 @@
 """The example with SSP: its system is valid, fmpy's importer runs it, and docs/ssp.md has today's figures"""
 
 import importlib
-import subprocess
 import sys
 
 import pytest
@@ -9,7 +8,7 @@ from fmpy.ssp.ssd import read_ssd
 
 from contact_fmus.fmu.files import fmus_folder
 from support.checks import check_relative
-from support.programs import PATIENCE
+from support.programs import checked
 from support.sources import ROOT
 
 FOLDER = ROOT / "examples" / "ssp"
@@ -29,9 +28,7 @@ def modules():
 @pytest.fixture(scope="module")
 def ssp(tmp_path_factory):
     file = tmp_path_factory.mktemp("ssp") / "tube.ssp"
-    subprocess.run(
-        [sys.executable, FOLDER / "make_ssp.py", fmus_folder(), file], check=True, timeout=PATIENCE
-    )
+    checked([sys.executable, FOLDER / "make_ssp.py", fmus_folder(), file])
     return str(file)
 
 
@@ -44,9 +41,8 @@ def test_the_system_is_valid_and_wires_what_the_fmus_have(ssp):
 
 def test_the_page_has_the_figures_of_a_run_and_each_way_is_better_than_the_one_before(ssp, modules):
     ((_, errors, results),) = modules["run_ssp"].rows(ssp, [SIZE])
-    pages = [
-        path.read_text(encoding="utf-8").splitlines() for path in (ROOT / "docs/ssp.md", FOLDER / "page.md")
-    ]
+    files = (ROOT / "docs/ssp.md", FOLDER / "page.md")
+    pages = [path.read_text(encoding="utf-8").splitlines() for path in files]
     lines = pages[0]
     shown, meant = ([line for line in page if line and not line.startswith(("|", "{"))] for page in pages)
     assert shown == meant

@@ -32,7 +32,7 @@ def changed(scene, lines):
 
 
 @pytest.fixture(scope="module")
-def said(tmp_path_factory):
+def said(tmp_path_factory, quick_compiler):
     """What each command line of the page printed; and the folder"""
     folder = tmp_path_factory.mktemp("tutorial")
     printed = {}
@@ -49,7 +49,7 @@ def said(tmp_path_factory):
                     line,
                     shell=True,
                     cwd=folder,
-                    env=environment(PATH=path),
+                    env=environment(PATH=path, CC=quick_compiler),
                     capture_output=True,
                     text=True,
                     timeout=PATIENCE,

@@ -45,9 +45,7 @@ def test_both_are_products_with_one_matrix_of_any_number_of_unknowns_and_knowns(
         (instance.product("Adjoint", unknowns, knowns, left), matrix.T * left, False),
     ):
         sizes = np.sum(np.abs(terms), axis=1)
-        if np.any(
-            of_torque
-        ):  # of a force along its arm of half a metre: it is but the rounding of the product
+        if np.any(of_torque):  # of a force along its arm of half a metre: a rounding of the product
             sizes = np.where(of_torque, np.max(sizes[forces]), sizes)
         assert np.all(np.abs(given - np.sum(terms, axis=1)) <= 1e-13 * sizes + 1e-300)
 
@@ -55,8 +53,7 @@ def test_both_are_products_with_one_matrix_of_any_number_of_unknowns_and_knowns(
 def test_without_knowns_or_unknowns(instance):
     force = [instance.fmu.variables["contact.source_force"]]
     assert instance.product("Directional", force, [], []).tolist() == [0.0, 0.0, 0.0]
-    knowns = instance.fmu.select("input")
-    assert not instance.product("Adjoint", [], knowns, []).any()
+    assert not instance.product("Adjoint", [], instance.fmu.select("input"), []).any()
 
 
 @pytest.mark.parametrize("kind", ["Directional", "Adjoint"])
@@ -71,13 +68,9 @@ def test_wrong_arguments_are_refused_in_words(instance, kind):
             *(reals(seeds), len(seeds), reals([0.0] * count), count),
         )
 
-    with instance.expect(ERROR, f"fmi3Get{kind}Derivative", "nSeed = 2", "expected 3") as got:
-        got(call(force, known, [1.0, 2.0]))
-    with instance.expect(ERROR, "nSensitivity = 4", "expected 3") as got:
-        got(call(force, known, [1.0, 2.0, 3.0], 4))
-    with instance.expect(ERROR, "no Float64 output") as got:
-        got(call(known, known, [1.0, 2.0, 3.0]))
-    with instance.expect(ERROR, "no Float64 input") as got:
-        got(call(force, force, [1.0, 2.0, 3.0]))
-    with instance.expect(DISCARD, "seed of", "nan") as got:
-        got(call(force, known, [1.0, float("nan"), 3.0]))
+    refused = instance.expect(ERROR, f"fmi3Get{kind}Derivative", "nSeed = 2", "expected 3")
+    refused(call(force, known, [1.0, 2.0]))
+    instance.expect(ERROR, "nSensitivity = 4", "expected 3")(call(force, known, [1.0, 2.0, 3.0], 4))
+    instance.expect(ERROR, "no Float64 output")(call(known, known, [1.0, 2.0, 3.0]))
+    instance.expect(ERROR, "no Float64 input")(call(force, force, [1.0, 2.0, 3.0]))
+    instance.expect(DISCARD, "seed of", "nan")(call(force, known, [1.0, float("nan"), 3.0]))

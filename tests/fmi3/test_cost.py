@@ -32,18 +32,14 @@ def cost(tmp_path_factory):
     def counted(functions, command):
         out = folder / "counts"
         options = ["--quiet", "--tool=callgrind", *(f"--toggle-collect={function}" for function in functions)]
-        environment = {
-            "GLIBC_TUNABLES": TUNABLES,
-            "LD_BIND_NOW": "1",
-        }  # finding functions is no part of the cost
+        environment = {"GLIBC_TUNABLES": TUNABLES, "LD_BIND_NOW": "1"}  # without finding functions
         watched = ["valgrind", *options, f"--callgrind-out-file={out}", *command]
         checked(watched, timeout=PATIENCE, environment=environment)
         return int(re.search(r"^(?:summary|totals): (\d+)", out.read_text(), re.MULTILINE)[1])
 
     def of(name, version):
-        place = unpacked(
-            BUILD / ("fmus" if version == 2 else "fmus-fmi3") / f"{name}.fmu", folder / f"{name}{version}"
-        )
+        fmus = BUILD / ("fmus" if version == 2 else "fmus-fmi3")
+        place = unpacked(fmus / f"{name}.fmu", folder / f"{name}{version}")
         (library,) = place.glob("binaries/*/*.so")
 
         def command(values, steps):

@@ -86,9 +86,7 @@ def moving(fmu, seed):
         for one in fmu.select("input")
     }
     rest = {name: [0.0, 0.0, 2.0] if name.endswith("_axis") else np.zeros(3) for name in waves}
-    return lambda time: {
-        name: (rest[name] + wave * np.sin(rate * time)).tolist() for name, (wave, rate) in waves.items()
-    }
+    return lambda t: {name: (rest[name] + a * np.sin(rate * t)).tolist() for name, (a, rate) in waves.items()}
 
 
 def values(instance, fmu3):
@@ -162,8 +160,7 @@ CONTACT |= {"contact.penalty_factor": 1e3}
 
 
 def begun(scene="SphereSphere", values=None):
-    instance = raw.Instance(raw.load(scene), exchange=True)
-    return Outside(instance.initialize(values or CONTACT)).begin()
+    return Outside(raw.Instance(raw.load(scene), exchange=True).initialize(values or CONTACT)).begin()
 
 
 def test_a_state_set_by_its_name_is_that_of_the_vector():
@@ -188,8 +185,8 @@ def test_what_events_may_change_is_set_between_events_only():
     instance.set({"energy.dissipated_state": 0.25})
     assert instance.get("energy.dissipated") == 0.25
     instance.ok("EnterEventMode")
-    with instance.expect(ERROR, "energy.dissipated_state", "cannot be set") as got:
-        got(instance.set_one("energy.dissipated_state", 0.5))
+    refused = instance.expect(ERROR, "energy.dissipated_state", "cannot be set")
+    refused(instance.set_one("energy.dissipated_state", 0.5))
     assert outside.update() is False  # set by the importer, changed by no event
 
 
@@ -200,8 +197,8 @@ def test_a_refused_row_leaves_other_variables_alone():
         chosen = [instance.fmu.variables[name] for name in ("source.velocity_state", "source.external_force")]
         before = instance.get("source.velocity_state")
         values = raw.reals([1.0, 2.0, 3.0, 0.0, np.nan, 0.0])
-        with instance.expect(DISCARD, "source.external_force[2]") as got:
-            got(instance.call("SetFloat64", raw.references(chosen), 2, values, 6))
+        refused = instance.expect(DISCARD, "source.external_force[2]")
+        refused(instance.call("SetFloat64", raw.references(chosen), 2, values, 6))
         assert instance.get("source.velocity_state") == before
         assert instance.get("source.external_force") == [0.0, 0.0, 0.0]
 
@@ -275,9 +272,8 @@ def test_derivatives_are_products_with_the_matrix_of_fmi2(scene, event_mode):
             *(raw2.array(raw2.c_uint, columns(knowns)), width, raw2.array(raw2.c_double, seeds), values),
         )
         assert given.tobytes() == bytes(values)
-    matrix = np.array(
-        [outside.instance.product("Directional", unknowns, knowns, column) for column in np.eye(width)]
-    )
+    given = [outside.instance.product("Directional", unknowns, knowns, seeds) for seeds in np.eye(width)]
+    matrix = np.array(given)
     left = random.normal(size=len(rows))
     allowed = 1e-13 * np.max(np.abs(matrix) @ np.abs(left)) + 1e-300
     adjoint = outside.instance.product("Adjoint", unknowns, knowns, left)

@@ -37,9 +37,7 @@ def test_outputs_read_there_are_those_of_the_instant_and_reading_changes_nothing
 
     def read(time, *_flags):
         assert instance.get("time") == time
-        seen.append(
-            {name: instance.get(name) for name in ("contact.active", "contact.gap", "source.velocity")}
-        )
+        seen.append({one: instance.get(one) for one in ("contact.active", "contact.gap", "source.velocity")})
         seen[-1]["mean"] = math.hypot(*instance.get("contact.mean_force"))
         instance.bits("output")
         instance.output_derivative("source.velocity", 1)
@@ -98,10 +96,9 @@ def test_only_reading_is_in_order_there():
     refused = []
 
     def meddle(_time, *_flags):
-        number = c_double()
         calls = {
             "SetFloat64": (references([force]), 1, reals([1.0, 2.0, 3.0]), 3),
-            "DoStep": (0.0, 0.1, True, None, None, None, number),
+            "DoStep": (0.0, 0.1, True, None, None, None, c_double()),
             "Reset": (),
             "Terminate": (),
             "EnterEventMode": (),
@@ -129,6 +126,4 @@ def test_variables_asked_for_must_exist(reference):
     """135 is the second component of source.position, which FMI 3.0 does not see."""
     with Instance(raw.load("SphereSphere"), required=[134, reference], update=lambda *_: None) as instance:
         assert instance.component is None
-        assert (
-            "requiredIntermediateVariables" in instance.texts()[0] and str(reference) in instance.texts()[0]
-        )
+        assert all(one in instance.texts()[0] for one in ("requiredIntermediateVariables", str(reference)))

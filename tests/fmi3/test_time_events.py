@@ -49,8 +49,7 @@ def test_an_oblique_flight_touches_where_its_quartic_says():
     terms = [np.array([0.0, 0.0, -GRAVITY / 2]), speed, place]
     squared = sum(np.convolve(along, along) for along in np.transpose(terms))
     squared[-1] -= REACH**2
-    roots = np.roots(squared)
-    first = min(root.real for root in roots if abs(root.imag) < 1e-9 and root.real > 0)
+    first = min(root.real for root in np.roots(squared) if abs(root.imag) < 1e-9 and root.real > 0)
     check_close("touch", announced(start), first, 1e-11)
 
 
@@ -80,8 +79,7 @@ PASSES = 0.0505  # s
 
 
 def graze(speed, depth):
-    """Without gravity, past the pole of the sphere, so low that the bodies overlap for a moment in the middle
-    of a millisecond"""
+    """Without gravity, past the pole of the sphere, in overlap for a moment in the middle of a millisecond"""
     height = REACH - depth
     half = math.sqrt(REACH**2 - height**2) / speed
     start = {"gravity": [0.0, 0.0, 0.0], "source.center": [-PASSES * speed, 0.0, height]}
@@ -90,8 +88,7 @@ def graze(speed, depth):
 
 
 def test_a_contact_shorter_than_a_step_is_not_missed():
-    """fmpy looks at the event indicators once a millisecond; the bodies touch for a third of one, and
-    without the announcement it sees nothing."""
+    """fmpy looks at the event indicators once a millisecond; the bodies touch for a third of one."""
     start, begins, lasts = graze(100.0, 2e-4)
     assert lasts < 4e-4
     check_close("touch", announced(start), begins, 1e-12)

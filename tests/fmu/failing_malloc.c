@@ -1,7 +1,6 @@
 /*
  * Preloaded into a process: lets one allocation of one library fail. Only calls that come from the
- * library's own code count, whatever it was linked from; the rest of the process (an interpreter, say) has
- * all the memory it wants.
+ * library's own code count, whatever it was linked from; the rest of the process has all it wants.
  */
 #include <dlfcn.h>
 #include <link.h>
@@ -34,8 +33,7 @@ static int find_end(struct dl_phdr_info *info, size_t size, void *wanted)
     return 1;
 }
 
-/* From now on the allocations of the library that has this function are counted from 0, and those from..to
- * fail. */
+/* From now on the allocations of the library with this function are counted from 0; those from..to fail. */
 void failing_malloc_watch(const void *function, long from, long to)
 {
     Dl_info info;

@@ -7,13 +7,13 @@ The fixture in conftest.py checks in every one of these tests that nothing is pr
 import itertools
 import math
 import re
-from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import byref, c_double, c_int, c_size_t, c_uint
 
 import pytest
 
 from contact_fmus.fmu.files import fmus_folder
 from support.fmi2 import raw
-from support.fmi2.raw import CO_SIMULATION, DISCARD, ERROR, OK, WARNING, array
+from support.fmi2.raw import DISCARD, ERROR, OK, WARNING, array
 from support.fmi3 import raw as raw3
 
 UNKNOWN = 4_000_000_000
@@ -42,9 +42,7 @@ def either(request, version):
 
 
 def functions(version):
-    return [
-        (f"{verb}{name}", kind) for verb in ("Get", "Set") for name, kind in VERSIONS[version].TYPES.items()
-    ]
+    return [(f"{do}{name}", kind) for do in ("Get", "Set") for name, kind in VERSIONS[version].TYPES.items()]
 
 
 def test_an_unknown_value_reference_is_named(either, version):
@@ -52,8 +50,8 @@ def test_an_unknown_value_reference_is_named(either, version):
     for (function, kind), reference in itertools.product(
         functions(version), (1_000, UNKNOWN, 2**32 - 1, UNKNOWN_OF[version])
     ):
-        with either.expect(ERROR, either.prefix + function, "unknown value reference", str(reference)) as got:
-            got(either.access(function, array(c_uint, [reference]), (kind * 3)()))
+        expected = either.expect(ERROR, either.prefix + function, "unknown value reference", str(reference))
+        expected(either.access(function, array(c_uint, [reference]), (kind * 3)()))
     assert either.bits("parameter", "input") == before
 
 
@@ -80,9 +78,9 @@ def test_a_wrong_type_names_the_variable_and_its_type(either, version):
     for variable in either.fmu.variables.values():
         for function, kind in functions(version) if variable.name != "time" else ():
             if function[3:] != variable.call_type:
-                with either.expect(ERROR, either.prefix + function, variable.name, variable.type) as got:
-                    one = array(c_uint, [variable.reference])
-                    got(either.access(function, one, (kind * 3)(), length=variable.length))
+                expected = either.expect(ERROR, either.prefix + function, variable.name, variable.type)
+                one = array(c_uint, [variable.reference])
+                expected(either.access(function, one, (kind * 3)(), length=variable.length))
     assert either.bits("parameter", "input", "output") == before
 
 
@@ -115,8 +113,8 @@ def test_null_arrays_are_refused_unless_empty(either, version):
         for missing, word in enumerate(words):
             arrays = [references, (kind * count)()]
             arrays[missing] = None
-            with either.expect(ERROR, either.prefix + function, word, "null") as got:
-                got(either.access(function, *arrays, count, count))
+            expected = either.expect(ERROR, either.prefix + function, word, "null")
+            expected(either.access(function, *arrays, count, count))
     assert either.bits("parameter", "input", "output") == before
 
 
@@ -140,21 +138,18 @@ def test_null_arrays_of_derivatives_are_refused_unless_empty(fmu, instance, func
     for position, word in enumerate(words):
         if word is not None:
             arguments = [None if index == position else one for index, one in enumerate(good)]
-            with instance.expect(ERROR, f"fmi2{function}", word, "null") as got:
-                got(instance.call(function, *arguments))
+            instance.expect(ERROR, f"fmi2{function}", word, "null")(instance.call(function, *arguments))
     assert instance.bits() == before
 
 
 def test_null_pointers_of_states_and_statuses_are_refused(fmu, instance):
     instance.initialize()
     blob = instance.save()
-    state = c_void_p()
-    instance.ok("GetFMUstate", byref(state))
-    size = c_size_t()
+    state = instance.taken()
     cases = [
         ("GetFMUstate", None),
         ("SetFMUstate", None),
-        ("SerializedFMUstateSize", None, byref(size)),
+        ("SerializedFMUstateSize", None, byref(c_size_t())),
         ("SerializedFMUstateSize", state, None),
         ("SerializeFMUstate", None, blob, len(blob)),
         ("SerializeFMUstate", state, None, len(blob)),
@@ -168,8 +163,7 @@ def test_null_pointers_of_states_and_statuses_are_refused(fmu, instance):
         ("SetDebugLogging", 1, 1, None),
     ]
     for function, *arguments in cases:
-        with instance.expect(ERROR, f"fmi2{function}", "null") as got:
-            got(instance.call(function, *arguments))
+        instance.expect(ERROR, f"fmi2{function}", "null")(instance.call(function, *arguments))
     instance.ok("FreeFMUstate", None)
     instance.ok("FreeFMUstate", byref(state))
     instance.ok("FreeFMUstate", byref(state))
@@ -186,8 +180,8 @@ def test_no_real_takes_what_is_not_finite(fmu, instance):
     assert reals
     for variable in reals:
         for value in NOT_FINITE:
-            with instance.expect(DISCARD, variable.name, "nan" if value != value else "inf") as got:
-                got(instance.set_one(variable, value))
+            expected = instance.expect(DISCARD, variable.name, "nan" if value != value else "inf")
+            expected(instance.set_one(variable, value))
             assert "tested" in instance.messages[0].text
             assert _range_is_named(variable, instance.messages[0].text), instance.messages[0].text
     assert instance.bits("parameter", "input") == before
@@ -195,8 +189,7 @@ def test_no_real_takes_what_is_not_finite(fmu, instance):
     before = instance.bits()
     for variable in fmu.select("input", kind="Real"):
         for value in NOT_FINITE:
-            with instance.expect(DISCARD, variable.name) as got:
-                got(instance.set_one(variable, value))
+            instance.expect(DISCARD, variable.name)(instance.set_one(variable, value))
     assert instance.bits() == before
 
 
@@ -227,8 +220,7 @@ def test_every_range_of_the_description_is_enforced(every_fmu):
         for variable in every_fmu.select("parameter", "input"):
             before = instance.bits("parameter", "input")
             for value in _outside(variable):
-                with instance.expect(DISCARD, variable.name) as got:
-                    got(instance.set_one(variable, value))
+                instance.expect(DISCARD, variable.name)(instance.set_one(variable, value))
                 if variable.type != "Real":
                     assert str(value) in instance.messages[0].text
             assert instance.bits("parameter", "input") == before
@@ -251,37 +243,28 @@ def test_a_prescribed_motion_beyond_all_numbers_is_discarded(universal):
     """Its rate is within range, and so is the length of the step; their product is not"""
     with raw.Instance(universal) as instance:
         instance.initialize({"source.motion": "prescribed", "source.prescribed_velocity": [1e150, 0.0, 0.0]})
-        with instance.expect(DISCARD, "beyond the range of numbers") as got:
-            got(instance.call("DoStep", 0.0, 1e160, 1))
+        instance.expect(DISCARD, "beyond the range of numbers")(instance.call("DoStep", 0.0, 1e160, 1))
         instance.ok("DoStep", 0.0, 1.0, 1)
         assert all(math.isfinite(number) for number in instance.get("source.position"))
 
 
-# The next tests ask wrongly for instances, experiments, steps and derivatives. The FMU refuses each call,
-# says why, and the run goes on.
-#
-# The fixture in conftest.py checks in every one of these tests that nothing is printed.
+# The next tests ask wrongly for instances, experiments, steps and derivatives, are refused, and go on.
 
 # instantiation
 
 
-@pytest.mark.parametrize(
-    "guid", [b"{00000000-0000-0000-0000-000000000000}", b"no guid", b"50 %s %n #r1#", None]
-)
-def test_a_wrong_guid_makes_no_instance(fmu, guid):
+GUIDS = [b"{00000000-0000-0000-0000-000000000000}", b"no guid", b"50 %s %n #r1#", None, b" "]
+GUIDS += [b"x" * length for length in (1, 200, 5_000, 100_000)]
+
+
+@pytest.mark.parametrize("guid", GUIDS, ids=range(len(GUIDS)))
+def test_a_wrong_guid_of_any_length_makes_no_instance(fmu, guid):
     instance = raw.Instance(fmu, guid=guid)
     assert instance.component is None
     (message,) = instance.messages
     assert (message.status, message.category) == (ERROR, "logStatusError")
     assert fmu.guid in message.text
-    assert (guid or b"(null)").decode() in message.text
-
-
-def test_a_guid_of_any_length_makes_no_instance(fmu):
-    for length in (0, 1, 200, 5_000, 100_000):
-        instance = raw.Instance(fmu, guid=b"x" * length or b" ")
-        assert instance.component is None
-        assert fmu.guid in instance.messages[0].text
+    assert (guid or b"(null)").decode()[:200] in message.text
 
 
 KINDS = ("fmuType", "fmi2CoSimulation or fmi2ModelExchange")
@@ -294,18 +277,6 @@ def test_an_instance_needs_a_name_and_is_of_co_simulation_or_model_exchange(fmu,
     instance = raw.Instance(fmu, **wrong)
     assert instance.component is None
     assert all(word in instance.messages[0].text for word in words)
-
-
-def test_an_instance_needs_callbacks(fmu):
-    assert fmu.library.fmi2Instantiate(b"a", CO_SIMULATION, fmu.guid.encode(), b"", None, 0, 0) is None
-
-
-def test_an_instance_without_a_logger_works_and_refuses(fmu):
-    with raw.Instance(fmu, with_logger=False) as instance:
-        instance.initialize()
-        assert instance.call("DoStep", 0.0, -1.0, 1) == DISCARD
-        instance.run([0.1])
-    assert raw.Instance(fmu, with_logger=False, guid=b"wrong").component is None
 
 
 @pytest.mark.parametrize("resources", [
@@ -340,20 +311,17 @@ EXPERIMENTS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("told, word, arguments, right", EXPERIMENTS)
-def test_an_experiment_has_finite_times_in_order_and_a_positive_tolerance(
-    instance, told, word, arguments, right
-):
-    with instance.expect(ERROR, told, word) as got:
-        got(instance.call("SetupExperiment", *arguments))
+@pytest.mark.parametrize("told, word, given, right", EXPERIMENTS)
+def test_an_experiment_has_finite_times_in_order_and_a_positive_tolerance(instance, told, word, given, right):
+    instance.expect(ERROR, told, word)(instance.call("SetupExperiment", *given))
     instance.initialize(**right)
 
 
 @pytest.mark.parametrize(("tolerance", "used"), [(2.0, 1e-2), (1e-300, 1e-14)])
 def test_a_tolerance_beyond_the_solver_is_clipped_with_a_warning(universal, tolerance, used):
     with raw.Instance(universal) as instance:
-        with instance.expect(WARNING, "tolerance", "solver.relative_tolerance") as got:
-            got(instance.call("SetupExperiment", 1, tolerance, 0.0, 0, 0.0))
+        expected = instance.expect(WARNING, "tolerance", "solver.relative_tolerance")
+        expected(instance.call("SetupExperiment", 1, tolerance, 0.0, 0, 0.0))
         instance.initialize(tolerance=tolerance)
         assert instance.get("solver.relative_tolerance") == used
 
@@ -363,8 +331,8 @@ def test_a_step_size_is_positive_finite_and_felt(instance, size):
     """At t = 1 s the last two sizes do not change the time at all."""
     instance.initialize(start=1.0)
     blob = instance.save()
-    with instance.expect(DISCARD, "fmi2DoStep", "communicationStepSize", "allowed") as got:
-        got(instance.call("DoStep", 1.0, size, 1))
+    expected = instance.expect(DISCARD, "fmi2DoStep", "communicationStepSize", "allowed")
+    expected(instance.call("DoStep", 1.0, size, 1))
     assert instance.save() == blob
     instance.run([0.1], start=1.0)
 
@@ -380,8 +348,8 @@ def test_a_step_starts_where_the_last_one_ended(instance, off, begin):
     """The first one starts at the start time."""
     instance.initialize(start=begin)
     blob = instance.save()
-    with instance.expect(ERROR, "currentCommunicationPoint", "expected", f"{begin:g}") as got:
-        got(instance.call("DoStep", begin + off, 0.1, 1))
+    expected = instance.expect(ERROR, "currentCommunicationPoint", "expected", f"{begin:g}")
+    expected(instance.call("DoStep", begin + off, 0.1, 1))
     assert instance.save() == blob
     instance.run([0.1], start=begin)
 
@@ -402,12 +370,10 @@ def test_no_step_goes_past_the_stop_time(instance):
     instance.initialize(stop=1.0)
     instance.run([0.75])
     blob = instance.save()
-    with instance.expect(ERROR, "stopTime", "1 s", "1.25") as got:
-        got(instance.call("DoStep", 0.75, 0.5, 1))
+    instance.expect(ERROR, "stopTime", "1 s", "1.25")(instance.call("DoStep", 0.75, 0.5, 1))
     assert instance.save() == blob
     instance.run([0.25], start=0.75)
-    with instance.expect(ERROR, "stopTime") as got:
-        got(instance.call("DoStep", 1.0, 1e-3, 1))
+    instance.expect(ERROR, "stopTime")(instance.call("DoStep", 1.0, 1e-3, 1))
 
 
 def test_added_up_steps_may_reach_the_stop_time(fmu):
@@ -434,14 +400,10 @@ def test_derivatives_are_checked(fmu, instance, what):
         return instance.call(function, array(c_uint, [reference]), 1, orders, values)
 
     for order in (0, -1, 3, 2**31 - 1):
-        with instance.expect(DISCARD, one.name, str(order), "1 to 2") as got:
-            got(call(one.reference, order))
+        instance.expect(DISCARD, one.name, str(order), "1 to 2")(call(one.reference, order))
     for value in (*NOT_FINITE, 1e300) if what == "input" else ():
-        with instance.expect(DISCARD, one.name, "allowed") as got:
-            got(call(one.reference, 1, value))
+        instance.expect(DISCARD, one.name, "allowed")(call(one.reference, 1, value))
     for wrong in (other.name, "source.radius", "contact.active"):
-        with instance.expect(ERROR, wrong, f"no Real {what}") as got:
-            got(call(fmu.variables[wrong].reference, 1))
-    with instance.expect(ERROR, "unknown value reference", str(UNKNOWN)) as got:
-        got(call(UNKNOWN, 1))
+        instance.expect(ERROR, wrong, f"no Real {what}")(call(fmu.variables[wrong].reference, 1))
+    instance.expect(ERROR, "unknown value reference", str(UNKNOWN))(call(UNKNOWN, 1))
     assert instance.save() == blob

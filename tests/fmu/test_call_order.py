@@ -96,8 +96,8 @@ def test_a_refused_call_does_not_end_the_run(fmu):
 
 
 def test_initialization_needs_an_experiment(instance):
-    with instance.expect(ERROR, "fmi2EnterInitializationMode", "before fmi2SetupExperiment") as got:
-        got(instance.call("EnterInitializationMode"))
+    expected = instance.expect(ERROR, "fmi2EnterInitializationMode", "before fmi2SetupExperiment")
+    expected(instance.call("EnterInitializationMode"))
     instance.initialize()
 
 
@@ -106,8 +106,8 @@ def test_start_values_can_be_read_at_once_and_outputs_cannot(every_fmu):
         for variable in every_fmu.select("parameter", "input"):
             assert instance.get_one(variable) == variable.start_value, variable.name
         gap = every_fmu.variables["contact.gap"]
-        with instance.expect(ERROR, "fmi2GetReal", "contact.gap", "before initialization mode") as got:
-            got(instance.call("GetReal", array(c_uint, [gap.reference]), 1, array(c_double, [0])))
+        expected = instance.expect(ERROR, "fmi2GetReal", "contact.gap", "before initialization mode")
+        expected(instance.call("GetReal", array(c_uint, [gap.reference]), 1, array(c_double, [0])))
 
 
 def test_outputs_are_there_in_initialization_mode(instance):
@@ -126,17 +126,15 @@ def test_parameters_are_fixed_after_initialization_unless_they_are_tunable(every
             if variable.variability == "tunable":
                 assert instance.set_one(variable, variable.start_value) == OK
                 continue
-            with instance.expect(ERROR, variable.name, "fixed after initialization") as got:
-                got(instance.set_one(variable, variable.start_value))
+            expected = instance.expect(ERROR, variable.name, "fixed after initialization")
+            expected(instance.set_one(variable, variable.start_value))
         assert instance.bits() == before
 
 
 def test_what_is_calculated_cannot_be_set(every_fmu):
     with raw.Instance(every_fmu) as instance:
         for variable in every_fmu.select("output", "calculatedParameter"):
-            with instance.expect(ERROR, variable.name, "cannot be set") as got:
-                got(instance.set_one(variable, 0))
+            instance.expect(ERROR, variable.name, "cannot be set")(instance.set_one(variable, 0))
         instance.initialize()
         for variable in every_fmu.select("output", "calculatedParameter"):
-            with instance.expect(ERROR, variable.name, "cannot be set") as got:
-                got(instance.set_one(variable, 0))
+            instance.expect(ERROR, variable.name, "cannot be set")(instance.set_one(variable, 0))

@@ -81,8 +81,7 @@ def _warnings(version, scene, values):
     """The texts at the end of initialization; None where it is refused."""
     with VERSIONS[version].Instance(VERSIONS[version].load(scene)) as instance:
         instance.enter_initialization(values)
-        status = instance.call("ExitInitializationMode")
-        return instance.texts() if status <= WARNING else None
+        return instance.texts() if instance.call("ExitInitializationMode") <= WARNING else None
 
 
 def _check(version, scene, key, element):

@@ -10,8 +10,8 @@ from contact_fmus.errors import UserError
 from contact_fmus.importers.command import AGREE, IMPORTERS, Given, Trial, page, table, tried
 from support.fmi2.raw import KINDS
 from support.programs import finished
+from support.sources import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 # One of each kind, and one that rolls
 SCENES = (*KINDS, "Turntable")
 FMPY, LIBCOSIM = (next(one for one in IMPORTERS if one.name == name) for name in ("fmpy", "libcosim"))
@@ -61,8 +61,7 @@ def test_fmpy_runs_it_from_a_folder_with_blanks_and_umlauts_in_silence(fmu_path,
 
 def test_an_fmu_that_cannot_run_is_refused_with_the_reason(tmp_path):
     broken = tmp_path / "Broken.fmu"
-    source = ROOT / "modelDescription" / "variables.toml"
-    shutil.copy(source, broken)
+    shutil.copy(ROOT / "modelDescription" / "variables.toml", broken)
     with pytest.raises(UserError, match="this is no FMU: not a ZIP archive"):
         tried(FMPY, broken, GIVEN)
 

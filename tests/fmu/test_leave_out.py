@@ -1,14 +1,11 @@
 """What a scene pins away is gone: from the interface, from the binary, from the state.
 
 Strings are read from the library inside the FMU, functions and lines of source from the library before it was
-stripped. Each claim of absence stands beside one of presence in the universal FMU, so that a renamed function
-makes the test fail, not empty.
+stripped. Each claim of absence stands beside one of presence in the universal FMU, which finds changed names.
 """
 
-import os
 import re
 import zipfile
-from pathlib import Path
 
 import fmpy
 import numpy as np
@@ -18,10 +15,9 @@ from contact_fmus.fmu.contact_fmu import ContactFmu
 from support.checks import METHODS
 from support.fmi2 import elf
 from support.generator.generated import scene_file
-from support.sources import units_of
+from support.sources import BUILD, ROOT, units_of
 
-ROOT = Path(__file__).resolve().parents[2]
-LIBRARIES = Path(os.environ.get("CONTACT_BUILD", ROOT / "build")).resolve() / "libraries"
+LIBRARIES = BUILD / "libraries"
 
 # Each pinned scene and the universal FMU whose choices it pins.
 UNIVERSAL = {"BallOnSphere": "SphereSphere", "BallInShell": "SphereSphere", "BallOffRoller": "SphereCylinder"}
@@ -50,15 +46,12 @@ def open_start(fmu, name):
     return {one: fmu[one] for one in given if not one.endswith("]")} | pinned | upright
 
 
-BY_CVODE = [
-    (scene, method) for scene in ("BallOnSphere", "BallInShell", "BallOffRoller") for method in METHODS[1:]
-]
+BY_CVODE = [(one, by) for one in ("BallOnSphere", "BallInShell", "BallOffRoller") for by in METHODS[1:]]
 
 
 @pytest.mark.parametrize("scene, method", [*((scene, METHODS[0]) for scene in UNIVERSAL | MORE), *BY_CVODE])
 def test_the_universal_fmu_does_the_same(fmu_path, scene, method):
-    """With all start values of the scene's FMU: those of the universal one are others. CVODE has more states
-    there, and with them other steps."""
+    """With all start values of the scene's FMU: the universal one has others, and other steps by CVODE."""
     ends, start = [], {}
     for name in (scene, (UNIVERSAL | MORE)[scene]):
         with ContactFmu(fmu_path(name)) as fmu:
@@ -80,9 +73,7 @@ def test_the_universal_fmu_does_the_same(fmu_path, scene, method):
 
 @pytest.fixture(scope="session")
 def variables(fmu_path):
-    return lambda scene: {
-        variable.name for variable in fmpy.read_model_description(str(fmu_path(scene))).modelVariables
-    }
+    return lambda scene: {v.name for v in fmpy.read_model_description(str(fmu_path(scene))).modelVariables}
 
 
 @pytest.fixture(scope="session")
@@ -94,9 +85,8 @@ def library_bytes(fmu_path):
 @pytest.fixture
 def strings(fmu_path, tmp_path):
     """The printable strings of the library inside the FMU."""
-    return lambda scene: elf.text(
-        zipfile.ZipFile(fmu_path(scene)).extract(f"binaries/linux64/{scene}.so", tmp_path)
-    )
+    library = "binaries/linux64/{}.so".format
+    return lambda scene: elf.text(zipfile.ZipFile(fmu_path(scene)).extract(library(scene), tmp_path))
 
 
 @pytest.fixture(scope="session")
@@ -192,19 +182,11 @@ GONE = [
     ([*UNIVERSAL], None, "code of .", "mindlin_stiffness|ONSET_POWER"),
     (THROWN, None, "variables", "prescribed"),
     (THROWN, None, "strings", "prescribed"),
-    (
-        THROWN,
-        None,
-        "code of .",
-        "(?<!contact_is_)prescribed",
-    ),  # whether a contact is prescribed is a constant
+    (THROWN, None, "code of .", "(?<!contact_is_)prescribed"),  # whether a contact is so is a constant
 ]
 
 
-@pytest.mark.parametrize(
-    "scene, other, where, what",
-    [(scene, other, where, what) for scenes, other, where, what in GONE for scene in scenes],
-)
+@pytest.mark.parametrize("scene, other, where, what", [(one, *row) for ones, *row in GONE for one in ones])
 def test_what_a_scene_pins_away_is_gone(variables, strings, scene, other, where, what):
     def found(name):
         if where == "strings":
@@ -217,9 +199,7 @@ def test_what_a_scene_pins_away_is_gone(variables, strings, scene, other, where,
     assert found(scene) == []
 
 
-def test_the_pinned_method_halves_the_library_and_has_nothing_that_counts_what_cvode_does(
-    variables, library_bytes
-):
+def test_the_pinned_method_halves_the_library_and_counts_nothing_of_cvode(variables, library_bytes):
     counted_by_cvode = {"solver.method", "solver.rejected_steps", "solver.fallbacks"}
     assert variables("BallOffRoller") - variables("PinnedEvent") == counted_by_cvode
     assert library_bytes("PinnedEvent") <= 0.5 * library_bytes("BallOffRoller")

@@ -1,7 +1,7 @@
 """Messages: who hears which, and that each is a complete text of bounded length whatever its parts are."""
 
 import ctypes
-from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint
 
 import pytest
 
@@ -64,14 +64,13 @@ def test_switching_off_leaves_the_refusals(fmu):
     "name", [b"logEverything", b"", b"logall", b"logStatusError ", "große %s".encode(), b"x" * 9999]
 )
 def test_an_unknown_category_is_refused_naming_the_known(instance, name):
-    with instance.expect(ERROR, "fmi2SetDebugLogging", *CATEGORIES) as got:
-        got(choose(instance, True, b"logEvents", name))
+    instance.expect(ERROR, "fmi2SetDebugLogging", *CATEGORIES)(choose(instance, True, b"logEvents", name))
     assert complain(instance) == ["logStatusDiscard", "logStatusError"]
 
 
-def test_a_null_category_is_refused(fmu):
-    with raw.Instance(fmu) as instance, instance.expect(ERROR, "fmi2SetDebugLogging") as got:
-        got(instance.call("SetDebugLogging", 1, 2, (c_char_p * 2)(b"logAll", None)))
+def test_a_null_category_is_refused(instance):
+    refused = instance.expect(ERROR, "fmi2SetDebugLogging")
+    refused(instance.call("SetDebugLogging", 1, 2, (c_char_p * 2)(b"logAll", None)))
 
 
 def test_events_are_told_only_when_asked_for():
@@ -143,10 +142,8 @@ def test_a_message_says_instance_time_variable_value_and_range(fmu):
         instance.initialize(start=1.0)
         instance.run([0.25], start=1.0)
         variable = fmu.select("input", kind="Real")[0]
-        with instance.expect(
-            DISCARD, "tested ball", "1.25 s", variable.name, "1.25e+200", "-1e+150", "1e+150"
-        ) as got:
-            got(instance.set_one(variable, 1.25e200))
+        words = ("tested ball", "1.25 s", variable.name, "1.25e+200", "-1e+150", "1e+150")
+        instance.expect(DISCARD, *words)(instance.set_one(variable, 1.25e200))
 
 
 def test_every_message_carries_the_category_of_its_status(fmu):
@@ -156,9 +153,7 @@ def test_every_message_carries_the_category_of_its_status(fmu):
         instance.call("DoStep", 0.0, -1.0, 1)
         instance.call("CancelStep")
         instance.run([0.5] * 4)
-        assert [
-            message for message in instance.messages if STATUS_CATEGORIES[message.status] != message.category
-        ] == []
+        assert [m for m in instance.messages if STATUS_CATEGORIES[m.status] != m.category] == []
 
 
 # In the next tests a logger calls the instance that is telling it something. The instance answers readings
@@ -347,8 +342,7 @@ def test_what_is_not_freed_while_telling_is_freed_afterwards(fmu):
         instance.initialize()
         instance.prepare()
         assert wrong_reading(instance) == ERROR
-        state, size = c_void_p(), c_size_t()
-        instance.ok("GetFMUstate", byref(state))
+        state, size = instance.taken(), c_size_t()
         instance.ok("SerializedFMUstateSize", state, byref(size))
         instance.ok("FreeFMUstate", byref(state))
         instance.run([0.1])

@@ -22,8 +22,7 @@ def test_the_importers_memory_is_used_and_all_of_it_comes_back(name):
     after_initialization = heap.count
     go_on(instance, run, 0)
     assert heap.count == after_initialization, "allocated during steps"
-    state = c_void_p()
-    instance.ok("GetFMUstate", byref(state))
+    state = instance.taken()
     assert state.value in heap.living
     blob = instance.save()
     assert instance.deserialize(blob[:-1])[0] == ERROR
@@ -41,9 +40,7 @@ def test_states_the_importer_forgot_come_back_with_the_instance(fmu):
     before = set(heap.living)
     blob = instance.save()
     assert set(heap.living) == before
-    states = [c_void_p() for _ in range(3)]
-    for state in states:
-        instance.ok("GetFMUstate", byref(state))
+    states = [instance.taken() for _ in range(3)]
     status, brought = instance.deserialize(blob)
     assert status == OK
     instance.ok("FreeFMUstate", byref(states[1]))
@@ -138,8 +135,7 @@ def test_getting_and_setting_needs_no_memory(fmu):
         for variable in fmu.select("input"):
             assert instance.set_one(variable, 0.0) == OK
         assert instance.set_one(fmu.select("input")[0], float("nan")) == DISCARD
-        value = (c_int * 1)()
-        assert instance.call("GetInteger", raw.array(raw.c_uint, [0]), 1, value) == ERROR
+        assert instance.call("GetInteger", raw.array(raw.c_uint, [0]), 1, (c_int * 1)()) == ERROR
         assert heap.count == before
 
 

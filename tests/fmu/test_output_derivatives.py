@@ -22,9 +22,7 @@ RELATIVE = 1e-6
 
 
 def provided(fmu: raw.Fmu) -> list[raw.Variable]:
-    return [
-        one for one in fmu.select("output", kind="Real") if not any(part in one.name for part in SUMMED_UP)
-    ]
+    return [v for v in fmu.select("output", kind="Real") if not any(part in v.name for part in SUMMED_UP)]
 
 
 def keep_promises(instance: raw.Instance) -> None:
@@ -34,10 +32,8 @@ def keep_promises(instance: raw.Instance) -> None:
     if given != [2, 2] and not instance.fmu.name.endswith("ForceElement"):
         return
     acceleration = np.array([0.7, -2.0, 1.1])
-    bodies = (
-        {"foot": 0.1} if instance.fmu.name == "FootForceElement" else {"source": 1.0, "destination": -0.5}
-    )
-    for body, sign in bodies.items():
+    foot = instance.fmu.name == "FootForceElement"
+    for body, sign in ({"foot": 0.1} if foot else {"source": 1.0, "destination": -0.5}).items():
         given = f"{body}.prescribed"
         velocity = instance.get(f"{given}_velocity")
         for row in ("displacement", "velocity"):  # from here, wherever earlier derivatives have led
@@ -142,8 +138,7 @@ def test_what_sums_up_the_last_step_has_no_derivatives_and_the_rest_has(every_fm
                 reference, orders = array(c_uint, [variable.reference]), array(c_int, [order])
                 call = ("GetRealOutputDerivatives", reference, 1, orders, array(c_double, [0.0]))
                 if any(part in variable.name for part in SUMMED_UP):
-                    with instance.expect(DISCARD, variable.name, "sums up", "not provided") as got:
-                        got(instance.call(*call))
+                    instance.expect(DISCARD, variable.name, "sums up", "not provided")(instance.call(*call))
                 else:
                     assert instance.call(*call) == OK, variable.name
 

@@ -39,8 +39,7 @@ def shim(tmp_path_factory) -> Path:
 
 def functions_at(library: Path, addresses: list[int]) -> list[str]:
     command = ["addr2line", "-f", "-e", str(library), *(hex(address - 1) for address in addresses)]
-    lines = finished(command, check=True).stdout.splitlines()
-    return [line.partition(".")[0] for line in lines[::2]]
+    return [line.partition(".")[0] for line in finished(command, check=True).stdout.splitlines()[::2]]
 
 
 def lives(shim: Path, what: str, scene: str, library: Path, method: int = 0) -> list[dict]:

@@ -4,7 +4,7 @@ import pickle
 import random
 import struct
 import subprocess
-from ctypes import byref, c_void_p
+from ctypes import byref
 
 import pytest
 
@@ -30,8 +30,7 @@ def bring(run: runs.Run) -> raw.Instance:
 
 def test_restored_runs_have_the_bits_of_the_run_that_went_on(run):
     with bring(run) as instance, raw.Instance(instance.fmu) as fresh:
-        state = c_void_p()
-        instance.ok("GetFMUstate", byref(state))
+        state = instance.taken()
         blob = instance.save()
         went_on = go_on(instance, run, run.saved_at)
         assert len({digest([row]) for row in went_on}) > 1
@@ -51,8 +50,7 @@ def test_another_process_goes_on_with_the_same_bits():
             went_on[name] = digest(go_on(instance, run, run.saved_at))
     command = python("support.fmi2.runs")
     given = {"input": pickle.dumps(saved), "timeout": PATIENCE, "env": environment()}
-    other = subprocess.run(command, capture_output=True, check=True, **given)
-    assert pickle.loads(other.stdout) == went_on
+    assert pickle.loads(subprocess.run(command, capture_output=True, check=True, **given).stdout) == went_on
 
 
 def test_saving_twice_gives_the_same_bytes(run):
@@ -150,8 +148,7 @@ def test_whether_the_experiment_is_set_up_is_part_of_the_state(fmu):
         for blob in (before, after, before):
             other.restore(blob)
             assert other.save() == blob
-        with other.expect(ERROR, "before fmi2SetupExperiment") as got:
-            got(other.call("EnterInitializationMode"))
+        other.expect(ERROR, "before fmi2SetupExperiment")(other.call("EnterInitializationMode"))
         other.restore(after)
         other.ok("EnterInitializationMode")
 
@@ -161,8 +158,7 @@ def test_the_stop_time_is_part_of_the_state(fmu):
         instance.initialize(stop=1.0)
         other.initialize()
         other.restore(instance.save())
-        with other.expect(ERROR, "stopTime") as got:
-            got(other.call("DoStep", 0.0, 1.5, 1))
+        other.expect(ERROR, "stopTime")(other.call("DoStep", 0.0, 1.5, 1))
 
 
 # damaged states
@@ -180,10 +176,10 @@ def saved(fmu):
 
 
 def refused(instance: raw.Instance, blob: bytes, *words: str) -> None:
-    with instance.expect(ERROR, "fmi2DeSerializeFMUstate", *words) as got:
-        status, state = instance.deserialize(blob)
-        assert state.value is None
-        got(status)
+    expected = instance.expect(ERROR, "fmi2DeSerializeFMUstate", *words)
+    status, state = instance.deserialize(blob)
+    assert state.value is None
+    expected(status)
 
 
 @pytest.mark.parametrize(("field", "value", "word"), [
@@ -261,11 +257,10 @@ def test_a_forged_model_part_never_crashes(saved):
 
 def test_a_buffer_too_small_is_not_written(saved):
     instance, blob = saved
-    state = c_void_p()
-    instance.ok("GetFMUstate", byref(state))
+    state = instance.taken()
     buffer = bytes(len(blob))
-    with instance.expect(ERROR, "fmi2SerializeFMUstate", str(len(blob) - 1), str(len(blob))) as got:
-        got(instance.call("SerializeFMUstate", state, buffer, len(blob) - 1))
+    expected = instance.expect(ERROR, "fmi2SerializeFMUstate", str(len(blob) - 1), str(len(blob)))
+    expected(instance.call("SerializeFMUstate", state, buffer, len(blob) - 1))
     assert buffer == bytes(len(blob))
     instance.ok("FreeFMUstate", byref(state))
 

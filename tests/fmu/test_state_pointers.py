@@ -42,15 +42,13 @@ def refused(instance: raw.Instance, function: str, address: int) -> None:
     room = ctypes.create_string_buffer(GUARD, len(GUARD))
     arguments = {"SetFMUstate": (state,), "SerializedFMUstateSize": (state, byref(size))}
     arguments |= {"SerializeFMUstate": (state, room, len(room)), "FreeFMUstate": (byref(state),)}
-    with instance.expect(ERROR, f"fmi2{function}", "unknown") as got:
-        got(instance.call(function, *arguments[function]))
+    instance.expect(ERROR, f"fmi2{function}", "unknown")(instance.call(function, *arguments[function]))
     assert (state.value, size.value, room.raw) == (address, 77, GUARD)
 
 
 def test_a_state_pointer_is_used_again(instance):
     instance.initialize()
-    state = c_void_p()
-    instance.ok("GetFMUstate", byref(state))
+    state = instance.taken()
     address = state.value
     instance.run([0.1])
     instance.ok("GetFMUstate", byref(state))
@@ -86,8 +84,7 @@ def test_a_pointer_never_initialised_is_not_followed(fmu, guarded, function):
 def test_a_pointer_never_initialised_is_refused(fmu, guarded, function):
     with counted(fmu) as (instance, _heap):
         blob = instance.save()
-        state = c_void_p()
-        instance.ok("GetFMUstate", byref(state))
+        state = instance.taken()
         for address in (guarded, NO_ADDRESS, state.value + 8, state.value - 8):
             refused(instance, function, address)
         assert instance.save() == blob
@@ -97,9 +94,7 @@ def test_a_pointer_never_initialised_is_refused(fmu, guarded, function):
 def test_a_freed_state_is_refused(fmu, function):
     """A copy of the pointer outlives the state; the ones taken before and after it are not harmed."""
     with counted(fmu) as (instance, _heap):
-        states = [c_void_p() for _ in range(3)]
-        for state in states:
-            instance.ok("GetFMUstate", byref(state))
+        states = [instance.taken() for _ in range(3)]
         freed = states[1].value
         instance.ok("FreeFMUstate", byref(states[1]))
         refused(instance, function, freed)
@@ -112,8 +107,7 @@ def test_a_freed_state_is_refused(fmu, function):
 def test_a_state_of_another_instance_is_refused(fmu, function):
     """The way from one instance to another is serialization: the owner may be gone, or running elsewhere."""
     with counted(fmu) as (owner, _), counted(fmu) as (other, _):
-        state = c_void_p()
-        owner.ok("GetFMUstate", byref(state))
+        state = owner.taken()
         blob = owner.save()
         refused(other, function, state.value)
         owner.ok("SetFMUstate", state)
@@ -123,8 +117,7 @@ def test_a_state_of_another_instance_is_refused(fmu, function):
 
 def test_get_leaves_a_state_of_another_instance_to_its_owner(fmu):
     with counted(fmu) as (owner, owners), counted(fmu) as (other, others):
-        state = c_void_p()
-        owner.ok("GetFMUstate", byref(state))
+        state = owner.taken()
         kept = c_void_p(state.value)
         blob = owner.save()
         other.run([0.1])
@@ -138,10 +131,8 @@ def test_get_leaves_a_state_of_another_instance_to_its_owner(fmu):
 
 def test_states_outlive_a_reset(fmu):
     with counted(fmu) as (instance, _heap):
-        state = c_void_p()
         instance.run([0.1])
-        blob = instance.save()
-        instance.ok("GetFMUstate", byref(state))
+        blob, state = instance.save(), instance.taken()
         instance.ok("Reset")
         instance.ok("SetFMUstate", state)
         assert instance.save() == blob
@@ -157,8 +148,8 @@ def test_without_memory_the_pointer_stays(fmu, guarded):
         state = c_void_p(guarded)
         for function, arguments in [("GetFMUstate", ()), ("DeSerializeFMUstate", (blob, len(blob)))]:
             heap.failing = heap.count
-            with instance.expect(ERROR, f"fmi2{function}", "memory") as got:
-                got(instance.call(function, *arguments, byref(state)))
+            expected = instance.expect(ERROR, f"fmi2{function}", "memory")
+            expected(instance.call(function, *arguments, byref(state)))
             assert state.value == guarded
             assert instance.call(function, *arguments, byref(state)) == OK
             state.value = guarded

@@ -32,8 +32,7 @@ def ask(instance: raw.Instance, function: str, kind: int):
     """(status, value)"""
     ctype, value, _ = FUNCTIONS[function]
     holder = ctype(value)
-    pointer = cast(byref(holder), POINTER(ctype))
-    return instance.call(function, kind, pointer), holder.value
+    return instance.call(function, kind, cast(byref(holder), POINTER(ctype))), holder.value
 
 
 def answers(instance: raw.Instance) -> tuple:
@@ -145,8 +144,7 @@ def test_the_time_is_that_of_the_motion_at_every_step():
             assert instance.get("source.position")[1] == pytest.approx(0.3 + time, rel=1e-13)
 
 
-# The FMU does steps and readings in flight by shorter ways. The next tests hold that the answers are the
-# same.
+# The FMU does steps and readings in flight by shorter ways. The next tests hold that the answers are alike.
 
 
 def test_refused_steps_leave_no_trace_in_a_run(fmu):

@@ -19,8 +19,8 @@ from lxml import etree
 
 from support.fmi2 import elf, vdmcheck
 from support.fmi2.raw import KINDS, SCENES
+from support.sources import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 FMPY = Path(fmpy.__file__).parent
 
 # The FMUs run where glibc is this old or newer, because of pow. Debian 11 and Ubuntu 20.04 have 2.31.
@@ -85,9 +85,7 @@ def test_vdmcheck_finds_every_fault(description, vdm_folder, tmp_path, model):
         broken, count = re.subn(pattern, replacement, broken, count=1, flags=re.DOTALL)
         assert count == 1, pattern
     said = "\n".join(vdmcheck.check(packed(tmp_path, broken), model, vdm_folder))
-    assert [
-        complaint for _, _, complaint, models in FAULTS if model in models and complaint not in said
-    ] == []
+    assert [words for _, _, words, models in FAULTS if model in models and words not in said] == []
 
 
 # --- the archive -------------------------------------------------------------------------------------
@@ -110,9 +108,7 @@ def test_the_archive_holds_what_the_standard_lists_and_nothing_else(fmu_path, sc
     folder = "extra/org.fmi-standard.fmi-ls-ref/"
     reference = {name for name in names if name.startswith(folder)}
     assert f"{folder}fmi-ls-manifest.xml" in reference
-    others = (
-        {name for name in names if not name.startswith("documentation/")} - required - sources - reference
-    )
+    others = {one for one in names if not one.startswith("documentation/")} - required - sources - reference
     assert others == set()
     licenses = {Path(name).name for name in names if name.startswith("documentation/licenses/")}
     assert licenses & {"license.txt", "license.html"}, "FMI 2.0.5, 2.3: the entry point to the licences"
@@ -166,8 +162,7 @@ def test_the_icon_is_a_picture(fmu_path, scene):
 
 @every_fmu
 def test_sundials_and_its_licence_go_together(fmu_path, library, scene):
-    names = zipfile.ZipFile(fmu_path(scene)).namelist()
-    licensed = any("sundials" in name.lower() for name in names)
+    licensed = any("sundials" in name.lower() for name in zipfile.ZipFile(fmu_path(scene)).namelist())
     inside = "CVODE" in elf.text(library(scene))
     assert licensed == inside
 

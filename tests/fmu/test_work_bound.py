@@ -70,8 +70,7 @@ def discarded(fmu, size):
 
 @pytest.mark.parametrize("case", UNBOUNDED)
 def test_the_work_is_bounded_and_nothing_breaks(opened, case):
-    """Either the step is done after all, or it is discarded at a time in between; then the same call goes
-    on."""
+    """The step is done after all, or discarded at a time in between; then the same call goes on."""
     configuration, size = UNBOUNDED[case]
     fmu = limited(opened("SphereSphere"), configuration)
     energy = mechanical(fmu)
@@ -132,8 +131,7 @@ def test_going_on_after_a_discard_changes_nothing(opened, name, way):
     fmu = start(opened(problem.fmu), problem.configuration, TOLERANCE, METHOD)
     fmu.step(problem.end)
     whole, work = everything(fmu), fmu["solver.steps"]
-    limit = max(3, work // 7)
-    fmu = limited(opened(problem.fmu), problem.configuration, limit)
+    fmu = limited(opened(problem.fmu), problem.configuration, max(3, work // 7))
     discarded(fmu, problem.end)
     if way == "a larger limit":
         fmu["solver.max_internal_steps"] = 10 * work + 100
@@ -179,7 +177,6 @@ def test_an_impact_is_right_or_refused_however_short_it_is(opened, stiffness, be
     """Down to contacts that last no longer than the last digit of the time, and are no deeper than the last
     digit of the radius; at a late time as at zero."""
     fmu = opened("SphereSphere")
-    fmu.reset()
     values = {**DROP, "contact.penalty_factor": stiffness, "solver.max_internal_steps": LIMIT}
     fmu.start({**values, "solver.method": METHOD}, start_time=begin)
     energy = fmu["energy.total"]
@@ -189,8 +186,7 @@ def test_an_impact_is_right_or_refused_however_short_it_is(opened, stiffness, be
         check_close("energy.total", fmu["energy.total"], energy, 1e-9)
         return
     with workdps(200):  # at 1e150 N/m the contact lasts 1e-75 s
-        gap = mpf(1.1) - mpf(0.1) - mpf(0.5)
-        right = plane_motion(gap, 0, -9.81, 1, stiffness, 0, "unclamped", 0.5)
+        right = plane_motion(mpf(1.1) - mpf(0.1) - mpf(0.5), 0, -9.81, 1, stiffness, 0, "unclamped", 0.5)
         lasts, expected = right.end_times[0] - right.onset_times[0], mpf(0.1) + mpf(0.5) + right.place
     check_close("height", fmu["source.position"][2], float(expected), 1e-9)
     check_close("energy.total", fmu["energy.total"], energy, 1e-8)
@@ -226,7 +222,6 @@ def test_a_larger_limit_allows_more_evaluations(opened):
 
 def test_the_limit_that_a_run_starts_with_is_the_least_work(opened):
     fmu = opened("SpherePlane")
-    fmu.reset()
     fmu.start({})
     assert fmu["solver.max_internal_steps"] == LEAST_WORK
 

@@ -80,48 +80,43 @@ static fmi2Status any_directional_derivative(fmi2Component c, const struct array
     return status;
 }
 
+static fmi2Status array_call(fmi2Component c, unsigned function, struct arrays *a, struct bytes *b)
+{
+    fmi2String strings[LONGEST_ARRAY] = {"logAll", "logEvents", NULL, "log", "logStatusError", ""};
+    switch (function) {
+    case 0:
+        return fmi2SetReal(c, a->references, a->count, a->reals);
+    case 1:
+        return fmi2SetInteger(c, a->references, a->count, a->integers);
+    case 2:
+        return fmi2SetBoolean(c, a->references, a->count, a->integers);
+    case 3:
+        return fmi2SetString(c, a->references, a->count, strings);
+    case 4:
+        return fmi2GetReal(c, a->references, a->count, a->reals);
+    case 5:
+        return fmi2GetInteger(c, a->references, a->count, a->integers);
+    case 6:
+        return fmi2GetBoolean(c, a->references, a->count, a->integers);
+    case 7:
+        return fmi2GetString(c, a->references, a->count, strings);
+    case 8:
+        return fmi2SetRealInputDerivatives(c, a->references, a->count, a->orders, a->reals);
+    case 9:
+        return fmi2GetRealOutputDerivatives(c, a->references, a->count, a->orders, a->reals);
+    default:
+        return any_directional_derivative(c, a, b);
+    }
+}
+
 fmi_status arrays_call(struct player *player, struct bytes *b)
 {
     fmi2Component c = player->instance;
     const unsigned function = bytes_choice(b, 11);
     struct arrays a = any_arrays(b);
-    fmi2String strings[LONGEST_ARRAY] = {"logAll", "logEvents", NULL, "log", "logStatusError", ""};
-    fmi2Status status = fmi2OK;
-    switch (function) {
-    case 0:
-        status = fmi2SetReal(c, a.references, a.count, a.reals);
-        break;
-    case 1:
-        status = fmi2SetInteger(c, a.references, a.count, a.integers);
-        break;
-    case 2:
-        status = fmi2SetBoolean(c, a.references, a.count, a.integers);
-        break;
-    case 3:
-        status = fmi2SetString(c, a.references, a.count, strings);
-        break;
-    case 4:
-        status = fmi2GetReal(c, a.references, a.count, a.reals);
-        break;
-    case 5:
-        status = fmi2GetInteger(c, a.references, a.count, a.integers);
-        break;
-    case 6:
-        status = fmi2GetBoolean(c, a.references, a.count, a.integers);
-        break;
-    case 7:
-        status = fmi2GetString(c, a.references, a.count, strings);
-        break;
-    case 8:
-        status = fmi2SetRealInputDerivatives(c, a.references, a.count, a.orders, a.reals);
-        break;
-    case 9:
-        status = fmi2GetRealOutputDerivatives(c, a.references, a.count, a.orders, a.reals);
+    const fmi2Status status = array_call(c, function, &a, b);
+    if (function == 9) {
         claim_numbers(status, a.reals, a.count);
-        break;
-    default:
-        status = any_directional_derivative(c, &a, b);
-        break;
     }
     free_arrays(&a);
     return status;

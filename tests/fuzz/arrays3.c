@@ -1,5 +1,4 @@
-/* Arguments of the FMI 3.0 functions that take arrays: any references, types and values, arrays of wrong
- * lengths or missing ones. */
+/* Arguments of the FMI 3.0 functions that take arrays: any references, types, values and lengths */
 #include "arrays.h"
 
 /* Types by name, in the order in which they are chosen: those that variables have come first. */

@@ -1,5 +1,4 @@
-/* Claims of the fuzzers, whatever the version of the standard: a broken one ends the process, which is how a
- * fuzzer learns of it. */
+/* Claims of the fuzzers, whatever the version of the standard: a broken one ends the process. */
 #ifndef FUZZ_CLAIM_H
 #define FUZZ_CLAIM_H
 

@@ -4,8 +4,7 @@
 
 #include "bytes.h"
 
-/* The adapter's header, as tests/support/fmi2/states.py has it: magic, version, scene, checksum, size, times,
- * flags. */
+/* The adapter's header, as in support/fmi2/states.py: magic, version, scene, checksum, size, times, flags */
 enum { HEADER_SIZE = 48, HEADER_CHECKSUM = 12, CHECKED_FROM = 16, LARGEST_BLOCK = 16384 };
 
 /* Changes some of the bytes. */

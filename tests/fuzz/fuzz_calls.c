@@ -1,8 +1,7 @@
 /*
  * Random sequences of FMI calls on several instances of Co-Simulation: any function at any time, arguments
  * that are missing, wrong or extreme, states that go from one instance to another, memory that runs out.
- * Whatever is asked must be answered: no crash, a known status, a message for every refusal, finite values,
- * all memory back.
+ * Every call must be answered: no crash, a known status, a message for a refusal, finite values, no leaks.
  */
 #include "players.h"
 

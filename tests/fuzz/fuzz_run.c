@@ -1,8 +1,7 @@
 /*
  * Random parameters, run to the end. What is not refused has to give finite values, an energy balance that
  * stays, no energy out of nothing, and, by the event-driven method, the same motion for another
- * communication step. A step may be discarded where its work is not done in solver.max_internal_steps; it
- * must not fail.
+ * communication step. A step whose work solver.max_internal_steps ends may be discarded; it must not fail.
  */
 #include <float.h>
 #include <math.h>

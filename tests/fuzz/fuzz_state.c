@@ -1,7 +1,6 @@
 /*
  * Saved states whose bytes somebody changed, with checksums that fit or not, brought back and gone on
- * with. A state is refused and changes nothing, or it is taken over and then every call answers as ever:
- * no crash, no endless step, finite values.
+ * with. A state is refused and changes nothing, or it is taken over and then every call answers as ever.
  */
 #include <stdlib.h>
 

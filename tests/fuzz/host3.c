@@ -84,22 +84,12 @@ static void read_one(fmi3Instance c, const struct variable *variable, size_t len
     fmi3Int64 items[LONGEST_VECTOR] = {0};
     fmi3Int32 integers[LONGEST_VECTOR] = {0};
     fmi3Boolean flags[LONGEST_VECTOR] = {false};
-    fmi3Status status = fmi3Error;
     CLAIM(length <= LONGEST_VECTOR);
-    switch ((enum variable_type)variable->type) {
-    case VARIABLE_REAL:
-        status = fmi3GetFloat64(c, &reference, 1, reals, length);
-        break;
-    case VARIABLE_INTEGER:
-        status = fmi3GetInt32(c, &reference, 1, integers, length);
-        break;
-    case VARIABLE_BOOLEAN:
-        status = fmi3GetBoolean(c, &reference, 1, flags, length);
-        break;
-    case VARIABLE_ENUMERATION:
-        status = fmi3GetInt64(c, &reference, 1, items, length);
-        break;
-    }
+    const fmi3Status status =
+        variable->type == VARIABLE_REAL      ? fmi3GetFloat64(c, &reference, 1, reals, length)
+        : variable->type == VARIABLE_INTEGER ? fmi3GetInt32(c, &reference, 1, integers, length)
+        : variable->type == VARIABLE_BOOLEAN ? fmi3GetBoolean(c, &reference, 1, flags, length)
+                                             : fmi3GetInt64(c, &reference, 1, items, length);
     for (size_t k = 0; status <= fmi3Warning && k < length; ++k) {
         CLAIM(isfinite(reals[k]) && integers[k] >= 0 && items[k] >= 0);
     }

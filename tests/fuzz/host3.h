@@ -1,6 +1,5 @@
 /*
- * The importer that all fuzzers of FMI 3.0 share: a logger and an intermediate update, both of which call
- * back into the instance.
+ * The importer that all fuzzers of FMI 3.0 share: its logger and intermediate update call back.
  */
 #ifndef FUZZ_HOST3_H
 #define FUZZ_HOST3_H

@@ -1,6 +1,5 @@
 /*
- * An integrator outside of an instance of Model Exchange. The file that includes this defines handle_event,
- * which goes through event mode.
+ * An integrator outside of an instance of Model Exchange. Who includes this defines handle_event.
  */
 #ifndef FUZZ_OUTSIDE_H
 #define FUZZ_OUTSIDE_H

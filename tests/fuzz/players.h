@@ -1,7 +1,6 @@
 /*
  * The fuzzers of Co-Simulation and of Model Exchange share these players: instances of either version of FMI
- * whose functions are called at random. Every function makes one call, or a few, with arguments that are
- * missing, wrong or extreme.
+ * whose functions are called at random, with arguments that are missing, wrong or extreme.
  */
 #ifndef FUZZ_PLAYERS_H
 #define FUZZ_PLAYERS_H
@@ -64,8 +63,7 @@ struct play {
     player_call *calls[2][10];
 };
 
-/* A whole input: whatever is asked is answered with a known status, a message comes with every refusal, and
- * in the end all memory is back. */
+/* A whole input: every call has a known status, every refusal a message, and all memory is back. */
 int players_play(const uint8_t *data, size_t size, const struct play *play);
 
 #endif

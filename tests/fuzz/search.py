@@ -88,9 +88,8 @@ def library(name: str, length: int) -> bool:
     command = ["nice", program, *(f"-{name}={value}" for name, value in options.items()), found, corpus]
     log = findings / "log"
     with log.open("w", encoding="utf-8") as output:
-        subprocess.run(
-            command, cwd=findings, stdin=subprocess.DEVNULL, stdout=output, stderr=output, check=False
-        )
+        streams = {"stdin": subprocess.DEVNULL, "stdout": output, "stderr": output}
+        subprocess.run(command, cwd=findings, check=False, **streams)
     lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
     print(*lines[-1:])
     count = sum(file.is_file() and file != log for file in findings.iterdir())

@@ -1,8 +1,7 @@
 """Whatever stands in a scene file, the generator writes all files or refuses in one line.
 
 Scenes are changed in three ways: values and keys, characters of the text, bytes. CONTACT_FUZZ_MINUTES
-(scripts/fuzz.sh) makes hypothesis go on for so long with ever new examples; in the tests they are the same
-each time.
+(scripts/fuzz.sh) makes hypothesis go on for so long with new examples; in the tests they are always the same.
 """
 
 import contextlib

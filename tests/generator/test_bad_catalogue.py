@@ -49,6 +49,5 @@ def test_a_bad_catalogue_is_refused_in_one_line(tmp_path, old, new, words):
     text = (folder / "variables.toml").read_text(encoding="utf-8")
     assert old in text
     (folder / "variables.toml").write_text(text.replace(old, new, 1), encoding="utf-8")
-    command = [sys.executable, "-B", folder / "generate.py", "--table"]
-    done = finished(command)
+    done = finished([sys.executable, "-B", folder / "generate.py", "--table"])
     refused(done, "modelDescription/variables.toml: ", *words)

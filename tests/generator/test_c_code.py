@@ -146,9 +146,7 @@ def test_reals_are_read_where_the_table_has_them(scene_folder, scene):
     table = {entry.reference: entry for entry in (Variable * count).in_dll(loaded, "scene_variables")}
     wanted = describe(scene)
     motion = re.compile(r"\.(displacement|position|velocity)\[[123]\]$")
-    reals = (ctypes.c_uint32 * (max(one for one in table if one < 1_000_000) + 1)).in_dll(
-        loaded, "scene_reals"
-    )
+    reals = (ctypes.c_uint32 * (max(n for n in table if n < 1_000_000) + 1)).in_dll(loaded, "scene_reals")
     for reference, real in enumerate(reals):
         said = wanted[table[reference].name.decode()] if reference in table else None
         if said is None or said["base"] != "Real" or said["causality"] == "local":
@@ -196,8 +194,7 @@ def test_accessors_of_longer_lists_tell_the_elements_apart(scene_folder, tmp_pat
     folder = scene_folder("Chain")
     (tmp_path / "probe.c").write_text(PROBE)
     compiled(compiler, folder, tmp_path / "probe.c", tmp_path / "probe", folder / "scene_variables.c", "-lm")
-    done = finished([tmp_path / "probe"])
-    assert done.stdout == (
+    assert finished([tmp_path / "probe"]).stdout == (
         "0 3 0.1 1 0; 0 3 0.1 1 3; 1 1 0.5 1 0; "  # shape, motion, radius, axis z, velocity z
         "0 1 2 2 0; 1 2 1 1 4; "  # source, destination, dashpot, penalty_control, point x
         "1e-05 0 1"
@@ -219,9 +216,7 @@ def test_pinned_choices_are_constants_of_the_header(scene_folder, scene):
             others, field = [other for other in describe(scene) if other == name], f"{group}_{field}"
         else:
             of_world = ("solver.method", "energy.friction")  # not contact.method and contact.friction
-            others = [
-                other for other in describe(scene) if other.endswith(f".{field}") and other not in of_world
-            ]
+            others = [name for name in describe(scene) if name.endswith(f".{field}") and name not in of_world]
         assert f" {field};" not in header, name
         assert others == [], name
 

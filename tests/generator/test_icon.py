@@ -134,8 +134,7 @@ def test_a_body_in_two_contacts_has_its_forces_numbered(tmp_path):
 
 
 def test_the_svg_shows_the_bodies_where_the_png_does(scene):
-    """The middle of a filled shape has its colour on the PNG, unless something is drawn above; a torus is
-    both sections of its tube"""
+    """The middle of a filled shape has its colour on the PNG, unless covered; a torus is two sections"""
     picture = etree.parse(folder_of(scene) / "icon.svg")
     pixels = np.round(255 * matplotlib.image.imread(folder_of(scene) / "model.png")).astype(int)
     space = "{http://www.w3.org/2000/svg}"
@@ -146,7 +145,5 @@ def test_the_svg_shows_the_bodies_where_the_png_does(scene):
         assert "#" + "".join(f"{value:02x}" for value in pixels[y, x, :3]) == last.get("fill")
     assert len(list(picture.iter(f"{space}polygon"))) == 1
     shapes = len(list(picture.iter(f"{space}circle"))) + len(list(picture.iter(f"{space}rect")))
-    drawn = [
-        2 if body["shape"] == "torus" else len(body.get("part", [1])) for body in scene_file(scene)["body"]
-    ]
+    drawn = [2 if b["shape"] == "torus" else len(b.get("part", [1])) for b in scene_file(scene)["body"]]
     assert shapes == sum(drawn)

@@ -14,10 +14,10 @@ from support.sources import BUILD, ROOT
 
 
 @pytest.fixture(scope="session")
-def far_from_clone():
+def far_from_clone(quick_compiler):
     """The environment without what points to the clone"""
-    dropped = ("PYTHONPATH", "CONTACT_BUILD", "CONTACT_FMUS", "CC")
-    return {name: value for name, value in os.environ.items() if name not in dropped}
+    dropped = ("PYTHONPATH", "CONTACT_BUILD", "CONTACT_FMUS")
+    return {name: value for name, value in os.environ.items() if name not in dropped} | {"CC": quick_compiler}
 
 
 @pytest.fixture(scope="session")

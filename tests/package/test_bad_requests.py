@@ -9,10 +9,10 @@ import zipfile
 import pytest
 
 from contact_fmus.__main__ import COMMANDS
+from contact_fmus.building.command import scene_text
 from contact_fmus.fmu.files import fmu_file
 from support.foreign import XML, foreign_fmu, packed
 from support.programs import environment, finished
-from support.sources import ROOT
 
 # A model exchange FMU, and an FMI 3.0 one, as other vendors make them
 MODEL_EXCHANGE = """<?xml version="1.0" encoding="UTF-8"?>
@@ -150,9 +150,9 @@ def test_a_bad_request_ends_in_one_sentence_and_status_2(case, ask, tmp_path):
     (tmp_path / "picture.png").write_bytes(b"\x89PNG")
     (tmp_path / "study.toml").write_text(STUDY)
     packed(tmp_path, {"readme.txt": "nothing"}).rename(tmp_path / "empty.fmu")
-    assert ask("new", "scene")[0] == 0
+    text = scene_text("scene", None, "sphere", False, [])
+    (tmp_path / "scene.toml").write_text(text)
     (tmp_path / "sub").mkdir()
-    text = (tmp_path / "scene.toml").read_text()
     (tmp_path / "sub" / "bad.toml").write_text(text.replace('name = "ball"', 'name = "a b"'))
     arguments, words = WRONG[case]
     status, told, _ = ask(*arguments)
@@ -161,18 +161,6 @@ def test_a_bad_request_ends_in_one_sentence_and_status_2(case, ask, tmp_path):
         told = re.sub("; scenarios: .*", "", told)  # as many as there are
     assert one_sentence(told) and words in told, told
     assert told.startswith(f"contact-fmus {arguments[0]}: ") or case in BY_ARGPARSE, told
-
-
-SCRIPTS = [("report", "--fast"), ("report", "--output")]
-SCRIPTS += [("stability", one) for one in ("--fast", "--output", "--beyond", "--beyond 1")]
-
-
-@pytest.mark.parametrize("name, arguments", SCRIPTS)
-def test_a_script_refuses_what_it_does_not_know(name, arguments):
-    command = [ROOT / "scripts" / f"{name}.sh", *arguments.split()]
-    run = finished(command)
-    assert run.returncode == 2
-    assert run.stderr.startswith(f"{name}: ") and arguments.split()[0] in run.stderr
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -192,8 +180,7 @@ def test_an_fmu_of_another_kind_says_what_is_needed(ask, tmp_path):
 
 def test_an_fmu_without_a_library_or_with_a_broken_one_is_named(ask, tmp_path):
     for members in ({}, {"binaries/linux64/Other.so": "no library"}):
-        file = packed(tmp_path, {"modelDescription.xml": XML[2]} | members)
-        status, told, _ = ask("run", file)
+        status, told, _ = ask("run", packed(tmp_path, {"modelDescription.xml": XML[2]} | members))
         assert (status, one_sentence(told)) == (2, True) and "cannot be loaded" in told, told
 
 
@@ -219,9 +206,8 @@ def test_a_full_disk_is_named_with_status_3(ask):
 
 def test_a_reader_that_goes_away_is_no_fault(installed, far_from_clone):
     arguments = [installed / "contact-fmus", "run", "SphereSphere", "--csv", "/dev/stdout"]
-    with subprocess.Popen(
-        arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=far_from_clone
-    ) as run:
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(arguments, env=far_from_clone, **streams) as run:
         run.stdout.readline()
         run.stdout.close()
         assert run.stderr.read() == b""
@@ -261,9 +247,8 @@ sys.exit(main(sys.argv[1:]))
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_tells_its_options_without_any_extra(name):
-    command = [sys.executable, "-c", WITHOUT_EXTRAS, name]
-    run = finished([*command, "--help"], env=environment())
-    assert (run.returncode, run.stderr) == (0, "") and f"usage: contact-fmus {name}" in run.stdout, run
+    run = finished([*[sys.executable, "-c", WITHOUT_EXTRAS, name], "--help"], env=environment())
+    assert run.returncode == 0 and run.stderr == "" and f"usage: contact-fmus {name}" in run.stdout, run
 
 
 def test_what_needs_an_extra_names_it_and_what_draws_nothing_needs_none(tmp_path):

@@ -87,9 +87,7 @@ def test_a_sweep_of_an_fmi_3_fmu_has_the_bits_of_one_of_fmi_2(tmp_path):
 def test_what_the_fmu_warns_of_is_told_once(ask, name, how):
     status, told, out = ask("run", name, *OVERLAP, *how)
     assert status == 0 and "energy.total" in out
-    assert told.count("\n") == 1 and told.startswith("warning: BouncingBall at 0 s: contact.gap = -1.1 m"), (
-        told
-    )
+    assert told.count("\n") == 1 and told.startswith("warning: BouncingBall at 0 s: contact.gap = -1.1 m")
 
 
 @pytest.mark.parametrize("command", ["plot", "animate"])
@@ -190,10 +188,8 @@ def test_one_command_writes_what_the_cross_check_asks_of_three_fmus(ask, tmp_pat
     assert out.splitlines() == [f"all/{version}/{name}" for name in NAMES]
     for name in NAMES:
         folder = tmp_path / "all" / version / name
-        wanted = {f"{name}{end}" for end in (".fmu", "_cc.csv", "_in.csv", "_ref.csv", "_ref.opt")} | {
-            "ReadMe.txt"
-        }
-        assert {file.name for file in folder.iterdir()} == wanted
+        ends = (".fmu", "_cc.csv", "_in.csv", "_ref.csv", "_ref.opt")
+        assert {file.name for file in folder.iterdir()} == {"ReadMe.txt", *(name + end for end in ends)}
         pairs = (line.split(",") for line in (folder / f"{name}_ref.opt").read_text().splitlines())
         options = {key: float(value) for key, value in pairs}
         own, other = (pandas.read_csv(folder / f"{name}_{kind}.csv") for kind in ("ref", "cc"))

@@ -18,8 +18,9 @@ from support.sources import ROOT
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
+def folder(tmp_path, monkeypatch, quick_compiler):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("CC", quick_compiler)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     return tmp_path
 
@@ -27,9 +28,8 @@ def folder(tmp_path, monkeypatch):
 @pytest.mark.parametrize("scene", command.SCENES)
 def test_a_new_scene_of_many_bodies_is_the_shipped_one_by_another_name(folder, scene):
     assert new(["Mine", "--scene", scene]) == 0  # what the generator has accepted
-    shipped = (ROOT / "modelDescription" / "scenes" / f"{command.SCENES[scene]}.toml").read_text(
-        encoding="utf-8"
-    )
+    file = ROOT / "modelDescription" / "scenes" / f"{command.SCENES[scene]}.toml"
+    shipped = file.read_text(encoding="utf-8")
     own = (folder / "Mine.toml").read_text(encoding="utf-8")
     assert own.replace('name = "Mine"', f'name = "{command.SCENES[scene]}"') == shipped
 
@@ -65,8 +65,7 @@ def test_a_new_scene_needs_no_sundials_and_its_bodies_may_be_renamed(asked, fold
     text = (folder / "Mine.toml").read_text()
     body = next(word for word in ("globe", "shell", "tube", "floor") if f'"{word}"' in text)
     (folder / "Mine.toml").write_text(text.replace("ball", "marble").replace(body, "thing"))
-    scene = cmake_build.check_scene(folder / "Mine.toml", folder / "generated")
-    assert not scene.has_cvode
+    assert not cmake_build.check_scene(folder / "Mine.toml", folder / "generated").has_cvode
     assert "contact-fmus[plot]" in text
 
 
@@ -175,8 +174,7 @@ def test_a_joined_fmu_is_the_same_in_fewer_bytes(tmp_path, monkeypatch):
     join([first], tmp_path / "small.fmu")
     monkeypatch.setitem(sys.modules, "zopfli", None)  # as if it were not installed
     join([first], tmp_path / "usual.fmu")
-    unpack = ["cmake", "-E", "tar", "xf", tmp_path / "small.fmu"]
-    run = finished(unpack, cwd=tmp_path)
+    run = finished(["cmake", "-E", "tar", "xf", tmp_path / "small.fmu"], cwd=tmp_path)
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
     assert (tmp_path / "modelDescription.xml").read_text() == text
     with zipfile.ZipFile(tmp_path / "small.fmu") as small, zipfile.ZipFile(tmp_path / "usual.fmu") as usual:

@@ -41,8 +41,7 @@ def test_every_command_is_one_of_the_wheel_and_every_dependency_is_pinned_for_te
     pins = (ROOT / "requirements.txt").read_text().lower()
     wanted = [*project["project"]["dependencies"], *project["project"]["optional-dependencies"]["dev"]]
     assert [one for one in wanted if f"\n{one.partition('>')[0]}==" not in pins] == []
-    pinned = project["build-system"]["requires"]
-    assert [one for one in pinned if f"\n{one}\n" not in pins] == []
+    assert [one for one in project["build-system"]["requires"] if f"\n{one}\n" not in pins] == []
 
 
 def test_an_editable_package_is_built_without_npm(tmp_path, monkeypatch):
@@ -90,15 +89,13 @@ def test_version_and_help(command):
 
 
 def test_a_shipped_fmu_runs_by_name_and_its_file_says_what_was_computed(command, tmp_path):
-    run = command(
-        "run", "SphereSphere", "--set", "contact.dashpot=unclamped", "--stop", "1", "--csv", "out.csv"
-    )
+    options = "--set contact.dashpot=unclamped --stop 1 --csv out.csv"
+    run = command("run", "SphereSphere", *options.split())
     assert (run.returncode, run.stderr) == (0, "")
     result = Result.read(tmp_path / "out.csv")
     assert result.time[[0, -1]].tolist() == [0.0, 1.0]
     # A row for each communication point, and one on either side of each onset and release
-    changes = np.count_nonzero(np.diff(result.columns["contact.active"]))
-    assert len(result.time) == 1001 + 2 * changes
+    assert len(result.time) == 1001 + 2 * np.count_nonzero(np.diff(result.columns["contact.active"]))
     assert result.units["contact.gap"] == "m" and result.parameters["contact.dashpot"] == "unclamped"
     # Before it falls half a metre the ball is in free fall from 1.1 m.
     falling = result.time < 0.31
@@ -159,8 +156,7 @@ def test_the_wheel_carries_the_fmus_of_fmi_3_and_what_bench_runs(installed, comm
     )
     assert two == three
     text = "from contact_fmus.fmu.host import host_file; print(host_file().is_file())"
-    told = finished([installed / "python", "-c", text], check=True)
-    assert told.stdout == "True\n"
+    assert finished([installed / "python", "-c", text], check=True).stdout == "True\n"
 
 
 # recipe/recipe.yaml says of the conda package what pyproject.toml and the build say

@@ -44,8 +44,7 @@ def test_event_driven_is_exact_on_variants_too(opened, row, steps):
 
 
 # The tolerance asked for is the error got: at the end of P1, P2, P3, P3b and of 200 random scenes the
-# displacements are within FACTOR * tolerance * max(1 m, displacement) of an independent integrator's in 40
-# digits.
+# displacements are within FACTOR * tolerance * max(1 m, displacement) of another integrator's in 40 digits.
 #
 # Velocities, energies and onset times may also be off by what a relative change of everything given, by
 # FACTOR * tolerance, does to them: behind a stiff contact they hang on the instant it began.

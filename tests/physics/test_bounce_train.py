@@ -1,5 +1,4 @@
-"""Bounce trains that die out: as many contacts as there are, when they are, in one communication step as
-in 997.
+"""Bounce trains that die out: as many contacts as there are, when they are, in one step or 997.
 
 A ball is dropped by 1 m with a restitution of one half, on and in spheres and cylinders; plane_motion.py has
 each bounce in closed form, in sixty digits.
@@ -131,11 +130,10 @@ def test_the_train_is_told_bounce_by_bounce(opened, dashpot, steps):
 def test_a_ball_whispers_around_a_hollow_body(opened, shape, steps):
     """Without gravity and damping each bounce is like the first, a graze at a hundredth of the speed
     along the wall; the period is the reference integrator's, and hundreds of them fit."""
-    along = np.cross(AXIS, ACROSS)
     values = {
         "destination.radius": 0.5,
         "source.center": (0.4 * ACROSS).tolist(),
-        "source.initial_velocity": (1.0 * along + 0.01 * ACROSS).tolist(),
+        "source.initial_velocity": (1.0 * np.cross(AXIS, ACROSS) + 0.01 * ACROSS).tolist(),
         "contact.location": "inside", "contact.method": "penalty", "contact.penalty_factor": 1e10,
         "gravity": [0.0, 0.0, 0.0],
     }  # fmt: skip

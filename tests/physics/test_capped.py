@@ -1,7 +1,6 @@
 """Capped cylinders: event_driven against an independent integration over side, cap and rim, starts on the
 edge and within the solid. Approaches over the edge and edge-on impacts are the atlas's."""
 
-import os
 import random
 from itertools import pairwise
 
@@ -12,9 +11,9 @@ from scipy.optimize import brentq
 
 from support.checks import check_close, run, start
 from support.reference.hertz import FULL, factors, follow, pair_of, precise
+from support.scenes.agreement import seeds
 from support.scenes.random_scenes import moved_by
 
-COUNT = int(os.environ.get("CONTACT_SCENES", "20"))
 R_S, R_D, LENGTH = 0.1, 0.5, 1.0
 FMU = "SphereCylinder"
 
@@ -92,7 +91,7 @@ def check_scene(fmu, what, values, end, allowed=1e-8):
     assert fmu["solver.fallbacks"] == 0
 
 
-@pytest.mark.parametrize("seed", range(COUNT))
+@pytest.mark.parametrize("seed", seeds(20))
 def test_random_scenes_end_where_the_reference_does(opened, seed):
     check_scene(opened(FMU), f"scene {seed}", *scene(seed))
 
@@ -118,13 +117,12 @@ def test_a_ball_rests_balanced_on_the_rim(opened):
     check_close("force", fmu["contact.normal_force"], 9.81, 1e-9)
 
 
-@pytest.mark.parametrize(
-    "place", [(0.47, 0.0, 0.42), (0.45, 0.0, 0.48), (0.1, 0.2, 0.3), (0.0, 0.48, -0.499)]
-)
+@pytest.mark.parametrize("place", [(0.47, 0.0, 0.42), (0.45, 0.0, 0.48), (0.1, 0.2, 0.3), (0, 0.48, -0.499)])
 def test_starts_within_the_solid_leave_by_the_nearest_face(opened, place):
     values = capped(place, contact_penalty_factor=1e3, contact_viscous_penalty_factor=0.0)
-    check_scene(opened(FMU), f"inside {place}", values, 0.05)
-    assert opened(FMU)["contact.within_extents"]
+    fmu = opened(FMU)
+    check_scene(fmu, f"inside {place}", values, 0.05)
+    assert fmu["contact.within_extents"]
 
 
 @pytest.mark.parametrize("hertz", [False, True])

@@ -1,5 +1,4 @@
-"""Concentric bodies, automatic location, kinds of motion that mean the same, and starts in the middle of a
-contact."""
+"""Concentric bodies, automatic location, kinds of motion that mean the same, and starts in mid-contact."""
 
 import math
 
@@ -36,24 +35,20 @@ def concentric(shape, **more):
 
 @pytest.mark.parametrize("location", ["automatic", "inside"])
 def test_concentric_hollow_bodies_do_not_touch(opened, shape, location):
-    fmu = start(
-        opened(FMU[shape]), concentric(shape, contact_location=location, source_prescribed_velocity=[1, 2, 3])
-    )
+    values = concentric(shape, contact_location=location, source_prescribed_velocity=[1, 2, 3])
+    fmu = start(opened(FMU[shape]), values)
     for _ in range(3):
         check_finite(fmu)
         check_close("gap", fmu["contact.gap"], 0.4, 1e-15)
         assert fmu["contact.active"] is False
-        check_close(
-            "forces", [fmu["contact.source_force"], fmu["contact.destination_force"]], np.zeros((2, 3)), 0
-        )
+        check_close("forces", [fmu[f"contact.{body}_force"] for body in ("source", "destination")], 0.0, 0)
         fmu.step(0.1)
     assert not warnings(fmu)
 
 
 def test_a_ball_flies_through_the_middle_of_a_hollow_body(opened, shape, method):
     """Head-on back and forth through d = 0: four bounces of an undamped ball, one communication step."""
-    values = head_on(shape, "inside", gap=0.4)
-    fmu = run(opened(FMU[shape]), values, 4.0, 1, method=method)
+    fmu = run(opened(FMU[shape]), head_on(shape, "inside", gap=0.4), 4.0, 1, method=method)
     period = 0.8 + math.pi * 1e-3
     assert fmu["contact.onsets"] == 5
     check_close("last_onset_time", fmu["contact.last_onset_time"], 0.4 + 4 * period, 1e-7)
@@ -62,8 +57,7 @@ def test_a_ball_flies_through_the_middle_of_a_hollow_body(opened, shape, method)
 
 
 def test_overlapping_solids_at_the_same_place_push_along_a_fixed_direction(opened, shape):
-    """No normal is defined: a documented unit vector (across a cylinder's axis), one warning, nothing
-    that is not finite."""
+    """No normal is defined: a documented unit vector (across a cylinder's axis), one warning, all finite"""
     fmu = start(opened(FMU[shape]), concentric(shape, contact_location="outside", contact_method="penalty"))
     directions = []
     for _ in range(3):
@@ -151,8 +145,7 @@ def test_location_stays_what_it_was_at_the_start(opened, shape, location):
 def test_a_start_in_the_middle_of_a_contact_counts_as_an_onset(opened, shape, location, method):
     """Let go at depth s with zero speed: it leaves with omega s after a quarter of a period."""
     depth, stiffness = 1e-3, 1e6
-    values = head_on(shape, location, gap=-depth, speed=0.0)
-    fmu = start(opened(FMU[shape]), values, 1e-10, method)
+    fmu = start(opened(FMU[shape]), head_on(shape, location, gap=-depth, speed=0.0), 1e-10, method)
     assert (fmu["contact.onsets"], fmu["contact.active"], fmu["contact.last_onset_time"]) == (1, True, 0)
     fmu.step(0.01)
     check_close("last_duration", fmu["contact.last_duration"], math.pi / 2 / math.sqrt(stiffness), 1e-10)

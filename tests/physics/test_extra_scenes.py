@@ -1,13 +1,11 @@
 """Extra scenes beside the shipped ones: their names"""
 
 import sys
-from pathlib import Path
 
 import pytest
 
 from support.programs import finished
-
-ROOT = Path(__file__).resolve().parents[2]
+from support.sources import ROOT
 
 
 @pytest.mark.parametrize("name, kind", [("contact_core", "SCENES"), ("unit_geometry", "EXTRA_SCENES")])

@@ -1,21 +1,19 @@
-"""The force element against the independent recomputation of reference/law.py, on random configurations:
-CONTACT_SCENES of each FMU.
+"""The force element against the independent recomputation of reference/law.py, on random configurations.
 
 Each configuration is read three times: after initialization, after new inputs without a step, and after a
 step in which the inputs move as polynomials. Equality to 1e-12 of the size of the terms that are added up.
 """
-
-import os
 
 import numpy as np
 import pytest
 
 from support.checks import differences, start
 from support.reference.law import ReferenceContact, start_motion, vector
+from support.scenes.agreement import seeds
 from support.scenes.configurations import INPUTS, SHAPES, motion_of, random_configuration, random_inputs
 
 RELATIVE = 1e-12
-COUNT = int(os.environ.get("CONTACT_SCENES", "600"))
+COUNT = len(seeds(600))
 
 
 def outputs_that_differ(fmu, when, expected):
@@ -73,8 +71,7 @@ def test_force_element_equals_the_recomputation(opened, name):
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_common_offset_of_a_million_metres_costs_no_digits(opened, name):
-    """X_dst - X_src is rounded once, relative to itself; the offset itself appears in no tolerance but
-    the point's."""
+    """X_dst - X_src is rounded once, relative to itself; only the point's tolerance has the offset in it."""
     check_random(opened(name), name, seed=100, count=60, offset=1e6)
 
 
@@ -218,8 +215,7 @@ def head_on(fmu, dashpot, gap, rate, length):
     moved = {name: [np.zeros(3)] * 3 for name in INPUTS}
     moved["source.prescribed_displacement"] = [np.array([x, 0, 0]) for x in (gap, rate, bend)]
     moved["source.prescribed_velocity"] = [np.array([x, 0, 0]) for x in (rate, 2 * bend, 0.0)]
-    values = {"source.center": [REACH, 0, 0], "contact.dashpot": dashpot}
-    return run_step(fmu, values, moved, length)
+    return run_step(fmu, {"source.center": [REACH, 0, 0], "contact.dashpot": dashpot}, moved, length)
 
 
 @pytest.mark.parametrize("gap", [1e-3, -1e-4, 1.4e-3])

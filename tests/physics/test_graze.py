@@ -27,8 +27,7 @@ def reference(values, shape, end):
 @pytest.mark.parametrize("share", [1e-6, 1e-9, 1e-12])
 @pytest.mark.parametrize("location", ["outside", "inside"])
 def test_a_graze_along_a_cylinder(opened, location, share, damping, steps):
-    """1000 m/s along the axis and `share` of that towards the surface: head-on, but for the rounding of
-    50 m."""
+    """1000 m/s along the axis, `share` of it towards the surface: head-on, but for the rounding of 50 m."""
     along, stiffness, end = 1000.0, 1e6, 0.05
     speed = share * along
     values = head_on("cylinder", location, gap=0.01 * speed, speed=speed)
@@ -39,9 +38,8 @@ def test_a_graze_along_a_cylinder(opened, location, share, damping, steps):
     expected = reference(values, "cylinder", end)
     assert fmu["contact.onsets"] == expected.onsets == 1
     length = ROUNDING * EPSILON * along * end
-    check_close(
-        "onset", fmu["contact.last_onset_time"], float(expected.onset_times[0]), length / speed + 1e-15
-    )
+    onset = float(expected.onset_times[0])
+    check_close("onset", fmu["contact.last_onset_time"], onset, length / speed + 1e-15)
     duration = oscillator("non_adhesive", 1.0, stiffness, damping).duration
     check_close("duration of the reference", float(expected.durations[0]), duration, 1e-15)
     check_close("last_duration", fmu["contact.last_duration"], duration, length / speed + 1e-12 * duration)
@@ -105,16 +103,14 @@ def test_a_graze_that_starts_touching(opened, location, speed, allowed, share, s
     check_close("position", fmu["source.position"], np.float64(expected.position["source"]), 1e-12)
 
 
-# Contacts begin when they must, none is missed however long the communication step, and finite cylinders end
-# where they end.
+# Contacts begin when they must, none is missed in long communication steps, and finite cylinders have ends.
 
 EXACT = 1e-11  # s
 
 
 @pytest.mark.parametrize("seed", range(12))
 def test_a_long_throw_comes_down_on_a_small_body_in_one_step(opened, shape, seed, method):
-    """A parabola of many seconds aimed within a radius or so of a small body: hit or miss as in the
-    reference."""
+    """A parabola of seconds aimed within a radius or so of a small body: hit or miss as in the reference."""
     random = np.random.default_rng(seed)
     flight, gravity = random.uniform(5, 20), np.array([0.0, 0.0, -9.81])
     aim = 0.012 * random.uniform(-1, 1, size=3)
@@ -150,8 +146,7 @@ def tube(**more):
 
 @pytest.mark.parametrize("steps", [1, 10, 1000])
 def test_a_ball_slides_to_the_tubes_end_and_falls(opened, steps, method):
-    """The force ends at t = L / 2v = 0.5 s; from there on free fall, and the stored energy is booked as
-    dissipated."""
+    """The force ends at t = L / 2v = 0.5 s; then it falls, and the stored energy is booked as dissipated."""
     fmu = run(opened("SphereCylinder"), tube(), 1.0, steps, method=method)
     expected = [0.0, 1.0, -0.4 - 9.81e-4 - 9.81 * 0.5**2 / 2]
     check_close("position", fmu["source.position"], expected, 1e-9)
@@ -164,8 +159,7 @@ def test_a_ball_slides_to_the_tubes_end_and_falls(opened, steps, method):
 
 
 def test_a_ball_that_enters_overlapping_gets_the_stored_energy(opened, method):
-    """Sliding in from outside at a depth held by nothing: the booked work is minus the energy the
-    contact then stores."""
+    """Sliding in from outside at a given depth: the work is minus the energy the contact then stores."""
     depth, stiffness = 1e-3, 1e4
     values = tube(**{"gravity": [0.0, 0.0, 0.0], "contact.method": "penalty"})
     values.update({"source.center": [0.0, -0.7, -0.4 - depth]})
@@ -178,8 +172,7 @@ def test_a_ball_that_enters_overlapping_gets_the_stored_energy(opened, method):
 
 
 def test_a_tube_drawn_over_a_resting_ball_begins_and_ends_with_its_ends(opened, method):
-    """The cylinder moves, the ball floats at its wall's depth: within while |c.e_d| <= L/2, 0.1 s to 0.6
-    s."""
+    """The cylinder moves, the ball floats at its wall's depth: while |c.e_d| <= L/2, from 0.1 s to 0.6 s."""
     values = tube(**{"gravity": [0.0, 0.0, 0.0], "source.initial_velocity": [0.0, 0.0, 0.0]})
     values.update({"source.center": [0.0, 0.0, -0.3], "destination.center": [0.0, -0.7, 0.0]})
     values.update({"destination.motion": "prescribed", "destination.prescribed_velocity": [0.0, 2.0, 0.0]})

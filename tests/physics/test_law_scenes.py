@@ -1,21 +1,15 @@
 """Random scenes of planes, of Hertz's law and of restitution (support/scenes/law_scenes.py) with all methods,
-against the reference in world coordinates.
-
-CONTACT_SCENES is the number of scenes, CONTACT_FIRST_SCENE the first one's seed: 300 take six minutes.
-"""
-
-import os
+against the reference in world coordinates."""
 
 import numpy as np
 import pytest
 
 from contact_fmus.bench.problems import law_benchmarks
-from support.checks import METHODS, differences, run
+from support.checks import by_methods, differences, run
 from support.reference import hertz
+from support.scenes.agreement import seeds
 from support.scenes.law_scenes import factors, law_scene
 
-COUNT = int(os.environ.get("CONTACT_SCENES", "12"))
-FIRST = int(os.environ.get("CONTACT_FIRST_SCENE", "0"))
 STEPS = (1, 3, 29)  # communication steps of a run, by the seed
 # m, m/s, J; CVODE holds its tolerance of 1e-10 by the step, and its steps add up.
 ALLOWED = {"event_driven": 1e-8, "cvode_bdf": 1e-6, "cvode_adams": 1e-6}
@@ -25,8 +19,7 @@ BALANCE = {"event_driven": 1e-10, "cvode_bdf": 1e-6, "cvode_adams": 1e-6}  # of 
 def onsets_of(pair, state, events):
     """How many contacts there are: one may have begun before the start."""
     branches = [hertz.precise(pair).begins(np.array(state, np.longdouble))[1], *(name for _, name in events)]
-    before = [hertz.APART, *branches]
-    return sum(a == hertz.APART != b for a, b in zip(before, branches, strict=False))
+    return sum(a == hertz.APART != b for a, b in zip([hertz.APART, *branches], branches, strict=False))
 
 
 def failures(fmu, scene, seed, method, reference, onsets):
@@ -55,17 +48,13 @@ def failures(fmu, scene, seed, method, reference, onsets):
     return lines
 
 
-@pytest.mark.parametrize("seed", range(FIRST, FIRST + COUNT))
+@pytest.mark.parametrize("seed", seeds(12))
 def test_a_scene_goes_as_the_reference_says(opened, seed):
     scene = law_scene(seed)
     pair, state = hertz.pair_of(*scene[:2], *factors(*scene[:2]))
     reference = hertz.run(pair, state, scene[2])
     onsets = onsets_of(pair, state, reference[1])
-    wrong = {}
-    for method in METHODS:
-        lines = failures(opened(scene[0]), scene, seed, method, reference, onsets)
-        if lines:
-            wrong[method] = lines
+    wrong = by_methods(lambda one: failures(opened(scene[0]), scene, seed, one, reference, onsets))
     assert not wrong, f"{wrong}\n{scene}"
 
 

@@ -108,9 +108,7 @@ def test_a_fading_force_lets_go_once(opened, dashpot, stiffness, share, steps, t
     place = np.array(values["source.center"]) - away * approach(location)
     check_close("position", fmu["source.position"], place, FACTOR * tolerance)
     check_close("velocity", fmu["source.velocity"], -velocity * approach(location), FACTOR * tolerance)
-    late = (
-        16 * np.finfo(float).eps * stiffness / RATE
-    )  # until the depth, (F0 - F1 t) / k, is a rounding of 1 m
+    late = 16 * np.finfo(float).eps * stiffness / RATE  # until (F0 - F1 t) / k is a rounding of 1 m
     allowed = 1000 * tolerance + late  # the tolerance is one on the depth, which fades slowly
     check_close("last_duration", fmu["contact.last_duration"], loose, allowed)
     assert fmu["solver.steps"] <= 2000

@@ -1,7 +1,6 @@
 """Bodies and contacts are lists: three balls in a row, two contacts on the middle one; two pairs at a time.
 
-The reference of the three balls is three_balls.py, that of each pair the FMU of the pair alone. The FMUs are
-built by conftest.py.
+The reference of the three balls is three_balls.py, that of each pair the FMU of the pair alone.
 """
 
 import numpy as np
@@ -33,8 +32,7 @@ def values_of(case, method="event_driven"):
 @pytest.mark.parametrize("steps", [1, 2, 40])
 @pytest.mark.parametrize("name", BRIEF)
 def test_a_brief_contact_is_felt_however_long_the_step(built, name, steps):
-    """Brief beside the communication step, begun without a force, as under Hertz's law, or between bodies
-    that fly past each other"""
+    """Brief beside the communication step, begun without a force, as under Hertz's law, or in passing"""
     case, expected = BRIEF[name], reference(name)
     with ContactFmu(built["ThreeBalls"]) as fmu:
         fmu.start(values_of(case), tolerance=1e-9)
@@ -78,9 +76,7 @@ def test_saving_is_only_looking_where_event_driven_falls_back_to_cvode(built, ca
                 if saves:
                     fmu.save()
                 fmu.step(END / 50)
-            ends.append(
-                [fmu[f"{ball}.{what}"].tobytes() for ball in BALLS for what in ("position", "velocity")]
-            )
+            ends.append([fmu[f"{b}.{what}"].tobytes() for b in BALLS for what in ("position", "velocity")])
     assert ends[0] == ends[1]
 
 
@@ -113,9 +109,7 @@ SIDE_BY_SIDE = {  # ball, marble
 
 def motion_of(fmu, names):
     """Positions, velocities and deepest penetration of a pair."""
-    bodies = [
-        fmu[f"{names[end]}.{what}"] for end in ("source", "destination") for what in ("position", "velocity")
-    ]
+    bodies = [fmu[f"{names[e]}.{of}"] for e in ("source", "destination") for of in ("position", "velocity")]
     return np.concatenate([*bodies, [fmu[f"{names['contact']}.peak_penetration"]]])
 
 
@@ -230,9 +224,7 @@ def test_a_symmetric_squeeze_leaves_the_middle_ball_where_it_is(built, method, s
         speed, way = depth * rate, depth + depth * (rate * end - np.pi / 2)  # after a quarter of a turn
         for ball, side in zip(BALLS, (-1.0, 0.0, 1.0), strict=True):
             check_close(f"{ball}.velocity", fmu[f"{ball}.velocity"], [side * speed, 0.0, 0.0], 1e-6 * speed)
-            check_close(
-                f"{ball}.displacement", fmu[f"{ball}.displacement"], [side * way, 0.0, 0.0], 1e-6 * way
-            )
+            check_close(f"{ball}.displacement", fmu[f"{ball}.displacement"], [side * way, 0, 0], 1e-6 * way)
         assert fmu["first.onsets"] == fmu["second.onsets"] == 1
 
 

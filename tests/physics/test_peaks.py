@@ -1,5 +1,4 @@
-"""contact.peak_force and contact.peak_penetration, against a reference that follows the contact through every
-turn.
+"""contact.peak_force and contact.peak_penetration, against a reference that follows every turn of a contact.
 
 The reference is the motion of a ball pressed on a fixed body in a plane, in polar coordinates about the
 body's centre, so that the gap has digits of its own:
@@ -90,9 +89,8 @@ def reference_peaks(scene, gap, rate, end):
     begin = [gap, rate, 0.0, (reach + side * gap) * scene.along]
     size = (abs(scene.force[0][0]) + m * scene.along**2 / reach) / k
     small = [1e-14 * size, 1e-14 * size / unit, 1e-15, 1e-15 * max(abs(begin[3]), 1e-9)]
-    path = solve_ivp(
-        slope, (0, end / unit), begin, "DOP853", rtol=1e-13, atol=small, dense_output=True, max_step=0.5
-    )
+    options = {"rtol": 1e-13, "atol": small, "dense_output": True, "max_step": 0.5}
+    path = solve_ivp(slope, (0, end / unit), begin, "DOP853", **options)
 
     def force(tau):
         y = path.sol(tau)
@@ -178,15 +176,11 @@ def test_a_body_set_down_presses_harder_than_its_weight(opened, shape, location,
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5])
-@pytest.mark.parametrize(
-    "stiffness, mass, pull, end", [(1e36, 1.0, 10.0, 1.0), (1e15, 1e-9, 1e-6, 1e5), (1e60, 1.0, 10.0, 1.0)]
-)
+@pytest.mark.parametrize("case", [(1e36, 1.0, 10.0, 1.0), (1e15, 1e-9, 1e-6, 1e5), (1e60, 1.0, 10.0, 1.0)])
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
-def test_the_search_ends_where_a_turn_has_no_digits(
-    opened, shape, location, stiffness, mass, pull, end, share
-):
-    """A ball that settles under a load which doubles until the middle of the step and falls back: the peaks
-    are the load's"""
+def test_the_search_ends_where_a_turn_has_no_digits(opened, shape, location, case, share):
+    """A ball settles under a load that doubles until mid-step and falls back: the peaks are the load's."""
+    stiffness, mass, pull, end = case
     load = pull * mass
     side = -1 if location == "inside" else 1
     force = -side * np.array([[load, 0.0], [4 * load / end, 0.0], [-8 * load / end**2, 0.0]])
@@ -233,8 +227,7 @@ def test_the_dashpot_presses_up_to_the_centre(opened, dashpot, method):
     values |= {"contact.viscous_penalty_factor": 0.6, "source.mass": 1.0}
     peaks = []
     for by in (METHOD, method):
-        fmu = run(opened("SphereSphere"), values, 0.1, 1, 1e-9, by)
-        peaks.append(fmu["contact.peak_force"])
+        peaks.append(run(opened("SphereSphere"), values, 0.1, 1, 1e-9, by)["contact.peak_force"])
     check_close("force", peaks[1], peaks[0], 1e-6 * peaks[0])
 
 
@@ -312,8 +305,7 @@ def test_an_undamped_oscillation_keeps_its_amplitude(opened, stiffness):
     """P3 starts where the load is a fifth of that at the bottom, and oscillates by it ever after: the force
     is largest at the bottom, 5 m g / 2 in all"""
     shape, values, end = stiff_scene("P3", stiffness, 0.0)
-    fmu = run(opened(FMU[shape]), values, end, 1, TOLERANCE, METHOD)
-    largest = peaks_or_none(fmu, stiffness)
+    largest = peaks_or_none(run(opened(FMU[shape]), values, end, 1, TOLERANCE, METHOD), stiffness)
     check_close("force", largest[0], 2.4525, 1e-7)
     check_close("depth", largest[1], 2.4525, 1e-7)
 

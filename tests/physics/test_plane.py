@@ -131,9 +131,7 @@ def test_below_the_surface_is_but_a_deeper_contact(opened, method):
 
 def test_passing_the_surface_exactly_at_its_centre(opened):
     """Given motions: d = 0 to the last bit at a communication point."""
-    values = bounce(
-        gap=-0.1, **{"source.motion": "fixed", "contact.penalty_factor": 1e3, "contact.method": "penalty"}
-    )
-    fmu = run(opened(FMU), values, 0.1, 2)
+    held = {"source.motion": "fixed", "contact.penalty_factor": 1e3, "contact.method": "penalty"}
+    fmu = run(opened(FMU), bounce(gap=-0.1, **held), 0.1, 2)
     assert fmu["contact.distance"] == 0.0
     check_close("force", fmu["contact.normal_force"], 100.0, 1e-12)

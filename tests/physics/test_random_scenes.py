@@ -1,15 +1,15 @@
 """Random scenes of every kind against the independent integrator, in all that a run says, by all methods."""
 
-import os
 from dataclasses import replace
 from functools import cache
 
 import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
-from support.checks import METHODS, check_close, run
+from support.checks import by_methods, check_close, run
 from support.reference import tumbling
 from support.reference.integrator import Reference
+from support.scenes.agreement import seeds
 from support.scenes.random_scenes import DELICATE, SCENES, even, random_scene
 from support.scenes.scene_checks import FMU, failures
 from support.scenes.scene_families import FAMILIES, drawn, expected, moves_straight
@@ -44,13 +44,7 @@ def test_no_tolerance_finds_another_motion(opened, shape, kind, seed, method, to
     check_close("source.position", fmu["source.position"], position, max(ALLOWED, 1e3 * tolerance))
 
 
-# The next test runs scenes of every family of scene_families.py by all methods, and compares them with the
-# independent integrator.
-#
-# CONTACT_SCENES is the number of scenes of a family, CONTACT_FIRST_SCENE the first one's seed.
-
-COUNT = int(os.environ.get("CONTACT_SCENES", "24"))
-FIRST = int(os.environ.get("CONTACT_FIRST_SCENE", "0"))
+# The next test compares scenes of every family of scene_families.py, by all methods, with the integrator.
 
 
 @cache
@@ -59,16 +53,12 @@ def case(family, seed):
     return scene, expected(scene)
 
 
-@pytest.mark.parametrize("seed", range(FIRST, FIRST + COUNT))
+@pytest.mark.parametrize("seed", seeds(24))
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_scene_goes_as_the_reference_says(opened, family, seed):
     scene, right = case(family, seed)
-    wrong = {}
-    for method in METHODS:
-        fmu = opened(FMU[scene.shape])
-        lines = failures(fmu, scene.values, scene.stops, method, right, scene.leaves_open)
-        if lines:
-            wrong[method] = lines
+    run_of = (opened(FMU[scene.shape]), scene.values, scene.stops)
+    wrong = by_methods(lambda method: failures(*run_of, method, right, scene.leaves_open))
     assert not wrong, f"{wrong}\n{FMU[scene.shape]} {scene.values} stops {scene.stops}"
 
 

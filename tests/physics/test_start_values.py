@@ -9,7 +9,6 @@ from support.checks import check_close
 def test_a_run_without_any_setting_bounces(opened, name):
     """From 1.1 m on a body of 0.5 m with a ball of 0.1 m: half a metre of free fall, then up again."""
     fmu = opened(name)
-    fmu.reset()
     fmu.start()
     fmu.step(0.6)
     assert fmu["contact.onsets"] == 1
@@ -20,7 +19,6 @@ def test_a_run_without_any_setting_bounces(opened, name):
 def test_the_force_element_presses_without_any_input(opened):
     """1 mm of overlap at 1e6 N/m"""
     fmu = opened("ForceElement")
-    fmu.reset()
     fmu.start()
     fmu.step(1e-3)
     check_close("force", fmu["contact.source_force"], [1000.0, 0.0, 0.0], 1e-6)

@@ -150,8 +150,7 @@ def test_a_ball_led_out_of_the_centre_or_to_it_takes_few_panels(opened, shape, s
     """The direction that the contact has in the centre is not the one it has on the way"""
     values = led(shape, 0.3 - stop, stop, **{"solver.max_internal_steps": 100})
     fmu = run(opened(FMU[shape]), values, 1.0, 1, tolerance=1e-10, method="event_driven")
-    mean = LED * (REACH - 0.15) * ACROSS
-    check_close("mean force", fmu["contact.mean_force"], mean, 1e-9 * LED)
+    check_close("mean force", fmu["contact.mean_force"], LED * (REACH - 0.15) * ACROSS, 1e-9 * LED)
 
 
 def test_a_ball_led_past_the_centre_goes_on_from_where_a_limit_stopped_it(opened, shape):

@@ -47,9 +47,8 @@ def random_case(rng, shape, side):
         across = np.cross(e, rng.normal(size=3)) if shape == "plane" else e
         c = c + rng.normal() * across
     m["source.center"] = rng.normal(size=3)
-    m["destination.center"] = (
-        m["source.center"] + m["source.displacement"] + c - m["destination.displacement"]
-    )
+    place = m["source.center"] + m["source.displacement"]
+    m["destination.center"] = place + c - m["destination.displacement"]
     return v, m
 
 

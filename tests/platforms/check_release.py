@@ -67,8 +67,7 @@ def test_linux_libraries_want_an_old_c_library_only(name, version, release):
 
 @pytest.mark.parametrize(("name", "version"), EVERY_LIBRARY)
 def test_windows_libraries_want_windows_only_and_show_the_functions_of_fmi(name, version, release):
-    platform = RUN[version][1]
-    library = lief.parse(str(library_in(release(name, version), name, platform)))
+    library = lief.parse(str(library_in(release(name, version), name, RUN[version][1])))
     assert {entry.name.lower() for entry in library.imports} == {"ucrtbase.dll"}
     assert {entry.name for entry in library.get_export().entries} == functions_of_fmi(name, version)
 
@@ -81,9 +80,8 @@ def test_macos_libraries_have_both_processors_and_show_the_functions_of_fmi(name
     parts = [file.at(i) for file in files for i in range(file.size)]  # which live as long as `files`
     assert [part.header.cpu_type.name for part in parts] == ["X86_64", "ARM64"]
     for part in parts:
-        assert [one.name for one in part.libraries if one.command.name != "ID_DYLIB"] == [
-            "/usr/lib/libSystem.B.dylib"
-        ]
+        (wanted,) = (one.name for one in part.libraries if one.command.name != "ID_DYLIB")
+        assert wanted == "/usr/lib/libSystem.B.dylib"
         assert list(part.build_version.minos)[:2] == [11, 0]
         shown = {symbol.name.removeprefix("_") for symbol in part.exported_symbols}
         shown -= {"__dso_handle", "_mh_dylib_header"}  # the linker's, in every library

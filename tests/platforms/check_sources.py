@@ -134,7 +134,6 @@ def test_a_bare_debian_with_a_c_compiler_builds_and_runs_the_sources(case, bare_
         inside = ["chroot", bare_root, "cc", "-std=c11", "-O2"]
         checked([*inside, "-shared", "-fPIC", "-o", f"/build/{name}/a.so", f"/build/{name}/contact.c", "-lm"])
         checked([*inside, "-I/build/headers", "/build/host.c", "-ldl", "-o", "/build/host"])
-    text = portable_host.motion(
-        ["chroot", bare_root, "/build/host"], f"/build/{name}/a.so", release(name), values, end
-    )
+    host = ["chroot", bare_root, "/build/host"]
+    text = portable_host.motion(host, f"/build/{name}/a.so", release(name), values, end)
     assert portable_host.difference(text, of_this_build(case)) <= bound

@@ -1,6 +1,5 @@
 /*
- * What the hosts of both versions of FMI share: a library and its functions on every platform, and how they
- * end.
+ * What the hosts of both versions of FMI share: a library, its functions on every platform, and how they end.
  */
 #ifndef HOST_LIBRARY_H
 #define HOST_LIBRARY_H

@@ -1,7 +1,9 @@
 """The sources in the FMUs: any C11 compiler makes a library of them that gives the bits of the one inside"""
 
+import importlib
 import sys
 import zipfile
+from functools import cache
 
 import fmpy
 import pytest
@@ -14,6 +16,8 @@ from support.release import cases_of, few_cases_of
 from support.scenes.benchmarks import BENCHMARKS
 from support.sources import BUILD, ROOT
 
+sys.path.insert(0, str(ROOT / "cmake"))
+prune = importlib.import_module("prune")
 WARNINGS = ["-Wall", "-Wextra", "-pedantic", "-Werror"]
 LIBRARIES = {"libc.so.6", "libm.so.6"}
 
@@ -36,14 +40,10 @@ def host(tmp_path_factory):
 @pytest.fixture(scope="module")
 def unpacked(tmp_path_factory):
     """Folders of FMUs, each unpacked once"""
-    folders = {}
 
+    @cache
     def unpack(name):
-        if name not in folders:
-            folders[name] = portable_host.unpacked(
-                BUILD / "fmus" / f"{name}.fmu", tmp_path_factory.mktemp(name)
-            )
-        return folders[name]
+        return portable_host.unpacked(BUILD / "fmus" / f"{name}.fmu", tmp_path_factory.mktemp(name))
 
     return unpack
 
@@ -52,16 +52,14 @@ def unpacked(tmp_path_factory):
 def compiled(unpacked):
     """Libraries of the sources, each compiled once, without any help of this project's build. Without an
     optimizer too, all that is called is there."""
-    made = {}
 
+    @cache
     def library(name, *definitions):
-        if (name, *definitions) not in made:
-            folder = unpacked(name) / "sources"
-            file = folder / f"{name}{len(made)}.so"
-            options = [*WARNINGS, "-O0", "-shared", "-fPIC", "-Wl,-z,defs", *definitions]
-            compile_c(*options, "-o", file, "contact.c", "-lm", cwd=folder)
-            made[(name, *definitions)] = file
-        return made[(name, *definitions)]
+        folder = unpacked(name) / "sources"
+        file = folder / f"{name}{len(definitions)}.so"
+        options = [*WARNINGS, "-O0", "-shared", "-fPIC", "-Wl,-z,defs", *definitions]
+        compile_c(*options, "-o", file, "contact.c", "-lm", cwd=folder)
+        return file
 
     return library
 
@@ -172,15 +170,12 @@ int fmi2Call(void)
 def test_what_nothing_asks_for_is_left_out_of_the_sources():
     """A function that is handed over is asked for; a variable or a member of its name is not it. One that is
     defined first needs no declaration, unless a macro names it."""
-    sys.path.insert(0, str(ROOT / "cmake"))
-    from prune import pruned
-
     header = "#define SCENE_A 1 /* one */\n#define SCENE_B 0\n"
     wanted = SOURCES
     for part in (LOST, DECLARED, UNNAMED, SHARED, BRANCH, LAST_BRANCH, OF_D, NOT_D, ASKED_BY_NOBODY):
         assert part in wanted
         wanted = wanted.replace(part, "")
-    assert pruned(SOURCES, header, ["CONTACT_NO_D"]) == wanted
+    assert prune.pruned(SOURCES, header, ["CONTACT_NO_D"]) == wanted
 
 
 PINNED = """\
@@ -224,11 +219,8 @@ DECIDED = [
 @pytest.mark.parametrize(("before", "after"), DECIDED)
 def test_what_the_scene_decides_is_decided_in_the_sources(before, after):
     """Whatever stays has the value that it had."""
-    sys.path.insert(0, str(ROOT / "cmake"))
-    from prune import pruned
-
     text = "enum law {\n    LAW_LINEAR,\n    LAW_HERTZ\n};\nint fmi2Call(int y)\n{\n    %s\n}\n"
-    assert pruned(text % before, PINNED, []) == text % after
+    assert prune.pruned(text % before, PINNED, []) == text % after
 
 
 HEADER = """\
@@ -251,14 +243,11 @@ UNUSED = ("#define HAS_body_mass 0\n", "static inline int body_shape(int body)\n
 
 
 def test_the_header_of_the_sources_has_what_they_ask_for():
-    sys.path.insert(0, str(ROOT / "cmake"))
-    from prune import pruned_header
-
     wanted = HEADER
     for part in UNUSED:
         assert part in wanted
         wanted = wanted.replace(part, "")
-    assert pruned_header(HEADER, "int a = HAS_body_radius * body_count();") == wanted
+    assert prune.pruned_header(HEADER, "int a = HAS_body_radius * body_count();") == wanted
 
 
 def test_fmpy_compiles_the_sources(unpacked, tmp_path):

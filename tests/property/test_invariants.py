@@ -1,5 +1,4 @@
-"""What holds for every scene: no pull, action and reaction, steps that may be cut, fixed and prescribed at
-rest, nothing but numbers."""
+"""What holds in every scene: no pull, action and reaction, steps may be cut, fixed is prescribed at rest."""
 
 import itertools
 
@@ -81,8 +80,7 @@ def check_energy(fmu, values, seen):
 @BOUNDED
 @given(scene=scenes())
 def test_all_outputs_are_numbers_and_forces_those_of_a_contact(opened, method, scene):
-    """Action equals reaction; a non-adhesive contact never pulls; no output is anything but a number; energy
-    is accounted for."""
+    """Action equals reaction; a non-adhesive contact never pulls; outputs are numbers; no energy is lost."""
     fmu, values = opened(FMU[scene.shape]), scene.configuration
     outputs = [name for name, one in fmu.variables.items() if (one.causality, one.type) == ("output", "Real")]
     assert len(outputs) > 20
@@ -135,16 +133,14 @@ def test_fixed_and_prescribed_at_rest_are_the_same(opened, method, scene):
 @BOUNDED
 @given(scene=scenes(motions=["fixed", "free"]), speed=st.sampled_from([0.5, -3.0]))
 def test_the_same_motion_is_seen_from_a_moving_frame(opened, method, scene, speed):
-    """Galilei: all bodies get the same velocity; a fixed destination becomes one prescribed with that
-    velocity."""
+    """Galilei: all bodies get the same velocity; a fixed destination becomes a prescribed one."""
     drift = speed * np.array([0.6, -0.48, 0.64])
     values = dict(scene.configuration)
     moving = dict(values)
     moving["source.initial_velocity"] = (np.array(values["source.initial_velocity"]) + drift).tolist()
     if values["destination.motion"] == "free":
-        moving["destination.initial_velocity"] = (
-            np.array(values["destination.initial_velocity"]) + drift
-        ).tolist()
+        velocity = np.array(values["destination.initial_velocity"])
+        moving["destination.initial_velocity"] = (velocity + drift).tolist()
     else:
         moving.update({"destination.motion": "prescribed", "destination.prescribed_velocity": drift.tolist()})
     names = [*ENDS, *RESULTS]

@@ -8,23 +8,12 @@ import math
 import pytest
 
 from contact_fmus.coupling import study
-from contact_fmus.coupling.outer_integrators import (
-    EULER,
-    RUNGE_KUTTA,
-    SCHEMES,
-    VERLET,
-    Ball,
-    FmuElement,
-    Tool,
-    run,
-)
+from contact_fmus.coupling.outer_integrators import EULER, RUNGE_KUTTA, SCHEMES, VERLET, FmuElement, run
 from contact_fmus.coupling.study import DEPTH, GRAVITY, OMEGA, PROBLEMS, STIFFNESS, start_values
 from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
 
 BY_NAME = {(scheme.integrator, scheme.coupling): scheme for scheme in SCHEMES}
-every_scheme = pytest.mark.parametrize(
-    "scheme", SCHEMES, ids=lambda scheme: f"{scheme.integrator}, {scheme.coupling}"
-)
+every_scheme = pytest.mark.parametrize("scheme", SCHEMES, ids=lambda one: f"{one.integrator}, {one.coupling}")
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +55,7 @@ def test_the_eigenvalues_give_the_stable_step_of_theory(integrator, coupling, ze
 
 
 @pytest.mark.parametrize(
-    "integrator, coupling, zeta", [key for key, step in STABLE.items() if 0.0 < step < math.inf]
+    "integrator, coupling, zeta", [one for one, step in STABLE.items() if 0 < step < math.inf]
 )
 def test_the_stable_step_measured_on_the_fmu_is_that_of_theory(integrator, coupling, zeta, fmu):
     found = study.stable_step_measured(fmu, BY_NAME[integrator, coupling], zeta, 600)
@@ -75,11 +64,10 @@ def test_the_stable_step_measured_on_the_fmu_is_that_of_theory(integrator, coupl
 
 def test_a_force_that_comes_one_step_late_adds_energy_in_every_step(fmu):
     """x'' = -w^2 x with x of the step before: z^2 - 2 z + 1 + (h w)^2 = 0, so |z|^2 = 1 + (h w)^2."""
-    step, tool, sizes = 0.1, Tool(-GRAVITY, STIFFNESS, 0.0), []
+    step, tool, sizes = 0.1, study.Tool(-GRAVITY, STIFFNESS, 0.0), []
     for steps in (100, 400):
         element = FmuElement(fmu, start_values(0.0, "unclamped"))
-        start = Ball(-0.99 * DEPTH, 0.0)
-        ball = run(BY_NAME[EULER, "held"], element, tool, start, step / OMEGA, steps)
+        ball = run(BY_NAME[EULER, "held"], element, tool, study.Ball(-0.99 * DEPTH, 0.0), step / OMEGA, steps)
         sizes.append(math.hypot(ball.u + DEPTH, ball.v / OMEGA))
     assert (sizes[1] / sizes[0]) ** (1 / 300) == pytest.approx(math.sqrt(1 + step**2), abs=1e-3)
 
@@ -94,7 +82,7 @@ def test_an_iterated_mean_force_keeps_the_energy_of_an_impact(step, fmu, monkeyp
     for integrator in (VERLET, EULER):
         for trial in problem.trials(step / OMEGA):
             element = FmuElement(fmu, {**problem.values, "contact.method": "penalty"})
-            scheme, tool = BY_NAME[integrator, "mean, iterated"], Tool(0.0, STIFFNESS, 0.0)
+            scheme, tool = BY_NAME[integrator, "mean, iterated"], study.Tool(0.0, STIFFNESS, 0.0)
             ball = run(scheme, element, tool, trial.ball, trial.size, trial.steps)
             speeds.setdefault(integrator, []).append(ball.v)
             assert repeats and repeats[-1] is element
@@ -110,8 +98,8 @@ def test_the_pinned_force_element_gives_the_same_motion(coupling):
         with ContactFmu(fmu_file(name)) as fmu:
             given = values | {"destination.axis": [0.0, 1.0, 0.0]}
             element = FmuElement(fmu, {key: value for key, value in given.items() if key in fmu})
-            tool = Tool(-GRAVITY, STIFFNESS, given["contact.viscous_penalty_factor"])
-            ends.append(run(BY_NAME[VERLET, coupling], element, tool, Ball(-1e-6, -1e-3), 1e-5, 300))
+            tool = study.Tool(-GRAVITY, STIFFNESS, given["contact.viscous_penalty_factor"])
+            ends.append(run(BY_NAME[VERLET, coupling], element, tool, study.Ball(-1e-6, -1e-3), 1e-5, 300))
     # The two round the path at different places: some units in the last place of 0.6 m.
     assert abs(ends[0].u - ends[1].u) < 1e-14
     assert ends[0].u < -1e-6  # it has moved

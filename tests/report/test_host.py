@@ -16,9 +16,12 @@ OUTPUTS = ("source.position", "contact.onsets", "contact.active", "solver.method
 def case_of(fmu_path, name, method="event_driven", steps=7, **changes):
     problem = BENCHMARKS[name]
     start = {**problem.configuration, "solver.method": method, **changes.pop("start", {})}
-    return Case(
-        f"{name} {method}", fmu_path(problem.fmu), problem.end, steps, start, outputs=OUTPUTS, **changes
-    )
+    about = (f"{name} {method}", fmu_path(problem.fmu), problem.end, steps, start)
+    return Case(*about, outputs=OUTPUTS, **changes)
+
+
+def without_sanitizer():
+    return {name: one for name, one in os.environ.items() if name not in ("LD_PRELOAD", "ASAN_OPTIONS")}
 
 
 def run_raw(*arguments):
@@ -32,7 +35,6 @@ def test_the_host_computes_what_fmpy_computes(fmu_path, opened, name, method, st
     result = run_host([case_of(fmu_path, name, method, steps, tolerance=1e-9)])[0]
     problem = BENCHMARKS[name]
     fmu = opened(problem.fmu)
-    fmu.reset()
     fmu.start({**problem.configuration, "solver.method": method}, tolerance=1e-9)
     for k in range(steps):
         fmu.step(problem.end * ((k + 1) / steps) - fmu.time)
@@ -160,9 +162,7 @@ def checked_host(tmp_path_factory):
 
 
 def test_the_host_leaks_nothing_and_stays_within_its_memory(fmu_path, checked_host):
-    environment = {
-        key: value for key, value in os.environ.items() if key not in ("LD_PRELOAD", "ASAN_OPTIONS")
-    }
+    environment = without_sanitizer()
     get = [["source.position"], ["contact.gap"]]
     arguments = case_arguments(case_of(fmu_path, "P2", "cvode_bdf", get=get))
     arguments += case_arguments(case_of(fmu_path, "P1", get=get))
@@ -174,8 +174,7 @@ def test_the_host_leaks_nothing_and_stays_within_its_memory(fmu_path, checked_ho
         ([*arguments, "--get", "1,x"], 2),
         (["--help"], 0),
     ):
-        command = [checked_host, *tried]
-        run = finished(command, env=environment)
+        run = finished([checked_host, *tried], env=environment)
         assert run.returncode == status, run.stderr
         assert "Sanitizer" not in run.stderr and "runtime error" not in run.stderr
 
@@ -186,8 +185,5 @@ def test_the_sanitized_host_would_tell_of_a_leak(checked_host, tmp_path):
     source.write_text("#include <stdlib.h>\nint main(void)\n{\n    return malloc(9) == (void *)1;\n}\n")
     program = tmp_path / "leak"
     subprocess.run(["gcc", "-O0", "-fsanitize=address", str(source), "-o", str(program)], check=True)
-    environment = {
-        key: value for key, value in os.environ.items() if key not in ("LD_PRELOAD", "ASAN_OPTIONS")
-    }
-    run = finished([program], env=environment)
+    run = finished([program], env=without_sanitizer())
     assert run.returncode != 0 and "LeakSanitizer" in run.stderr

@@ -1,7 +1,6 @@
 """The peers of the report: each is given the FMU's problem, comes near the reference, and says why it cannot.
 
-scipy is always there; of the other peers those that are installed are run, and the others must say that they
-are not."""
+scipy is always there; of the other peers those installed are run, and the rest must say that they are not."""
 
 import importlib.util
 import itertools
@@ -77,9 +76,7 @@ FINE += [("drake", "P1", "runge_kutta3", 1e-7, 1e-5)]
 
 
 @pytest.mark.parametrize("peer, name, integrator, parameter, bound", FINE)
-def test_a_peer_comes_near_the_reference_or_says_that_it_is_not_installed(
-    peer, name, integrator, parameter, bound
-):
+def test_a_peer_nears_the_reference_or_says_it_is_not_installed(peer, name, integrator, parameter, bound):
     about = command.PEERS[peer]
     if importlib.util.find_spec(about["import"]) is None:
         (row,) = command.run([name], quick=True, names=[peer])
@@ -87,13 +84,9 @@ def test_a_peer_comes_near_the_reference_or_says_that_it_is_not_installed(
         assert row.note == f"not installed: {' and '.join(about['packages'])}"
         return
     problem = problems.problem_of(name)
-    found = [
-        case
-        for case in command.cases(about, name, quick=False)
-        if (case.integrator, case.parameter) == (integrator, parameter)
-    ]
+    cases = {(one.integrator, one.parameter): one for one in command.cases(about, name, quick=False)}
     with closing(command.Worker(f"contact_fmus.peers.{peer}_peer")) as process:
-        measured, late = process.ask(problem, found[-1], command.QUICK)
+        measured, late = process.ask(problem, cases[integrator, parameter], command.QUICK)
     assert (measured.error, late) == ("", False)
     known = (benchmarks() | stored_problems(ISLANDS))[name]
     assert known.error(measured.state[: len(known.position)]) < bound

@@ -14,32 +14,19 @@ import pytest
 from lxml import etree
 
 from contact_fmus.__main__ import main
-from contact_fmus.bench.problems import (
-    ABSOLUTE,
-    CVODE,
-    METHODS,
-    SETS,
-    STIFF_TOLERANCE,
-    TURNING,
-    Setting,
-    benchmarks,
-    runnable,
-    stiff_families,
-)
+from contact_fmus.bench import problems
+from contact_fmus.bench.problems import ABSOLUTE, CVODE, METHODS, SETS, STIFF_TOLERANCE, TURNING, Setting
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.host import HostTimeout, run_host
 from contact_fmus.pages import FORMULA, Table, plain, typeset, write_pages
 from contact_fmus.report import measure
 from contact_fmus.report import page as report_page
 from contact_fmus.report.measure import (
-    COLUMNS,
     PEER,
     QUICK,
     RELATIVE_TOLERANCE,
     Row,
     read_rows,
-    row_of,
-    run_ladders,
     stiff_setting,
     write_rows,
 )
@@ -49,16 +36,13 @@ from contact_fmus.stability.scenes import FAMILIES
 from support.programs import PATIENCE, finished
 from support.sources import ROOT
 
-PROBLEMS = {
-    name: one for _, some in SETS.values() for name, one in some().items() if name not in QUICK.without
-}
+PROBLEMS = {name: x for _, make in SETS.values() for name, x in make().items() if name not in QUICK.without}
 FIGURES, STEPS = [*SETS, "stiffness"], QUICK.communication_steps
 
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
-    """What `scripts/report.sh --quick` leaves, without set-up, build, the optional parts and repetitions of
-    runs that take long"""
+    """What `scripts/report.sh --quick` leaves, less set-up, build, optional parts and repeated long runs"""
     folder = tmp_path_factory.mktemp("report")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(measure, "QUICK", dataclasses.replace(QUICK, limit=PATIENCE, budget=1e-3))
@@ -78,7 +62,7 @@ def key_of(row):
 
 def test_there_is_a_row_for_everything_asked_for(rows):
     wanted = [*itertools.product(PROBLEMS, METHODS, [RELATIVE_TOLERANCE], QUICK.tolerances, STEPS)]
-    for name, family in stiff_families().items():
+    for name, family in problems.stiff_families().items():
         factors = [one.penalty_factor for one in family if one.penalty_factor in QUICK.penalty_factors]
         wanted += itertools.product([name], METHODS, [stiff_setting(STIFF_TOLERANCE)], factors, STEPS)
     assert sorted(map(key_of, rows)) == sorted(wanted)
@@ -103,10 +87,10 @@ def test_a_run_that_takes_too_long_ends_its_ladder(opened, monkeypatch):
 
     monkeypatch.setattr(measure, "run_host", hurried)
     plan = dataclasses.replace(QUICK, limit=0.1, budget=PATIENCE)
-    family = [one for one in stiff_families()["stiff cylinder, undamped"] if one.penalty_factor >= 1e7]
-    slow = [Setting(problem, "cvode_bdf", 1e-9, 1) for problem in family]
-    quick = [Setting(benchmarks()["P2"], "event_driven", 1e-9, 1)]
-    rows = [row_of(*pair) for pair in run_ladders([slow, quick], plan).items()]
+    family = problems.stiff_families()["stiff cylinder, undamped"]
+    slow = [Setting(one, "cvode_bdf", 1e-9, 1) for one in family if one.penalty_factor >= 1e7]
+    quick = [Setting(problems.benchmarks()["P2"], "event_driven", 1e-9, 1)]
+    rows = [measure.row_of(*pair) for pair in measure.run_ladders([slow, quick], plan).items()]
     assert rows[0].note == "not done after 0.1 s"
     assert {row.note for row in rows[1:-1]} == {f"not run: {rows[0].note} at 1e-09, p_n = 1e+07 N/m"}
     assert not any(row.measured for row in rows[:-1])
@@ -133,7 +117,7 @@ def test_the_errors_are_those_of_runs_with_fmpy(rows, name, method, steps):
     problem = PROBLEMS[name]
     loosest = QUICK.tolerances[0]
     tolerances = {"solver.relative_tolerance": loosest, "solver.absolute_tolerance": ABSOLUTE * loosest}
-    with ContactFmu(runnable(problem.fmu)) as fmu:
+    with ContactFmu(problems.runnable(problem.fmu)) as fmu:
         fmu.start({**problem.start, **tolerances, "solver.method": method})
         for k in range(steps):
             fmu.step(problem.stop * ((k + 1) / steps) - fmu.time)
@@ -147,8 +131,7 @@ def test_the_errors_are_those_of_runs_with_fmpy(rows, name, method, steps):
 def test_figures_exist_and_are_pictures(report):
     for name in FIGURES:
         assert (report / f"{name}.png").read_bytes().startswith(b"\x89PNG")
-        root = etree.fromstring((report / f"{name}.svg").read_bytes())
-        assert len(root.findall(".//{*}path")) > 50
+        assert len(etree.fromstring((report / f"{name}.svg").read_bytes()).findall(".//{*}path")) > 50
 
 
 def test_the_page_stands_alone(report):
@@ -158,14 +141,12 @@ def test_the_page_stands_alone(report):
     assert all(source.startswith("data:image/svg+xml;base64,") for source in images)
     assert page.xpath("//link | //script | //iframe") == []
     for table in page.xpath("//table[tr/th]"):
-        columns = len(table.xpath("tr/th"))
-        assert {len(row.xpath("td")) for row in table.xpath("tr[td]")} == {columns}
+        assert {len(row.xpath("td")) for row in table.xpath("tr[td]")} == {len(table.xpath("tr/th"))}
 
 
 def test_the_readme_shows_the_figures_and_the_same_tables(report):
     text = (report / "README.md").read_text(encoding="utf-8")
-    shown = re.findall(r"!\[[^\]]+\]\((\w+\.png)\)", text)
-    assert shown == [f"{name}.png" for name in FIGURES]
+    assert re.findall(r"!\[[^\]]+\]\((\w+\.png)\)", text) == [f"{name}.png" for name in FIGURES]
     tables = re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE)
     for table in tables:
         assert len({line.count("|") for line in table.splitlines()}) == 1, table
@@ -176,7 +157,7 @@ def test_the_readme_shows_the_figures_and_the_same_tables(report):
 def test_the_ratio_is_that_of_runs_that_are_good_enough(report):
     entries = json.loads((report / "summary.json").read_text(encoding="utf-8"))["ratios"]
     keys = [(one["problem"], one["communication_steps"], one["cvode_reaches_m"]) for one in entries]
-    assert keys == list(itertools.product(benchmarks(), QUICK.communication_steps, (1e-7, 1e-9)))
+    assert keys == list(itertools.product(problems.benchmarks(), QUICK.communication_steps, (1e-7, 1e-9)))
     for entry in entries:
         ours, theirs = entry["event_driven"], entry["cvode"]
         assert ours["solver"] == "event_driven" and ours["error_m"] <= 1e-9
@@ -228,10 +209,8 @@ def test_a_part_measured_by_itself_leaves_the_others_alone(with_parts, monkeypat
     asked = ["--quick", "--only", "pairs", "--note", "It rained.", "--output", str(with_parts)]
     assert measure.main(asked) == report_page.main(asked[-2:]) == 0
     found, pairs = read_rows(with_parts / "results.csv"), SETS["pairs"][1]()
-    assert [row for row in found if row.problem not in pairs] == [
-        row for row in rows if row.problem not in pairs
-    ]
-    assert len([row for row in found if row.problem in pairs]) == len(pairs) * len(METHODS)
+    alone, before = ([row for row in some if row.problem not in pairs] for some in (found, rows))
+    assert alone == before and len(found) == len(alone) + len(pairs) * len(METHODS)
     text = (with_parts / "README.md").read_text(encoding="utf-8")
     assert text.count("measure --only pairs. It rained. A quick run") == text.count("Measured by itself") == 1
 
@@ -252,14 +231,13 @@ def test_rows_survive_their_file(tmp_path):
     row = Row("P1", PEER, "a, b", "same", "step", 1e-3, None, 0.1234, 0.1, 1.23e-9, 8, 'says "no"')
     empty = Row("P1", PEER, "a", "same", "step", None, None, None, None, None, None, "never done")
     write_rows(tmp_path / "rows.csv", [row, empty])
-    assert (tmp_path / "rows.csv").read_text().splitlines()[0] == ",".join(COLUMNS)
+    assert (tmp_path / "rows.csv").read_text().splitlines()[0] == ",".join(measure.COLUMNS)
     assert read_rows(tmp_path / "rows.csv") == [row, empty]
 
 
 def test_measuring_without_a_host_says_what_to_do(tmp_path):
     command = [sys.executable, "-m", "contact_fmus", "measure", "--quick", "--output", tmp_path]
-    environment = {"PYTHONPATH": str(ROOT / "scripts"), "CONTACT_BUILD": str(tmp_path)}
-    run = finished(command, env=environment)
+    run = finished(command, env={"PYTHONPATH": str(ROOT / "scripts"), "CONTACT_BUILD": str(tmp_path)})
     assert run.returncode == 2
     assert "fmu_host does not exist: build it first" in run.stderr and "Traceback" not in run.stderr
 

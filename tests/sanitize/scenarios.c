@@ -38,8 +38,7 @@ static void set_integer(fmi2Component c, const char *name, int value)
     demand(fmi2SetInteger(c, &find(name)->reference, 1, &value) == fmi2OK, name, -1);
 }
 
-/* Three methods, two laws, three dashpots; both free or the destination moved; a ball on a cylinder or in
- * it. */
+/* Three methods, two laws, three dashpots; both free or the destination moved; a ball on or in a cylinder. */
 static void choose(fmi2Component c, int index)
 {
     const bool inside = index % 4 == 3;

@@ -1,6 +1,5 @@
 /* Runs that differ in method, law and motion, for programs that look at memory and threads. Every run is a
- * row of steps, so that many can be interleaved; what it gave is a number made of the bits of all its
- * outputs. */
+ * row of steps, so that many can be interleaved; what it gave is a number of the bits of all outputs. */
 #ifndef SANITIZE_SCENARIOS_H
 #define SANITIZE_SCENARIOS_H
 
@@ -16,8 +15,7 @@ struct scenario {
     uint64_t digest;
 };
 
-/* An instance of scenario 0 .. SCENARIOS - 1, initialized. Ends the process with a message when a call
- * fails, as all here. */
+/* An instance of scenario 0 .. SCENARIOS - 1, initialized. Ends the process with a message if a call fails */
 struct scenario scenario_begin(int index);
 
 /* The communication steps in order. */

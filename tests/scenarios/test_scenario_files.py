@@ -62,9 +62,7 @@ WRONG = {
 def test_shipped_scenario_is_valid_and_each_of_its_claims_meets_a_run(file):
     scenario = read_scenario(file)
     for claim in scenario.claims:
-        assert any(
-            all(run.choice[name] == value for name, value in claim.when.items()) for run in scenario.variants
-        )
+        assert any(all(run.choice[n] == x for n, x in claim.when.items()) for run in scenario.variants)
     assert scenario.plotted()
 
 
@@ -101,9 +99,8 @@ def test_vary_makes_a_run_of_every_combination(tmp_path):
 
 
 def test_table_input_is_straight_lines_and_a_corner_belongs_to_the_line_after_it():
-    signal = InputSignal.make(
-        "x", 1, {"times": [1.0, 2.0, 4.0], "values": [[0.0, 5.0], [1.0, 5.0], [0.0, 9.0]]}
-    )
+    table = {"times": [1.0, 2.0, 4.0], "values": [[0.0, 5.0], [1.0, 5.0], [0.0, 9.0]]}
+    signal = InputSignal.make("x", 1, table)
     times = (0.0, 1.0, 1.5, 2.0, 3.0, 4.0, 9.0)
     assert [signal.evaluate(time, 0)[0] for time in times] == [0.0, 0.0, 0.5, 1.0, 0.5, 0.0, 0.0]
     assert [signal.evaluate(time, 1)[0] for time in times] == [0.0, 1.0, 1.0, -0.5, -0.5, 0.0, 0.0]

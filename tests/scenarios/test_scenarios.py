@@ -20,9 +20,7 @@ def test_every_claim_of_the_scenario_holds_in_every_run(file):
     result = run_scenario(file)
     assert result.failures == []
     assert result.results
-    broken = [
-        (one.variant.label, one.claim.text, one.outcome, one.error) for one in result.results if not one.holds
-    ]
+    broken = [(r.variant.label, r.claim.text, r.outcome, r.error) for r in result.results if not r.holds]
     assert broken == []
 
 

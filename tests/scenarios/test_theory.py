@@ -43,9 +43,8 @@ def test_velocities_after_conserve_momentum_and_set_the_restitution():
 
 def test_viscous_sinking_is_the_integrated_motion():
     run = solve_ivp(lambda _t, y: [y[1], 9.81 - 40.0 * y[1]], (0.0, 0.3), [0.0, 0.0], rtol=1e-12, atol=1e-14)
-    assert closed_forms.viscous_sinking(np.array([0.3]), 2.0, 9.81, 80.0)[0] == pytest.approx(
-        run.y[0, -1], rel=1e-9
-    )
+    found = closed_forms.viscous_sinking(np.array([0.3]), 2.0, 9.81, 80.0)[0]
+    assert found == pytest.approx(run.y[0, -1], rel=1e-9)
 
 
 def test_cylinder_extent_contains_the_cylinder_and_touches_it():
@@ -61,9 +60,8 @@ def test_cylinder_extent_contains_the_cylinder_and_touches_it():
 
 
 def test_a_pendulum_let_go_swings_as_its_equation_says():
-    run = solve_ivp(
-        lambda _t, y: [y[1], -4.0 * math.sin(y[0])], (0.0, 7.0), [2.5, 0.0], "DOP853", rtol=1e-12, atol=1e-14
-    )
+    options = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14}
+    run = solve_ivp(lambda _t, y: [y[1], -4.0 * math.sin(y[0])], (0.0, 7.0), [2.5, 0.0], **options)
     assert closed_forms.pendulum(run.t, 2.5, 2.0) == pytest.approx(run.y[0], abs=1e-10)
 
 
@@ -73,16 +71,14 @@ def test_a_driven_roller_turns_as_its_equation_says(slip):
         return [0.2 / 0.01 * 3.0 * -np.expm1(-(2.0 - 0.2 * y[0]) / slip)]
 
     run = solve_ivp(faster, (0.0, 0.4), [0.0], "Radau", rtol=1e-10, atol=1e-12)
-    expected = closed_forms.friction_drive(run.t, 2.0, 0.2, 0.01, 3.0, slip)
-    assert expected == pytest.approx(run.y[0], abs=1e-7)
+    assert closed_forms.friction_drive(run.t, 2.0, 0.2, 0.01, 3.0, slip) == pytest.approx(run.y[0], abs=1e-7)
 
 
 def test_a_ball_rolls_in_a_groove_as_without_slip():
     """The contact point of a ball of radius r rests: 2/5 m r^2 omega' = r n x F and m x'' = F - m g x/l."""
 
-    def rolling(
-        _t, y
-    ):  # friction as a Lagrange multiplier: it makes the accelerations of centre and surface agree
+    # Friction as a Lagrange multiplier makes the accelerations of centre and surface agree.
+    def rolling(_t, y):
         pull = -9.81 * y[:2] / np.array([1.15, 0.15])
         friction = -pull / (1.0 + 1.0 / 0.4)
         return np.concatenate([y[2:], pull + friction])

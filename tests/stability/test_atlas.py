@@ -40,8 +40,7 @@ def test_event_driven_is_right(rows, family):
     own = [row for row in rows if row.family == family and row.method == "event_driven"]
     assert len(own) >= 4
     told = attrgetter("wrong", "status", "message", "value", "geometry", "law", "note", "communication_steps")
-    found = [told(row) for row in runs.not_right(own, "event_driven")]
-    assert found == []
+    assert [told(row) for row in runs.not_right(own, "event_driven")] == []
     for row in own:
         assert math.isfinite(row.error), row
         assert math.isfinite(row.balance), row
@@ -68,8 +67,7 @@ def test_a_run_that_did_not_come_to_its_end_is_not_right():
 
 
 def test_the_check_fails_where_a_run_did_not_come_to_its_end(monkeypatch, tmp_path, capsys):
-    scene = Scene("damping", 0.2, HeadOn(ratio=0.2))
-    rows = runs.run_scene(scene, ("event_driven",))
+    rows = runs.run_scene(Scene("damping", 0.2, HeadOn(ratio=0.2)), ("event_driven",))
     monkeypatch.setattr(command, "_measured", lambda options: rows)
     monkeypatch.setattr(command, "draw_page", lambda *_: [])
     assert command.main(["--check", "--output", str(tmp_path)]) == 0
@@ -103,40 +101,27 @@ def test_cvode_refuses_at_its_work_limit_and_nowhere_else(rows, method):
 def test_the_full_atlas_has_5000_scenes_for_each_method(scenes):
     assert sum(len(scene.steps) for scene in scenes) >= 5000
     assert len({(scene.name, scene.motion, scene.steps) for scene in scenes}) == len(scenes)
-    reached = Counter(scene.family for scene in scenes)
-    assert reached.keys() == {family.name for family in FAMILIES}
+    assert Counter(scene.family for scene in scenes).keys() == {family.name for family in FAMILIES}
+
+
+SPANS = {
+    "stiffness": (1.0, 1e15), "mass": (1e-9, 1e9), "mass ratio": (1e-12, 1e12), "size": (1e-9, 1e6),
+    "radius ratio": (1.0, 1e9), "clearance": (1e-12, 0.1), "speed": (0.0, 1e6), "damping": (0.0, 1e4),
+    "communication step": (1e-9, 1e3), "offset": (0.0, 1e9), "plane": (1.0, 1e15), "modulus": (1e5, 1e13),
+    "over the edge": (0.0, 1.0), "edge-on impact": (1e-6, 1e6), "restitution": (0.0, 1.0),
+    "exponent": (1.0, 1.5), "slip velocity": (1e-12, 10.0), "friction": (1e-9, 1e6), "spin": (0.0, 1e6),
+    "inertia ratio": (1e-9, 1e9), "tumbling rate": (1e-6, 1e6),
+}  # fmt: skip
 
 
 def test_the_declared_ranges_are_swept(scenes):
-    def span(family, name="value"):
-        own = [getattr(scene, name) for scene in scenes if scene.family == family]
+    def span(family):
+        own = [scene.value for scene in scenes if scene.family == family]
         return min(own), max(own)
 
-    assert span("stiffness") == (1.0, 1e15)
-    assert span("mass") == (1e-9, 1e9)
-    assert span("mass ratio") == (1e-12, 1e12)
-    assert span("size") == (1e-9, 1e6)
-    assert span("radius ratio") == (1.0, 1e9)
-    assert span("clearance") == (1e-12, 0.1)
-    assert span("speed") == (0.0, 1e6)
-    assert span("damping") == (0.0, 1e4)
-    assert span("communication step") == (1e-9, 1e3)
-    assert span("offset") == (0.0, 1e9)
+    assert {family: span(family) for family in SPANS} == SPANS
     assert span("force")[1] == 1e12
-    assert span("plane") == (1.0, 1e15)
-    assert span("over the edge") == (0.0, 1.0)
-    assert span("edge-on impact") == (1e-6, 1e6)
-    assert span("modulus") == (1e5, 1e13)
-    assert span("restitution") == (0.0, 1.0)
-    assert span("exponent") == (1.0, 1.5)
-    assert span("slip velocity") == (1e-12, 10.0)
-    assert span("friction") == (1e-9, 1e6)
-    assert span("spin") == (0.0, 1e6)
-    assert span("inertia ratio") == (1e-9, 1e9)
-    assert span("tumbling rate") == (1e-6, 1e6)
-    sizes = [
-        scene.motion.end / n for scene in scenes for n in scene.steps if scene.family == "communication step"
-    ]
+    sizes = [s.motion.end / n for s in scenes for n in s.steps if s.family == "communication step"]
     assert math.isclose(min(sizes), 1e-9) and math.isclose(max(sizes), 1e3)
 
 
@@ -145,13 +130,8 @@ def test_other_units_give_the_same_bits():
     units = [Units(), Units(length=-30), Units(mass=20), Units(time=-20), Units(20, -20, 10)]
     for number in range(0, len(bases()), 9):
         name = bases()[number]["name"]
-        found = [
-            row
-            for system in units
-            for row in runs.run_scene(
-                Scene("units", 0.0, Similar(number, system), steps=(3,)), runs.METHODS[:1]
-            )
-        ]
+        scenes = [Scene("units", 0.0, Similar(number, system), steps=(3,)) for system in units]
+        found = [row for scene in scenes for row in runs.run_scene(scene, runs.METHODS[:1])]
         assert [row.status for row in found] == ["ok"] * len(units), (name, [row.message for row in found])
         assert all(row.bits for row in found), name
         assert len({row.bits for row in found}) == 1, name

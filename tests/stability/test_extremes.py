@@ -67,12 +67,9 @@ SOLID = ("sphere outside", "cylinder outside")
 @pytest.mark.parametrize("geometry", SOLID)
 def test_a_bullet_passes_the_middle_in_a_few_pieces(geometry, depth, speed, law):
     """`depth` of the impact over the way to the middle"""
-    small = HeadOn(
-        geometry=geometry, law=law, source_radius=2.0**-17, destination_radius=2.0**-10, gap=0.5, gravity=0.0
-    )
-    shot = replace(
-        small, speed=speed, penalty=(speed / (depth * small.reach)) ** 2, ratio=0.05, end=1e3 / speed
-    )
+    small = HeadOn(geometry=geometry, law=law, source_radius=2.0**-17, destination_radius=2.0**-10, gap=0.5)
+    penalty = (speed / (depth * small.reach)) ** 2
+    shot = replace(small, gravity=0.0, speed=speed, penalty=penalty, ratio=0.05, end=1e3 / speed)
     for row in check_right(Scene("bullet", depth, shot, steps=(1, 7))):
         assert row.fallbacks == 0 and row.steps <= 40
 
@@ -128,10 +125,9 @@ def test_a_ball_pressed_far_beyond_its_tube_leaves_by_the_end(force):
 @pytest.mark.parametrize("mass", [1e-4, 1e-8])
 def test_a_light_shell_carried_off_by_its_ball_causes_no_more_events(mass, speed):
     """The gap rate is the difference of two speeds, and rounded as they are."""
-    shell = HeadOn(
-        geometry="sphere inside", law="viscous_only", dashpot="approach_only", destination_mass=mass
-    )
-    shot = replace(shell, speed=speed, damping=10.0, gravity=0.0, force=1e-6, end=2.5 / speed)
+    shell = HeadOn(geometry="sphere inside", law="viscous_only", dashpot="approach_only", damping=10.0)
+    shell = replace(shell, destination_mass=mass, gravity=0.0, force=1e-6)
+    shot = replace(shell, speed=speed, end=2.5 / speed)
     for row in check_right(Scene("carried", mass, shot, steps=(1, 16))):
         assert row.events <= 3 and row.steps <= 50 + row.communication_steps
 
@@ -147,8 +143,7 @@ def test_a_ball_thrown_between_near_walls_touches_each_once(geometry, clearance,
 
 def test_a_penetration_that_has_died_away_does_not_open_again():
     """Far overdamped, without any load: what is left after so many decay times is noise of 1e-119 m."""
-    tube = HeadOn(
-        geometry="cylinder inside", law="unclamped", source_radius=0.0037, destination_radius=24581.0
-    )
-    slow = replace(tube, gap=3608.0, speed=0.54, source_mass=1582.0, destination_mass=3e-5, gravity=0.0)
+    tube = HeadOn(geometry="cylinder inside", law="unclamped", speed=0.54, gap=3608.0, gravity=0.0)
+    tube = replace(tube, source_radius=0.0037, destination_radius=24581.0)
+    slow = replace(tube, source_mass=1582.0, destination_mass=3e-5)
     check_right(Scene("died away", 0.0, replace(slow, penalty=1.66e8, ratio=43.0, end=16746.0), steps=(1, 7)))

@@ -54,8 +54,7 @@ class Browser:
         # It reads commands from file 3 and writes answers to file 4, each ended by a zero byte.
         reads, self.commands = os.pipe()
         self.answers, writes = os.pipe()
-        shell = f'exec "$@" 3<&{reads} 4>&{writes}'
-        command = ["bash", "-c", shell, "browser", chromium(), *options]
+        command = ["bash", "-c", f'exec "$@" 3<&{reads} 4>&{writes}', "browser", chromium(), *options]
         silent = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
         self.process = subprocess.Popen(command, pass_fds=(reads, writes), **silent)
         os.close(reads)
@@ -173,8 +172,7 @@ class Page:
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
 
     def touch(self, kind: str, points: list[tuple[float, float]]) -> None:
-        places = [{"x": x, "y": y} for x, y in points]
-        self.call("Input.dispatchTouchEvent", type=kind, touchPoints=places)
+        self.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y} for x, y in points])
 
     def png(self, whole: bool = False) -> bytes:
         answer = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)

@@ -9,8 +9,7 @@ FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 
 
 def differences(what, value, expected, allowed):
-    """Empty when every |value - expected| <= allowed (scalars or vectors); otherwise a line with both
-    values."""
+    """Empty when every |value - expected| <= allowed (scalars or vectors); otherwise a line with both"""
     value, expected = np.asarray(value, np.longdouble), np.asarray(expected, np.longdouble)
     error = np.max(np.abs(value - expected))
     if error <= allowed:  # False for NaN
@@ -42,9 +41,7 @@ def start(fmu, configuration, tolerance=None, method=None):
     values = {name: value for name, value in configuration.items() if not name.endswith(".derivatives")}
     if method:
         values["solver.method"] = method
-    if (
-        "solver.max_internal_steps" in fmu
-    ):  # far more than any run here needs: a run that is stuck fails within seconds
+    if "solver.max_internal_steps" in fmu:  # far more than any run needs: one that is stuck fails soon
         values.setdefault("solver.max_internal_steps", 300_000)
     fmu.start(values, tolerance=tolerance)
     # Tests set more than a scene needs, such as that limit; test_idle_parameters.py has these warnings.
@@ -57,8 +54,7 @@ def start(fmu, configuration, tolerance=None, method=None):
 
 
 def run(fmu, configuration, end, steps=10, tolerance=1e-10, method="event_driven", each=None):
-    """From 0 to `end` in equal communication steps; `each(fmu)` is called at the start and after every
-    step."""
+    """From 0 to `end` in equal communication steps; calls `each(fmu)` at the start and after every step."""
     start(fmu, configuration, tolerance, method)
     if each:
         each(fmu)
@@ -67,6 +63,12 @@ def run(fmu, configuration, end, steps=10, tolerance=1e-10, method="event_driven
         if each:
             each(fmu)
     return fmu
+
+
+def by_methods(failures_of):
+    """What `failures_of(method)` lists, of the methods of which it lists anything"""
+    found = {method: failures_of(method) for method in METHODS}
+    return {method: lines for method, lines in found.items() if lines}
 
 
 def impulse_and_peak(fmu, configuration, end, steps, tolerance=None, method=None):

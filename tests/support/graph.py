@@ -23,8 +23,7 @@ def compiled(unit: Path, scene: str) -> Path:
 
 def symbols(unit: Path, scene: str) -> list[list[str]]:
     """What nm says of the unit, in words"""
-    told = finished(["nm", compiled(unit, scene)], check=True).stdout
-    return [line.split() for line in told.splitlines()]
+    return [line.split() for line in finished(["nm", compiled(unit, scene)], check=True).stdout.splitlines()]
 
 
 def object_symbols(unit: Path, scene: str) -> tuple[set[str], set[str]]:
@@ -65,6 +64,5 @@ def upward(edges: dict[str, set[str]], layers: tuple[str, ...]) -> list[str]:
     def rank(name):
         return layers.index(name.split("/")[0])
 
-    return sorted(
-        f"{name} -> {to}" for name, needed in edges.items() for to in needed if rank(to) > rank(name)
-    )
+    back = [(name, to) for name, needed in edges.items() for to in needed if rank(to) > rank(name)]
+    return sorted(f"{name} -> {to}" for name, to in back)

@@ -24,9 +24,7 @@ class Outside:
         self.instance, self.inputs = instance, inputs
         self.count = {role: len(names) for role, names in instance.fmu.roles.items()}
         self.time = 0.0
-        self.announced: float | None = (
-            None  # when the next event will be; the steps here find it by themselves
-        )
+        self.announced: float | None = None  # the next event; the steps here find it by themselves
 
     def read(self, function: str, role: str = "state") -> np.ndarray:
         values = raw.array(c_double, [0.0] * self.count[role])

@@ -3,9 +3,9 @@ headers of the standard, and an instance that records what its logger was told."
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
 import re
+from collections.abc import Callable
 from ctypes import POINTER, byref, c_char_p, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -31,12 +31,10 @@ def read(version: int, known: dict[str, Any]) -> dict[str, Prototype]:
     types |= dict.fromkeys(re.findall(r"typedef enum \{[^}]*\}\s*(\w+);", text), c_int)
     return {
         name: Prototype(
-            _plain(result, types) if result != "void" else None,
-            [_argument(one, types) for one in arguments.split(",") if one.strip() != "void"],
+            _plain(kind, types) if kind != "void" else None,
+            [_argument(one, types) for one in given.split(",") if one.strip() != "void"],
         )
-        for result, name, arguments in re.findall(
-            r"typedef\s+([\w ]+?\*?)\s+(fmi\d\w+)TYPE\s*\(([^)]*)\);", text
-        )
+        for kind, name, given in re.findall(r"typedef\s+([\w ]+?\*?)\s+(fmi\d\w+)TYPE\s*\(([^)]*)\);", text)
     }
 
 
@@ -133,16 +131,17 @@ class AnyInstance:
         self.ok("ExitInitializationMode")
         return self
 
-    @contextlib.contextmanager
-    def expect(self, status: int, *words: str):
-        """`with instance.expect(DISCARD, "radius") as got: got(status)`: one message, with the words"""
+    def expect(self, status: int, *words: str) -> Callable[[int], None]:
+        """`instance.expect(DISCARD, "radius")(instance.call(...))`: one message, with the words"""
         del self.messages[:]
-        got: list[int] = []
-        yield got.append
-        assert got == [status], f"status {got}, expected {status}: {self.texts()}"
-        assert [message.status for message in self.messages] == [status], self.messages
-        missing = [word for word in words if word not in self.messages[0].text]
-        assert not missing, f"{missing} not in '{self.messages[0].text}'"
+
+        def check(got: int) -> None:
+            assert got == status, f"status {got}, expected {status}: {self.texts()}"
+            assert [message.status for message in self.messages] == [status], self.messages
+            missing = [word for word in words if word not in self.messages[0].text]
+            assert not missing, f"{missing} not in '{self.messages[0].text}'"
+
+        return check
 
     def save(self) -> bytes:
         state, size = c_void_p(), c_size_t()

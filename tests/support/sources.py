@@ -36,9 +36,7 @@ def layer(path):
 def units_of(scene, adapter=None):
     """The sources that CMake compiles for the scene, for one adapter or all, the generated one included."""
     files = {"fmi2": "units.txt", "fmi3": "units3.txt"}
-    lists = [
-        (BUILD / "scenes" / scene / files[one]).read_text() for one in ADAPTERS if adapter in (None, one)
-    ]
+    lists = [(BUILD / "scenes" / scene / files[a]).read_text() for a in ADAPTERS if adapter in (None, a)]
     return [Path(line) for line in dict.fromkeys(line for text in lists for line in text.splitlines())]
 
 

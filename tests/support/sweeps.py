@@ -29,8 +29,7 @@ OUTPUTS |= {"speed_then": '{ variable = "source.velocity[3]", at = 0.7 }'}
 
 def study_text(vary=BOUNCES, outputs=OUTPUTS, count=50, experiment="stop_time = 2.0\nsteps = 4", **more):
     """`more`: other lines of the file's head, fmu among them"""
-    head = {"fmu": '"SphereSphere"', **more}
-    lines = [f"{key} = {value}" for key, value in head.items()]
+    lines = [f"{key} = {value}" for key, value in {"fmu": '"SphereSphere"', **more}.items()]
     lines += ["[experiment]", experiment, "[start]", '"contact.method" = "penalty_dynamic"', "[vary]"]
     lines += [f'"{name}" = {entry}' for name, entry in vary.items()]
     lines += ["[samples]", f"count = {count}", "seed = 3"] if count else []

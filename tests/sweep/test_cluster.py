@@ -58,9 +58,7 @@ def check_all_rows(results, study):
             assert np.array_equal(rows[name].to_numpy(), column[:, 0]), name
     for place, output in enumerate(study.outputs):
         if output.name != "dashpot":
-            assert np.array_equal(rows[output.name].to_numpy().astype(float), expected.values[place]), (
-                output.name
-            )
+            assert np.array_equal(rows[output.name].to_numpy().astype(float), expected.values[place])
     assert rows["dashpot"].to_pylist() == rows["contact.dashpot"].to_pylist()
 
 
@@ -81,9 +79,8 @@ def test_a_killed_worker_and_an_interrupted_client_lose_nothing(tmp_path, cluste
     kept = {file.name: file.stat().st_mtime_ns for file in (folder / "batches").glob("*.parquet")}
     assert 0 < done(folder) < COUNT
     again = begin(study, "-o", folder, "--scheduler", cluster.address, "--resume")
-    wait_for(
-        lambda: done(folder) > sum(int(name[14:27]) - int(name[:13]) for name in kept) or again.poll() == 0
-    )
+    rows = sum(int(name[14:27]) - int(name[:13]) for name in kept)
+    wait_for(lambda: done(folder) > rows or again.poll() == 0)
     if (folder / "batches").exists():
         now = {file.name: file.stat().st_mtime_ns for file in (folder / "batches").glob("*.parquet")}
         assert not now or {name: now.get(name) for name in kept} == kept  # none is run again
@@ -105,8 +102,7 @@ def test_a_full_disk_keeps_what_is_there(tmp_path, cluster, study):
     assert "File too large" in said
     assert "--resume goes on" in said
     assert not list(folder.rglob("*.part"))
-    kept = pq.ParquetDataset(folder / "batches").read()
-    assert 0 < len(kept) == done(folder) < COUNT
+    assert 0 < len(pq.ParquetDataset(folder / "batches").read()) == done(folder) < COUNT
     sweep(study, "-o", folder, "--scheduler", cluster.address, "--resume")
     check_all_rows(folder / "results.parquet", read(study))
 
@@ -137,8 +133,7 @@ def test_an_embedded_cluster_gives_the_same_rows_and_files_that_others_read(tmp_
     counted = duckdb.sql(f"select count(*), min(height) from '{file}' where status = 'ok'").fetchall()[0]
     assert counted == (60, height.min())
     # all digits are in the CSV file, and the notes beside it say the units
-    text = pandas.read_csv(folder / "results.csv")
-    assert np.array_equal(text["height"], height)
+    assert np.array_equal(pandas.read_csv(folder / "results.csv")["height"], height)
     assert json.loads((folder / "results.csv.json").read_text())["units"]["height"] == "m"
     units = {field.name: (field.metadata or {}).get(b"unit") for field in rows.schema}
     assert (units["height"], units["source.mass"], units["peak_force"]) == (b"m", b"kg", b"N")

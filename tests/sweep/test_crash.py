@@ -66,8 +66,7 @@ def crashing(tmp_path):
 def test_a_run_that_ends_its_process_is_found_and_kept_as_a_row(tmp_path, crashing):
     study = crashing.with_name("study.toml")
     study.write_text(STUDY)
-    said = sweep(study, "-o", tmp_path / "out", "--workers", "1")
-    assert "3 runs (2 ok, 1 crash)" in said.stdout
+    assert "3 runs (2 ok, 1 crash)" in sweep(study, "-o", tmp_path / "out", "--workers", "1").stdout
     rows = pq.read_table(tmp_path / "out" / "results.parquet")
     assert rows["status"].to_pylist() == ["ok", "crash", "ok"]
     assert rows.column(2).to_pylist() == [1.0, None, 3.0]

@@ -27,9 +27,7 @@ def test_every_word_of_a_study_is_explained():
 
 
 def test_every_option_is_explained():
-    options = {
-        one for names in commands()["sweep"]["options"] for one in names.split() if one.startswith("--")
-    }
+    options = {n for names in commands()["sweep"]["options"] for n in names.split() if n.startswith("--")}
     assert sorted(options - {"--help", "--output", "--json"} - set(re.findall(r"--[a-z]+", PAGE))) == []
 
 
@@ -54,5 +52,4 @@ def test_the_studies_of_scripts_make_sense():
     files = sorted((ROOT / "scripts" / "studies").glob("*.toml"))
     assert files
     for file in files:
-        found = read(file)
-        assert run_here(found, count=20)[1].status.tolist() == [0] * 20
+        assert run_here(read(file), count=20)[1].status.tolist() == [0] * 20

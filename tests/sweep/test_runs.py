@@ -162,10 +162,8 @@ def gaps_of(x, z, speed_x, speed_z):
 
 def test_the_gaps_are_those_of_the_large_study_and_nearly_binomial(tmp_path):
     """The chance of a wrong alarm is 1e-6, that of a chi-squared beyond its limit."""
-    few = tmp_path / "few.toml"
-    few.write_text(
-        re.sub(r"count = .*\nseed = 1", "count = 3000\nseed = 2", STUDY.read_text(encoding="utf-8"))
-    )
+    few, text = tmp_path / "few.toml", STUDY.read_text(encoding="utf-8")
+    few.write_text(re.sub(r"count = .*\nseed = 1", "count = 3000\nseed = 2", text))
     _, rows = run_here(read(few))
     assert not rows.status.any()
     counts = np.bincount(gaps_of(*rows.values), minlength=ROWS + 1)

@@ -10,8 +10,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* Expected values are long double and meet double everywhere: clang counts that as double promotion, gcc only
- * float to double. */
+/* Expected values are long double and meet double everywhere: clang counts that as double promotion. */
 #ifdef __clang__
 #pragma clang diagnostic ignored "-Wdouble-promotion"
 #endif

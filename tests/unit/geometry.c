@@ -36,8 +36,7 @@ TEST(the_norm_neither_overflows_nor_underflows)
     CHECK(isnan(vec3_norm(vec3_make((double)NAN, 1.0, 1.0))));
 }
 
-/* d - r_s - r_d and r_d - d - r_s without a rounding: what is subtracted is within a factor of two
- * (Sterbenz). */
+/* d - r_s - r_d and r_d - d - r_s, not rounded: what is subtracted is within a factor of two (Sterbenz). */
 TEST(the_gap_of_bodies_that_almost_touch_has_no_rounding)
 {
     struct random r = {4};
@@ -57,8 +56,7 @@ TEST(the_gap_of_bodies_that_almost_touch_has_no_rounding)
     }
 }
 
-/* Where c is along the axis to rounding, what the projection leaves points anywhere; a normal made of it must
- * not push along the axis. */
+/* Where c is along the axis to rounding, what the projection leaves must not make a normal along it. */
 TEST(near_the_axis_the_normal_still_lies_across)
 {
     struct random r = {11};

@@ -204,8 +204,7 @@ TEST(the_envelope_bounds_the_oscillation_tightly)
     }
 }
 
-/* Under a load that alone would take it to load / omega2, 1e6 times as far as it is: what it moves does not
- * lack digits of that. */
+/* Under a load that alone would take it to load / omega2, 1e6 times as far: its motion lacks no digits. */
 TEST(what_has_hardly_begun_keeps_its_digits)
 {
     struct random r = {29};
@@ -217,8 +216,7 @@ TEST(what_has_hardly_begun_keeps_its_digits)
         const double load = random_between(&r, -1.0, 1.0);
         const double z = OSCILLATOR_SERIES_RANGE / (1.0 + o.damping_rate) * random_between(&r, 0.01, 1.0);
         const struct oscillator_increment begun = oscillator_increment(&o, x, x_rate, load, z);
-        /* Runge and Kutta's method, 400 steps of long double: off by less than (0.1 / 400)^4 / 100 of what it
-         * moves. */
+        /* Runge and Kutta's method, 400 steps of long double: off by less than (0.1 / 400)^4 / 100. */
         const long double h = z / 400.0L;
         long double moved = 0.0L;
         long double gained = 0.0L;

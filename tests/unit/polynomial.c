@@ -150,8 +150,7 @@ TEST(touching_roots_are_not_reported)
     CHECK_CLOSE("triple root", roots[0], 0.5, cbrt(8.0 * DBL_EPSILON));
 }
 
-/* Rounding may make three roots of a triple one, and zeros of the derivative's double one; the sign changes
- * all the same. */
+/* Rounding may make three roots of a triple one, and zeros of the derivative double; signs change too. */
 TEST(a_triple_root_anywhere_is_found_an_odd_number_of_times)
 {
     struct random r = {43};
@@ -194,8 +193,7 @@ TEST(constants_have_no_roots_and_zero_leading_coefficients_are_no_degree)
     }
 }
 
-/* Chebyshev's polynomial of degree 16 moved to [0, 1]: integer coefficients below 2^53, sixteen roots, all
- * inside. */
+/* Chebyshev's polynomial of degree 16 moved to [0, 1]: coefficients below 2^53, sixteen roots, all inside */
 TEST(all_sixteen_roots_of_degree_sixteen_are_found)
 {
     struct polynomial before = {{1.0}, 0};

@@ -34,8 +34,7 @@ TEST(a_matrix_with_many_blocks_of_zeros_gives_the_solution_of_its_system)
     }
 }
 
-/* x'' = -x - damping x' as (x, v), a quaternion turned by the angular velocity v about its first axis, and
- * the integral of v^2. */
+/* x'' = -x - damping x' as (x, v), a quaternion that turns about its first axis by v, the integral of v^2 */
 enum { PLACE, SPEED, TURN, SQUARE = 6, SIZE };
 
 static void oscillator_rates(const void *damping, double clock, const double *y, double *rates)
@@ -325,8 +324,7 @@ TEST(a_fall_is_the_first_change_from_above_to_below)
     CHECK(bernstein_first_fall(dip, 3, 1e-6).low == (double)INFINITY);
 }
 
-/* The first secant of a straight line rounds to its root, on either side; the bracket is closed all the
- * same. */
+/* The first secant of a straight line rounds to its root, on either side; the bracket is closed anyway. */
 TEST(a_straight_line_falls_where_it_does)
 {
     for (int k = 1; k < 1000; ++k) {

@@ -1,5 +1,4 @@
-/* The root inside a bracket, of functions that mislead Newton's method: flat, steep, tiny roots, useless
- * slopes. */
+/* The root inside a bracket, of functions that mislead Newton's method: flat, steep, with useless slopes. */
 #include "math/polynomial.h"
 
 #include <float.h>

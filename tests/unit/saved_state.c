@@ -1,7 +1,6 @@
 /*
  * Saved states in which a single value is one that no model ever has, with checksums that fit: each is
- * refused with a message and changes nothing. What has no end or no number by right (how far was looked) is
- * taken.
+ * refused with a message and changes nothing. What has no end or no number by right is taken.
  */
 #include <float.h>
 #include <stddef.h>

@@ -16,8 +16,7 @@ static inline void *scene_allocate(size_t count, size_t size)
     return calloc(count, size);
 }
 
-/* A model with start values, gravity off and a cylinder along z; it is complete without memory of its own
- * until it has to step. */
+/* A model with start values, gravity off and a cylinder along z; it needs no memory until it steps. */
 static inline struct model scene_model(void)
 {
     struct model m;

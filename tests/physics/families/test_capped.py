@@ -162,9 +162,8 @@ IN_THE_PLANE |= {"destination.length": 10.0}
 @pytest.mark.parametrize("steps", [1, 10, 300])
 def test_the_plane_of_an_open_end_is_within(opened, steps):
     """The ball bounces as on a cylinder without ends."""
-    fmu = run(
-        opened("SphereCylinder"), IN_THE_PLANE | {"destination.finite_length": False}, 1.0, steps, 1e-10
-    )
+    values = IN_THE_PLANE | {"destination.finite_length": False}
+    fmu = run(opened("SphereCylinder"), values, 1.0, steps, 1e-10)
     endless = fmu["source.position"], fmu["energy.dissipated"]
     fmu = run(opened("SphereCylinder"), IN_THE_PLANE, 1.0, steps, 1e-10)
     check_close("position", fmu["source.position"], endless[0], 1e-12)
@@ -174,9 +173,7 @@ def test_the_plane_of_an_open_end_is_within(opened, steps):
 
 def at_an_end(random):
     """In the plane of an end or next to it, to rounding; in contact or on its way, with any axis."""
-    axis = np.array(
-        [[0, 1, 0], [0, 0, 1], [3, 0, 4], [1, 1, 0], [1, 2, 2], [0, -1, 0]][int(random.integers(6))]
-    )
+    axis = random.choice([[0, 1, 0], [0, 0, 1], [3, 0, 4], [1, 1, 0], [1, 2, 2], [0, -1, 0]])
     axis = axis / np.linalg.norm(axis)
     across = np.cross(axis, [1.0, 0.0, 0.0] if abs(axis[0]) < 0.5 else [0.0, 0.0, 1.0])
     across /= np.linalg.norm(across)
@@ -265,8 +262,7 @@ def soft_law(random, energy, mass, depth):
         return values
     if random.random() < 0.5:
         return {"contact.method": "penalty", "contact.penalty_factor": stiffness}
-    critical = float(f"{2.0 * np.sqrt(stiffness * mass):.1g}")
-    damping = pick(random, 0.0, 0.05, 0.3) * critical
+    damping = pick(random, 0.0, 0.05, 0.3) * float(f"{2.0 * np.sqrt(stiffness * mass):.1g}")
     return {"contact.penalty_factor": stiffness, "contact.viscous_penalty_factor": damping}
 
 

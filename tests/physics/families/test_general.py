@@ -41,8 +41,7 @@ def ball_into_corner(random):
         values |= law_of(random, contact)
     if random.integers(3) == 0:
         values["gravity"] = [0.0, 0.0, -10.0]
-    end = pick(random, 0.055, 0.11, 0.22)
-    return Scene("BallInCorner", values, end, **CORNER)
+    return Scene("BallInCorner", values, pick(random, 0.055, 0.11, 0.22), **CORNER)
 
 
 def balls_in_a_row(random):
@@ -58,8 +57,7 @@ def balls_in_a_row(random):
     for contact in ROW["contacts"]:
         values |= law_of(random, contact)
     rests = gaps[1] == 0.0 and not any(values["right.initial_velocity"])
-    end = pick(random, 0.055, 0.11, 0.22)
-    return Scene("ThreeBalls", values, end, AT_REST if rests else {}, **ROW)
+    return Scene("ThreeBalls", values, pick(random, 0.055, 0.11, 0.22), AT_REST if rests else {}, **ROW)
 
 
 def rubbed_in_a_corner(random):
@@ -148,8 +146,7 @@ def rolling_on_a_turntable(random):
     return Scene("Turntable", values, pick(random, 0.06, 0.5, 2.0), floor)
 
 
-# Seeds 920148 and 930291 once failed: a step of the general segment began shortly before a release under
-# Hertz's law.
+# Seeds 920148 and 930291 once failed: a step of the general segment began just before a Hertz release.
 @pytest.mark.parametrize("seed", [*seeds(), 920148, 930291])
 @pytest.mark.parametrize("family", [ball_into_corner, balls_in_a_row], ids=["corner", "row"])
 def test_balls_in_a_corner_and_in_a_row_end_the_same_however_they_are_stepped(opened_several, family, seed):
@@ -181,9 +178,7 @@ def test_impacts_by_hertz_law_that_overlap_are_those_of_each_plane(opened_severa
     lasts = 2.943275184 * (1.25 / HERTZ["hertz_stiffness"]) ** 0.4
     check_close("velocity", fmu["ball.velocity"], [1.0, 1.0, 0.0], 1e-11)
     check_close("place", fmu["ball.position"][:2], 0.1 + 0.2 - lasts - np.array([gap, 0.02]), 1e-9 * lasts)
-    check_close(
-        "durations", [fmu[f"at_{one}.last_duration"] for one in ("wall", "side")], lasts, 1e-9 * lasts
-    )
+    check_close("durations", [fmu[f"at_{n}.last_duration"] for n in ("wall", "side")], lasts, 1e-9 * lasts)
     assert fmu["solver.force_evaluations"] < 1000
 
 

@@ -128,8 +128,7 @@ def test_an_impact_under_hertz_s_law_is_one_contact(opened, seed):
     random = np.random.default_rng(seed)
     scene = hertz_impact(random)
     check_agreement(opened, scene, seed)
-    fmu = ended(opened, scene, random)
-    assert fmu["contact.onsets"] <= 1, scene
+    assert ended(opened, scene, random)["contact.onsets"] <= 1, scene
 
 
 @pytest.mark.parametrize("steps", [1, 33, 100, 1000])
@@ -151,9 +150,8 @@ class Driven:
         self.value, self.rate, self.bend, self.once, self.twice = 0.0, 0.0, 0.0, 0.0, 0.0
 
     def go_on(self, time):
-        self.twice += time * (
-            self.once + time * (self.value / 2 + time * (self.rate / 6 + time * self.bend / 24))
-        )
+        inner = self.value / 2 + time * (self.rate / 6 + time * self.bend / 24)
+        self.twice += time * (self.once + time * inner)
         self.once += time * (self.value + time * (self.rate / 2 + time * self.bend / 6))
         self.value += time * (self.rate + time * self.bend / 2)
         self.rate += time * self.bend

@@ -1,25 +1,20 @@
-"""Resistance to rolling and spinning: closed forms, an independent integration, momenta, every interface.
-
-CONTACT_SCENES is the number of random scenes, CONTACT_FIRST_SCENE the first one's seed.
-"""
+"""Resistance to rolling and spinning: closed forms, an independent integration, momenta, every interface."""
 
 import math
-import os
 
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close, check_relative, run, start
+from support.checks import METHODS, by_methods, check_close, check_relative, run, start
 from support.exchange_runs import check_exchange
 from support.fmi3 import raw
-from support.reference.turning import TurningRun
+from support.reference.turning import follow
 from support.scenes import turning_cases as cases
+from support.scenes.agreement import seeds
 from support.scenes.scene_checks import FMU
 from support.scenes.turning_checks import failures
 from support.scenes.turning_scenes import FRICTIONS, PLACES, driven_scene, random_turning_scene, resistance
 
-COUNT = int(os.environ.get("CONTACT_SCENES", "30"))
-FIRST = int(os.environ.get("CONTACT_FIRST_SCENE", "0"))
 # The reference begins sliding without a dashpot from free bodies only.
 DRIVEN = [
     seed
@@ -90,16 +85,13 @@ def test_a_ball_that_spins_slows_down_at_a_constant_rate(opened, method):
 
 
 @pytest.mark.parametrize("law", ["regularized", "elastic"])
-@pytest.mark.parametrize("seed", range(FIRST, FIRST + COUNT))
+@pytest.mark.parametrize("seed", seeds(30))
 def test_a_scene_goes_as_the_reference_says(opened, seed, law):
     scene = random_turning_scene(seed)
     values = scene.values | resistance(np.random.default_rng([27, seed]), law)
-    expected = TurningRun(values, scene.shape).run(scene.end).figures()
-    fmu, wrong = opened(FMU[scene.shape]), {}
-    for method in METHODS:
-        lines = failures(fmu, values, scene.end, scene.steps, method, expected)
-        if lines:
-            wrong[method] = lines
+    right = follow(values, scene.shape, scene.end)
+    run_of = (opened(FMU[scene.shape]), values, scene.end, scene.steps)
+    wrong = by_methods(lambda method: failures(*run_of, method, right))
     assert not wrong, f"{wrong}\n{scene}"
 
 
@@ -109,7 +101,7 @@ def test_the_elastic_scenes_stick_and_slide():
     for seed in range(12):
         scene = random_turning_scene(seed)
         values = scene.values | resistance(np.random.default_rng([27, seed]), "elastic")
-        seen |= {name for _, name in TurningRun(values, scene.shape).run(scene.end).events}
+        seen |= set(follow(values, scene.shape, scene.end)["events"])
     assert {f"{kind} {does}" for kind in ("rolling", "spinning") for does in ("sticks", "slips")} <= seen
 
 
@@ -122,8 +114,7 @@ def test_a_given_motion_has_the_torques_that_the_reference_says(opened, seed, la
     if seed % 2:
         name = "source.prescribed_angular_velocity"
         values[f"{name}.derivatives"] = [(-2.0 / end * np.array(values[name])).tolist()]
-    expected = TurningRun(values, shape).run(end).figures()
-    lines = failures(opened(FMU[shape]), values, end, 1, "event_driven", expected)
+    lines = failures(opened(FMU[shape]), values, end, 1, "event_driven", follow(values, shape, end))
     assert not lines, f"{lines}\n{values}"
 
 
@@ -137,8 +128,7 @@ IN_A_SHELL |= {"contact.characteristic_rolling_rate": 2e-2, "contact.characteris
 def test_a_ball_that_swings_to_rest_passes_every_standstill(opened, shape):
     """In a hollow sphere and in a lying tube: it turns back several times, and stops spinning."""
     values = IN_A_SHELL | ({"destination.axis": [0.0, 1.0, 0.0]} if shape == "cylinder" else {})
-    expected = TurningRun(values, shape).run(1.5).figures()
-    lines = failures(opened(FMU[shape]), values, 1.5, 4, "event_driven", expected)
+    lines = failures(opened(FMU[shape]), values, 1.5, 4, "event_driven", follow(values, shape, 1.5))
     assert not lines, lines
 
 

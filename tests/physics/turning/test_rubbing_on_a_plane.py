@@ -2,8 +2,6 @@
 that a run says against the reference, and against the formula
 
     u = v_0 ln(1 + (exp(u_0/v_0) - 1) exp(-mu kappa p / v_0)),   p = integral of F_n dt,   kappa = 1/m + r^2/I
-
-CONTACT_SCENES is the number of scenes, CONTACT_FIRST_SCENE the first one's seed: 300 are a long test.
 """
 
 import math
@@ -12,7 +10,7 @@ import numpy as np
 import pytest
 
 from support.checks import check_close, differences, run, start
-from support.reference.turning import TurningRun
+from support.reference.turning import follow
 from support.scenes.agreement import Scene, check_agreement, seeds
 from support.scenes.turning_checks import TurningFmuRun, rows
 from support.scenes.turning_scenes import random_plane_scene
@@ -23,7 +21,7 @@ ALLOWED, BALANCE = 1e-9, 1e-12
 @pytest.mark.parametrize("seed", seeds())
 def test_a_ball_on_a_plane_goes_as_the_reference_says(opened, seed):
     scene, fmu = random_plane_scene(seed), opened("SpherePlane")
-    expected = TurningRun(scene.values, scene.shape).run(scene.end).figures()
+    expected = follow(scene.values, scene.shape, scene.end)
     found, wrong = TurningFmuRun(fmu, scene.values, scene.end, scene.steps, "event_driven"), []
     for name, (value, right, allowed) in rows(found, expected, ALLOWED).items():
         wrong += differences(name, value, right, allowed)
@@ -141,7 +139,7 @@ def test_a_cap_that_acts_is_left_to_the_general_segment(opened):
     values, fmu = thrown("linear", "free", 1e3)[0], opened("SpherePlane")
     for cap, fallbacks in ((30.0, True), (1e5, False)):
         capped = values | {"contact.maximum_friction_force": cap}
-        expected = TurningRun(capped, "plane").run(0.15).figures()
+        expected = follow(capped, "plane", 0.15)
         found = TurningFmuRun(fmu, capped, 0.15, 3, "event_driven")
         wrong = []
         for name, (value, right, allowed) in rows(found, expected, 1e-8).items():

@@ -1,6 +1,5 @@
 """A sphere and a torus against a signed distance by minimization over the circle, and an own integration."""
 
-import os
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -11,9 +10,9 @@ from contact_fmus.fmu.contact_fmu import FmuError
 from contact_fmus.stability.motions import elliptic_stiffness
 from support.checks import check_close, check_relative, start
 from support.reference.pressed import GRAVITY, ended, pressed, unit
+from support.scenes.agreement import seeds
 from support.scenes.random_scenes import touching_values
 
-COUNT = int(os.environ.get("CONTACT_SCENES", "10"))
 METHODS = ("event_driven", "cvode_bdf")
 
 
@@ -77,8 +76,7 @@ class Ring:
         """Force on the source, torques on both, gap, and how far the source is beside the race"""
         place, velocity, far, moved, spin, turn = y[:18].reshape(6, 3)
         frame = y[18:].reshape(3, 3)
-        middle = nearest(place - far, frame, self.ring)
-        out = place - far - middle
+        out = place - far - nearest(place - far, frame, self.ring)
         distance = np.linalg.norm(out)
         push = (-1.0 if self.inside else 1.0) * out / distance
         depth = distance + self.ball - self.tube if self.inside else self.ball + self.tube - distance
@@ -115,7 +113,7 @@ class Ring:
         events = [lambda _t, y: self.forces(y)[3], lambda _t, y: self.forces(y)[4]]
         events = events[: 1 if self.side == "whole" else 2]
         options = {"rtol": 1e-11, "atol": 1e-12, "max_step": 5e-4}
-        return ended(self.rates, y, self.end, events, **options)[:21]
+        return ended(self, self.rates, y, events, **options)[:21]
 
 
 @cache
@@ -156,7 +154,7 @@ def state_of(fmu) -> np.ndarray:
     return np.concatenate([fmu[name] for name in names])
 
 
-@pytest.mark.parametrize("seed", range(COUNT))
+@pytest.mark.parametrize("seed", seeds(10))
 def test_the_pair_moves_as_the_nearest_point_of_the_circle_says(opened, seed):
     one = scene(seed)
     for method in METHODS:

@@ -1,6 +1,5 @@
 """Derivatives of a contact with a capped cylinder that the importer moves and turns: with respect to inputs,
-axis and angular velocities among them, and to time, in every zone and at both ends; against differences of
-the outputs themselves."""
+axis and angular velocities among them, and to time, in every zone and at both ends; against differences."""
 
 from math import cos, sin
 

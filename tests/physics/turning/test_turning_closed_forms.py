@@ -1,5 +1,4 @@
-"""Bodies that turn and rub against closed forms: sliding, rolling, back-spin, tubes, bowls, turntables,
-rotors."""
+"""Bodies that turn and rub against closed forms: sliding, rolling, back-spin, tubes, bowls, turntables."""
 
 import math
 
@@ -51,8 +50,7 @@ def test_the_way_approaches_that_of_coulomb_in_second_order(opened):
 @pytest.mark.parametrize("method, v_0", METHOD_AND_SMALL)
 @pytest.mark.parametrize("slope", [0.1, 0.4, 0.8, 0.9, 1.2])
 def test_a_ball_rolls_down_an_incline_or_slides(opened, method, v_0, slope):
-    """It rolls where tan <= 7 mu/2 = 1.05, with 5/7 g sin and a creep of order v_0; beyond, it slides as
-    well."""
+    """It rolls where tan <= 7 mu/2 = 1.05, by 5/7 g sin and a creep of order v_0; beyond, it slides too."""
     case = cases.incline(v_0, slope)
     agrees(ended(opened, case, method), case, ALLOWED[method])
 
@@ -73,8 +71,7 @@ def test_a_ball_comes_up_again_in_a_tube_at_any_penetration(opened, stiffness):
 
 @pytest.mark.parametrize("made", [cases.turntable, lambda v_0: cases.incline(v_0, 0.4, end=10.0)])
 def test_rolling_costs_no_more_where_less_slip_is_needed(opened, made):
-    """Internal steps at v_0 = 1e-6 and 1e-9 m/s, and the evaluations in them, are at most twice those at
-    1e-3."""
+    """Internal steps and their evaluations at v_0 = 1e-6 and 1e-9 m/s are at most twice those at 1e-3."""
     steps, evaluations = [], []
     for v_0 in (1e-3, 1e-6, 1e-9):
         fmu = ended(opened, made(v_0))
@@ -86,8 +83,7 @@ def test_rolling_costs_no_more_where_less_slip_is_needed(opened, made):
 
 @pytest.mark.parametrize("name", ["F2", "F3"])
 def test_few_steps_of_rolling_are_rejected(opened, name):
-    """In a bowl for 10 s, and in the golfer's tube; where simplified iterations fail a step is no shorter
-    for it."""
+    """In a bowl for 10 s, and in the golfer's tube; a step is no shorter where simplified iterations fail."""
     problem = turning_problems()[name]
     fmu = run(opened(problem.fmu), problem.start, problem.stop, steps=1, tolerance=1e-8)
     check_close("position", fmu["source.position"], problem.position, 1e-10)
@@ -128,8 +124,7 @@ def test_an_impact_on_springs_with_two_sevenths_turns_the_slip_round(opened, met
 def test_balls_with_opposite_spins_do_not_rub(opened, factor):
     """Chung and Ooi 7. They yield by delta, and omega delta is slip: the change falls with p_n's root."""
     case = cases.opposite_spin()
-    values = {**case.values, "contact.penalty_factor": factor * 1e7}
-    fmu = ended(opened, case._replace(values=values))
+    fmu = ended(opened, case._replace(values={**case.values, "contact.penalty_factor": factor * 1e7}))
     agrees(fmu, case, 5e-5 / math.sqrt(factor))
 
 
@@ -152,11 +147,8 @@ def test_a_cylinder_tumbles_as_the_closed_form_says(opened):
         q, right = fmu["destination.orientation"], case.expected["destination.orientation"]
         check_close("orientation", q * np.sign(q @ right), right, 1e-12)
         # An angle of 6,283 rad is a multiple of 9.1e-13 rad; two such roundings are allowed.
-        check_close(
-            "axis", fmu["destination.current_axis"], case.expected["destination.current_axis"], 1.9e-12
-        )
-        spin = fmu["destination.angular_velocity"]
-        check_close("spin", spin, case.expected["destination.angular_velocity"], 13e-12)
+        for name, allowed in (("current_axis", 1.9e-12), ("angular_velocity", 13e-12)):
+            check_close(name, fmu[f"destination.{name}"], case.expected[f"destination.{name}"], allowed)
 
 
 @pytest.mark.parametrize("mu", [0.0, 2.0, 20.0, 200.0])

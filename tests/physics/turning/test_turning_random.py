@@ -1,36 +1,28 @@
-"""Random scenes of bodies that turn and rub against the reference, in all that a run says.
+"""Random scenes of bodies that turn and rub against the reference, in all that a run says."""
 
-CONTACT_SCENES is the number of scenes, CONTACT_FIRST_SCENE the first one's seed: 300 are a long test.
-"""
-
-import os
 from functools import cache
 
 import numpy as np
 import pytest
 
-from support.checks import METHODS, check_close, run, start
-from support.reference.turning import TurningPair, TurningRun, outputs
+from support.checks import by_methods, check_close, run, start
+from support.reference.turning import TurningPair, follow, outputs
 from support.scenes import turning_cases as cases
+from support.scenes.agreement import seeds
 from support.scenes.random_scenes import even
 from support.scenes.scene_checks import FMU
 from support.scenes.turning_checks import TERMS, failures
 from support.scenes.turning_scenes import FRICTIONS, PLACES, driven_scene, random_turning_scene
 
-COUNT = int(os.environ.get("CONTACT_SCENES", "30"))
-FIRST = int(os.environ.get("CONTACT_FIRST_SCENE", "0"))
-SEEDS = range(FIRST, FIRST + COUNT)
-
 
 @cache
 def expected(seed):
     scene = random_turning_scene(seed)
-    return TurningRun(scene.values, scene.shape).run(scene.end).figures()
+    return follow(scene.values, scene.shape, scene.end)
 
 
 # Two events at once, of which neither may be passed over: Hertz's law with a dashpot that may pull, whose
-# force ends with the contact (342, 394, 409, 642); a corner of the law at which the slip no longer stretches
-# the spring (410, 457).
+# force ends with the contact (342, 394, 409, 642); the slip stops stretching the spring (410, 457).
 TWO_EVENTS = (342, 394, 409, 410, 457, 642)
 # Neither turns nor rubs: only the mean torque is new.
 NO_TURNING = (179, 329, 537, 657)
@@ -38,14 +30,11 @@ NO_TURNING = (179, 329, 537, 657)
 RELAXING = (1248,)
 
 
-@pytest.mark.parametrize("seed", dict.fromkeys([*SEEDS, *TWO_EVENTS, *NO_TURNING, *RELAXING]))
+@pytest.mark.parametrize("seed", dict.fromkeys([*seeds(30), *TWO_EVENTS, *NO_TURNING, *RELAXING]))
 def test_a_scene_goes_as_the_reference_says(opened, seed):
-    scene, wrong = random_turning_scene(seed), {}
-    for method in METHODS:
-        fmu = opened(FMU[scene.shape])
-        lines = failures(fmu, scene.values, scene.end, scene.steps, method, expected(seed))
-        if lines:
-            wrong[method] = lines
+    scene, right = random_turning_scene(seed), expected(seed)
+    run_of = (opened(FMU[scene.shape]), scene.values, scene.end, scene.steps)
+    wrong = by_methods(lambda method: failures(*run_of, method, right))
     assert not wrong, f"{wrong}\n{scene}"
 
 
@@ -97,8 +86,7 @@ def test_a_grazing_impact_with_friction_gains_no_energy(opened, seed):
     check_close("balance", fmu["energy.total"], begin, 1e-9 * size)
 
 
-# The next tests make many communication steps where bodies turn or rub: one internal step goes on beyond
-# several of them.
+# In the next tests bodies turn or rub in many communication steps: an internal step goes on beyond several.
 
 MANY = 400
 
@@ -173,8 +161,7 @@ INCREMENTS = 4000  # of the incremental spring, whose error goes with the first 
 @pytest.mark.parametrize("seed", SCENES)
 def test_a_given_motion_has_the_forces_that_the_reference_says(opened, seed):
     shape, values, end, _ = driven_scene(seed)
-    expected = TurningRun(values, shape).run(end).figures()
-    lines = failures(opened(FMU[shape]), values, end, 1, "event_driven", expected)
+    lines = failures(opened(FMU[shape]), values, end, 1, "event_driven", follow(values, shape, end))
     assert not lines, f"{lines}\n{values}"
 
 

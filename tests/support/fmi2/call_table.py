@@ -87,10 +87,9 @@ _LENIENT = {
 
 
 def _table(text: str, states: tuple[str, ...]) -> dict[str, dict[str, bool]]:
-    rows = [line.split() for line in text.split("\n") if line]
     return {
         function: {state: mark == "x" for state, mark in zip(states, marks, strict=True)}
-        for function, *marks in rows
+        for function, *marks in [line.split() for line in text.split("\n") if line]
     }
 
 

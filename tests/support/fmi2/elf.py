@@ -35,11 +35,9 @@ def symbols(library):
 
 def lines_with_code(library):
     """(file name, line) of each source line that left an instruction, from the debug information."""
-    table = run("readelf", "-wL", library)
-    rows = re.findall(r"^(\S+\.[ch])\s+(\d+|-)\s+(0x[0-9a-f]+)", table, re.MULTILINE)
+    rows = re.findall(r"^(\S+\.[ch])\s+(\d+|-)\s+(0x[0-9a-f]+)", run("readelf", "-wL", library), re.MULTILINE)
     assert rows, f"{library} has no debug information"
-    # A row holds up to the address of the next; one that holds for no byte is a line optimized away. The end
-    # of a sequence has "-" for its line.
+    # A row holds up to the address of the next; one of no byte is optimized away. "-" ends a sequence.
     return {
         (name, int(line))
         for (name, line, start), (_, _, end) in itertools.pairwise(rows)

@@ -19,8 +19,7 @@ def jacobian(instance: raw.Instance, unknowns, knowns) -> np.ndarray:
 
 
 def moved(instance: raw.Instance, known, by: float, unknowns, blob: bytes) -> np.ndarray:
-    value = instance.get_one(known)
-    assert instance.set_one(known, value + by) == OK
+    assert instance.set_one(known, instance.get_one(known) + by) == OK
     values = np.array(instance.reals(unknowns))
     instance.restore(blob)
     return values

@@ -22,8 +22,7 @@ def _commands(scene: str) -> tuple[list[str], list[str]]:
     ).stdout.splitlines()
     link = next(line for line in told if f"-o libraries/{scene}.so " in line)
     unit = next(word for word in shlex.split(link) if word.endswith(".c.o"))
-    compile_ = next(line for line in told if f"-o {unit} " in line)
-    return _plain(compile_), _plain(link)
+    return _plain(next(line for line in told if f"-o {unit} " in line)), _plain(link)
 
 
 def _plain(line: str) -> list[str]:

@@ -127,9 +127,7 @@ def _variable(scalar: Any) -> Variable:
     values = [int(item.value) for item in items] or [0, 1]
     wide = (-1.8e308, 1.8e308) if scalar.type in ("Real", "Integer") else (values[0], values[-1])
     low, high = (
-        next(
-            (one for one in (getattr(scalar, name), getattr(declared, name, None)) if one is not None), limit
-        )
+        next((x for x in (getattr(scalar, name), getattr(declared, name, None)) if x is not None), limit)
         for name, limit in zip(("min", "max"), wide, strict=True)
     )
     names = tuple(item.name for item in items)
@@ -190,9 +188,7 @@ class Instance(prototypes.AnyInstance):
     def set(self, values: dict[str, Any]) -> None:
         for name, value in values.items():
             for variable, number in self._scalars(name, value):
-                assert self.set_one(variable, number) <= WARNING, (
-                    f"{variable.name} = {number}: {self.texts()}"
-                )
+                assert self.set_one(variable, number) <= WARNING, (variable.name, number, self.texts())
 
     def _scalars(self, name: str, value: Any) -> Iterable[tuple[Variable, float | int]]:
         variables = self.fmu.variables
@@ -204,10 +200,8 @@ class Instance(prototypes.AnyInstance):
         return [(variable, value)]
 
     def set_one(self, variable: Variable, value: float | int) -> int:
-        kind = c_double if variable.type == "Real" else c_int
-        return self.call(
-            f"Set{variable.call_type}", array(c_uint, [variable.reference]), 1, array(kind, [value])
-        )
+        values = array(c_double if variable.type == "Real" else c_int, [value])
+        return self.call(f"Set{variable.call_type}", array(c_uint, [variable.reference]), 1, values)
 
     def get_one(self, variable: Variable) -> float | int:
         value = array(c_double if variable.type == "Real" else c_int, [0])
@@ -240,8 +234,7 @@ class Instance(prototypes.AnyInstance):
         """Status and values of a directional derivative, by value references"""
         values = array(c_double, [0.0] * len(unknowns))
         about = (array(c_uint, unknowns), len(unknowns), array(c_uint, knowns), len(knowns))
-        status = self.call("GetDirectionalDerivative", *about, array(c_double, seed), values)
-        return status, list(values)
+        return self.call("GetDirectionalDerivative", *about, array(c_double, seed), values), list(values)
 
     def output_derivatives(self, variables: Iterable[Variable], order: int) -> list[float]:
         references = [variable.reference for variable in variables]
@@ -288,6 +281,12 @@ class Instance(prototypes.AnyInstance):
         self.ok("CompletedIntegratorStep", 1, byref(c_int()), byref(c_int()))
 
     # states
+
+    def taken(self) -> c_void_p:
+        """A state of now, for the importer to free"""
+        state = c_void_p()
+        self.ok("GetFMUstate", byref(state))
+        return state
 
     def deserialize(self, blob: bytes) -> tuple[int, c_void_p]:
         state = c_void_p()

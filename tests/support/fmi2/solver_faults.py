@@ -52,9 +52,8 @@ class Life:
         one = self.instance()
         assert fmu.fmi2SetupExperiment(one, 0, 0.0, 0.0, 0, 0.0) == OK
         if self.reference:
-            assert (
-                fmu.fmi2SetInteger(one, array(c_uint, [self.reference]), 1, array(c_int, [self.method])) == OK
-            )
+            chosen = array(c_uint, [self.reference]), 1, array(c_int, [self.method])
+            assert fmu.fmi2SetInteger(one, *chosen) == OK
         self.again(fmu.fmi2EnterInitializationMode, one)
         self.again(fmu.fmi2ExitInitializationMode, one)
         before = self.shim.failing_malloc_count()

@@ -1,5 +1,4 @@
-"""The layout of a serialized state, written down a second time so that tests can forge one, and ways into any
-state of the call tables."""
+"""The layout of a serialized state, written again so that tests can forge one, and ways into any state."""
 
 import struct
 from ctypes import byref

@@ -184,11 +184,9 @@ class Instance(prototypes.AnyInstance):
     # life cycle
 
     def step(self, time: float, size: float) -> Step:
-        event, terminate, early, last = c_bool(True), c_bool(True), c_bool(True), c_double(np.nan)
-        status = self.call(
-            "DoStep", time, size, True, byref(event), byref(terminate), byref(early), byref(last)
-        )
-        return Step(status, event.value, terminate.value, early.value, last.value)
+        told = [c_bool(True), c_bool(True), c_bool(True), c_double(np.nan)]
+        status = self.call("DoStep", time, size, True, *map(byref, told))
+        return Step(status, *(one.value for one in told))
 
     def handle_event(self, enter: bool = True) -> None:
         """One visit of event mode, as an importer makes it"""

@@ -33,6 +33,13 @@ def expected(name: str, scene: dict) -> dict:
     return values
 
 
+FIELDS = {
+    "XML": ("reference", "base", "type", "causality", "unit", "min", "max", "items", "tunable"),
+    "C": ("reference", "base", "causality", "min", "max", "component", "reinit", "tunable"),
+    "page": ("reference", "type", "causality", "unit", "tunable"),
+}
+
+
 def disagreements(files: dict[str, str], scene: dict) -> list[str]:
     """One line for each thing that the files of a scene say differently; none when they agree."""
     xml, table = parse_xml(files["modelDescription.xml"]), parse_c(files["scene_variables.c"])
@@ -43,23 +50,13 @@ def disagreements(files: dict[str, str], scene: dict) -> list[str]:
             found.append(f"{source}: other variables or order: {sorted(set(variables) ^ set(xml))}")
     for name in xml.keys() & table.keys() & page.keys():
         wanted = expected(name, scene)
-        found += _differences(
-            f"XML {name}", xml[name], wanted, ("reference", "base", "type", "causality", "unit")
-        )
-        found += _differences(f"XML {name}", xml[name], wanted, ("min", "max", "items", "tunable"))
-        found += _differences(
-            f"C {name}", table[name], wanted, ("reference", "base", "causality", "min", "max")
-        )
-        found += _differences(f"C {name}", table[name], wanted, ("component", "reinit", "tunable"))
+        for source, told in (("XML", xml), ("C", table), ("page", page)):
+            found += _differences(f"{source} {name}", told[name], wanted, FIELDS[source])
         if table[name]["row"] != wanted["key"].replace(".", "_"):
             found.append(f"C {name}: row {table[name]['row']}")
-        found += _differences(f"page {name}", page[name], wanted, ("reference", "type", "causality", "unit"))
-        found += _differences(f"page {name}", page[name], wanted, ("tunable",))
         found += _page_texts(name, page[name], xml[name], wanted)
         if not _same_start(xml[name], wanted["start"]):
-            found.append(
-                f"XML {name}: start {xml[name]['start']}, variables.toml and scene {wanted['start']}"
-            )
+            found.append(f"XML {name}: start {xml[name]['start']}, expected {wanted['start']}")
     return found
 
 

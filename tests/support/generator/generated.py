@@ -34,6 +34,7 @@ SUMS_UP = {
 }  # fmt: skip
 
 
+@cache
 def whole(name: str) -> str:
     """A variable without the number of its component."""
     return re.sub(r"\[\d\]$", "", name)
@@ -227,6 +228,7 @@ def row_of(name: str, scene: dict) -> tuple[str, dict]:
     return plain, row | row.get(f"of_{shapes.get(owner)}", {})
 
 
+@cache
 def scene_file(scene: str) -> dict:
     return written_out(tomllib.loads((FOLDER / "scenes" / f"{scene}.toml").read_text(encoding="utf-8")))
 
@@ -256,9 +258,8 @@ def written_out(scene: dict) -> dict:
         values = scene.get(table, {})
         for name, value in values.items():
             number = copies[name.partition("[")[0]] if "{i}" in name else 1
-            by_copy = (
-                "{i}" in name and isinstance(value, list) and (isinstance(value[0], list) or len(value) != 3)
-            )
+            several = isinstance(value, list) and (isinstance(value[0], list) or len(value) != 3)
+            by_copy = several and "{i}" in name
             for i in range(1, number + 1):
                 result[table][name.replace("{i}", str(i))] = value[i - 1] if by_copy else value
         result[table] |= {name: value for name, value in values.items() if "{i}" not in name}

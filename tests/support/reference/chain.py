@@ -26,5 +26,4 @@ def motion(balls: int, law: str, end: float, relative: float = 1e-13) -> np.ndar
 
     start = np.zeros(2 * balls)
     start[balls] = 1.0
-    run = solve_ivp(rates, (0.0, end), start, method="DOP853", rtol=relative, atol=1e-15)
-    return run.y[:, -1]
+    return solve_ivp(rates, (0.0, end), start, method="DOP853", rtol=relative, atol=1e-15).y[:, -1]

@@ -10,12 +10,13 @@ distance rho,
     F_n = max(-p_n g - p_nv g', 0) while g < 0,   F_t = -mu F_n (1 - exp(-|u_t|/v_0)) u_t/|u_t|
     F = F_n n + F_t,   tau = (p - x) x F
 
-The functions are analytic where they are not cut off, so that a complex step gives their derivatives to
-rounding.
+The functions are analytic where they are not cut off, so that a complex step gives derivatives.
 """
 
 import numpy as np
 from scipy.integrate import solve_ivp
+
+from support.reference.kept import kept
 
 
 def matrix(q):
@@ -97,14 +98,17 @@ class FreeBody:
         momentum = rotation @ (self.inertia * (rotation.T @ omega))
         w, p = q[0], q[1:]
         turned = np.array([-omega @ p, *(w * omega + np.cross(omega, p))]) / 2.0
-        return np.concatenate(
-            [v, self.gravity + force / self.mass, turned, inverse @ (torque - np.cross(omega, momentum))]
-        )
+        spun = inverse @ (torque - np.cross(omega, momentum))
+        return np.concatenate([v, self.gravity + force / self.mass, turned, spun])
 
     def run(self, y, end):
+        """The state at `end`"""
+        scene = [vars(self.foot), self.mass, self.inertia, self.gravity, y, end]
+        return kept(scene, lambda: self.integrated(y, end))
+
+    def integrated(self, y, end):
         """The state at `end`, integrated from touch to touch, so that no step crosses a change of the law.
-        The dense output that finds a touch is coarser than a step: a step of its own goes there, and Newton's
-        method corrects it."""
+        The dense output that finds a touch is coarser than a step: another one goes there, by Newton."""
 
         def gap_of(k):
             def gap(_t, y):
@@ -113,26 +117,16 @@ class FreeBody:
             gap.terminal = True
             return gap
 
-        def integrated(y, start, to, events=None):
-            return solve_ivp(
-                self.rates,
-                (start, to),
-                y,
-                method="DOP853",
-                rtol=1e-13,
-                atol=1e-15,
-                max_step=1e-3,
-                events=events,
-            )
-
+        options = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15, "max_step": 1e-3}
         gaps = [gap_of(k) for k in range(len(self.foot.parts))]
         y, time = np.array(y, float), 0.0
         while time < end:
-            found = integrated(y, time, end, gaps)
+            found = solve_ivp(self.rates, (time, end), y, events=gaps, **options)
             if not any(map(len, found.t_events)):
                 return found.y[:, -1]
             gap = next(gap for gap, times in zip(gaps, found.t_events, strict=True) if len(times))
-            y, touch = integrated(y, time, found.t[-1]).y[:, -1], found.t[-1]
+            touch = found.t[-1]
+            y = solve_ivp(self.rates, (time, touch), y, **options).y[:, -1]
             for _ in range(3):
                 rates = self.rates(touch, y)
                 late = 1e-7 * gap(0.0, y) / (gap(0.0, y + 1e-7 * rates) - gap(0.0, y))
@@ -146,9 +140,5 @@ class FreeBody:
         turning = 0.5 * np.sum(self.inertia * (rotation.T @ y[10:]) ** 2)
         height = self.mass * (self.gravity @ y[:3])
         gaps = [min(self.foot.gap(k, y[:3], rotation), 0.0) for k in range(len(self.foot.parts))]
-        return (
-            0.5 * self.mass * (y[3:6] @ y[3:6])
-            + turning
-            - height
-            + 0.5 * self.foot.p_n * (np.array(gaps) @ gaps)
-        )
+        moving = 0.5 * self.mass * (y[3:6] @ y[3:6]) + turning
+        return moving - height + 0.5 * self.foot.p_n * (np.array(gaps) @ gaps)

@@ -1,6 +1,5 @@
 """An independent reference for contacts by either law, with restitution: the equations of motion in world
-coordinates, as DESIGN sections 1 and 6 write them, by extrapolation (Gragg, Bulirsch, Stoer) in extended
-precision.
+coordinates, as DESIGN sections 1 and 6 write them, by extrapolation (Gragg, Bulirsch, Stoer).
 
 Nothing is made of what is known about the contact: time is the variable, steps shrink by error control where
 the force is not smooth, and an event is the root of its function in the length of the last step.
@@ -10,6 +9,8 @@ from typing import NamedTuple
 
 import mpmath
 import numpy as np
+
+from support.reference.kept import kept
 
 LONG = np.longdouble
 COLUMNS = 8  # of the extrapolation: order 16
@@ -182,9 +183,8 @@ def precise(pair):
     }
     numbers = {k: LONG(getattr(pair, k)) for k in ("stiffness", "chi", "reach")}
     masses = tuple(LONG(m) for m in pair.masses)
-    return pair._replace(
-        **vectors, **numbers, masses=masses, given=tuple(np.array(g, LONG) for g in pair.given)
-    )
+    given = tuple(np.array(g, LONG) for g in pair.given)
+    return pair._replace(**vectors, **numbers, masses=masses, given=given)
 
 
 def step_of(pair, state, branch, h):
@@ -298,7 +298,11 @@ def run(pair, state, end, first=None, tolerance=TOLERANCE):
 
 def follow(fmu, values, end, tolerance="1e-14"):
     """A scene with factors of its own from its start to `end`"""
-    return run(*pair_of(fmu, values, *factors(values)), end, tolerance=LONG(tolerance))
+
+    def find():
+        return run(*pair_of(fmu, values, *factors(values)), end, tolerance=LONG(tolerance))
+
+    return kept(["hertz", fmu, values, end, tolerance], find)
 
 
 def settle(pair, state, branch):
@@ -311,8 +315,7 @@ def settle(pair, state, branch):
 
 
 def restitution_of(number, dashpot):
-    """e of Hunt and Crossley's law with y = chi v. Of full damping it is in u exp(-u) = (1 + y) exp(-1 - y),
-    u = 1 - e y."""
+    """e of Hunt and Crossley, y = chi v; of full damping in u exp(-u) = (1 + y) exp(-1 - y), u = 1 - e y."""
     y = mpmath.mpf(number)
     if dashpot == "approach_only":
         return float(mpmath.sqrt(2 * (y - mpmath.log(1 + y))) / y)

@@ -1,11 +1,9 @@
-"""An independent reference for the motion: Taylor series of the equations of DESIGN section 1 with events
-found on the series.
+"""An independent reference for the motion: Taylor series of the equations of DESIGN section 1, with events.
 
 The motion is integrated regime by regime: within a regime the right-hand side is analytic, a step carries
 the power series of positions and velocities to a high order, and an event is the first root of a series,
 isolated by Bernstein signs (nothing is missed between samples, there are none). Free flight is a polynomial
-and takes one step however long it is. Which side of an event the motion is on is remembered, not recomputed
-from a rounded gap.
+and takes one step however long it is. Which side of an event the motion is on is remembered.
 
 The number type is float (quick) or decimal.Decimal (40 digits, the check of float). Dissipated work,
 external work and impulse ride along as further states.
@@ -55,9 +53,8 @@ class GivenPath:
         if f"{place}.derivatives" in values or alone:
             self.position = [[c + u, v, a / 2, number(0)] for c, (u, v, a) in zip(center, moved, strict=True)]
         else:
-            self.position = [
-                [c + u[0], v, a / 2, j / 6] for c, u, (v, a, j) in zip(center, moved, speed, strict=True)
-            ]
+            terms = zip(center, moved, speed, strict=True)
+            self.position = [[c + u[0], v, a / 2, j / 6] for c, u, (v, a, j) in terms]
 
     def at(self, time):
         return tuple([shifted(row, time) for row in rows] for rows in (self.position, self.velocity))
@@ -180,8 +177,7 @@ def split(points):
 
 
 def first_crossing(points, start, width, depth):
-    """First place in [start, start + width] where the polynomial goes below zero; None when it stays
-    above."""
+    """First place in [start, start + width] where the polynomial goes below zero; None when it never does."""
     if all(p >= 0 for p in points):
         return None
     if points[0] < 0 or depth == 0:
@@ -194,8 +190,7 @@ def first_crossing(points, start, width, depth):
 def first_root(row, span, number, fresh=False):
     """First time in (0, span] where the series, positive at first, goes below zero; None if it does not.
 
-    `fresh`: the series starts exactly on its root; the factor t is divided out instead of trusting the
-    rounding of row[0]."""
+    `fresh`: the series starts exactly on its root; the factor t is divided out."""
     scaled, power = [], number(1)
     for coefficient in row:
         scaled.append(coefficient * power)
@@ -208,8 +203,7 @@ def first_root(row, span, number, fresh=False):
     if scaled[0] > sum(map(abs, scaled[1:])):
         return None
     degree = len(scaled) - 1
-    matrix = bernstein_matrix(degree, number)
-    points = [sum(map(mul, weights, scaled)) for weights in matrix]
+    points = [sum(map(mul, weights, scaled)) for weights in bernstein_matrix(degree, number)]
     bits = 60 if number is float else 120
     place = first_crossing(points, number(0), number(1), bits)
     return None if place is None else polished(scaled, place, number) * span
@@ -248,8 +242,7 @@ def polished(scaled, place, number):
     return place
 
 
-# The equations of motion as power series over one step: states, conditions whose roots are
-# events, and what is integrated along with them.
+# The equations of motion as power series over one step: states, conditions whose roots are events, and sums.
 
 FLIGHT, FULL, SPRING, CLIPPED = "flight", "spring and dashpot", "spring alone", "clipped"
 
@@ -268,8 +261,7 @@ class SpanMaker:
     """The part of Reference that makes its series, from its present position, velocity and regime."""
 
     def outer_rate(self, body):
-        """Row of accelerations without the contact, and the external force as polynomials in the
-        time since now."""
+        """Row of accelerations without the contact, and the external force as polynomials of time from now"""
         kind = self.values[f"{body}.motion"]
         force = [[self.zero]] * 3
         if kind != "free":
@@ -342,8 +334,7 @@ class SpanMaker:
         return Span(states, self.oriented(conditions), resolved, loads)
 
     def contact_rows(self, tape, regime, c, w, distance):
-        """g, its rate, the formula's force, the force and its vector on the source (along -/+ rho
-        outside/inside)."""
+        """g, its rate, the formula's force, the force and its vector on the source (along -/+ rho)"""
         if self.line:
             rate = tape.linear(list(zip(self.line, w, strict=True)))
         else:
@@ -399,12 +390,10 @@ SLIGHT = 1e-10  # m/s of the rate, m of the gap: the tolerance that runs are ask
 
 
 class Reference(SpanMaker):
-    """Configuration as for ReferenceContact; "<input>.derivatives" gives a list of first and second
-    derivatives at time 0.
+    """Configuration as for ReferenceContact; "<input>.derivatives" are the first and second at time 0.
 
     `straight`: the bodies move on the line through their centres (or across the axis) and may pass the
-    centre, where the normal turns round. The distance is then the place on that line with a sign, whose
-    change is an event."""
+    centre, where the normal turns round. The distance then has a sign, whose change is an event."""
 
     def __init__(self, configuration, shape, number=float, order=24, straight=False):
         derivatives = {k: v for k, v in configuration.items() if k.endswith(".derivatives")}
@@ -605,9 +594,8 @@ class Reference(SpanMaker):
             self.on_root = None
             self.time = end if event is None and step >= end - self.time else self.time + step
             for body, path in self.given.items():
-                self.position[body], self.velocity[body] = (
-                    [r[0] for r in rows] for rows in path.at(self.time)
-                )
+                place, speed = path.at(self.time)
+                self.position[body], self.velocity[body] = [r[0] for r in place], [r[0] for r in speed]
             if event is not None:
                 self.happen(event)
         return self
@@ -615,8 +603,7 @@ class Reference(SpanMaker):
     def note_peaks(self, span, step):
         if span.loads and self.dashpot == "approach_only":
             side = -1 if self.law_regime == FULL else 1
-            rate = [side * c for c in span.loads[2]]
-            self.clearest = highest(rate, step, self.number, self.clearest)
+            self.clearest = highest([side * c for c in span.loads[2]], step, self.number, self.clearest)
         skipped = max(self.zero, self.window - self.time)
         if span.loads and skipped <= step:
             force, gap, _ = (shifted(row, skipped) if skipped else row for row in span.loads)

@@ -38,10 +38,8 @@ class Islands:
         self.bare = free[:, None] * np.array(gravity, float) + self.by_mass * of(balls, "force")
         self.i, self.j = (np.array([one[name] for one in contacts]) for name in ("source", "destination"))
         self.flat = (self.j < 0)[:, None]
-        normals, places = (
-            np.array([planes[-1 - j][k] if j < 0 else (0.0, 0.0, 0.0) for j in self.j]) for k in (0, 1)
-        )
-        self.normals, self.places = normals, places
+        rows = [planes[-1 - j] if j < 0 else np.zeros((2, 3)) for j in self.j]
+        self.normals, self.places = (np.array([row[k] for row in rows]) for k in (0, 1))
         self.ball = np.where(self.j < 0, 0, self.j)
         self.k, self.c, self.mu, self.mu_static, self.v_0, self.k_t, self.c_t = (
             of(contacts, name) for name in ("k", "c", "mu", "mu_static", "v_0", "k_t", "c_t")
@@ -118,9 +116,7 @@ class Islands:
         np.subtract.at(pushed, self.j[balls], on_source[balls])
         np.subtract.at(turned, self.j[balls], np.cross(other, on_source)[balls])
         accelerations = self.bare + self.by_mass * pushed
-        return np.concatenate(
-            [v.ravel(), accelerations.ravel(), (self.by_inertia * turned).ravel(), stretched.ravel()]
-        )
+        return np.concatenate([x.ravel() for x in (v, accelerations, self.by_inertia * turned, stretched)])
 
     def events(self, y, regimes):
         """[kind, contact]: positive within the regimes, 1 where there is no event"""
@@ -193,16 +189,14 @@ class Islands:
             for k in range(SAMPLES):
                 falls = np.argwhere((samples[k] >= 0.0) & (samples[k + 1] < 0.0))
                 if len(falls):
-                    place, *event = min(
-                        (self.root(dense, regimes, tuple(at), places[k : k + 2]), *at) for at in falls
-                    )
+                    ends = places[k : k + 2]
+                    place, *event = min((self.root(dense, regimes, tuple(at), ends), *at) for at in falls)
                     return event, place, dense(place)
         return None, end, solver.y
 
     def root(self, dense, regimes, at, ends):
-        return brentq(
-            lambda time: self.events(dense(time), regimes)[at], *ends, xtol=1e-300, rtol=4e-15, maxiter=1000
-        )
+        options = {"xtol": 1e-300, "rtol": 4e-15, "maxiter": 1000}
+        return brentq(lambda time: self.events(dense(time), regimes)[at], *ends, **options)
 
 
 def dots(a, b):

@@ -1,5 +1,4 @@
-"""The contact law of DESIGN section 1, written a second time and on its own: geometry, factors and force in
-extended precision.
+"""The contact law of DESIGN section 1, written again and on its own: geometry, factors, force in long double.
 
 A configuration is a flat dictionary of FMI variable names (DESIGN section 2), as it is given to an FMU;
 whatever is left out has the start value of DESIGN section 2. Everything is computed with numpy.longdouble,
@@ -34,8 +33,7 @@ START_VALUES = {
 
 
 def complete(configuration):
-    """The configuration with DESIGN's start values for everything it leaves out; an unknown name is a
-    mistake of the test."""
+    """The configuration with DESIGN's start values for all that it leaves out; no name may be unknown."""
     return {**START_VALUES, **{k: v for k, v in configuration.items() if not k.startswith("solver.")}}
 
 
@@ -75,8 +73,7 @@ def start_motion(configuration):
     """Displacements and velocities at the end of initialization, by each body's kind of motion."""
     values = {}
     for body in ("source", "destination"):
-        kind = configuration[f"{body}.motion"]
-        prefix = {"free": "initial", "prescribed": "prescribed"}.get(kind)
+        prefix = {"free": "initial", "prescribed": "prescribed"}.get(configuration[f"{body}.motion"])
         for row in ("displacement", "velocity"):
             start = configuration[f"{body}.{prefix}_{row}"] if prefix else (0.0, 0.0, 0.0)
             values[f"{body}_{row}"] = vector(start)
@@ -110,15 +107,13 @@ class ReferenceContact:
         self.penalty, self.viscous = self.factors()
 
     def connection(self, motion):
-        """c = x_dst - x_src and the size of its terms; a common offset of the centres cancels
-        before anything is added."""
+        """c = x_dst - x_src and the size of its terms; a common offset of the centres cancels first."""
         offset = vector(self.values["destination.center"]) - vector(self.values["source.center"])
         moved = motion.destination_displacement - motion.source_displacement
         return offset + moved, norm(offset) + norm(moved)
 
     def separation(self, motion):
-        """d, the vector it is the length of (c or its part across the axis), c.e_d, and the size of
-        the terms."""
+        """d, the vector of that length (c or its part across the axis), c.e_d, and the size of the terms"""
         across, size = self.connection(motion)
         along = REAL(0)
         if self.shape == "plane":  # with its sign
@@ -130,8 +125,7 @@ class ReferenceContact:
         return norm(across), across, along, size
 
     def bounding_box_diagonal(self, motion):
-        """Axis-parallel box around both bodies; an infinite cylinder enters with its cross-section,
-        a disc, only."""
+        """Axis-parallel box around both bodies; of an infinite cylinder its cross-section is in it."""
         if self.shape == "plane":  # that of the source alone
             return norm(np.full(3, 2 * self.source_radius, dtype=REAL))
         if self.axis is None:
@@ -142,8 +136,7 @@ class ReferenceContact:
                 reach = reach + self.half_length * np.abs(self.axis)
         apart, _ = self.connection(motion)
         lowest = np.minimum(-self.source_radius, apart - reach)
-        highest = np.maximum(self.source_radius, apart + reach)
-        return norm(highest - lowest)
+        return norm(np.maximum(self.source_radius, apart + reach) - lowest)
 
     def factors(self):
         """p_n and p_nv in force; p_n is 0 for viscous only, p_nv is 0 for the method without a dashpot."""
@@ -197,8 +190,7 @@ class ReferenceContact:
         return max(force, REAL(0)) if dashpot == "non_adhesive" else force
 
     def evaluate(self, motion):
-        """FMI output name -> (value, size of its terms) at one instant. Not for d = 0, where no
-        direction exists."""
+        """FMI output name -> (value, size of its terms) at one instant; none for d = 0, without direction"""
         distance, across, along, length = self.separation(motion)
         inside = self.location == "inside"
         radii = self.source_radius + self.destination_radius

@@ -84,9 +84,8 @@ def by_fmu(problem, relative):
 
 
 DOP853 = "Dormand and Prince of order 8, at 1e-13"
-WAYS = dict.fromkeys(
-    ("CylinderCylinder", "CrossedRollers", "SphereTorus"), (by_fmu, "event_driven, and CVODE")
-)
+BOTH = (by_fmu, "event_driven, and CVODE")
+WAYS = dict.fromkeys(("CylinderCylinder", "CrossedRollers", "SphereTorus"), BOTH)
 WAYS |= {"NewtonsCradle": (cradle, DOP853), "BallBearing": (bearing, DOP853.replace("13", "12"))}
 
 

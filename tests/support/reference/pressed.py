@@ -1,11 +1,12 @@
 """What the references of two cylinders and of a torus share. A scene `one` has stiffness, damping,
 friction and slip velocity of its contact, and the masses and radii of source and destination."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from support.reference.kept import kept
 from support.scenes.random_scenes import touching_values
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -40,17 +41,21 @@ def state_of(fmu, axes) -> np.ndarray:
     return np.concatenate([*parts, rates])
 
 
-def ended(rates, y, end, events, **options) -> np.ndarray:
-    """The state at `end`, by Dormand and Prince's method, begun anew at every event"""
-    time = 0.0
-    for event in events:
-        event.terminal = True
-    while time < end - 1e-15:
-        found = solve_ivp(rates, (time, end), y, "DOP853", events=events, **options)
-        time, y = found.t[-1], found.y[:, -1]
-        if found.status == 1:
-            y, time = y + SMALL * rates(time, y), time + SMALL
-    return y
+def ended(one, rates, y, events, **options) -> np.ndarray:
+    """The state of a scene at its end, by Dormand and Prince's method, begun anew at every event"""
+
+    def find():
+        time, now = 0.0, y
+        for event in events:
+            event.terminal = True
+        while time < one.end - 1e-15:
+            found = solve_ivp(rates, (time, one.end), now, "DOP853", events=events, **options)
+            time, now = found.t[-1], found.y[:, -1]
+            if found.status == 1:
+                now, time = now + SMALL * rates(time, now), time + SMALL
+        return now
+
+    return kept([type(one).__module__.rpartition(".")[2], asdict(one)], find)
 
 
 @dataclass
@@ -97,9 +102,7 @@ class CylinderPair:
         if self.both:
             rates[6:9], rates[9:12] = y[9:12], GRAVITY - force / self.mass[1]
         if self.turns:
-            rates[12:14] = [
-                2.0 * t / (m * r * r) for t, m, r in zip(torques, self.mass, self.radius, strict=True)
-            ]
+            rates[12:14] = 2.0 * np.array(torques) / (np.array(self.mass) * np.square(self.radius))
         return rates
 
     def events(self) -> list:
@@ -107,4 +110,4 @@ class CylinderPair:
 
     def ended(self) -> np.ndarray:
         options = {"rtol": 1e-12, "atol": 1e-13, "max_step": 2e-4}
-        return ended(self.rates_of, first_state(self), self.end, self.events(), **options)
+        return ended(self, self.rates_of, first_state(self), self.events(), **options)

@@ -72,6 +72,5 @@ def run(motion, start, end, method="Radau", tolerance=1e-12):
         return [speed / depth * y[1], -bend / speed, y[3], tilting, y[5], turning]
 
     begin = [1.0, -start[1] / speed, *start[2:]]
-    solution = solve_ivp(rates, (0.0, end), begin, method, rtol=tolerance, atol=tolerance)
-    y = solution.y[:, -1]
+    y = solve_ivp(rates, (0.0, end), begin, method, rtol=tolerance, atol=tolerance).y[:, -1]
     return np.array([-depth * y[0], -speed * y[1], *y[2:]])

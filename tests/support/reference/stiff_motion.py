@@ -38,8 +38,7 @@ class End(NamedTuple):
 
 
 class StiffContact:
-    """Configuration as for ReferenceContact; a destination may be fixed, free, or prescribed with constant
-    acceleration."""
+    """Configuration of a ReferenceContact; a destination is fixed, free, or prescribed at one acceleration"""
 
     def __init__(self, configuration, shape):
         given = {k: v for k, v in configuration.items() if not k.endswith(".derivatives")}
@@ -88,17 +87,14 @@ class StiffContact:
         return np.concatenate([np.cross(turn, n) / distance**2, distance * np.cross(n, self.acceleration)])
 
     def relative_end(self, end, order):
-        """x across the axis at the end, the least push on the way, and what the curvature's part in w is
-        worth"""
+        """x across the axis at the end, the least push, and the share of the curvature's part in w"""
         apart = self.across(self.place[0] - self.place[1])
         speed = self.across(self.speed[0] - self.speed[1])
         distance = np.linalg.norm(apart)
         n = apart / distance
         start = np.concatenate([n, np.cross(apart, speed)])
         solution = solve_ivp(lambda t, y: self.slow(y, order), (0, end), start, **EXACT)
-        pushes = [
-            self.side * (y[3:] @ y[3:] / self.reach**3 + self.acceleration @ y[:3]) for y in solution.y.T
-        ]
+        inwards = [y[3:] @ y[3:] / self.reach**3 + self.acceleration @ y[:3] for y in solution.y.T]
         depth, rate = self.penetration(n, start[3:], order)
         last = solution.y[:3, -1] / np.linalg.norm(solution.y[:3, -1])
         final = self.penetration(last, solution.y[3:, -1], order)[0]
@@ -106,7 +102,7 @@ class StiffContact:
         swing = self.oscillation(shift, speed @ n - rate, end)
         fastest = max(y[3:] @ y[3:] for y in solution.y.T) / self.reach**4
         late = abs(shift) * np.exp(-self.share * self.angular * end) * 3 * fastest * end / (2 * self.angular)
-        return (self.reach + final + swing) * last, min(pushes), late
+        return (self.reach + final + swing) * last, min(self.side * np.array(inwards)), late
 
     def oscillation(self, shift, rate, end):
         """The free oscillation s'' + 2 zeta w s' + w^2 s = 0 from s = shift, s' = rate"""
@@ -122,9 +118,8 @@ class StiffContact:
         along = (gap + (self.speed[0] - self.speed[1]) * time) @ self.axis
         along += (self.pull[0] - self.pull[1]) @ self.axis * time**2 / 2
         apart = fine + along * self.axis
-        alone = [
-            x + v * time + a * time**2 / 2 for x, v, a in zip(self.place, self.speed, self.pull, strict=True)
-        ]
+        motions = zip(self.place, self.speed, self.pull, strict=True)
+        alone = [x + v * time + a * time**2 / 2 for x, v, a in motions]
         destination = alone[1]
         if np.isfinite(self.mass[1]):  # the centre of mass moves as if nothing touched
             middle = (self.mass @ np.array(alone)) / self.mass.sum()
@@ -153,8 +148,7 @@ class StiffContact:
 #     b'' = -2 s' b'/r - sin b cos b a'^2 - g sin b cos a/r
 #     a'' = -2 s' a'/r + 2 tan b b' a' - g sin a/(r cos b)
 #
-# The unknowns for s are the spring's force p_n s and sqrt(m p_n) s', which stay of order 1 however stiff it
-# is.
+# The unknowns for s are the spring's force p_n s and sqrt(m p_n) s', of order 1 however stiff it is.
 
 MASS, GRAVITY, RADIUS, SPEED, ANGLE = 0.1, 9.81, 0.45, 0.1, pi / 3
 
@@ -176,9 +170,8 @@ def start_angles(shape):
 
 
 def position(shape, r, a, b, end):
-    return np.array(
-        [r * cos(b) * sin(a), r * sin(b) if shape == "sphere" else SPEED * end, -r * cos(b) * cos(a)]
-    )
+    y = r * sin(b) if shape == "sphere" else SPEED * end
+    return np.array([r * cos(b) * sin(a), y, -r * cos(b) * cos(a)])
 
 
 def damped_motion(shape, penalty, damping, end, tolerance):
@@ -196,9 +189,8 @@ def damped_motion(shape, penalty, damping, end, tolerance):
             *(y[3], a_second, y[5], b_second),
         ]
 
-    solution = solve_ivp(
-        rates, (0.0, end), [0.0, 0.0, *start_angles(shape)], "Radau", rtol=tolerance, atol=tolerance
-    )
+    begin = [0.0, 0.0, *start_angles(shape)]
+    solution = solve_ivp(rates, (0.0, end), begin, "Radau", rtol=tolerance, atol=tolerance)
     late = solution.t > 0.5 * pi / frequency
     y = solution.y[:, -1]
     return position(shape, RADIUS + y[0] / penalty, y[2], y[4], end), solution.y[0, late].min()

@@ -7,6 +7,7 @@ import numpy as np
 
 from support.checks import DASHPOTS
 from support.reference.islands import Islands
+from support.reference.kept import kept
 
 REACH, STIFFNESS, END = 0.2, 1e6, 0.5
 REST = [0.0, 0.0, 0.0]
@@ -28,22 +29,17 @@ class Case(NamedTuple):
 def reference(name):
     """Places of the balls at the end, a row for each"""
     case = (CASES | BRIEF)[name]
-    balls = [
-        {"radius": radius, "mass": mass, "center": place, "velocity": velocity}
-        | {"motion": "free", "rotation": "none", "spin": REST, "force": REST}
-        for radius, mass, place, velocity in zip(
-            case.radii, case.masses, case.places, case.velocities, strict=True
-        )
-    ]
+    given = zip(case.radii, case.masses, case.places, case.velocities, strict=True)
+    free = {"motion": "free", "rotation": "none", "spin": REST, "force": REST}
+    balls = [free | {"radius": r, "mass": m, "center": place, "velocity": v} for r, m, place, v in given]
     plain = {"friction": "none", "mu": 0.0, "mu_static": 0.0, "v_0": 1.0, "k_t": 1.0, "c_t": 1.0}
+    plain["dashpot"] = case.dashpot
     contacts = [
         plain | {"source": k, "destination": k + 1, "law": law, "k": stiffness, "c": damping}
-        for k, (law, stiffness, damping) in enumerate(
-            zip(case.laws, case.stiffness, case.damping, strict=True)
-        )
+        for k, law, stiffness, damping in zip((0, 1), case.laws, case.stiffness, case.damping, strict=True)
     ]
-    contacts = [one | {"dashpot": case.dashpot} for one in contacts]
-    return Islands(balls, [], contacts, REST).run(case.end, 1e-12, case.end / 80)[0][:, :3]
+    scene = (balls, [], contacts, REST)
+    return kept([*scene, case.end], lambda: Islands(*scene).run(case.end, 1e-12, case.end / 80)[0][:, :3])
 
 
 def random_case(seed, damped):
@@ -65,9 +61,7 @@ def random_case(seed, damped):
 
 CASES = {
     "almost touching": Case([[-0.3, 0, 0], REST, [0.2001, 0, 0]], [[1.0, 0, 0], REST, REST], [1.0, 1.0, 1.0]),
-    "oblique": Case(
-        [[-0.3, 0.05, 0], REST, [0.2002, 0.01, 0.02]], [[2.0, 0, 0.1], REST, REST], [1.0, 0.5, 3.0]
-    ),
+    "oblique": Case([[-0.3, 0.05, 0], REST, [0.2002, 0.01, 0.02]], [[2.0, 0, 0.1], REST, REST], [1, 0.5, 3]),
     "far apart": Case([[-0.3, 0, 0], REST, [0.4, 0.03, 0]], [[3.0, 0, 0], REST, REST], [2.0, 1.0, 0.1]),
 }
 NAMED = list(CASES)

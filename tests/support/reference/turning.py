@@ -12,6 +12,7 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq, minimize_scalar
 
+from support.reference.kept import kept
 from support.reference.law import START_VALUES
 
 
@@ -233,9 +234,8 @@ class TurningPair:
             shift = times(1 / distance, minus(w_across, times(dot(n, w_across), n)))
         g = distance - self.r_s - self.r_d if self.side > 0 else self.r_d - self.r_s - distance
         n_rate = add(shift, cross(dst.omega, n))
-        return SimpleNamespace(
-            src=src, dst=dst, gap=g, rate=self.side * dot(n, w), n=n, n_rate=n_rate, along=along
-        )
+        rate = self.side * dot(n, w)
+        return SimpleNamespace(src=src, dst=dst, gap=g, rate=rate, n=n, n_rate=n_rate, along=along)
 
     def law_force(self, gap, rate):
         """F_n before it is clipped: linear, or Hertz with Hunt and Crossley."""
@@ -295,8 +295,7 @@ class TurningPair:
         return add(times(self.stiffness_of(one, place.gap), spring), times(one.c, motion))
 
 
-# The next functions give the rates of the state by Newton, Euler and the two laws of friction, and those of
-# the sums.
+# The next functions give the rates of the state by Newton, Euler and the laws of friction, and of the sums.
 #
 # `touching` says which side of its events the contact is on, and `sticking` names the opposed motions that
 # stick; they are remembered by who integrates, not recomputed from a rounded gap.
@@ -305,8 +304,7 @@ SHORT = 1e-9  # m or rad; below, its direction follows that of the slip within a
 
 
 def along_spring(spring, slip, rate):
-    """Unit vector of the spring; that of the slip while the bodies approach, at `rate`, and the spring is too
-    short to have one of its own."""
+    """Unit vector of the spring; that of the slip, at `rate`, while bodies approach and it is too short"""
     size = norm(spring)
     if size > (SHORT if rate < 0 else 0.0):
         return times(1 / size, spring)
@@ -440,8 +438,7 @@ def at_limit(pair, kind, y, now, out):
     along = dot(motion, unit)
     if norm(spring) < SHORT:  # keeps its direction up to the release, which costs no steps
         return times(grows, unit), norm(motion)
-    across = minus(motion, times(along, unit))
-    return add(across, times(grows, unit)), along - grows
+    return add(minus(motion, times(along, unit)), times(grows, unit)), along - grows
 
 
 def sliding_rate(pair, kind, y, sticking):
@@ -688,10 +685,9 @@ class TurningRun:
         return rates(self.pair, y, self.touching, self.sticking)
 
     def _solver(self, end, first=None):
-        scale = ABSOLUTE * np.ones(SIZE)
         return DOP853(
             self._rates, self.time, self.y, end, first_step=first, max_step=self.longest,
-            rtol=self.relative, atol=scale,
+            rtol=self.relative, atol=ABSOLUTE * np.ones(SIZE),
         )  # fmt: skip
 
     def _after(self, length):
@@ -823,5 +819,11 @@ class TurningRun:
         return found
 
 
-def follow(values, shape, end, **more):
-    return TurningRun(values, shape, **more).run(end)
+def follow(values, shape, end):
+    """The figures of a run at its end, and the names of its events"""
+
+    def find():
+        run = TurningRun(values, shape).run(end)
+        return run.figures() | {"events": [name for _, name in run.events]}
+
+    return kept(["TurningRun", values, shape, end], find)

@@ -100,8 +100,7 @@ def disagreements(opened, scene, random, runs=5):
     for _ in range(runs):
         tolerance, steps = float(random.choice(TOLERANCES)), int(random.choice(STEPS))
         readings = bool(random.integers(2))
-        found = answer(fmu, scene, tolerance, steps, readings)
-        for name, value in found.items():
+        for name, value in answer(fmu, scene, tolerance, steps, readings).items():
             allowed = scene.slack * max(tolerance, 1e-11) * _scale(scene, name, right[name])
             off = float(np.max(np.abs(np.asarray(value, float) - np.asarray(right[name], float))))
             worst = max(worst, off / allowed) if off == off else np.inf

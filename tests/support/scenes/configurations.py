@@ -7,9 +7,7 @@ from support.scenes.random_scenes import unit_vector
 
 SHAPES = {"SphereSphere": "sphere", "SphereCylinder": "cylinder", "SpherePlane": "plane"}
 SHAPES |= {"ForceElement": "cylinder"}
-INPUTS = [
-    f"{body}.prescribed_{row}" for body in ("source", "destination") for row in ("displacement", "velocity")
-]
+INPUTS = [f"{b}.prescribed_{row}" for b in ("source", "destination") for row in ("displacement", "velocity")]
 
 
 def random_separation(random, values, shape, inside):

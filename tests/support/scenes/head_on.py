@@ -7,8 +7,7 @@ the effective mass. With zeta = c / (2 sqrt(k m)) = sin(phi), omega = sqrt(k/m),
     s'  =  v / cos phi         exp(-theta tan phi) cos(theta + phi)
     F   = -m s'' = m omega v / cos phi exp(-theta tan phi) sin(theta + 2 phi)
 
-(each derivative turns the phase by phi). phi is complex for zeta > 1 and the formulas stay, with real
-results.
+(each derivative turns the phase by phi). phi is complex for zeta > 1, with real results.
 """
 
 import cmath
@@ -25,8 +24,7 @@ RADII = {"source.radius": 0.1, "destination.radius": 0.5}
 
 
 def head_on(shape, location, gap=GAP, speed=SPEED, **more):
-    """The source comes along ACROSS and closes `gap` with `speed`; `more` is added with _ for the first
-    dot of the names."""
+    """The source comes along ACROSS and closes `gap` with `speed`; `more` has _ for dots of names"""
     inside = location == "inside"
     distance = 0.4 - gap if inside else 0.6 + gap
     values = {
@@ -52,8 +50,7 @@ def of_size(shape, location, radius, gap, speed):
 
 
 def shared_out(values, source, destination, m_s, m_d):
-    """Motions and masses; the pair closes with the same speed whoever moves. Where both are free their centre
-    of mass rests."""
+    """Motions and masses; the pair closes at one speed whoever moves. Of two free bodies the centre rests."""
     share = m_d / (m_s + m_d) if source == destination == "free" else float(source == "free")
     speed = np.array(values["source.initial_velocity"])
     return values | {
@@ -92,9 +89,7 @@ def oscillator(dashpot, mass, stiffness, damping, speed=SPEED):
     deepest = speed / omega * cmath.exp(-slope * turned)
     if dashpot == "unclamped":  # until s = 0
         restitution, duration = cmath.exp(-slope * math.pi), math.pi / rate
-    elif (
-        dashpot == "non_adhesive"
-    ):  # F = 0 at theta = pi - 2 phi, then on with constant speed; s / s' there is 2 zeta / omega
+    elif dashpot == "non_adhesive":  # F = 0 at theta = pi - 2 phi, where s / s' is 2 zeta / omega; then on
         restitution, duration = cmath.exp(-slope * 2 * turned), 2 * turned / rate + 2 * zeta / omega
     else:  # from the deepest point on undamped
         restitution, duration = cmath.exp(-slope * turned), turned / rate + math.pi / (2 * omega)
@@ -103,8 +98,7 @@ def oscillator(dashpot, mass, stiffness, damping, speed=SPEED):
 
 
 def passing(shape, miss, speed=3.0):
-    """A straight pass whose closest approach to the touching distance is `miss` (negative: overlap),
-    gravity off."""
+    """A straight pass, without gravity, whose least distance beyond touch is `miss` (negative: overlap)."""
     values = head_on(shape, "outside")
     across = np.cross(AXIS, ACROSS)
     along = 0.3 * AXIS if shape == "cylinder" else 0.0

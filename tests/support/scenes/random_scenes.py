@@ -1,5 +1,4 @@
-"""Seeded random scenes with motion, for all shapes: the FMU's solvers are compared with
-reference/integrator.py on them."""
+"""Seeded random scenes with motion, for all shapes: for comparison with reference/integrator.py."""
 
 import math
 
@@ -14,8 +13,7 @@ KINDS = {
     "plane": ["outside", "both free", "moving destination", "driven by a force", "viscous only"],
 }  # fmt: skip
 SEEDS = [0, 1, 2]
-# Out of 2000 scenes: the dashpot switches where the gap rate is zero, and a rounded sign may choose the wrong
-# branch.
+# Out of 2000 scenes: the dashpot switches where the gap rate is 0; a rounded sign may take the wrong branch.
 DELICATE = [("sphere", "viscous only", seed) for seed in (14, 47, 75, 89, 129, 161)]
 DELICATE.append(("cylinder", "inside", 130))
 SCENES = [(shape, kind, seed) for shape, kinds in KINDS.items() for kind in kinds for seed in SEEDS]
@@ -36,9 +34,8 @@ def random_scene(shape, kind, seed):
     """Configuration and end. Names as FMI variables; "<input>.derivatives" as in checks.start."""
     kinds = [name for names in KINDS.values() for name in names]
     random = np.random.default_rng([seed, kinds.index(kind), len(shape)])
-    inside = kind in ("inside", "finite, leaving", "finite, entering") or (
-        kind == "viscous only" and shape == "cylinder"
-    )
+    tube = kind == "viscous only" and shape == "cylinder"
+    inside = tube or kind in ("inside", "finite, leaving", "finite, entering")
     radius = random.uniform(0.3, 0.6)
     small = radius * random.uniform(0.1, 0.4)
     axis = unit_vector(random) if shape == "cylinder" else None

@@ -68,9 +68,7 @@ def compare_scenes(options):
 
 
 def rows_of(fmu):
-    return {
-        (variable.name.partition("[")[0], variable.causality) for variable in fmu.description.modelVariables
-    }
+    return {(one.name.partition("[")[0], one.causality) for one in fmu.description.modelVariables}
 
 
 def run(fmu, outputs, values, end, steps, method):

@@ -8,8 +8,7 @@ from support.checks import differences, start
 
 FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
 TOLERANCE = 1e-10  # solver.relative_tolerance of the runs
-# m and, per unit of the size in play, m/s, J, N and N s. CVODE holds its tolerance by the step, and its
-# steps add up.
+# m and, per unit of the size in play, m/s, J, N and N s. CVODE holds its tolerance by the step; steps add up.
 ALLOWED = {"event_driven": 1e-9, "cvode_bdf": 1e-6, "cvode_adams": 1e-6}
 ENERGIES = ("kinetic", "potential", "contact", "dissipated", "external_work")
 # Internal steps of event_driven at most for each communication step and event, besides those of the

@@ -16,9 +16,8 @@ from support.scenes import random_scenes as parts
 def given_motions(random, shape):
     """Both bodies led, one of them perhaps at rest: a chord through the other one, in places a graze."""
     inside = random.random() < 0.25
-    values, outward = parts.pair(
-        random, shape, inside, 0.0, **{"contact.penalty_factor": 10 ** random.uniform(3, 6)}
-    )
+    stiffness = 10 ** random.uniform(3, 6)
+    values, outward = parts.pair(random, shape, inside, 0.0, **{"contact.penalty_factor": stiffness})
     values["contact.viscous_penalty_factor"] = parts.chosen(random, [0.0, 10.0, 100.0, 300.0])
     reach = values["destination.radius"] + values["source.radius"]
     across = parts.perpendicular(outward, random)
@@ -169,8 +168,7 @@ def beside_an_event(random, shape):
 
 
 def from_zero(random, shape):
-    """A load or a given motion that begins at exactly zero, as a ramp or a parabola, on a contact at or
-    beyond critical damping."""
+    """A load or a given motion that begins at zero, as a ramp or a parabola; at least critical damping"""
     inside = bool(random.integers(2))
     gap = float(parts.chosen(random, [0.0, -0.004, -0.01]) if random.random() < 0.7 else 1e-3)
     values, outward = parts.pair(random, shape, inside, gap)
@@ -216,9 +214,8 @@ def contradictory(random, shape):
         f"{body}.prescribed_displacement.derivatives": [(other * np.array(rate)).tolist(), bent],
     }
     if shape == "cylinder" and random.integers(2):
-        away = np.abs(
-            np.dot(np.divide(values["destination.axis"], np.linalg.norm(values["destination.axis"])), rate)
-        )
+        axis = values["destination.axis"]
+        away = np.abs(np.dot(np.divide(axis, np.linalg.norm(axis)), rate))
         values |= {"destination.finite_length": True, "destination.length": float(max(0.01, end * away))}
     # Energy is not kept where a body moves otherwise than at its velocity.
     return {"values": values, "stops": parts.uneven(end, random), "leaves_open": frozenset({"total"})}
@@ -260,9 +257,8 @@ def dying_away(random, shape):
     # What is left is below the rounding of the gap: whether the bodies still touch then is open.
     settled = (math.log(depth) + 36) / slow
     leaves_open = frozenset({"duration", "events"}) if end > 0.7 * settled else frozenset()
-    stops = tuple(
-        end * x for x in parts.chosen(random, [(1.0,), (0.05, 1.0), (0.01, 0.02, 1.0), (0.3, 0.6, 1.0)])
-    )
+    shares = parts.chosen(random, [(1.0,), (0.05, 1.0), (0.01, 0.02, 1.0), (0.3, 0.6, 1.0)])
+    stops = tuple(end * x for x in shares)
     found = {"values": values, "stops": stops, "straight": True, "settled": settled}
     found |= {"leaves_open": leaves_open}
     return found
@@ -315,8 +311,7 @@ ZERO = [Fraction(0)] * 3
 
 @dataclass(frozen=True)
 class FamilyScene:
-    """Names as FMI variables; "<input>.derivatives" as in checks.start. `stops`: the communication points
-    after the start, s."""
+    """Names as FMI variables; "<input>.derivatives" as in checks.start. `stops`: communication points, s."""
 
     family: str
     seed: int
@@ -340,8 +335,7 @@ FAMILIES |= {"swinging out": swinging_out}
 
 
 def drawn(family, seed):
-    """The scene of a family with this seed. What round numbers make without one right answer is drawn
-    again."""
+    """The scene of a family with this seed. Where round numbers leave no right answer it is drawn again."""
     for attempt in itertools.count():
         random = np.random.default_rng([seed, list(FAMILIES).index(family), attempt])
         shape = ("sphere", "cylinder")[random.integers(2)]
@@ -383,10 +377,8 @@ def moves_straight(scene):
     """Whether place, speeds and accelerations are on one line through the centre, in the numbers as typed."""
     values = complete(scene.values)
     axis = values["destination.axis"] if scene.shape == "cylinder" else None
-    apart = [
-        b - a for a, b in zip(*(typed(values[f"{n}.center"]) for n in ("source", "destination")), strict=True)
-    ]
-    line = across_axis([float(x) for x in apart], axis)
+    centers = (typed(values[f"{body}.center"]) for body in ("source", "destination"))
+    line = across_axis([float(b - a) for a, b in zip(*centers, strict=True)], axis)
     if line == ZERO:
         return False
     rows = [

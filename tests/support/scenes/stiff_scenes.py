@@ -61,11 +61,10 @@ def free_sphere():
 
 def on_top():
     """Sliding off the outside; 0.25 s in it has not left yet"""
-    outward = np.array([0.08, 0.06, sqrt(0.99)])
     return {
         **BALL,
         "contact.location": "outside",
-        "source.center": (0.55 * outward).tolist(),
+        "source.center": (0.55 * np.array([0.08, 0.06, sqrt(0.99)])).tolist(),
         "source.initial_velocity": (0.3 * np.array([-0.6, 0.8, 0.0])).tolist(),
     }
 

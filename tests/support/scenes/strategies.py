@@ -1,5 +1,4 @@
-"""What hypothesis chooses from: scenes of one or two contacts with every law, dashpot, shape and kind of
-motion."""
+"""What hypothesis chooses from: scenes of one or two contacts, with every law, dashpot, shape and motion."""
 
 import os
 from typing import NamedTuple

@@ -1,8 +1,7 @@
 """Scenes with friction and rotation whose end has a closed form: values, end, and what is then true.
 
 A solid ball has I = 2/5 m a^2, so its surface answers a tangential force with 7/2 of its mass. Where a form
-is exact for the regularized law at any v_0 it is given so; where it is a limit its order in v_0 or 1/p_n is
-said.
+is exact for the regularized law at any v_0 it is given so; of a limit the order in v_0 or 1/p_n is said.
 """
 
 import math
@@ -48,7 +47,7 @@ def slide_to_roll(v_0, speed=2.0, spin=0.0, mu=0.2, end=None, stiffness=1e6):
     """Set down on a plane with `speed` along x and `spin` about y, in balance with its weight: slip s obeys
     s' = -(7/2) mu g (1 - exp(-s/v_0)), v = v(0) - 2/7 (s(0) - s), or
     the mirror image of that. In the limit v_0 = 0 it rolls from t = 2
-    s(0)/(7 mu g) on; the way is longer than then by (2/7) (pi^2/6) v_0^2/((7/2) mu g)."""
+    s(0)/(7 mu g) on; the way is longer than then by (pi^2/21) v_0^2/((7/2) mu g)."""
     begin, rate = speed - RADIUS * spin, 3.5 * mu * G
     slip, forwards = abs(begin), math.copysign(1.0, begin)
     end = end or 1.5 * slip / rate
@@ -125,9 +124,8 @@ def turntable(v_0, mu=0.5, rate=3.0, way=(0.4, 0.1), velocity=(0.1, -0.2), stiff
     wanted = rate * np.array([-at[1], at[0]]) - v
     spin = [wanted[1] / RADIUS, -wanted[0] / RADIUS, 0.7]
     middle = at + np.array([-v[1], v[0]]) / orbit
-    turned = np.array(
-        [[math.cos(orbit * end), -math.sin(orbit * end)], [math.sin(orbit * end), math.cos(orbit * end)]]
-    )
+    c, s = math.cos(orbit * end), math.sin(orbit * end)
+    turned = np.array([[c, -s], [s, c]])
     values = ball(stiffness) | {"source.center": [*way, RADIUS - G / stiffness]}
     values |= {"source.initial_velocity": [*velocity, 0.0], "source.initial_angular_velocity": spin}
     values |= {"destination.rotation": "prescribed"}
@@ -203,8 +201,7 @@ def oblique_impact(velocity=(1.0, 0.3, -2.0), spin=(2.0, 5.0, 3.0), stiffness=7e
 
 
 def opposite_spin(mu=0.4, speed=0.2, spin=25.0):
-    """Chung and Ooi 7: two equal balls meet head-on with opposite spins, their surfaces move alike: nothing
-    rubs."""
+    """Chung and Ooi 7: equal balls meet head-on with opposite spins; surfaces move alike: nothing rubs."""
     values = ball(1e7) | {"destination.motion": "free", "destination.rotation": "free"}
     values |= {"destination.radius": RADIUS, "source.center": [0.0, 0.0, 0.21]}
     values |= {"source.initial_velocity": [0.0, 0.0, -speed]}
@@ -220,8 +217,7 @@ def opposite_spin(mu=0.4, speed=0.2, spin=25.0):
 
 
 def rotor(end, spin=(3.0, -4.0, 12.0), axis=(0.6, 0.0, 0.8), length=0.7, radius=0.2, mass=2.0):
-    """A cylinder that flies and tumbles: R(t) = Rot(L, |L| t/I_1) R_0 Rot(e_3, (1 - I_3/I_1) omega_3 t).
-    Exact."""
+    """A cylinder flies and tumbles: R(t) = Rot(L, |L| t/I_1) R_0 Rot(e_3, (1 - I_3/I_1) omega_3 t). Exact."""
     along, across = 0.5 * mass * radius**2, mass * (3 * radius**2 + length**2) / 12
     e, omega = np.array(axis), np.array(spin)
     momentum = across * omega + (along - across) * (omega @ e) * e
@@ -258,8 +254,7 @@ def rotated(q, v):
 
 
 def shell(friction="regularized"):
-    """A free ball that goes to and fro in a free hollow sphere, without damping and gravity. Their middle
-    rests."""
+    """A free ball goes to and fro in a free hollow sphere, without damping or gravity. Their middle rests."""
     values = ball(1e5) | {"source.rotation": "free", "destination.motion": "free"}
     values |= {"destination.rotation": "free", "destination.mass": 2.0, "source.center": [0.1, 0.05, 0.0]}
     values |= {"source.initial_velocity": [3.0, -4.0, 5.0], "destination.initial_velocity": [-1.5, 2.0, -2.5]}

@@ -39,8 +39,7 @@ class TurningFmuRun:
 
 
 def failures(fmu, values, end, steps, method, expected):
-    """A line for each figure that is off, or for the refusal of the run; `expected` are the reference's
-    figures."""
+    """A line for each figure that is not as in `expected`, or for the refusal of the run"""
     try:
         run = TurningFmuRun(fmu, values, end, steps, method)
     except FmuError as error:

@@ -1,5 +1,4 @@
-"""Seeded random scenes of bodies that turn and rub: shapes, laws, friction, rotation, fixed, prescribed or
-free."""
+"""Seeded random scenes of bodies that turn and rub: shapes, laws, friction, rotation, and all motions."""
 
 import math
 from typing import NamedTuple
@@ -27,8 +26,7 @@ def random_turning_scene(seed):
     friction = FRICTIONS[seed // len(PLACES) % len(FRICTIONS)]
     outward, values = place(random, shape, inside)
     side = 1.0 if inside else -1.0
-    speed = random.uniform(0.5, 2.0)
-    values |= motions(random, shape, side * outward, speed)
+    values |= motions(random, shape, side * outward, random.uniform(0.5, 2.0))
     values |= rotations(random, shape, values)
     values |= normal_law(random, values["source.mass"])
     values |= friction_law(random, friction, values)
