@@ -71,7 +71,7 @@ struct general {
     double event_size[ODE_EVENTS];                    /* largest |event function| before smoothing */
     /* F_n [N] and -g [m] at the start and at the stages; their Bernstein coefficients */
     double loads[RADAU_MOST_STAGES + 1][SCENE_CONTACTS][GENERAL_LOADS];
-    double peaks[SCENE_CONTACTS][GENERAL_LOADS][BERNSTEIN_MOST];
+    double peaks[SCENE_CONTACTS][GENERAL_LOADS][RADAU_MOST_STAGES + 1];
     struct scene_output output[SCENE_CONTACTS];
     long rejected;
     void (*release)(void *memory); /* frees this struct */

@@ -75,7 +75,9 @@ bool integrator_open(struct integrator *s, const struct scene_values *v,
 void integrator_close(struct integrator *s)
 {
 #if SCENE_HAS_GENERAL
-    general_close(&s->general);
+    if (s->general != NULL) {
+        general_close(&s->general);
+    }
 #endif
 #ifdef CONTACT_WITH_CVODE
     cvode_close(&s->cvode);
@@ -370,10 +372,10 @@ static bool add_pair(struct pair_phase *all, const struct scene_values *v, const
 static bool make_chain(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
                        const struct scene_instant *at, double longest)
 {
-    struct chain *c = &all->chain;
-    if (!SCENE_HAS_CHAINS || !chain_may_be(v, q) || !chain_make(c, v, q, at)) {
+    if (!SCENE_HAS_CHAINS || !chain_may_be(v, q) || !chain_make(&all->chain, v, q, at)) {
         return false;
     }
+    struct chain *c = &all->chain;
     all->form = PHASE_OF_CHAIN;
     all->terminal = -1;
     all->longest = others_apart_for(v, q, at, c, longest);
@@ -418,12 +420,19 @@ static bool make_island(struct pair_phase *all, const struct scene_values *v, co
     return true;
 }
 
-/* Makes the chain or the island of contacts that act on each other. */
+/* Makes the chain or the island of contacts that act on each other. Pairs that are alone have segments, where
+ * other contacts stay apart for a while. */
 static bool make_coupled(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
                          const struct scene_instant *at, double longest)
 {
-    return any_is_coupled(v, q) &&
-           (make_chain(all, v, q, at, longest) || make_island(all, v, q, at, longest));
+    if (!any_is_coupled(v, q)) {
+        return false;
+    }
+    if (make_chain(all, v, q, at, longest)) {
+        return true;
+    }
+    const bool has_segments = pairs_are_alone(v, q) && others_apart_for(v, q, at, NULL, longest) > 0.0;
+    return !has_segments && make_island(all, v, q, at, longest);
 }
 
 /* Makes the segments of all pairs. Where one pair shortens the phase, the segments made before are made

@@ -343,6 +343,23 @@ static void note_value(struct model *m, const struct variable *variable)
     m->state.signals_open = 1;
 }
 
+bool variable_is_local(const struct variable *variable)
+{
+    return variable->causality >= VARIABLE_STATE;
+}
+
+double variable_number(const struct variable *variable, const void *at)
+{
+    double real;
+    int32_t integer;
+    if (variable->type == VARIABLE_REAL) {
+        memcpy(&real, at, sizeof real);
+        return real;
+    }
+    memcpy(&integer, at, sizeof integer);
+    return integer;
+}
+
 enum model_status model_check(struct model *m, const struct variable *variable, const void *value)
 {
     const double number = variable_number(variable, value);

@@ -9,7 +9,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <string.h>
 
 enum variable_type { VARIABLE_REAL, VARIABLE_INTEGER, VARIABLE_BOOLEAN, VARIABLE_ENUMERATION };
 
@@ -40,10 +39,7 @@ struct variable {
     uint8_t tunable : 1; /* 1: a parameter that may be set between steps, or a value that depends on one */
 };
 
-static inline bool variable_is_local(const struct variable *variable)
-{
-    return variable->causality >= VARIABLE_STATE;
-}
+bool variable_is_local(const struct variable *variable);
 
 static inline size_t variable_size(const struct variable *variable)
 {
@@ -51,17 +47,7 @@ static inline size_t variable_size(const struct variable *variable)
 }
 
 /* Returns the variable's value stored at `at` as a number. */
-static inline double variable_number(const struct variable *variable, const void *at)
-{
-    double real;
-    int32_t integer;
-    if (variable->type == VARIABLE_REAL) {
-        memcpy(&real, at, sizeof real);
-        return real;
-    }
-    memcpy(&integer, at, sizeof integer);
-    return integer;
-}
+double variable_number(const struct variable *variable, const void *at);
 
 /* Bits that tell what must be up to date before a Real variable can be read. They lie above the bits of an
  * offset. */

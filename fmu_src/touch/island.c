@@ -5,6 +5,7 @@
 
 #include "flight/flight.h"
 #include "math/compiler.h"
+#include "math/nodes.h"
 #include "math/polynomial.h"
 #include "scene/evaluate.h"
 
@@ -780,11 +781,12 @@ bool island_make(struct island *s, const struct scene_values *v, const struct sc
             return false;
         }
     }
+    find_changes(s, v, q); /* before the time is asked for: it goes back beyond a zero of the pace */
     s->time = island_time_at(s, s->end);
     if (s->time > longest) {
         s->end = place_of(s, longest);
+        s->terminal = -1;
     }
-    find_changes(s, v, q);
     if (!find_touches(s, v, q, at)) {
         return false;
     }
@@ -839,42 +841,58 @@ static struct vec3 three_at(const double (*rows)[TAYLOR_TERMS], double place)
                      taylor_at(rows[2], TAYLOR_TERMS, place));
 }
 
-/* Returns the impulse of the torque on the destination about its centre: the integral of c x F, where F acts
- * on the source. */
-static struct vec3 twist_of(const struct island *s, const struct island_row *r, double place)
+/* What a contact sums up over a series: the impulse of the torque on the destination about its centre, which
+ * is the integral of c x F, where F acts on the source [N m s], and the energy that the dashpot takes [J]. */
+struct island_sums {
+    struct vec3 twist;
+    double dissipated;
+};
+
+/* A series is summed up in so many panels of twelve Lobatto nodes each: products of series have coefficients
+ * beyond the last one. */
+enum { ISLAND_PANELS = 2 };
+
+/* Adds the integrand at a place, times `weight`. */
+static void add_to_sums(const struct island *s, const struct island_row *r, const struct island_path *path,
+                        double place, double weight, struct island_sums *sums)
 {
-    double of[ISLAND_AXES][TAYLOR_TERMS] = {{0.0}};
-    struct two_way push[ISLAND_AXES]; /* the derivative by s of the impulse on the source */
-    struct island_path path = {{{{0.0}, {0.0}}}};
-    memset(push, 0, sizeof push);
-    make_path(s, &r->flight, r->end, &path);
-    for (int k = 0; k < ISLAND_AXES; ++k) {
-        put(&path.c[k], 0, vec3_get(r->flight.c[0], k));
-        for (int i = 0; i < TAYLOR_ORDER; ++i) {
-            put(&push[k], i, -(i + 1) * r->pushed[k][i + 1]);
-        }
+    if (r->damping > 0.0) {
+        const double pace = s->unit * (s->paced_by < 0 ? 1.0 : taylor_at(s->pace.row, TAYLOR_TERMS, place));
+        sums->dissipated += weight * pace * taylor_at(r->drag.row, TAYLOR_TERMS, place) *
+                            taylor_at(r->rate.row, TAYLOR_TERMS, place);
     }
-    for (int k = 0; k < ISLAND_AXES; ++k) {
-        const int a = (k + 1) % ISLAND_AXES;
-        const int b = (k + 2) % ISLAND_AXES;
-        for (int i = 0; i < TAYLOR_ORDER; ++i) {
-            of[k][i + 1] = (product(&path.c[a], &push[b], i) - product(&path.c[b], &push[a], i)) / (i + 1);
+    if (path) {
+        double c[ISLAND_AXES];
+        double push[ISLAND_AXES];
+        for (int k = 0; k < ISLAND_AXES; ++k) {
+            double of[3];
+            taylor_derivatives(r->pushed[k], TAYLOR_TERMS, place, of);
+            push[k] = -of[1];
+            c[k] = taylor_at(path->c[k].row, TAYLOR_TERMS, place);
         }
+        sums->twist = vec3_axpy(sums->twist, weight, vec3_cross(vec3_from(c), vec3_from(push)));
     }
-    return three_at((const double(*)[TAYLOR_TERMS])of, place);
 }
 
-/* Returns the energy that the dashpot has dissipated up to s [J]: the integral of drag g' pace. */
-static double dissipated_by(const struct island *s, const struct island_row *r, double place)
+static struct island_sums sums_of(const struct island *s, const struct island_row *r, double place)
 {
-    struct two_way power;
-    double of[TAYLOR_TERMS] = {0.0};
-    memset(&power, 0, sizeof power);
-    for (int i = 0; i < TAYLOR_ORDER; ++i) {
-        put(&power, i, product(&r->drag, &r->rate, i));
-        of[i + 1] = s->unit / (i + 1) * paced(s, &power, i);
+    const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
+    const int n = nodes->points;
+    const bool twists = SCENE_HAS_TORQUES && body_has_axis(contact_destination(r->contact));
+    struct island_sums sums = {.dissipated = 0.0};
+    struct island_path path = {{{{0.0}, {0.0}}}};
+    if (twists) {
+        make_path(s, &r->flight, r->end, &path);
+        for (int k = 0; k < ISLAND_AXES; ++k) {
+            path.c[k].row[0] = vec3_get(r->flight.c[0], k);
+        }
     }
-    return taylor_at(of, TAYLOR_TERMS, place);
+    for (int i = 0; i < ISLAND_PANELS * n && (twists || r->damping > 0.0); ++i) {
+        const double half = 0.5 * place / ISLAND_PANELS; /* a panel goes from 0 to 2 */
+        add_to_sums(s, r, twists ? &path : NULL, half * (2.0 * (i / n) + 1.0 + nodes->node[i % n]),
+                    half * nodes->integral[i % n * n + n - 1], &sums);
+    }
+    return sums;
 }
 
 void island_advance(const struct island *s, double from, double time, const struct scene_values *v,
@@ -888,11 +906,9 @@ void island_advance(const struct island *s, double from, double time, const stru
         const struct island_row *r = &s->row[n];
         struct contact_state *state = &q->contact[r->contact];
         state->physics.impulse = vec3_sub(state->physics.impulse, three_at(r->pushed, place));
-        if (SCENE_HAS_TORQUES && body_has_axis(contact_destination(r->contact))) {
-            state->torques.destination_impulse =
-                vec3_add(state->torques.destination_impulse, twist_of(s, r, place));
-        }
-        q->dissipated += r->damping > 0.0 ? dissipated_by(s, r, place) : 0.0;
+        const struct island_sums sums = sums_of(s, r, place);
+        state->torques.destination_impulse = vec3_add(state->torques.destination_impulse, sums.twist);
+        q->dissipated += sums.dissipated;
         state->physics.accumulated_gap = taylor_at(r->gap.row, TAYLOR_TERMS, place);
         state->physics.rate_rounding = 0.0;
     }

@@ -40,7 +40,6 @@ def test_a_brief_contact_is_felt_however_long_the_step(built, name, steps):
         for _ in range(steps):
             fmu.step(case.end / steps)
         check_close("energy", fmu["energy.total"], energy, 1e-9 * moving)
-        assert fmu["solver.fallbacks"] > 0  # the general segment had its part
         size = np.abs(expected).max()
         for k, ball in enumerate(BALLS):
             check_close(f"{ball}.position", fmu[f"{ball}.position"], expected[k], 1e-8 * size)
@@ -62,7 +61,7 @@ def test_a_ball_between_two_others_moves_as_in_the_reference(built, case, method
             allowed = 1e-8 if case in NAMED else 1e-6
             check_close(f"{ball}.position", fmu[f"{ball}.position"], expected[k], allowed)
         if case in NAMED:  # balls in a row are a chain in closed form; what is not is counted
-            assert (fmu["solver.fallbacks"] > 0) == (method == "event_driven" and case == "oblique")
+            assert fmu["solver.fallbacks"] == 0  # a chain, or an island by power series
 
 
 @pytest.mark.parametrize("case", CASES)
