@@ -92,7 +92,7 @@ static void smooth_limit(struct general *g, int contact, const struct friction_l
     const enum friction_regime regime =
         (enum friction_regime)g->state->contact[contact].friction_regime[ode_event_part(event)];
     const double sign = regime == FRICTION_STICKING ? -1.0 : 1.0;
-    double sum[BERNSTEIN_MOST]; /* L + |F*| */
+    double sum[RADAU_MOST_STAGES + 1]; /* L + |F*| */
     double most = 0.0;
     for (int i = 0; i < count; ++i) {
         const double limit = limit_of_event(law, regime, event, g->loads[i][contact][GENERAL_FORCE]);
@@ -151,7 +151,7 @@ static void sample_events(struct general *g)
 /* Computes the Bernstein coefficients of the polynomial through a quantity's values at the start of the step
  * and all stages. The values stand `stride` doubles apart. */
 static void bernstein_of(const struct radau_stages *stages, const double *values, int stride,
-                         double of[BERNSTEIN_MOST])
+                         double of[RADAU_MOST_STAGES + 1])
 {
     const int count = stages->stages + 1;
     for (int k = 0; k < count; ++k) {
@@ -165,7 +165,7 @@ static void bernstein_of(const struct radau_stages *stages, const double *values
 }
 
 /* Computes the Bernstein coefficients of one event function; returns false where all are positive. */
-static bool may_fall(const struct general *g, int event, double of[BERNSTEIN_MOST], double *largest)
+static bool may_fall(const struct general *g, int event, double of[RADAU_MOST_STAGES + 1], double *largest)
 {
     const int count = g->step.stages->stages + 1;
     bool falls = false;
@@ -287,7 +287,7 @@ static double fall_within(struct general *g, int event, double limit)
 {
     const int count = g->step.stages->stages + 1;
     const double of_polynomial = g->relative * fmax(g->error_within, 1.0);
-    double of[BERNSTEIN_MOST];
+    double of[RADAU_MOST_STAGES + 1];
     double largest;
     if (event_is_constant(g, event) || !may_fall(g, event, of, &largest)) {
         return (double)INFINITY;
@@ -457,8 +457,8 @@ static double note_tops(struct general *g, int contact, int load, const double e
 {
     const struct radau_step *p = &g->step;
     const int count = p->stages->stages + 1;
-    double of[BERNSTEIN_MOST];
-    double slope[BERNSTEIN_MOST] = {0.0};
+    double of[RADAU_MOST_STAGES + 1];
+    double slope[RADAU_MOST_STAGES + 1] = {0.0};
     double from = ends[0];
     memcpy(of, g->peaks[contact][load], sizeof of);
     double most = largest_coefficient(of, count); /* the largest coefficient is an upper bound */

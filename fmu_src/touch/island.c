@@ -75,14 +75,14 @@ struct island_pace {
 static struct island_pace pace_of(const struct island_row *r, double by_mass)
 {
     const double depth = fmax(-r->gap.row[0], 0.0);
-    const double k = r->stiffness * by_mass;
+    const double k = r->k * by_mass;
     if (!r->is_hertz) {
-        return (struct island_pace){sqrt(k), r->damping * by_mass, depth};
+        return (struct island_pace){sqrt(k), r->c * by_mass, depth};
     }
     const double rate = r->rate.row[0];
     const double deepest = fmax(depth, pow(1.25 * rate * rate / k, 0.4));
     const double root = sqrt(deepest);
-    return (struct island_pace){sqrt(1.5 * k * root), k * r->damping * deepest * root, deepest};
+    return (struct island_pace){sqrt(1.5 * k * root), k * r->c * deepest * root, deepest};
 }
 
 static int add_body(struct island *s, const struct scene_values *v, int body)
@@ -106,8 +106,8 @@ static void put_law(struct island_row *r, const struct scene_values *v, const st
     r->is_hertz = contact_is_hertz(&law);
     const struct contact_coefficients of =
         r->is_hertz ? contact_factors_of(&law) : contact_coefficients_of(&law, regime);
-    r->stiffness = of.k;
-    r->damping = r->is_hertz && regime == REGIME_RESTITUTION ? 0.0 : of.c;
+    r->k = of.k;
+    r->c = r->is_hertz && regime == REGIME_RESTITUTION ? 0.0 : of.c;
     r->by_gap = r->by_rate = r->margin = 0.0;
     if (contact_has_events(&law)) {
         const struct contact_slopes slopes = contact_event_slopes(&law, regime, g->gap, g->gap_rate);
@@ -401,12 +401,11 @@ static void put_force(const struct island *s, struct island_row *r, bool is_pace
     if (SCENE_ANY_HERTZ && r->is_hertz) {
         r->slope[i] = i * r->depth.row[i];
         put(&r->power, i, power_term(s, r, is_pace, i));
-        put(&r->drag, i,
-            r->damping > 0.0 ? r->stiffness * r->damping * product(&r->power, &r->rate, i) : 0.0);
-        put(&r->force, i, r->stiffness * r->power.row[i] - r->drag.row[i]);
+        put(&r->drag, i, r->c > 0.0 ? r->k * r->c * product(&r->power, &r->rate, i) : 0.0);
+        put(&r->force, i, r->k * r->power.row[i] - r->drag.row[i]);
     } else {
-        put(&r->drag, i, r->damping * r->rate.row[i]);
-        put(&r->force, i, -r->stiffness * r->gap.row[i] - r->drag.row[i]);
+        put(&r->drag, i, r->c * r->rate.row[i]);
+        put(&r->force, i, -r->k * r->gap.row[i] - r->drag.row[i]);
     }
     put(&r->impulse, i, paced(s, &r->force, i));
 }
@@ -536,7 +535,7 @@ static bool agrees(const struct island *s, double place)
         if (SCENE_ANY_HERTZ && r->is_hertz && n != s->paced_by) {
             const double depth = fmax(taylor_at(r->depth.row, TAYLOR_TERMS, place), 0.0);
             const double power = taylor_at(r->power.row, TAYLOR_TERMS, place);
-            worst = fmax(worst, r->stiffness * fabs(power - depth * sqrt(depth)));
+            worst = fmax(worst, r->k * fabs(power - depth * sqrt(depth)));
         }
     }
     return worst <= AGREEMENT * largest;
@@ -856,7 +855,7 @@ enum { ISLAND_PANELS = 2 };
 static void add_to_sums(const struct island *s, const struct island_row *r, const struct island_path *path,
                         double place, double weight, struct island_sums *sums)
 {
-    if (r->damping > 0.0) {
+    if (r->c > 0.0) {
         const double pace = s->unit * (s->paced_by < 0 ? 1.0 : taylor_at(s->pace.row, TAYLOR_TERMS, place));
         sums->dissipated += weight * pace * taylor_at(r->drag.row, TAYLOR_TERMS, place) *
                             taylor_at(r->rate.row, TAYLOR_TERMS, place);
@@ -887,7 +886,7 @@ static struct island_sums sums_of(const struct island *s, const struct island_ro
             path.c[k].row[0] = vec3_get(r->flight.c[0], k);
         }
     }
-    for (int i = 0; i < ISLAND_PANELS * n && (twists || r->damping > 0.0); ++i) {
+    for (int i = 0; i < ISLAND_PANELS * n && (twists || r->c > 0.0); ++i) {
         const double half = 0.5 * place / ISLAND_PANELS; /* a panel goes from 0 to 2 */
         add_to_sums(s, r, twists ? &path : NULL, half * (2.0 * (i / n) + 1.0 + nodes->node[i % n]),
                     half * nodes->integral[i % n * n + n - 1], &sums);

@@ -36,7 +36,7 @@ struct island_row {
     int contact, end[2]; /* the contact, and its source and destination among the bodies; -1: not free */
     double side;
     bool is_hertz, is_straight; /* straight: n never turns */
-    double stiffness, damping;  /* k and c of the linear law, k_h and chi of Hertz's, in the regime */
+    double k, c;                /* k and c of the linear law, k_h and chi of Hertz's, in the regime */
     double by_gap, by_rate,
         margin;               /* the event function of the law, linear in g and g'; margin: at the start */
     double offset;            /* the contact ends where its gap exceeds this [m] */

@@ -23,7 +23,7 @@ HERTZ = {label(file) for file in UNITS if re.fullmatch(r"(?:pair_)?hertz(?:_\w+)
 # law, and for the factors that users see.
 ASKS_FOR_CONSTANTS = r"\bcontact_(?:coefficients|factors)_of\("
 FAST_PATHS = {
-    "fmu_src/touch/pair.c", "fmu_src/touch/segment.c", "fmu_src/touch/chain.c",
+    "fmu_src/touch/pair.c", "fmu_src/touch/segment.c", "fmu_src/touch/chain.c", "fmu_src/touch/island.c",
     "fmu_src/flight/relative_path.c",
 }  # fmt: skip
 FACTORS = {
