@@ -397,11 +397,11 @@ static bool make_chain(struct pair_phase *all, const struct scene_values *v, con
 static bool make_island(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
                         const struct scene_instant *at, double longest)
 {
-    struct island *s = all->island;
     double quiet = (double)INFINITY;
     if (!SCENE_HAS_ISLANDS || !island_may_be(v, q)) {
         return false;
     }
+    struct island *s = all->island;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(q, j)) {
             quiet = fmin(quiet, tolerance_of(v, q, at, j));

@@ -138,6 +138,7 @@ static bool add_touching(struct island *s, const struct scene_values *v, const s
     put_law(r, v, q, at, ACCURACY * vec3_norm(at->rate[contact]));
     put(&r->gap, 0, g->gap);
     r->by_distance = 1.0 / g->distance;
+    r->passage = r->is_straight ? 0.0 : vec3_norm(at->rate[contact]) * r->by_distance;
     put(&r->rate, 0, g->gap_rate);
     for (int k = 0; k < ISLAND_AXES; ++k) {
         put(&r->n[k], 0, vec3_get(g->normal, k));
@@ -255,7 +256,7 @@ static bool choose_pace(struct island *s, const struct scene_values *v)
         if (of.dashpot > MOST_DAMPED * of.spring || (r->is_hertz && depth == 0.0 && rate == 0.0)) {
             return false;
         }
-        fastest = fmax(fastest, fmax(of.spring, of.dashpot));
+        fastest = fmax(fmax(fastest, r->passage), fmax(of.spring, of.dashpot));
         const bool may_pace =
             SCENE_ANY_HERTZ && r->is_hertz && -r->bend * depth <= NEARLY_LINEAR * rate * rate;
         if (may_pace && time_from_zero(r) < least) {
@@ -490,6 +491,10 @@ static double larger_of(double a, double b)
     return a > b ? a : b; /* ignores NaN in a */
 }
 
+/* The first coefficients give the size of the whole, since s is of order one. In an impact from the touch the
+ * push begins with the power 5 of s. */
+enum { SCALE_TERMS = 8 };
+
 /* Returns the s at which the first omitted terms, divided by the whole, are ACCURACY (Jorba and Zou). */
 static double reliable_end(const struct island *s)
 {
@@ -498,7 +503,7 @@ static double reliable_end(const struct island *s)
     double pace = 0.0;
     double growth = -(double)INFINITY; /* minus the binary logarithm of the radius of convergence */
     for (int n = 0; n < s->rows; ++n) {
-        for (int i = 0; i < TAYLOR_TERMS; ++i) {
+        for (int i = 0; i < SCALE_TERMS; ++i) {
             pace = larger_of(fabs(s->pace.row[i]), pace);
             opened = larger_of(fabs(s->row[n].gap.row[i]), opened);
             for (int k = 0; k < ISLAND_AXES; ++k) {
@@ -593,7 +598,8 @@ static void find_changes(struct island *s, const struct scene_values *v, const s
         for (int i = 0; i < TAYLOR_TERMS; ++i) {
             of[i] = n == s->paced_by ? s->pace.row[i] : (i == 0 ? r->offset : 0.0) - r->gap.row[i];
         }
-        note_change(s, series_first_fall(of, s->end), r->contact, REGIME_APART);
+        const bool parts_now = n == s->paced_by && of[0] == 0.0 && r->rate.row[0] > 0.0;
+        note_change(s, parts_now ? 0.0 : series_first_fall(of, s->end), r->contact, REGIME_APART);
         if (r->margin > 0.0) {
             const struct contact_law law = scene_contact_law(v, q, r->contact);
             for (int i = 0; i < TAYLOR_TERMS; ++i) {

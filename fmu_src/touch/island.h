@@ -40,6 +40,7 @@ struct island_row {
     double by_gap, by_rate,
         margin;               /* the event function of the law, linear in g and g'; margin: at the start */
     double offset;            /* the contact ends where its gap exceeds this [m] */
+    double passage;           /* rate at which c turns at the start [1/s] */
     double by_distance, bend; /* 1/d [1/m] and g'' [m/s^2] at the start */
     struct vec3 axis;         /* of a cylinder; else zero */
     struct separation_path flight;   /* C */

@@ -107,7 +107,7 @@ class Plan:
     without: Sequence[str] = ()  # problems that take too long
 
 
-FULL = Plan([10.0**-k for k in range(4, 14)], (1, 997), 5, 3, 0.3, 3.0, 15, [10.0**k for k in range(5, 16)])
+FULL = Plan([10.0**-k for k in range(3, 14)], (1, 997), 5, 3, 0.3, 3.0, 15, [10.0**k for k in range(5, 16)])
 QUICK = Plan((1e-6, 1e-10), (1, 7), 2, 1, 0.05, 30.0, 2, (1e5, 1e6), ("bearing", "bearing Hertz"))
 
 
