@@ -94,4 +94,5 @@ def test_a_thousand_communication_steps_take_few_internal_steps_more(name):
         for index in range(1000):
             step(many, size, index)
         steps = one.get("solver.steps")
-        assert many.get("solver.steps") <= steps + 0.25 * steps + 2 * one.get("solver.events") + 4
+        # a step that is read must be ten times as exact within: of order eight, it is shorter by a third
+        assert many.get("solver.steps") <= 10 ** (1 / 8) * steps + 2 * one.get("solver.events") + 4
