@@ -15,19 +15,20 @@
 #include "touch/island.h"
 #include "touch/rubbing.h"
 
-/*
- * In a phase of contact pairs all pairs that are in contact advance together, each by one segment, or all of
- * them by a chain. The phase ends at the first terminal event, the first end of a segment, or the first
- * passage of a centre. It may reach beyond the communication point. Its motion follows from struct
- * phase_start alone: communication points within the phase only read it, and a restored state makes the
- * segments again, bit by bit.
- */
+/* What a phase of contact pairs consists of. */
 enum phase_form {
     PHASE_OF_SEGMENTS, /* of pairs that share no free body */
     PHASE_OF_CHAIN,    /* all contacts in touch are a row (touch/chain.h) */
     PHASE_OF_ISLAND    /* all contacts in touch have one power series (touch/island.h) */
 };
 
+/*
+ * In a phase of contact pairs all pairs that are in contact advance together, each by one segment, or all of
+ * them by a chain or a power series. The phase ends at the first terminal event, the first end of a segment,
+ * or the first passage of a centre. It may reach beyond the communication point. Its motion follows from
+ * struct phase_start alone: communication points within the phase only read it, and a restored state makes
+ * the segments again, bit by bit.
+ */
 struct pair_phase {
     struct segment segment[SCENE_CONTACTS];
     enum phase_form form;

@@ -181,15 +181,15 @@ static void find_axes(struct island *s)
                 const double flown = vec3_get(part_across(r, r->flight.c[p]), k);
                 lives = lives || (!r->is_straight && flown != 0.0);
             }
-            const int degree = flight_degree(&r->flight);
-            s->degree = degree > s->degree ? degree : s->degree;
         }
         if (lives) {
             s->axis[s->axes++] = k;
         }
     }
-    for (int i = 0; i < s->rows && s->axes == 1; ++i) {
-        s->row[i].is_straight = true;
+    for (int i = 0; i < s->rows; ++i) {
+        const int degree = flight_degree(&s->row[i].flight);
+        s->degree = degree > s->degree ? degree : s->degree;
+        s->row[i].is_straight = s->row[i].is_straight || s->axes == 1;
     }
 }
 
@@ -739,7 +739,7 @@ static bool find_touches(struct island *s, const struct scene_values *v, const s
     return true;
 }
 
-/* The time of the series less a given one, as a root_function. */
+/* Returns the s of a time since the start [s], at most s->end. */
 static double place_of(const struct island *s, double time)
 {
     double of[TAYLOR_TERMS];

@@ -1,5 +1,5 @@
 /*
- * Islands by power series: contacts without friction that share free bodies, under either law, with dashpots
+ * Contacts without friction that share free bodies move by one power series, under either law, with dashpots
  * or without. Each phase is one series in s, and time follows it:
  *
  *   dt/ds = unit pace,   pace = 1, or u = sqrt(delta) of one contact under Hertz's law

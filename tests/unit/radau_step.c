@@ -34,7 +34,8 @@ TEST(a_matrix_with_many_blocks_of_zeros_gives_the_solution_of_its_system)
     }
 }
 
-/* x'' = -x - damping x' as (x, v), a quaternion that turns about its first axis by v, the integral of v^2 */
+/* The states are x and v of x'' = -x - damping x', a quaternion that turns about its first axis with the
+ * angular velocity v, and the integral of v^2. */
 enum { PLACE, SPEED, TURN, SQUARE = 6, SIZE };
 
 static void oscillator_rates(const void *damping, double clock, const double *y, double *rates)

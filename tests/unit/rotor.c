@@ -198,7 +198,8 @@ TEST(three_moments_of_which_two_are_equal_turn_as_the_symmetric_top)
 }
 
 /* A body on which no torque acts keeps its angular momentum and its energy. Each step of the series computes
- * the rotation from the given momentum, which has no error; one of the rotation shows in the energy. */
+ * the rotation from the given momentum, which therefore has no error; an error of the rotation shows in
+ * the energy. */
 TEST(three_moments_keep_momentum_and_energy)
 {
     struct random r = {6};
