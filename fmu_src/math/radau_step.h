@@ -60,6 +60,8 @@ struct radau_step {
     const struct radau_stages *known; /* its method */
     double *weight;                   /* [size]: 1 / error allowed, set by the caller */
     double *jacobian;                 /* [coupled][coupled], by columns */
+    double jacobian_clock;            /* where it was evaluated last; NaN: not known */
+    double *jacobian_y;               /* [coupled] */
     double *by_others, *by_places;    /* its parts for the others: [others][others], [paired][others] */
     double jacobian_since;            /* time from the start to where the Jacobian is [s] */
     struct lu_matrix system[RADAU_MOST_SYSTEMS];
