@@ -890,7 +890,7 @@ static enum advance_result make_step(struct general *g, const struct scene_state
     const double most = g->read_share <= 1.0 ? fmax(step->clock_limit - q->clock, left) : left;
     double longest = (double)INFINITY;
     if (SCENE_ANY_FRICTION && g->step.problem.turns) {
-        g->longest = fmin(g->longest, general_length_of_sliding(g->ode.values, q));
+        g->longest = fmin(g->longest, general_length_of_sliding(g));
     }
     for (;;) {
         if (!general_step_make(g, fmin(most, longest), left, &step->budget, release_within)) {

@@ -1,5 +1,6 @@
 /* This file makes one step of the general segment: its length, the errors allowed, Newton's method. */
 #include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -78,9 +79,10 @@ double general_length_of_impacts(const struct scene_values *v, const struct scen
     return least;
 }
 
-/* Regularized friction as a function of the slip bends where the slip falls to a few v_0. A step ends
- * SLIP_BEFORE times v_0 / |du/dt| before the slip u is zero, where exp(-slip/v_0) is still rounding. The next
- * steps may last SLIP_WITHIN times v_0 / |du/dt|. Below SLIP_AFTER times v_0 friction is nearly linear. */
+/* Regularized friction as a function of the slip bends where the slip falls to a few v_0. A step ends before
+ * that, where exp(-slip/v_0) is still below the error allowed, or at a slip of SLIP_BEFORE times v_0, whose
+ * effect on a speed is rounding. The next steps may last SLIP_WITHIN times v_0 / |du/dt|. Below SLIP_AFTER
+ * times v_0 friction is nearly linear. */
 static const double SLIP_BEFORE = 20.0;
 static const double SLIP_WITHIN = 8.0;
 static const double SLIP_AFTER = 4.0;
@@ -120,21 +122,24 @@ static struct opposed_state opposed_of(const struct scene_values *v, const struc
                                                        : turning_spin_size(at, contact)};
 }
 
-/* Returns the longest step [s] for a motion with the present value `now`, of which the Taylor coefficients 1
- * and 2 in time are in `terms`. */
-static double length_of_opposed(const struct opposed_state *o, struct vec3 now,
+/* Returns the longest step [s] of the relative error `relative` for a motion with the present value `now`, of
+ * which the Taylor coefficients 1 and 2 in time are in `terms`. */
+static double length_of_opposed(const struct opposed_state *o, double relative, struct vec3 now,
                                 const struct vec3 terms[JET_TERMS])
 {
     const double slip = vec3_norm(o->slip);
     const double of[3] = {slip, vec3_dot(terms[1], now) / slip, vec3_dot(terms[2], now) / slip};
     const double zero = time_to_zero(of);
     const double v_0 = o->law.slip_velocity / fabs(of[1] + 2.0 * of[2] * zero); /* in time [s] */
-    return zero < (double)INFINITY && v_0 > 0.0 ? fmax(zero - SLIP_BEFORE * v_0, SLIP_WITHIN * v_0)
+    const double before = fmin(-log(relative), SLIP_BEFORE);
+    return zero < (double)INFINITY && v_0 > 0.0 ? fmax(zero - before * v_0, SLIP_WITHIN * v_0)
                                                 : (double)INFINITY;
 }
 
-double general_length_of_sliding(const struct scene_values *v, const struct scene_state *q)
+double general_length_of_sliding(const struct general *g)
 {
+    const struct scene_values *v = g->ode.values;
+    const struct scene_state *q = g->state;
     struct scene_instant at;
     struct scene_jet along;
     double least = (double)INFINITY;
@@ -154,8 +159,8 @@ double general_length_of_sliding(const struct scene_values *v, const struct scen
                 known = true;
             }
             const struct turning_jet *jet = &along.turning[j];
-            least = fmin(least, i == OPPOSED_SLIP ? length_of_opposed(o, jet->slip[0], jet->slip)
-                                                  : length_of_opposed(o, o->slip, jet->spin));
+            least = fmin(least, i == OPPOSED_SLIP ? length_of_opposed(o, g->relative, jet->slip[0], jet->slip)
+                                                  : length_of_opposed(o, g->relative, o->slip, jet->spin));
         }
     }
     return fmax(least, SLIP_SHORTEST * fmax(q->clock, 1.0));
@@ -363,7 +368,8 @@ static const double SPANS_IMPACT[2] = {0.8, 1.5};
 
 /* Returns the stages of a long step. Twelve follow an impact in one step, where eight take four steps and
  * 60 % more instructions. Elsewhere eight take fewer, because Newton's method limits the steps as much as
- * their error does: F2 to F4 of the report and the rollers take 20 to 40 % fewer so at 1e-9. */
+ * their error does: F2 to F4 of the report and the rollers take 20 to 40 % fewer so at 1e-9. In steps that are
+ * read within, twelve would save F3 a quarter and cost F2 and the rollers 10 to 60 %. */
 static const struct radau_stages *stages_of_long_step(const struct general *g, double length)
 {
     const double radians = length / general_length_of_springs(g);

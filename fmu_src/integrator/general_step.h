@@ -116,7 +116,7 @@ void general_follow(struct general *g, struct scene_state *q, double clock);
  * g->step and impacts that begin under Hertz's law limit the first step. Regularized friction whose slip is
  * about to end limits every step. */
 double general_length_of_springs(const struct general *g);
-double general_length_of_sliding(const struct scene_values *v, const struct scene_state *q);
+double general_length_of_sliding(const struct general *g);
 double general_length_of_impacts(const struct scene_values *v, const struct scene_state *q,
                                  const struct scene_instant *at);
 

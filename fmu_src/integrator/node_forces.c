@@ -673,7 +673,7 @@ enum { MOST_NODE_ITERATIONS = 16, MOST_FACTORIZATIONS = 5 };
 
 /* Slopes are kept while each correction is less than this part of the one before. New slopes and their
  * factors cost about three iterations. */
-static const double KEEPING_SLOPES = 0.4;
+static const double KEEPING_SLOPES = 0.2;
 
 /* Corrections that grow by more than this do not converge with new slopes either. */
 static const double LARGEST_GROWTH = 2.0;
