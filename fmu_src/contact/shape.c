@@ -32,19 +32,20 @@ bool contact_is_capped(const struct contact_shape *shape)
     return CONTACT_ANY_CAPS && shape->solid.half_height > 0.0;
 }
 
-static struct skew_axes skew_axes_of(const struct contact_solid *solid)
+static const struct skew_frame *skew_frame_of(const struct contact_solid *solid)
 {
 #if CONTACT_ANY_SKEW
-    return solid->skew;
+    return &solid->skew;
 #else
+    static const struct skew_frame NONE = {.sine = 0.0};
     (void)solid;
-    return (struct skew_axes){.source_half = 0.0};
+    return &NONE;
 #endif
 }
 
 static bool solid_is_skew(const struct contact_solid *solid)
 {
-    return CONTACT_ANY_SKEW && skew_axes_of(solid).source_half > 0.0;
+    return CONTACT_ANY_SKEW && skew_frame_of(solid)->axes.source_half > 0.0;
 }
 
 bool contact_is_skew(const struct contact_shape *shape)
@@ -185,38 +186,12 @@ static struct contact_geometry geometry_in(const struct contact_shape *shape, st
     return at;
 }
 
-/* The plane of the parallelogram of skew cylinders. */
-struct skew_frame {
-    struct skew_axes axes;
-    struct vec3 normal; /* along e_s x e_d */
-    /* unit vectors in the plane, across e_s and across e_d: e_d = cosine e_s + sine across_source, e_s =
-     * cosine e_d + sine across_destination */
-    struct vec3 across_source, across_destination;
-    double cosine, sine; /* of the angle between the axes */
-};
-
-/* The part of e_d across e_s is projected twice, so that the normal is perpendicular to both axes to rounding
- * where they are nearly parallel too. */
-static struct skew_frame skew_frame_of(const struct contact_solid *solid)
-{
-    struct skew_frame frame = {.axes = skew_axes_of(solid)};
-    const struct vec3 e = frame.axes.source;
-    frame.cosine = vec3_dot(frame.axes.destination, e);
-    const struct vec3 once = vec3_axpy(frame.axes.destination, -frame.cosine, e);
-    const struct vec3 across = vec3_axpy(once, -vec3_dot(once, e), e);
-    frame.sine = vec3_norm(across);
-    frame.across_source = vec3_scale(1.0 / frame.sine, across);
-    frame.across_destination = vec3_axpy(vec3_scale(frame.sine, e), -frame.cosine, frame.across_source);
-    frame.normal = vec3_cross(e, frame.across_source);
-    return frame;
-}
-
 struct skew_face contact_skew_face(const struct contact_solid *solid)
 {
-    const struct skew_frame frame = skew_frame_of(solid);
+    const struct skew_frame *frame = skew_frame_of(solid);
     return (struct skew_face){
-        {frame.across_destination, frame.across_source},
-        {frame.sine * frame.axes.source_half, frame.sine * frame.axes.destination_half}};
+        {frame->across_destination, frame->across_source},
+        {frame->sine * frame->axes.source_half, frame->sine * frame->axes.destination_half}};
 }
 
 /* Which ends of both axes a zone of skew cylinders is at: -1, +1, or 0 within. */
@@ -265,27 +240,27 @@ static double skew_margin(const struct skew_frame *frame, int zone, struct vec3 
 /* Returns the place of the edge or corner of the parallelogram that a zone is at, zero at its face [m]. */
 static struct vec3 skew_corner(const struct contact_solid *solid)
 {
-    const struct skew_axes axes = skew_axes_of(solid);
+    const struct skew_axes *axes = &skew_frame_of(solid)->axes;
     const struct skew_ends at = skew_ends_of(solid->zone);
     const struct vec3 along_source =
-        at.source != 0 ? vec3_scale(at.source * axes.source_half, axes.source) : vec3_make(0.0, 0.0, 0.0);
+        at.source != 0 ? vec3_scale(at.source * axes->source_half, axes->source) : vec3_make(0.0, 0.0, 0.0);
     return at.destination != 0
-               ? vec3_axpy(along_source, -at.destination * axes.destination_half, axes.destination)
+               ? vec3_axpy(along_source, -at.destination * axes->destination_half, axes->destination)
                : along_source;
 }
 
 /* Returns a pair of skew cylinders as c meets it in its zone. */
 static struct contact_shape skew_shape_in(struct contact_shape in)
 {
-    const struct skew_axes axes = skew_axes_of(&in.solid);
+    const struct skew_axes *axes = &skew_frame_of(&in.solid)->axes;
     const struct skew_ends at = skew_ends_of(in.solid.zone);
     in.destination = in.solid.zone == 0                      ? SHAPE_SKEW
                      : at.source != 0 && at.destination != 0 ? SHAPE_SPHERE
                      : at.source == 0 && at.destination == 0 ? SHAPE_PLANE
                                                              : SHAPE_CYLINDER;
-    in.axis = at.destination != 0 ? axes.source : axes.destination;
+    in.axis = at.destination != 0 ? axes->source : axes->destination;
     if (in.destination == SHAPE_PLANE) { /* its outward normal is -n */
-        in.axis = vec3_scale(in.solid.zone < 0 ? 1.0 : -1.0, skew_frame_of(&in.solid).normal);
+        in.axis = vec3_scale(in.solid.zone < 0 ? 1.0 : -1.0, skew_frame_of(&in.solid)->normal);
     }
     return in;
 }
@@ -465,8 +440,8 @@ struct contact_shape contact_shape_in(const struct contact_shape *shape, int zon
 double contact_zone_margin(const struct contact_solid *solid, int zone, struct vec3 c)
 {
     if (solid_is_skew(solid)) {
-        const struct skew_frame frame = skew_frame_of(solid);
-        return skew_margin(&frame, zone, c);
+        const struct skew_frame *frame = skew_frame_of(solid);
+        return skew_margin(frame, zone, c);
     }
     const struct solid_place at = contact_place_at(solid, c);
     if (zone == ZONE_SIDE) {
@@ -543,11 +518,11 @@ int contact_zone_at(const struct contact_solid *solid, struct vec3 c)
         const struct solid_place place = contact_place_at(solid, c);
         return contact_zone_by(&place);
     }
-    const struct skew_frame frame = skew_frame_of(solid);
+    const struct skew_frame *frame = skew_frame_of(solid);
     int nearest = -SKEW_FACE;
-    double most = skew_margin(&frame, nearest, c);
+    double most = skew_margin(frame, nearest, c);
     for (int zone = SKEW_ZONE; zone <= SKEW_LAST; ++zone) {
-        const double margin = skew_margin(&frame, zone, c);
+        const double margin = skew_margin(frame, zone, c);
         if (margin > most) {
             nearest = zone;
             most = margin;
@@ -567,11 +542,24 @@ bool contact_zone_jumps(const struct contact_solid *solid, int zone, int next, s
            fmax(fabs(place.radial), fabs(place.axial)) <= rounding;
 }
 
+/* The part of e_d across e_s is projected twice, so that the normal is perpendicular to both axes to rounding
+ * where they are nearly parallel too. */
 void contact_make_skew(struct contact_shape *shape, struct skew_axes axes)
 {
 #if CONTACT_ANY_SKEW
+    struct skew_frame *frame = &shape->solid.skew;
+    const struct vec3 e = axes.source;
+    const double cosine = vec3_dot(axes.destination, e);
+    const struct vec3 once = vec3_axpy(axes.destination, -cosine, e);
+    const struct vec3 across = vec3_axpy(once, -vec3_dot(once, e), e);
+    const double sine = vec3_norm(across);
     shape->destination = SHAPE_SKEW;
-    shape->solid.skew = axes;
+    frame->axes = axes;
+    frame->cosine = cosine;
+    frame->sine = sine;
+    frame->across_source = vec3_scale(1.0 / sine, across);
+    frame->across_destination = vec3_axpy(vec3_scale(sine, e), -cosine, frame->across_source);
+    frame->normal = vec3_cross(e, frame->across_source);
 #else
     (void)shape;
     (void)axes;
@@ -580,18 +568,19 @@ void contact_make_skew(struct contact_shape *shape, struct skew_axes axes)
 
 double contact_skew_sine(const struct contact_shape *shape)
 {
-    return skew_frame_of(&shape->solid).sine;
+    return skew_frame_of(&shape->solid)->sine;
 }
 
 /* Returns the factor of c in a, the place of the nearest point along e_s, within a zone; a is linear in c. */
 static struct vec3 skew_slope(const struct contact_solid *solid)
 {
-    const struct skew_frame frame = skew_frame_of(solid);
+    const struct skew_frame *frame = skew_frame_of(solid);
     const struct skew_ends ends = skew_ends_of(solid->zone);
     if (ends.source != 0) {
         return vec3_make(0.0, 0.0, 0.0);
     }
-    return ends.destination != 0 ? frame.axes.source : vec3_scale(1.0 / frame.sine, frame.across_destination);
+    return ends.destination != 0 ? frame->axes.source
+                                 : vec3_scale(1.0 / frame->sine, frame->across_destination);
 }
 
 struct vec3 contact_foot_along(const struct contact_shape *shape, struct vec3 change)
@@ -599,8 +588,8 @@ struct vec3 contact_foot_along(const struct contact_shape *shape, struct vec3 ch
     if (!contact_is_skew(shape)) {
         return vec3_make(0.0, 0.0, 0.0);
     }
-    const struct skew_axes axes = skew_axes_of(&shape->solid);
-    return vec3_scale(vec3_dot(skew_slope(&shape->solid), change), axes.source);
+    const struct skew_axes *axes = &skew_frame_of(&shape->solid)->axes;
+    return vec3_scale(vec3_dot(skew_slope(&shape->solid), change), axes->source);
 }
 
 struct vec3 contact_foot(const struct contact_shape *shape, struct vec3 c)
@@ -610,11 +599,11 @@ struct vec3 contact_foot(const struct contact_shape *shape, struct vec3 c)
     }
     const struct contact_shape in =
         shape->solid.zone != 0 ? *shape : contact_shape_in(shape, contact_zone_at(&shape->solid, c));
-    const struct skew_axes axes = skew_axes_of(&in.solid);
+    const struct skew_axes *axes = &skew_frame_of(&in.solid)->axes;
     const struct skew_ends ends = skew_ends_of(in.solid.zone);
     const struct vec3 corner = skew_corner(&in.solid);
-    const double end = ends.source != 0 ? ends.source * axes.source_half : 0.0;
-    return vec3_axpy(contact_foot_along(&in, vec3_sub(c, corner)), end, axes.source);
+    const double end = ends.source != 0 ? ends.source * axes->source_half : 0.0;
+    return vec3_axpy(contact_foot_along(&in, vec3_sub(c, corner)), end, axes->source);
 }
 
 struct vec3 contact_source_arm(const struct contact_shape *shape, struct vec3 normal, struct vec3 foot)

@@ -38,6 +38,16 @@ struct skew_axes {
     double source_half, destination_half;
 };
 
+/* The plane of the parallelogram that these axes span. */
+struct skew_frame {
+    struct skew_axes axes;
+    struct vec3 normal; /* along e_s x e_d */
+    /* unit vectors in the plane, across e_s and across e_d: e_d = cosine e_s + sine across_source, e_s =
+     * cosine e_d + sine across_destination */
+    struct vec3 across_source, across_destination;
+    double cosine, sine; /* of the angle between the axes */
+};
+
 /* A capped cylinder, of which the struct contact_shape below is the zone (side, cap, rim) that the source
  * meets; or a torus, whose radius here is that of the circle in the middle of its tube. A torus has no height
  * and no zone. */
@@ -49,7 +59,7 @@ struct contact_solid {
     int zone;
     int race; /* of a torus: +1 only rho <= R is touched, -1 only rho >= R, 0 all of it */
 #if CONTACT_ANY_SKEW
-    struct skew_axes skew;
+    struct skew_frame skew;
 #endif
 };
 

@@ -374,15 +374,15 @@ static void put_axis(const struct scene_values *v, const struct scene_state *q, 
     }
 }
 
-void turning_slip_of_contact(const struct scene_values *v, const struct scene_state *q, int contact,
-                             struct scene_instant *at)
+/* Sets arms and slip of a contact whose geometry is known, by its shape. */
+static void put_arms_and_slip(const struct contact_shape *whole, int contact, struct scene_instant *at)
 {
     struct turning_instant *turning = &at->turning;
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_shape shape = contact_has_skew_axes(v, contact) ? scene_shape_met(v, q, at, contact)
-                                                                         : scene_contact_shape(v, q, contact);
+    const struct contact_shape shape =
+        contact_is_skew(whole) && g->zone != 0 ? contact_shape_in(whole, g->zone) : *whole;
     const struct vec3 arm =
         contact_source_arm(&shape, g->normal, contact_foot(&shape, at->separation[contact]));
     turning->source_arm[contact] = arm;
@@ -427,13 +427,12 @@ static void put_torques(const struct scene_values *v, struct scene_instant *at, 
     }
 }
 
-/* Sets slip, friction and torques of a contact whose geometry and normal force are known. Adds friction to
- * the force on the source. */
+/* Sets friction and torques of a contact whose slip and normal force are known. Adds friction to the force on
+ * the source. */
 static void turning_of_contact(const struct scene_values *v, const struct scene_state *q,
                                const struct turning_state *state, int contact, struct scene_instant *at)
 {
     struct turning_instant *turning = &at->turning;
-    turning_slip_of_contact(v, q, contact, at);
     struct vec3 opposing[OPPOSED] = {{0.0, 0.0, 0.0}};
     const bool rubs = contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
     for (int i = 0; rubs && i < contact_opposed(v, contact); ++i) {
@@ -459,7 +458,9 @@ void turning_complete(const struct scene_values *v, const struct scene_state *q,
 {
     put_turns(v, q, q->clock, &q->turning, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_shape shape = scene_contact_shape(v, q, j);
         put_axis(v, q, j, at);
+        put_arms_and_slip(&shape, j, at);
         turning_of_contact(v, q, &q->turning, j, at);
     }
 }
@@ -584,6 +585,9 @@ CONTACT_NOINLINE void scene_meet(const struct scene_values *v, const struct scen
         at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate, q->contact[j].normal);
         if (turns && at->geometry[j].degenerate && contact_is_cylinder(&shape)) {
             contact_hold_across(&shape, rate, &at->geometry[j]);
+        }
+        if (turns) {
+            put_arms_and_slip(&shape, j, at);
         }
     }
 }

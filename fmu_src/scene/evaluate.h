@@ -203,10 +203,6 @@ double turning_prescribed_steps(const struct scene_values *v, const struct scene
 /* Returns the orientation and angular velocity of a body of prescribed rotation at a clock. */
 struct body_turn turning_prescribed_at(const struct scene_state *q, double clock, int body);
 
-/* Sets the arms and the slip of a contact whose geometry is known. */
-void turning_slip_of_contact(const struct scene_values *v, const struct scene_state *q, int contact,
-                             struct scene_instant *at);
-
 /* Completes an instant that has kinematics, arms and slips by given contact forces on the sources [N], one
  * for each contact: accelerations, F_n, and where scene_turns torques and F_t. */
 void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,

@@ -599,13 +599,7 @@ void ode_contact_motion(const struct scene_ode *ode, const double *y, bool all, 
         }
         met = touching;
     }
-    const bool turns = scene_turns(v);
     scene_meet(v, ode->state, met, at);
-    for (int j = 0; turns && j < SCENE_CONTACTS; ++j) {
-        if (met == NULL || met[j]) {
-            turning_slip_of_contact(v, ode->state, j, at);
-        }
-    }
 }
 
 void ode_rates_without_contact(const struct scene_ode *ode, double clock, double *rates)
