@@ -23,18 +23,20 @@ struct node {
     struct vec3 by_force[ROWS], by_velocity[ROWS], by_place[ROWS];
 };
 
-/* How a body moves under a force: 1/m [1/kg], 1/I_1 [1/(kg m^2)], I_1/I_3 - 1; all zero if it is not free.
- * Its rotation is `across` times L/I_1, plus the flatness times its part along the axis: across is 1, and 0
- * for a body that keeps its axis, which has a flatness of 1. */
+/* How a body moves under a force: 1/m [1/kg] and 1/I_1 [1/(kg m^2)]; zero if it does not. */
 struct mobility {
     bool moves;
-    double by_mass, by_inertia, across, flatness;
+    double by_mass, by_inertia;
 };
 
-/* Whether the inertia about the axis of a body differs from that across it: of cylinders only. */
-static inline bool is_flat(const struct mobility *m)
+/* The matrix by which L/I_1 of a body makes its rotation, by rows; it is symmetric. */
+struct rotation_by_spin {
+    struct vec3 row[3];
+};
+
+static inline struct vec3 rotated_by(const struct rotation_by_spin *m, struct vec3 spin)
 {
-    return SCENE_ANY_AXIS && m->flatness != 0.0;
+    return vec3_make(vec3_dot(m->row[0], spin), vec3_dot(m->row[1], spin), vec3_dot(m->row[2], spin));
 }
 
 /* A contact that transmits forces. `body`, `speed` and `spin` are its bodies, source first, and the indices
@@ -67,9 +69,9 @@ struct iteration {
     struct node_contact contact[MOST_NODES];
     struct node node[RADAU_MOST_STAGES][MOST_NODES];
     struct normals normals[MOST_NODES];
-    double admittance[MOST_NODES];                     /* scale of the responses that are forces [m/(N s)] */
-    struct vec3 axis[RADAU_MOST_STAGES][SCENE_BODIES]; /* third axes of the bodies */
+    double admittance[MOST_NODES]; /* scale of the responses that are forces [m/(N s)] */
     struct mobility mobility[SCENE_BODIES];
+    struct rotation_by_spin rotation[RADAU_MOST_STAGES][SCENE_BODIES];
     int among[ODE_MOST_STATES]; /* indices of states among those that are no places */
     double *rates, *bare; /* [stages][width] rates of these states with and without the contact forces */
     bool stale;           /* whether the slopes of a contact that rolls have changed by more than STALE */
@@ -88,6 +90,17 @@ static inline int unknown_of(const struct iteration *it, int contact, int stage)
     return it->g->step.stages->stages * c->first + stage * c->rows;
 }
 
+static struct rotation_by_spin rotation_of(const struct scene_values *v, int body,
+                                           struct quaternion orientation)
+{
+    struct rotation_by_spin to;
+    for (int k = 0; k < 3; ++k) {
+        const struct vec3 spin = {k == 0, k == 1, k == 2};
+        to.row[k] = body_rotation_of(v, body, orientation, spin);
+    }
+    return to;
+}
+
 static void prepare_bodies(struct iteration *it)
 {
     const struct scene_values *v = it->g->ode.values;
@@ -96,22 +109,24 @@ static void prepare_bodies(struct iteration *it)
         to->by_mass = body_inverse_mass(v, i);
         if (body_turns_freely(v, i)) {
             to->by_inertia = 1.0 / body_inertia_of(v, i).transverse;
-            to->across = body_keeps_axis(i) ? 0.0 : 1.0;
-            to->flatness = body_keeps_axis(i) ? 1.0 : body_flatness(v, i);
-            for (int stage = 0; body_keeps_axis(i) && stage < RADAU_MOST_STAGES; ++stage) {
-                it->axis[stage][i] = quaternion_third_axis(it->g->state->turning.body[i].orientation);
+            it->rotation[0][i] = rotation_of(v, i, it->g->state->turning.body[i].orientation);
+            for (int stage = 1; stage < RADAU_MOST_STAGES; ++stage) {
+                it->rotation[stage][i] = it->rotation[0][i];
             }
         }
         to->moves = to->by_mass > 0.0 || to->by_inertia > 0.0;
     }
 }
 
+int node_forces_of(const struct scene_values *v, int contact)
+{
+    return contact_rubs(v, contact) ? ROWS : ROWS_WITHOUT_FRICTION;
+}
+
 /* Returns the number of unknowns of a contact at a stage; zero where it transmits no force. */
 static int rows_of(const struct general *g, int contact)
 {
-    return !contact_transmits(g->state, contact)  ? 0
-           : contact_rubs(g->ode.values, contact) ? ROWS
-                                                  : ROWS_WITHOUT_FRICTION;
+    return contact_transmits(g->state, contact) ? node_forces_of(g->ode.values, contact) : 0;
 }
 
 static void note_node_contact(struct iteration *it, int contact)
@@ -295,7 +310,7 @@ static struct scene_instant *move_to_stage(struct iteration *it, int stage, bool
 static void put_orientation_rates(struct iteration *it, int stage, const struct scene_instant *at)
 {
     const struct ode_layout *layout = &it->g->ode.layout;
-    for (int i = 0; SCENE_ANY_AXIS && i < SCENE_BODIES; ++i) {
+    for (int i = 0; (SCENE_ANY_AXIS || SCENE_ANY_COMPOUND) && i < SCENE_BODIES; ++i) {
         const int k = layout->orientation[i];
         if (k >= 0 && k < layout->coupled) {
             const double *y = it->g->step.point + k;
@@ -304,7 +319,43 @@ static void put_orientation_rates(struct iteration *it, int stage, const struct 
             double *to = it->rates + stage * it->g->step.width + it->among[k];
             to[0] = rate.w;
             vec3_to(quaternion_vector(rate), to + 1);
-            it->axis[stage][i] = quaternion_third_axis(at->turning.body[i].orientation);
+            it->rotation[stage][i] = rotation_of(it->g->ode.values, i, at->turning.body[i].orientation);
+        }
+    }
+}
+
+static void add_vector(double *to, double factor, struct vec3 a)
+{
+    to[0] += factor * a.x;
+    to[1] += factor * a.y;
+    to[2] += factor * a.z;
+}
+
+/* Adds the rates that the orientations get by the changes of the spins to come, so that the places of contacts
+ * on bodies that tip follow the forces at once. */
+static void move_orientations(struct iteration *it)
+{
+    const struct radau_step *p = &it->g->step;
+    const struct ode_layout *layout = &it->g->ode.layout;
+    bool any = false;
+    for (int i = 0; (SCENE_ANY_AXIS || SCENE_ANY_COMPOUND) && i < SCENE_BODIES; ++i) {
+        const int k = layout->orientation[i];
+        if (!(k >= 0 && k < layout->coupled)) {
+            continue;
+        }
+        if (!any) {
+            radau_step_pending(p, it->rates, p->scratch);
+            any = true;
+        }
+        for (int stage = 0; stage < p->stages->stages; ++stage) {
+            const double *change = p->others_change + stage * p->width + it->among[k];
+            const struct quaternion at = {p->y[k] + change[0], p->y[k + 1] + change[1],
+                                          p->y[k + 2] + change[2], p->y[k + 3] + change[3]};
+            const struct vec3 spin = vec3_from(p->scratch + stage * p->width + it->among[layout->spin[i]]);
+            const struct quaternion rate = quaternion_rate(at, rotated_by(&it->rotation[stage][i], spin));
+            double *to = it->rates + stage * p->width + it->among[k];
+            to[0] += rate.w;
+            add_vector(to + 1, 1.0, quaternion_vector(rate));
         }
     }
 }
@@ -336,13 +387,6 @@ static void evaluate_nodes(struct iteration *it, bool anew)
     p->evaluations += s;
 }
 
-static void add_vector(double *to, double factor, struct vec3 a)
-{
-    to[0] += factor * a.x;
-    to[1] += factor * a.y;
-    to[2] += factor * a.z;
-}
-
 /* Adds a force of a contact to the rates at a stage. */
 static void add_force(struct iteration *it, int stage, int contact, struct vec3 force)
 {
@@ -370,12 +414,8 @@ static struct vec3 velocity_of(const struct iteration *it, int stage, int contac
             sum = vec3_axpy(sum, SIGN_OF_END[end], vec3_from(change + ends->speed[end]));
         }
         if (ends->spin[end] >= 0) {
-            const struct mobility *m = &it->mobility[ends->body[end]];
-            struct vec3 turned = vec3_from(change + ends->spin[end]);
-            if (is_flat(m)) {
-                const struct vec3 e = it->axis[stage][ends->body[end]];
-                turned = vec3_axpy(vec3_scale(m->across, turned), m->flatness * vec3_dot(turned, e), e);
-            }
+            const struct vec3 turned =
+                rotated_by(&it->rotation[stage][ends->body[end]], vec3_from(change + ends->spin[end]));
             const struct vec3 arm = it->node[stage][contact].arm[end];
             sum = vec3_axpy(sum, SIGN_OF_END[end], vec3_cross(turned, arm));
         }
@@ -414,9 +454,7 @@ static void add_pending(struct iteration *it)
 /* A body that two contacts share, and the ends of both contacts at which it is. */
 struct shared_body {
     int body, end, other_end;
-    /* 1/m, the part of 1/I_1 that acts in every direction, and the part that the axis adds; all are negative
-     * where the ends differ */
-    double by_mass, by_inertia, by_axis;
+    double by_mass, by_inertia; /* 1/m and 1/I_1, negative where the ends differ */
 };
 
 static int shared_bodies(const struct iteration *it, int c, int d, struct shared_body list[4])
@@ -427,60 +465,50 @@ static int shared_bodies(const struct iteration *it, int c, int d, struct shared
         const struct mobility *m = &it->mobility[body];
         const double sign = k / 2 == k % 2 ? 1.0 : -1.0;
         if (body == it->contact[d].body[k % 2] && m->moves) {
-            list[count++] = (struct shared_body){body,
-                                                 k / 2,
-                                                 k % 2,
-                                                 sign * m->by_mass,
-                                                 sign * m->by_inertia * m->across,
-                                                 SCENE_ANY_AXIS ? sign * m->by_inertia * m->flatness : 0.0};
+            list[count++] = (struct shared_body){body, k / 2, k % 2, sign * m->by_mass, sign * m->by_inertia};
         }
     }
     return count;
 }
 
-/* A matrix M: a force at the arm `of` of a body changes the body's velocity at the arm `arm` by M times the
- * force. M = I / m - [arm] J^-1 [of] = alike I - of (by_inertia arm)^T + turned lever^T. */
-struct mobility_between {
-    double alike, by_inertia;
-    struct vec3 arm, of, lever, turned;
+/* The rows of a contact at a stage times the rotation that a torque on a shared body makes. */
+struct turned_rows {
+    int other_end;
+    struct vec3 by_velocity[ROWS], by_place[ROWS]; /* per torque */
 };
 
-static inline struct mobility_between mobility_of(const struct shared_body *m, struct vec3 arm,
-                                                  struct vec3 of, struct vec3 axis)
+/* A torque M turns a body by J^-1 M, which moves the contact by J^-1 M x arm. */
+static struct turned_rows turned_rows_of(const struct iteration *it, int stage, int contact,
+                                         const struct shared_body *m)
 {
-    struct mobility_between to = {m->by_mass + m->by_inertia * vec3_dot(arm, of),
-                                  m->by_inertia,
-                                  arm,
-                                  of,
-                                  vec3_make(0.0, 0.0, 0.0),
-                                  vec3_make(0.0, 0.0, 0.0)};
-    if (SCENE_ANY_AXIS && m->by_axis != 0.0) {
-        to.lever = vec3_cross(arm, axis);
-        to.turned = vec3_scale(m->by_axis, vec3_cross(of, axis));
+    const struct node *node = &it->node[stage][contact];
+    const struct rotation_by_spin *rotation = &it->rotation[stage][m->body];
+    const struct vec3 arm = vec3_scale(m->by_inertia, node->arm[m->end]);
+    struct turned_rows to = {.other_end = m->other_end};
+    for (int r = 0; r < it->contact[contact].rows && m->by_inertia != 0.0; ++r) {
+        to.by_velocity[r] = rotated_by(rotation, vec3_cross(arm, node->by_velocity[r]));
+        to.by_place[r] = rotated_by(rotation, vec3_cross(arm, node->by_place[r]));
     }
     return to;
 }
 
-/* Returns the product of a row and M. */
-static inline struct vec3 row_times_mobility(struct vec3 row, const struct mobility_between *m)
-{
-    const double turned = m->by_inertia * vec3_dot(row, m->of);
-    const struct vec3 effect = vec3_axpy(vec3_scale(m->alike, row), -turned, m->arm);
-    return SCENE_ANY_AXIS ? vec3_axpy(effect, vec3_dot(row, m->lever), m->turned) : effect;
-}
-
 /* Writes the rows of one contact and the columns of another at a pair of stages. The rows change with the
- * integrals `once` and `square` of the forces, through the bodies that both contacts share. */
+ * integrals `once` and `square` of the forces, through the bodies that both contacts share: by their masses,
+ * of which `by_mass` is the sum of the inverses, and by the torques that the forces make. */
 static inline void put_block(const struct iteration *it, const struct node *node, int rows,
-                             const struct node *by, int columns, const struct mobility_between *shared,
-                             int count, double once, double square, double *to)
+                             const struct node *by, int columns, double by_mass,
+                             const struct turned_rows *turned, int count, double once, double square,
+                             double *to)
 {
     const int stride = it->g->step.all.stride;
     for (int r = 0; r < rows; ++r) {
         const struct vec3 row = vec3_axpy(vec3_scale(once, node->by_velocity[r]), square, node->by_place[r]);
-        struct vec3 effect = node == by ? node->by_force[r] : vec3_make(0.0, 0.0, 0.0);
+        struct vec3 effect = vec3_scale(by_mass, row);
+        effect = node == by ? vec3_add(effect, node->by_force[r]) : effect;
         for (int l = 0; l < count; ++l) {
-            effect = vec3_add(effect, row_times_mobility(row, &shared[l]));
+            const struct turned_rows *t = &turned[l];
+            const struct vec3 turn = vec3_axpy(vec3_scale(once, t->by_velocity[r]), square, t->by_place[r]);
+            effect = vec3_add(effect, vec3_cross(turn, by->arm[t->other_end]));
         }
         if (columns == ROWS_WITHOUT_FRICTION) {
             to[r] = vec3_dot(effect, by->push);
@@ -547,26 +575,23 @@ static void put_blocks(const struct iteration *it, int c, int d)
         clear_blocks(it, c, d);
         return;
     }
+    double by_mass = 0.0;
+    for (int l = 0; l < count; ++l) {
+        by_mass += shared[l].by_mass;
+    }
     if (!(SCENE_ANY_TURNING && scene_turns(it->g->ode.values))) {
-        double by_mass = 0.0;
-        for (int l = 0; l < count; ++l) {
-            by_mass += shared[l].by_mass;
-        }
         put_blocks_of_normals(it, c, d, by_mass);
         return;
     }
     for (int i = 0; i < s; ++i) {
         const struct node *node = &it->node[i][c];
         double *rows = p->all.re + unknown_of(it, c, i);
+        struct turned_rows turned[4];
+        for (int l = 0; l < count; ++l) {
+            turned[l] = turned_rows_of(it, i, c, &shared[l]);
+        }
         for (int j = 0; j < s; ++j) {
-            const struct node *by = &it->node[j][d];
-            struct mobility_between between[4];
-            for (int l = 0; l < count; ++l) {
-                const int body = shared[l].body;
-                between[l] = mobility_of(&shared[l], node->arm[shared[l].end], by->arm[shared[l].other_end],
-                                         SCENE_ANY_AXIS ? it->axis[i][body] : vec3_make(0.0, 0.0, 0.0));
-            }
-            put_block(it, node, of->rows, by, from->rows, between, count,
+            put_block(it, node, of->rows, &it->node[j][d], from->rows, by_mass, turned, count,
                       p->length * columns->once[j * s + i], p->length * p->length * columns->twice[j * s + i],
                       rows + unknown_of(it, d, j) * p->all.stride);
         }
@@ -702,8 +727,7 @@ static const double CROWDED = 1.0 / 3.0;
 
 bool node_forces_apply(const struct general *g)
 {
-    /* the unknowns are forces, neither springs nor torques; orientations move no place of a force */
-    bool refused = SCENE_ANY_COMPOUND;
+    bool refused = false; /* the unknowns are forces, neither springs nor torques */
     int rows = 0;
     int contacts = 0;
     bool bends = false;
@@ -736,6 +760,7 @@ bool node_forces_solve(struct general *g, double tolerance, void (*set_weights)(
         }
         add_pending(&it);
         correct_forces(&it);
+        move_orientations(&it);
         const double size = radau_step_integrate(p, it.rates);
         if (!isfinite(size)) {
             return false;

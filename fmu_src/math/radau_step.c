@@ -149,8 +149,9 @@ static inline void radau_polynomials_at(int count, double place, double *of)
 static int rows_of_all(const struct radau_problem *problem)
 {
     const int others = problem->coupled - problem->paired;
-    return RADAU_MOST_STAGES *
-           (problem->turns || others < RADAU_MOST_UNKNOWNS ? others : RADAU_MOST_UNKNOWNS);
+    const int wanted = problem->unknowns > others ? problem->unknowns : others;
+    const int most = problem->turns && others > RADAU_MOST_UNKNOWNS ? others : RADAU_MOST_UNKNOWNS;
+    return RADAU_MOST_STAGES * (wanted < most ? wanted : most);
 }
 
 int radau_step_most_unknowns(const struct radau_step *p)
