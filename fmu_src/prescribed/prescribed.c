@@ -612,17 +612,30 @@ static int event_passed(const struct margins *now, const struct margins *start)
     return REGIME_EVENTS;
 }
 
+/* Lifts an opposed motion, as lift_friction of scene/transition.c does. */
+static void lift_part(const struct prescribed_contact *c, int part, struct vec3 spring)
+{
+    const bool relaxes = scene_friction_law(c->v, c->q, c->contact, part).damping > 0.0;
+    rub_with(c, part, FRICTION_LIFTED, relaxes ? spring : NO_SPRING);
+}
+
+/* Ends the lifting of an opposed motion. */
+static void rub_part_again(const struct prescribed_contact *c, double clock, int part, struct vec3 spring)
+{
+    if (vec3_max_abs(spring) > 0.0) {
+        rub_with(c, part, FRICTION_SLIDING, spring); /* it has not relaxed */
+    } else {
+        start_friction(c, clock, part);
+    }
+}
+
 /* Ends or begins the lifting of an opposed motion. */
 static void change_lifting(const struct prescribed_contact *c, double clock, int part, struct vec3 spring)
 {
-    const bool is_lifted = rubbing_regime(c, part) == FRICTION_LIFTED;
-    if (is_lifted && !(vec3_max_abs(spring) > 0.0)) {
-        start_friction(c, clock, part);
-    } else if (is_lifted) {
-        rub_with(c, part, FRICTION_SLIDING, spring); /* it has not relaxed */
+    if (rubbing_regime(c, part) == FRICTION_LIFTED) {
+        rub_part_again(c, clock, part, spring);
     } else {
-        const bool relaxes = scene_friction_law(c->v, c->q, c->contact, part).damping > 0.0;
-        rub_with(c, part, FRICTION_LIFTED, relaxes ? spring : NO_SPRING);
+        lift_part(c, part, spring);
     }
 }
 
@@ -683,15 +696,23 @@ static void reconsider_friction(const struct prescribed_contact *c, double clock
 
 /* Sets friction after the law's event. Friction ends or begins with the normal force, and may stick at a
  * corner of this force. */
-static void follow_law(const struct prescribed_contact *c, double clock, enum contact_regime before)
+static void follow_law(const struct prescribed_contact *c, double clock, struct springs springs,
+                       enum contact_regime before)
 {
+    const bool separates = regime_of(c) == REGIME_SEPARATING;
     if (!contact_rubs(c->v, c->contact)) {
         return;
     }
-    if (before == REGIME_SEPARATING || !contact_transmits(c->q, c->contact)) {
-        friction_from(c, clock);
-    } else {
+    if (!separates && before != REGIME_SEPARATING) {
         reconsider_friction(c, clock);
+        return;
+    }
+    for (int i = 0; i < contact_opposed(c->v, c->contact); ++i) {
+        if (separates) {
+            lift_part(c, i, springs.of[i]);
+        } else {
+            rub_part_again(c, clock, i, springs.of[i]);
+        }
     }
 }
 
@@ -718,7 +739,7 @@ static void take_regime_event(const struct prescribed_contact *c, double clock, 
         c->q->contact[c->contact].regime = (int32_t)contact_regime_after(&law, before);
     }
     if (SCENE_ANY_FRICTION && event == EVENT_LAW) {
-        follow_law(c, clock, before);
+        follow_law(c, clock, springs, before);
     } else if (SCENE_ANY_FRICTION) {
         take_friction_event(c, clock, springs, event);
     }
@@ -1179,7 +1200,7 @@ CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, c
     c->q->contact[c->contact].regime = (int32_t)scene_regime(c->v, c->q, &at, c->contact);
     if (SCENE_ANY_FRICTION) {
         memcpy(c->q->turning.spring[c->contact], s->springs.of, sizeof s->springs.of);
-        follow_law(c, to, before);
+        follow_law(c, to, s->springs, before);
         s->springs = springs_of(c->q, c->contact);
     }
     add_instant(s, to, to - passage->centre);
@@ -1486,7 +1507,7 @@ static void settle_regimes(const struct scene_values *v, struct scene_state *q, 
     if (before == REGIME_APART || (contact_rubs(v, contact) && !contact_has_springs(v, contact))) {
         friction_from(&c, q->clock);
     } else {
-        follow_law(&c, q->clock, before);
+        follow_law(&c, q->clock, springs_of(q, contact), before);
     }
 }
 

@@ -248,10 +248,21 @@ bool scene_uses_ode(const struct scene_values *v)
     return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || scene_keeps_steps(v);
 }
 
+/* Whether a spring of friction, rolling or spinning has not relaxed. */
+static bool any_spring_is_drawn(const struct scene_state *q, int contact)
+{
+    bool any = false;
+    for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
+        any = any || vec3_max_abs(q->turning.spring[contact][i]) > 0.0;
+    }
+    return any;
+}
+
 bool contact_transmits(const struct scene_state *q, int contact)
 {
-    return q->contact[contact].regime == REGIME_COMPRESSION ||
-           q->contact[contact].regime == REGIME_RESTITUTION;
+    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    return regime == REGIME_COMPRESSION || regime == REGIME_RESTITUTION ||
+           (regime == REGIME_SEPARATING && any_spring_is_drawn(q, contact));
 }
 
 bool scene_is_apart(const struct scene_state *q)

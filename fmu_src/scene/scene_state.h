@@ -331,8 +331,9 @@ bool scene_uses_ode(const struct scene_values *v);
 /* Whether no bodies overlap. */
 bool scene_is_apart(const struct scene_state *q);
 
-/* Whether a contact transmits a force: it is in compression or restitution. Whether any contact but `except`
- * transmits a force to a body. */
+/* Whether a contact transmits a force: it is in compression or restitution. A separating contact counts too
+ * while a spring of its friction relaxes, because no closed form has the spring. Whether any contact but
+ * `except` transmits a force to a body. */
 bool contact_transmits(const struct scene_state *q, int contact);
 bool body_is_loaded(const struct scene_state *q, int body, int except);
 

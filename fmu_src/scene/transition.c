@@ -185,8 +185,8 @@ static void end_friction(const struct rubbed *r)
     set_spring(r, vec3_make(0.0, 0.0, 0.0));
 }
 
-/* Lifts friction while the dashpot pulls. A spring with a dashpot relaxes through it, as where a contact
- * slides with L = 0; another one is at rest at once. */
+/* Lifts friction while the dashpot pulls, or would pull if it were not clipped. A spring with a dashpot
+ * relaxes through it, as where a contact slides with L = 0; another one is at rest at once. */
 static void lift_friction(const struct rubbed *r)
 {
     const struct vec3 spring = r->q->turning.spring[r->contact][r->part];
@@ -374,14 +374,15 @@ void turning_take_regime(const struct scene_values *v, struct scene_state *q, in
     if (!contact_rubs(v, contact)) {
         return;
     }
-    const bool rubbed = before == REGIME_COMPRESSION || before == REGIME_RESTITUTION;
-    const bool rubs = contact_transmits(q, contact);
+    const enum contact_regime now = (enum contact_regime)q->contact[contact].regime;
     for (int i = 0; i < contact_opposed(v, contact); ++i) {
         const struct rubbed r = rubbed_of(v, q, contact, i);
-        if (!rubs || !rubbed) {
+        if (now == REGIME_APART || before == REGIME_APART) {
             end_friction(&r);
         }
-        if (rubs) {
+        if (now == REGIME_SEPARATING) {
+            lift_friction(&r);
+        } else if (now != REGIME_APART) {
             reconsider(&r);
         }
     }

@@ -66,7 +66,8 @@ def reference(seed: int) -> np.ndarray:
     return pair(seed).ended()
 
 
-@pytest.mark.parametrize("seed", seeds(12))
+# In the last two a step of the reference crosses the end of the dashpot's force.
+@pytest.mark.parametrize("seed", [*seeds(12), 7105, 7150])
 def test_two_cylinders_move_as_two_circles_do(opened, seed):
     """With friction along the axes too, ends that are left, one body free or both."""
     scene = pair(seed)

@@ -158,6 +158,10 @@ def beside_an_event(random, shape):
     for time in random.permutation(times)[: random.integers(1, 4)]:
         for _ in range(random.integers(1, 3)):
             stops.add(float(time + random.integers(-2, 3) * np.spacing(time)))
+    # A step that is too short to change the time is refused.
+    stops = [
+        time for time in stops if not any(0.0 < time - other <= np.finfo(float).eps * time for other in stops)
+    ]
     # Where the force ends all at once, at a cylinder's end, the last step may still see it or not.
     leaves_open = frozenset({"peak_force", "peak_penetration"} if kind.startswith("finite") else ())
     return {"values": values, "stops": (*sorted(stops), end), "leaves_open": leaves_open}
