@@ -48,13 +48,6 @@ struct contact_jet {
     struct vec3 source_force[JET_TERMS]; /* -side F_n n */
 };
 
-/* Sets the series from the geometry at s = 0, the coefficients 1 and 2 of c, those of w, the law, and the
- * derivatives d/ds of its factors in `change`. */
-CONTACT_COLD void contact_jet_make(const struct contact_shape *shape, const struct contact_geometry *at,
-                                   const struct vec3 c[JET_TERMS], const struct vec3 w[JET_TERMS],
-                                   const struct contact_law *law, const struct contact_law *change,
-                                   enum contact_regime regime, struct contact_jet *result);
-
 /* Return coefficient `order` of a product of two series; taylor_multiply (math/series.h) serves for
  * numbers. */
 double jet_dot(const struct vec3 *a, const struct vec3 *b, int order);

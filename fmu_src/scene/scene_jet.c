@@ -52,11 +52,34 @@ void jet_add_levers(const struct scene_jet *along, int contact, struct vec3 c[JE
     }
 }
 
-/* The jets on which a contact's geometry depends: c, w, the rotations of both bodies, the axis of the
- * shape. */
+/* The jets on which a contact's geometry and force depend: c, w, the rate of c as the destination sees it, the
+ * rotations of both bodies, the axis of the shape. */
 struct contact_path {
-    struct vec3 c[JET_TERMS], w[JET_TERMS], source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
+    struct vec3 c[JET_TERMS], w[JET_TERMS], seen[JET_TERMS];
+    struct vec3 source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
 };
+
+/* Puts the rotations of both bodies and the motion of the shape's axis. */
+static void put_rotations(const struct scene_values *v, const struct scene_instant *at,
+                          const struct scene_jet *along, const struct contact_shape *shape, int contact,
+                          struct contact_path *path)
+{
+    const int from = contact_source(contact);
+    const int to = contact_destination(contact);
+    path->source[0] = at->turning.body[from].angular_velocity;
+    path->destination[0] = at->turning.body[to].angular_velocity;
+    for (int i = 1; i < JET_TERMS; ++i) {
+        path->source[i] = along->angular_velocity[from][i];
+        path->destination[i] = along->angular_velocity[to][i];
+        if (contact_tips(v, contact)) {
+            path->axis[i] =
+                contact_is_upside_down(shape) ? vec3_scale(-1.0, along->axis[to][i]) : along->axis[to][i];
+        }
+    }
+    for (int i = 0; i < JET_TERMS && !contact_is_skew(shape); ++i) {
+        path->seen[i] = vec3_sub(path->w[i], turning_jet_cross(path->destination, path->c, i));
+    }
+}
 
 static struct contact_path path_of(const struct scene_values *v, const struct scene_instant *at,
                                    const struct scene_jet *along, const struct contact_shape *shape,
@@ -69,82 +92,64 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
     for (int i = 1; i < JET_TERMS; ++i) {
         path.c[i] = vec3_sub(along->displacement[to][i], along->displacement[from][i]);
         path.w[i] = vec3_sub(along->velocity[to][i], along->velocity[from][i]);
-        path.source[i] = along->angular_velocity[from][i];
-        path.destination[i] = along->angular_velocity[to][i];
-        if (contact_tips(v, contact)) {
-            path.axis[i] = along->axis[to][i];
-        }
     }
     jet_add_levers(along, contact, path.c, path.w);
     path.c[0] = at->separation[contact];
     path.w[0] = at->rate[contact];
-    path.source[0] = at->turning.body[from].angular_velocity;
-    path.destination[0] = at->turning.body[to].angular_velocity;
-    path.axis[0] = contact_is_skew(shape) ? shape->axis : at->turning.axis[contact];
-    for (int i = 0; i < JET_TERMS && contact_is_upside_down(shape); ++i) {
-        path.axis[i] = vec3_scale(-1.0, path.axis[i]);
+    path.axis[0] = shape->axis;
+    memcpy(path.seen, path.w, sizeof path.seen);
+    if (SCENE_ANY_TURNING && scene_turns(v)) {
+        put_rotations(v, at, along, shape, contact, &path);
     }
     return path;
 }
 
-/* Sets the offset of a circle, (rho - R) a - (height - h) e. The unit vector a points to the axis, rho a = c
+/* Sets coefficients 1 and 2 of the offset d n: of c, of the part of c across a cylinder's axis, or of the
+ * distance from a circle, (rho - R) a - (height - h) e. The unit vector a points to the axis, rho a = c
  * - (c.e) e, height = -c.e, h = L/2, and e points out of the cylinder at the rim's end. */
-static void put_circle_offset(const struct contact_shape *shape, const struct contact_path *path,
-                              struct vec3 offset[JET_TERMS])
-{
-    struct vec3 across[JET_TERMS], to_axis[JET_TERMS];
-    double axial[JET_TERMS], radial[JET_TERMS], rho[JET_TERMS];
-    jet_of_axis_distance(path->c, path->axis, across, axial, rho);
-    to_axis[0] = vec3_scale(1.0 / rho[0], across[0]);
-    jet_divide(across, rho, to_axis);
-    for (int i = 0; i < JET_TERMS; ++i) {
-        radial[i] = rho[i] - (i == 0 ? shape->solid.radius : 0.0);
-        axial[i] += i == 0 ? shape->solid.half_height : 0.0;
-    }
-    for (int i = 1; i < JET_TERMS; ++i) {
-        offset[i] = vec3_add(jet_scale(radial, to_axis, i), jet_scale(axial, path->axis, i));
-    }
-}
-
 static void put_offset(const struct contact_shape *shape, const struct contact_path *path,
                        struct vec3 offset[JET_TERMS])
 {
-    if (contact_is_circle(shape)) {
-        put_circle_offset(shape, path, offset);
-        return;
+    struct vec3 across[JET_TERMS];
+    double axial[JET_TERMS], rho[JET_TERMS];
+    const bool has_axis = contact_is_cylinder(shape) || contact_is_circle(shape);
+    if (has_axis) {
+        jet_of_axis_distance(path->c, path->axis, across, axial, rho);
     }
-    for (int i = 1; i < JET_TERMS; ++i) {
-        offset[i] = path->c[i];
-        if (contact_is_cylinder(shape)) {
-            double axial[JET_TERMS];
-            for (int k = 0; k <= i; ++k) {
-                axial[k] = jet_dot(path->c, path->axis, k);
-            }
-            offset[i] = vec3_sub(path->c[i], jet_scale(axial, path->axis, i));
+    memcpy(&offset[1], has_axis ? &across[1] : &path->c[1], 2 * sizeof offset[1]);
+    if (contact_is_circle(shape)) {
+        struct vec3 to_axis[JET_TERMS] = {vec3_scale(1.0 / rho[0], across[0])};
+        jet_divide(across, rho, to_axis);
+        rho[0] -= shape->solid.radius;
+        axial[0] += shape->solid.half_height;
+        for (int i = 1; i < JET_TERMS; ++i) {
+            offset[i] = vec3_add(jet_scale(rho, to_axis, i), jet_scale(axial, path->axis, i));
         }
     }
 }
 
-/* Sets the terms of d and n from d^2 = offset.offset and d n = offset; a plane has n = -e and d = n.c. */
+/* Sets the terms of d and n. From d n = offset follow d' = n.offset' and d n' = offset' - d' n. A plane has
+ * n = -e, and where d = 0 n is constant; both have d' = (n.c)'. */
 static void put_distance(const struct contact_shape *shape, const struct contact_geometry *g,
                          const struct contact_path *path, struct contact_jet *jet)
 {
     struct vec3 offset[JET_TERMS] = {g->offset};
-    double length[JET_TERMS];
+    put_offset(shape, path, offset);
     jet->normal[0] = g->normal;
     jet->distance[0] = g->distance;
-    put_offset(shape, path, offset);
-    jet_length(offset, length);
     for (int i = 1; i < JET_TERMS; ++i) {
         jet->normal[i] = contact_is_plane(shape) ? vec3_scale(-1.0, path->axis[i]) : vec3_make(0.0, 0.0, 0.0);
-    }
-    for (int i = 1; i < JET_TERMS; ++i) {
-        jet->distance[i] = contact_is_plane(shape) ? jet_dot(jet->normal, path->c, i)
-                           : g->degenerate         ? 0.0
-                                                   : length[i];
-    }
-    if (contact_turns(shape, g)) {
-        jet_divide(offset, jet->distance, jet->normal); /* d n = offset */
+        jet->distance[i] = jet_dot(jet->normal, path->c, i);
+        if (contact_turns(shape, g)) {
+            double sum = 0.0;
+            for (int k = 1; k <= i; ++k) {
+                sum += k * vec3_dot(jet->normal[i - k], offset[k]);
+            }
+            jet->distance[i] = sum / i;
+            const struct vec3 turned = vec3_sub(offset[i], jet_scale(jet->distance, jet->normal, i));
+            jet->normal[i] =
+                vec3_make(turned.x / g->distance, turned.y / g->distance, turned.z / g->distance);
+        }
     }
 }
 
@@ -153,13 +158,9 @@ static void put_normal_force(const struct contact_shape *shape, const struct con
                              const struct contact_law *change, enum contact_regime regime,
                              struct contact_jet *jet)
 {
-    struct vec3 seen[JET_TERMS];
     for (int i = 0; i < JET_TERMS; ++i) {
-        seen[i] = contact_is_skew(shape)
-                      ? path->w[i]
-                      : vec3_sub(path->w[i], turning_jet_cross(path->destination, path->c, i));
         jet->gap[i] = i > 0 ? shape->side * jet->distance[i] : g->gap;
-        jet->gap_rate[i] = i > 0 ? shape->side * jet_dot(jet->normal, seen, i) : g->gap_rate;
+        jet->gap_rate[i] = i > 0 ? shape->side * jet_dot(jet->normal, path->seen, i) : g->gap_rate;
         jet->normal_force[i] = contact_force_term(law, change, regime, jet->gap, jet->gap_rate, i);
         jet->source_force[i] = vec3_scale(-shape->side, jet_scale(jet->normal_force, jet->normal, i));
     }
@@ -254,25 +255,17 @@ static void put_friction(const struct scene_values *v, const struct scene_state 
     }
 }
 
-/* Computes a contact's jet from bodies, springs and factors. Where nothing turns or rubs, the jet of the
- * normal force is known already, and only torques and slip are computed. */
-static void turning_jet_of_contact(const struct scene_values *v, const struct scene_state *q,
-                                   const struct scene_instant *at, int contact, struct scene_jet *along)
+/* Sets the terms of what rotation and friction add to the jet of the normal force. */
+static void put_turning(const struct scene_values *v, const struct scene_state *q,
+                        const struct contact_shape *shape, const struct contact_path *path, int contact,
+                        struct scene_jet *along)
 {
-    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
-    const struct contact_path path = path_of(v, at, along, &shape, contact);
-    const struct contact_law law = scene_contact_law(v, q, contact);
     struct contact_jet *jet = &along->contact[contact];
     struct turning_jet *turning = &along->turning[contact];
     memset(turning, 0, sizeof *turning);
-    if (scene_turns(v)) {
-        put_distance(&shape, &at->geometry[contact], &path, jet);
-        put_normal_force(&shape, &at->geometry[contact], &path, &law, &along->law_slope[contact],
-                         (enum contact_regime)q->contact[contact].regime, jet);
-    }
-    put_slip(&shape, &path, jet, turning);
+    put_slip(shape, path, jet, turning);
     add_levers_to_arms(along, contact, turning);
-    put_friction(v, q, along, &path, contact, jet, turning);
+    put_friction(v, q, along, path, contact, jet, turning);
     for (int i = 0; i < JET_TERMS; ++i) {
         turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
         turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
@@ -294,18 +287,12 @@ void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
         }
         const struct contact_shape shape = scene_shape_met(v, q, at, j);
         const struct contact_law law = scene_contact_law(v, q, j);
-        struct vec3 c[JET_TERMS];
-        struct vec3 w[JET_TERMS];
-        for (int i = 0; i < JET_TERMS; ++i) {
-            c[i] = vec3_sub(along->displacement[contact_destination(j)][i],
-                            along->displacement[contact_source(j)][i]);
-            w[i] =
-                vec3_sub(along->velocity[contact_destination(j)][i], along->velocity[contact_source(j)][i]);
-        }
-        contact_jet_make(&shape, &at->geometry[j], c, w, &law, &along->law_slope[j], regime,
+        const struct contact_path path = path_of(v, at, along, &shape, j);
+        put_distance(&shape, &at->geometry[j], &path, &along->contact[j]);
+        put_normal_force(&shape, &at->geometry[j], &path, &law, &along->law_slope[j], regime,
                          &along->contact[j]);
         if (SCENE_ANY_TURNING) {
-            turning_jet_of_contact(v, q, at, j, along);
+            put_turning(v, q, &shape, &path, j, along);
         }
     }
 }
