@@ -841,8 +841,9 @@ static void state_list_remove(struct instance *instance, struct state_block *blo
     instance->host.release(block);
 }
 
-/* The version is raised whenever the layout or meaning of the header or of the model's state changes. */
-#define BLOCK_VERSION 2u
+/* The version is raised whenever the layout or meaning of the header or of the model's state (struct
+ * model_state, struct scene_state, struct scene_values) changes. */
+#define BLOCK_VERSION 3u
 
 struct block_header {
     uint32_t magic; /* the adapter's; a block of the other byte order does not match */
@@ -1013,8 +1014,7 @@ enum model_status state_block_set(struct instance *instance, const struct call *
     if (block == NULL || check_block(instance, call, block->bytes, block_size()) != MODEL_OK) {
         return MODEL_ERROR;
     }
-    const enum model_status status =
-        model_restore(instance->model, model_bytes(block->bytes), model_state_size());
+    const enum model_status status = model_restore(instance->model, model_bytes(block->bytes));
     if (status <= MODEL_WARNING) {
         struct block_header header;
         memcpy(&header, block->bytes, sizeof header);

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "math/checksum.h"
 #include "model/state.h"
 
 struct model *model_create(const struct model_host *host)
@@ -28,10 +27,6 @@ void model_destroy(struct model *m)
 void model_reset(struct model *m)
 {
     memset(&m->state, 0, sizeof m->state);
-    m->state.magic = MODEL_STATE_MAGIC;
-    m->state.version = MODEL_STATE_VERSION;
-    m->state.scene = SCENE_HASH;
-    m->state.size = (uint32_t)sizeof m->state;
     m->state.exchange = m->host.exchange ? EXCHANGE_EVENTS : EXCHANGE_NONE;
     scene_start(&m->state.values);
     m->outputs = OUTPUTS_NONE;
@@ -188,18 +183,7 @@ enum model_status model_step_requested(struct model *m, const struct step_reques
     return status;
 }
 
-/* A saved state is struct model_state itself, whose first members identify it. */
-
-enum { HEADER_SIZE = offsetof(struct model_state, values) };
-
-_Static_assert((sizeof(struct model_state) - HEADER_SIZE) % 8 == 0, "checksum_of takes words of 64 bits");
-
-/* Returns the checksum of a state's bytes behind its header. */
-static uint64_t payload_checksum(const struct model_state *state)
-{
-    return checksum_of(CHECKSUM_START, (const unsigned char *)state + HEADER_SIZE,
-                       sizeof *state - HEADER_SIZE);
-}
+/* A saved state is struct model_state itself. */
 
 size_t model_state_size(void)
 {
@@ -213,7 +197,6 @@ void model_save(struct model *m, void *bytes)
         scene_rebase(&m->state.values, &m->state.motion);
         m->outputs = OUTPUTS_NONE;
     }
-    m->state.checksum = payload_checksum(&m->state);
     memcpy(bytes, &m->state, sizeof m->state);
 }
 
@@ -359,8 +342,8 @@ static bool motion_is_sound(const struct scene_values *v, const struct scene_sta
            all_finite(q, q->contact);
 }
 
-/* Whether all members of a state are in range. The checksum finds accidents only, not bytes made on
- * purpose. */
+/* Whether all members of a state are in range. A checksum (fmi/instance.c) finds accidents only, not bytes made
+ * on purpose. */
 static bool state_is_sound(const struct model_state *state)
 {
     for (int i = 0; i < scene_variable_count; ++i) {
@@ -417,15 +400,8 @@ static bool gives_numbers(struct model *m, const struct model_state *state, stru
     return finite;
 }
 
-static enum model_status check_header(struct model *m, const struct model_state *state)
+static enum model_status check_state(struct model *m, const struct model_state *state)
 {
-    if (state->magic != MODEL_STATE_MAGIC || state->version != MODEL_STATE_VERSION ||
-        state->scene != SCENE_HASH || state->size != sizeof *state ||
-        state->checksum != payload_checksum(state)) {
-        return model_report(m, MODEL_ERROR,
-                            "Saved state refused: it is not of version %u of %s, or it has been altered.",
-                            MODEL_STATE_VERSION, SCENE_NAME);
-    }
     if (state->exchange > EXCHANGE_CONTINUOUS || (state->exchange != EXCHANGE_NONE) != m->host.exchange) {
         return model_report(
             m, MODEL_ERROR, "Saved state refused: it was saved while %s integrates, expected: while %s does.",
@@ -437,15 +413,11 @@ static enum model_status check_header(struct model *m, const struct model_state 
     return MODEL_OK;
 }
 
-enum model_status model_restore(struct model *m, const void *bytes, size_t size)
+enum model_status model_restore(struct model *m, const void *bytes)
 {
-    if (size != sizeof m->state) {
-        return model_report(m, MODEL_ERROR, "Saved state refused: %zu bytes (allowed: %zu).", size,
-                            sizeof m->state);
-    }
     struct model_state state;
     memcpy(&state, bytes, sizeof state);
-    const enum model_status status = check_header(m, &state);
+    const enum model_status status = check_state(m, &state);
     if (status != MODEL_OK) {
         return status;
     }

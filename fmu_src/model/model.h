@@ -118,9 +118,9 @@ size_t model_state_size(void);
  * history, so that the run goes on with the same bits as a run restored from these bytes. */
 void model_save(struct model *m, void *bytes);
 
-/* Restores a saved state as a whole. Bytes of another version or scene, and bytes cut short or altered, are
- * refused and change nothing. */
-enum model_status model_restore(struct model *m, const void *bytes, size_t size);
+/* Restores a saved state of this scene as a whole from model_state_size() bytes. Bytes that hold values out of
+ * range are refused and change nothing. */
+enum model_status model_restore(struct model *m, const void *bytes);
 
 /*
  * Model Exchange: here an integrator of the importer integrates the model.
