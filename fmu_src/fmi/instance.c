@@ -223,27 +223,26 @@ bool call_ready(struct instance *instance, const struct call *call, const struct
  * with the reference of its first component, and time is a variable too.
  */
 
-enum { TIME_REFERENCE = 0 }; /* of time in FMI 3.0; no variable of the model has it */
-
 static bool has_vectors(const struct instance *instance)
 {
     return instance->adapter->version >= 3;
 }
 
-static bool is_time(const struct instance *instance, uint32_t reference, unsigned types)
-{
-    return reference == TIME_REFERENCE && has_vectors(instance) && (types & TYPES_REAL) != 0;
-}
+/* Time, which has the value reference 0 in FMI 3.0. No variable of the model has this reference. */
+static const struct variable time_variable = {
+    .name = "time", .reference = 0, .type = VARIABLE_REAL, .causality = VARIABLE_INDEPENDENT};
 
 /* Returns the variable of a reference, for a vector its first component, or NULL where there is none. */
 static inline const struct variable *variable_of(const struct instance *instance, uint32_t reference)
 {
-    return has_vectors(instance) ? vector_variable(reference) : scene_variable(reference);
+    return !has_vectors(instance)                 ? scene_variable(reference)
+           : reference == time_variable.reference ? &time_variable
+                                                  : vector_variable(reference);
 }
 
 static inline size_t length_of(const struct instance *instance, const struct variable *first)
 {
-    return has_vectors(instance) ? vector_length(first) : 1;
+    return has_vectors(instance) && first != &time_variable ? vector_length(first) : 1;
 }
 
 static struct variable_list list_of(const struct instance *instance, const uint32_t *references, size_t count)
@@ -280,7 +279,8 @@ static inline const struct variable *find_readable(struct instance *instance, co
 {
     const struct variable *variable = find_variable(instance, call, reference, types);
     if (variable != NULL && (instance->phase & PHASE_INSTANTIATED) != 0 &&
-        variable->causality != VARIABLE_PARAMETER && variable->causality != VARIABLE_INPUT) {
+        variable->causality != VARIABLE_PARAMETER && variable->causality != VARIABLE_INPUT &&
+        variable != &time_variable) {
         log_report(instance, MODEL_ERROR, "%s: %s has no value before initialization mode", call->name,
                    variable->name);
         return NULL;
@@ -312,9 +312,10 @@ static inline const struct variable *find_settable(struct instance *instance, co
         return variable;
     }
     log_report(instance, MODEL_ERROR, "%s: %s %s", call->name, variable->name,
-               variable->causality != VARIABLE_PARAMETER ? "is calculated and cannot be set"
-               : !variable->tunable                      ? "is a parameter, fixed after initialization"
-                                                         : "is a tunable parameter, to be set in event mode");
+               variable == &time_variable                  ? "is the independent variable and cannot be set"
+               : variable->causality != VARIABLE_PARAMETER ? "is calculated and cannot be set"
+               : !variable->tunable                        ? "is a parameter, fixed after initialization"
+                                    : "is a tunable parameter, to be set in event mode");
     return NULL;
 }
 
@@ -340,14 +341,18 @@ static enum model_status check_count(struct instance *instance, const struct cal
                             call->name, name, (unsigned long)given, (unsigned long)expected);
 }
 
-/* Checks that all references are known and have as many components as the importer counts. */
+/* find_variable, find_readable or find_settable */
+typedef const struct variable *variable_finder(struct instance *instance, const struct call *call,
+                                               uint32_t reference, unsigned types);
+
+/* Checks that all references are found and have as many components as the importer counts. */
 static enum model_status check_components(struct instance *instance, const struct call *call,
-                                          const uint32_t *references, size_t count, const char *name,
-                                          size_t given)
+                                          variable_finder *find, unsigned types, const uint32_t *references,
+                                          size_t count, const char *name, size_t given)
 {
     size_t components = 0;
     for (size_t i = 0; i < count; ++i) {
-        const struct variable *first = find_variable(instance, call, references[i], ANY_TYPE);
+        const struct variable *first = find(instance, call, references[i], types);
         if (first == NULL) {
             return MODEL_ERROR;
         }
@@ -371,6 +376,10 @@ static inline enum model_status read_value(struct instance *instance, const stru
                                            void *to)
 {
     const size_t size = value_size(instance, variable);
+    if (variable == &time_variable) {
+        *(double *)to = model_time(instance->model);
+        return MODEL_OK;
+    }
     if (size == variable_size(variable)) {
         return model_read(instance->model, variable, to);
     }
@@ -411,22 +420,17 @@ static inline enum model_status check_value(struct instance *instance, const str
     return model_check(instance->model, variable, value_for_model(instance, variable, from, &whole));
 }
 
-static enum model_status check_readable(struct instance *instance, const struct call *call, unsigned types,
-                                        const uint32_t *references, size_t reference_count, size_t count)
+static enum model_status set_value(struct instance *instance, const struct variable *variable,
+                                   const void *from)
 {
-    size_t components = 0;
-    for (size_t i = 0; i < reference_count; ++i) {
-        if (is_time(instance, references[i], types)) {
-            components += 1;
-            continue;
-        }
-        const struct variable *first = find_readable(instance, call, references[i], types);
-        if (first == NULL) {
-            return MODEL_ERROR;
-        }
-        components += length_of(instance, first);
+    int32_t whole;
+    const void *value = value_for_model(instance, variable, from, &whole);
+    if (variable->causality == VARIABLE_STATE) {
+        model_exchange_set_state(instance->model, variable, *(const double *)value);
+    } else {
+        model_set(instance->model, variable, value);
     }
-    return check_count(instance, call, "nValues", count, components);
+    return MODEL_OK;
 }
 
 static inline bool values_ready(struct instance *instance, const struct call *call,
@@ -450,14 +454,10 @@ CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance
         model_get_reals(instance->model, references, count, values) == count) {
         return MODEL_OK;
     }
-    enum model_status status = check_readable(instance, call, types, references, reference_count, count);
+    enum model_status status =
+        check_components(instance, call, find_readable, types, references, reference_count, "nValues", count);
     char *to = values;
     for (size_t i = 0; values != NULL && i < reference_count && status == MODEL_OK; ++i) {
-        if (is_time(instance, references[i], types)) {
-            *(double *)(void *)to = model_time(instance->model);
-            to += sizeof(double);
-            continue;
-        }
         const struct variable *first = variable_of(instance, references[i]);
         const size_t length = length_of(instance, first);
         for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
@@ -468,34 +468,6 @@ CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance
     return status;
 }
 
-static enum model_status check_settable(struct instance *instance, const struct call *call, unsigned types,
-                                        const uint32_t *references, size_t reference_count,
-                                        const void *values, size_t count)
-{
-    const char *from = values;
-    size_t components = 0;
-    for (size_t i = 0; i < reference_count; ++i) {
-        if (is_time(instance, references[i], types)) {
-            return log_report(instance, MODEL_ERROR, "%s: time is the independent variable and cannot be set",
-                              call->name);
-        }
-        const struct variable *first = find_settable(instance, call, references[i], types);
-        if (first == NULL) {
-            return MODEL_ERROR;
-        }
-        const size_t length = length_of(instance, first);
-        for (size_t k = 0; k < length && components + k < count; ++k) {
-            const enum model_status status = check_value(instance, first + k, from);
-            if (status > MODEL_WARNING) {
-                return status;
-            }
-            from += value_size(instance, first);
-        }
-        components += length;
-    }
-    return check_count(instance, call, "nValues", count, components);
-}
-
 enum model_status instance_set_values(struct instance *instance, const struct call *call, unsigned types,
                                       const uint32_t *references, size_t reference_count, const void *values,
                                       size_t count)
@@ -503,21 +475,18 @@ enum model_status instance_set_values(struct instance *instance, const struct ca
     if (!values_ready(instance, call, references, reference_count, values, count)) {
         return MODEL_ERROR;
     }
-    const enum model_status status =
-        check_settable(instance, call, types, references, reference_count, values, count);
-    const char *from = values;
-    for (size_t i = 0; values != NULL && i < reference_count && status == MODEL_OK; ++i) {
-        const struct variable *first = variable_of(instance, references[i]);
-        const size_t length = length_of(instance, first);
-        for (size_t k = 0; k < length; ++k) {
-            int32_t whole;
-            const void *value = value_for_model(instance, first, from, &whole);
-            if (first->causality == VARIABLE_STATE) {
-                model_exchange_set_state(instance->model, first + k, *(const double *)value);
-            } else {
-                model_set(instance->model, first + k, value);
+    enum model_status status =
+        check_components(instance, call, find_settable, types, references, reference_count, "nValues", count);
+    for (int setting = 0; setting < 2; ++setting) { /* all values are checked before any is set */
+        const char *from = values;
+        for (size_t i = 0; values != NULL && i < reference_count && status <= MODEL_WARNING; ++i) {
+            const struct variable *first = variable_of(instance, references[i]);
+            const size_t length = length_of(instance, first);
+            for (size_t k = 0; k < length && status <= MODEL_WARNING; ++k) {
+                status =
+                    setting ? set_value(instance, first + k, from) : check_value(instance, first + k, from);
+                from += value_size(instance, first);
             }
-            from += value_size(instance, first);
         }
     }
     return status;
@@ -563,8 +532,8 @@ enum model_status instance_output_derivatives(struct instance *instance, const s
                                                {names[ARGUMENT_VALUES], values, count}))) {
         return MODEL_ERROR;
     }
-    enum model_status status =
-        check_components(instance, call, references, reference_count, "nValues", count);
+    enum model_status status = check_components(instance, call, find_variable, ANY_TYPE, references,
+                                                reference_count, "nValues", count);
     for (size_t i = 0; i < reference_count && status == MODEL_OK; ++i) {
         status = check_output_derivative(instance, call, references[i], orders[i]);
     }
@@ -632,10 +601,11 @@ static enum model_status check_seeds(struct instance *instance, const struct cal
 static enum model_status check_product(struct instance *instance, const struct call *call,
                                        const struct product *p)
 {
-    enum model_status status = check_components(instance, call, p->unknowns, p->unknown_count,
-                                                p->adjoint ? "nSeed" : "nSensitivity", p->unknown_components);
+    enum model_status status =
+        check_components(instance, call, find_variable, ANY_TYPE, p->unknowns, p->unknown_count,
+                         p->adjoint ? "nSeed" : "nSensitivity", p->unknown_components);
     if (status == MODEL_OK) {
-        status = check_components(instance, call, p->knowns, p->known_count,
+        status = check_components(instance, call, find_variable, ANY_TYPE, p->knowns, p->known_count,
                                   p->adjoint ? "nSensitivity" : "nSeed", p->known_components);
     }
     for (size_t i = 0; i < p->unknown_count && status == MODEL_OK; ++i) {
