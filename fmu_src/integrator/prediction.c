@@ -507,8 +507,7 @@ static struct regime_change capped_regime_change(const struct scene_values *v, c
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
     const struct regime_change none = {(double)INFINITY, present, 0.0, true};
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    if (contact_is_coupled(v, q, contact) ||
-        (contact_transmits(q, contact) && !contact_is_prescribed(v, contact))) {
+    if (contact_is_coupled(v, q, contact) || contact_pushes(v, q, contact)) {
         return none;
     }
     if (present == REGIME_APART) {
@@ -575,19 +574,6 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
 static const double LAW_INSTANTS_PER_RADIAN = 16.0;
 static const double LEAST_LAW_INSTANTS = 64.0;
 static const double MOST_LAW_INSTANTS = 1e6;
-
-/* Whether another contact transmits a force to a body of this contact that moves freely. */
-static bool is_loaded(const struct scene_values *v, const struct scene_state *q, int contact)
-{
-    for (int i = 0; SCENE_CONTACTS > 1 && i < 2; ++i) {
-        const int body = i == 0 ? contact_source(contact) : contact_destination(contact);
-        const bool moves = body_is_free(v, body) || body_turns_freely(v, body);
-        if (moves && body_is_loaded(q, body, contact)) {
-            return true;
-        }
-    }
-    return false;
-}
 
 static struct advancement_path advancement_path_of(const struct scene_values *v, const struct scene_state *q,
                                                    const struct scene_instant *at, int contact)
@@ -693,12 +679,13 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
     if (scene_turns(v)) {
         const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
         const struct prediction nothing = {{(double)INFINITY, present, 0.0, true}, horizon, 0};
-        if (contact_transmits(q, contact) && !contact_is_prescribed(v, contact)) {
+        if (contact_pushes(v, q, contact)) {
             return nothing;
         }
         if (SCENE_ANY_ADVANCEMENT && contact_advances(v, contact)) {
-            return is_loaded(v, q, contact) ? nothing
-                                            : advancement_prediction(v, q, at, contact, horizon, budget);
+            return contact_is_coupled(v, q, contact)
+                       ? nothing
+                       : advancement_prediction(v, q, at, contact, horizon, budget);
         }
     }
     const struct regime_change next = next_regime_change(v, q, at, q->clock, contact, horizon);
