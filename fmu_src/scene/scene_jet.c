@@ -477,7 +477,7 @@ static void put_work(const struct scene_values *v, const struct scene_state *q, 
     }
 }
 
-/* Puts the terms of the principal axes of a compound body, and returns its moments of inertia. */
+/* Puts the terms of the principal axes of a body, and returns its moments of inertia. */
 static struct vec3 put_principal_axes(const struct scene_values *v, const struct scene_jet *along, int body,
                                       struct vec3 axis[3][JET_TERMS])
 {
@@ -486,20 +486,34 @@ static struct vec3 put_principal_axes(const struct scene_values *v, const struct
         vec3_set(&a, k, 1.0);
         put_turned(along->orientation[body], a, axis[k]);
     }
-    return body_principal_inertia(v, body);
+    if (body_is_compound(body)) {
+        return body_principal_inertia(v, body);
+    }
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    return vec3_make(inertia.transverse, inertia.transverse, inertia.axial);
 }
 
-/* Returns half the rate of omega' = sum e_k (e_k.(tau - omega x L)) / I_k of a compound body [rad/s^3], where
- * L = sum I_k (e_k.omega) e_k with the principal axes e_k. */
-static struct vec3 half_spin_jerk_of_three(const struct scene_values *v, const struct scene_jet *along,
-                                           int body, const struct vec3 torque[2])
+/* Returns half the rate of omega' = sum e_k (e_k.(tau - omega x L)) / I_k of a body that turns freely
+ * [rad/s^3], where L = sum I_k (e_k.omega) e_k with the principal axes e_k. */
+static struct vec3 half_spin_jerk(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_instant *at, const struct scene_jet *along, int body)
 {
     struct vec3 axis[3][JET_TERMS];
     struct vec3 momentum[2] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-    struct vec3 by[2];
+    struct vec3 by[2] = {turning_torque_on(v, q, q->clock, at, body), along->torque[body]};
     struct vec3 sum = {0.0, 0.0, 0.0};
     const struct vec3 *omega = along->angular_velocity[body];
     const struct vec3 inertia = put_principal_axes(v, along, body, axis);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct turning_jet *turning = &along->turning[j];
+        if (contact_source(j) == body) {
+            by[1] = vec3_add(by[1], turning->source_torque[1]);
+        }
+        if (contact_destination(j) == body) {
+            by[1] = vec3_add(by[1], turning->destination_torque[1]);
+        }
+    }
+    by[1] = body_part_that_turns(v, body, by[1]);
     for (int k = 0; k < 3; ++k) {
         const double part[2] = {jet_dot(omega, axis[k], 0), jet_dot(omega, axis[k], 1)};
         for (int i = 0; i < 2; ++i) {
@@ -507,44 +521,13 @@ static struct vec3 half_spin_jerk_of_three(const struct scene_values *v, const s
         }
     }
     for (int i = 0; i < 2; ++i) {
-        by[i] = vec3_sub(torque[i], turning_jet_cross(omega, momentum, i));
+        by[i] = vec3_sub(by[i], turning_jet_cross(omega, momentum, i));
     }
     for (int k = 0; k < 3; ++k) {
         const double part[2] = {jet_dot(by, axis[k], 0), jet_dot(by, axis[k], 1)};
         sum = vec3_axpy(sum, 0.5 / vec3_get(inertia, k), jet_scale(part, axis[k], 1));
     }
     return sum;
-}
-
-/* Returns half the rate of the angular acceleration omega' of a body that turns freely [rad/s^3], where
- * I_1 omega' = tau - (I_3 - I_1) (tau_3 / I_3 e + omega_3 omega x e). */
-static struct vec3 half_spin_jerk(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_instant *at, const struct scene_jet *along, int body)
-{
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    const struct vec3 *e = along->axis[body];
-    const struct vec3 *omega = along->angular_velocity[body];
-    struct vec3 torque[2] = {turning_torque_on(v, q, q->clock, at, body), along->torque[body]};
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct turning_jet *turning = &along->turning[j];
-        if (contact_source(j) == body) {
-            torque[1] = vec3_add(torque[1], turning->source_torque[1]);
-        }
-        if (contact_destination(j) == body) {
-            torque[1] = vec3_add(torque[1], turning->destination_torque[1]);
-        }
-    }
-    torque[1] = body_part_that_turns(v, body, torque[1]);
-    if (body_is_compound(body)) {
-        return half_spin_jerk_of_three(v, along, body, torque);
-    }
-    const double tau[2] = {jet_dot(torque, e, 0), jet_dot(torque, e, 1)};
-    const double spin[2] = {jet_dot(omega, e, 0), jet_dot(omega, e, 1)};
-    const struct vec3 whirl[2] = {turning_jet_cross(omega, e, 0), turning_jet_cross(omega, e, 1)};
-    const struct vec3 axial = vec3_scale(1.0 / inertia.axial, jet_scale(tau, e, 1));
-    const struct vec3 gyration = vec3_add(axial, jet_scale(spin, whirl, 1));
-    const double more = inertia.axial - inertia.transverse;
-    return vec3_scale(0.5 / inertia.transverse, vec3_axpy(torque[1], -more, gyration));
 }
 
 /* Returns half a spring's second derivative xi'', where xi' is the sum of the law's rate f(F_n, v_t, xi) and
@@ -672,31 +655,22 @@ double turning_jet_friction_power(const struct scene_values *v, const struct sce
     return power;
 }
 
-/* Returns coefficient `order` of the rotational energy of a body. */
+/* Returns coefficient `order` of the rotational energy of a body, the sum of I_k (omega.e_k)^2 / 2 over the
+ * principal axes. */
 static double rotational_term(const struct scene_values *v, const struct scene_jet *along, int body,
                               int order)
 {
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    const struct vec3 *omega = along->angular_velocity[body];
-    double spin[JET_TERMS];
-    if (body_is_compound(body)) { /* the sum of I_k (omega.e_k)^2 / 2 over the principal axes */
-        struct vec3 axis[3][JET_TERMS];
-        const struct vec3 moments = put_principal_axes(v, along, body, axis);
-        double sum = 0.0;
-        for (int k = 0; k < 3; ++k) {
-            for (int i = 0; i <= order; ++i) {
-                spin[i] = jet_dot(omega, axis[k], i);
-            }
-            sum += 0.5 * vec3_get(moments, k) * taylor_multiply(spin, spin, order);
+    struct vec3 axis[3][JET_TERMS];
+    const struct vec3 inertia = put_principal_axes(v, along, body, axis);
+    double sum = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        double spin[JET_TERMS];
+        for (int i = 0; i <= order; ++i) {
+            spin[i] = jet_dot(along->angular_velocity[body], axis[k], i);
         }
-        return sum;
+        sum += 0.5 * vec3_get(inertia, k) * taylor_multiply(spin, spin, order);
     }
-    for (int k = 0; k <= order; ++k) {
-        spin[k] = jet_dot(omega, along->axis[body], k);
-    }
-    const double axial = taylor_multiply(spin, spin, order);
-    return 0.5 *
-           (inertia.transverse * jet_dot(omega, omega, order) + (inertia.axial - inertia.transverse) * axial);
+    return sum;
 }
 
 struct jet_energies jet_energies_of(const struct scene_values *v, const struct scene_state *q,
