@@ -616,6 +616,29 @@ struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct s
     return vec3_scale(2.0, half_spin_jerk(v, q, at, along, body));
 }
 
+struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct scene_state *q,
+                                      const struct scene_instant *at, const struct scene_jet *along,
+                                      int contact, int part)
+{
+    if (q->contact[contact].regime == (int32_t)REGIME_APART) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const struct contact_path path = path_of(v, at, along, &shape, contact);
+    const struct turning_motion motion = turning_motion_of(&q->turning, at, contact);
+    const struct turning_laws laws = turning_laws_of(v, q, contact);
+    const struct turning_slopes slopes = turning_slopes_at(&shape, &at->geometry[contact], &motion, &laws);
+    struct turning_motion change = {.separation = path.c[1],
+                                    .rate = path.w[1],
+                                    .source_rotation = path.source[1],
+                                    .destination_rotation = path.destination[1],
+                                    .axis = along->axis[contact_destination(contact)][1]};
+    for (int i = 0; i < OPPOSED; ++i) {
+        change.spring[i] = along->spring[contact][i][1];
+    }
+    return turning_slopes_along(&slopes, &change).spring_rate[part];
+}
+
 void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at, int body,
                            int component, double change, struct scene_jet *along)
 {

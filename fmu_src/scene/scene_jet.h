@@ -62,6 +62,11 @@ CONTACT_COLD struct vec3 turning_jet_spin_change(const struct scene_values *v, c
                                                  const struct scene_instant *at,
                                                  const struct scene_jet *along, int body);
 
+/* Returns the change of a spring's rate [m/s, rad/s] along the path. */
+CONTACT_COLD struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct scene_state *q,
+                                                   const struct scene_instant *at,
+                                                   const struct scene_jet *along, int contact, int part);
+
 /* Adds the terms by which lever arms of compound bodies change the separation c and its rate w; w[i] takes
  * those of omega x R o. The orientations and angular velocities of `along` must be set. */
 CONTACT_COLD void jet_add_levers(const struct scene_jet *along, int contact, struct vec3 c[JET_TERMS],
