@@ -101,9 +101,11 @@ static void send_message(struct instance *instance, enum model_status status, co
     }
     escape_message(text, instance->adapter->doubled, escaped);
     const enum phase phase = instance->phase;
+    const struct call *call = instance->call;
     instance->phase = (enum phase)(phase | PHASE_TELLING);
     instance->adapter->send(instance, status, category, escaped);
     instance->phase = phase;
+    instance->call = call;
 }
 
 /* Whether messages of a category are sent to the importer. None is sent while its logger runs, since a logger
@@ -120,9 +122,10 @@ enum model_status log_report(struct instance *instance, enum model_status status
     const char *category = model_category(status);
     if (is_heard(instance, category)) {
         char message[MESSAGE_SIZE];
+        const int length = snprintf(message, sizeof message, "%s", instance->call->name);
         va_list arguments;
         va_start(arguments, format);
-        (void)vsnprintf(message, sizeof message, format, arguments);
+        (void)vsnprintf(message + length, sizeof message - (size_t)length, format, arguments);
         va_end(arguments);
         send_message(instance, status, category, message);
     }
@@ -171,51 +174,53 @@ static const char *name_phases(unsigned phases, char text[PHASE_NAMES_SIZE])
 
 static const char *const kind_names[] = {[CALL_STEPS] = "Co-Simulation", [CALL_EXCHANGE] = "Model Exchange"};
 
-CONTACT_NOINLINE static bool report_call(struct instance *instance, const struct call *call)
+/* Reports that the present call is not allowed. */
+CONTACT_NOINLINE static bool report_call(struct instance *instance)
 {
+    const struct call *call = instance->call;
     const enum call_kind kind = instance->host.exchange ? CALL_EXCHANGE : CALL_STEPS;
     char now[PHASE_NAMES_SIZE];
     char allowed[PHASE_NAMES_SIZE];
     if (call->kind != CALL_ANY && call->kind != kind) {
-        log_report(instance, MODEL_ERROR, "%s called on an instance of %s, allowed: of %s", call->name,
-                   kind_names[kind], kind_names[call->kind]);
+        log_report(instance, MODEL_ERROR, " called on an instance of %s, allowed: of %s", kind_names[kind],
+                   kind_names[call->kind]);
     } else if (call->absent != NULL) {
-        log_report(instance, MODEL_ERROR, "%s called in phase %s: %s", call->name,
-                   name_phases(instance->phase, now), call->absent);
+        log_report(instance, MODEL_ERROR, " called in phase %s: %s", name_phases(instance->phase, now),
+                   call->absent);
     } else {
-        log_report(instance, MODEL_ERROR, "%s called in phase %s, allowed in: %s", call->name,
+        log_report(instance, MODEL_ERROR, " called in phase %s, allowed in: %s",
                    name_phases(instance->phase, now), name_phases(call->phases, allowed));
     }
     return false;
 }
 
-static inline bool call_allowed(struct instance *instance, const struct call *call)
+CONTACT_NOINLINE bool call_begin(struct instance *instance, const struct call *call)
 {
     if (instance == NULL) {
         return false;
     }
+    instance->call = call;
     const bool of_kind = call->kind == CALL_ANY || (call->kind == CALL_EXCHANGE) == instance->host.exchange;
-    return of_kind && ((unsigned)instance->phase & ~call->phases) == 0 ? true : report_call(instance, call);
+    return of_kind && ((unsigned)instance->phase & ~call->phases) == 0 ? true : report_call(instance);
 }
 
-static inline bool array_given(struct instance *instance, const struct call *call, const char *argument,
-                               const void *array, size_t count)
+bool array_given(struct instance *instance, const char *argument, const void *array, size_t count)
 {
     if (array == NULL && count > 0) {
-        log_report(instance, MODEL_ERROR, "%s: %s is a null pointer, expected %lu elements", call->name,
-                   argument, (unsigned long)count);
+        log_report(instance, MODEL_ERROR, ": %s is a null pointer, expected %lu elements", argument,
+                   (unsigned long)count);
         return false;
     }
     return true;
 }
 
-bool call_ready(struct instance *instance, const struct call *call, const struct argument *arguments)
+bool arrays_given(struct instance *instance, const struct argument *arguments)
 {
-    bool ready = call_allowed(instance, call);
-    for (; ready && arguments->name != NULL; ++arguments) {
-        ready = array_given(instance, call, arguments->name, arguments->array, arguments->count);
+    bool given = true;
+    for (; given && arguments->name != NULL; ++arguments) {
+        given = array_given(instance, arguments->name, arguments->array, arguments->count);
     }
-    return ready;
+    return given;
 }
 
 /*
@@ -258,14 +263,14 @@ static const char *real_name(const struct instance *instance)
 enum { ANY_TYPE = TYPES_REAL | TYPES_INTEGER | TYPES_BOOLEAN | TYPES_ENUMERATION };
 
 /* Returns the variable of a reference if it has one of the types, else NULL after a message. */
-static inline const struct variable *find_variable(struct instance *instance, const struct call *call,
-                                                   uint32_t reference, unsigned types)
+static inline const struct variable *find_variable(struct instance *instance, uint32_t reference,
+                                                   unsigned types)
 {
     const struct variable *variable = variable_of(instance, reference);
     if (variable == NULL) {
-        log_report(instance, MODEL_ERROR, "%s: unknown value reference %u", call->name, (unsigned)reference);
+        log_report(instance, MODEL_ERROR, ": unknown value reference %u", (unsigned)reference);
     } else if ((types & (1u << variable->type)) == 0) {
-        log_report(instance, MODEL_ERROR, "%s: value reference %u is %s, which is of type %s", call->name,
+        log_report(instance, MODEL_ERROR, ": value reference %u is %s, which is of type %s",
                    (unsigned)reference, variable->name, instance->adapter->type_names[variable->type]);
         return NULL;
     }
@@ -274,15 +279,14 @@ static inline const struct variable *find_variable(struct instance *instance, co
 
 /* Returns the variable if it may be read. Before initialization mode only parameters and inputs may be, since
  * the other variables are not computed yet. */
-static inline const struct variable *find_readable(struct instance *instance, const struct call *call,
-                                                   uint32_t reference, unsigned types)
+static inline const struct variable *find_readable(struct instance *instance, uint32_t reference,
+                                                   unsigned types)
 {
-    const struct variable *variable = find_variable(instance, call, reference, types);
+    const struct variable *variable = find_variable(instance, reference, types);
     if (variable != NULL && (instance->phase & PHASE_INSTANTIATED) != 0 &&
         variable->causality != VARIABLE_PARAMETER && variable->causality != VARIABLE_INPUT &&
         variable != &time_variable) {
-        log_report(instance, MODEL_ERROR, "%s: %s has no value before initialization mode", call->name,
-                   variable->name);
+        log_report(instance, MODEL_ERROR, ": %s has no value before initialization mode", variable->name);
         return NULL;
     }
     return variable;
@@ -298,10 +302,10 @@ static bool is_settable_state(const struct instance *instance, const struct vari
 
 /* Returns the variable if it may be set. Parameters may be set until the end of initialization, tunable ones
  * also at communication points or events, and inputs always. */
-static inline const struct variable *find_settable(struct instance *instance, const struct call *call,
-                                                   uint32_t reference, unsigned types)
+static inline const struct variable *find_settable(struct instance *instance, uint32_t reference,
+                                                   unsigned types)
 {
-    const struct variable *variable = find_variable(instance, call, reference, types);
+    const struct variable *variable = find_variable(instance, reference, types);
     if (variable == NULL || variable->causality == VARIABLE_INPUT) {
         return variable;
     }
@@ -311,7 +315,7 @@ static inline const struct variable *find_settable(struct instance *instance, co
         is_settable_state(instance, variable)) {
         return variable;
     }
-    log_report(instance, MODEL_ERROR, "%s: %s %s", call->name, variable->name,
+    log_report(instance, MODEL_ERROR, ": %s %s", variable->name,
                variable == &time_variable                  ? "is the independent variable and cannot be set"
                : variable->causality != VARIABLE_PARAMETER ? "is calculated and cannot be set"
                : !variable->tunable                        ? "is a parameter, fixed after initialization"
@@ -319,12 +323,12 @@ static inline const struct variable *find_settable(struct instance *instance, co
     return NULL;
 }
 
-const struct variable *find_real(struct instance *instance, const struct call *call, uint32_t reference,
+const struct variable *find_real(struct instance *instance, uint32_t reference,
                                  enum variable_causality causality)
 {
-    const struct variable *variable = find_variable(instance, call, reference, ANY_TYPE);
+    const struct variable *variable = find_variable(instance, reference, ANY_TYPE);
     if (variable != NULL && (variable->type != VARIABLE_REAL || variable->causality != causality)) {
-        log_report(instance, MODEL_ERROR, "%s: value reference %u is %s, which is no %s %s", call->name,
+        log_report(instance, MODEL_ERROR, ": value reference %u is %s, which is no %s %s",
                    (unsigned)reference, variable->name, real_name(instance),
                    causality == VARIABLE_INPUT ? "input" : "output");
         return NULL;
@@ -332,33 +336,32 @@ const struct variable *find_real(struct instance *instance, const struct call *c
     return variable;
 }
 
-static enum model_status check_count(struct instance *instance, const struct call *call, const char *name,
-                                     size_t given, size_t expected)
+static enum model_status check_count(struct instance *instance, const char *name, size_t given,
+                                     size_t expected)
 {
     return given == expected
                ? MODEL_OK
-               : log_report(instance, MODEL_ERROR, "%s: %s = %lu, expected %lu for the value references",
-                            call->name, name, (unsigned long)given, (unsigned long)expected);
+               : log_report(instance, MODEL_ERROR, ": %s = %lu, expected %lu for the value references", name,
+                            (unsigned long)given, (unsigned long)expected);
 }
 
 /* find_variable, find_readable or find_settable */
-typedef const struct variable *variable_finder(struct instance *instance, const struct call *call,
-                                               uint32_t reference, unsigned types);
+typedef const struct variable *variable_finder(struct instance *instance, uint32_t reference, unsigned types);
 
 /* Checks that all references are found and have as many components as the importer counts. */
-static enum model_status check_components(struct instance *instance, const struct call *call,
-                                          variable_finder *find, unsigned types, const uint32_t *references,
-                                          size_t count, const char *name, size_t given)
+static enum model_status check_components(struct instance *instance, variable_finder *find, unsigned types,
+                                          const uint32_t *references, size_t count, const char *name,
+                                          size_t given)
 {
     size_t components = 0;
     for (size_t i = 0; i < count; ++i) {
-        const struct variable *first = find(instance, call, references[i], types);
+        const struct variable *first = find(instance, references[i], types);
         if (first == NULL) {
             return MODEL_ERROR;
         }
         components += length_of(instance, first);
     }
-    return check_count(instance, call, name, given, components);
+    return check_count(instance, name, given, components);
 }
 
 /*
@@ -433,21 +436,19 @@ static enum model_status set_value(struct instance *instance, const struct varia
     return MODEL_OK;
 }
 
-static inline bool values_ready(struct instance *instance, const struct call *call,
-                                const uint32_t *references, size_t reference_count, const void *values,
-                                size_t count)
+static bool values_ready(struct instance *instance, const uint32_t *references, size_t reference_count,
+                         const void *values, size_t count)
 {
-    const char *const *names = call_allowed(instance, call) ? instance->adapter->arguments : NULL;
-    return names != NULL &&
-           array_given(instance, call, names[ARGUMENT_REFERENCES], references, reference_count) &&
-           array_given(instance, call, names[ARGUMENT_VALUES], values, count);
+    const char *const *names = instance->adapter->arguments;
+    return arrays_given(instance, ARGUMENTS({names[ARGUMENT_REFERENCES], references, reference_count},
+                                            {names[ARGUMENT_VALUES], values, count}));
 }
 
-CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance, const struct call *call,
-                                                       unsigned types, const uint32_t *references,
-                                                       size_t reference_count, void *values, size_t count)
+CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance, unsigned types,
+                                                       const uint32_t *references, size_t reference_count,
+                                                       void *values, size_t count)
 {
-    if (!values_ready(instance, call, references, reference_count, values, count)) {
+    if (!values_ready(instance, references, reference_count, values, count)) {
         return MODEL_ERROR;
     }
     if (types == TYPES_REAL && instance->phase == PHASE_STEP && !has_vectors(instance) &&
@@ -455,7 +456,7 @@ CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance
         return MODEL_OK;
     }
     enum model_status status =
-        check_components(instance, call, find_readable, types, references, reference_count, "nValues", count);
+        check_components(instance, find_readable, types, references, reference_count, "nValues", count);
     char *to = values;
     for (size_t i = 0; values != NULL && i < reference_count && status == MODEL_OK; ++i) {
         const struct variable *first = variable_of(instance, references[i]);
@@ -468,15 +469,14 @@ CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance
     return status;
 }
 
-enum model_status instance_set_values(struct instance *instance, const struct call *call, unsigned types,
-                                      const uint32_t *references, size_t reference_count, const void *values,
-                                      size_t count)
+enum model_status instance_set_values(struct instance *instance, unsigned types, const uint32_t *references,
+                                      size_t reference_count, const void *values, size_t count)
 {
-    if (!values_ready(instance, call, references, reference_count, values, count)) {
+    if (!values_ready(instance, references, reference_count, values, count)) {
         return MODEL_ERROR;
     }
     enum model_status status =
-        check_components(instance, call, find_settable, types, references, reference_count, "nValues", count);
+        check_components(instance, find_settable, types, references, reference_count, "nValues", count);
     for (int setting = 0; setting < 2; ++setting) { /* all values are checked before any is set */
         const char *from = values;
         for (size_t i = 0; values != NULL && i < reference_count && status <= MODEL_WARNING; ++i) {
@@ -494,48 +494,45 @@ enum model_status instance_set_values(struct instance *instance, const struct ca
 
 enum { LOWEST_ORDER = 1, HIGHEST_ORDER = 2 }; /* maxOutputDerivativeOrder of the model description */
 
-enum model_status check_order(struct instance *instance, const struct call *call,
-                              const struct variable *variable, int order)
+enum model_status check_order(struct instance *instance, const struct variable *variable, int order)
 {
     if (order < LOWEST_ORDER || order > HIGHEST_ORDER) {
         return log_report(instance, MODEL_DISCARD,
-                          "%s: derivative of order %d of %s refused, allowed: %d to %d", call->name, order,
-                          variable->name, LOWEST_ORDER, HIGHEST_ORDER);
+                          ": derivative of order %d of %s refused, allowed: %d to %d", order, variable->name,
+                          LOWEST_ORDER, HIGHEST_ORDER);
     }
     return MODEL_OK;
 }
 
-static enum model_status check_output_derivative(struct instance *instance, const struct call *call,
-                                                 uint32_t reference, int order)
+static enum model_status check_output_derivative(struct instance *instance, uint32_t reference, int order)
 {
-    const struct variable *variable = find_real(instance, call, reference, VARIABLE_OUTPUT);
+    const struct variable *variable = find_real(instance, reference, VARIABLE_OUTPUT);
     if (variable == NULL) {
         return MODEL_ERROR;
     }
     if (!model_has_derivatives(variable)) {
         return log_report(instance, MODEL_DISCARD,
-                          "%s: %s sums up the last step; its derivatives are not provided, allowed: those of "
+                          ": %s sums up the last step; its derivatives are not provided, allowed: those of "
                           "the other %s outputs",
-                          call->name, variable->name, real_name(instance));
+                          variable->name, real_name(instance));
     }
-    return check_order(instance, call, variable, order);
+    return check_order(instance, variable, order);
 }
 
-enum model_status instance_output_derivatives(struct instance *instance, const struct call *call,
-                                              const uint32_t *references, const int *orders,
-                                              size_t reference_count, double *values, size_t count)
+enum model_status instance_output_derivatives(struct instance *instance, const uint32_t *references,
+                                              const int *orders, size_t reference_count, double *values,
+                                              size_t count)
 {
-    const char *const *names = instance == NULL ? NULL : instance->adapter->arguments;
-    if (names == NULL || !call_ready(instance, call,
-                                     ARGUMENTS({names[ARGUMENT_REFERENCES], references, reference_count},
-                                               {names[ARGUMENT_ORDERS], orders, reference_count},
-                                               {names[ARGUMENT_VALUES], values, count}))) {
+    const char *const *names = instance->adapter->arguments;
+    if (!arrays_given(instance, ARGUMENTS({names[ARGUMENT_REFERENCES], references, reference_count},
+                                          {names[ARGUMENT_ORDERS], orders, reference_count},
+                                          {names[ARGUMENT_VALUES], values, count}))) {
         return MODEL_ERROR;
     }
-    enum model_status status = check_components(instance, call, find_variable, ANY_TYPE, references,
-                                                reference_count, "nValues", count);
+    enum model_status status =
+        check_components(instance, find_variable, ANY_TYPE, references, reference_count, "nValues", count);
     for (size_t i = 0; i < reference_count && status == MODEL_OK; ++i) {
-        status = check_output_derivative(instance, call, references[i], orders[i]);
+        status = check_output_derivative(instance, references[i], orders[i]);
     }
     const struct variable_list list = list_of(instance, references, reference_count);
     return status == MODEL_OK ? model_get_output_derivatives(instance->model, &list, orders, values) : status;
@@ -549,7 +546,7 @@ static bool knows_states(const struct instance *instance)
 
 /* Unknowns are the outputs and the rates of the states. In initialization mode the calculated parameters and
  * the states are unknowns too (ModelStructure: initial unknowns). */
-static enum model_status check_unknown(struct instance *instance, const struct call *call, uint32_t reference)
+static enum model_status check_unknown(struct instance *instance, uint32_t reference)
 {
     const struct variable *variable = variable_of(instance, reference);
     const bool starting = (instance->phase & PHASE_INITIALIZATION) != 0;
@@ -560,10 +557,10 @@ static enum model_status check_unknown(struct instance *instance, const struct c
         (variable->causality == VARIABLE_RATE || (starting && variable->causality == VARIABLE_STATE))) {
         return MODEL_OK;
     }
-    return find_real(instance, call, reference, VARIABLE_OUTPUT) != NULL ? MODEL_OK : MODEL_ERROR;
+    return find_real(instance, reference, VARIABLE_OUTPUT) != NULL ? MODEL_OK : MODEL_ERROR;
 }
 
-static enum model_status check_known(struct instance *instance, const struct call *call, uint32_t reference)
+static enum model_status check_known(struct instance *instance, uint32_t reference)
 {
     const struct variable *variable = variable_of(instance, reference);
     const bool starting = (instance->phase & PHASE_INITIALIZATION) != 0;
@@ -573,69 +570,64 @@ static enum model_status check_known(struct instance *instance, const struct cal
     if (variable != NULL && starting && variable->causality == VARIABLE_PARAMETER &&
         variable->type == VARIABLE_REAL) {
         return log_report(instance, MODEL_DISCARD,
-                          "%s: derivatives with respect to the parameter %s are not provided, allowed: with "
+                          ": derivatives with respect to the parameter %s are not provided, allowed: with "
                           "respect to %s inputs",
-                          call->name, variable->name, real_name(instance));
+                          variable->name, real_name(instance));
     }
-    return find_real(instance, call, reference, VARIABLE_INPUT) != NULL ? MODEL_OK : MODEL_ERROR;
+    return find_real(instance, reference, VARIABLE_INPUT) != NULL ? MODEL_OK : MODEL_ERROR;
 }
 
 /* Checks that the seeds of all variables in `references` are finite. */
-static enum model_status check_seeds(struct instance *instance, const struct call *call,
-                                     const uint32_t *references, size_t count, const double *seed)
+static enum model_status check_seeds(struct instance *instance, const uint32_t *references, size_t count,
+                                     const double *seed)
 {
     for (size_t i = 0; i < count; ++i) {
         const struct variable *first = variable_of(instance, references[i]);
         const size_t length = length_of(instance, first);
         for (size_t k = 0; k < length; ++k, ++seed) {
             if (!isfinite(*seed)) {
-                return log_report(instance, MODEL_DISCARD, "%s: %s of %s = %g refused, allowed: finite",
-                                  call->name, instance->adapter->arguments[ARGUMENT_SEED], first[k].name,
-                                  *seed);
+                return log_report(instance, MODEL_DISCARD, ": %s of %s = %g refused, allowed: finite",
+                                  instance->adapter->arguments[ARGUMENT_SEED], first[k].name, *seed);
             }
         }
     }
     return MODEL_OK;
 }
 
-static enum model_status check_product(struct instance *instance, const struct call *call,
-                                       const struct product *p)
+static enum model_status check_product(struct instance *instance, const struct product *p)
 {
     enum model_status status =
-        check_components(instance, call, find_variable, ANY_TYPE, p->unknowns, p->unknown_count,
+        check_components(instance, find_variable, ANY_TYPE, p->unknowns, p->unknown_count,
                          p->adjoint ? "nSeed" : "nSensitivity", p->unknown_components);
     if (status == MODEL_OK) {
-        status = check_components(instance, call, find_variable, ANY_TYPE, p->knowns, p->known_count,
+        status = check_components(instance, find_variable, ANY_TYPE, p->knowns, p->known_count,
                                   p->adjoint ? "nSensitivity" : "nSeed", p->known_components);
     }
     for (size_t i = 0; i < p->unknown_count && status == MODEL_OK; ++i) {
-        status = check_unknown(instance, call, p->unknowns[i]);
+        status = check_unknown(instance, p->unknowns[i]);
     }
     for (size_t i = 0; i < p->known_count && status == MODEL_OK; ++i) {
-        status = check_known(instance, call, p->knowns[i]);
+        status = check_known(instance, p->knowns[i]);
     }
     if (status != MODEL_OK) {
         return status;
     }
-    return p->adjoint ? check_seeds(instance, call, p->unknowns, p->unknown_count, p->seed)
-                      : check_seeds(instance, call, p->knowns, p->known_count, p->seed);
+    return p->adjoint ? check_seeds(instance, p->unknowns, p->unknown_count, p->seed)
+                      : check_seeds(instance, p->knowns, p->known_count, p->seed);
 }
 
-enum model_status instance_product(struct instance *instance, const struct call *call,
-                                   const struct product *p)
+enum model_status instance_product(struct instance *instance, const struct product *p)
 {
     const size_t seeds = p->adjoint ? p->unknown_components : p->known_components;
     const size_t sensitivities = p->adjoint ? p->known_components : p->unknown_components;
-    const char *const *names = instance == NULL ? NULL : instance->adapter->arguments;
-    if (names == NULL ||
-        !call_ready(instance, call,
-                    ARGUMENTS({names[ARGUMENT_UNKNOWNS], p->unknowns, p->unknown_count},
-                              {names[ARGUMENT_KNOWNS], p->knowns, p->known_count},
-                              {names[ARGUMENT_SEED], p->seed, seeds},
-                              {names[ARGUMENT_SENSITIVITY], p->sensitivity, sensitivities}))) {
+    const char *const *names = instance->adapter->arguments;
+    if (!arrays_given(instance, ARGUMENTS({names[ARGUMENT_UNKNOWNS], p->unknowns, p->unknown_count},
+                                          {names[ARGUMENT_KNOWNS], p->knowns, p->known_count},
+                                          {names[ARGUMENT_SEED], p->seed, seeds},
+                                          {names[ARGUMENT_SENSITIVITY], p->sensitivity, sensitivities}))) {
         return MODEL_ERROR;
     }
-    const enum model_status status = check_product(instance, call, p);
+    const enum model_status status = check_product(instance, p);
     if (status != MODEL_OK) {
         return status;
     }
@@ -655,45 +647,42 @@ static double time_slack(double t, double h)
     return fmax(STEP_SLACK * h, 4.0 * DBL_EPSILON * fabs(t));
 }
 
-static enum model_status refuse_step_size(struct instance *instance, const struct call *call, double time,
-                                          double size)
+static enum model_status refuse_step_size(struct instance *instance, double time, double size)
 {
     return log_report(instance, MODEL_DISCARD,
-                      "%s: communicationStepSize = %s s, allowed: finite and large enough to change the "
+                      ": communicationStepSize = %s s, allowed: finite and large enough to change the "
                       "time %s s, that is more than %.3g s",
-                      call->name, shortest_digits(size).text, shortest_digits(time).text,
-                      DBL_EPSILON * fabs(time));
+                      shortest_digits(size).text, shortest_digits(time).text, DBL_EPSILON * fabs(time));
 }
 
-static enum model_status check_step(struct instance *instance, const struct call *call, double point,
-                                    double size)
+static enum model_status check_step(struct instance *instance, double point, double size)
 {
     const double time = model_time(instance->model);
     if (!(size > 0.0)) {
-        return refuse_step_size(instance, call, time, size);
+        return refuse_step_size(instance, time, size);
     }
     /* A NaN is refused too. */
     if (!(fabs(point - time) <= time_slack(time, size))) {
         return log_report(instance, MODEL_ERROR,
-                          "%s: currentCommunicationPoint = %s s, expected the time reached, %s s", call->name,
+                          ": currentCommunicationPoint = %s s, expected the time reached, %s s",
                           shortest_digits(point).text, shortest_digits(time).text);
     }
     const double end = point + size; /* infinite where the size is infinite */
     if (!(end > time && end <= DBL_MAX)) {
-        return refuse_step_size(instance, call, time, size);
+        return refuse_step_size(instance, time, size);
     }
     const double stop = instance->experiment.stop_time;
     if (end > stop + time_slack(stop, size)) {
-        return log_report(instance, MODEL_ERROR, "%s: step to %s s goes past stopTime = %s s", call->name,
+        return log_report(instance, MODEL_ERROR, ": step to %s s goes past stopTime = %s s",
                           shortest_digits(end).text, shortest_digits(stop).text);
     }
     return MODEL_OK;
 }
 
-enum model_status instance_step(struct instance *instance, const struct call *call, double point, double size,
+enum model_status instance_step(struct instance *instance, double point, double size,
                                 const struct step_request *request)
 {
-    enum model_status status = check_step(instance, call, point, size);
+    enum model_status status = check_step(instance, point, size);
     instance->asked_end = point + size;
     if (status == MODEL_OK) {
         struct step_request whole = *request;
@@ -725,12 +714,11 @@ enum model_status exchange_update(struct instance *instance, struct exchange_new
 }
 
 /* An integrator of variable step may try steps past the stop time; only an accepted one is an error. */
-enum model_status exchange_accept_step(struct instance *instance, const struct call *call,
-                                       void *enters_events, void *terminates, size_t size)
+enum model_status exchange_accept_step(struct instance *instance, void *enters_events, void *terminates,
+                                       size_t size)
 {
-    if (!call_ready(
-            instance, call,
-            ARGUMENTS({"enterEventMode", enters_events, 1}, {"terminateSimulation", terminates, 1}))) {
+    if (!arrays_given(instance, ARGUMENTS({"enterEventMode", enters_events, 1},
+                                          {"terminateSimulation", terminates, 1}))) {
         return MODEL_ERROR;
     }
     memset(enters_events, 0, size);
@@ -738,45 +726,35 @@ enum model_status exchange_accept_step(struct instance *instance, const struct c
     const double time = model_time(instance->model);
     const double stop = instance->experiment.stop_time;
     if (time > stop + time_slack(stop, 0.0)) {
-        return log_report(instance, MODEL_ERROR, "%s: step to %.17g s goes past stopTime = %.17g s",
-                          call->name, time, stop);
+        return log_report(instance, MODEL_ERROR, ": step to %.17g s goes past stopTime = %.17g s", time,
+                          stop);
     }
     return model_exchange_accept(instance->model);
 }
 
-enum model_status exchange_set_time(struct instance *instance, const struct call *call, double time)
+/* Whether the call has an array of `expected` numbers. */
+static bool numbers_ready(struct instance *instance, const double *values, size_t count, size_t expected)
 {
-    return call_allowed(instance, call) ? model_exchange_set_time(instance->model, time) : MODEL_ERROR;
-}
-
-/* Whether the call is allowed now and has an array of `expected` numbers. */
-static bool numbers_ready(struct instance *instance, const struct call *call, const double *values,
-                          size_t count, size_t expected)
-{
-    if (!call_allowed(instance, call)) {
-        return false;
-    }
     if (count != expected) {
-        log_report(instance, MODEL_ERROR, "%s: %lu values, expected %lu", call->name, (unsigned long)count,
+        log_report(instance, MODEL_ERROR, ": %lu values, expected %lu", (unsigned long)count,
                    (unsigned long)expected);
         return false;
     }
-    return array_given(instance, call, "the array of values", values, count);
+    return array_given(instance, "the array of values", values, count);
 }
 
-enum model_status exchange_set_states(struct instance *instance, const struct call *call,
-                                      const double *states, size_t count)
+enum model_status exchange_set_states(struct instance *instance, const double *states, size_t count)
 {
-    return numbers_ready(instance, call, states, count, SCENE_STATES)
+    return numbers_ready(instance, states, count, SCENE_STATES)
                ? model_exchange_set_states(instance->model, states)
                : MODEL_ERROR;
 }
 
-enum model_status exchange_get(struct instance *instance, const struct call *call, enum exchange_values which,
-                               double *values, size_t count)
+enum model_status exchange_get(struct instance *instance, enum exchange_values which, double *values,
+                               size_t count)
 {
     const size_t expected = which == EXCHANGE_INDICATORS ? SCENE_INDICATORS : SCENE_STATES;
-    return numbers_ready(instance, call, values, count, expected)
+    return numbers_ready(instance, values, count, expected)
                ? model_exchange_get(instance->model, which, values)
                : MODEL_ERROR;
 }
@@ -885,40 +863,39 @@ static bool plausible_header(const struct instance *instance, const struct block
            isfinite(header->start_time) && header->stop_time >= header->start_time;
 }
 
-static enum model_status refuse_number(struct instance *instance, const struct call *call, const char *what,
-                                       unsigned long got, unsigned long expected)
+static enum model_status refuse_number(struct instance *instance, const char *what, unsigned long got,
+                                       unsigned long expected)
 {
-    return log_report(instance, MODEL_ERROR, "%s: state has %s %lu (0x%lX), expected %lu (0x%lX)", call->name,
-                      what, got, got, expected, expected);
+    return log_report(instance, MODEL_ERROR, ": state has %s %lu (0x%lX), expected %lu (0x%lX)", what, got,
+                      got, expected, expected);
 }
 
 /* Whether a block of `size` bytes is a whole state of this FMU. Nothing is read beyond `size`. */
-static enum model_status check_block(struct instance *instance, const struct call *call, const void *block,
-                                     size_t size)
+static enum model_status check_block(struct instance *instance, const void *block, size_t size)
 {
     struct block_header header;
     if (size < sizeof header) {
-        return refuse_number(instance, call, "size", (unsigned long)size, (unsigned long)block_size());
+        return refuse_number(instance, "size", (unsigned long)size, (unsigned long)block_size());
     }
     memcpy(&header, block, sizeof header);
     const uint32_t magic = instance->adapter->state_magic;
     if (header.magic != magic) {
-        return refuse_number(instance, call, "magic number", header.magic, magic);
+        return refuse_number(instance, "magic number", header.magic, magic);
     }
     if (header.version != BLOCK_VERSION) {
-        return refuse_number(instance, call, "version", header.version, BLOCK_VERSION);
+        return refuse_number(instance, "version", header.version, BLOCK_VERSION);
     }
     if (header.scene != SCENE_HASH) {
-        return refuse_number(instance, call, "model", header.scene, SCENE_HASH);
+        return refuse_number(instance, "model", header.scene, SCENE_HASH);
     }
     if (size != block_size() || header.size != size) {
-        return refuse_number(instance, call, "size", (unsigned long)size, (unsigned long)block_size());
+        return refuse_number(instance, "size", (unsigned long)size, (unsigned long)block_size());
     }
     if (block_checksum(block) != header.checksum) {
-        return refuse_number(instance, call, "checksum", block_checksum(block), header.checksum);
+        return refuse_number(instance, "checksum", block_checksum(block), header.checksum);
     }
     if (!plausible_header(instance, &header)) {
-        return log_report(instance, MODEL_ERROR, "%s: state has a header out of range", call->name);
+        return log_report(instance, MODEL_ERROR, ": state has a header out of range");
     }
     return MODEL_OK;
 }
@@ -928,17 +905,17 @@ static const char *state_name(const struct instance *instance)
     return instance->adapter->arguments[ARGUMENT_STATE];
 }
 
-/* Returns the block of an importer's state, or NULL where the call is not allowed or the state is unknown. */
-static struct state_block *given_block(struct instance *instance, const struct call *call, void *state)
+/* Returns the block of an importer's state, or NULL, after a message, where the state is unknown. */
+static struct state_block *given_block(struct instance *instance, void *state)
 {
-    if (!call_allowed(instance, call) || !array_given(instance, call, state_name(instance), state, 1)) {
+    if (!array_given(instance, state_name(instance), state, 1)) {
         return NULL;
     }
     struct state_block *block = state_list_find(instance, state);
     if (block == NULL) {
         log_report(instance, MODEL_ERROR,
-                   "%s: %s is unknown, expected a state that this instance gave and that is not freed",
-                   call->name, state_name(instance));
+                   ": %s is unknown, expected a state that this instance gave and that is not freed",
+                   state_name(instance));
     }
     return block;
 }
@@ -947,7 +924,7 @@ static struct state_block *given_block(struct instance *instance, const struct c
  * Returns the block to write for an importer's state pointer: the block it points to if that is in the list,
  * else a new one. Some importers never initialise the pointer. NULL: memory is exhausted, after a message.
  */
-static struct state_block *block_to_write(struct instance *instance, const struct call *call, void **state)
+static struct state_block *block_to_write(struct instance *instance, void **state)
 {
     struct state_block *block = state_list_find(instance, *state);
     if (block != NULL) {
@@ -955,8 +932,7 @@ static struct state_block *block_to_write(struct instance *instance, const struc
     }
     block = instance->host.allocate(1, sizeof *block + block_size());
     if (block == NULL) {
-        log_report(instance, MODEL_ERROR, "%s: no memory for %lu bytes", call->name,
-                   (unsigned long)block_size());
+        log_report(instance, MODEL_ERROR, ": no memory for %lu bytes", (unsigned long)block_size());
         return NULL;
     }
     block->next = instance->states;
@@ -965,12 +941,12 @@ static struct state_block *block_to_write(struct instance *instance, const struc
     return block;
 }
 
-enum model_status state_block_get(struct instance *instance, const struct call *call, void **state)
+enum model_status state_block_get(struct instance *instance, void **state)
 {
-    if (!call_allowed(instance, call) || !array_given(instance, call, state_name(instance), state, 1)) {
+    if (!array_given(instance, state_name(instance), state, 1)) {
         return MODEL_ERROR;
     }
-    struct state_block *block = block_to_write(instance, call, state);
+    struct state_block *block = block_to_write(instance, state);
     if (block == NULL) {
         return MODEL_ERROR;
     }
@@ -978,10 +954,10 @@ enum model_status state_block_get(struct instance *instance, const struct call *
     return MODEL_OK;
 }
 
-enum model_status state_block_set(struct instance *instance, const struct call *call, void *state)
+enum model_status state_block_set(struct instance *instance, void *state)
 {
-    struct state_block *block = given_block(instance, call, state);
-    if (block == NULL || check_block(instance, call, block->bytes, block_size()) != MODEL_OK) {
+    struct state_block *block = given_block(instance, state);
+    if (block == NULL || check_block(instance, block->bytes, block_size()) != MODEL_OK) {
         return MODEL_ERROR;
     }
     const enum model_status status = model_restore(instance->model, model_bytes(block->bytes));
@@ -996,15 +972,12 @@ enum model_status state_block_set(struct instance *instance, const struct call *
     return status;
 }
 
-enum model_status state_block_free(struct instance *instance, const struct call *call, void **state)
+enum model_status state_block_free(struct instance *instance, void **state)
 {
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
     if (state == NULL || *state == NULL) {
         return MODEL_OK;
     }
-    struct state_block *block = given_block(instance, call, *state);
+    struct state_block *block = given_block(instance, *state);
     if (block == NULL) {
         return MODEL_ERROR;
     }
@@ -1013,40 +986,38 @@ enum model_status state_block_free(struct instance *instance, const struct call 
     return MODEL_OK;
 }
 
-enum model_status state_block_size(struct instance *instance, const struct call *call, void *state,
-                                   size_t *size)
+enum model_status state_block_size(struct instance *instance, void *state, size_t *size)
 {
-    if (given_block(instance, call, state) == NULL || !array_given(instance, call, "size", size, 1)) {
+    if (given_block(instance, state) == NULL || !array_given(instance, "size", size, 1)) {
         return MODEL_ERROR;
     }
     *size = block_size();
     return MODEL_OK;
 }
 
-enum model_status state_block_serialize(struct instance *instance, const struct call *call, void *state,
-                                        void *bytes, size_t size)
+enum model_status state_block_serialize(struct instance *instance, void *state, void *bytes, size_t size)
 {
-    struct state_block *block = given_block(instance, call, state);
-    if (block == NULL || !array_given(instance, call, "serializedState", bytes, block_size())) {
+    struct state_block *block = given_block(instance, state);
+    if (block == NULL || !array_given(instance, "serializedState", bytes, block_size())) {
         return MODEL_ERROR;
     }
     if (size < block_size()) {
-        return log_report(instance, MODEL_ERROR, "%s: room for %lu bytes, expected %lu", call->name,
-                          (unsigned long)size, (unsigned long)block_size());
+        return log_report(instance, MODEL_ERROR, ": room for %lu bytes, expected %lu", (unsigned long)size,
+                          (unsigned long)block_size());
     }
     memcpy(bytes, block->bytes, block_size());
     return MODEL_OK;
 }
 
-enum model_status state_block_deserialize(struct instance *instance, const struct call *call,
-                                          const void *bytes, size_t size, void **state)
+enum model_status state_block_deserialize(struct instance *instance, const void *bytes, size_t size,
+                                          void **state)
 {
-    if (!call_allowed(instance, call) || !array_given(instance, call, "serializedState", bytes, size) ||
-        !array_given(instance, call, state_name(instance), state, 1) ||
-        check_block(instance, call, bytes, size) != MODEL_OK) {
+    if (!array_given(instance, "serializedState", bytes, size) ||
+        !array_given(instance, state_name(instance), state, 1) ||
+        check_block(instance, bytes, size) != MODEL_OK) {
         return MODEL_ERROR;
     }
-    struct state_block *block = block_to_write(instance, call, state);
+    struct state_block *block = block_to_write(instance, state);
     if (block == NULL) {
         return MODEL_ERROR;
     }
@@ -1062,26 +1033,26 @@ static void forget_experiment(struct instance *instance)
     instance->log_categories = log_default_categories(instance->logging_on);
 }
 
-bool instance_expects(struct instance *nobody, const char *function, bool holds, const char *argument,
-                      const char *given, const char *expected)
+bool instance_expects(struct instance *nobody, bool holds, const char *argument, const char *given,
+                      const char *expected)
 {
     if (!holds) {
-        log_report(nobody, MODEL_ERROR, "%s: %s is \"%.300s\", expected \"%.300s\"", function, argument,
+        log_report(nobody, MODEL_ERROR, ": %s is \"%.300s\", expected \"%.300s\"", argument,
                    given == NULL ? "(null)" : given, expected);
     }
     return holds;
 }
 
-bool instance_identified(struct instance *nobody, const char *function, const char *name,
-                         const char *token_name, const char *token, const char *expected)
+bool instance_identified(struct instance *nobody, const char *name, const char *token_name, const char *token,
+                         const char *expected)
 {
     const bool named = name != NULL && name[0] != '\0';
-    return instance_expects(nobody, function, named, "instanceName", name, "any name") &&
-           instance_expects(nobody, function, token != NULL && strcmp(token, expected) == 0, token_name,
-                            token, expected);
+    return instance_expects(nobody, named, "instanceName", name, "any name") &&
+           instance_expects(nobody, token != NULL && strcmp(token, expected) == 0, token_name, token,
+                            expected);
 }
 
-struct instance *instance_create(struct instance *nobody, const char *function, size_t size, bool logging_on)
+struct instance *instance_create(struct instance *nobody, size_t size, bool logging_on)
 {
     const size_t name_size = strlen(nobody->name) + 1;
     struct instance *instance = nobody->host.allocate(1, size + name_size);
@@ -1100,7 +1071,7 @@ struct instance *instance_create(struct instance *nobody, const char *function, 
         }
         nobody->host.release(instance);
     }
-    instance_expects(nobody, function, false, "memory", "exhausted", "room for an instance");
+    instance_expects(nobody, false, "memory", "exhausted", "room for an instance");
     return NULL;
 }
 
@@ -1116,37 +1087,33 @@ void instance_free(struct instance *instance)
     }
 }
 
-enum model_status instance_categories(struct instance *instance, const struct call *call, size_t count,
-                                      const char *const *categories, unsigned *chosen)
+enum model_status instance_categories(struct instance *instance, size_t count, const char *const *categories,
+                                      unsigned *chosen)
 {
-    if (!call_ready(instance, call, ARGUMENTS({"categories", (const void *)categories, count}))) {
+    if (!arrays_given(instance, ARGUMENTS({"categories", (const void *)categories, count}))) {
         return MODEL_ERROR;
     }
     for (size_t i = 0; i < count; ++i) {
         const char *name = categories[i] == NULL ? "(null)" : categories[i];
         if (category_bits(name) == 0) {
-            return log_report(instance, MODEL_ERROR, "%s: unknown category \"%.100s\" (allowed: %s)",
-                              call->name, name, ALL_CATEGORIES);
+            return log_report(instance, MODEL_ERROR, ": unknown category \"%.100s\" (allowed: %s)", name,
+                              ALL_CATEGORIES);
         }
         *chosen |= category_bits(name);
     }
     return MODEL_OK;
 }
 
-enum model_status instance_set_up(struct instance *instance, const struct call *call, bool tolerance_defined,
-                                  double tolerance, double start_time, bool stop_time_defined,
-                                  double stop_time)
+enum model_status instance_set_up(struct instance *instance, bool tolerance_defined, double tolerance,
+                                  double start_time, bool stop_time_defined, double stop_time)
 {
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
     if (!isfinite(start_time)) {
-        return log_report(instance, MODEL_ERROR, "%s: startTime = %s s, allowed: finite", call->name,
+        return log_report(instance, MODEL_ERROR, ": startTime = %s s, allowed: finite",
                           shortest_digits(start_time).text);
     }
     if (stop_time_defined && !(stop_time >= start_time && isfinite(stop_time))) {
         return log_report(instance, MODEL_ERROR,
-                          "%s: stopTime = %s s, allowed: finite, from startTime = %s s on", call->name,
+                          ": stopTime = %s s, allowed: finite, from startTime = %s s on",
                           shortest_digits(stop_time).text, shortest_digits(start_time).text);
     }
     const enum model_status status = model_setup(instance->model, tolerance_defined, tolerance, start_time);
@@ -1158,12 +1125,8 @@ enum model_status instance_set_up(struct instance *instance, const struct call *
     return status;
 }
 
-enum model_status instance_exit_initialization(struct instance *instance, const struct call *call,
-                                               bool events)
+enum model_status instance_exit_initialization(struct instance *instance, bool events)
 {
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
     const enum model_status status = model_exit_initialization(instance->model);
     if (status <= MODEL_WARNING) {
         instance->phase = events || instance->host.exchange ? PHASE_EVENT : PHASE_STEP;
@@ -1171,11 +1134,8 @@ enum model_status instance_exit_initialization(struct instance *instance, const 
     return status;
 }
 
-enum model_status instance_enter(struct instance *instance, const struct call *call, enum phase next)
+enum model_status instance_enter(struct instance *instance, enum phase next)
 {
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
     instance->phase = next;
     if (instance->host.exchange && (next & PHASES_EXCHANGED) != 0) {
         model_exchange_set_continuous(instance->model, next == PHASE_CONTINUOUS);
@@ -1183,11 +1143,8 @@ enum model_status instance_enter(struct instance *instance, const struct call *c
     return MODEL_OK;
 }
 
-enum model_status instance_reset(struct instance *instance, const struct call *call)
+enum model_status instance_reset(struct instance *instance)
 {
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
     model_reset(instance->model);
     forget_experiment(instance);
     return MODEL_OK;
