@@ -702,17 +702,6 @@ double instance_time_reached(const struct instance *instance)
     return fabs(instance->asked_end - time) <= 4.0 * DBL_EPSILON * fabs(time) ? instance->asked_end : time;
 }
 
-enum model_status exchange_update(struct instance *instance, struct exchange_news *news)
-{
-    const enum model_status status = model_exchange_update(instance->model, &news->again, &news->jumped);
-    if (status <= MODEL_WARNING && !news->again) {
-        const double touch = model_exchange_next_touch(instance->model);
-        news->scheduled = isfinite(touch);
-        news->event_time = news->scheduled ? touch : 0.0;
-    }
-    return status;
-}
-
 /* An integrator of variable step may try steps past the stop time; only an accepted one is an error. */
 enum model_status exchange_accept_step(struct instance *instance, void *enters_events, void *terminates,
                                        size_t size)

@@ -217,15 +217,6 @@ enum model_status instance_step(struct instance *instance, double point, double 
  * The end that the importer asked for is then returned, because importers compare it with their stop time. */
 double instance_time_reached(const struct instance *instance);
 
-/* The changes that an event has caused. */
-struct exchange_news {
-    bool again;        /* regimes have changed, and another one may have to */
-    bool jumped;       /* a state has jumped */
-    bool scheduled;    /* the time of the next touch is foreseen */
-    double event_time; /* [s], of that touch; 0 where none is foreseen */
-};
-enum model_status exchange_update(struct instance *instance, struct exchange_news *news);
-
 /* Is called when the importer's integrator has accepted a step. Sets both answers, of `size` bytes, to
  * false. */
 enum model_status exchange_accept_step(struct instance *instance, void *enters_events, void *terminates,

@@ -369,7 +369,7 @@ static enum model_status new_discrete_states(struct instance *instance, fmi2Even
     if (!array_given(instance, "eventInfo", info, 1)) {
         return MODEL_ERROR;
     }
-    const enum model_status status = exchange_update(instance, &news);
+    const enum model_status status = model_exchange_update(instance->model, &news);
     *info = (fmi2EventInfo){.newDiscreteStatesNeeded = news.again,
                             .terminateSimulation = fmi2False,
                             .nominalsOfContinuousStatesChanged = fmi2False,

@@ -529,7 +529,8 @@ static enum model_status update_discrete_states(struct instance *instance, bool 
         return MODEL_ERROR;
     }
     struct exchange_news news = {0};
-    const enum model_status status = instance->host.exchange ? exchange_update(instance, &news) : MODEL_OK;
+    const enum model_status status =
+        instance->host.exchange ? model_exchange_update(instance->model, &news) : MODEL_OK;
     *again = news.again;
     *terminate = false;
     *nominals_changed = false;

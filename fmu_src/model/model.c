@@ -35,10 +35,6 @@ void model_reset(struct model *m)
 enum model_status model_setup(struct model *m, bool tolerance_defined, double tolerance, double start_time)
 {
     enum model_status status = MODEL_OK;
-    if (!isfinite(start_time)) {
-        return model_report(m, MODEL_ERROR, "The start time %s s is refused (allowed: finite times).",
-                            shortest_digits(start_time).text);
-    }
     if (tolerance_defined && !(tolerance > 0.0 && isfinite(tolerance))) {
         return model_report(m, MODEL_ERROR, "The tolerance %s is refused (allowed: positive finite numbers).",
                             shortest_digits(tolerance).text);
@@ -149,12 +145,6 @@ static double ask_readable(void *context, double end_time)
     end_time = readable->asked->at_event(readable->asked->context, end_time);
     m->state.motion = kept;
     return end_time;
-}
-
-enum model_status model_step(struct model *m, double end_time)
-{
-    const struct step_request request = {.end_time = end_time};
-    return model_step_requested(m, &request);
 }
 
 enum model_status model_step_requested(struct model *m, const struct step_request *request)

@@ -46,7 +46,7 @@ void model_destroy(struct model *m);
 /* Returns the model to the state in which model_create hands it out. */
 void model_reset(struct model *m);
 
-/* Sets the start time [s] and, where the importer has one, the importer's relative tolerance. A tolerance
+/* Sets the finite start time [s] and, where the importer has one, the importer's relative tolerance. A tolerance
  * outside the range of solver.relative_tolerance is clipped to it with a warning. */
 enum model_status model_setup(struct model *m, bool tolerance_defined, double tolerance, double start_time);
 
@@ -54,12 +54,10 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
  * that names both; all parameters can then still be set. */
 enum model_status model_exit_initialization(struct model *m);
 
-/* Integrates to end_time [s], which lies after model_time. MODEL_DISCARD: solver.max_internal_steps ended the
- * step earlier, at model_time. All values are then those of model_time, where the next step may begin. */
-enum model_status model_step(struct model *m, double end_time);
-
-/* Does model_step with a request (integrator/step_request.h). A callback at_event may read the outputs of its
- * instant, and may call no other function. */
+/* Integrates to the end_time of the request [s], which lies after model_time. MODEL_DISCARD:
+ * solver.max_internal_steps ended the step earlier, at model_time. All values are then those of model_time,
+ * where the next step may begin. A callback at_event may read the outputs of its instant, and may call no
+ * other function. */
 enum model_status model_step_requested(struct model *m, const struct step_request *request);
 
 /* Advances only the clock to end_time [s], where the flight of the bodies can be deferred (flight/flight.h).
@@ -160,13 +158,17 @@ enum exchange_values { EXCHANGE_STATES, EXCHANGE_RATES, EXCHANGE_INDICATORS, EXC
 /* Reads the values named by `which`. MODEL_DISCARD: a value is beyond the range of numbers. */
 enum model_status model_exchange_get(struct model *m, enum exchange_values which, double *values);
 
-/* Takes over the inputs in event mode and changes the regime of each contact whose indicators have passed
- * zero. *changed: some regime has changed, and another may have to. *jumped: some state has jumped. */
-enum model_status model_exchange_update(struct model *m, bool *changed, bool *jumped);
+/* The changes that an event has caused. */
+struct exchange_news {
+    bool again;        /* regimes have changed, and another one may have to */
+    bool jumped;       /* a state has jumped */
+    bool scheduled;    /* the next touch of bodies in free flight under constant forces is foreseen */
+    double event_time; /* [s], of that touch; 0 where none is foreseen or it comes too soon to be announced */
+};
 
-/* Returns the time of the next touch of bodies in free flight under constant forces [s]; to be called after
- * model_exchange_update. INFINITY: no touch is foreseen, or it comes too soon to be announced. */
-double model_exchange_next_touch(const struct model *m);
+/* Takes over the inputs in event mode and changes the regime of each contact whose indicators have passed
+ * zero. */
+enum model_status model_exchange_update(struct model *m, struct exchange_news *news);
 
 /* Notes the contact normals after a step that the importer's integrator accepts. A noted normal serves while
  * the distance d of the contact is zero and gives no direction. */

@@ -380,25 +380,12 @@ enum model_status model_exchange_get(struct model *m, enum exchange_values which
     return status;
 }
 
-enum model_status model_exchange_update(struct model *m, bool *changed, bool *jumped)
-{
-    struct scene_state *q = &m->state.motion;
-    const enum model_status status = follow(m);
-    *changed = status == MODEL_OK && change_regimes(&m->state.values, q);
-    *jumped = booked_states(q) != m->state.booked;
-    if (*changed) {
-        model_report(m, MODEL_OK, "Changes of contact at %.17g s; since initialization: %d.", scene_time(q),
-                     (int)q->counters.events);
-    }
-    model_forget_outputs(m);
-    return status;
-}
-
 /* Least announced time to a touch [s], divided by the time [s] or by 1 s, whichever is larger. Importers take
  * two times whose relative difference is below 1e-9 for equal, and cannot step from one to the other. */
 static const double SOONEST_TOUCH = 1e-6;
 
-double model_exchange_next_touch(const struct model *m)
+/* Announces the next touch. */
+static void foresee_touch(const struct model *m, struct exchange_news *news)
 {
     const double now = scene_time(&m->state.motion);
     double after = (double)INFINITY;
@@ -407,8 +394,25 @@ double model_exchange_next_touch(const struct model *m)
     for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
         after = fmin(after, touch_after(&m->state.values, &m->state.motion, &at, j));
     }
-    const double time = now + after;
-    return after > SOONEST_TOUCH * fmax(1.0, fabs(now)) && time <= DBL_MAX ? time : (double)INFINITY;
+    news->scheduled = after > SOONEST_TOUCH * fmax(1.0, fabs(now)) && now + after <= DBL_MAX;
+    news->event_time = news->scheduled ? now + after : 0.0;
+}
+
+enum model_status model_exchange_update(struct model *m, struct exchange_news *news)
+{
+    struct scene_state *q = &m->state.motion;
+    const enum model_status status = follow(m);
+    news->again = status == MODEL_OK && change_regimes(&m->state.values, q);
+    news->jumped = booked_states(q) != m->state.booked;
+    if (news->again) {
+        model_report(m, MODEL_OK, "Changes of contact at %.17g s; since initialization: %d.", scene_time(q),
+                     (int)q->counters.events);
+    }
+    model_forget_outputs(m);
+    if (status <= MODEL_WARNING && !news->again) {
+        foresee_touch(m, news);
+    }
+    return status;
 }
 
 enum model_status model_exchange_accept(struct model *m)
