@@ -353,29 +353,13 @@ static bool state_is_sound(const struct model_state *state)
            all_finite(&state->importer_tolerance, state->in_force.dashpot) && state->tuned <= 1;
 }
 
-/* Exchanges the model's integrator with another one. */
-static void swap_integrators(struct model *m, struct integrator *other)
+/* Whether all variables of a model in a restored state are finite when they are read; values near the end of
+ * their range may give infinite outputs. Reading may change the state. If the memory for the integrator runs
+ * out, integrator.message says so. */
+static bool gives_numbers(struct model *m)
 {
-    if (SCENE_ANY_FREE) {
-        const struct integrator own = m->integrator;
-        m->integrator = *other;
-        *other = own;
-    }
-}
-
-/* Opens `integrator` for a state, and tells whether all variables of the state are finite when they are read;
- * values near the end of their range may give infinite outputs. No message is sent. If the memory runs out,
- * integrator->message says so. The model's own integrator cannot be used, because reading computes deferred
- * steps, and its memory fits other values. */
-static bool gives_numbers(struct model *m, const struct model_state *state, struct integrator *integrator)
-{
-    const struct model_state before = m->state;
-    const struct model_host host = m->host;
-    m->host.log = NULL;
-    swap_integrators(m, integrator);
-    bool finite = !state->initialized || m->host.exchange || motion_open(m, &state->values, "") == MODEL_OK;
-    m->state = *state;
-    m->outputs = OUTPUTS_NONE;
+    bool finite =
+        !m->state.initialized || m->host.exchange || motion_open(m, &m->state.values, "") == MODEL_OK;
     if (finite && !model_update_outputs(m, OUTPUTS_ALL)) {
         m->state.signals_changed = 0; /* refused inputs may still be replaced */
         (void)model_update_outputs(m, OUTPUTS_ALL);
@@ -383,10 +367,6 @@ static bool gives_numbers(struct model *m, const struct model_state *state, stru
     for (int i = 0; i < scene_variable_count && finite; ++i) {
         finite = value_in_range(&m->state.values, &scene_variables[i]);
     }
-    swap_integrators(m, integrator);
-    m->state = before;
-    m->host = host;
-    m->outputs = OUTPUTS_NONE;
     return finite;
 }
 
@@ -403,25 +383,27 @@ static enum model_status check_state(struct model *m, const struct model_state *
     return MODEL_OK;
 }
 
+/* Another model tries the state, without messages, since this one stays as it is where it is refused, and the
+ * memory of its integrator fits other values. */
 enum model_status model_restore(struct model *m, const void *bytes)
 {
-    struct model_state state;
-    memcpy(&state, bytes, sizeof state);
-    const enum model_status status = check_state(m, &state);
+    struct model trial = {.host = m->host, .outputs = OUTPUTS_NONE};
+    memcpy(&trial.state, bytes, sizeof trial.state);
+    const enum model_status status = check_state(m, &trial.state);
     if (status != MODEL_OK) {
         return status;
     }
-    struct integrator integrator = {.pairs = NULL};
-    if (!gives_numbers(m, &state, &integrator)) {
-        motion_close(&integrator);
+    trial.host.log = NULL;
+    if (!gives_numbers(&trial)) {
+        motion_close(&trial.integrator);
         return model_report(m, MODEL_ERROR, "Saved state refused: %s.",
-                            SCENE_ANY_FREE && integrator.message[0]
-                                ? integrator.message
+                            SCENE_ANY_FREE && trial.integrator.message[0]
+                                ? trial.integrator.message
                                 : "its motion is beyond the range of numbers");
     }
-    swap_integrators(m, &integrator);
-    motion_close(&integrator);
-    m->state = state;
+    motion_close(&m->integrator);
+    m->integrator = trial.integrator;
+    memcpy(&m->state, bytes, sizeof m->state);
     m->outputs = OUTPUTS_NONE;
     return MODEL_OK;
 }
