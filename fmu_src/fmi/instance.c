@@ -22,16 +22,14 @@ bool step_plainly_in_order(const struct instance *instance, double point, double
 #define MESSAGE_SIZE 1024
 #define NAME_SHOWN 200
 
-static const struct log_category_name {
-    const char *name;
-    unsigned bits;
-} known_categories[] = {
-    {"logEvents", LOG_EVENTS},
-    {"logStatusWarning", LOG_STATUS_WARNING},
-    {"logStatusDiscard", LOG_STATUS_DISCARD},
-    {"logStatusError", LOG_STATUS_ERROR},
-    {"logStatusFatal", LOG_STATUS_FATAL},
-    {"logAll", LOG_ALL},
+/* The names of enum log_category by the status of their messages, and of all categories. */
+static const char *const category_names[] = {
+    [MODEL_OK] = "logEvents",
+    [MODEL_WARNING] = "logStatusWarning",
+    [MODEL_DISCARD] = "logStatusDiscard",
+    [MODEL_ERROR] = "logStatusError",
+    [MODEL_FATAL] = "logStatusFatal",
+    [MODEL_FATAL + 1] = "logAll",
 };
 
 static const char ALL_CATEGORIES[] =
@@ -45,9 +43,9 @@ unsigned log_default_categories(bool logging_on)
 /* Returns the bits of a named category, or 0 where there is no such category. */
 static unsigned category_bits(const char *name)
 {
-    for (size_t i = 0; i < sizeof known_categories / sizeof known_categories[0]; ++i) {
-        if (strcmp(known_categories[i].name, name) == 0) {
-            return known_categories[i].bits;
+    for (unsigned i = 0; i < sizeof category_names / sizeof category_names[0]; ++i) {
+        if (strcmp(category_names[i], name) == 0) {
+            return i <= MODEL_FATAL ? 1u << i : (unsigned)LOG_ALL;
         }
     }
     return 0;
@@ -88,8 +86,7 @@ static void escape_message(const char *text, const char *doubled, char *escaped)
 }
 
 /* Sends "ball at 0.25 s: " followed by the message. */
-static void send_message(struct instance *instance, enum model_status status, const char *category,
-                         const char *message)
+static void send_message(struct instance *instance, enum model_status status, const char *message)
 {
     char text[MESSAGE_SIZE];
     char escaped[2 * MESSAGE_SIZE];
@@ -103,40 +100,39 @@ static void send_message(struct instance *instance, enum model_status status, co
     const enum phase phase = instance->phase;
     const struct call *call = instance->call;
     instance->phase = (enum phase)(phase | PHASE_TELLING);
-    instance->adapter->send(instance, status, category, escaped);
+    instance->adapter->send(instance, status, category_names[status], escaped);
     instance->phase = phase;
     instance->call = call;
 }
 
-/* Whether messages of a category are sent to the importer. None is sent while its logger runs, since a logger
+/* Whether messages with a status are sent to the importer. None is sent while its logger runs, since a logger
  * whose calls are wrong could recurse for ever. `context` is the instance (struct model_host). */
-static bool is_heard(void *context, const char *category)
+static bool is_heard(void *context, enum model_status status)
 {
     const struct instance *instance = context;
     return instance->logger_given && (instance->phase & PHASE_TELLING) == 0 &&
-           (instance->log_categories & category_bits(category)) != 0;
+           (instance->log_categories & (1u << status)) != 0;
 }
 
 enum model_status log_report(struct instance *instance, enum model_status status, const char *format, ...)
 {
-    const char *category = model_category(status);
-    if (is_heard(instance, category)) {
+    if (is_heard(instance, status)) {
         char message[MESSAGE_SIZE];
         const int length = snprintf(message, sizeof message, "%s", instance->call->name);
         va_list arguments;
         va_start(arguments, format);
         (void)vsnprintf(message + length, sizeof message - (size_t)length, format, arguments);
         va_end(arguments);
-        send_message(instance, status, category, message);
+        send_message(instance, status, message);
     }
     return status;
 }
 
 /* Sends a message of the model; serves as struct model_host.log. */
-static void log_from_model(void *context, enum model_status status, const char *category, const char *message)
+static void log_from_model(void *context, enum model_status status, const char *message)
 {
-    if (is_heard(context, category)) {
-        send_message(context, status, category, message);
+    if (is_heard(context, status)) {
+        send_message(context, status, message);
     }
 }
 

@@ -108,11 +108,11 @@ struct instance {
  * that leave them out; events are told only while logging is on.
  */
 enum log_category {
-    LOG_EVENTS = 1 << 0,
-    LOG_STATUS_WARNING = 1 << 1,
-    LOG_STATUS_DISCARD = 1 << 2,
-    LOG_STATUS_ERROR = 1 << 3,
-    LOG_STATUS_FATAL = 1 << 4,
+    LOG_EVENTS = 1 << MODEL_OK,
+    LOG_STATUS_WARNING = 1 << MODEL_WARNING,
+    LOG_STATUS_DISCARD = 1 << MODEL_DISCARD,
+    LOG_STATUS_ERROR = 1 << MODEL_ERROR,
+    LOG_STATUS_FATAL = 1 << MODEL_FATAL,
     LOG_STATUS_ALL = LOG_STATUS_WARNING | LOG_STATUS_DISCARD | LOG_STATUS_ERROR | LOG_STATUS_FATAL,
     LOG_ALL = LOG_EVENTS | LOG_STATUS_ALL
 };

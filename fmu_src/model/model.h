@@ -20,17 +20,12 @@
 /* The order is that of fmi2Status. */
 enum model_status { MODEL_OK, MODEL_WARNING, MODEL_DISCARD, MODEL_ERROR, MODEL_FATAL };
 
-/* Returns the log category of messages with a status: logEvents, logStatusWarning, logStatusDiscard,
- * logStatusError or logStatusFatal. */
-const char *model_category(enum model_status status);
-
 /* The services that the owner of a model provides to it. */
 struct model_host {
     void *context;
-    /* category: see model_category */
-    void (*log)(void *context, enum model_status status, const char *category, const char *message);
-    /* whether the owner wants messages of a category; others are not formatted */
-    bool (*wants)(void *context, const char *category);
+    void (*log)(void *context, enum model_status status, const char *message);
+    /* whether the owner wants messages with a status; others are not formatted */
+    bool (*wants)(void *context, enum model_status status);
     void *(*allocate)(size_t count, size_t size); /* zeroed, as calloc */
     void (*release)(void *memory);
     bool exchange; /* the importer integrates the model (Model Exchange); else it takes steps of its own */

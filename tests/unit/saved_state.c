@@ -81,12 +81,12 @@ struct heard {
     int messages;
 };
 
-static void hear(void *context, enum model_status status, const char *category, const char *message)
+static void hear(void *context, enum model_status status, const char *message)
 {
     struct heard *heard = context;
     heard->status = status;
     heard->messages += 1;
-    CHECK(category[0] != '\0' && message[0] != '\0');
+    CHECK(message[0] != '\0');
 }
 
 static void put(struct model_state *state, const struct change *change)
