@@ -246,11 +246,6 @@ static inline size_t length_of(const struct instance *instance, const struct var
     return has_vectors(instance) && first != &time_variable ? vector_length(first) : 1;
 }
 
-static struct variable_list list_of(const struct instance *instance, const uint32_t *references, size_t count)
-{
-    return (struct variable_list){references, count, has_vectors(instance)};
-}
-
 static const char *real_name(const struct instance *instance)
 {
     return instance->adapter->type_names[VARIABLE_REAL];
@@ -530,7 +525,7 @@ enum model_status instance_output_derivatives(struct instance *instance, const u
     for (size_t i = 0; i < reference_count && status == MODEL_OK; ++i) {
         status = check_output_derivative(instance, references[i], orders[i]);
     }
-    const struct variable_list list = list_of(instance, references, reference_count);
+    const struct variable_list list = {references, reference_count, has_vectors(instance)};
     return status == MODEL_OK ? model_get_output_derivatives(instance->model, &list, orders, values) : status;
 }
 
@@ -573,12 +568,12 @@ static enum model_status check_known(struct instance *instance, uint32_t referen
     return find_real(instance, reference, VARIABLE_INPUT) != NULL ? MODEL_OK : MODEL_ERROR;
 }
 
-/* Checks that the seeds of all variables in `references` are finite. */
-static enum model_status check_seeds(struct instance *instance, const uint32_t *references, size_t count,
+/* Checks that the seeds of all variables of a list are finite. */
+static enum model_status check_seeds(struct instance *instance, const struct variable_list *list,
                                      const double *seed)
 {
-    for (size_t i = 0; i < count; ++i) {
-        const struct variable *first = variable_of(instance, references[i]);
+    for (size_t i = 0; i < list->count; ++i) {
+        const struct variable *first = variable_of(instance, list->references[i]);
         const size_t length = length_of(instance, first);
         for (size_t k = 0; k < length; ++k, ++seed) {
             if (!isfinite(*seed)) {
@@ -593,23 +588,23 @@ static enum model_status check_seeds(struct instance *instance, const uint32_t *
 static enum model_status check_product(struct instance *instance, const struct product *p)
 {
     enum model_status status =
-        check_components(instance, find_variable, ANY_TYPE, p->unknowns, p->unknown_count,
+        check_components(instance, find_variable, ANY_TYPE, p->unknowns.references, p->unknowns.count,
                          p->adjoint ? "nSeed" : "nSensitivity", p->unknown_components);
     if (status == MODEL_OK) {
-        status = check_components(instance, find_variable, ANY_TYPE, p->knowns, p->known_count,
+        status = check_components(instance, find_variable, ANY_TYPE, p->knowns.references, p->knowns.count,
                                   p->adjoint ? "nSensitivity" : "nSeed", p->known_components);
     }
-    for (size_t i = 0; i < p->unknown_count && status == MODEL_OK; ++i) {
-        status = check_unknown(instance, p->unknowns[i]);
+    for (size_t i = 0; i < p->unknowns.count && status == MODEL_OK; ++i) {
+        status = check_unknown(instance, p->unknowns.references[i]);
     }
-    for (size_t i = 0; i < p->known_count && status == MODEL_OK; ++i) {
-        status = check_known(instance, p->knowns[i]);
+    for (size_t i = 0; i < p->knowns.count && status == MODEL_OK; ++i) {
+        status = check_known(instance, p->knowns.references[i]);
     }
     if (status != MODEL_OK) {
         return status;
     }
-    return p->adjoint ? check_seeds(instance, p->unknowns, p->unknown_count, p->seed)
-                      : check_seeds(instance, p->knowns, p->known_count, p->seed);
+    return p->adjoint ? check_seeds(instance, &p->unknowns, p->seed)
+                      : check_seeds(instance, &p->knowns, p->seed);
 }
 
 enum model_status instance_product(struct instance *instance, const struct product *p)
@@ -617,20 +612,15 @@ enum model_status instance_product(struct instance *instance, const struct produ
     const size_t seeds = p->adjoint ? p->unknown_components : p->known_components;
     const size_t sensitivities = p->adjoint ? p->known_components : p->unknown_components;
     const char *const *names = instance->adapter->arguments;
-    if (!arrays_given(instance, ARGUMENTS({names[ARGUMENT_UNKNOWNS], p->unknowns, p->unknown_count},
-                                          {names[ARGUMENT_KNOWNS], p->knowns, p->known_count},
-                                          {names[ARGUMENT_SEED], p->seed, seeds},
-                                          {names[ARGUMENT_SENSITIVITY], p->sensitivity, sensitivities}))) {
+    if (!arrays_given(instance,
+                      ARGUMENTS({names[ARGUMENT_UNKNOWNS], p->unknowns.references, p->unknowns.count},
+                                {names[ARGUMENT_KNOWNS], p->knowns.references, p->knowns.count},
+                                {names[ARGUMENT_SEED], p->seed, seeds},
+                                {names[ARGUMENT_SENSITIVITY], p->sensitivity, sensitivities}))) {
         return MODEL_ERROR;
     }
     const enum model_status status = check_product(instance, p);
-    if (status != MODEL_OK) {
-        return status;
-    }
-    const struct variable_list unknowns = list_of(instance, p->unknowns, p->unknown_count);
-    const struct variable_list knowns = list_of(instance, p->knowns, p->known_count);
-    return (p->adjoint ? model_get_adjoint_derivative : model_get_directional_derivative)(
-        instance->model, &unknowns, &knowns, p->seed, p->sensitivity);
+    return status == MODEL_OK ? model_product(instance->model, p) : status;
 }
 
 /*

@@ -187,15 +187,7 @@ CONTACT_COLD enum model_status instance_output_derivatives(struct instance *inst
                                                            size_t reference_count, double *values,
                                                            size_t count);
 
-/* A product with the matrix J of the derivatives of unknowns with respect to knowns. */
-struct product {
-    bool adjoint; /* true: seed times J, one seed for each unknown; else J times seed, one for each known */
-    const uint32_t *unknowns, *knowns;
-    size_t unknown_count, known_count;           /* numbers of references */
-    size_t unknown_components, known_components; /* numbers of components that the importer gives */
-    const double *seed;
-    double *sensitivity;
-};
+/* Computes a product with the derivatives of unknowns with respect to knowns. */
 CONTACT_COLD enum model_status instance_product(struct instance *instance, const struct product *product);
 
 /* Allowed difference of two times that should be equal, divided by the step size. */

@@ -393,9 +393,13 @@ PASS3(GetOutputDerivatives,
           (fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,                            \
            const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,        \
            fmi3Float64 sensitivity[], size_t nSensitivity),                                                  \
-          instance_product(instance, &(const struct product){is_adjoint, unknowns, knowns, nUnknowns,        \
-                                                             nKnowns, unknown_components, known_components,  \
-                                                             seed, sensitivity}))
+          instance_product(instance, &(const struct product){is_adjoint,                                     \
+                                                             {unknowns, nUnknowns, true},                    \
+                                                             {knowns, nKnowns, true},                        \
+                                                             unknown_components,                             \
+                                                             known_components,                               \
+                                                             seed,                                           \
+                                                             sensitivity}))
 PRODUCT3(GetDirectionalDerivative, false, nSensitivity, nSeed)
 PRODUCT3(GetAdjointDerivative, true, nSeed, nSensitivity)
 

@@ -90,20 +90,19 @@ CONTACT_COLD enum model_status model_get_output_derivatives(struct model *m,
                                                             const struct variable_list *outputs,
                                                             const int *orders, double *values);
 
-/* Computes J times `direction`, where J holds the derivatives of the real variables `unknowns` with
- * respect to the real inputs `knowns` in the regimes in force. Until the end of initialization the inputs
- * move the start of the motion, and the automatic penalty factors change with it. MODEL_DISCARD: beyond the
- * range of numbers. */
-CONTACT_COLD enum model_status model_get_directional_derivative(struct model *m,
-                                                                const struct variable_list *unknowns,
-                                                                const struct variable_list *knowns,
-                                                                const double *direction, double *values);
+/* A product with the matrix J of the derivatives of unknowns with respect to knowns. */
+struct product {
+    bool adjoint; /* true: seed times J, one seed for each unknown; else J times seed, one for each known */
+    struct variable_list unknowns, knowns;
+    size_t unknown_components, known_components; /* numbers of components that the importer gives */
+    const double *seed;
+    double *sensitivity;
+};
 
-/* Computes `seed` times J: for each known, the derivative of the sum of the unknowns, each times its seed. */
-CONTACT_COLD enum model_status model_get_adjoint_derivative(struct model *m,
-                                                            const struct variable_list *unknowns,
-                                                            const struct variable_list *knowns,
-                                                            const double *seed, double *values);
+/* Computes a product, where J holds the derivatives of real variables with respect to real inputs or states in
+ * the regimes in force. Until the end of initialization the inputs move the start of the motion, and the
+ * automatic penalty factors change with it. MODEL_DISCARD: beyond the range of numbers. */
+CONTACT_COLD enum model_status model_product(struct model *m, const struct product *p);
 
 size_t model_state_size(void);
 
