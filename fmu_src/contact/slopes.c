@@ -264,7 +264,7 @@ static void put_opposed_slopes(const struct turning_laws *laws, struct vec3 slip
     for (int i = 0; i < s->parts; ++i) {
         const struct friction_law *law = &laws->rubbing[i];
         const enum friction_regime regime = laws->rubbing_regime[i];
-        s->opposed[i] = opposed_motion((enum opposed)i, slip, s->spin, s->geometry.normal);
+        s->opposed[i] = i == OPPOSED_SLIP ? slip : opposed_laid((enum opposed)i, s->spin, s->geometry.normal);
         const struct friction_state at = {.normal_force = s->normal_force,
                                           .slip = s->opposed[i],
                                           .spring = s->motion.spring[i],
@@ -328,6 +328,7 @@ struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const
 /* The changes of the geometry by a change of the motion. */
 struct geometry_change {
     struct vec3 normal, seen_rate, tangential; /* of n, of w_g, and of the part of w_g across n */
+    struct vec3 spin;                          /* of omega */
     double distance, along;                    /* of d and of n.w_g */
     struct vec3 axis;                          /* e of the shape */
     struct vec3 circumferential;               /* of b, at a circle */
@@ -386,6 +387,7 @@ static struct geometry_change geometry_along(const struct turning_slopes *s,
     const struct vec3 n = s->geometry.normal;
     const struct turning_motion *at = &s->motion;
     struct geometry_change d;
+    d.spin = vec3_sub(change->source_rotation, change->destination_rotation);
     d.axis = contact_is_upside_down(&s->shape) ? vec3_scale(-1.0, change->axis) : change->axis;
     if (contact_is_plane(&s->shape)) {
         d.normal = vec3_scale(-1.0, d.axis);
@@ -432,9 +434,8 @@ static struct vec3 skew_passing_along(const struct turning_slopes *s, const stru
     const struct vec3 n = s->geometry.normal;
     const struct vec3 c = s->motion.separation;
     const struct vec3 passing = skew_passing(s);
-    const struct vec3 more_spin = vec3_sub(change->source_rotation, change->destination_rotation);
     const struct vec3 by_feet =
-        vec3_add(vec3_cross(more_spin, contact_foot(&s->shape, c)),
+        vec3_add(vec3_cross(d->spin, contact_foot(&s->shape, c)),
                  vec3_cross(s->spin, contact_foot_along(&s->shape, change->separation)));
     const struct vec3 by_rotation = vec3_add(vec3_cross(change->destination_rotation, c),
                                              vec3_cross(s->motion.destination_rotation, change->separation));
@@ -446,10 +447,8 @@ static struct vec3 slip_along(const struct turning_slopes *s, const struct turni
                               const struct geometry_change *d)
 {
     const double lever = s->shape.source_radius * s->shape.side;
-    const struct vec3 spin = vec3_sub(s->motion.source_rotation, s->motion.destination_rotation);
-    const struct vec3 more_spin = vec3_sub(change->source_rotation, change->destination_rotation);
     const struct vec3 rolled =
-        vec3_add(vec3_cross(more_spin, s->geometry.normal), vec3_cross(spin, d->normal));
+        vec3_add(vec3_cross(d->spin, s->geometry.normal), vec3_cross(s->spin, d->normal));
     const struct vec3 slip = vec3_sub(vec3_scale(lever, rolled), d->tangential);
     return contact_is_skew(&s->shape) ? vec3_add(slip, skew_passing_along(s, change, d)) : slip;
 }
@@ -482,22 +481,21 @@ static struct vec3 spring_rate_along(const struct turning_slopes *s, enum oppose
 
 /* Adds the change of M, where n (n.omega) is the spinning part of omega. */
 static void add_resistance(const struct turning_slopes *s, const struct turning_motion *change,
-                           struct vec3 more_normal, struct vec3 normal_rate, double normal_force,
+                           const struct geometry_change *d, struct vec3 normal_rate, double normal_force,
                            struct turning_change *out)
 {
     const struct vec3 n = s->geometry.normal;
-    const struct vec3 more_spin = vec3_sub(change->source_rotation, change->destination_rotation);
-    const double more_along = vec3_dot(more_normal, s->spin) + vec3_dot(n, more_spin);
-    const struct vec3 along = vec3_axpy(vec3_scale(vec3_dot(n, s->spin), more_normal), more_along, n);
+    const double more_along = vec3_dot(d->normal, s->spin) + vec3_dot(n, d->spin);
+    const struct vec3 along = vec3_axpy(vec3_scale(vec3_dot(n, s->spin), d->normal), more_along, n);
     for (int i = 1; i < s->parts; ++i) {
-        const struct vec3 motion = i == OPPOSED_SPINNING ? along : vec3_sub(more_spin, along);
+        const struct vec3 motion = i == OPPOSED_SPINNING ? along : vec3_sub(d->spin, along);
         const struct vec3 more =
             friction_slopes_along(&s->force_slopes[i], normal_force, motion, change->spring[i]);
         out->source_torque = vec3_add(out->source_torque, more);
         out->destination_torque = vec3_sub(out->destination_torque, more);
         out->friction_power -= vec3_dot(more, s->opposed[i]) + vec3_dot(s->opposing[i], motion);
         out->spring_rate[i] = spring_rate_along(s, (enum opposed)i, normal_force, motion, change->spring[i],
-                                                change->spring[i], more_normal, normal_rate);
+                                                change->spring[i], d->normal, normal_rate);
     }
 }
 
@@ -534,7 +532,7 @@ struct turning_change turning_slopes_along(const struct turning_slopes *s,
                            (s->normal_force + s->stored_slope) * gap_rate;
     out.friction_power = -vec3_dot(friction, s->opposed[0]) - vec3_dot(s->opposing[0], slip);
     if (CONTACT_ANY_ROLLING) {
-        add_resistance(s, change, d.normal, normal_rate, normal_force, &out);
+        add_resistance(s, change, &d, normal_rate, normal_force, &out);
     }
     return out;
 }

@@ -327,15 +327,6 @@ const struct variable *find_real(struct instance *instance, uint32_t reference,
     return variable;
 }
 
-static enum model_status check_count(struct instance *instance, const char *name, size_t given,
-                                     size_t expected)
-{
-    return given == expected
-               ? MODEL_OK
-               : log_report(instance, MODEL_ERROR, ": %s = %lu, expected %lu for the value references", name,
-                            (unsigned long)given, (unsigned long)expected);
-}
-
 /* find_variable, find_readable or find_settable */
 typedef const struct variable *variable_finder(struct instance *instance, uint32_t reference, unsigned types);
 
@@ -352,7 +343,10 @@ static enum model_status check_components(struct instance *instance, variable_fi
         }
         components += length_of(instance, first);
     }
-    return check_count(instance, name, given, components);
+    return given == components
+               ? MODEL_OK
+               : log_report(instance, MODEL_ERROR, ": %s = %lu, expected %lu for the value references", name,
+                            (unsigned long)given, (unsigned long)components);
 }
 
 /*

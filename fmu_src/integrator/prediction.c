@@ -210,7 +210,8 @@ struct prescribed_instant {
     enum contact_regime regime;
 };
 
-/* Returns the sum of the absolute terms of a polynomial at s >= 0; its rounding goes with this sum. */
+/* Return the sum of the absolute terms of a polynomial at s >= 0. The sum bounds the polynomial on [0, s], and
+ * its rounding goes with the sum. */
 static double size_of(const struct polynomial *p, double s)
 {
     double size = fabs(p->a[p->degree]);
@@ -220,23 +221,13 @@ static double size_of(const struct polynomial *p, double s)
     return size;
 }
 
-static double size_of_path(const struct relative_path *path, double s)
+static double size_of_terms(const struct vec3 *terms, int count, double s)
 {
-    double size = vec3_norm(path->c[path->degree]);
-    for (int i = path->degree - 1; i >= 0; --i) {
-        size = size * s + vec3_norm(path->c[i]);
+    double size = vec3_norm(terms[count - 1]);
+    for (int i = count - 2; i >= 0; --i) {
+        size = size * s + vec3_norm(terms[i]);
     }
     return size;
-}
-
-/* Returns a bound of the relative speed |w| within the horizon [m/s]. */
-static double speed_at_most(const struct separation_path *separation, double horizon)
-{
-    double speed = vec3_norm(separation->w[SEPARATION_DEGREE - 1]);
-    for (int i = SEPARATION_DEGREE - 2; i >= 0; --i) {
-        speed = speed * horizon + vec3_norm(separation->w[i]);
-    }
-    return speed;
 }
 
 static struct prescribed_instant prescribed_at(const struct foresight *f, double s)
@@ -249,12 +240,13 @@ static struct prescribed_instant prescribed_at(const struct foresight *f, double
     const double distance = relative_path_divisor(path, gap);
     const double along = polynomial_at(&path->half_rate, s);
     struct prescribed_instant at = {.gap = path->scale * gap, .beyond = -1.0};
-    at.gap_noise = fmax(f->by_positions, ROUNDINGS * path->scale * (size_of_path(path, s) + path->reach));
+    at.gap_noise = fmax(f->by_positions, ROUNDINGS * path->scale *
+                                             (size_of_terms(path->c, path->degree + 1, s) + path->reach));
     if (distance > 0.0) {
         at.rate = path->side * along / distance * speed_unit;
         /* The rounding of c.w / d comes from the sum c.w and from an error of c as large as the gap's. */
         const double sum = ROUNDINGS * size_of(&path->half_rate, s) / distance * speed_unit;
-        const double speed = speed_at_most(&f->separation, f->horizon);
+        const double speed = size_of_terms(f->separation.w, SEPARATION_DEGREE, f->horizon); /* at most */
         at.rate_noise = sum + at.gap_noise * speed / (path->scale * distance);
     }
     if (SCENE_ANY_CYLINDER && path->has_ends) {

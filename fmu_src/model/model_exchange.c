@@ -188,7 +188,7 @@ static struct vec3 vector_rate(const struct scene_values *v, const struct scene_
                                    : at->acceleration[i];
     case ROW_body_angular_acceleration:
         return !body_turns_freely(v, i) ? none
-               : along                  ? turning_jet_spin_change(v, q, at, along, i)
+               : along                  ? vec3_scale(2.0, turning_jet_half_jerk(v, q, at, along, i))
                                         : turning_acceleration(v, q, q->clock, at, i);
     default: /* of a spring */
         return !contact_has_spring(v, i, part) ? none

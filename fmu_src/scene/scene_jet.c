@@ -493,9 +493,9 @@ static struct vec3 put_principal_axes(const struct scene_values *v, const struct
     return vec3_make(inertia.transverse, inertia.transverse, inertia.axial);
 }
 
-/* Returns half the rate of omega' = sum e_k (e_k.(tau - omega x L)) / I_k of a body that turns freely
- * [rad/s^3], where L = sum I_k (e_k.omega) e_k with the principal axes e_k. */
-static struct vec3 half_spin_jerk(const struct scene_values *v, const struct scene_state *q,
+/* It is half the rate of omega' = sum e_k (e_k.(tau - omega x L)) / I_k, where L = sum I_k (e_k.omega) e_k with
+ * the principal axes e_k. */
+struct vec3 turning_jet_half_jerk(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_instant *at, const struct scene_jet *along, int body)
 {
     struct vec3 axis[3][JET_TERMS];
@@ -556,7 +556,7 @@ static void put_turning_changes(const struct scene_values *v, const struct scene
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_turns_freely(v, i)) {
-            along->angular_velocity[i][2] = half_spin_jerk(v, q, at, along, i);
+            along->angular_velocity[i][2] = turning_jet_half_jerk(v, q, at, along, i);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -608,12 +608,6 @@ void jet_of_motion(const struct scene_values *v, const struct scene_state *q, co
         }
     }
     put_contacts(v, q, at, along);
-}
-
-struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_instant *at, const struct scene_jet *along, int body)
-{
-    return vec3_scale(2.0, half_spin_jerk(v, q, at, along, body));
 }
 
 struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct scene_state *q,
