@@ -33,10 +33,11 @@ struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
  * time derivatives divided by factorials. If s is a step in some direction, the coefficients c[1] are
  * directional derivatives.
  *
- *   d' = n.c' (as n.e_d = 0),   d n = offset,   g = side (d - reach),   g_t = side n.w,   F_n by the law
+ *   d' = n.c' (as n.e_d = 0),   d n = offset,   g = side (d - reach),   g_t = side n.w_g,   F_n by the law
  *
- * The prime is d/ds here, and g_t is the gap rate. The present regime applies; at the edge of a regime the
- * derivatives are one-sided, from within the present regime. Where d = 0, n is constant.
+ * The prime is d/ds here, g_t is the gap rate, and w_g is w as the destination sees it (below). The present
+ * regime applies; at the edge of a regime the derivatives are one-sided, from within the present regime. Where
+ * d = 0, n is constant.
  */
 
 enum { JET_TERMS = 3 };
