@@ -252,6 +252,7 @@ def test_a_forged_model_part_never_crashes(saved):
         assert status == OK
         assert instance.call("SetFMUstate", state) in (OK, ERROR)
         instance.ok("FreeFMUstate", byref(state))
+    instance.restore(blob)
 
 
 def test_a_buffer_too_small_is_not_written(saved):
