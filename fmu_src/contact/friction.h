@@ -124,8 +124,8 @@ struct friction_slopes friction_spring_rate_slopes(const struct friction_law *la
 struct vec3 opposed_turned(enum opposed part, struct vec3 spring, struct vec3 normal,
                            struct vec3 normal_rate);
 
-/* Returns a spring without the part that rounding or a jump of n has put out of its plane or line, or the part
- * of omega that is opposed. */
+/* Returns a spring without the part that rounding or a jump of n has put out of its plane or line, or the
+ * part of omega that is opposed. */
 struct vec3 opposed_laid(enum opposed part, struct vec3 spring, struct vec3 normal);
 
 /* Return the spring's elongation [m] and its stored energy [J]; the other work of friction is dissipated. */

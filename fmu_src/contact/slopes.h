@@ -36,8 +36,8 @@ struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
  *   d' = n.c' (as n.e_d = 0),   d n = offset,   g = side (d - reach),   g_t = side n.w_g,   F_n by the law
  *
  * The prime is d/ds here, g_t is the gap rate, and w_g is w as the destination sees it (below). The present
- * regime applies; at the edge of a regime the derivatives are one-sided, from within the present regime. Where
- * d = 0, n is constant.
+ * regime applies; at the edge of a regime the derivatives are one-sided, from within the present regime.
+ * Where d = 0, n is constant.
  */
 
 enum { JET_TERMS = 3 };

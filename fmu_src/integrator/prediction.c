@@ -210,8 +210,8 @@ struct prescribed_instant {
     enum contact_regime regime;
 };
 
-/* Return the sum of the absolute terms of a polynomial at s >= 0. The sum bounds the polynomial on [0, s], and
- * its rounding goes with the sum. */
+/* Return the sum of the absolute terms of a polynomial at s >= 0. The sum bounds the polynomial on [0, s],
+ * and its rounding goes with the sum. */
 static double size_of(const struct polynomial *p, double s)
 {
     double size = fabs(p->a[p->degree]);

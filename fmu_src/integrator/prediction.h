@@ -33,9 +33,9 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
  * of the contact keeps its direction. Where the axis turns, it is found by conservative advancement, which
  * misses no touch.
  *
- * The change is exact to the rounding of the gap, which just after a contact is much less than the rounding of
- * positions. While the gap, or the distance from an end plane, is still within rounding, a change belongs to
- * the transition just made and is ignored.
+ * The change is exact to the rounding of the gap, which just after a contact is much less than the rounding
+ * of positions. While the gap, or the distance from an end plane, is still within rounding, a change belongs
+ * to the transition just made and is ignored.
  */
 
 struct prediction {

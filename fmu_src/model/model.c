@@ -332,8 +332,8 @@ static bool motion_is_sound(const struct scene_values *v, const struct scene_sta
            all_finite(q, q->contact);
 }
 
-/* Whether all members of a state are in range. A checksum (fmi/instance.c) finds accidents only, not bytes made
- * on purpose. */
+/* Whether all members of a state are in range. A checksum (fmi/instance.c) finds accidents only, not bytes
+ * made on purpose. */
 static bool state_is_sound(const struct model_state *state)
 {
     for (int i = 0; i < scene_variable_count; ++i) {

@@ -41,8 +41,8 @@ void model_destroy(struct model *m);
 /* Returns the model to the state in which model_create hands it out. */
 void model_reset(struct model *m);
 
-/* Sets the finite start time [s] and, where the importer has one, the importer's relative tolerance. A tolerance
- * outside the range of solver.relative_tolerance is clipped to it with a warning. */
+/* Sets the finite start time [s] and, where the importer has one, the importer's relative tolerance. A
+ * tolerance outside the range of solver.relative_tolerance is clipped to it with a warning. */
 enum model_status model_setup(struct model *m, bool tolerance_defined, double tolerance, double start_time);
 
 /* Ends initialization, after which the model can step. Contradictory parameters are refused with a message
@@ -99,8 +99,8 @@ struct product {
     double *sensitivity;
 };
 
-/* Computes a product, where J holds the derivatives of real variables with respect to real inputs or states in
- * the regimes in force. Until the end of initialization the inputs move the start of the motion, and the
+/* Computes a product, where J holds the derivatives of real variables with respect to real inputs or states
+ * in the regimes in force. Until the end of initialization the inputs move the start of the motion, and the
  * automatic penalty factors change with it. MODEL_DISCARD: beyond the range of numbers. */
 CONTACT_COLD enum model_status model_product(struct model *m, const struct product *p);
 
@@ -110,8 +110,8 @@ size_t model_state_size(void);
  * history, so that the run goes on with the same bits as a run restored from these bytes. */
 void model_save(struct model *m, void *bytes);
 
-/* Restores a saved state of this scene as a whole from model_state_size() bytes. Bytes that hold values out of
- * range are refused and change nothing. */
+/* Restores a saved state of this scene as a whole from model_state_size() bytes. Bytes that hold values out
+ * of range are refused and change nothing. */
 enum model_status model_restore(struct model *m, const void *bytes);
 
 /*

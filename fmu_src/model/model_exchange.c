@@ -170,8 +170,8 @@ static struct quaternion orientation_rate(const struct scene_state *q, const str
                            quaternion_rate(along->given_orientation[body], turn->angular_velocity));
 }
 
-/* Returns the rate of a vector that is a state, or its change along a path; NULL: no path. Both are zero for a
- * state that stays constant. */
+/* Returns the rate of a vector that is a state, or its change along a path; NULL: no path. Both are zero for
+ * a state that stays constant. */
 static struct vec3 vector_rate(const struct scene_values *v, const struct scene_state *q,
                                const struct scene_instant *at, const struct scene_jet *along,
                                const struct variable *rate)

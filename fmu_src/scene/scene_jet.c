@@ -52,8 +52,8 @@ void jet_add_levers(const struct scene_jet *along, int contact, struct vec3 c[JE
     }
 }
 
-/* The jets on which a contact's geometry and force depend: c, w, the rate of c as the destination sees it, the
- * rotations of both bodies, the axis of the shape. */
+/* The jets on which a contact's geometry and force depend: c, w, the rate of c as the destination sees it,
+ * the rotations of both bodies, the axis of the shape. */
 struct contact_path {
     struct vec3 c[JET_TERMS], w[JET_TERMS], seen[JET_TERMS];
     struct vec3 source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
@@ -493,8 +493,8 @@ static struct vec3 put_principal_axes(const struct scene_values *v, const struct
     return vec3_make(inertia.transverse, inertia.transverse, inertia.axial);
 }
 
-/* It is half the rate of omega' = sum e_k (e_k.(tau - omega x L)) / I_k, where L = sum I_k (e_k.omega) e_k with
- * the principal axes e_k. */
+/* The angular acceleration is omega' = sum e_k (e_k.(tau - omega x L)) / I_k, where L = sum I_k (e_k.omega) e_k
+ * with the principal axes e_k. */
 struct vec3 turning_jet_half_jerk(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_instant *at, const struct scene_jet *along, int body)
 {

@@ -240,7 +240,7 @@ def test_every_flipped_bit_is_found(saved):
 
 
 def test_a_forged_model_part_never_crashes(saved):
-    """Random changes behind the header with a checksum that fits: the model refuses them or goes on with them"""
+    """Random changes behind the header with a checksum that fits: the model refuses them or takes them"""
     instance, blob = saved
     source = random.Random(7)
     for _ in range(500):
