@@ -493,8 +493,8 @@ static struct vec3 put_principal_axes(const struct scene_values *v, const struct
     return vec3_make(inertia.transverse, inertia.transverse, inertia.axial);
 }
 
-/* The angular acceleration is omega' = sum e_k (e_k.(tau - omega x L)) / I_k, where L = sum I_k (e_k.omega) e_k
- * with the principal axes e_k. */
+/* The angular acceleration is omega' = sum e_k (e_k.(tau - omega x L)) / I_k, where L = sum I_k (e_k.omega)
+ * e_k with the principal axes e_k. */
 struct vec3 turning_jet_half_jerk(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_instant *at, const struct scene_jet *along, int body)
 {
