@@ -650,11 +650,13 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
                        : advancement_prediction(v, q, at, contact, horizon, budget);
         }
     }
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const struct regime_change next = contact_is_capped(&shape)
-                                          ? capped_regime_change(v, q, at, &shape, contact, horizon)
-                                          : smooth_regime_change(v, q, at, contact, horizon);
-    return (struct prediction){next, horizon, 0};
+    if (SCENE_ANY_CAPS) {
+        const struct contact_shape shape = scene_contact_shape(v, q, contact);
+        if (contact_is_capped(&shape)) {
+            return (struct prediction){capped_regime_change(v, q, at, &shape, contact, horizon), horizon, 0};
+        }
+    }
+    return (struct prediction){smooth_regime_change(v, q, at, contact, horizon), horizon, 0};
 }
 
 /* Where the discriminant is below this part of its terms, the parabola may only touch zero. Its root then has

@@ -397,7 +397,9 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
     case ROW_contact_rolling_torque:
     case ROW_contact_rolling_rate:
     case ROW_contact_spinning_rate:
-        vector = resistance_term(shape.side, turning, contact->normal, variable->row, order);
+        if (SCENE_ANY_ROLLING) {
+            vector = resistance_term(shape.side, turning, contact->normal, variable->row, order);
+        }
         break;
     default:
         break;

@@ -138,7 +138,10 @@ static void put_distance(const struct contact_shape *shape, const struct contact
     jet->normal[0] = g->normal;
     jet->distance[0] = g->distance;
     for (int i = 1; i < JET_TERMS; ++i) {
-        jet->normal[i] = contact_is_plane(shape) ? vec3_scale(-1.0, path->axis[i]) : vec3_make(0.0, 0.0, 0.0);
+        jet->normal[i] = vec3_make(0.0, 0.0, 0.0);
+        if (contact_is_plane(shape)) {
+            jet->normal[i] = vec3_scale(-1.0, path->axis[i]);
+        }
         jet->distance[i] = jet_dot(jet->normal, path->c, i);
         if (contact_turns(shape, g)) {
             double sum = 0.0;
