@@ -348,13 +348,16 @@ static enum model_status tell_status(struct instance *instance, fmi2StatusKind k
     return MODEL_OK;
 }
 
-/* A status function that answers one kind of question. The model never ends a run by itself. */
-#define STATUS2(function, type, known, answer)                                                               \
-    PASS2(function, (fmi2Component c, const fmi2StatusKind s, type *value),                                  \
-          tell_status(instance, s, #known, s == (known), value, &(const type){answer}, sizeof *value))
-STATUS2(GetStatus, fmi2Status, fmi2DoStepStatus, (fmi2Status)instance->step_status)
-STATUS2(GetRealStatus, fmi2Real, fmi2LastSuccessfulTime, instance_time_reached(instance))
-STATUS2(GetBooleanStatus, fmi2Boolean, fmi2Terminated, fmi2False)
+/* The model never ends a run by itself. */
+PASS2(GetStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Status *value),
+      tell_status(instance, s, "fmi2DoStepStatus", s == fmi2DoStepStatus, value,
+                  &(const fmi2Status){(fmi2Status)instance->step_status}, sizeof *value))
+PASS2(GetRealStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Real *value),
+      tell_status(instance, s, "fmi2LastSuccessfulTime", s == fmi2LastSuccessfulTime, value,
+                  &(const fmi2Real){instance_time_reached(instance)}, sizeof *value))
+PASS2(GetBooleanStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value),
+      tell_status(instance, s, "fmi2Terminated", s == fmi2Terminated, value, &(const fmi2Boolean){fmi2False},
+                  sizeof *value))
 PASS2(GetIntegerStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Integer *value),
       tell_status(instance, s, "none", false, value, NULL, 0))
 PASS2(GetStringStatus, (fmi2Component c, const fmi2StatusKind s, fmi2String *value),

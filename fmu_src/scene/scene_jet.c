@@ -112,11 +112,12 @@ static void put_offset(const struct contact_shape *shape, const struct contact_p
 {
     struct vec3 across[JET_TERMS];
     double axial[JET_TERMS], rho[JET_TERMS];
-    const bool has_axis = contact_is_cylinder(shape) || contact_is_circle(shape);
-    if (has_axis) {
-        jet_of_axis_distance(path->c, path->axis, across, axial, rho);
+    memcpy(&offset[1], &path->c[1], 2 * sizeof offset[1]);
+    if (!contact_is_cylinder(shape) && !contact_is_circle(shape)) {
+        return;
     }
-    memcpy(&offset[1], has_axis ? &across[1] : &path->c[1], 2 * sizeof offset[1]);
+    jet_of_axis_distance(path->c, path->axis, across, axial, rho);
+    memcpy(&offset[1], &across[1], 2 * sizeof offset[1]);
     if (contact_is_circle(shape)) {
         struct vec3 to_axis[JET_TERMS] = {vec3_scale(1.0 / rho[0], across[0])};
         jet_divide(across, rho, to_axis);
