@@ -174,11 +174,6 @@ friction_force_slopes(const struct friction_law *law, enum friction_regime regim
     return slopes;
 }
 
-struct vec3 opposed_motion(enum opposed part, struct vec3 slip, struct vec3 omega, struct vec3 normal)
-{
-    return part == OPPOSED_SLIP ? slip : opposed_laid(part, omega, normal);
-}
-
 struct vec3 opposed_turned(enum opposed part, struct vec3 spring, struct vec3 normal, struct vec3 normal_rate)
 {
     return part == OPPOSED_SPINNING ? vec3_scale(vec3_dot(spring, normal), normal_rate)

@@ -119,15 +119,13 @@ struct friction_slopes friction_force_slopes(const struct friction_law *law, enu
 struct friction_slopes friction_spring_rate_slopes(const struct friction_law *law,
                                                    enum friction_regime regime, struct friction_state at);
 
-/* Returns an opposed motion of a contact: the slip, or a part of omega. */
-struct vec3 opposed_motion(enum opposed part, struct vec3 slip, struct vec3 omega, struct vec3 normal);
-
 /* Returns the rate at which the normal, with the rate n', turns the spring of an opposed motion [m/s, rad/s]:
  * a spring across n stays across it, and a spring along n stays along it. */
 struct vec3 opposed_turned(enum opposed part, struct vec3 spring, struct vec3 normal,
                            struct vec3 normal_rate);
 
-/* Returns a spring without the part that rounding or a jump of n has put out of its plane or line. */
+/* Returns a spring without the part that rounding or a jump of n has put out of its plane or line, or the
+ * part of omega that is opposed. */
 struct vec3 opposed_laid(enum opposed part, struct vec3 spring, struct vec3 normal);
 
 /* Return the spring's elongation [m] and its stored energy [J]; the other work of friction is dissipated. */

@@ -32,22 +32,6 @@ static double three_halves(double gap)
     return gap < 0.0 ? -gap * sqrt(-gap) : 0.0;
 }
 
-/* Return the stored energy 2/5 k_h delta^(5/2) [J] and its first two derivatives with respect to g. */
-static double hertz_energy(double stiffness, double gap)
-{
-    return gap < 0.0 ? -0.4 * stiffness * three_halves(gap) * gap : 0.0;
-}
-
-static double hertz_energy_slope(double stiffness, double gap)
-{
-    return -stiffness * three_halves(gap);
-}
-
-static double hertz_energy_bend(double stiffness, double gap)
-{
-    return gap < 0.0 ? 1.5 * stiffness * sqrt(-gap) : 0.0;
-}
-
 /* Sets the Taylor coefficients 0..order of delta^exponent. */
 static void power_of_depth(const double *gap, double exponent, int order, double power[TAYLOR_TERMS])
 {
@@ -465,24 +449,25 @@ bool contact_is_elastic(const struct contact_law *law)
     return !(law->damping > 0.0);
 }
 
+/* Hertz's law stores 2/5 k_h delta^(5/2) [J]. */
 double contact_stored_energy(const struct contact_law *law, enum contact_regime regime, double gap)
 {
     return regime == REGIME_APART  ? 0.0
-           : contact_is_hertz(law) ? hertz_energy(law->stiffness, gap)
+           : contact_is_hertz(law) ? 0.4 * law->stiffness * three_halves(gap) * fmax(-gap, 0.0)
                                    : 0.5 * law->stiffness * gap * gap;
 }
 
 double contact_stored_slope(const struct contact_law *law, enum contact_regime regime, double gap)
 {
     return regime == REGIME_APART  ? 0.0
-           : contact_is_hertz(law) ? hertz_energy_slope(law->stiffness, gap)
+           : contact_is_hertz(law) ? -law->stiffness * three_halves(gap)
                                    : law->stiffness * gap;
 }
 
 double contact_stored_bend(const struct contact_law *law, enum contact_regime regime, double gap)
 {
     return regime == REGIME_APART  ? 0.0
-           : contact_is_hertz(law) ? hertz_energy_bend(law->stiffness, gap)
+           : contact_is_hertz(law) ? 1.5 * law->stiffness * sqrt(fmax(-gap, 0.0))
                                    : law->stiffness;
 }
 

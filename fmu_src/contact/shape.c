@@ -456,57 +456,23 @@ double contact_zone_margin(const struct contact_solid *solid, int zone, struct v
     return fmin(at.radial, beyond);
 }
 
-/* The distance of a centre beyond a face [m], and the rate of this distance [m/s]. */
-struct beyond {
-    double by, rate;
-};
-
-/* Returns the distance beyond a face, or its rate if the distance is rounding; 0 if both are rounding. */
-static double beyond_ahead(struct beyond at, double rounding, double rate_rounding)
-{
-    if (fabs(at.by) > rounding) {
-        return at.by;
-    }
-    return fabs(at.rate) > rate_rounding ? at.rate : 0.0;
-}
-
 int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c, struct vec3 rate,
                       double rounding)
 {
+    static const int zones[] = {ZONE_SIDE, ZONE_RIM, -ZONE_RIM, ZONE_CAP, -ZONE_CAP};
+    /* 16 roundings ahead the zone is clear, unless c moves along the edge of two */
+    const double speed = vec3_norm(rate);
+    const struct vec3 ahead = speed > 0.0 ? vec3_axpy(c, 16.0 * rounding / speed, rate) : c;
     if (solid_is_skew(solid)) {
-        /* 16 roundings ahead the zone is clear, unless c moves along the edge of two */
-        const double speed = vec3_norm(rate);
-        return contact_zone_at(solid, speed > 0.0 ? vec3_axpy(c, 16.0 * rounding / speed, rate) : c);
+        return contact_zone_at(solid, ahead);
     }
-    const double noise = 8.0 * DBL_EPSILON * vec3_norm(rate);
-    const double axial = vec3_dot(c, solid->axis);
-    const double along = vec3_dot(rate, solid->axis);
-    const struct vec3 across = vec3_axpy(c, -axial, solid->axis);
-    const double rho = vec3_norm(across);
-    const double outward =
-        rho > 0.0 ? vec3_dot(across, rate) / rho : vec3_norm(vec3_axpy(rate, -along, solid->axis));
-    const struct beyond side = {rho - solid->radius, outward};
-    const int up = axial > 0.0 ? -1 : 1;
-    if ((zone == ZONE_SIDE && side.by > rounding) ||
-        (zone == up * ZONE_CAP && fabs(axial) - solid->half_height > rounding)) {
-        return up * ZONE_RIM; /* outside the solid a face ends only at the rim */
-    }
-    struct beyond most = {-(double)INFINITY, 0.0};
+    double most = -(double)INFINITY;
     int next = 0;
-    if (zone != ZONE_SIDE) {
-        next = ZONE_SIDE;
-        most = side;
-    }
-    for (int end = -1; end <= 1; end += 2) {
-        const struct beyond cap = {-end * axial - solid->half_height, -end * along};
-        const struct beyond more = {cap.by - most.by, cap.rate - most.rate};
-        if (zone != end * ZONE_RIM && beyond_ahead(side, rounding, noise) > 0.0 &&
-            beyond_ahead(cap, rounding, noise) > 0.0) {
-            return end * ZONE_RIM;
-        }
-        if (zone != end * ZONE_CAP && beyond_ahead(more, rounding, noise) > 0.0) {
-            next = end * ZONE_CAP;
-            most = cap;
+    for (size_t i = 0; i < sizeof zones / sizeof zones[0]; ++i) {
+        const double margin = contact_zone_margin(solid, zones[i], ahead);
+        if (zones[i] != zone && margin > most) {
+            next = zones[i];
+            most = margin;
         }
     }
     return next;

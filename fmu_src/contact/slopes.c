@@ -66,94 +66,6 @@ struct vec3 jet_scale(const double *a, const struct vec3 *b, int order)
     return sum;
 }
 
-/* Returns coefficient i = `order` of r = sqrt(a^2 + b^2) along a path. From r dr = a da + b db with cosine =
- * a/r and sine = b/r, i r_i is the sum of j (cosine_(i-j) a_j + sine_(i-j) b_j) over j = 1 ... i. */
-static double jet_of_hypotenuse(const double *cosine, const double *a, const double *sine, const double *b,
-                                int order)
-{
-    double sum = 0.0;
-    for (int j = 1; j <= order; ++j) {
-        sum += j * (cosine[order - j] * a[j] + sine[order - j] * b[j]);
-    }
-    return sum / order;
-}
-
-/* Sets all coefficients of d and n of a circle: n = (dr a + dz e) / d. The unit vector a points to the axis
- * and turns along the circle, e is the normal of the cap, and -dz > 0 is the height of the centre above the
- * cap. */
-static void jet_of_circle(const struct contact_shape *shape, const struct contact_geometry *at,
-                          const struct vec3 *c, struct contact_jet *result)
-{
-    const struct vec3 outward = vec3_cross(at->circumferential, shape->axis);
-    const struct vec3 nowhere = {0.0, 0.0, 0.0};
-    struct vec3 a[JET_TERMS] = {outward};
-    double radial[JET_TERMS] = {vec3_dot(outward, at->offset)};
-    double axial[JET_TERMS] = {vec3_dot(shape->axis, at->offset)};
-    double rho[JET_TERMS] = {radial[0] + shape->solid.radius};
-    double cosine[JET_TERMS] = {radial[0] / at->distance};
-    double sine[JET_TERMS] = {axial[0] / at->distance};
-    for (int i = 1; i < JET_TERMS; ++i) {
-        const struct vec3 across = vec3_axpy(c[i], -vec3_dot(c[i], shape->axis), shape->axis);
-        double grown = 0.0;
-        for (int j = 1; j <= i; ++j) {
-            grown += j * vec3_dot(a[i - j], c[j]);
-        }
-        rho[i] = radial[i] = grown / i;
-        axial[i] = vec3_dot(c[i], shape->axis);
-        a[i] = nowhere;
-        a[i] = vec3_scale(1.0 / rho[0], vec3_sub(across, jet_scale(rho, a, i)));
-        result->distance[i] = jet_of_hypotenuse(cosine, radial, sine, axial, i);
-        cosine[i] = taylor_divide(radial, result->distance, cosine, i);
-        sine[i] = taylor_divide(axial, result->distance, sine, i);
-        result->normal[i] = vec3_axpy(jet_scale(cosine, a, i), sine[i], shape->axis);
-    }
-}
-
-/* Sets coefficient i = `order` of d and n. i d_i is the sum of j n_(i-j).c_j over j = 1 ... i, and n_i
- * follows from d n = offset. */
-static void jet_of_direction(const struct contact_shape *shape, const struct contact_geometry *at,
-                             const struct vec3 *c, int order, struct contact_jet *result)
-{
-    double distance = 0.0;
-    for (int j = 1; j <= order; ++j) {
-        distance += j * vec3_dot(result->normal[order - j], c[j]);
-    }
-    result->distance[order] = distance / order;
-    result->normal[order] = vec3_make(0.0, 0.0, 0.0);
-    if (!contact_turns(shape, at)) {
-        return;
-    }
-    struct vec3 turned = vec3_sub(c[order], jet_scale(result->distance, result->normal, order));
-    if (contact_is_cylinder(shape)) {
-        turned = vec3_axpy(turned, -vec3_dot(c[order], shape->axis), shape->axis);
-    }
-    result->normal[order] =
-        vec3_make(turned.x / at->distance, turned.y / at->distance, turned.z / at->distance);
-}
-
-void contact_jet_make(const struct contact_shape *shape, const struct contact_geometry *at,
-                      const struct vec3 c[JET_TERMS], const struct vec3 w[JET_TERMS],
-                      const struct contact_law *law, const struct contact_law *change,
-                      enum contact_regime regime, struct contact_jet *result)
-{
-    result->normal[0] = at->normal;
-    result->distance[0] = at->distance;
-    const bool of_circle = contact_is_circle(shape) && !at->degenerate;
-    if (of_circle) {
-        jet_of_circle(shape, at, c, result);
-    }
-    for (int i = 0; i < JET_TERMS; ++i) {
-        if (i > 0 && !of_circle) {
-            jet_of_direction(shape, at, c, i, result);
-        }
-        result->gap[i] = i > 0 ? shape->side * result->distance[i] : at->gap;
-        result->gap_rate[i] = i > 0 ? shape->side * jet_dot(result->normal, w, i) : at->gap_rate;
-        result->normal_force[i] = contact_force_term(law, change, regime, result->gap, result->gap_rate, i);
-        result->source_force[i] =
-            vec3_scale(-shape->side, jet_scale(result->normal_force, result->normal, i));
-    }
-}
-
 void jet_length(const struct vec3 a[JET_TERMS], double length[JET_TERMS])
 {
     length[0] = vec3_norm(a[0]);
@@ -352,7 +264,7 @@ static void put_opposed_slopes(const struct turning_laws *laws, struct vec3 slip
     for (int i = 0; i < s->parts; ++i) {
         const struct friction_law *law = &laws->rubbing[i];
         const enum friction_regime regime = laws->rubbing_regime[i];
-        s->opposed[i] = opposed_motion((enum opposed)i, slip, s->spin, s->geometry.normal);
+        s->opposed[i] = i == OPPOSED_SLIP ? slip : opposed_laid((enum opposed)i, s->spin, s->geometry.normal);
         const struct friction_state at = {.normal_force = s->normal_force,
                                           .slip = s->opposed[i],
                                           .spring = s->motion.spring[i],
@@ -416,6 +328,7 @@ struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const
 /* The changes of the geometry by a change of the motion. */
 struct geometry_change {
     struct vec3 normal, seen_rate, tangential; /* of n, of w_g, and of the part of w_g across n */
+    struct vec3 spin;                          /* of omega */
     double distance, along;                    /* of d and of n.w_g */
     struct vec3 axis;                          /* e of the shape */
     struct vec3 circumferential;               /* of b, at a circle */
@@ -474,6 +387,7 @@ static struct geometry_change geometry_along(const struct turning_slopes *s,
     const struct vec3 n = s->geometry.normal;
     const struct turning_motion *at = &s->motion;
     struct geometry_change d;
+    d.spin = vec3_sub(change->source_rotation, change->destination_rotation);
     d.axis = contact_is_upside_down(&s->shape) ? vec3_scale(-1.0, change->axis) : change->axis;
     if (contact_is_plane(&s->shape)) {
         d.normal = vec3_scale(-1.0, d.axis);
@@ -520,9 +434,8 @@ static struct vec3 skew_passing_along(const struct turning_slopes *s, const stru
     const struct vec3 n = s->geometry.normal;
     const struct vec3 c = s->motion.separation;
     const struct vec3 passing = skew_passing(s);
-    const struct vec3 more_spin = vec3_sub(change->source_rotation, change->destination_rotation);
     const struct vec3 by_feet =
-        vec3_add(vec3_cross(more_spin, contact_foot(&s->shape, c)),
+        vec3_add(vec3_cross(d->spin, contact_foot(&s->shape, c)),
                  vec3_cross(s->spin, contact_foot_along(&s->shape, change->separation)));
     const struct vec3 by_rotation = vec3_add(vec3_cross(change->destination_rotation, c),
                                              vec3_cross(s->motion.destination_rotation, change->separation));
@@ -534,10 +447,8 @@ static struct vec3 slip_along(const struct turning_slopes *s, const struct turni
                               const struct geometry_change *d)
 {
     const double lever = s->shape.source_radius * s->shape.side;
-    const struct vec3 spin = vec3_sub(s->motion.source_rotation, s->motion.destination_rotation);
-    const struct vec3 more_spin = vec3_sub(change->source_rotation, change->destination_rotation);
     const struct vec3 rolled =
-        vec3_add(vec3_cross(more_spin, s->geometry.normal), vec3_cross(spin, d->normal));
+        vec3_add(vec3_cross(d->spin, s->geometry.normal), vec3_cross(s->spin, d->normal));
     const struct vec3 slip = vec3_sub(vec3_scale(lever, rolled), d->tangential);
     return contact_is_skew(&s->shape) ? vec3_add(slip, skew_passing_along(s, change, d)) : slip;
 }
@@ -570,22 +481,21 @@ static struct vec3 spring_rate_along(const struct turning_slopes *s, enum oppose
 
 /* Adds the change of M, where n (n.omega) is the spinning part of omega. */
 static void add_resistance(const struct turning_slopes *s, const struct turning_motion *change,
-                           struct vec3 more_normal, struct vec3 normal_rate, double normal_force,
+                           const struct geometry_change *d, struct vec3 normal_rate, double normal_force,
                            struct turning_change *out)
 {
     const struct vec3 n = s->geometry.normal;
-    const struct vec3 more_spin = vec3_sub(change->source_rotation, change->destination_rotation);
-    const double more_along = vec3_dot(more_normal, s->spin) + vec3_dot(n, more_spin);
-    const struct vec3 along = vec3_axpy(vec3_scale(vec3_dot(n, s->spin), more_normal), more_along, n);
+    const double more_along = vec3_dot(d->normal, s->spin) + vec3_dot(n, d->spin);
+    const struct vec3 along = vec3_axpy(vec3_scale(vec3_dot(n, s->spin), d->normal), more_along, n);
     for (int i = 1; i < s->parts; ++i) {
-        const struct vec3 motion = i == OPPOSED_SPINNING ? along : vec3_sub(more_spin, along);
+        const struct vec3 motion = i == OPPOSED_SPINNING ? along : vec3_sub(d->spin, along);
         const struct vec3 more =
             friction_slopes_along(&s->force_slopes[i], normal_force, motion, change->spring[i]);
         out->source_torque = vec3_add(out->source_torque, more);
         out->destination_torque = vec3_sub(out->destination_torque, more);
         out->friction_power -= vec3_dot(more, s->opposed[i]) + vec3_dot(s->opposing[i], motion);
         out->spring_rate[i] = spring_rate_along(s, (enum opposed)i, normal_force, motion, change->spring[i],
-                                                change->spring[i], more_normal, normal_rate);
+                                                change->spring[i], d->normal, normal_rate);
     }
 }
 
@@ -622,7 +532,7 @@ struct turning_change turning_slopes_along(const struct turning_slopes *s,
                            (s->normal_force + s->stored_slope) * gap_rate;
     out.friction_power = -vec3_dot(friction, s->opposed[0]) - vec3_dot(s->opposing[0], slip);
     if (CONTACT_ANY_ROLLING) {
-        add_resistance(s, change, d.normal, normal_rate, normal_force, &out);
+        add_resistance(s, change, &d, normal_rate, normal_force, &out);
     }
     return out;
 }

@@ -33,10 +33,11 @@ struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
  * time derivatives divided by factorials. If s is a step in some direction, the coefficients c[1] are
  * directional derivatives.
  *
- *   d' = n.c' (as n.e_d = 0),   d n = offset,   g = side (d - reach),   g_t = side n.w,   F_n by the law
+ *   d' = n.c' (as n.e_d = 0),   d n = offset,   g = side (d - reach),   g_t = side n.w_g,   F_n by the law
  *
- * The prime is d/ds here, and g_t is the gap rate. The present regime applies; at the edge of a regime the
- * derivatives are one-sided, from within the present regime. Where d = 0, n is constant.
+ * The prime is d/ds here, g_t is the gap rate, and w_g is w as the destination sees it (below). The present
+ * regime applies; at the edge of a regime the derivatives are one-sided, from within the present regime.
+ * Where d = 0, n is constant.
  */
 
 enum { JET_TERMS = 3 };
@@ -47,13 +48,6 @@ struct contact_jet {
     double normal_force[JET_TERMS];
     struct vec3 source_force[JET_TERMS]; /* -side F_n n */
 };
-
-/* Sets the series from the geometry at s = 0, the coefficients 1 and 2 of c, those of w, the law, and the
- * derivatives d/ds of its factors in `change`. */
-CONTACT_COLD void contact_jet_make(const struct contact_shape *shape, const struct contact_geometry *at,
-                                   const struct vec3 c[JET_TERMS], const struct vec3 w[JET_TERMS],
-                                   const struct contact_law *law, const struct contact_law *change,
-                                   enum contact_regime regime, struct contact_jet *result);
 
 /* Return coefficient `order` of a product of two series; taylor_multiply (math/series.h) serves for
  * numbers. */

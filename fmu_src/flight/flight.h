@@ -122,7 +122,7 @@ bool flight_stays_finite(const struct scene_values *v, const struct scene_state 
 
 /* Replaces an integrator's result by the closed form where there is one: for bodies without contact forces,
  * and for the axial motion of bodies loaded only by cylinders, whose forces are perpendicular to the axis.
- * Touches and passages of end planes then occur exactly at the clocks of next_regime_change. */
+ * Touches and passages of end planes then occur exactly at the clocks of prediction_of. */
 void flight_restore(const struct scene_values *v, struct scene_state *q);
 
 #endif

@@ -22,16 +22,14 @@ bool step_plainly_in_order(const struct instance *instance, double point, double
 #define MESSAGE_SIZE 1024
 #define NAME_SHOWN 200
 
-static const struct log_category_name {
-    const char *name;
-    unsigned bits;
-} known_categories[] = {
-    {"logEvents", LOG_EVENTS},
-    {"logStatusWarning", LOG_STATUS_WARNING},
-    {"logStatusDiscard", LOG_STATUS_DISCARD},
-    {"logStatusError", LOG_STATUS_ERROR},
-    {"logStatusFatal", LOG_STATUS_FATAL},
-    {"logAll", LOG_ALL},
+/* The names of enum log_category by the status of their messages, and of all categories. */
+static const char *const category_names[] = {
+    [MODEL_OK] = "logEvents",
+    [MODEL_WARNING] = "logStatusWarning",
+    [MODEL_DISCARD] = "logStatusDiscard",
+    [MODEL_ERROR] = "logStatusError",
+    [MODEL_FATAL] = "logStatusFatal",
+    [MODEL_FATAL + 1] = "logAll",
 };
 
 static const char ALL_CATEGORIES[] =
@@ -45,9 +43,9 @@ unsigned log_default_categories(bool logging_on)
 /* Returns the bits of a named category, or 0 where there is no such category. */
 static unsigned category_bits(const char *name)
 {
-    for (size_t i = 0; i < sizeof known_categories / sizeof known_categories[0]; ++i) {
-        if (strcmp(known_categories[i].name, name) == 0) {
-            return known_categories[i].bits;
+    for (unsigned i = 0; i < sizeof category_names / sizeof category_names[0]; ++i) {
+        if (strcmp(category_names[i], name) == 0) {
+            return i <= MODEL_FATAL ? 1u << i : (unsigned)LOG_ALL;
         }
     }
     return 0;
@@ -88,8 +86,7 @@ static void escape_message(const char *text, const char *doubled, char *escaped)
 }
 
 /* Sends "ball at 0.25 s: " followed by the message. */
-static void send_message(struct instance *instance, enum model_status status, const char *category,
-                         const char *message)
+static void send_message(struct instance *instance, enum model_status status, const char *message)
 {
     char text[MESSAGE_SIZE];
     char escaped[2 * MESSAGE_SIZE];
@@ -101,39 +98,41 @@ static void send_message(struct instance *instance, enum model_status status, co
     }
     escape_message(text, instance->adapter->doubled, escaped);
     const enum phase phase = instance->phase;
+    const struct call *call = instance->call;
     instance->phase = (enum phase)(phase | PHASE_TELLING);
-    instance->adapter->send(instance, status, category, escaped);
+    instance->adapter->send(instance, status, category_names[status], escaped);
     instance->phase = phase;
+    instance->call = call;
 }
 
-/* Whether messages of a category are sent to the importer. None is sent while its logger runs, since a logger
+/* Whether messages with a status are sent to the importer. None is sent while its logger runs, since a logger
  * whose calls are wrong could recurse for ever. `context` is the instance (struct model_host). */
-static bool is_heard(void *context, const char *category)
+static bool is_heard(void *context, enum model_status status)
 {
     const struct instance *instance = context;
     return instance->logger_given && (instance->phase & PHASE_TELLING) == 0 &&
-           (instance->log_categories & category_bits(category)) != 0;
+           (instance->log_categories & (1u << status)) != 0;
 }
 
 enum model_status log_report(struct instance *instance, enum model_status status, const char *format, ...)
 {
-    const char *category = model_category(status);
-    if (is_heard(instance, category)) {
+    if (is_heard(instance, status)) {
         char message[MESSAGE_SIZE];
+        const int length = snprintf(message, sizeof message, "%s", instance->call->name);
         va_list arguments;
         va_start(arguments, format);
-        (void)vsnprintf(message, sizeof message, format, arguments);
+        (void)vsnprintf(message + length, sizeof message - (size_t)length, format, arguments);
         va_end(arguments);
-        send_message(instance, status, category, message);
+        send_message(instance, status, message);
     }
     return status;
 }
 
 /* Sends a message of the model; serves as struct model_host.log. */
-static void log_from_model(void *context, enum model_status status, const char *category, const char *message)
+static void log_from_model(void *context, enum model_status status, const char *message)
 {
-    if (is_heard(context, category)) {
-        send_message(context, status, category, message);
+    if (is_heard(context, status)) {
+        send_message(context, status, message);
     }
 }
 
@@ -171,51 +170,53 @@ static const char *name_phases(unsigned phases, char text[PHASE_NAMES_SIZE])
 
 static const char *const kind_names[] = {[CALL_STEPS] = "Co-Simulation", [CALL_EXCHANGE] = "Model Exchange"};
 
-CONTACT_NOINLINE static bool report_call(struct instance *instance, const struct call *call)
+/* Reports that the present call is not allowed. */
+CONTACT_NOINLINE static bool report_call(struct instance *instance)
 {
+    const struct call *call = instance->call;
     const enum call_kind kind = instance->host.exchange ? CALL_EXCHANGE : CALL_STEPS;
     char now[PHASE_NAMES_SIZE];
     char allowed[PHASE_NAMES_SIZE];
     if (call->kind != CALL_ANY && call->kind != kind) {
-        log_report(instance, MODEL_ERROR, "%s called on an instance of %s, allowed: of %s", call->name,
-                   kind_names[kind], kind_names[call->kind]);
+        log_report(instance, MODEL_ERROR, " called on an instance of %s, allowed: of %s", kind_names[kind],
+                   kind_names[call->kind]);
     } else if (call->absent != NULL) {
-        log_report(instance, MODEL_ERROR, "%s called in phase %s: %s", call->name,
-                   name_phases(instance->phase, now), call->absent);
+        log_report(instance, MODEL_ERROR, " called in phase %s: %s", name_phases(instance->phase, now),
+                   call->absent);
     } else {
-        log_report(instance, MODEL_ERROR, "%s called in phase %s, allowed in: %s", call->name,
+        log_report(instance, MODEL_ERROR, " called in phase %s, allowed in: %s",
                    name_phases(instance->phase, now), name_phases(call->phases, allowed));
     }
     return false;
 }
 
-static inline bool call_allowed(struct instance *instance, const struct call *call)
+CONTACT_NOINLINE bool call_begin(struct instance *instance, const struct call *call)
 {
     if (instance == NULL) {
         return false;
     }
+    instance->call = call;
     const bool of_kind = call->kind == CALL_ANY || (call->kind == CALL_EXCHANGE) == instance->host.exchange;
-    return of_kind && ((unsigned)instance->phase & ~call->phases) == 0 ? true : report_call(instance, call);
+    return of_kind && ((unsigned)instance->phase & ~call->phases) == 0 ? true : report_call(instance);
 }
 
-static inline bool array_given(struct instance *instance, const struct call *call, const char *argument,
-                               const void *array, size_t count)
+bool array_given(struct instance *instance, const char *argument, const void *array, size_t count)
 {
     if (array == NULL && count > 0) {
-        log_report(instance, MODEL_ERROR, "%s: %s is a null pointer, expected %lu elements", call->name,
-                   argument, (unsigned long)count);
+        log_report(instance, MODEL_ERROR, ": %s is a null pointer, expected %lu elements", argument,
+                   (unsigned long)count);
         return false;
     }
     return true;
 }
 
-bool call_ready(struct instance *instance, const struct call *call, const struct argument *arguments)
+bool arrays_given(struct instance *instance, const struct argument *arguments)
 {
-    bool ready = call_allowed(instance, call);
-    for (; ready && arguments->name != NULL; ++arguments) {
-        ready = array_given(instance, call, arguments->name, arguments->array, arguments->count);
+    bool given = true;
+    for (; given && arguments->name != NULL; ++arguments) {
+        given = array_given(instance, arguments->name, arguments->array, arguments->count);
     }
-    return ready;
+    return given;
 }
 
 /*
@@ -223,32 +224,26 @@ bool call_ready(struct instance *instance, const struct call *call, const struct
  * with the reference of its first component, and time is a variable too.
  */
 
-enum { TIME_REFERENCE = 0 }; /* of time in FMI 3.0; no variable of the model has it */
-
 static bool has_vectors(const struct instance *instance)
 {
     return instance->adapter->version >= 3;
 }
 
-static bool is_time(const struct instance *instance, uint32_t reference, unsigned types)
-{
-    return reference == TIME_REFERENCE && has_vectors(instance) && (types & TYPES_REAL) != 0;
-}
+/* Time, which has the value reference 0 in FMI 3.0. No variable of the model has this reference. */
+static const struct variable time_variable = {
+    .name = "time", .reference = 0, .type = VARIABLE_REAL, .causality = VARIABLE_INDEPENDENT};
 
 /* Returns the variable of a reference, for a vector its first component, or NULL where there is none. */
 static inline const struct variable *variable_of(const struct instance *instance, uint32_t reference)
 {
-    return has_vectors(instance) ? vector_variable(reference) : scene_variable(reference);
+    return !has_vectors(instance)                 ? scene_variable(reference)
+           : reference == time_variable.reference ? &time_variable
+                                                  : vector_variable(reference);
 }
 
 static inline size_t length_of(const struct instance *instance, const struct variable *first)
 {
-    return has_vectors(instance) ? vector_length(first) : 1;
-}
-
-static struct variable_list list_of(const struct instance *instance, const uint32_t *references, size_t count)
-{
-    return (struct variable_list){references, count, has_vectors(instance)};
+    return has_vectors(instance) && first != &time_variable ? vector_length(first) : 1;
 }
 
 static const char *real_name(const struct instance *instance)
@@ -259,14 +254,14 @@ static const char *real_name(const struct instance *instance)
 enum { ANY_TYPE = TYPES_REAL | TYPES_INTEGER | TYPES_BOOLEAN | TYPES_ENUMERATION };
 
 /* Returns the variable of a reference if it has one of the types, else NULL after a message. */
-static inline const struct variable *find_variable(struct instance *instance, const struct call *call,
-                                                   uint32_t reference, unsigned types)
+static inline const struct variable *find_variable(struct instance *instance, uint32_t reference,
+                                                   unsigned types)
 {
     const struct variable *variable = variable_of(instance, reference);
     if (variable == NULL) {
-        log_report(instance, MODEL_ERROR, "%s: unknown value reference %u", call->name, (unsigned)reference);
+        log_report(instance, MODEL_ERROR, ": unknown value reference %u", (unsigned)reference);
     } else if ((types & (1u << variable->type)) == 0) {
-        log_report(instance, MODEL_ERROR, "%s: value reference %u is %s, which is of type %s", call->name,
+        log_report(instance, MODEL_ERROR, ": value reference %u is %s, which is of type %s",
                    (unsigned)reference, variable->name, instance->adapter->type_names[variable->type]);
         return NULL;
     }
@@ -275,14 +270,14 @@ static inline const struct variable *find_variable(struct instance *instance, co
 
 /* Returns the variable if it may be read. Before initialization mode only parameters and inputs may be, since
  * the other variables are not computed yet. */
-static inline const struct variable *find_readable(struct instance *instance, const struct call *call,
-                                                   uint32_t reference, unsigned types)
+static inline const struct variable *find_readable(struct instance *instance, uint32_t reference,
+                                                   unsigned types)
 {
-    const struct variable *variable = find_variable(instance, call, reference, types);
+    const struct variable *variable = find_variable(instance, reference, types);
     if (variable != NULL && (instance->phase & PHASE_INSTANTIATED) != 0 &&
-        variable->causality != VARIABLE_PARAMETER && variable->causality != VARIABLE_INPUT) {
-        log_report(instance, MODEL_ERROR, "%s: %s has no value before initialization mode", call->name,
-                   variable->name);
+        variable->causality != VARIABLE_PARAMETER && variable->causality != VARIABLE_INPUT &&
+        variable != &time_variable) {
+        log_report(instance, MODEL_ERROR, ": %s has no value before initialization mode", variable->name);
         return NULL;
     }
     return variable;
@@ -298,10 +293,10 @@ static bool is_settable_state(const struct instance *instance, const struct vari
 
 /* Returns the variable if it may be set. Parameters may be set until the end of initialization, tunable ones
  * also at communication points or events, and inputs always. */
-static inline const struct variable *find_settable(struct instance *instance, const struct call *call,
-                                                   uint32_t reference, unsigned types)
+static inline const struct variable *find_settable(struct instance *instance, uint32_t reference,
+                                                   unsigned types)
 {
-    const struct variable *variable = find_variable(instance, call, reference, types);
+    const struct variable *variable = find_variable(instance, reference, types);
     if (variable == NULL || variable->causality == VARIABLE_INPUT) {
         return variable;
     }
@@ -311,19 +306,20 @@ static inline const struct variable *find_settable(struct instance *instance, co
         is_settable_state(instance, variable)) {
         return variable;
     }
-    log_report(instance, MODEL_ERROR, "%s: %s %s", call->name, variable->name,
-               variable->causality != VARIABLE_PARAMETER ? "is calculated and cannot be set"
-               : !variable->tunable                      ? "is a parameter, fixed after initialization"
-                                                         : "is a tunable parameter, to be set in event mode");
+    log_report(instance, MODEL_ERROR, ": %s %s", variable->name,
+               variable == &time_variable                  ? "is the independent variable and cannot be set"
+               : variable->causality != VARIABLE_PARAMETER ? "is calculated and cannot be set"
+               : !variable->tunable                        ? "is a parameter, fixed after initialization"
+                                    : "is a tunable parameter, to be set in event mode");
     return NULL;
 }
 
-const struct variable *find_real(struct instance *instance, const struct call *call, uint32_t reference,
+const struct variable *find_real(struct instance *instance, uint32_t reference,
                                  enum variable_causality causality)
 {
-    const struct variable *variable = find_variable(instance, call, reference, ANY_TYPE);
+    const struct variable *variable = find_variable(instance, reference, ANY_TYPE);
     if (variable != NULL && (variable->type != VARIABLE_REAL || variable->causality != causality)) {
-        log_report(instance, MODEL_ERROR, "%s: value reference %u is %s, which is no %s %s", call->name,
+        log_report(instance, MODEL_ERROR, ": value reference %u is %s, which is no %s %s",
                    (unsigned)reference, variable->name, real_name(instance),
                    causality == VARIABLE_INPUT ? "input" : "output");
         return NULL;
@@ -331,29 +327,26 @@ const struct variable *find_real(struct instance *instance, const struct call *c
     return variable;
 }
 
-static enum model_status check_count(struct instance *instance, const struct call *call, const char *name,
-                                     size_t given, size_t expected)
-{
-    return given == expected
-               ? MODEL_OK
-               : log_report(instance, MODEL_ERROR, "%s: %s = %lu, expected %lu for the value references",
-                            call->name, name, (unsigned long)given, (unsigned long)expected);
-}
+/* find_variable, find_readable or find_settable */
+typedef const struct variable *variable_finder(struct instance *instance, uint32_t reference, unsigned types);
 
-/* Checks that all references are known and have as many components as the importer counts. */
-static enum model_status check_components(struct instance *instance, const struct call *call,
+/* Checks that all references are found and have as many components as the importer counts. */
+static enum model_status check_components(struct instance *instance, variable_finder *find, unsigned types,
                                           const uint32_t *references, size_t count, const char *name,
                                           size_t given)
 {
     size_t components = 0;
     for (size_t i = 0; i < count; ++i) {
-        const struct variable *first = find_variable(instance, call, references[i], ANY_TYPE);
+        const struct variable *first = find(instance, references[i], types);
         if (first == NULL) {
             return MODEL_ERROR;
         }
         components += length_of(instance, first);
     }
-    return check_count(instance, call, name, given, components);
+    return given == components
+               ? MODEL_OK
+               : log_report(instance, MODEL_ERROR, ": %s = %lu, expected %lu for the value references", name,
+                            (unsigned long)given, (unsigned long)components);
 }
 
 /*
@@ -371,6 +364,10 @@ static inline enum model_status read_value(struct instance *instance, const stru
                                            void *to)
 {
     const size_t size = value_size(instance, variable);
+    if (variable == &time_variable) {
+        *(double *)to = model_time(instance->model);
+        return MODEL_OK;
+    }
     if (size == variable_size(variable)) {
         return model_read(instance->model, variable, to);
     }
@@ -411,53 +408,42 @@ static inline enum model_status check_value(struct instance *instance, const str
     return model_check(instance->model, variable, value_for_model(instance, variable, from, &whole));
 }
 
-static enum model_status check_readable(struct instance *instance, const struct call *call, unsigned types,
-                                        const uint32_t *references, size_t reference_count, size_t count)
+static enum model_status set_value(struct instance *instance, const struct variable *variable,
+                                   const void *from)
 {
-    size_t components = 0;
-    for (size_t i = 0; i < reference_count; ++i) {
-        if (is_time(instance, references[i], types)) {
-            components += 1;
-            continue;
-        }
-        const struct variable *first = find_readable(instance, call, references[i], types);
-        if (first == NULL) {
-            return MODEL_ERROR;
-        }
-        components += length_of(instance, first);
+    int32_t whole;
+    const void *value = value_for_model(instance, variable, from, &whole);
+    if (variable->causality == VARIABLE_STATE) {
+        model_exchange_set_state(instance->model, variable, *(const double *)value);
+    } else {
+        model_set(instance->model, variable, value);
     }
-    return check_count(instance, call, "nValues", count, components);
+    return MODEL_OK;
 }
 
-static inline bool values_ready(struct instance *instance, const struct call *call,
-                                const uint32_t *references, size_t reference_count, const void *values,
-                                size_t count)
+static bool values_ready(struct instance *instance, const uint32_t *references, size_t reference_count,
+                         const void *values, size_t count)
 {
-    const char *const *names = call_allowed(instance, call) ? instance->adapter->arguments : NULL;
-    return names != NULL &&
-           array_given(instance, call, names[ARGUMENT_REFERENCES], references, reference_count) &&
-           array_given(instance, call, names[ARGUMENT_VALUES], values, count);
+    const char *const *names = instance->adapter->arguments;
+    return arrays_given(instance, ARGUMENTS({names[ARGUMENT_REFERENCES], references, reference_count},
+                                            {names[ARGUMENT_VALUES], values, count}));
 }
 
-CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance, const struct call *call,
-                                                       unsigned types, const uint32_t *references,
-                                                       size_t reference_count, void *values, size_t count)
+CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance, unsigned types,
+                                                       const uint32_t *references, size_t reference_count,
+                                                       void *values, size_t count)
 {
-    if (!values_ready(instance, call, references, reference_count, values, count)) {
+    if (!values_ready(instance, references, reference_count, values, count)) {
         return MODEL_ERROR;
     }
     if (types == TYPES_REAL && instance->phase == PHASE_STEP && !has_vectors(instance) &&
         model_get_reals(instance->model, references, count, values) == count) {
         return MODEL_OK;
     }
-    enum model_status status = check_readable(instance, call, types, references, reference_count, count);
+    enum model_status status =
+        check_components(instance, find_readable, types, references, reference_count, "nValues", count);
     char *to = values;
     for (size_t i = 0; values != NULL && i < reference_count && status == MODEL_OK; ++i) {
-        if (is_time(instance, references[i], types)) {
-            *(double *)(void *)to = model_time(instance->model);
-            to += sizeof(double);
-            continue;
-        }
         const struct variable *first = variable_of(instance, references[i]);
         const size_t length = length_of(instance, first);
         for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
@@ -468,56 +454,24 @@ CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance
     return status;
 }
 
-static enum model_status check_settable(struct instance *instance, const struct call *call, unsigned types,
-                                        const uint32_t *references, size_t reference_count,
-                                        const void *values, size_t count)
+enum model_status instance_set_values(struct instance *instance, unsigned types, const uint32_t *references,
+                                      size_t reference_count, const void *values, size_t count)
 {
-    const char *from = values;
-    size_t components = 0;
-    for (size_t i = 0; i < reference_count; ++i) {
-        if (is_time(instance, references[i], types)) {
-            return log_report(instance, MODEL_ERROR, "%s: time is the independent variable and cannot be set",
-                              call->name);
-        }
-        const struct variable *first = find_settable(instance, call, references[i], types);
-        if (first == NULL) {
-            return MODEL_ERROR;
-        }
-        const size_t length = length_of(instance, first);
-        for (size_t k = 0; k < length && components + k < count; ++k) {
-            const enum model_status status = check_value(instance, first + k, from);
-            if (status > MODEL_WARNING) {
-                return status;
-            }
-            from += value_size(instance, first);
-        }
-        components += length;
-    }
-    return check_count(instance, call, "nValues", count, components);
-}
-
-enum model_status instance_set_values(struct instance *instance, const struct call *call, unsigned types,
-                                      const uint32_t *references, size_t reference_count, const void *values,
-                                      size_t count)
-{
-    if (!values_ready(instance, call, references, reference_count, values, count)) {
+    if (!values_ready(instance, references, reference_count, values, count)) {
         return MODEL_ERROR;
     }
-    const enum model_status status =
-        check_settable(instance, call, types, references, reference_count, values, count);
-    const char *from = values;
-    for (size_t i = 0; values != NULL && i < reference_count && status == MODEL_OK; ++i) {
-        const struct variable *first = variable_of(instance, references[i]);
-        const size_t length = length_of(instance, first);
-        for (size_t k = 0; k < length; ++k) {
-            int32_t whole;
-            const void *value = value_for_model(instance, first, from, &whole);
-            if (first->causality == VARIABLE_STATE) {
-                model_exchange_set_state(instance->model, first + k, *(const double *)value);
-            } else {
-                model_set(instance->model, first + k, value);
+    enum model_status status =
+        check_components(instance, find_settable, types, references, reference_count, "nValues", count);
+    for (int setting = 0; setting < 2; ++setting) { /* all values are checked before any is set */
+        const char *from = values;
+        for (size_t i = 0; values != NULL && i < reference_count && status <= MODEL_WARNING; ++i) {
+            const struct variable *first = variable_of(instance, references[i]);
+            const size_t length = length_of(instance, first);
+            for (size_t k = 0; k < length && status <= MODEL_WARNING; ++k) {
+                status =
+                    setting ? set_value(instance, first + k, from) : check_value(instance, first + k, from);
+                from += value_size(instance, first);
             }
-            from += value_size(instance, first);
         }
     }
     return status;
@@ -525,50 +479,47 @@ enum model_status instance_set_values(struct instance *instance, const struct ca
 
 enum { LOWEST_ORDER = 1, HIGHEST_ORDER = 2 }; /* maxOutputDerivativeOrder of the model description */
 
-enum model_status check_order(struct instance *instance, const struct call *call,
-                              const struct variable *variable, int order)
+enum model_status check_order(struct instance *instance, const struct variable *variable, int order)
 {
     if (order < LOWEST_ORDER || order > HIGHEST_ORDER) {
         return log_report(instance, MODEL_DISCARD,
-                          "%s: derivative of order %d of %s refused, allowed: %d to %d", call->name, order,
-                          variable->name, LOWEST_ORDER, HIGHEST_ORDER);
+                          ": derivative of order %d of %s refused, allowed: %d to %d", order, variable->name,
+                          LOWEST_ORDER, HIGHEST_ORDER);
     }
     return MODEL_OK;
 }
 
-static enum model_status check_output_derivative(struct instance *instance, const struct call *call,
-                                                 uint32_t reference, int order)
+static enum model_status check_output_derivative(struct instance *instance, uint32_t reference, int order)
 {
-    const struct variable *variable = find_real(instance, call, reference, VARIABLE_OUTPUT);
+    const struct variable *variable = find_real(instance, reference, VARIABLE_OUTPUT);
     if (variable == NULL) {
         return MODEL_ERROR;
     }
     if (!model_has_derivatives(variable)) {
         return log_report(instance, MODEL_DISCARD,
-                          "%s: %s sums up the last step; its derivatives are not provided, allowed: those of "
+                          ": %s sums up the last step; its derivatives are not provided, allowed: those of "
                           "the other %s outputs",
-                          call->name, variable->name, real_name(instance));
+                          variable->name, real_name(instance));
     }
-    return check_order(instance, call, variable, order);
+    return check_order(instance, variable, order);
 }
 
-enum model_status instance_output_derivatives(struct instance *instance, const struct call *call,
-                                              const uint32_t *references, const int *orders,
-                                              size_t reference_count, double *values, size_t count)
+enum model_status instance_output_derivatives(struct instance *instance, const uint32_t *references,
+                                              const int *orders, size_t reference_count, double *values,
+                                              size_t count)
 {
-    const char *const *names = instance == NULL ? NULL : instance->adapter->arguments;
-    if (names == NULL || !call_ready(instance, call,
-                                     ARGUMENTS({names[ARGUMENT_REFERENCES], references, reference_count},
-                                               {names[ARGUMENT_ORDERS], orders, reference_count},
-                                               {names[ARGUMENT_VALUES], values, count}))) {
+    const char *const *names = instance->adapter->arguments;
+    if (!arrays_given(instance, ARGUMENTS({names[ARGUMENT_REFERENCES], references, reference_count},
+                                          {names[ARGUMENT_ORDERS], orders, reference_count},
+                                          {names[ARGUMENT_VALUES], values, count}))) {
         return MODEL_ERROR;
     }
     enum model_status status =
-        check_components(instance, call, references, reference_count, "nValues", count);
+        check_components(instance, find_variable, ANY_TYPE, references, reference_count, "nValues", count);
     for (size_t i = 0; i < reference_count && status == MODEL_OK; ++i) {
-        status = check_output_derivative(instance, call, references[i], orders[i]);
+        status = check_output_derivative(instance, references[i], orders[i]);
     }
-    const struct variable_list list = list_of(instance, references, reference_count);
+    const struct variable_list list = {references, reference_count, has_vectors(instance)};
     return status == MODEL_OK ? model_get_output_derivatives(instance->model, &list, orders, values) : status;
 }
 
@@ -580,7 +531,7 @@ static bool knows_states(const struct instance *instance)
 
 /* Unknowns are the outputs and the rates of the states. In initialization mode the calculated parameters and
  * the states are unknowns too (ModelStructure: initial unknowns). */
-static enum model_status check_unknown(struct instance *instance, const struct call *call, uint32_t reference)
+static enum model_status check_unknown(struct instance *instance, uint32_t reference)
 {
     const struct variable *variable = variable_of(instance, reference);
     const bool starting = (instance->phase & PHASE_INITIALIZATION) != 0;
@@ -591,10 +542,10 @@ static enum model_status check_unknown(struct instance *instance, const struct c
         (variable->causality == VARIABLE_RATE || (starting && variable->causality == VARIABLE_STATE))) {
         return MODEL_OK;
     }
-    return find_real(instance, call, reference, VARIABLE_OUTPUT) != NULL ? MODEL_OK : MODEL_ERROR;
+    return find_real(instance, reference, VARIABLE_OUTPUT) != NULL ? MODEL_OK : MODEL_ERROR;
 }
 
-static enum model_status check_known(struct instance *instance, const struct call *call, uint32_t reference)
+static enum model_status check_known(struct instance *instance, uint32_t reference)
 {
     const struct variable *variable = variable_of(instance, reference);
     const bool starting = (instance->phase & PHASE_INITIALIZATION) != 0;
@@ -604,75 +555,66 @@ static enum model_status check_known(struct instance *instance, const struct cal
     if (variable != NULL && starting && variable->causality == VARIABLE_PARAMETER &&
         variable->type == VARIABLE_REAL) {
         return log_report(instance, MODEL_DISCARD,
-                          "%s: derivatives with respect to the parameter %s are not provided, allowed: with "
+                          ": derivatives with respect to the parameter %s are not provided, allowed: with "
                           "respect to %s inputs",
-                          call->name, variable->name, real_name(instance));
+                          variable->name, real_name(instance));
     }
-    return find_real(instance, call, reference, VARIABLE_INPUT) != NULL ? MODEL_OK : MODEL_ERROR;
+    return find_real(instance, reference, VARIABLE_INPUT) != NULL ? MODEL_OK : MODEL_ERROR;
 }
 
-/* Checks that the seeds of all variables in `references` are finite. */
-static enum model_status check_seeds(struct instance *instance, const struct call *call,
-                                     const uint32_t *references, size_t count, const double *seed)
+/* Checks that the seeds of all variables of a list are finite. */
+static enum model_status check_seeds(struct instance *instance, const struct variable_list *list,
+                                     const double *seed)
 {
-    for (size_t i = 0; i < count; ++i) {
-        const struct variable *first = variable_of(instance, references[i]);
+    for (size_t i = 0; i < list->count; ++i) {
+        const struct variable *first = variable_of(instance, list->references[i]);
         const size_t length = length_of(instance, first);
         for (size_t k = 0; k < length; ++k, ++seed) {
             if (!isfinite(*seed)) {
-                return log_report(instance, MODEL_DISCARD, "%s: %s of %s = %g refused, allowed: finite",
-                                  call->name, instance->adapter->arguments[ARGUMENT_SEED], first[k].name,
-                                  *seed);
+                return log_report(instance, MODEL_DISCARD, ": %s of %s = %g refused, allowed: finite",
+                                  instance->adapter->arguments[ARGUMENT_SEED], first[k].name, *seed);
             }
         }
     }
     return MODEL_OK;
 }
 
-static enum model_status check_product(struct instance *instance, const struct call *call,
-                                       const struct product *p)
+static enum model_status check_product(struct instance *instance, const struct product *p)
 {
-    enum model_status status = check_components(instance, call, p->unknowns, p->unknown_count,
-                                                p->adjoint ? "nSeed" : "nSensitivity", p->unknown_components);
+    enum model_status status =
+        check_components(instance, find_variable, ANY_TYPE, p->unknowns.references, p->unknowns.count,
+                         p->adjoint ? "nSeed" : "nSensitivity", p->unknown_components);
     if (status == MODEL_OK) {
-        status = check_components(instance, call, p->knowns, p->known_count,
+        status = check_components(instance, find_variable, ANY_TYPE, p->knowns.references, p->knowns.count,
                                   p->adjoint ? "nSensitivity" : "nSeed", p->known_components);
     }
-    for (size_t i = 0; i < p->unknown_count && status == MODEL_OK; ++i) {
-        status = check_unknown(instance, call, p->unknowns[i]);
+    for (size_t i = 0; i < p->unknowns.count && status == MODEL_OK; ++i) {
+        status = check_unknown(instance, p->unknowns.references[i]);
     }
-    for (size_t i = 0; i < p->known_count && status == MODEL_OK; ++i) {
-        status = check_known(instance, call, p->knowns[i]);
+    for (size_t i = 0; i < p->knowns.count && status == MODEL_OK; ++i) {
+        status = check_known(instance, p->knowns.references[i]);
     }
     if (status != MODEL_OK) {
         return status;
     }
-    return p->adjoint ? check_seeds(instance, call, p->unknowns, p->unknown_count, p->seed)
-                      : check_seeds(instance, call, p->knowns, p->known_count, p->seed);
+    return p->adjoint ? check_seeds(instance, &p->unknowns, p->seed)
+                      : check_seeds(instance, &p->knowns, p->seed);
 }
 
-enum model_status instance_product(struct instance *instance, const struct call *call,
-                                   const struct product *p)
+enum model_status instance_product(struct instance *instance, const struct product *p)
 {
     const size_t seeds = p->adjoint ? p->unknown_components : p->known_components;
     const size_t sensitivities = p->adjoint ? p->known_components : p->unknown_components;
-    const char *const *names = instance == NULL ? NULL : instance->adapter->arguments;
-    if (names == NULL ||
-        !call_ready(instance, call,
-                    ARGUMENTS({names[ARGUMENT_UNKNOWNS], p->unknowns, p->unknown_count},
-                              {names[ARGUMENT_KNOWNS], p->knowns, p->known_count},
-                              {names[ARGUMENT_SEED], p->seed, seeds},
-                              {names[ARGUMENT_SENSITIVITY], p->sensitivity, sensitivities}))) {
+    const char *const *names = instance->adapter->arguments;
+    if (!arrays_given(instance,
+                      ARGUMENTS({names[ARGUMENT_UNKNOWNS], p->unknowns.references, p->unknowns.count},
+                                {names[ARGUMENT_KNOWNS], p->knowns.references, p->knowns.count},
+                                {names[ARGUMENT_SEED], p->seed, seeds},
+                                {names[ARGUMENT_SENSITIVITY], p->sensitivity, sensitivities}))) {
         return MODEL_ERROR;
     }
-    const enum model_status status = check_product(instance, call, p);
-    if (status != MODEL_OK) {
-        return status;
-    }
-    const struct variable_list unknowns = list_of(instance, p->unknowns, p->unknown_count);
-    const struct variable_list knowns = list_of(instance, p->knowns, p->known_count);
-    return (p->adjoint ? model_get_adjoint_derivative : model_get_directional_derivative)(
-        instance->model, &unknowns, &knowns, p->seed, p->sensitivity);
+    const enum model_status status = check_product(instance, p);
+    return status == MODEL_OK ? model_product(instance->model, p) : status;
 }
 
 /*
@@ -685,45 +627,42 @@ static double time_slack(double t, double h)
     return fmax(STEP_SLACK * h, 4.0 * DBL_EPSILON * fabs(t));
 }
 
-static enum model_status refuse_step_size(struct instance *instance, const struct call *call, double time,
-                                          double size)
+static enum model_status refuse_step_size(struct instance *instance, double time, double size)
 {
     return log_report(instance, MODEL_DISCARD,
-                      "%s: communicationStepSize = %s s, allowed: finite and large enough to change the "
+                      ": communicationStepSize = %s s, allowed: finite and large enough to change the "
                       "time %s s, that is more than %.3g s",
-                      call->name, shortest_digits(size).text, shortest_digits(time).text,
-                      DBL_EPSILON * fabs(time));
+                      shortest_digits(size).text, shortest_digits(time).text, DBL_EPSILON * fabs(time));
 }
 
-static enum model_status check_step(struct instance *instance, const struct call *call, double point,
-                                    double size)
+static enum model_status check_step(struct instance *instance, double point, double size)
 {
     const double time = model_time(instance->model);
     if (!(size > 0.0)) {
-        return refuse_step_size(instance, call, time, size);
+        return refuse_step_size(instance, time, size);
     }
     /* A NaN is refused too. */
     if (!(fabs(point - time) <= time_slack(time, size))) {
         return log_report(instance, MODEL_ERROR,
-                          "%s: currentCommunicationPoint = %s s, expected the time reached, %s s", call->name,
+                          ": currentCommunicationPoint = %s s, expected the time reached, %s s",
                           shortest_digits(point).text, shortest_digits(time).text);
     }
     const double end = point + size; /* infinite where the size is infinite */
     if (!(end > time && end <= DBL_MAX)) {
-        return refuse_step_size(instance, call, time, size);
+        return refuse_step_size(instance, time, size);
     }
     const double stop = instance->experiment.stop_time;
     if (end > stop + time_slack(stop, size)) {
-        return log_report(instance, MODEL_ERROR, "%s: step to %s s goes past stopTime = %s s", call->name,
+        return log_report(instance, MODEL_ERROR, ": step to %s s goes past stopTime = %s s",
                           shortest_digits(end).text, shortest_digits(stop).text);
     }
     return MODEL_OK;
 }
 
-enum model_status instance_step(struct instance *instance, const struct call *call, double point, double size,
+enum model_status instance_step(struct instance *instance, double point, double size,
                                 const struct step_request *request)
 {
-    enum model_status status = check_step(instance, call, point, size);
+    enum model_status status = check_step(instance, point, size);
     instance->asked_end = point + size;
     if (status == MODEL_OK) {
         struct step_request whole = *request;
@@ -743,24 +682,12 @@ double instance_time_reached(const struct instance *instance)
     return fabs(instance->asked_end - time) <= 4.0 * DBL_EPSILON * fabs(time) ? instance->asked_end : time;
 }
 
-enum model_status exchange_update(struct instance *instance, struct exchange_news *news)
-{
-    const enum model_status status = model_exchange_update(instance->model, &news->again, &news->jumped);
-    if (status <= MODEL_WARNING && !news->again) {
-        const double touch = model_exchange_next_touch(instance->model);
-        news->scheduled = isfinite(touch);
-        news->event_time = news->scheduled ? touch : 0.0;
-    }
-    return status;
-}
-
 /* An integrator of variable step may try steps past the stop time; only an accepted one is an error. */
-enum model_status exchange_accept_step(struct instance *instance, const struct call *call,
-                                       void *enters_events, void *terminates, size_t size)
+enum model_status exchange_accept_step(struct instance *instance, void *enters_events, void *terminates,
+                                       size_t size)
 {
-    if (!call_ready(
-            instance, call,
-            ARGUMENTS({"enterEventMode", enters_events, 1}, {"terminateSimulation", terminates, 1}))) {
+    if (!arrays_given(instance, ARGUMENTS({"enterEventMode", enters_events, 1},
+                                          {"terminateSimulation", terminates, 1}))) {
         return MODEL_ERROR;
     }
     memset(enters_events, 0, size);
@@ -768,45 +695,35 @@ enum model_status exchange_accept_step(struct instance *instance, const struct c
     const double time = model_time(instance->model);
     const double stop = instance->experiment.stop_time;
     if (time > stop + time_slack(stop, 0.0)) {
-        return log_report(instance, MODEL_ERROR, "%s: step to %.17g s goes past stopTime = %.17g s",
-                          call->name, time, stop);
+        return log_report(instance, MODEL_ERROR, ": step to %.17g s goes past stopTime = %.17g s", time,
+                          stop);
     }
     return model_exchange_accept(instance->model);
 }
 
-enum model_status exchange_set_time(struct instance *instance, const struct call *call, double time)
+/* Whether the call has an array of `expected` numbers. */
+static bool numbers_ready(struct instance *instance, const double *values, size_t count, size_t expected)
 {
-    return call_allowed(instance, call) ? model_exchange_set_time(instance->model, time) : MODEL_ERROR;
-}
-
-/* Whether the call is allowed now and has an array of `expected` numbers. */
-static bool numbers_ready(struct instance *instance, const struct call *call, const double *values,
-                          size_t count, size_t expected)
-{
-    if (!call_allowed(instance, call)) {
-        return false;
-    }
     if (count != expected) {
-        log_report(instance, MODEL_ERROR, "%s: %lu values, expected %lu", call->name, (unsigned long)count,
+        log_report(instance, MODEL_ERROR, ": %lu values, expected %lu", (unsigned long)count,
                    (unsigned long)expected);
         return false;
     }
-    return array_given(instance, call, "the array of values", values, count);
+    return array_given(instance, "the array of values", values, count);
 }
 
-enum model_status exchange_set_states(struct instance *instance, const struct call *call,
-                                      const double *states, size_t count)
+enum model_status exchange_set_states(struct instance *instance, const double *states, size_t count)
 {
-    return numbers_ready(instance, call, states, count, SCENE_STATES)
+    return numbers_ready(instance, states, count, SCENE_STATES)
                ? model_exchange_set_states(instance->model, states)
                : MODEL_ERROR;
 }
 
-enum model_status exchange_get(struct instance *instance, const struct call *call, enum exchange_values which,
-                               double *values, size_t count)
+enum model_status exchange_get(struct instance *instance, enum exchange_values which, double *values,
+                               size_t count)
 {
     const size_t expected = which == EXCHANGE_INDICATORS ? SCENE_INDICATORS : SCENE_STATES;
-    return numbers_ready(instance, call, values, count, expected)
+    return numbers_ready(instance, values, count, expected)
                ? model_exchange_get(instance->model, which, values)
                : MODEL_ERROR;
 }
@@ -841,8 +758,9 @@ static void state_list_remove(struct instance *instance, struct state_block *blo
     instance->host.release(block);
 }
 
-/* The version is raised whenever the layout or meaning of the header or of the model's state changes. */
-#define BLOCK_VERSION 2u
+/* The version is raised whenever the layout or meaning of the header or of the model's state (struct
+ * model_state, struct scene_state, struct scene_values) changes. */
+#define BLOCK_VERSION 3u
 
 struct block_header {
     uint32_t magic; /* the adapter's; a block of the other byte order does not match */
@@ -914,40 +832,39 @@ static bool plausible_header(const struct instance *instance, const struct block
            isfinite(header->start_time) && header->stop_time >= header->start_time;
 }
 
-static enum model_status refuse_number(struct instance *instance, const struct call *call, const char *what,
-                                       unsigned long got, unsigned long expected)
+static enum model_status refuse_number(struct instance *instance, const char *what, unsigned long got,
+                                       unsigned long expected)
 {
-    return log_report(instance, MODEL_ERROR, "%s: state has %s %lu (0x%lX), expected %lu (0x%lX)", call->name,
-                      what, got, got, expected, expected);
+    return log_report(instance, MODEL_ERROR, ": state has %s %lu (0x%lX), expected %lu (0x%lX)", what, got,
+                      got, expected, expected);
 }
 
 /* Whether a block of `size` bytes is a whole state of this FMU. Nothing is read beyond `size`. */
-static enum model_status check_block(struct instance *instance, const struct call *call, const void *block,
-                                     size_t size)
+static enum model_status check_block(struct instance *instance, const void *block, size_t size)
 {
     struct block_header header;
     if (size < sizeof header) {
-        return refuse_number(instance, call, "size", (unsigned long)size, (unsigned long)block_size());
+        return refuse_number(instance, "size", (unsigned long)size, (unsigned long)block_size());
     }
     memcpy(&header, block, sizeof header);
     const uint32_t magic = instance->adapter->state_magic;
     if (header.magic != magic) {
-        return refuse_number(instance, call, "magic number", header.magic, magic);
+        return refuse_number(instance, "magic number", header.magic, magic);
     }
     if (header.version != BLOCK_VERSION) {
-        return refuse_number(instance, call, "version", header.version, BLOCK_VERSION);
+        return refuse_number(instance, "version", header.version, BLOCK_VERSION);
     }
     if (header.scene != SCENE_HASH) {
-        return refuse_number(instance, call, "model", header.scene, SCENE_HASH);
+        return refuse_number(instance, "model", header.scene, SCENE_HASH);
     }
     if (size != block_size() || header.size != size) {
-        return refuse_number(instance, call, "size", (unsigned long)size, (unsigned long)block_size());
+        return refuse_number(instance, "size", (unsigned long)size, (unsigned long)block_size());
     }
     if (block_checksum(block) != header.checksum) {
-        return refuse_number(instance, call, "checksum", block_checksum(block), header.checksum);
+        return refuse_number(instance, "checksum", block_checksum(block), header.checksum);
     }
     if (!plausible_header(instance, &header)) {
-        return log_report(instance, MODEL_ERROR, "%s: state has a header out of range", call->name);
+        return log_report(instance, MODEL_ERROR, ": state has a header out of range");
     }
     return MODEL_OK;
 }
@@ -957,17 +874,17 @@ static const char *state_name(const struct instance *instance)
     return instance->adapter->arguments[ARGUMENT_STATE];
 }
 
-/* Returns the block of an importer's state, or NULL where the call is not allowed or the state is unknown. */
-static struct state_block *given_block(struct instance *instance, const struct call *call, void *state)
+/* Returns the block of an importer's state, or NULL, after a message, where the state is unknown. */
+static struct state_block *given_block(struct instance *instance, void *state)
 {
-    if (!call_allowed(instance, call) || !array_given(instance, call, state_name(instance), state, 1)) {
+    if (!array_given(instance, state_name(instance), state, 1)) {
         return NULL;
     }
     struct state_block *block = state_list_find(instance, state);
     if (block == NULL) {
         log_report(instance, MODEL_ERROR,
-                   "%s: %s is unknown, expected a state that this instance gave and that is not freed",
-                   call->name, state_name(instance));
+                   ": %s is unknown, expected a state that this instance gave and that is not freed",
+                   state_name(instance));
     }
     return block;
 }
@@ -976,7 +893,7 @@ static struct state_block *given_block(struct instance *instance, const struct c
  * Returns the block to write for an importer's state pointer: the block it points to if that is in the list,
  * else a new one. Some importers never initialise the pointer. NULL: memory is exhausted, after a message.
  */
-static struct state_block *block_to_write(struct instance *instance, const struct call *call, void **state)
+static struct state_block *block_to_write(struct instance *instance, void **state)
 {
     struct state_block *block = state_list_find(instance, *state);
     if (block != NULL) {
@@ -984,8 +901,7 @@ static struct state_block *block_to_write(struct instance *instance, const struc
     }
     block = instance->host.allocate(1, sizeof *block + block_size());
     if (block == NULL) {
-        log_report(instance, MODEL_ERROR, "%s: no memory for %lu bytes", call->name,
-                   (unsigned long)block_size());
+        log_report(instance, MODEL_ERROR, ": no memory for %lu bytes", (unsigned long)block_size());
         return NULL;
     }
     block->next = instance->states;
@@ -994,12 +910,12 @@ static struct state_block *block_to_write(struct instance *instance, const struc
     return block;
 }
 
-enum model_status state_block_get(struct instance *instance, const struct call *call, void **state)
+enum model_status state_block_get(struct instance *instance, void **state)
 {
-    if (!call_allowed(instance, call) || !array_given(instance, call, state_name(instance), state, 1)) {
+    if (!array_given(instance, state_name(instance), state, 1)) {
         return MODEL_ERROR;
     }
-    struct state_block *block = block_to_write(instance, call, state);
+    struct state_block *block = block_to_write(instance, state);
     if (block == NULL) {
         return MODEL_ERROR;
     }
@@ -1007,14 +923,13 @@ enum model_status state_block_get(struct instance *instance, const struct call *
     return MODEL_OK;
 }
 
-enum model_status state_block_set(struct instance *instance, const struct call *call, void *state)
+enum model_status state_block_set(struct instance *instance, void *state)
 {
-    struct state_block *block = given_block(instance, call, state);
-    if (block == NULL || check_block(instance, call, block->bytes, block_size()) != MODEL_OK) {
+    struct state_block *block = given_block(instance, state);
+    if (block == NULL || check_block(instance, block->bytes, block_size()) != MODEL_OK) {
         return MODEL_ERROR;
     }
-    const enum model_status status =
-        model_restore(instance->model, model_bytes(block->bytes), model_state_size());
+    const enum model_status status = model_restore(instance->model, model_bytes(block->bytes));
     if (status <= MODEL_WARNING) {
         struct block_header header;
         memcpy(&header, block->bytes, sizeof header);
@@ -1026,15 +941,12 @@ enum model_status state_block_set(struct instance *instance, const struct call *
     return status;
 }
 
-enum model_status state_block_free(struct instance *instance, const struct call *call, void **state)
+enum model_status state_block_free(struct instance *instance, void **state)
 {
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
     if (state == NULL || *state == NULL) {
         return MODEL_OK;
     }
-    struct state_block *block = given_block(instance, call, *state);
+    struct state_block *block = given_block(instance, *state);
     if (block == NULL) {
         return MODEL_ERROR;
     }
@@ -1043,40 +955,38 @@ enum model_status state_block_free(struct instance *instance, const struct call 
     return MODEL_OK;
 }
 
-enum model_status state_block_size(struct instance *instance, const struct call *call, void *state,
-                                   size_t *size)
+enum model_status state_block_size(struct instance *instance, void *state, size_t *size)
 {
-    if (given_block(instance, call, state) == NULL || !array_given(instance, call, "size", size, 1)) {
+    if (given_block(instance, state) == NULL || !array_given(instance, "size", size, 1)) {
         return MODEL_ERROR;
     }
     *size = block_size();
     return MODEL_OK;
 }
 
-enum model_status state_block_serialize(struct instance *instance, const struct call *call, void *state,
-                                        void *bytes, size_t size)
+enum model_status state_block_serialize(struct instance *instance, void *state, void *bytes, size_t size)
 {
-    struct state_block *block = given_block(instance, call, state);
-    if (block == NULL || !array_given(instance, call, "serializedState", bytes, block_size())) {
+    struct state_block *block = given_block(instance, state);
+    if (block == NULL || !array_given(instance, "serializedState", bytes, block_size())) {
         return MODEL_ERROR;
     }
     if (size < block_size()) {
-        return log_report(instance, MODEL_ERROR, "%s: room for %lu bytes, expected %lu", call->name,
-                          (unsigned long)size, (unsigned long)block_size());
+        return log_report(instance, MODEL_ERROR, ": room for %lu bytes, expected %lu", (unsigned long)size,
+                          (unsigned long)block_size());
     }
     memcpy(bytes, block->bytes, block_size());
     return MODEL_OK;
 }
 
-enum model_status state_block_deserialize(struct instance *instance, const struct call *call,
-                                          const void *bytes, size_t size, void **state)
+enum model_status state_block_deserialize(struct instance *instance, const void *bytes, size_t size,
+                                          void **state)
 {
-    if (!call_allowed(instance, call) || !array_given(instance, call, "serializedState", bytes, size) ||
-        !array_given(instance, call, state_name(instance), state, 1) ||
-        check_block(instance, call, bytes, size) != MODEL_OK) {
+    if (!array_given(instance, "serializedState", bytes, size) ||
+        !array_given(instance, state_name(instance), state, 1) ||
+        check_block(instance, bytes, size) != MODEL_OK) {
         return MODEL_ERROR;
     }
-    struct state_block *block = block_to_write(instance, call, state);
+    struct state_block *block = block_to_write(instance, state);
     if (block == NULL) {
         return MODEL_ERROR;
     }
@@ -1092,26 +1002,26 @@ static void forget_experiment(struct instance *instance)
     instance->log_categories = log_default_categories(instance->logging_on);
 }
 
-bool instance_expects(struct instance *nobody, const char *function, bool holds, const char *argument,
-                      const char *given, const char *expected)
+bool instance_expects(struct instance *nobody, bool holds, const char *argument, const char *given,
+                      const char *expected)
 {
     if (!holds) {
-        log_report(nobody, MODEL_ERROR, "%s: %s is \"%.300s\", expected \"%.300s\"", function, argument,
+        log_report(nobody, MODEL_ERROR, ": %s is \"%.300s\", expected \"%.300s\"", argument,
                    given == NULL ? "(null)" : given, expected);
     }
     return holds;
 }
 
-bool instance_identified(struct instance *nobody, const char *function, const char *name,
-                         const char *token_name, const char *token, const char *expected)
+bool instance_identified(struct instance *nobody, const char *name, const char *token_name, const char *token,
+                         const char *expected)
 {
     const bool named = name != NULL && name[0] != '\0';
-    return instance_expects(nobody, function, named, "instanceName", name, "any name") &&
-           instance_expects(nobody, function, token != NULL && strcmp(token, expected) == 0, token_name,
-                            token, expected);
+    return instance_expects(nobody, named, "instanceName", name, "any name") &&
+           instance_expects(nobody, token != NULL && strcmp(token, expected) == 0, token_name, token,
+                            expected);
 }
 
-struct instance *instance_create(struct instance *nobody, const char *function, size_t size, bool logging_on)
+struct instance *instance_create(struct instance *nobody, size_t size, bool logging_on)
 {
     const size_t name_size = strlen(nobody->name) + 1;
     struct instance *instance = nobody->host.allocate(1, size + name_size);
@@ -1130,7 +1040,7 @@ struct instance *instance_create(struct instance *nobody, const char *function, 
         }
         nobody->host.release(instance);
     }
-    instance_expects(nobody, function, false, "memory", "exhausted", "room for an instance");
+    instance_expects(nobody, false, "memory", "exhausted", "room for an instance");
     return NULL;
 }
 
@@ -1146,37 +1056,33 @@ void instance_free(struct instance *instance)
     }
 }
 
-enum model_status instance_categories(struct instance *instance, const struct call *call, size_t count,
-                                      const char *const *categories, unsigned *chosen)
+enum model_status instance_categories(struct instance *instance, size_t count, const char *const *categories,
+                                      unsigned *chosen)
 {
-    if (!call_ready(instance, call, ARGUMENTS({"categories", (const void *)categories, count}))) {
+    if (!arrays_given(instance, ARGUMENTS({"categories", (const void *)categories, count}))) {
         return MODEL_ERROR;
     }
     for (size_t i = 0; i < count; ++i) {
         const char *name = categories[i] == NULL ? "(null)" : categories[i];
         if (category_bits(name) == 0) {
-            return log_report(instance, MODEL_ERROR, "%s: unknown category \"%.100s\" (allowed: %s)",
-                              call->name, name, ALL_CATEGORIES);
+            return log_report(instance, MODEL_ERROR, ": unknown category \"%.100s\" (allowed: %s)", name,
+                              ALL_CATEGORIES);
         }
         *chosen |= category_bits(name);
     }
     return MODEL_OK;
 }
 
-enum model_status instance_set_up(struct instance *instance, const struct call *call, bool tolerance_defined,
-                                  double tolerance, double start_time, bool stop_time_defined,
-                                  double stop_time)
+enum model_status instance_set_up(struct instance *instance, bool tolerance_defined, double tolerance,
+                                  double start_time, bool stop_time_defined, double stop_time)
 {
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
     if (!isfinite(start_time)) {
-        return log_report(instance, MODEL_ERROR, "%s: startTime = %s s, allowed: finite", call->name,
+        return log_report(instance, MODEL_ERROR, ": startTime = %s s, allowed: finite",
                           shortest_digits(start_time).text);
     }
     if (stop_time_defined && !(stop_time >= start_time && isfinite(stop_time))) {
         return log_report(instance, MODEL_ERROR,
-                          "%s: stopTime = %s s, allowed: finite, from startTime = %s s on", call->name,
+                          ": stopTime = %s s, allowed: finite, from startTime = %s s on",
                           shortest_digits(stop_time).text, shortest_digits(start_time).text);
     }
     const enum model_status status = model_setup(instance->model, tolerance_defined, tolerance, start_time);
@@ -1188,12 +1094,8 @@ enum model_status instance_set_up(struct instance *instance, const struct call *
     return status;
 }
 
-enum model_status instance_exit_initialization(struct instance *instance, const struct call *call,
-                                               bool events)
+enum model_status instance_exit_initialization(struct instance *instance, bool events)
 {
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
     const enum model_status status = model_exit_initialization(instance->model);
     if (status <= MODEL_WARNING) {
         instance->phase = events || instance->host.exchange ? PHASE_EVENT : PHASE_STEP;
@@ -1201,11 +1103,8 @@ enum model_status instance_exit_initialization(struct instance *instance, const 
     return status;
 }
 
-enum model_status instance_enter(struct instance *instance, const struct call *call, enum phase next)
+enum model_status instance_enter(struct instance *instance, enum phase next)
 {
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
     instance->phase = next;
     if (instance->host.exchange && (next & PHASES_EXCHANGED) != 0) {
         model_exchange_set_continuous(instance->model, next == PHASE_CONTINUOUS);
@@ -1213,11 +1112,8 @@ enum model_status instance_enter(struct instance *instance, const struct call *c
     return MODEL_OK;
 }
 
-enum model_status instance_reset(struct instance *instance, const struct call *call)
+enum model_status instance_reset(struct instance *instance)
 {
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
     model_reset(instance->model);
     forget_experiment(instance);
     return MODEL_OK;

@@ -90,6 +90,7 @@ struct instance {
     struct model *model;
     struct model_host host;
     const struct adapter *adapter;
+    const struct call *call; /* the function that the importer has called, for messages */
     struct experiment experiment;
     enum phase phase;
     unsigned tuning_phases;        /* phases after initialization in which tunable parameters may be set */
@@ -107,11 +108,11 @@ struct instance {
  * that leave them out; events are told only while logging is on.
  */
 enum log_category {
-    LOG_EVENTS = 1 << 0,
-    LOG_STATUS_WARNING = 1 << 1,
-    LOG_STATUS_DISCARD = 1 << 2,
-    LOG_STATUS_ERROR = 1 << 3,
-    LOG_STATUS_FATAL = 1 << 4,
+    LOG_EVENTS = 1 << MODEL_OK,
+    LOG_STATUS_WARNING = 1 << MODEL_WARNING,
+    LOG_STATUS_DISCARD = 1 << MODEL_DISCARD,
+    LOG_STATUS_ERROR = 1 << MODEL_ERROR,
+    LOG_STATUS_FATAL = 1 << MODEL_FATAL,
     LOG_STATUS_ALL = LOG_STATUS_WARNING | LOG_STATUS_DISCARD | LOG_STATUS_ERROR | LOG_STATUS_FATAL,
     LOG_ALL = LOG_EVENTS | LOG_STATUS_ALL
 };
@@ -121,11 +122,20 @@ unsigned log_default_categories(bool logging_on);
 
 /*
  * Sends a message to the importer's logger and returns `status`, so that a caller can write `return
- * log_report(...)`. While the logger runs, only functions that read may be called on the instance. All other
- * functions then return an error, change nothing and send no message; freeing the instance does nothing.
+ * log_report(...)`. The message begins with the name of the function that the importer has called. While the
+ * logger runs, only functions that read may be called on the instance. All other functions then return an
+ * error, change nothing and send no message; freeing the instance does nothing.
  */
 enum model_status log_report(struct instance *instance, enum model_status status, const char *format, ...)
     CONTACT_PRINTF_LIKE(3, 4);
+
+/* Begins a call of a function of the standard. Whether it is allowed now; if not, a message says why. For a
+ * null instance it returns false without a message. The functions below are called within an allowed call. */
+bool call_begin(struct instance *instance, const struct call *call);
+
+/* Whether an array that must have `count` elements was given; if not, a message says so. With no elements it
+ * may be missing. */
+bool array_given(struct instance *instance, const char *argument, const void *array, size_t count);
 
 /* An array that a call got from the importer. */
 struct argument {
@@ -134,7 +144,7 @@ struct argument {
     size_t count; /* elements that the array must have; 0: the array may be missing */
 };
 
-/* Arguments for call_ready; the last one has no name and ends the array. */
+/* Arguments for arrays_given; the last one has no name and ends the array. */
 #define ARGUMENTS(...)                                                                                       \
     (const struct argument[])                                                                                \
     {                                                                                                        \
@@ -143,11 +153,9 @@ struct argument {
             NULL, NULL, 0                                                                                    \
         }                                                                                                    \
     }
-#define NO_ARGUMENTS ((const struct argument[]){{NULL, NULL, 0}})
 
-/* Whether a call is allowed now and its arrays were given; if not, a message says why. For a null instance it
- * returns false without a message. */
-bool call_ready(struct instance *instance, const struct call *call, const struct argument *arguments);
+/* Whether all arrays were given; if not, a message names the first that was not. */
+bool arrays_given(struct instance *instance, const struct argument *arguments);
 
 /*
  * Getting and setting values: each reference must name a variable of one of the types (bits of enum
@@ -161,38 +169,26 @@ enum type_bits {
     TYPES_BOOLEAN = 1 << VARIABLE_BOOLEAN,
     TYPES_ENUMERATION = 1 << VARIABLE_ENUMERATION
 };
-enum model_status instance_get_values(struct instance *instance, const struct call *call, unsigned types,
-                                      const uint32_t *references, size_t reference_count, void *values,
-                                      size_t count);
-enum model_status instance_set_values(struct instance *instance, const struct call *call, unsigned types,
-                                      const uint32_t *references, size_t reference_count, const void *values,
-                                      size_t count);
+enum model_status instance_get_values(struct instance *instance, unsigned types, const uint32_t *references,
+                                      size_t reference_count, void *values, size_t count);
+enum model_status instance_set_values(struct instance *instance, unsigned types, const uint32_t *references,
+                                      size_t reference_count, const void *values, size_t count);
 
 /* Returns the real variable of a reference with the wanted causality, or NULL after a message. */
-const struct variable *find_real(struct instance *instance, const struct call *call, uint32_t reference,
+const struct variable *find_real(struct instance *instance, uint32_t reference,
                                  enum variable_causality causality);
 
 /* Refuses orders of derivatives with respect to time other than 1 and 2. */
-enum model_status check_order(struct instance *instance, const struct call *call,
-                              const struct variable *variable, int order);
+enum model_status check_order(struct instance *instance, const struct variable *variable, int order);
 
 /* Computes derivatives of outputs with respect to time; orders[i] is the order for references[i]. */
-CONTACT_COLD enum model_status instance_output_derivatives(struct instance *instance, const struct call *call,
+CONTACT_COLD enum model_status instance_output_derivatives(struct instance *instance,
                                                            const uint32_t *references, const int *orders,
                                                            size_t reference_count, double *values,
                                                            size_t count);
 
-/* A product with the matrix J of the derivatives of unknowns with respect to knowns. */
-struct product {
-    bool adjoint; /* true: seed times J, one seed for each unknown; else J times seed, one for each known */
-    const uint32_t *unknowns, *knowns;
-    size_t unknown_count, known_count;           /* numbers of references */
-    size_t unknown_components, known_components; /* numbers of components that the importer gives */
-    const double *seed;
-    double *sensitivity;
-};
-CONTACT_COLD enum model_status instance_product(struct instance *instance, const struct call *call,
-                                                const struct product *product);
+/* Computes a product with the derivatives of unknowns with respect to knowns. */
+CONTACT_COLD enum model_status instance_product(struct instance *instance, const struct product *product);
 
 /* Allowed difference of two times that should be equal, divided by the step size. */
 #define STEP_SLACK 1e-6
@@ -206,81 +202,65 @@ bool step_plainly_in_order(const struct instance *instance, double point, double
 
 /* Takes a communication step from `point` to `point + size` [s]. A step of no length, from a wrong time or
  * past the stop time is refused. The end_time of `request` is not used. */
-enum model_status instance_step(struct instance *instance, const struct call *call, double point, double size,
+enum model_status instance_step(struct instance *instance, double point, double size,
                                 const struct step_request *request);
 
 /* Returns the time reached [s]. The model's time is a sum and may differ from the end of a step by rounding.
  * The end that the importer asked for is then returned, because importers compare it with their stop time. */
 double instance_time_reached(const struct instance *instance);
 
-/* The changes that an event has caused. */
-struct exchange_news {
-    bool again;        /* regimes have changed, and another one may have to */
-    bool jumped;       /* a state has jumped */
-    bool scheduled;    /* the time of the next touch is foreseen */
-    double event_time; /* [s], of that touch; 0 where none is foreseen */
-};
-enum model_status exchange_update(struct instance *instance, struct exchange_news *news);
-
 /* Is called when the importer's integrator has accepted a step. Sets both answers, of `size` bytes, to
  * false. */
-enum model_status exchange_accept_step(struct instance *instance, const struct call *call,
-                                       void *enters_events, void *terminates, size_t size);
-
-enum model_status exchange_set_time(struct instance *instance, const struct call *call, double time);
+enum model_status exchange_accept_step(struct instance *instance, void *enters_events, void *terminates,
+                                       size_t size);
 
 /* `count` is the number of values that the importer expects. */
-enum model_status exchange_set_states(struct instance *instance, const struct call *call,
-                                      const double *states, size_t count);
-enum model_status exchange_get(struct instance *instance, const struct call *call, enum exchange_values which,
-                               double *values, size_t count);
+enum model_status exchange_set_states(struct instance *instance, const double *states, size_t count);
+enum model_status exchange_get(struct instance *instance, enum exchange_values which, double *values,
+                               size_t count);
 
 /* Checks an argument of the instantiation; if it is wrong, says so through `nobody`, an instance that lives
  * only for messages. */
-bool instance_expects(struct instance *nobody, const char *function, bool holds, const char *argument,
-                      const char *given, const char *expected);
+bool instance_expects(struct instance *nobody, bool holds, const char *argument, const char *given,
+                      const char *expected);
 
 /* Checks the name of an instance and the token by which the importer names the FMU. */
-bool instance_identified(struct instance *nobody, const char *function, const char *name,
-                         const char *token_name, const char *token, const char *expected);
+bool instance_identified(struct instance *nobody, const char *name, const char *token_name, const char *token,
+                         const char *expected);
 
 /* Returns a new instance with its own model, copied from `nobody`, which begins a struct of `size` bytes.
  * NULL: memory is exhausted, and a message has said so. */
-CONTACT_COLD struct instance *instance_create(struct instance *nobody, const char *function, size_t size,
-                                              bool logging_on);
+CONTACT_COLD struct instance *instance_create(struct instance *nobody, size_t size, bool logging_on);
 
 /* Frees an instance; does nothing while the instance's logger or another callback runs. */
 void instance_free(struct instance *instance);
 
 /* Adds the bits of the named log categories to *chosen. */
-enum model_status instance_categories(struct instance *instance, const struct call *call, size_t count,
-                                      const char *const *categories, unsigned *chosen);
+enum model_status instance_categories(struct instance *instance, size_t count, const char *const *categories,
+                                      unsigned *chosen);
 
 /* Takes over start time [s], stop time [s] and the importer's relative tolerance. */
-CONTACT_COLD enum model_status instance_set_up(struct instance *instance, const struct call *call,
-                                               bool tolerance_defined, double tolerance, double start_time,
-                                               bool stop_time_defined, double stop_time);
+CONTACT_COLD enum model_status instance_set_up(struct instance *instance, bool tolerance_defined,
+                                               double tolerance, double start_time, bool stop_time_defined,
+                                               double stop_time);
 
 /* Ends initialization. Contradictory parameters are refused; the phase then stays, so that other values
  * can be set. */
-enum model_status instance_exit_initialization(struct instance *instance, const struct call *call,
-                                               bool events);
+enum model_status instance_exit_initialization(struct instance *instance, bool events);
 
 /* Enters the phase `next`. In Model Exchange the model is told of event mode and of continuous-time mode. */
-enum model_status instance_enter(struct instance *instance, const struct call *call, enum phase next);
+enum model_status instance_enter(struct instance *instance, enum phase next);
 
-enum model_status instance_reset(struct instance *instance, const struct call *call);
+enum model_status instance_reset(struct instance *instance);
 
 /* Saved states. The importer holds a state as a pointer into the instance's list. Bytes that the importer
  * brings are checked as a whole before they are used. */
-enum model_status state_block_get(struct instance *instance, const struct call *call, void **state);
-enum model_status state_block_set(struct instance *instance, const struct call *call, void *state);
-enum model_status state_block_free(struct instance *instance, const struct call *call, void **state);
-enum model_status state_block_size(struct instance *instance, const struct call *call, void *state,
-                                   size_t *size);
-enum model_status state_block_serialize(struct instance *instance, const struct call *call, void *state,
-                                        void *bytes, size_t size);
-enum model_status state_block_deserialize(struct instance *instance, const struct call *call,
-                                          const void *bytes, size_t size, void **state);
+enum model_status state_block_get(struct instance *instance, void **state);
+enum model_status state_block_set(struct instance *instance, void *state);
+enum model_status state_block_free(struct instance *instance, void **state);
+enum model_status state_block_size(struct instance *instance, void *state, size_t *size);
+enum model_status state_block_serialize(struct instance *instance, void *state, void *bytes, size_t size);
+enum model_status state_block_deserialize(struct instance *instance, const void *bytes, size_t size,
+                                          void **state);
 
 #endif

@@ -90,12 +90,12 @@ CONTACT_EXPORTED fmi2GetVersionTYPE fmi2GetVersion;
 CONTACT_EXPORTED fmi2InstantiateTYPE fmi2Instantiate;
 CONTACT_EXPORTED fmi2FreeInstanceTYPE fmi2FreeInstance;
 
-/* A function that only passes its arguments on; `call` is its row of the table. */
+/* A function that passes its arguments on where it may be called now. */
 #define PASS2(function, parameters, result)                                                                  \
     fmi2Status fmi2##function parameters                                                                     \
     {                                                                                                        \
-        const struct call *call = CALL2(function);                                                           \
-        return (fmi2Status)(result);                                                                         \
+        struct instance *instance = c;                                                                       \
+        return (fmi2Status)(call_begin(instance, CALL2(function)) ? (result) : MODEL_ERROR);                 \
     }
 
 static void fmi2_send(struct instance *instance, enum model_status status, const char *category,
@@ -144,7 +144,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
                               fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean loggingOn)
 {
-    const char *function = "fmi2Instantiate";
+    static const struct call instantiate = {.name = "fmi2Instantiate"};
     (void)fmuResourceLocation, (void)visible;
     if (functions == NULL) {
         return NULL;
@@ -153,6 +153,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     const bool memory = functions->allocateMemory != NULL && functions->freeMemory != NULL;
     struct fmi2_instance nobody = {
         .shared = {.adapter = &adapter_of_fmi2,
+                   .call = &instantiate,
                    .host = {.allocate = memory ? functions->allocateMemory : calloc,
                             .release = memory ? functions->freeMemory : free,
                             .exchange = fmuType == fmi2ModelExchange},
@@ -161,11 +162,11 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
                    .log_categories = LOG_STATUS_ALL},
         .callbacks = *functions,
     };
-    return instance_identified(&nobody.shared, function, instanceName, "fmuGUID", fmuGUID, SCENE_GUID) &&
-                   instance_expects(&nobody.shared, function,
+    return instance_identified(&nobody.shared, instanceName, "fmuGUID", fmuGUID, SCENE_GUID) &&
+                   instance_expects(&nobody.shared,
                                     fmuType == fmi2CoSimulation || fmuType == fmi2ModelExchange, "fmuType",
                                     "(unknown)", "fmi2CoSimulation or fmi2ModelExchange")
-               ? instance_create(&nobody.shared, function, sizeof nobody, loggingOn != fmi2False)
+               ? instance_create(&nobody.shared, sizeof nobody, loggingOn != fmi2False)
                : NULL;
 }
 
@@ -174,43 +175,36 @@ void fmi2FreeInstance(fmi2Component c)
     instance_free(c);
 }
 
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
-                               const fmi2String categories[])
+static enum model_status choose_categories(struct instance *instance, bool on, size_t count,
+                                           const fmi2String *categories)
 {
-    struct instance *instance = c;
     unsigned chosen = 0;
-    const enum model_status status =
-        instance_categories(instance, CALL2(SetDebugLogging), nCategories, categories, &chosen);
+    const enum model_status status = instance_categories(instance, count, categories, &chosen);
     if (status == MODEL_OK) {
         /* With logging off, warnings and worse are still sent. */
-        const bool all = loggingOn == fmi2False || nCategories == 0;
-        instance->log_categories = all ? log_default_categories(loggingOn != fmi2False) : chosen;
+        instance->log_categories = !on || count == 0 ? log_default_categories(on) : chosen;
     }
-    return (fmi2Status)status;
+    return status;
 }
 
-fmi2Status fmi2EnterInitializationMode(fmi2Component c)
+static enum model_status enter_initialization(struct instance *instance)
 {
-    struct instance *instance = c;
-    if (!call_ready(instance, CALL2(EnterInitializationMode), NO_ARGUMENTS)) {
-        return fmi2Error;
-    }
-    if (!instance->experiment.set_up) {
-        return (fmi2Status)log_report(instance, MODEL_ERROR,
-                                      "fmi2EnterInitializationMode called before fmi2SetupExperiment");
-    }
-    instance->phase = PHASE_INITIALIZATION;
-    return fmi2OK;
+    return instance->experiment.set_up
+               ? instance_enter(instance, PHASE_INITIALIZATION)
+               : log_report(instance, MODEL_ERROR, " called before fmi2SetupExperiment");
 }
 
+PASS2(SetDebugLogging, (fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[]),
+      choose_categories(instance, on != fmi2False, count, categories))
+PASS2(EnterInitializationMode, (fmi2Component c), enter_initialization(instance))
 PASS2(SetupExperiment,
       (fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start_time,
        fmi2Boolean stop_time_defined, fmi2Real stop_time),
-      instance_set_up(c, call, tolerance_defined != fmi2False, tolerance, start_time,
+      instance_set_up(instance, tolerance_defined != fmi2False, tolerance, start_time,
                       stop_time_defined != fmi2False, stop_time))
-PASS2(ExitInitializationMode, (fmi2Component c), instance_exit_initialization(c, call, false))
-PASS2(Terminate, (fmi2Component c), instance_enter(c, call, PHASE_TERMINATED))
-PASS2(Reset, (fmi2Component c), instance_reset(c, call))
+PASS2(ExitInitializationMode, (fmi2Component c), instance_exit_initialization(instance, false))
+PASS2(Terminate, (fmi2Component c), instance_enter(instance, PHASE_TERMINATED))
+PASS2(Reset, (fmi2Component c), instance_reset(instance))
 
 /* This part gets and sets values. Enumerations are of type fmi2Integer too. There are no string variables, so
  * that fmi2GetString refuses every reference. */
@@ -225,15 +219,17 @@ CONTACT_FLATTEN fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference
         model_get_vector(instance->model, vr, value)) {
         return fmi2OK;
     }
-    return (fmi2Status)instance_get_values(instance, CALL2(GetReal), TYPES_REAL, vr, nvr, value, nvr);
+    return (fmi2Status)(call_begin(instance, CALL2(GetReal))
+                            ? instance_get_values(instance, TYPES_REAL, vr, nvr, value, nvr)
+                            : MODEL_ERROR);
 }
 
 #define GETTER2(Type, types)                                                                                 \
     PASS2(Get##Type, (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2##Type value[]),       \
-          instance_get_values(c, call, types, vr, nvr, (void *)value, nvr))
+          instance_get_values(instance, types, vr, nvr, (void *)value, nvr))
 #define SETTER2(Type, types)                                                                                 \
     PASS2(Set##Type, (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2##Type value[]), \
-          instance_set_values(c, call, types, vr, nvr, (const void *)value, nvr))
+          instance_set_values(instance, types, vr, nvr, (const void *)value, nvr))
 SETTER2(Real, TYPES_REAL)
 GETTER2(Integer, TYPES_INTEGER | TYPES_ENUMERATION)
 SETTER2(Integer, TYPES_INTEGER | TYPES_ENUMERATION)
@@ -245,27 +241,24 @@ SETTER2(String, TYPES_NONE)
 static enum model_status check_input_derivative(struct instance *instance, fmi2ValueReference reference,
                                                 fmi2Integer order, fmi2Real value)
 {
-    const struct call *call = CALL2(SetRealInputDerivatives);
-    const struct variable *variable = find_real(instance, call, reference, VARIABLE_INPUT);
+    const struct variable *variable = find_real(instance, reference, VARIABLE_INPUT);
     if (variable == NULL) {
         return MODEL_ERROR;
     }
-    const enum model_status status = check_order(instance, call, variable, order);
+    const enum model_status status = check_order(instance, variable, order);
     if (status == MODEL_OK && !isfinite(value)) {
         return log_report(instance, MODEL_DISCARD,
-                          "%s: derivative of order %d of %s = %g refused, allowed: finite", call->name, order,
+                          ": derivative of order %d of %s = %g refused, allowed: finite", order,
                           variable->name, value);
     }
     return status;
 }
 
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
-                                       const fmi2Integer order[], const fmi2Real value[])
+static enum model_status set_input_derivatives(struct instance *instance, const fmi2ValueReference *vr,
+                                               size_t nvr, const fmi2Integer *order, const fmi2Real *value)
 {
-    struct instance *instance = c;
-    if (!call_ready(instance, CALL2(SetRealInputDerivatives),
-                    ARGUMENTS({"vr", vr, nvr}, {"order", order, nvr}, {"value", value, nvr}))) {
-        return fmi2Error;
+    if (!arrays_given(instance, ARGUMENTS({"vr", vr, nvr}, {"order", order, nvr}, {"value", value, nvr}))) {
+        return MODEL_ERROR;
     }
     enum model_status worst = MODEL_OK;
     for (size_t i = 0; i < nvr && worst == MODEL_OK; ++i) {
@@ -276,37 +269,35 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
             model_set_input_derivative(instance->model, scene_variable(vr[i]), order[i], value[i]);
         worst = status > worst ? status : worst;
     }
-    return (fmi2Status)worst;
+    return worst;
 }
 
+PASS2(SetRealInputDerivatives,
+      (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
+       const fmi2Real value[]),
+      set_input_derivatives(instance, vr, nvr, order, value))
 PASS2(GetRealOutputDerivatives,
       (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
        fmi2Real value[]),
-      instance_output_derivatives(c, call, vr, order, nvr, value, nvr))
+      instance_output_derivatives(instance, vr, order, nvr, value, nvr))
 
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[],
-                                        size_t nUnknown, const fmi2ValueReference vKnown_ref[], size_t nKnown,
-                                        const fmi2Real dvKnown[], fmi2Real dvUnknown[])
-{
-    const struct product p = {.unknowns = vUnknown_ref,
-                              .knowns = vKnown_ref,
-                              .unknown_count = nUnknown,
-                              .known_count = nKnown,
-                              .unknown_components = nUnknown,
-                              .known_components = nKnown,
-                              .seed = dvKnown,
-                              .sensitivity = dvUnknown};
-    return (fmi2Status)instance_product(c, CALL2(GetDirectionalDerivative), &p);
-}
+PASS2(GetDirectionalDerivative,
+      (fmi2Component c, const fmi2ValueReference unknowns[], size_t unknown_count,
+       const fmi2ValueReference knowns[], size_t known_count, const fmi2Real seed[], fmi2Real sensitivity[]),
+      instance_product(instance, &(const struct product){.unknowns = {unknowns, unknown_count, false},
+                                                         .knowns = {knowns, known_count, false},
+                                                         .unknown_components = unknown_count,
+                                                         .known_components = known_count,
+                                                         .seed = seed,
+                                                         .sensitivity = sensitivity}))
 
 /* Takes any step and sends messages. It is not inlined into fmi2DoStep, so that a deferred flight saves no
  * registers for it. */
 CONTACT_NOINLINE static fmi2Status fmi2_do_step(struct instance *instance, double point, double size)
 {
     const struct step_request request = {0};
-    return call_ready(instance, CALL2(DoStep), NO_ARGUMENTS)
-               ? (fmi2Status)instance_step(instance, CALL2(DoStep), point, size, &request)
-               : fmi2Error;
+    return (fmi2Status)(call_begin(instance, CALL2(DoStep)) ? instance_step(instance, point, size, &request)
+                                                            : MODEL_ERROR);
 }
 
 /*
@@ -330,7 +321,7 @@ CONTACT_FLATTEN fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunica
     return fmi2_do_step(instance, currentCommunicationPoint, communicationStepSize);
 }
 
-PASS2(CancelStep, (fmi2Component c), call_ready(c, call, NO_ARGUMENTS) ? MODEL_OK : MODEL_ERROR)
+PASS2(CancelStep, (fmi2Component c), MODEL_OK)
 
 static const char *status_kind_name(fmi2StatusKind kind)
 {
@@ -341,83 +332,83 @@ static const char *status_kind_name(fmi2StatusKind kind)
     return (unsigned)kind < sizeof names / sizeof names[0] ? names[kind] : "(unknown)";
 }
 
-/* Checks a call of a status function. No call ever returns fmi2Pending, so fmi2PendingStatus is refused. */
-static fmi2Status ask_status(struct instance *instance, const struct call *call, fmi2StatusKind kind,
-                             const char *answered, bool known, const void *value)
+/* Answers a status function of the kind `answered`. No call ever returns fmi2Pending, so fmi2PendingStatus is
+ * refused. */
+static enum model_status tell_status(struct instance *instance, fmi2StatusKind kind, const char *answered,
+                                     bool known, void *value, const void *answer, size_t size)
 {
-    if (!call_ready(instance, call, ARGUMENTS({"value", value, 1}))) {
-        return fmi2Error;
+    if (!array_given(instance, "value", value, 1)) {
+        return MODEL_ERROR;
     }
-    return known ? fmi2OK
-                 : (fmi2Status)log_report(instance, MODEL_DISCARD, "%s: %s is not available, allowed: %s",
-                                          call->name, status_kind_name(kind), answered);
+    if (!known) {
+        return log_report(instance, MODEL_DISCARD, ": %s is not available, allowed: %s",
+                          status_kind_name(kind), answered);
+    }
+    memcpy(value, answer, size);
+    return MODEL_OK;
 }
-
-/* A status function that answers one kind of question. The model never ends a run by itself. */
-#define STATUS2(function, parameters, known, answer)                                                         \
-    fmi2Status fmi2##function parameters                                                                     \
-    {                                                                                                        \
-        const fmi2Status asked = ask_status(c, CALL2(function), s, #known, s == (known), value);             \
-        if (asked == fmi2OK) {                                                                               \
-            *value = (answer);                                                                               \
-        }                                                                                                    \
-        return asked;                                                                                        \
-    }
-STATUS2(GetStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Status *value), fmi2DoStepStatus,
-        (fmi2Status)((const struct instance *)c)->step_status)
-STATUS2(GetRealStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Real *value), fmi2LastSuccessfulTime,
-        instance_time_reached(c))
-STATUS2(GetBooleanStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value), fmi2Terminated,
-        fmi2False)
-PASS2(GetIntegerStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Integer *value),
-      ask_status(c, call, s, "none", false, value))
-PASS2(GetStringStatus, (fmi2Component c, const fmi2StatusKind s, fmi2String *value),
-      ask_status(c, call, s, "none", false, value))
 
 /* The model never ends a run by itself. */
-fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo)
+PASS2(GetStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Status *value),
+      tell_status(instance, s, "fmi2DoStepStatus", s == fmi2DoStepStatus, value,
+                  &(const fmi2Status){(fmi2Status)instance->step_status}, sizeof *value))
+PASS2(GetRealStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Real *value),
+      tell_status(instance, s, "fmi2LastSuccessfulTime", s == fmi2LastSuccessfulTime, value,
+                  &(const fmi2Real){instance_time_reached(instance)}, sizeof *value))
+PASS2(GetBooleanStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value),
+      tell_status(instance, s, "fmi2Terminated", s == fmi2Terminated, value, &(const fmi2Boolean){fmi2False},
+                  sizeof *value))
+PASS2(GetIntegerStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Integer *value),
+      tell_status(instance, s, "none", false, value, NULL, 0))
+PASS2(GetStringStatus, (fmi2Component c, const fmi2StatusKind s, fmi2String *value),
+      tell_status(instance, s, "none", false, (void *)value, NULL, 0))
+
+/* The model never ends a run by itself. */
+static enum model_status new_discrete_states(struct instance *instance, fmi2EventInfo *info)
 {
     struct exchange_news news = {0};
-    if (!call_ready(c, CALL2(NewDiscreteStates), ARGUMENTS({"eventInfo", eventInfo, 1}))) {
-        return fmi2Error;
+    if (!array_given(instance, "eventInfo", info, 1)) {
+        return MODEL_ERROR;
     }
-    const enum model_status status = exchange_update(c, &news);
-    *eventInfo = (fmi2EventInfo){.newDiscreteStatesNeeded = news.again,
-                                 .terminateSimulation = fmi2False,
-                                 .nominalsOfContinuousStatesChanged = fmi2False,
-                                 .valuesOfContinuousStatesChanged = news.jumped,
-                                 .nextEventTimeDefined = news.scheduled,
-                                 .nextEventTime = news.event_time};
-    return (fmi2Status)status;
+    const enum model_status status = model_exchange_update(instance->model, &news);
+    *info = (fmi2EventInfo){.newDiscreteStatesNeeded = news.again,
+                            .terminateSimulation = fmi2False,
+                            .nominalsOfContinuousStatesChanged = fmi2False,
+                            .valuesOfContinuousStatesChanged = news.jumped,
+                            .nextEventTimeDefined = news.scheduled,
+                            .nextEventTime = news.event_time};
+    return status;
 }
 
+PASS2(NewDiscreteStates, (fmi2Component c, fmi2EventInfo *eventInfo),
+      new_discrete_states(instance, eventInfo))
 /* noSetFMUStatePriorToCurrentPoint has no effect, because states are saved only on request. */
 PASS2(CompletedIntegratorStep,
       (fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint, fmi2Boolean *enterEventMode,
        fmi2Boolean *terminateSimulation),
       ((void)noSetFMUStatePriorToCurrentPoint,
-       exchange_accept_step(c, call, enterEventMode, terminateSimulation, sizeof *enterEventMode)))
+       exchange_accept_step(instance, enterEventMode, terminateSimulation, sizeof *enterEventMode)))
 
-PASS2(EnterEventMode, (fmi2Component c), instance_enter(c, call, PHASE_EVENT))
-PASS2(EnterContinuousTimeMode, (fmi2Component c), instance_enter(c, call, PHASE_CONTINUOUS))
-PASS2(SetTime, (fmi2Component c, fmi2Real time), exchange_set_time(c, call, time))
+PASS2(EnterEventMode, (fmi2Component c), instance_enter(instance, PHASE_EVENT))
+PASS2(EnterContinuousTimeMode, (fmi2Component c), instance_enter(instance, PHASE_CONTINUOUS))
+PASS2(SetTime, (fmi2Component c, fmi2Real time), model_exchange_set_time(instance->model, time))
 PASS2(SetContinuousStates, (fmi2Component c, const fmi2Real x[], size_t nx),
-      exchange_set_states(c, call, x, nx))
+      exchange_set_states(instance, x, nx))
 PASS2(GetDerivatives, (fmi2Component c, fmi2Real x[], size_t nx),
-      exchange_get(c, call, EXCHANGE_RATES, x, nx))
+      exchange_get(instance, EXCHANGE_RATES, x, nx))
 PASS2(GetEventIndicators, (fmi2Component c, fmi2Real x[], size_t nx),
-      exchange_get(c, call, EXCHANGE_INDICATORS, x, nx))
+      exchange_get(instance, EXCHANGE_INDICATORS, x, nx))
 PASS2(GetContinuousStates, (fmi2Component c, fmi2Real x[], size_t nx),
-      exchange_get(c, call, EXCHANGE_STATES, x, nx))
+      exchange_get(instance, EXCHANGE_STATES, x, nx))
 PASS2(GetNominalsOfContinuousStates, (fmi2Component c, fmi2Real x[], size_t nx),
-      exchange_get(c, call, EXCHANGE_NOMINALS, x, nx))
+      exchange_get(instance, EXCHANGE_NOMINALS, x, nx))
 
-PASS2(GetFMUstate, (fmi2Component c, fmi2FMUstate *state), state_block_get(c, call, state))
-PASS2(SetFMUstate, (fmi2Component c, fmi2FMUstate state), state_block_set(c, call, state))
-PASS2(FreeFMUstate, (fmi2Component c, fmi2FMUstate *state), state_block_free(c, call, state))
+PASS2(GetFMUstate, (fmi2Component c, fmi2FMUstate *state), state_block_get(instance, state))
+PASS2(SetFMUstate, (fmi2Component c, fmi2FMUstate state), state_block_set(instance, state))
+PASS2(FreeFMUstate, (fmi2Component c, fmi2FMUstate *state), state_block_free(instance, state))
 PASS2(SerializedFMUstateSize, (fmi2Component c, fmi2FMUstate state, size_t *size),
-      state_block_size(c, call, state, size))
+      state_block_size(instance, state, size))
 PASS2(SerializeFMUstate, (fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size),
-      state_block_serialize(c, call, state, bytes, size))
+      state_block_serialize(instance, state, bytes, size))
 PASS2(DeSerializeFMUstate, (fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state),
-      state_block_deserialize(c, call, bytes, size, state))
+      state_block_deserialize(instance, bytes, size, state))

@@ -145,12 +145,12 @@ CONTACT_EXPORTED fmi3InstantiateCoSimulationTYPE fmi3InstantiateCoSimulation;
 CONTACT_EXPORTED fmi3InstantiateScheduledExecutionTYPE fmi3InstantiateScheduledExecution;
 CONTACT_EXPORTED fmi3FreeInstanceTYPE fmi3FreeInstance;
 
-/* A function that only passes its arguments on; `call` is its row of the table. */
+/* A function that passes its arguments on where it may be called now. */
 #define PASS3(function, parameters, result)                                                                  \
     fmi3Status fmi3##function parameters                                                                     \
     {                                                                                                        \
-        const struct call *call = CALL3(function);                                                           \
-        return (fmi3Status)(result);                                                                         \
+        struct instance *instance = c;                                                                       \
+        return (fmi3Status)(call_begin(instance, CALL3(function)) ? (result) : MODEL_ERROR);                 \
     }
 
 static void fmi3_send(struct instance *instance, enum model_status status, const char *category,
@@ -184,11 +184,13 @@ static const struct adapter adapter_of_fmi3 = {
 };
 
 /* Returns an instance that lives only for messages and that the new instance is copied from. */
-static struct fmi3_instance make_nobody(const char *name, bool exchange, fmi3InstanceEnvironment environment,
+static struct fmi3_instance make_nobody(const struct call *call, const char *name, bool exchange,
+                                        fmi3InstanceEnvironment environment,
                                         fmi3LogMessageCallback log_message)
 {
     return (struct fmi3_instance){
         .shared = {.adapter = &adapter_of_fmi3,
+                   .call = call,
                    .host = {.allocate = calloc, .release = free, .exchange = exchange},
                    .name = name == NULL ? "" : name,
                    .logger_given = log_message != NULL,
@@ -199,18 +201,17 @@ static struct fmi3_instance make_nobody(const char *name, bool exchange, fmi3Ins
 }
 
 /* Whether the required intermediate variables are variables of the FMU; if not, a message says so. */
-static bool intermediate_in_order(struct instance *nobody, const char *function,
-                                  const fmi3ValueReference required[], size_t count)
+static bool intermediate_in_order(struct instance *nobody, const fmi3ValueReference required[], size_t count)
 {
     if (required == NULL && count > 0) {
-        return instance_expects(nobody, function, false, "requiredIntermediateVariables", "(null)",
+        return instance_expects(nobody, false, "requiredIntermediateVariables", "(null)",
                                 "as many value references as told");
     }
     for (size_t i = 0; i < count; ++i) {
         char given[16]; /* holds 32 bits in decimal */
         (void)snprintf(given, sizeof given, "%u", (unsigned)required[i]);
-        if (!instance_expects(nobody, function, vector_variable(required[i]) != NULL,
-                              "requiredIntermediateVariables", given, "value references of variables")) {
+        if (!instance_expects(nobody, vector_variable(required[i]) != NULL, "requiredIntermediateVariables",
+                              given, "value references of variables")) {
             return false;
         }
     }
@@ -227,21 +228,21 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3LogMessageCallback logMessage,
                                          fmi3IntermediateUpdateCallback intermediateUpdate)
 {
-    const char *function = "fmi3InstantiateCoSimulation";
+    static const struct call call = {.name = "fmi3InstantiateCoSimulation"};
     (void)resourcePath, (void)visible;
-    struct fmi3_instance nobody = make_nobody(instanceName, false, instanceEnvironment, logMessage);
+    struct fmi3_instance nobody = make_nobody(&call, instanceName, false, instanceEnvironment, logMessage);
     nobody.intermediate_update = intermediateUpdate;
     nobody.event_mode_used = eventModeUsed;
     nobody.early_return_allowed = earlyReturnAllowed;
-    if (!instance_identified(&nobody.shared, function, instanceName, "instantiationToken", instantiationToken,
+    if (!instance_identified(&nobody.shared, instanceName, "instantiationToken", instantiationToken,
                              SCENE_TOKEN) ||
-        !instance_expects(&nobody.shared, function, !eventModeUsed || SCENE_ANY_FREE, "eventModeUsed", "true",
+        !instance_expects(&nobody.shared, !eventModeUsed || SCENE_ANY_FREE, "eventModeUsed", "true",
                           "false, as hasEventMode says") ||
-        !intermediate_in_order(&nobody.shared, function, requiredIntermediateVariables,
+        !intermediate_in_order(&nobody.shared, requiredIntermediateVariables,
                                nRequiredIntermediateVariables)) {
         return NULL;
     }
-    struct instance *instance = instance_create(&nobody.shared, function, sizeof nobody, loggingOn);
+    struct instance *instance = instance_create(&nobody.shared, sizeof nobody, loggingOn);
     if (instance != NULL && eventModeUsed) { /* FMI 3.0.2, section 2.4.7.4: tuning needs event mode */
         instance->tuning_phases = PHASE_EVENT;
     }
@@ -253,12 +254,12 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage)
 {
-    const char *function = "fmi3InstantiateModelExchange";
+    static const struct call call = {.name = "fmi3InstantiateModelExchange"};
     (void)resourcePath, (void)visible;
-    struct fmi3_instance nobody = make_nobody(instanceName, true, instanceEnvironment, logMessage);
-    return instance_identified(&nobody.shared, function, instanceName, "instantiationToken",
-                               instantiationToken, SCENE_TOKEN)
-               ? instance_create(&nobody.shared, function, sizeof nobody, loggingOn)
+    struct fmi3_instance nobody = make_nobody(&call, instanceName, true, instanceEnvironment, logMessage);
+    return instance_identified(&nobody.shared, instanceName, "instantiationToken", instantiationToken,
+                               SCENE_TOKEN)
+               ? instance_create(&nobody.shared, sizeof nobody, loggingOn)
                : NULL;
 }
 
@@ -268,11 +269,12 @@ fmi3Instance fmi3InstantiateScheduledExecution(
     fmi3ClockUpdateCallback clockUpdate, fmi3LockPreemptionCallback lockPreemption,
     fmi3UnlockPreemptionCallback unlockPreemption)
 {
+    static const struct call call = {.name = "fmi3InstantiateScheduledExecution"};
     (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
     (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
-    struct fmi3_instance nobody = make_nobody(instanceName, false, instanceEnvironment, logMessage);
-    (void)instance_expects(&nobody.shared, "fmi3InstantiateScheduledExecution", false, "interface type",
-                           "Scheduled Execution", "Co-Simulation or Model Exchange");
+    struct fmi3_instance nobody = make_nobody(&call, instanceName, false, instanceEnvironment, logMessage);
+    (void)instance_expects(&nobody.shared, false, "interface type", "Scheduled Execution",
+                           "Co-Simulation or Model Exchange");
     return NULL;
 }
 
@@ -288,39 +290,38 @@ void fmi3FreeInstance(fmi3Instance c)
 
 /* Switches the named log categories on or off and leaves the others as they are. Without names all categories
  * are switched (FMI 3.0.2, section 2.3.1). */
-fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean loggingOn, size_t nCategories,
-                               const fmi3String categories[])
+static enum model_status switch_categories(struct instance *instance, bool on, size_t count,
+                                           const fmi3String *categories)
 {
-    struct instance *instance = c;
     unsigned chosen = 0;
-    const enum model_status status =
-        instance_categories(instance, CALL3(SetDebugLogging), nCategories, categories, &chosen);
+    const enum model_status status = instance_categories(instance, count, categories, &chosen);
+    const unsigned bits = count == 0 ? (unsigned)LOG_ALL : chosen;
     if (status == MODEL_OK) {
-        const unsigned bits = nCategories == 0 ? (unsigned)LOG_ALL : chosen;
-        instance->log_categories =
-            loggingOn ? instance->log_categories | bits : instance->log_categories & ~bits;
+        instance->log_categories = on ? instance->log_categories | bits : instance->log_categories & ~bits;
     }
-    return (fmi3Status)status;
+    return status;
 }
 
-fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
-                                       fmi3Float64 startTime, fmi3Boolean stopTimeDefined,
-                                       fmi3Float64 stopTime)
+PASS3(SetDebugLogging, (fmi3Instance c, fmi3Boolean on, size_t count, const fmi3String categories[]),
+      switch_categories(instance, on, count, categories))
+
+static enum model_status begin_initialization(struct instance *instance, enum model_status set_up)
 {
-    struct instance *instance = c;
-    const enum model_status status =
-        instance_set_up(instance, CALL3(EnterInitializationMode), toleranceDefined, tolerance, startTime,
-                        stopTimeDefined, stopTime);
-    if (status <= MODEL_WARNING) {
+    if (set_up <= MODEL_WARNING) {
         instance->phase = PHASE_INITIALIZATION;
     }
-    return (fmi3Status)status;
+    return set_up;
 }
 
+PASS3(EnterInitializationMode,
+      (fmi3Instance c, fmi3Boolean tolerance_defined, fmi3Float64 tolerance, fmi3Float64 start_time,
+       fmi3Boolean stop_time_defined, fmi3Float64 stop_time),
+      begin_initialization(instance, instance_set_up(instance, tolerance_defined, tolerance, start_time,
+                                                     stop_time_defined, stop_time)))
 PASS3(ExitInitializationMode, (fmi3Instance c),
-      instance_exit_initialization(c, call, c != NULL && ((struct fmi3_instance *)c)->event_mode_used))
-PASS3(Terminate, (fmi3Instance c), instance_enter(c, call, PHASE_TERMINATED))
-PASS3(Reset, (fmi3Instance c), instance_reset(c, call))
+      instance_exit_initialization(instance, ((struct fmi3_instance *)c)->event_mode_used))
+PASS3(Terminate, (fmi3Instance c), instance_enter(instance, PHASE_TERMINATED))
+PASS3(Reset, (fmi3Instance c), instance_reset(instance))
 
 /* This part gets and sets values. A vector is read and written as a whole. */
 
@@ -336,18 +337,20 @@ CONTACT_FLATTEN fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReferen
             return fmi3OK;
         }
     }
-    return (fmi3Status)instance_get_values(instance, CALL3(GetFloat64), TYPES_REAL, vr, nvr, values, count);
+    return (fmi3Status)(call_begin(instance, CALL3(GetFloat64))
+                            ? instance_get_values(instance, TYPES_REAL, vr, nvr, values, count)
+                            : MODEL_ERROR);
 }
 
 #define GETTER3(Type, types)                                                                                 \
     PASS3(Get##Type,                                                                                         \
           (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, fmi3##Type values[], size_t count),    \
-          instance_get_values(c, call, types, vr, nvr, (void *)values, count))
+          instance_get_values(instance, types, vr, nvr, (void *)values, count))
 #define SETTER3(Type, types)                                                                                 \
     PASS3(Set##Type,                                                                                         \
           (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, const fmi3##Type values[],             \
            size_t count),                                                                                    \
-          instance_set_values(c, call, types, vr, nvr, (const void *)values, count))
+          instance_set_values(instance, types, vr, nvr, (const void *)values, count))
 SETTER3(Float64, TYPES_REAL)
 GETTER3(Int32, TYPES_INTEGER)
 SETTER3(Int32, TYPES_INTEGER)
@@ -372,28 +375,31 @@ BOTH(String)
 PASS3(GetBinary,
       (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, size_t sizes[], fmi3Binary values[],
        size_t count),
-      ((void)sizes, instance_get_values(c, call, TYPES_NONE, vr, nvr, (void *)values, count)))
+      ((void)sizes, instance_get_values(instance, TYPES_NONE, vr, nvr, (void *)values, count)))
 PASS3(SetBinary,
       (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, const size_t sizes[],
        const fmi3Binary values[], size_t count),
-      ((void)sizes, instance_set_values(c, call, TYPES_NONE, vr, nvr, (const void *)values, count)))
+      ((void)sizes, instance_set_values(instance, TYPES_NONE, vr, nvr, (const void *)values, count)))
 
 PASS3(GetOutputDerivatives,
       (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, const fmi3Int32 orders[],
        fmi3Float64 values[], size_t count),
-      instance_output_derivatives(c, call, vr, orders, nvr, values, count))
+      instance_output_derivatives(instance, vr, orders, nvr, values, count))
 
 /* A function that multiplies with the matrix of derivatives. The last two arguments are the numbers of
  * components that the importer gives for the unknowns and for the knowns. */
 #define PRODUCT3(function, is_adjoint, unknown_components, known_components)                                 \
-    fmi3Status fmi3##function(fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,         \
-                              const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],   \
-                              size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)                  \
-    {                                                                                                        \
-        const struct product p = {is_adjoint,         unknowns,         knowns, nUnknowns,  nKnowns,         \
-                                  unknown_components, known_components, seed,   sensitivity};                \
-        return (fmi3Status)instance_product(c, CALL3(function), &p);                                         \
-    }
+    PASS3(function,                                                                                          \
+          (fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,                            \
+           const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,        \
+           fmi3Float64 sensitivity[], size_t nSensitivity),                                                  \
+          instance_product(instance, &(const struct product){is_adjoint,                                     \
+                                                             {unknowns, nUnknowns, true},                    \
+                                                             {knowns, nKnowns, true},                        \
+                                                             unknown_components,                             \
+                                                             known_components,                               \
+                                                             seed,                                           \
+                                                             sensitivity}))
 PRODUCT3(GetDirectionalDerivative, false, nSensitivity, nSeed)
 PRODUCT3(GetAdjointDerivative, true, nSeed, nSensitivity)
 
@@ -405,10 +411,12 @@ static double tell_importer(struct fmi3_instance *own, double end_time)
     const double now = own->event_time;
     bool requested = false;
     double requested_time = end_time;
+    const struct call *call = instance->call;
     instance->phase = (enum phase)(PHASE_STEP | PHASE_INTERMEDIATE);
     own->intermediate_update(own->environment, now, fmi3False, fmi3True, fmi3True, own->early_return_allowed,
                              &requested, &requested_time);
     instance->phase = PHASE_STEP;
+    instance->call = call;
     if (!requested || !own->early_return_allowed) {
         return end_time;
     }
@@ -446,9 +454,10 @@ CONTACT_NOINLINE static fmi3Status fmi3_do_step(struct instance *instance, doubl
 {
     struct fmi3_instance *own = (struct fmi3_instance *)instance;
     const bool ready =
-        call_ready(instance, CALL3(DoStep),
-                   ARGUMENTS({"eventHandlingNeeded", event, 1}, {"terminateSimulation", terminate, 1},
-                             {"earlyReturn", early, 1}, {"lastSuccessfulTime", time, 1}));
+        call_begin(instance, CALL3(DoStep)) &&
+        arrays_given(instance,
+                     ARGUMENTS({"eventHandlingNeeded", event, 1}, {"terminateSimulation", terminate, 1},
+                               {"earlyReturn", early, 1}, {"lastSuccessfulTime", time, 1}));
     if (!ready || event == NULL || terminate == NULL || early == NULL || time == NULL) {
         return fmi3Error;
     }
@@ -458,7 +467,7 @@ CONTACT_NOINLINE static fmi3Status fmi3_do_step(struct instance *instance, doubl
         .whole = true,
     };
     own->event_time = (double)NAN;
-    const enum model_status status = instance_step(instance, CALL3(DoStep), point, size, &request);
+    const enum model_status status = instance_step(instance, point, size, &request);
     const double reached = model_time(instance->model);
     const double end = point + size;
     put_results(event, terminate, early, time, own->event_mode_used && own->event_time == reached,
@@ -500,60 +509,57 @@ CONTACT_FLATTEN fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommuni
  * mode, and touches of bodies in flight are announced.
  */
 
-fmi3Status fmi3EnterEventMode(fmi3Instance c)
+static enum model_status enter_event_mode(struct instance *instance)
 {
-    const struct fmi3_instance *own = c;
-    if (!call_ready(c, CALL3(EnterEventMode), NO_ARGUMENTS)) {
-        return fmi3Error;
-    }
-    if (!own->shared.host.exchange && !own->event_mode_used) {
-        return (fmi3Status)log_report(
-            c, MODEL_ERROR,
-            "fmi3EnterEventMode called in phase step mode: instantiated with eventModeUsed = false");
-    }
-    return (fmi3Status)instance_enter(c, CALL3(EnterEventMode), PHASE_EVENT);
+    const struct fmi3_instance *own = (const struct fmi3_instance *)instance;
+    return instance->host.exchange || own->event_mode_used
+               ? instance_enter(instance, PHASE_EVENT)
+               : log_report(instance, MODEL_ERROR,
+                            " called in phase step mode: instantiated with eventModeUsed = false");
 }
 
-PASS3(EnterStepMode, (fmi3Instance c), instance_enter(c, call, PHASE_STEP))
+PASS3(EnterEventMode, (fmi3Instance c), enter_event_mode(instance))
+PASS3(EnterStepMode, (fmi3Instance c), instance_enter(instance, PHASE_STEP))
 
-fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesNeedUpdate,
-                                    fmi3Boolean *terminateSimulation,
-                                    fmi3Boolean *nominalsOfContinuousStatesChanged,
-                                    fmi3Boolean *valuesOfContinuousStatesChanged,
-                                    fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime)
+static enum model_status update_discrete_states(struct instance *instance, bool *again, bool *terminate,
+                                                bool *nominals_changed, bool *values_changed,
+                                                bool *time_defined, double *time)
 {
-    struct instance *instance = c;
-    if (!call_ready(c, CALL3(UpdateDiscreteStates),
-                    ARGUMENTS({"discreteStatesNeedUpdate", discreteStatesNeedUpdate, 1},
-                              {"terminateSimulation", terminateSimulation, 1},
-                              {"nominalsOfContinuousStatesChanged", nominalsOfContinuousStatesChanged, 1},
-                              {"valuesOfContinuousStatesChanged", valuesOfContinuousStatesChanged, 1},
-                              {"nextEventTimeDefined", nextEventTimeDefined, 1},
-                              {"nextEventTime", nextEventTime, 1}))) {
-        return fmi3Error;
+    if (!arrays_given(instance,
+                      ARGUMENTS({"discreteStatesNeedUpdate", again, 1}, {"terminateSimulation", terminate, 1},
+                                {"nominalsOfContinuousStatesChanged", nominals_changed, 1},
+                                {"valuesOfContinuousStatesChanged", values_changed, 1},
+                                {"nextEventTimeDefined", time_defined, 1}, {"nextEventTime", time, 1}))) {
+        return MODEL_ERROR;
     }
     struct exchange_news news = {0};
-    const enum model_status status = instance->host.exchange ? exchange_update(instance, &news) : MODEL_OK;
-    *discreteStatesNeedUpdate = news.again;
-    *terminateSimulation = fmi3False;
-    *nominalsOfContinuousStatesChanged = fmi3False;
-    *valuesOfContinuousStatesChanged = news.jumped;
-    *nextEventTimeDefined = news.scheduled;
-    *nextEventTime = news.event_time;
-    return (fmi3Status)status;
+    const enum model_status status =
+        instance->host.exchange ? model_exchange_update(instance->model, &news) : MODEL_OK;
+    *again = news.again;
+    *terminate = false;
+    *nominals_changed = false;
+    *values_changed = news.jumped;
+    *time_defined = news.scheduled;
+    *time = news.event_time;
+    return status;
 }
+
+PASS3(UpdateDiscreteStates,
+      (fmi3Instance c, fmi3Boolean *again, fmi3Boolean *terminate, fmi3Boolean *nominals_changed,
+       fmi3Boolean *values_changed, fmi3Boolean *time_defined, fmi3Float64 *time),
+      update_discrete_states(instance, again, terminate, nominals_changed, values_changed, time_defined,
+                             time))
 
 /* noSetFMUStatePriorToCurrentPoint has no effect, because states are saved only on request. */
 PASS3(CompletedIntegratorStep,
       (fmi3Instance c, fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode,
        fmi3Boolean *terminateSimulation),
       ((void)noSetFMUStatePriorToCurrentPoint,
-       exchange_accept_step(c, call, enterEventMode, terminateSimulation, sizeof *enterEventMode)))
+       exchange_accept_step(instance, enterEventMode, terminateSimulation, sizeof *enterEventMode)))
 
-static enum model_status put_count(struct instance *instance, const struct call *call, const char *argument,
-                                   size_t count, size_t *to)
+static enum model_status put_count(struct instance *instance, const char *argument, size_t count, size_t *to)
 {
-    if (!call_ready(instance, call, ARGUMENTS({argument, to, 1}))) {
+    if (!array_given(instance, argument, to, 1)) {
         return MODEL_ERROR;
     }
     *to = count;
@@ -561,50 +567,50 @@ static enum model_status put_count(struct instance *instance, const struct call 
 }
 
 PASS3(GetNumberOfEventIndicators, (fmi3Instance c, size_t *count),
-      put_count(c, call, "nEventIndicators", SCENE_INDICATORS, count))
+      put_count(instance, "nEventIndicators", SCENE_INDICATORS, count))
 PASS3(GetNumberOfContinuousStates, (fmi3Instance c, size_t *count),
-      put_count(c, call, "nContinuousStates", SCENE_STATES, count))
-PASS3(EnterContinuousTimeMode, (fmi3Instance c), instance_enter(c, call, PHASE_CONTINUOUS))
-PASS3(SetTime, (fmi3Instance c, fmi3Float64 time), exchange_set_time(c, call, time))
+      put_count(instance, "nContinuousStates", SCENE_STATES, count))
+PASS3(EnterContinuousTimeMode, (fmi3Instance c), instance_enter(instance, PHASE_CONTINUOUS))
+PASS3(SetTime, (fmi3Instance c, fmi3Float64 time), model_exchange_set_time(instance->model, time))
 PASS3(SetContinuousStates, (fmi3Instance c, const fmi3Float64 x[], size_t nx),
-      exchange_set_states(c, call, x, nx))
+      exchange_set_states(instance, x, nx))
 PASS3(GetContinuousStateDerivatives, (fmi3Instance c, fmi3Float64 x[], size_t nx),
-      exchange_get(c, call, EXCHANGE_RATES, x, nx))
+      exchange_get(instance, EXCHANGE_RATES, x, nx))
 PASS3(GetEventIndicators, (fmi3Instance c, fmi3Float64 x[], size_t nx),
-      exchange_get(c, call, EXCHANGE_INDICATORS, x, nx))
+      exchange_get(instance, EXCHANGE_INDICATORS, x, nx))
 PASS3(GetContinuousStates, (fmi3Instance c, fmi3Float64 x[], size_t nx),
-      exchange_get(c, call, EXCHANGE_STATES, x, nx))
+      exchange_get(instance, EXCHANGE_STATES, x, nx))
 PASS3(GetNominalsOfContinuousStates, (fmi3Instance c, fmi3Float64 x[], size_t nx),
-      exchange_get(c, call, EXCHANGE_NOMINALS, x, nx))
+      exchange_get(instance, EXCHANGE_NOMINALS, x, nx))
 
 /* A state saved in event mode of Co-Simulation puts an instance without event mode into step mode. */
-fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state)
+static enum model_status set_state(struct instance *instance, fmi3FMUState state)
 {
-    struct fmi3_instance *own = c;
-    const enum model_status status = state_block_set(c, CALL3(SetFMUState), state);
-    if (status <= MODEL_WARNING && own->shared.phase == PHASE_EVENT && !own->shared.host.exchange &&
+    const struct fmi3_instance *own = (const struct fmi3_instance *)instance;
+    const enum model_status status = state_block_set(instance, state);
+    if (status <= MODEL_WARNING && instance->phase == PHASE_EVENT && !instance->host.exchange &&
         !own->event_mode_used) {
-        own->shared.phase = PHASE_STEP;
+        instance->phase = PHASE_STEP;
     }
-    return (fmi3Status)status;
+    return status;
 }
 
-PASS3(GetFMUState, (fmi3Instance c, fmi3FMUState *state), state_block_get(c, call, state))
-PASS3(FreeFMUState, (fmi3Instance c, fmi3FMUState *state), state_block_free(c, call, state))
+PASS3(SetFMUState, (fmi3Instance c, fmi3FMUState state), set_state(instance, state))
+PASS3(GetFMUState, (fmi3Instance c, fmi3FMUState *state), state_block_get(instance, state))
+PASS3(FreeFMUState, (fmi3Instance c, fmi3FMUState *state), state_block_free(instance, state))
 PASS3(SerializedFMUStateSize, (fmi3Instance c, fmi3FMUState state, size_t *size),
-      state_block_size(c, call, state, size))
+      state_block_size(instance, state, size))
 PASS3(SerializeFMUState, (fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size),
-      state_block_serialize(c, call, state, bytes, size))
+      state_block_serialize(instance, state, bytes, size))
 PASS3(DeserializeFMUState, (fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state),
-      state_block_deserialize(c, call, bytes, size, state))
+      state_block_deserialize(instance, bytes, size, state))
 
 /* The refused functions do not use their arguments. */
 #ifdef __GNUC__
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
-#define ABSENT_FUNCTION(function, reason, parameters)                                                        \
-    PASS3(function, parameters, call_ready(c, call, NO_ARGUMENTS) ? MODEL_OK : MODEL_ERROR)
+#define ABSENT_FUNCTION(function, reason, parameters) PASS3(function, parameters, MODEL_OK)
 /* NOLINTNEXTLINE(misc-unused-parameters) */
 ABSENT_TABLE(ABSENT_FUNCTION)
 #ifdef __GNUC__

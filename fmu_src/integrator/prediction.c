@@ -20,33 +20,47 @@ static double leaving_time(double value, double noise, double speed, double bend
     return isfinite(soonest) ? soonest : 0.0;
 }
 
+/* A contact whose next change is foreseen in closed form: its geometry `now`, and its relative motion from
+ * now on. */
+struct foresight {
+    struct contact_shape shape;
+    struct contact_law law;
+    enum contact_regime present;
+    struct contact_geometry now;
+    struct separation_path separation;
+    struct relative_path path; /* over the horizon [s] */
+    double horizon;
+    /* bounds of rounding: of the gap, of a gap computed from positions, and of the place along a cylinder's
+     * axis [m] */
+    double gap_rounding, by_positions, axial_rounding;
+};
+
 /* Returns the time derivative of the event function of a separating contact in flight. The gap g changes by
  * c'. The gap rate g' = side n.w changes by w' and by the turning of the normal n. The rate of turning is the
  * part of c' perpendicular to n, divided by the distance d. */
-static double margin_slope(const struct contact_shape *shape, const struct contact_law *law,
-                           const struct contact_geometry *now, const struct separation_path *separation)
+static double margin_slope(const struct foresight *f)
 {
+    const struct contact_geometry *now = &f->now;
     const double turning =
-        contact_turns(shape, now)
-            ? contact_turning_rate(shape, now, separation->w[0], separation->c[1]) / now->distance
+        contact_turns(&f->shape, now)
+            ? contact_turning_rate(&f->shape, now, f->separation.w[0], f->separation.c[1]) / now->distance
             : 0.0;
-    const double bend = shape->side * (vec3_dot(now->normal, separation->w[1]) + turning);
-    const double opening = shape->side * vec3_dot(now->normal, separation->c[1]);
+    const double bend = f->shape.side * (vec3_dot(now->normal, f->separation.w[1]) + turning);
+    const double opening = f->shape.side * vec3_dot(now->normal, f->separation.c[1]);
     const struct contact_slopes slopes =
-        contact_event_slopes(law, REGIME_SEPARATING, now->gap, now->gap_rate);
+        contact_event_slopes(&f->law, REGIME_SEPARATING, now->gap, now->gap_rate);
     return slopes.by_gap * opening + slopes.by_rate * bend;
 }
 
 /* Returns the error that rounding of the gap, of n and of n.w makes in the event function of a separating
  * contact. */
-static double dead_band_rounding(const struct contact_shape *shape, const struct contact_law *law,
-                                 const struct contact_geometry *now, double gap_rounding, double by_positions,
-                                 const struct separation_path *separation)
+static double dead_band_rounding(const struct foresight *f, double gap_rounding)
 {
-    const double turn = 8.0 * DBL_EPSILON + (contact_turns(shape, now) ? by_positions / now->distance : 0.0);
+    const double turn =
+        8.0 * DBL_EPSILON + (contact_turns(&f->shape, &f->now) ? f->by_positions / f->now.distance : 0.0);
     const struct contact_slopes slopes =
-        contact_event_slopes(law, REGIME_SEPARATING, now->gap, now->gap_rate);
-    return slopes.by_gap * gap_rounding + fmin(turn, 1.0) * slopes.by_rate * vec3_norm(separation->w[0]);
+        contact_event_slopes(&f->law, REGIME_SEPARATING, f->now.gap, f->now.gap_rate);
+    return slopes.by_gap * gap_rounding + fmin(turn, 1.0) * slopes.by_rate * vec3_norm(f->separation.w[0]);
 }
 
 /* The ends of the dead bands as parameters s of the path. A regime whose boundary has just been crossed lasts
@@ -55,42 +69,35 @@ struct dead_band {
     double gap, law;
 };
 
-/* Returns the dead bands. `gap_rounding` bounds the rounding of the gap,
- * `by_positions` that of a gap computed from positions. If `just_begun`, the integrator has left a small
- * force. */
-static struct dead_band dead_band_of(const struct relative_path *path, const struct contact_shape *shape,
-                                     const struct contact_law *law, const struct contact_geometry *now,
-                                     double gap_rounding, double by_positions,
-                                     const struct separation_path *separation, enum contact_regime present,
-                                     bool just_begun)
+/* Returns the dead bands. `gap_rounding` bounds the rounding of the gap. If `just_begun`, the integrator has
+ * left a small force. */
+static struct dead_band dead_band_of(const struct foresight *f, double gap_rounding, bool just_begun)
 {
-    const double closing = vec3_dot(now->normal, separation->c[1]);
-    const double settle = leaving_time(now->gap, gap_rounding, closing, vec3_norm(separation->c[2]));
-    struct dead_band band = {settle / path->horizon, settle / path->horizon};
-    if (present == REGIME_SEPARATING) {
-        const double margin = contact_event(law, present, now->gap, now->gap_rate);
-        const double slope = margin_slope(shape, law, now, separation);
-        double noise = dead_band_rounding(shape, law, now, gap_rounding, by_positions, separation);
+    const double closing = vec3_dot(f->now.normal, f->separation.c[1]);
+    const double settle = leaving_time(f->now.gap, gap_rounding, closing, vec3_norm(f->separation.c[2]));
+    struct dead_band band = {settle / f->horizon, settle / f->horizon};
+    if (f->present == REGIME_SEPARATING) {
+        const double margin = contact_event(&f->law, f->present, f->now.gap, f->now.gap_rate);
+        const double slope = margin_slope(f);
+        double noise = dead_band_rounding(f, gap_rounding);
         if (just_begun && margin < 0.0 && slope > 0.0) {
             /* the force, now zero, that the integrator left at the event */
             noise = fmax(noise, -2.0 * margin);
         }
-        band.law = fmax(band.law, leaving_time(margin, noise, slope, 0.0) / path->horizon);
+        band.law = fmax(band.law, leaving_time(margin, noise, slope, 0.0) / f->horizon);
     }
     return band;
 }
 
 /* While rounding may put the source on either side of a cylinder's end plane, the path has the source on the
- * side that fits the present regime. `rounding` bounds the rounding of the source's axial position [m]. */
-static void dead_band_at_ends(struct relative_path *path, const struct contact_shape *shape,
-                              const struct contact_geometry *now, double rounding,
-                              const struct separation_path *separation, enum contact_regime present)
+ * side that fits the present regime. */
+static void dead_band_at_ends(struct foresight *f)
 {
-    const double beyond = fabs(now->axial) - shape->half_length;
-    const double along = vec3_dot(separation->c[1], shape->axis);
-    path->ends_dead_band =
-        leaving_time(beyond, rounding, along, vec3_dot(separation->c[2], shape->axis)) / path->horizon;
-    path->starts_within = present != REGIME_APART || (beyond <= 0.0 && !(now->gap < 0.0));
+    const double beyond = fabs(f->now.axial) - f->shape.half_length;
+    const double along = vec3_dot(f->separation.c[1], f->shape.axis);
+    const double bend = vec3_dot(f->separation.c[2], f->shape.axis);
+    f->path.ends_dead_band = leaving_time(beyond, f->axial_rounding, along, bend) / f->horizon;
+    f->path.starts_within = f->present != REGIME_APART || (beyond <= 0.0 && !(f->now.gap < 0.0));
 }
 
 static enum contact_regime regime_at(const struct relative_path *path, const struct contact_law *law,
@@ -114,30 +121,34 @@ static struct regime_change change_at(const struct relative_path *path, double s
     return (struct regime_change){s * path->horizon, next, path->scale * gap, false};
 }
 
+/* Returns the change of a contact whose regime does not change within the horizon. */
+static struct regime_change no_change(enum contact_regime present, bool passes_centre)
+{
+    return (struct regime_change){(double)INFINITY, present, 0.0, passes_centre};
+}
+
 /* Returns the first of `count` sorted events in [0, 1], after the dead band, after which the regime differs
  * from the present regime. If `ends_only`, only the passage of a cylinder's end changes the regime. The
  * passage of a centre is not checked. */
-static struct regime_change path_first_change(const struct relative_path *path, const double *events,
-                                              int count, const struct contact_law *law,
-                                              enum contact_regime present, bool ends_only,
-                                              struct dead_band band)
+static struct regime_change path_first_change(const struct foresight *f, const double *events, int count,
+                                              bool ends_only, struct dead_band band)
 {
     double from = band.gap;
     for (int i = 0; i <= count; ++i) {
         const double to = i < count ? events[i] : 1.0;
         if (to > from) {
             const double middle = 0.5 * (from + to);
-            const enum contact_regime next = !ends_only ? regime_at(path, law, middle)
-                                             : relative_path_within(path, middle) ? present
-                                                                                  : REGIME_APART;
+            const enum contact_regime next = !ends_only ? regime_at(&f->path, &f->law, middle)
+                                             : relative_path_within(&f->path, middle) ? f->present
+                                                                                      : REGIME_APART;
             const double since = next == REGIME_APART ? from : fmax(from, band.law);
-            if (next != present && since < to) {
-                return change_at(path, since, next);
+            if (next != f->present && since < to) {
+                return change_at(&f->path, since, next);
             }
             from = to;
         }
     }
-    return (struct regime_change){(double)INFINITY, present, 0.0, false};
+    return no_change(f->present, false);
 }
 
 /* Below this distance, in units of the path's scale, the direction of the normal is rounding. */
@@ -189,13 +200,6 @@ static bool path_keeps_away(const struct relative_path *path)
  * it takes place where the condition is zero. So rounding at one event cannot cause another event.
  */
 
-/* Rounding at the start of the path, and the relative speed of the bodies. */
-struct prescribed_rounding {
-    double gap;   /* rounding of the gap [m] */
-    double axial; /* rounding of the place along a cylinder's axis [m] */
-    double speed; /* bound of |w| over the whole path [m/s] */
-};
-
 /* Rounding of a sum of products of vectors, divided by the size of its terms, as in rounding_of_gap. */
 static const double ROUNDINGS = 8.0 * DBL_EPSILON;
 
@@ -206,7 +210,8 @@ struct prescribed_instant {
     enum contact_regime regime;
 };
 
-/* Returns the sum of the absolute terms of a polynomial at s >= 0; its rounding goes with this sum. */
+/* Return the sum of the absolute terms of a polynomial at s >= 0. The sum bounds the polynomial on [0, s],
+ * and its rounding goes with the sum. */
 static double size_of(const struct polynomial *p, double s)
 {
     double size = fabs(p->a[p->degree]);
@@ -216,19 +221,18 @@ static double size_of(const struct polynomial *p, double s)
     return size;
 }
 
-static double size_of_path(const struct relative_path *path, double s)
+static double size_of_terms(const struct vec3 *terms, int count, double s)
 {
-    double size = vec3_norm(path->c[path->degree]);
-    for (int i = path->degree - 1; i >= 0; --i) {
-        size = size * s + vec3_norm(path->c[i]);
+    double size = vec3_norm(terms[count - 1]);
+    for (int i = count - 2; i >= 0; --i) {
+        size = size * s + vec3_norm(terms[i]);
     }
     return size;
 }
 
-static struct prescribed_instant prescribed_at(const struct relative_path *path,
-                                               const struct contact_law *law,
-                                               const struct prescribed_rounding *rounding, double s)
+static struct prescribed_instant prescribed_at(const struct foresight *f, double s)
 {
+    const struct relative_path *path = &f->path;
     double gap;
     double slope;
     relative_path_gap(path, s, &gap, &slope);
@@ -236,45 +240,45 @@ static struct prescribed_instant prescribed_at(const struct relative_path *path,
     const double distance = relative_path_divisor(path, gap);
     const double along = polynomial_at(&path->half_rate, s);
     struct prescribed_instant at = {.gap = path->scale * gap, .beyond = -1.0};
-    at.gap_noise = fmax(rounding->gap, ROUNDINGS * path->scale * (size_of_path(path, s) + path->reach));
+    at.gap_noise = fmax(f->by_positions, ROUNDINGS * path->scale *
+                                             (size_of_terms(path->c, path->degree + 1, s) + path->reach));
     if (distance > 0.0) {
         at.rate = path->side * along / distance * speed_unit;
         /* The rounding of c.w / d comes from the sum c.w and from an error of c as large as the gap's. */
         const double sum = ROUNDINGS * size_of(&path->half_rate, s) / distance * speed_unit;
-        at.rate_noise = sum + at.gap_noise * rounding->speed / (path->scale * distance);
+        const double speed = size_of_terms(f->separation.w, SEPARATION_DEGREE, f->horizon); /* at most */
+        at.rate_noise = sum + at.gap_noise * speed / (path->scale * distance);
     }
     if (SCENE_ANY_CYLINDER && path->has_ends) {
         at.beyond = path->scale * (fabs(polynomial_at(&path->axial, s)) - path->half_length);
         at.beyond_noise =
-            fmax(rounding->axial, ROUNDINGS * path->scale * (size_of(&path->axial, s) + path->half_length));
+            fmax(f->axial_rounding, ROUNDINGS * path->scale * (size_of(&path->axial, s) + path->half_length));
     }
-    at.regime = contact_regime_of(law, at.gap, at.rate, relative_path_within(path, s));
+    at.regime = contact_regime_of(&f->law, at.gap, at.rate, relative_path_within(path, s));
     return at;
 }
 
 /* Whether the regime has changed and its condition exceeds its rounding. */
-static bool has_changed(const struct prescribed_instant *at, const struct contact_law *law,
-                        enum contact_regime present)
+static bool has_changed(const struct foresight *f, const struct prescribed_instant *at)
 {
-    if (at->regime == present) {
+    if (at->regime == f->present) {
         return false;
     }
-    if (present == REGIME_APART) {
+    if (f->present == REGIME_APART) {
         return at->gap < -at->gap_noise && !(fabs(at->beyond) <= at->beyond_noise);
     }
     if (at->regime == REGIME_APART) {
         return at->gap > at->gap_noise || at->beyond > at->beyond_noise;
     }
-    const struct contact_slopes slopes = contact_event_slopes(law, present, at->gap, at->rate);
-    return fabs(contact_event(law, present, at->gap, at->rate)) >
+    const struct contact_slopes slopes = contact_event_slopes(&f->law, f->present, at->gap, at->rate);
+    return fabs(contact_event(&f->law, f->present, at->gap, at->rate)) >
            fabs(slopes.by_gap) * at->gap_noise + fabs(slopes.by_rate) * at->rate_noise;
 }
 
 /* Candidates for events of the law are roots of squared polynomials, which lose digits where the path is
  * long. So the change is located by bisection of the regime itself, between an instant before and one after
  * it. */
-static double halve_to_change(const struct relative_path *path, const struct contact_law *law,
-                              const struct prescribed_rounding *rounding, double before, double after,
+static double halve_to_change(const struct foresight *f, double before, double after,
                               enum contact_regime next)
 {
     for (;;) {
@@ -282,17 +286,14 @@ static double halve_to_change(const struct relative_path *path, const struct con
         if (!(middle > before && middle < after)) {
             return after;
         }
-        *(prescribed_at(path, law, rounding, middle).regime == next ? &after : &before) = middle;
+        *(prescribed_at(f, middle).regime == next ? &after : &before) = middle;
     }
 }
 
 /* Returns the first change of regime. `events` are `count` sorted places of the path, which include every
  * place at which the regime may change. */
-static struct regime_change prescribed_first_change(const struct relative_path *path,
-                                                    const struct contact_law *law,
-                                                    const struct prescribed_rounding *rounding,
-                                                    const double *events, int count,
-                                                    enum contact_regime present)
+static struct regime_change prescribed_first_change(const struct foresight *f, const double *events,
+                                                    int count)
 {
     double from = 0.0;
     double before = -1.0;
@@ -302,18 +303,18 @@ static struct regime_change prescribed_first_change(const struct relative_path *
             continue;
         }
         const double middle = 0.5 * (from + to);
-        const struct prescribed_instant at = prescribed_at(path, law, rounding, middle);
-        if (has_changed(&at, law, present)) {
-            const bool by_law = present != REGIME_APART && at.regime != REGIME_APART;
+        const struct prescribed_instant at = prescribed_at(f, middle);
+        if (has_changed(f, &at)) {
+            const bool by_law = f->present != REGIME_APART && at.regime != REGIME_APART;
             if (by_law && before >= 0.0) {
-                from = halve_to_change(path, law, rounding, before, middle, at.regime);
+                from = halve_to_change(f, before, middle, at.regime);
             }
-            return change_at(path, from, at.regime);
+            return change_at(&f->path, from, at.regime);
         }
         before = middle;
         from = to;
     }
-    return (struct regime_change){(double)INFINITY, present, 0.0, false};
+    return no_change(f->present, false);
 }
 
 /* Finds the first touch of bodies that are apart at `settle`; compression begins there. INFINITY: no touch.
@@ -348,204 +349,164 @@ static struct regime_change first_touch_at(double after)
 
 /* Finds the change in head-on flight as the root of a quadratic equation. Returns false where that
  * fails. */
-static bool head_on_change(const struct contact_shape *shape, const struct contact_law *law,
-                           const struct separation_path *separation, const struct contact_geometry *now,
-                           enum contact_regime present, double gap_rounding, double by_positions,
-                           double horizon, struct regime_change *next)
+static bool head_on_change(const struct foresight *f, struct regime_change *next)
 {
-    if (!flight_is_head_on(shape, separation, now->normal)) {
+    if (!flight_is_head_on(&f->shape, &f->separation, f->now.normal)) {
         return false;
     }
-    if (present == REGIME_APART) {
+    if (f->present == REGIME_APART) {
         double touch;
-        if (!flight_head_on_touch(shape, separation, now, gap_rounding, horizon, &touch)) {
+        if (!flight_head_on_touch(&f->shape, &f->separation, &f->now, f->gap_rounding, f->horizon, &touch)) {
             return false;
         }
         *next = first_touch_at(touch);
         return true;
     }
     struct flight_regime_end end;
-    const double noise = dead_band_rounding(shape, law, now, gap_rounding, by_positions, separation);
-    if (!flight_head_on_regime_end(shape, law, separation, now, gap_rounding, noise, &end)) {
+    const double noise = dead_band_rounding(f, f->gap_rounding);
+    if (!flight_head_on_regime_end(&f->shape, &f->law, &f->separation, &f->now, f->gap_rounding, noise,
+                                   &end)) {
         return false;
     }
-    *next = end.after <= horizon ? (struct regime_change){end.after, end.regime, end.gap, false}
-                                 : (struct regime_change){(double)INFINITY, present, 0.0, false};
+    *next = end.after <= f->horizon ? (struct regime_change){end.after, end.regime, end.gap, false}
+                                    : no_change(f->present, false);
     return true;
 }
 
 /* Where the distance d is zero the separation vector is only rounding. The vector is set along the escape
  * direction, which is that of the motion. */
-static void leave_centre_in_flight(const struct contact_shape *shape, struct separation_path *separation,
-                                   struct contact_geometry *now)
+static void leave_centre_in_flight(struct foresight *f)
 {
-    now->normal = singularity_escape(shape, separation->w[0], vec3_make(0.0, 0.0, 0.0), now->normal);
-    now->gap_rate = shape->side * vec3_dot(now->normal, separation->w[0]);
+    struct contact_geometry *now = &f->now;
+    now->normal = singularity_escape(&f->shape, f->separation.w[0], vec3_make(0.0, 0.0, 0.0), now->normal);
+    now->gap_rate = f->shape.side * vec3_dot(now->normal, f->separation.w[0]);
     now->degenerate = true;
-    if (shape->side > 0) {
-        const double least = 2.0 * DBL_EPSILON * contact_reach(shape);
-        const struct vec3 along_axis = vec3_sub(separation->c[0], separation->offset);
-        separation->c[0] = vec3_axpy(along_axis, least, now->normal);
-        separation->offset = vec3_scale(least, now->normal);
+    if (f->shape.side > 0) {
+        const double least = 2.0 * DBL_EPSILON * contact_reach(&f->shape);
+        const struct vec3 along_axis = vec3_sub(f->separation.c[0], f->separation.offset);
+        f->separation.c[0] = vec3_axpy(along_axis, least, now->normal);
+        f->separation.offset = vec3_scale(least, now->normal);
     }
-}
-
-/* Returns a bound of the relative speed |w| within the horizon [m/s]. */
-static double speed_at_most(const struct separation_path *separation, double horizon)
-{
-    double speed = vec3_norm(separation->w[SEPARATION_DEGREE - 1]);
-    for (int i = SEPARATION_DEGREE - 2; i >= 0; --i) {
-        speed = speed * horizon + vec3_norm(separation->w[i]);
-    }
-    return speed;
 }
 
 /* Returns the first change of a contact of which neither body is free. */
-static struct regime_change prescribed_regime_change(const struct relative_path *path,
-                                                     const struct contact_shape *shape,
-                                                     const struct contact_law *law,
-                                                     const struct prescribed_rounding *rounding,
-                                                     enum contact_regime present)
+static struct regime_change prescribed_regime_change(const struct foresight *f)
 {
     double events[MAX_CANDIDATES];
-    const struct extremes extremes = extremes_of(path);
-    const int count = candidates_of_all(path, &extremes, shape, law, events);
-    struct regime_change next = prescribed_first_change(path, law, rounding, events, count, present);
-    next.gap = present == REGIME_APART && fabs(next.gap) <= rounding->gap ? 0.0 : next.gap;
-    next.passes_centre = path_passes_centre(path, &extremes, next.after / path->horizon);
+    const struct extremes extremes = extremes_of(&f->path);
+    const int count = candidates_of_all(&f->path, &extremes, &f->shape, &f->law, events);
+    struct regime_change next = prescribed_first_change(f, events, count);
+    next.gap = f->present == REGIME_APART && fabs(next.gap) <= f->by_positions ? 0.0 : next.gap;
+    next.passes_centre = path_passes_centre(&f->path, &extremes, next.after / f->horizon);
     return next;
 }
 
 /* Returns the first change in flight after the dead band. The change is the first touch, or the first
  * candidate after which the regime differs from the present one. */
-static struct regime_change flight_regime_change(const struct relative_path *path,
-                                                 const struct contact_shape *shape,
-                                                 const struct contact_law *law, enum contact_regime present,
-                                                 struct dead_band band, double by_positions)
+static struct regime_change flight_regime_change(const struct foresight *f, struct dead_band band)
 {
-    const struct extremes extremes = extremes_of(path);
+    const struct extremes extremes = extremes_of(&f->path);
     struct regime_change next;
     double touch;
-    if (present == REGIME_APART && !relative_path_has_ends(shape) && band.law < 1.0 &&
-        first_touch(path, &extremes, band.law, &touch)) {
-        next = first_touch_at(touch * path->horizon);
+    if (f->present == REGIME_APART && !relative_path_has_ends(&f->shape) && band.law < 1.0 &&
+        first_touch(&f->path, &extremes, band.law, &touch)) {
+        next = first_touch_at(touch * f->horizon);
     } else {
         double events[MAX_CANDIDATES];
-        const int count = candidates_of_all(path, &extremes, shape, law, events);
-        next = path_first_change(path, events, count, law, present, false, band);
-        const double rounding = fmax(by_positions, 8.0 * DBL_EPSILON * path->scale);
-        if (present == REGIME_APART && fabs(next.gap) <= rounding) {
+        const int count = candidates_of_all(&f->path, &extremes, &f->shape, &f->law, events);
+        next = path_first_change(f, events, count, false, band);
+        const double rounding = fmax(f->by_positions, 8.0 * DBL_EPSILON * f->path.scale);
+        if (f->present == REGIME_APART && fabs(next.gap) <= rounding) {
             next.gap = 0.0; /* the bodies touch; elsewhere the source enters by an end */
         }
     }
-    next.passes_centre = path_passes_centre(path, &extremes, next.after / path->horizon);
+    next.passes_centre = path_passes_centre(&f->path, &extremes, next.after / f->horizon);
     return next;
 }
 
 /* Returns the first change of a contact with a smooth shape or, within one zone, with a capped cylinder. */
 static struct regime_change smooth_regime_change(const struct scene_values *v, const struct scene_state *q,
-                                                 const struct scene_instant *at, double clock, int contact,
-                                                 double horizon)
+                                                 const struct scene_instant *at, int contact, double horizon)
 {
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
-    const bool has_ends = relative_path_has_ends(&shape);
-    const bool ends_only =
-        present != REGIME_APART && present != REGIME_SEPARATING && !contact_is_prescribed(v, contact);
+    struct foresight f = {.shape = scene_contact_shape(v, q, contact),
+                          .law = scene_contact_law(v, q, contact),
+                          .present = (enum contact_regime)q->contact[contact].regime,
+                          .now = at->geometry[contact],
+                          .horizon = horizon};
+    const bool is_prescribed = contact_is_prescribed(v, contact);
+    const bool has_ends = relative_path_has_ends(&f.shape);
+    const bool in_flight = f.present == REGIME_APART || f.present == REGIME_SEPARATING;
+    const bool ends_only = !in_flight && !is_prescribed;
     if ((ends_only && !has_ends) || contact_is_coupled(v, q, contact)) {
-        return (struct regime_change){(double)INFINITY, present, 0.0, true};
+        return no_change(f.present, true);
     }
-    struct separation_path separation = separation_path_of(v, q, at, clock, contact);
-    struct contact_geometry now = at->geometry[contact];
-    if (singularity_is_reached(v, at, contact, &shape)) {
-        leave_centre_in_flight(&shape, &separation, &now);
+    f.separation = separation_path_of(v, q, at, q->clock, contact);
+    if (singularity_is_reached(v, at, contact, &f.shape)) {
+        leave_centre_in_flight(&f);
     }
-    const double by_positions = rounding_of_gap(v, at, contact);
-    const double gap_rounding = scene_gap_is_accumulated(q, at, contact)
-                                    ? 8.0 * DBL_EPSILON * fabs(at->geometry[contact].gap)
-                                    : by_positions;
+    const double gap = at->geometry[contact].gap;
+    f.by_positions = rounding_of_gap(v, at, contact);
+    f.gap_rounding =
+        scene_gap_is_accumulated(q, at, contact) ? 8.0 * DBL_EPSILON * fabs(gap) : f.by_positions;
     struct regime_change next;
-    if (!has_ends && (present == REGIME_APART || present == REGIME_SEPARATING) &&
-        !(q->contact[contact].schedule.dead_band_clock > clock) &&
-        head_on_change(&shape, &law, &separation, &now, present, gap_rounding, by_positions, horizon,
-                       &next)) {
+    const double dead_band_rest = q->contact[contact].schedule.dead_band_clock - q->clock;
+    if (!has_ends && in_flight && !(dead_band_rest > 0.0) && head_on_change(&f, &next)) {
         return next;
     }
-    struct relative_path path = relative_path_make(&shape, &separation, at->geometry[contact].gap, horizon);
-    if (present == REGIME_APART && !has_ends && path_keeps_away(&path)) {
+    f.path = relative_path_make(&f.shape, &f.separation, gap, horizon);
+    if (f.present == REGIME_APART && !has_ends && path_keeps_away(&f.path)) {
         return first_touch_at((double)INFINITY);
     }
-    const double axially = has_ends ? rounding_of_axial(v, at, contact, &shape) : 0.0;
-    if (contact_is_prescribed(v, contact)) {
-        const struct prescribed_rounding rounding = {by_positions, axially,
-                                                     speed_at_most(&separation, horizon)};
-        return prescribed_regime_change(&path, &shape, &law, &rounding, present);
+    f.axial_rounding = has_ends ? rounding_of_axial(v, at, contact, &f.shape) : 0.0;
+    if (is_prescribed) {
+        return prescribed_regime_change(&f);
     }
-    const double found = (q->contact[contact].schedule.dead_band_clock - clock) / horizon;
     /* Bodies that approach touch where g = 0; a wait until the gap exceeds rounding would add penetration. */
-    const bool approaches = present == REGIME_APART && now.gap_rate < -rounding_of_rate(at, contact);
-    const double unclear = approaches ? 0.0 : gap_rounding;
-    struct dead_band band =
-        dead_band_of(&path, &shape, &law, &now, unclear, by_positions, &separation, present, clock == 0.0);
+    const bool approaches = f.present == REGIME_APART && f.now.gap_rate < -rounding_of_rate(at, contact);
+    struct dead_band band = dead_band_of(&f, approaches ? 0.0 : f.gap_rounding, q->clock == 0.0);
+    const double found = dead_band_rest / horizon;
     band = (struct dead_band){fmax(found, band.gap), fmax(found, band.law)};
     if (has_ends) {
-        dead_band_at_ends(&path, &shape, &now, axially, &separation, present);
+        dead_band_at_ends(&f);
     }
     if (ends_only) {
         double events[MAX_CANDIDATES];
-        return path_first_change(&path, events, candidates_of_ends(&path, events, 0), &law, present, true,
-                                 band);
+        return path_first_change(&f, events, candidates_of_ends(&f.path, events, 0), true, band);
     }
-    return flight_regime_change(&path, &shape, &law, present, band, by_positions);
+    return flight_regime_change(&f, band);
 }
 
 static struct regime_change capped_regime_change(const struct scene_values *v, const struct scene_state *q,
-                                                 const struct scene_instant *at, double clock, int contact,
+                                                 const struct scene_instant *at,
+                                                 const struct contact_shape *shape, int contact,
                                                  double horizon)
 {
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
-    const struct regime_change none = {(double)INFINITY, present, 0.0, true};
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    if (contact_is_coupled(v, q, contact) ||
-        (contact_transmits(q, contact) && !contact_is_prescribed(v, contact))) {
-        return none;
+    struct regime_change next = no_change(present, true);
+    if (contact_is_coupled(v, q, contact) || contact_pushes(v, q, contact)) {
+        return next;
     }
     if (present == REGIME_APART) {
-        return first_touch_at(zone_change_touch(v, q, at, clock, contact, horizon));
+        return first_touch_at(zone_change_touch(v, q, at, q->clock, contact, horizon));
     }
-    const struct separation_path path = separation_path_of(v, q, at, clock, contact);
-    const double end = zone_path_end(&shape.solid, &path, horizon);
+    const struct separation_path path = separation_path_of(v, q, at, q->clock, contact);
+    const double end = zone_path_end(&shape->solid, &path, horizon);
     const double until = fmin(end, horizon);
-    struct regime_change next = none;
-    if (until > 0.0 && contact_is_rim(&shape)) {
+    if (until > 0.0 && contact_is_rim(shape)) {
         const struct contact_law law = scene_contact_law(v, q, contact);
         const struct rim_change change =
-            rim_first_change(&shape, &law, &path, rounding_of_gap(v, at, contact), present, 0.0, until);
+            rim_first_change(shape, &law, &path, rounding_of_gap(v, at, contact), present, 0.0, until);
         /* DBL_MAX says that the gap is the one that the positions give */
         const double gap = change.regime == REGIME_APART ? 0.0 : DBL_MAX;
         next = (struct regime_change){change.time, change.regime, gap, false};
     } else if (until > 0.0) {
-        next = smooth_regime_change(v, q, at, clock, contact, until);
+        next = smooth_regime_change(v, q, at, contact, until);
     }
     if (!(next.after < end) && end < (double)INFINITY) {
         /* the gap is again the one that the positions give */
         return (struct regime_change){end, present, DBL_MAX, next.passes_centre};
     }
     return next;
-}
-
-struct regime_change next_regime_change(const struct scene_values *v, const struct scene_state *q,
-                                        const struct scene_instant *at, double clock, int contact,
-                                        double horizon)
-{
-    if (SCENE_ANY_CAPS) {
-        const struct contact_shape shape = scene_contact_shape(v, q, contact);
-        if (contact_is_capped(&shape)) {
-            return capped_regime_change(v, q, at, clock, contact, horizon);
-        }
-    }
-    return smooth_regime_change(v, q, at, clock, contact, horizon);
 }
 
 void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,
@@ -575,19 +536,6 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
 static const double LAW_INSTANTS_PER_RADIAN = 16.0;
 static const double LEAST_LAW_INSTANTS = 64.0;
 static const double MOST_LAW_INSTANTS = 1e6;
-
-/* Whether another contact transmits a force to a body of this contact that moves freely. */
-static bool is_loaded(const struct scene_values *v, const struct scene_state *q, int contact)
-{
-    for (int i = 0; SCENE_CONTACTS > 1 && i < 2; ++i) {
-        const int body = i == 0 ? contact_source(contact) : contact_destination(contact);
-        const bool moves = body_is_free(v, body) || body_turns_freely(v, body);
-        if (moves && body_is_loaded(q, body, contact)) {
-            return true;
-        }
-    }
-    return false;
-}
 
 static struct advancement_path advancement_path_of(const struct scene_values *v, const struct scene_state *q,
                                                    const struct scene_instant *at, int contact)
@@ -692,17 +640,23 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
 {
     if (scene_turns(v)) {
         const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
-        const struct prediction nothing = {{(double)INFINITY, present, 0.0, true}, horizon, 0};
-        if (contact_transmits(q, contact) && !contact_is_prescribed(v, contact)) {
+        const struct prediction nothing = {no_change(present, true), horizon, 0};
+        if (contact_pushes(v, q, contact)) {
             return nothing;
         }
         if (SCENE_ANY_ADVANCEMENT && contact_advances(v, contact)) {
-            return is_loaded(v, q, contact) ? nothing
-                                            : advancement_prediction(v, q, at, contact, horizon, budget);
+            return contact_is_coupled(v, q, contact)
+                       ? nothing
+                       : advancement_prediction(v, q, at, contact, horizon, budget);
         }
     }
-    const struct regime_change next = next_regime_change(v, q, at, q->clock, contact, horizon);
-    return (struct prediction){next, horizon, 0};
+    if (SCENE_ANY_CAPS) {
+        const struct contact_shape shape = scene_contact_shape(v, q, contact);
+        if (contact_is_capped(&shape)) {
+            return (struct prediction){capped_regime_change(v, q, at, &shape, contact, horizon), horizon, 0};
+        }
+    }
+    return (struct prediction){smooth_regime_change(v, q, at, contact, horizon), horizon, 0};
 }
 
 /* Where the discriminant is below this part of its terms, the parabola may only touch zero. Its root then has

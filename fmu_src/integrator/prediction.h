@@ -23,16 +23,6 @@ struct regime_change {
     bool passes_centre;         /* whether d may fall to its rounding within the horizon */
 };
 
-/*
- * Returns the first change of the regime of `contact` within `horizon` seconds of the instant `at`, which was
- * taken at `clock`. The change is exact to the rounding of the gap, which just after a contact is much less
- * than the rounding of positions. While the gap, or the distance from an end plane, is still within rounding,
- * a change belongs to the transition just made and is ignored.
- */
-struct regime_change next_regime_change(const struct scene_values *v, const struct scene_state *q,
-                                        const struct scene_instant *at, double clock, int contact,
-                                        double horizon);
-
 /* Notes the peak penetration of a contact from the present instant `at` to the clock `until`. The contact
  * transmits no force, or its motion is prescribed, so the extremes of its gap are roots of a polynomial. */
 void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,
@@ -42,6 +32,10 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
  * A prediction is the next foreseen change of a contact's regime. It is found in closed form where the axis
  * of the contact keeps its direction. Where the axis turns, it is found by conservative advancement, which
  * misses no touch.
+ *
+ * The change is exact to the rounding of the gap, which just after a contact is much less than the rounding
+ * of positions. While the gap, or the distance from an end plane, is still within rounding, a change belongs
+ * to the transition just made and is ignored.
  */
 
 struct prediction {

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "math/checksum.h"
 #include "model/state.h"
 
 struct model *model_create(const struct model_host *host)
@@ -28,10 +27,6 @@ void model_destroy(struct model *m)
 void model_reset(struct model *m)
 {
     memset(&m->state, 0, sizeof m->state);
-    m->state.magic = MODEL_STATE_MAGIC;
-    m->state.version = MODEL_STATE_VERSION;
-    m->state.scene = SCENE_HASH;
-    m->state.size = (uint32_t)sizeof m->state;
     m->state.exchange = m->host.exchange ? EXCHANGE_EVENTS : EXCHANGE_NONE;
     scene_start(&m->state.values);
     m->outputs = OUTPUTS_NONE;
@@ -40,10 +35,6 @@ void model_reset(struct model *m)
 enum model_status model_setup(struct model *m, bool tolerance_defined, double tolerance, double start_time)
 {
     enum model_status status = MODEL_OK;
-    if (!isfinite(start_time)) {
-        return model_report(m, MODEL_ERROR, "The start time %s s is refused (allowed: finite times).",
-                            shortest_digits(start_time).text);
-    }
     if (tolerance_defined && !(tolerance > 0.0 && isfinite(tolerance))) {
         return model_report(m, MODEL_ERROR, "The tolerance %s is refused (allowed: positive finite numbers).",
                             shortest_digits(tolerance).text);
@@ -156,12 +147,6 @@ static double ask_readable(void *context, double end_time)
     return end_time;
 }
 
-enum model_status model_step(struct model *m, double end_time)
-{
-    const struct step_request request = {.end_time = end_time};
-    return model_step_requested(m, &request);
-}
-
 enum model_status model_step_requested(struct model *m, const struct step_request *request)
 {
     if (!m->state.initialized) {
@@ -188,18 +173,7 @@ enum model_status model_step_requested(struct model *m, const struct step_reques
     return status;
 }
 
-/* A saved state is struct model_state itself, whose first members identify it. */
-
-enum { HEADER_SIZE = offsetof(struct model_state, values) };
-
-_Static_assert((sizeof(struct model_state) - HEADER_SIZE) % 8 == 0, "checksum_of takes words of 64 bits");
-
-/* Returns the checksum of a state's bytes behind its header. */
-static uint64_t payload_checksum(const struct model_state *state)
-{
-    return checksum_of(CHECKSUM_START, (const unsigned char *)state + HEADER_SIZE,
-                       sizeof *state - HEADER_SIZE);
-}
+/* A saved state is struct model_state itself. */
 
 size_t model_state_size(void)
 {
@@ -213,7 +187,6 @@ void model_save(struct model *m, void *bytes)
         scene_rebase(&m->state.values, &m->state.motion);
         m->outputs = OUTPUTS_NONE;
     }
-    m->state.checksum = payload_checksum(&m->state);
     memcpy(bytes, &m->state, sizeof m->state);
 }
 
@@ -359,8 +332,8 @@ static bool motion_is_sound(const struct scene_values *v, const struct scene_sta
            all_finite(q, q->contact);
 }
 
-/* Whether all members of a state are in range. The checksum finds accidents only, not bytes made on
- * purpose. */
+/* Whether all members of a state are in range. A checksum (fmi/instance.c) finds accidents only, not bytes
+ * made on purpose. */
 static bool state_is_sound(const struct model_state *state)
 {
     for (int i = 0; i < scene_variable_count; ++i) {
@@ -380,29 +353,13 @@ static bool state_is_sound(const struct model_state *state)
            all_finite(&state->importer_tolerance, state->in_force.dashpot) && state->tuned <= 1;
 }
 
-/* Exchanges the model's integrator with another one. */
-static void swap_integrators(struct model *m, struct integrator *other)
+/* Whether all variables of a model in a restored state are finite when they are read; values near the end of
+ * their range may give infinite outputs. Reading may change the state. If the memory for the integrator runs
+ * out, integrator.message says so. */
+static bool gives_numbers(struct model *m)
 {
-    if (SCENE_ANY_FREE) {
-        const struct integrator own = m->integrator;
-        m->integrator = *other;
-        *other = own;
-    }
-}
-
-/* Opens `integrator` for a state, and tells whether all variables of the state are finite when they are read;
- * values near the end of their range may give infinite outputs. No message is sent. If the memory runs out,
- * integrator->message says so. The model's own integrator cannot be used, because reading computes deferred
- * steps, and its memory fits other values. */
-static bool gives_numbers(struct model *m, const struct model_state *state, struct integrator *integrator)
-{
-    const struct model_state before = m->state;
-    const struct model_host host = m->host;
-    m->host.log = NULL;
-    swap_integrators(m, integrator);
-    bool finite = !state->initialized || m->host.exchange || motion_open(m, &state->values, "") == MODEL_OK;
-    m->state = *state;
-    m->outputs = OUTPUTS_NONE;
+    bool finite =
+        !m->state.initialized || m->host.exchange || motion_open(m, &m->state.values, "") == MODEL_OK;
     if (finite && !model_update_outputs(m, OUTPUTS_ALL)) {
         m->state.signals_changed = 0; /* refused inputs may still be replaced */
         (void)model_update_outputs(m, OUTPUTS_ALL);
@@ -410,22 +367,11 @@ static bool gives_numbers(struct model *m, const struct model_state *state, stru
     for (int i = 0; i < scene_variable_count && finite; ++i) {
         finite = value_in_range(&m->state.values, &scene_variables[i]);
     }
-    swap_integrators(m, integrator);
-    m->state = before;
-    m->host = host;
-    m->outputs = OUTPUTS_NONE;
     return finite;
 }
 
-static enum model_status check_header(struct model *m, const struct model_state *state)
+static enum model_status check_state(struct model *m, const struct model_state *state)
 {
-    if (state->magic != MODEL_STATE_MAGIC || state->version != MODEL_STATE_VERSION ||
-        state->scene != SCENE_HASH || state->size != sizeof *state ||
-        state->checksum != payload_checksum(state)) {
-        return model_report(m, MODEL_ERROR,
-                            "Saved state refused: it is not of version %u of %s, or it has been altered.",
-                            MODEL_STATE_VERSION, SCENE_NAME);
-    }
     if (state->exchange > EXCHANGE_CONTINUOUS || (state->exchange != EXCHANGE_NONE) != m->host.exchange) {
         return model_report(
             m, MODEL_ERROR, "Saved state refused: it was saved while %s integrates, expected: while %s does.",
@@ -437,29 +383,27 @@ static enum model_status check_header(struct model *m, const struct model_state 
     return MODEL_OK;
 }
 
-enum model_status model_restore(struct model *m, const void *bytes, size_t size)
+/* Another model tries the state, without messages, since this one stays as it is where it is refused, and the
+ * memory of its integrator fits other values. */
+enum model_status model_restore(struct model *m, const void *bytes)
 {
-    if (size != sizeof m->state) {
-        return model_report(m, MODEL_ERROR, "Saved state refused: %zu bytes (allowed: %zu).", size,
-                            sizeof m->state);
-    }
-    struct model_state state;
-    memcpy(&state, bytes, sizeof state);
-    const enum model_status status = check_header(m, &state);
+    struct model trial = {.host = m->host, .outputs = OUTPUTS_NONE};
+    memcpy(&trial.state, bytes, sizeof trial.state);
+    const enum model_status status = check_state(m, &trial.state);
     if (status != MODEL_OK) {
         return status;
     }
-    struct integrator integrator = {.pairs = NULL};
-    if (!gives_numbers(m, &state, &integrator)) {
-        motion_close(&integrator);
+    trial.host.log = NULL;
+    if (!gives_numbers(&trial)) {
+        motion_close(&trial.integrator);
         return model_report(m, MODEL_ERROR, "Saved state refused: %s.",
-                            SCENE_ANY_FREE && integrator.message[0]
-                                ? integrator.message
+                            SCENE_ANY_FREE && trial.integrator.message[0]
+                                ? trial.integrator.message
                                 : "its motion is beyond the range of numbers");
     }
-    swap_integrators(m, &integrator);
-    motion_close(&integrator);
-    m->state = state;
+    motion_close(&m->integrator);
+    m->integrator = trial.integrator;
+    memcpy(&m->state, bytes, sizeof m->state);
     m->outputs = OUTPUTS_NONE;
     return MODEL_OK;
 }

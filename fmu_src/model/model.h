@@ -20,17 +20,12 @@
 /* The order is that of fmi2Status. */
 enum model_status { MODEL_OK, MODEL_WARNING, MODEL_DISCARD, MODEL_ERROR, MODEL_FATAL };
 
-/* Returns the log category of messages with a status: logEvents, logStatusWarning, logStatusDiscard,
- * logStatusError or logStatusFatal. */
-const char *model_category(enum model_status status);
-
 /* The services that the owner of a model provides to it. */
 struct model_host {
     void *context;
-    /* category: see model_category */
-    void (*log)(void *context, enum model_status status, const char *category, const char *message);
-    /* whether the owner wants messages of a category; others are not formatted */
-    bool (*wants)(void *context, const char *category);
+    void (*log)(void *context, enum model_status status, const char *message);
+    /* whether the owner wants messages with a status; others are not formatted */
+    bool (*wants)(void *context, enum model_status status);
     void *(*allocate)(size_t count, size_t size); /* zeroed, as calloc */
     void (*release)(void *memory);
     bool exchange; /* the importer integrates the model (Model Exchange); else it takes steps of its own */
@@ -46,20 +41,18 @@ void model_destroy(struct model *m);
 /* Returns the model to the state in which model_create hands it out. */
 void model_reset(struct model *m);
 
-/* Sets the start time [s] and, where the importer has one, the importer's relative tolerance. A tolerance
- * outside the range of solver.relative_tolerance is clipped to it with a warning. */
+/* Sets the finite start time [s] and, where the importer has one, the importer's relative tolerance. A
+ * tolerance outside the range of solver.relative_tolerance is clipped to it with a warning. */
 enum model_status model_setup(struct model *m, bool tolerance_defined, double tolerance, double start_time);
 
 /* Ends initialization, after which the model can step. Contradictory parameters are refused with a message
  * that names both; all parameters can then still be set. */
 enum model_status model_exit_initialization(struct model *m);
 
-/* Integrates to end_time [s], which lies after model_time. MODEL_DISCARD: solver.max_internal_steps ended the
- * step earlier, at model_time. All values are then those of model_time, where the next step may begin. */
-enum model_status model_step(struct model *m, double end_time);
-
-/* Does model_step with a request (integrator/step_request.h). A callback at_event may read the outputs of its
- * instant, and may call no other function. */
+/* Integrates to the end_time of the request [s], which lies after model_time. MODEL_DISCARD:
+ * solver.max_internal_steps ended the step earlier, at model_time. All values are then those of model_time,
+ * where the next step may begin. A callback at_event may read the outputs of its instant, and may call no
+ * other function. */
 enum model_status model_step_requested(struct model *m, const struct step_request *request);
 
 /* Advances only the clock to end_time [s], where the flight of the bodies can be deferred (flight/flight.h).
@@ -97,20 +90,19 @@ CONTACT_COLD enum model_status model_get_output_derivatives(struct model *m,
                                                             const struct variable_list *outputs,
                                                             const int *orders, double *values);
 
-/* Computes J times `direction`, where J holds the derivatives of the real variables `unknowns` with
- * respect to the real inputs `knowns` in the regimes in force. Until the end of initialization the inputs
- * move the start of the motion, and the automatic penalty factors change with it. MODEL_DISCARD: beyond the
- * range of numbers. */
-CONTACT_COLD enum model_status model_get_directional_derivative(struct model *m,
-                                                                const struct variable_list *unknowns,
-                                                                const struct variable_list *knowns,
-                                                                const double *direction, double *values);
+/* A product with the matrix J of the derivatives of unknowns with respect to knowns. */
+struct product {
+    bool adjoint; /* true: seed times J, one seed for each unknown; else J times seed, one for each known */
+    struct variable_list unknowns, knowns;
+    size_t unknown_components, known_components; /* numbers of components that the importer gives */
+    const double *seed;
+    double *sensitivity;
+};
 
-/* Computes `seed` times J: for each known, the derivative of the sum of the unknowns, each times its seed. */
-CONTACT_COLD enum model_status model_get_adjoint_derivative(struct model *m,
-                                                            const struct variable_list *unknowns,
-                                                            const struct variable_list *knowns,
-                                                            const double *seed, double *values);
+/* Computes a product, where J holds the derivatives of real variables with respect to real inputs or states
+ * in the regimes in force. Until the end of initialization the inputs move the start of the motion, and the
+ * automatic penalty factors change with it. MODEL_DISCARD: beyond the range of numbers. */
+CONTACT_COLD enum model_status model_product(struct model *m, const struct product *p);
 
 size_t model_state_size(void);
 
@@ -118,9 +110,9 @@ size_t model_state_size(void);
  * history, so that the run goes on with the same bits as a run restored from these bytes. */
 void model_save(struct model *m, void *bytes);
 
-/* Restores a saved state as a whole. Bytes of another version or scene, and bytes cut short or altered, are
- * refused and change nothing. */
-enum model_status model_restore(struct model *m, const void *bytes, size_t size);
+/* Restores a saved state of this scene as a whole from model_state_size() bytes. Bytes that hold values out
+ * of range are refused and change nothing. */
+enum model_status model_restore(struct model *m, const void *bytes);
 
 /*
  * Model Exchange: here an integrator of the importer integrates the model.
@@ -160,13 +152,17 @@ enum exchange_values { EXCHANGE_STATES, EXCHANGE_RATES, EXCHANGE_INDICATORS, EXC
 /* Reads the values named by `which`. MODEL_DISCARD: a value is beyond the range of numbers. */
 enum model_status model_exchange_get(struct model *m, enum exchange_values which, double *values);
 
-/* Takes over the inputs in event mode and changes the regime of each contact whose indicators have passed
- * zero. *changed: some regime has changed, and another may have to. *jumped: some state has jumped. */
-enum model_status model_exchange_update(struct model *m, bool *changed, bool *jumped);
+/* The changes that an event has caused. */
+struct exchange_news {
+    bool again;        /* regimes have changed, and another one may have to */
+    bool jumped;       /* a state has jumped */
+    bool scheduled;    /* the next touch of bodies in free flight under constant forces is foreseen */
+    double event_time; /* [s], of that touch; 0 where none is foreseen or it comes too soon to be announced */
+};
 
-/* Returns the time of the next touch of bodies in free flight under constant forces [s]; to be called after
- * model_exchange_update. INFINITY: no touch is foreseen, or it comes too soon to be announced. */
-double model_exchange_next_touch(const struct model *m);
+/* Takes over the inputs in event mode and changes the regime of each contact whose indicators have passed
+ * zero. */
+enum model_status model_exchange_update(struct model *m, struct exchange_news *news);
 
 /* Notes the contact normals after a step that the importer's integrator accepts. A noted normal serves while
  * the distance d of the contact is zero and gives no direction. */

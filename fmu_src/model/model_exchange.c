@@ -68,43 +68,6 @@ static double state_origin(const struct scene_state *q, const struct variable *s
                : 0.0;
 }
 
-/* Returns the time derivative of a state; it is zero for a body that is not free. */
-static double rate_of(const struct scene_values *v, const struct scene_state *q,
-                      const struct scene_instant *at, const struct variable *rate)
-{
-    const int i = rate->element;
-    const int k = rate->component;
-    if (SCENE_ANY_ROTATION && rate->row == ROW_body_orientation_rate) {
-        const struct body_turn *turn = &q->turning.body[i];
-        struct quaternion change = quaternion_rate(turn->orientation, turn->angular_velocity);
-        return body_turns_freely(v, i) ? *orientation_part(&change, k) : 0.0;
-    }
-    switch (rate->row) {
-    case ROW_body_angular_acceleration:
-        return body_turns_freely(v, i) ? vec3_get(turning_acceleration(v, q, q->clock, at, i), k) : 0.0;
-    case ROW_contact_spring_rate:
-    case ROW_contact_rolling_spring_rate:
-    case ROW_contact_spinning_spring_rate: {
-        const int part = part_of(rate->row);
-        return contact_has_spring(v, i, part)
-                   ? vec3_get(turning_spring_rate(v, q, &q->turning, at, i, part), k)
-                   : 0.0;
-    }
-    case ROW_energy_friction_power:
-        return scene_turns(v) ? turning_friction_power(v, at) : 0.0;
-    case ROW_body_displacement_rate:
-        return body_is_free(v, i) ? vec3_get(at->velocity[i], k) : 0.0;
-    case ROW_body_acceleration:
-        return body_is_free(v, i) ? vec3_get(at->acceleration[i], k) : 0.0;
-    case ROW_energy_dissipated_power:
-        return energy_dissipated_power(v, q, at);
-    case ROW_energy_external_power:
-        return scene_external_power(v, q, q->clock, at);
-    default:
-        return 0.0;
-    }
-}
-
 static double indicator_of(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at, const struct variable *indicator)
 {
@@ -125,20 +88,6 @@ static double indicator_of(const struct scene_values *v, const struct scene_stat
     default: /* ROW_contact_lift_indicator */
         return regime_friction_margin(v, q, at, j, ODE_EVENT_LIFT);
     }
-}
-
-double model_exchange_value(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at, const struct variable *variable)
-{
-    if (!SCENE_ANY_FREE) {
-        return 0.0;
-    }
-    if (variable->causality == VARIABLE_STATE) {
-        const double kept = *state_at((struct scene_state *)q, variable);
-        return variable->row == ROW_body_displacement_state ? state_origin(q, variable) + kept : kept;
-    }
-    return variable->causality == VARIABLE_RATE ? rate_of(v, q, at, variable)
-                                                : indicator_of(v, q, at, variable);
 }
 
 /* Returns a checksum of the states that events may make jump: the energies, and the friction springs where
@@ -172,119 +121,124 @@ void model_exchange_move(const struct scene_values *v, const struct scene_state 
                          const struct variable *state, double change, struct scene_jet *along)
 {
     const int i = state->element;
-    const int k = state->component;
+    const int part = part_of(state->row);
+    struct vec3 *vector = NULL;
     switch (state->row) {
+    case ROW_body_orientation_state:
+        if (SCENE_ANY_ROTATION && body_turns_freely(v, i)) {
+            move_orientation(q, state, change, along);
+        }
+        break;
+    case ROW_body_angular_velocity_state:
+        vector = body_turns_freely(v, i) ? &along->angular_velocity[i][1] : NULL;
+        break;
+    case ROW_contact_spring_state:
+    case ROW_contact_rolling_spring_state:
+    case ROW_contact_spinning_spring_state:
+        vector = contact_has_spring(v, i, part) ? &along->spring[i][part][1] : NULL;
+        break;
+    case ROW_body_displacement_state:
+        vector = body_is_free(v, i) ? &along->displacement[i][1] : NULL;
+        break;
+    case ROW_body_velocity_state:
+        vector = body_is_free(v, i) ? &along->velocity[i][1] : NULL;
+        break;
     case ROW_energy_dissipated_state:
         along->dissipated[1] += change;
-        return;
+        break;
     case ROW_energy_external_work_state:
         along->external_work[1] += change;
-        return;
-    case ROW_body_displacement_state:
-        if (body_is_free(v, i)) {
-            vec3_add_to(&along->displacement[i][1], k, change);
-        }
-        return;
-    case ROW_body_velocity_state:
-        if (body_is_free(v, i)) {
-            vec3_add_to(&along->velocity[i][1], k, change);
-        }
-        return;
-    default:
+        break;
+    default: /* ROW_energy_friction_state */
+        along->friction[1] += change;
         break;
     }
-    if (SCENE_ANY_ROTATION && state->row == ROW_body_orientation_state && body_turns_freely(v, i)) {
-        move_orientation(q, state, change, along);
-    }
-    if (SCENE_ANY_ROTATION && state->row == ROW_body_angular_velocity_state && body_turns_freely(v, i)) {
-        vec3_add_to(&along->angular_velocity[i][1], k, change);
-    }
-    const int part = part_of(state->row);
-    const bool is_spring = part != OPPOSED_SLIP || state->row == ROW_contact_spring_state;
-    if (SCENE_ANY_FRICTION && is_spring && contact_has_spring(v, i, part)) {
-        vec3_add_to(&along->spring[i][part][1], k, change);
-    }
-    if (SCENE_ANY_FRICTION && state->row == ROW_energy_friction_state) {
-        along->friction[1] += change;
+    if (vector != NULL) {
+        vec3_add_to(vector, state->component, change);
     }
 }
 
-static double orientation_rate_slope(const struct scene_state *q, const struct scene_jet *along,
-                                     const struct variable *rate)
+/* Returns the rate of an orientation, or its change along a path; NULL: no path. */
+static struct quaternion orientation_rate(const struct scene_state *q, const struct scene_jet *along,
+                                          int body)
 {
-    const int body = rate->element;
     const struct body_turn *turn = &q->turning.body[body];
-    struct quaternion slope = quaternion_rate(turn->orientation, along->angular_velocity[body][1]);
-    slope =
-        quaternion_axpy(slope, 1.0, quaternion_rate(along->given_orientation[body], turn->angular_velocity));
-    return *orientation_part(&slope, rate->component);
-}
-
-/* Returns the change of a contact's motion along the path. */
-static struct turning_motion motion_along(const struct scene_jet *along, int contact)
-{
-    const int from = contact_source(contact);
-    const int to = contact_destination(contact);
-    struct vec3 c[JET_TERMS] = {{0.0, 0.0, 0.0}};
-    struct vec3 w[JET_TERMS] = {{0.0, 0.0, 0.0}};
-    jet_add_levers(along, contact, c, w);
-    struct turning_motion motion = {
-        .separation = vec3_add(c[1], vec3_sub(along->displacement[to][1], along->displacement[from][1])),
-        .rate = vec3_add(w[1], vec3_sub(along->velocity[to][1], along->velocity[from][1])),
-        .source_rotation = along->angular_velocity[from][1],
-        .destination_rotation = along->angular_velocity[to][1],
-        .axis = along->axis[to][1]};
-    for (int i = 0; i < OPPOSED; ++i) {
-        motion.spring[i] = along->spring[contact][i][1];
+    if (along == NULL) {
+        return quaternion_rate(turn->orientation, turn->angular_velocity);
     }
-    return motion;
+    return quaternion_axpy(quaternion_rate(turn->orientation, along->angular_velocity[body][1]), 1.0,
+                           quaternion_rate(along->given_orientation[body], turn->angular_velocity));
 }
 
-static double spring_rate_slope(const struct scene_values *v, const struct scene_state *q,
-                                const struct scene_instant *at, const struct scene_jet *along,
-                                const struct variable *rate)
+/* Returns the rate of a vector that is a state, or its change along a path; NULL: no path. Both are zero for
+ * a state that stays constant. */
+static struct vec3 vector_rate(const struct scene_values *v, const struct scene_state *q,
+                               const struct scene_instant *at, const struct scene_jet *along,
+                               const struct variable *rate)
 {
-    const int j = rate->element;
+    const int i = rate->element;
     const int part = part_of(rate->row);
-    if (!contact_has_spring(v, j, part) || q->contact[j].regime == (int32_t)REGIME_APART) {
-        return 0.0;
+    struct vec3 none = {0.0, 0.0, 0.0};
+    switch (rate->row) {
+    case ROW_body_displacement_rate:
+        return !body_is_free(v, i) ? none : along ? along->velocity[i][1] : at->velocity[i];
+    case ROW_body_acceleration:
+        return !body_is_free(v, i) ? none
+               : along             ? vec3_scale(2.0, free_bodies_half_jerk(v, along, i))
+                                   : at->acceleration[i];
+    case ROW_body_angular_acceleration:
+        return !body_turns_freely(v, i) ? none
+               : along                  ? vec3_scale(2.0, turning_jet_half_jerk(v, q, at, along, i))
+                                        : turning_acceleration(v, q, q->clock, at, i);
+    default: /* of a spring */
+        return !contact_has_spring(v, i, part) ? none
+               : along                         ? turning_jet_spring_change(v, q, at, along, i, part)
+                                               : turning_spring_rate(v, q, &q->turning, at, i, part);
     }
-    const struct contact_shape shape = scene_shape_met(v, q, at, j);
-    const struct turning_motion motion = turning_motion_of(&q->turning, at, j);
-    const struct turning_laws laws = turning_laws_of(v, q, j);
-    const struct turning_slopes slopes = turning_slopes_at(&shape, &at->geometry[j], &motion, &laws);
-    const struct turning_motion change = motion_along(along, j);
-    return vec3_get(turning_slopes_along(&slopes, &change).spring_rate[part], rate->component);
+}
+
+/* Returns the rate of a state, or its change along a path; NULL: no path. */
+static double rate_of(const struct scene_values *v, const struct scene_state *q,
+                      const struct scene_instant *at, const struct scene_jet *along,
+                      const struct variable *rate)
+{
+    struct quaternion turned;
+    switch (rate->row) {
+    case ROW_body_orientation_rate:
+        turned = orientation_rate(q, along, rate->element);
+        return body_turns_freely(v, rate->element) ? *orientation_part(&turned, rate->component) : 0.0;
+    case ROW_energy_friction_power:
+        return !scene_turns(v) ? 0.0
+               : along         ? turning_jet_friction_power(v, along, 1)
+                               : turning_friction_power(v, at);
+    case ROW_energy_dissipated_power:
+        return along ? free_bodies_dissipated_power(v, q, along, 1) : energy_dissipated_power(v, q, at);
+    case ROW_energy_external_power:
+        return along ? free_bodies_external_power(v, q, along, 1) : scene_external_power(v, q, q->clock, at);
+    default:
+        return vec3_get(vector_rate(v, q, at, along, rate), rate->component);
+    }
 }
 
 double model_exchange_slope(const struct scene_values *v, const struct scene_state *q,
                             const struct scene_instant *at, const struct scene_jet *along,
                             const struct variable *variable)
 {
-    const int i = variable->element;
-    const int k = variable->component;
-    switch (variable->row) {
-    case ROW_body_orientation_rate:
-        return body_turns_freely(v, i) ? orientation_rate_slope(q, along, variable) : 0.0;
-    case ROW_body_angular_acceleration:
-        return body_turns_freely(v, i) ? vec3_get(turning_jet_spin_change(v, q, at, along, i), k) : 0.0;
-    case ROW_contact_spring_rate:
-    case ROW_contact_rolling_spring_rate:
-    case ROW_contact_spinning_spring_rate:
-        return spring_rate_slope(v, q, at, along, variable);
-    case ROW_energy_friction_power:
-        return scene_turns(v) ? turning_jet_friction_power(v, along, 1) : 0.0;
-    case ROW_body_displacement_rate:
-        return body_is_free(v, i) ? vec3_get(along->velocity[i][1], k) : 0.0;
-    case ROW_body_acceleration:
-        return body_is_free(v, i) ? 2.0 * vec3_get(free_bodies_half_jerk(v, along, i), k) : 0.0;
-    case ROW_energy_dissipated_power:
-        return free_bodies_dissipated_power(v, q, along, 1);
-    case ROW_energy_external_power:
-        return free_bodies_external_power(v, q, along, 1);
-    default:
+    return variable->causality == VARIABLE_RATE ? rate_of(v, q, at, along, variable) : 0.0;
+}
+
+double model_exchange_value(const struct scene_values *v, const struct scene_state *q,
+                            const struct scene_instant *at, const struct variable *variable)
+{
+    if (!SCENE_ANY_FREE) {
         return 0.0;
     }
+    if (variable->causality == VARIABLE_STATE) {
+        const double kept = *state_at((struct scene_state *)q, variable);
+        return variable->row == ROW_body_displacement_state ? state_origin(q, variable) + kept : kept;
+    }
+    return variable->causality == VARIABLE_RATE ? rate_of(v, q, at, NULL, variable)
+                                                : indicator_of(v, q, at, variable);
 }
 
 /* Changes each regime whose event function has passed zero. Whether one has changed. */
@@ -426,25 +380,12 @@ enum model_status model_exchange_get(struct model *m, enum exchange_values which
     return status;
 }
 
-enum model_status model_exchange_update(struct model *m, bool *changed, bool *jumped)
-{
-    struct scene_state *q = &m->state.motion;
-    const enum model_status status = follow(m);
-    *changed = status == MODEL_OK && change_regimes(&m->state.values, q);
-    *jumped = booked_states(q) != m->state.booked;
-    if (*changed) {
-        model_report(m, MODEL_OK, "Changes of contact at %.17g s; since initialization: %d.", scene_time(q),
-                     (int)q->counters.events);
-    }
-    model_forget_outputs(m);
-    return status;
-}
-
 /* Least announced time to a touch [s], divided by the time [s] or by 1 s, whichever is larger. Importers take
  * two times whose relative difference is below 1e-9 for equal, and cannot step from one to the other. */
 static const double SOONEST_TOUCH = 1e-6;
 
-double model_exchange_next_touch(const struct model *m)
+/* Announces the next touch. */
+static void foresee_touch(const struct model *m, struct exchange_news *news)
 {
     const double now = scene_time(&m->state.motion);
     double after = (double)INFINITY;
@@ -453,8 +394,25 @@ double model_exchange_next_touch(const struct model *m)
     for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
         after = fmin(after, touch_after(&m->state.values, &m->state.motion, &at, j));
     }
-    const double time = now + after;
-    return after > SOONEST_TOUCH * fmax(1.0, fabs(now)) && time <= DBL_MAX ? time : (double)INFINITY;
+    news->scheduled = after > SOONEST_TOUCH * fmax(1.0, fabs(now)) && now + after <= DBL_MAX;
+    news->event_time = news->scheduled ? now + after : 0.0;
+}
+
+enum model_status model_exchange_update(struct model *m, struct exchange_news *news)
+{
+    struct scene_state *q = &m->state.motion;
+    const enum model_status status = follow(m);
+    news->again = status == MODEL_OK && change_regimes(&m->state.values, q);
+    news->jumped = booked_states(q) != m->state.booked;
+    if (news->again) {
+        model_report(m, MODEL_OK, "Changes of contact at %.17g s; since initialization: %d.", scene_time(q),
+                     (int)q->counters.events);
+    }
+    model_forget_outputs(m);
+    if (status <= MODEL_WARNING && !news->again) {
+        foresee_touch(m, news);
+    }
+    return status;
 }
 
 enum model_status model_exchange_accept(struct model *m)

@@ -303,38 +303,14 @@ static struct vec3 contact_sum_term(const struct scene_jet *along, const struct 
     return sum;
 }
 
-/* Returns coefficient `order` of the centre of a contact's source, where this is a compound of its part: the
- * part's centre is r_s e before the point that the arm leads to. */
-static struct vec3 source_centre_term(const struct scene_jet *along, const struct contact_shape *shape,
-                                      int contact, int order)
+/* Returns coefficient `order` of the place at which both forces of a contact act, on the source's surface. */
+static struct vec3 source_point_term(const struct scene_jet *along, const struct contact_shape *shape,
+                                     int contact, int order)
 {
-    const struct vec3 centre = along->displacement[contact_source(contact)][order];
-    if (!SCENE_ANY_COMPOUND) {
-        return centre;
-    }
-    return vec3_axpy(vec3_add(centre, along->turning[contact].source_arm[order]),
-                     -shape->side * shape->source_radius, along->contact[contact].normal[order]);
-}
-
-/* Returns coefficient `order` of a vector output that only contacts with rotation or friction have. */
-static struct vec3 turning_term(const struct scene_jet *along, const struct variable *variable, int order)
-{
-    const int j = variable->element;
-    const struct turning_jet *turning = &along->turning[j];
-    switch (variable->row) {
-    case ROW_contact_friction_force:
-        return turning->friction_force[order];
-    case ROW_contact_slip_velocity:
-        return turning->slip[order];
-    case ROW_contact_source_point:
-        return vec3_add(along->displacement[contact_source(j)][order], turning->source_arm[order]);
-    case ROW_contact_source_torque:
-        return turning->source_torque[order];
-    case ROW_contact_destination_torque:
-        return turning->destination_torque[order];
-    default:
-        return vec3_make(0.0, 0.0, 0.0);
-    }
+    const struct vec3 arm = SCENE_ANY_TURNING ? along->turning[contact].source_arm[order]
+                                              : vec3_scale(shape->side * shape->source_radius,
+                                                           along->contact[contact].normal[order]);
+    return vec3_add(along->displacement[contact_source(contact)][order], arm);
 }
 
 static double quaternion_component(struct quaternion a, int index)
@@ -350,33 +326,24 @@ static double distance_term(const struct scene_values *v, const struct contact_s
 {
     if (contact_is_capped(shape)) {
         const int destination = contact_destination(contact);
-        struct vec3 c[JET_TERMS] = {at->separation[contact]};
+        struct vec3 c[JET_TERMS] = {{0.0, 0.0, 0.0}}, rate[JET_TERMS] = {{0.0, 0.0, 0.0}};
         struct vec3 axis[JET_TERMS] = {shape->solid.axis};
         struct vec3 across[JET_TERMS];
         double axial[JET_TERMS];
         double rho[JET_TERMS];
         for (int i = 1; i < JET_TERMS; ++i) {
-            c[i] =
-                vec3_sub(along->displacement[destination][i], source_centre_term(along, shape, contact, i));
+            c[i] = vec3_sub(along->displacement[destination][i],
+                            along->displacement[contact_source(contact)][i]);
             if (SCENE_ANY_TURNING) {
                 axis[i] = body_turns(v, destination) ? along->axis[destination][i] : axis[i];
             }
         }
+        jet_add_levers(along, contact, c, rate);
+        c[0] = at->separation[contact];
         jet_of_axis_distance(c, axis, across, axial, rho);
         return order > 0 && !(rho[0] > 0.0) ? 0.0 : rho[order];
     }
     return along->contact[contact].distance[order];
-}
-
-/* Returns coefficient `order` of the place of the source's nearest point (contact_foot). */
-static struct vec3 foot_term(const struct contact_shape *shape, const struct scene_instant *at,
-                             const struct scene_jet *along, int contact, int order)
-{
-    if (order == 0) {
-        return contact_foot(shape, at->separation[contact]);
-    }
-    return contact_foot_along(shape, vec3_sub(along->displacement[contact_destination(contact)][order],
-                                              along->displacement[contact_source(contact)][order]));
 }
 
 static double contact_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
@@ -386,6 +353,7 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
     const int j = variable->element;
     const struct contact_shape shape = scene_shape_met(v, q, at, j);
     const struct contact_jet *contact = &along->contact[j];
+    const struct turning_jet *turning = &along->turning[j];
     struct vec3 vector = {0.0, 0.0, 0.0};
     switch (variable->row) {
     case ROW_contact_gap:
@@ -407,23 +375,33 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
     case ROW_contact_destination_force:
         vector = vec3_scale(-1.0, contact->source_force[order]);
         break;
-    case ROW_contact_point: /* source's centre + (d - r_d) n */
-        vector = vec3_add(source_centre_term(along, &shape, j, order),
-                          jet_scale(contact->distance, contact->normal, order));
-        vector = vec3_axpy(vector, -shape.other_radius, contact->normal[order]);
-        if (contact_is_skew(&shape)) { /* source's centre + a e_s + (d - r_d) n */
-            vector = vec3_add(vector, foot_term(&shape, at, along, j, order));
+    case ROW_contact_point: /* by g n beyond the source's point, on the destination's surface */
+        vector = vec3_scale(shape.side, jet_scale(contact->gap, contact->normal, order));
+        vector = vec3_add(source_point_term(along, &shape, j, order), vector);
+        break;
+    case ROW_contact_source_point:
+        vector = source_point_term(along, &shape, j, order);
+        break;
+    case ROW_contact_friction_force:
+        vector = turning->friction_force[order];
+        break;
+    case ROW_contact_slip_velocity:
+        vector = turning->slip[order];
+        break;
+    case ROW_contact_source_torque:
+        vector = turning->source_torque[order];
+        break;
+    case ROW_contact_destination_torque:
+        vector = turning->destination_torque[order];
+        break;
+    case ROW_contact_rolling_torque:
+    case ROW_contact_rolling_rate:
+    case ROW_contact_spinning_rate:
+        if (SCENE_ANY_ROLLING) {
+            vector = resistance_term(shape.side, turning, contact->normal, variable->row, order);
         }
         break;
     default:
-        if (SCENE_ANY_TURNING) {
-            vector = turning_term(along, variable, order);
-        }
-        if (SCENE_ANY_ROLLING &&
-            (variable->row == ROW_contact_rolling_torque || variable->row == ROW_contact_rolling_rate ||
-             variable->row == ROW_contact_spinning_rate)) {
-            vector = resistance_term(shape.side, &along->turning[j], contact->normal, variable->row, order);
-        }
         break;
     }
     return vec3_get(vector, variable->component);

@@ -5,26 +5,9 @@
 
 #include "model/state.h"
 
-const char *model_category(enum model_status status)
-{
-    switch (status) {
-    case MODEL_WARNING:
-        return "logStatusWarning";
-    case MODEL_DISCARD:
-        return "logStatusDiscard";
-    case MODEL_ERROR:
-        return "logStatusError";
-    case MODEL_FATAL:
-        return "logStatusFatal";
-    case MODEL_OK:
-    default:
-        return "logEvents";
-    }
-}
-
 bool model_reports(const struct model *m, enum model_status status)
 {
-    return m->host.log && (!m->host.wants || m->host.wants(m->host.context, model_category(status)));
+    return m->host.log && (!m->host.wants || m->host.wants(m->host.context, status));
 }
 
 enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)
@@ -35,7 +18,7 @@ enum model_status model_report(const struct model *m, enum model_status status, 
         va_start(arguments, format);
         vsnprintf(message, sizeof message, format, arguments);
         va_end(arguments);
-        m->host.log(m->host.context, status, model_category(status), message);
+        m->host.log(m->host.context, status, message);
     }
     return status;
 }

@@ -229,11 +229,12 @@ static void finish_path(const struct model *m, struct linear_model *l)
 
 /* Computes the changes of the unknowns along the path. Without seeds, `values` takes them one by one; with
  * seeds, *values becomes the sum of the changes, each times its seed. */
-static enum model_status put_changes(const struct model *m, const struct linear_model *l,
+static enum model_status put_changes(const struct model *m, struct linear_model *l,
                                      const struct variable_list *unknowns, const double *seed, double *values)
 {
     enum model_status status = MODEL_OK;
     double sum = 0.0;
+    finish_path(m, l);
     for (size_t i = 0; i < unknowns->count; ++i) {
         const struct variable *first = scene_variable(unknowns->references[i]);
         const size_t length = list_length(unknowns, i);
@@ -248,53 +249,43 @@ static enum model_status put_changes(const struct model *m, const struct linear_
     return status;
 }
 
-enum model_status model_get_directional_derivative(struct model *m, const struct variable_list *unknowns,
-                                                   const struct variable_list *knowns,
-                                                   const double *direction, double *values)
+/* Computes the sum of the changes by a known, each times its seed. */
+static enum model_status put_sum_of_changes(const struct model *m, struct linear_model *l,
+                                            const struct product *p, const struct variable *known,
+                                            double *value)
 {
+    *value = 0.0;
+    const enum model_status status = put_changes(m, l, &p->unknowns, p->seed, value);
+    return status != MODEL_OK || isfinite(*value)
+               ? status
+               : model_report(m, MODEL_DISCARD,
+                              "An adjoint derivative with respect to %s is beyond the range of numbers "
+                              "(allowed: finite).",
+                              known->name);
+}
+
+/* The adjoint moves each known by itself. That is cheap enough: inputs are few, and moving one costs as much
+ * as reading all outputs. */
+enum model_status model_product(struct model *m, const struct product *p)
+{
+    enum model_status status = MODEL_OK;
+    const double *direction = p->seed;
+    double *values = p->sensitivity;
     struct linear_model l;
     if (!open_linear_model(m, &l)) {
         return model_refuse_inputs(m);
     }
     begin_path(m, &l);
-    for (size_t i = 0; i < knowns->count; ++i) {
-        const struct variable *first = scene_variable(knowns->references[i]);
-        const size_t length = list_length(knowns, i);
-        for (size_t k = 0; k < length; ++k) {
-            move_inputs(&m->state.values, l.q, &l.at, first + k, *direction++, &l.along);
-        }
-    }
-    finish_path(m, &l);
-    return put_changes(m, &l, unknowns, NULL, values);
-}
-
-/* Each known is moved by itself. That is cheap enough: inputs are few, and moving one costs as much as
- * reading all outputs. */
-enum model_status model_get_adjoint_derivative(struct model *m, const struct variable_list *unknowns,
-                                               const struct variable_list *knowns, const double *seed,
-                                               double *values)
-{
-    enum model_status status = MODEL_OK;
-    struct linear_model l;
-    if (!open_linear_model(m, &l)) {
-        return model_refuse_inputs(m);
-    }
-    for (size_t i = 0; i < knowns->count; ++i) {
-        const struct variable *first = scene_variable(knowns->references[i]);
-        const size_t length = list_length(knowns, i);
-        for (size_t k = 0; k < length && status == MODEL_OK; ++k, ++values) {
-            begin_path(m, &l);
-            move_inputs(&m->state.values, l.q, &l.at, first + k, 1.0, &l.along);
-            finish_path(m, &l);
-            *values = 0.0;
-            status = put_changes(m, &l, unknowns, seed, values);
-            if (status == MODEL_OK && !isfinite(*values)) {
-                status = model_report(m, MODEL_DISCARD,
-                                      "An adjoint derivative with respect to %s is beyond the range of "
-                                      "numbers (allowed: finite).",
-                                      first[k].name);
+    for (size_t i = 0; i < p->knowns.count; ++i) {
+        const struct variable *first = scene_variable(p->knowns.references[i]);
+        const size_t length = list_length(&p->knowns, i);
+        for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
+            move_inputs(&m->state.values, l.q, &l.at, first + k, p->adjoint ? 1.0 : *direction++, &l.along);
+            if (p->adjoint) {
+                status = put_sum_of_changes(m, &l, p, first + k, values++);
+                begin_path(m, &l);
             }
         }
     }
-    return status;
+    return p->adjoint ? status : put_changes(m, &l, &p->unknowns, NULL, values);
 }

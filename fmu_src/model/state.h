@@ -9,11 +9,6 @@
 #include "scene/scene_jet.h"
 #include "scene/scene_state.h"
 
-/* The version is raised when struct model_state, struct scene_state or struct scene_values change their
- * meaning. */
-#define MODEL_STATE_VERSION 20u
-#define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
-
 /* Who integrates: the model itself, or the importer, in event mode or in continuous-time mode. */
 enum exchange_mode { EXCHANGE_NONE, EXCHANGE_EVENTS, EXCHANGE_CONTINUOUS };
 
@@ -44,15 +39,13 @@ struct tunable_values {
 
 /* The state as it is saved: flat and without pointers. Doubles come first, which leaves no padding inside. */
 struct model_state {
-    uint32_t magic, version, scene, size;
-    uint64_t checksum; /* of everything below */
     struct scene_values values;
     struct input_signal signals[SCENE_BODIES][SIGNALS_EACH];
     struct scene_state motion;
-    double importer_tolerance; /* 0: none given */
-    double start_time;
     /* booked_states() (model_exchange.c) when the importer last set or read the states */
     uint64_t booked;
+    double importer_tolerance; /* 0: none given */
+    double start_time;
     struct tunable_values in_force; /* while `tuned`: the parameters in force; `values` has new ones */
     uint8_t marks[SCENE_BODIES][SIGNALS_EACH];
     uint8_t signals_changed; /* model_apply_inputs has not seen some mark yet */

@@ -18,9 +18,10 @@ enum variable_causality {
     VARIABLE_INPUT,
     VARIABLE_OUTPUT,
     /* local variables, which Model Exchange needs; they are computed when they are read */
-    VARIABLE_STATE,    /* of the importer's integrator */
-    VARIABLE_RATE,     /* d/dt of a state */
-    VARIABLE_INDICATOR /* an event where it changes its sign */
+    VARIABLE_STATE,      /* of the importer's integrator */
+    VARIABLE_RATE,       /* d/dt of a state */
+    VARIABLE_INDICATOR,  /* an event where it changes its sign */
+    VARIABLE_INDEPENDENT /* time, which no table of a model lists (fmi/instance.c) */
 };
 
 struct variable {

@@ -6,10 +6,11 @@
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"
 
-/* An event function on a dense output, as the argument of a root finder. */
+/* An event function on a dense output, or one of its derivatives, as the argument of a root finder. */
 struct probe {
     const struct dense_output *output;
     const struct event_function *what;
+    int order; /* of the derivative: 0, 1 or 2 */
 };
 
 void dense_output_add(struct dense_output *w, double s)
@@ -27,102 +28,76 @@ const struct pair_sample *dense_output_at(struct dense_output *w, double s)
     return &w->latest;
 }
 
-static double value_of(const struct event_function *what, const struct pair_sample *at)
+/* Returns a derivative of an event function; order 0 gives the function itself. */
+static double term_of(const struct event_function *what, const struct pair_sample *at, int order)
 {
-    return what->factor * at->of[what->quantity][0] + what->offset;
+    const double term = what->factor * at->of[what->quantity][order];
+    return order == 0 ? term + what->offset : term;
 }
 
-static double slope_of(const struct event_function *what, const struct pair_sample *at)
+/* Returns an end of a bracket: a derivative of an event function and its slope at a sample. The slope of the
+ * second derivative is unknown; with zero, root_in_bracket bisects. */
+static struct root_bracket_end end_of(const struct event_function *what, int order, double s,
+                                      const struct pair_sample *at)
 {
-    return what->factor * at->of[what->quantity][1];
+    return (struct root_bracket_end){s, term_of(what, at, order),
+                                     order < 2 ? term_of(what, at, order + 1) : 0.0};
 }
 
-static void probe_value(const void *data, double s, double *value, double *slope)
+/* Serves as a root_function. */
+static void probe_at(const void *data, double s, double *value, double *slope)
 {
     const struct probe *probe = data;
     struct pair_sample at;
     probe->output->sampler(probe->output->segment, s, &at);
-    *value = value_of(probe->what, &at);
-    *slope = slope_of(probe->what, &at);
+    const struct root_bracket_end end = end_of(probe->what, probe->order, s, &at);
+    *value = end.value;
+    *slope = end.slope;
 }
 
-static void probe_slope(const void *data, double s, double *value, double *slope)
+/* Returns the end of a bracket at s. */
+static struct root_bracket_end end_at(const struct dense_output *w, const struct event_function *what,
+                                      int order, double s)
 {
-    const struct probe *probe = data;
-    struct pair_sample at;
-    probe->output->sampler(probe->output->segment, s, &at);
-    *value = slope_of(probe->what, &at);
-    *slope = probe->what->factor * at.of[probe->what->quantity][2];
-}
-
-/* Return an end of a bracket for root finders: value_end holds an event function and its slope at sample i,
- * for probe_value; slope_end holds the slope and the second derivative, for probe_slope. */
-static struct root_bracket_end value_end(const struct probe *probe, int i)
-{
-    const struct pair_sample *at = &probe->output->at[i];
-    return (struct root_bracket_end){probe->output->s[i], value_of(probe->what, at),
-                                     slope_of(probe->what, at)};
-}
-
-static struct root_bracket_end slope_end(const struct event_function *what, double s,
-                                         const struct pair_sample *at)
-{
-    return (struct root_bracket_end){s, slope_of(what, at), what->factor * at->of[what->quantity][2]};
-}
-
-/* Returns the extremum of the event function between the samples i and i + 1. */
-static struct root_bracket_end extremum_between(const struct probe *probe, int i)
-{
-    struct root_bracket_end extremum = {
-        .s = root_between(probe_slope, probe,
-                          slope_end(probe->what, probe->output->s[i], &probe->output->at[i]),
-                          slope_end(probe->what, probe->output->s[i + 1], &probe->output->at[i + 1]))};
-    probe_value(probe, extremum.s, &extremum.value, &extremum.slope);
-    return extremum;
+    const struct probe probe = {w, what, order};
+    struct root_bracket_end end = {.s = s};
+    probe_at(&probe, s, &end.value, &end.slope);
+    return end;
 }
 
 /* Returns the s of the fall through zero between the samples i and i + 1: directly, by way of a minimum, or
  * after a rise from below; else INFINITY. */
-static double fall_between(const struct probe *probe, int i)
+static double fall_between(const struct dense_output *w, const struct event_function *what, int i)
 {
-    const struct dense_output *w = probe->output;
-    const double at_low = value_of(probe->what, &w->at[i]);
-    const double at_high = value_of(probe->what, &w->at[i + 1]);
-    const double from_low = slope_of(probe->what, &w->at[i]);
-    const double to_high = slope_of(probe->what, &w->at[i + 1]);
-    if (at_low > 0.0 && at_high <= 0.0) {
-        return root_between(probe_value, probe, value_end(probe, i), value_end(probe, i + 1));
+    const struct probe value = {w, what, 0};
+    const struct probe slope = {w, what, 1};
+    struct root_bracket_end low = end_of(what, 0, w->s[i], &w->at[i]);
+    struct root_bracket_end high = end_of(what, 0, w->s[i + 1], &w->at[i + 1]);
+    const bool dips = low.value > 0.0 && high.value > 0.0 && low.slope < 0.0 && high.slope > 0.0;
+    const bool humps = low.value <= 0.0 && high.value <= 0.0 && low.slope > 0.0 && high.slope < 0.0;
+    if (dips || humps) {
+        const double s = root_between(probe_at, &slope, end_of(what, 1, low.s, &w->at[i]),
+                                      end_of(what, 1, high.s, &w->at[i + 1]));
+        *(dips ? &high : &low) = end_at(w, what, 0, s);
     }
-    if (at_low > 0.0 && from_low < 0.0 && to_high > 0.0) {
-        const struct root_bracket_end dip = extremum_between(probe, i);
-        if (dip.value <= 0.0) {
-            return root_between(probe_value, probe, value_end(probe, i), dip);
-        }
-    }
-    if (at_low <= 0.0 && at_high <= 0.0 && from_low > 0.0 && to_high < 0.0) {
-        const struct root_bracket_end hump = extremum_between(probe, i);
-        if (hump.value > 0.0) {
-            return root_between(probe_value, probe, hump, value_end(probe, i + 1));
-        }
-    }
-    return (double)INFINITY;
+    return low.value > 0.0 && high.value <= 0.0 ? root_between(probe_at, &value, low, high)
+                                                : (double)INFINITY;
 }
 
 /* Whether neither of the first two samples is above zero and one is below. A function that stays zero, as the
  * gap rate at rest does, does not start below. */
 static bool starts_below(const struct dense_output *w, const struct event_function *what)
 {
-    const double first = value_of(what, &w->at[0]);
-    const double second = value_of(what, &w->at[1]);
+    const double first = term_of(what, &w->at[0], 0);
+    const double second = term_of(what, &w->at[1], 0);
     return fmax(first, second) <= 0.0 && fmin(first, second) < 0.0;
 }
 
 double dense_output_first_event(const struct dense_output *w, const struct event_function *what)
 {
-    const struct probe probe = {w, what};
     double fall = (double)INFINITY;
     for (int i = 0; i + 1 < w->count && !(fall < (double)INFINITY); ++i) {
-        fall = fall_between(&probe, i);
+        fall = fall_between(w, what, i);
         if (i == 0 && !(fall < (double)INFINITY) && starts_below(w, what)) {
             return w->s[0];
         }
@@ -142,9 +117,9 @@ bool dense_output_climb(const struct dense_output *w, const struct event_functio
     for (int k = 0; k < CLIMBS; ++k) {
         struct pair_sample at;
         w->sampler(w->segment, s, &at);
-        const double value = value_of(what, &at);
-        const double slope = slope_of(what, &at);
-        const double step = -slope / (what->factor * at.of[what->quantity][2]);
+        const double value = term_of(what, &at, 0);
+        const double slope = term_of(what, &at, 1);
+        const double step = -slope / term_of(what, &at, 2);
         *largest = fmax(*largest, value);
         if (!(s + step >= low && s + step <= high && slope * step >= 0.0)) {
             return false;
@@ -161,17 +136,8 @@ bool dense_output_climb(const struct dense_output *w, const struct event_functio
 /* Whether a sample is itself the top, to rounding. */
 static bool is_top(const struct event_function *what, const struct pair_sample *at)
 {
-    const double slope = slope_of(what, at);
-    return slope * slope <= DBL_EPSILON * fabs(at->of[what->quantity][2] * value_of(what, at));
-}
-
-/* Sets the second derivative as a root_function. Its slope is unknown; with zero, root_in_bracket bisects. */
-static void probe_bend(const void *data, double s, double *value, double *slope)
-{
-    const struct probe *probe = data;
-    double ignored;
-    probe_slope(probe, s, &ignored, value);
-    *slope = 0.0;
+    const double slope = term_of(what, at, 1);
+    return slope * slope <= DBL_EPSILON * fabs(at->of[what->quantity][2] * term_of(what, at, 0));
 }
 
 /* Whether a slope with an extremum between `low` and `high` stays clear of zero. The cubic through both ends
@@ -191,15 +157,14 @@ static bool stays_clear(const struct root_bracket_end *low, const struct root_br
 /* Whether there is a top between `low` and `high`, which hold slopes. Where the quantity rises or falls at
  * both ends, one end moves to the extremum of the slope, so that the slope falls through zero between the
  * ends. */
-static bool brackets_top(const struct probe *probe, struct root_bracket_end *low,
-                         struct root_bracket_end *high)
+static bool brackets_top(const struct dense_output *w, const struct event_function *what,
+                         struct root_bracket_end *low, struct root_bracket_end *high)
 {
+    const struct probe bend = {w, what, 2};
     const bool falls = low->value < 0.0 && high->value < 0.0 && low->slope > 0.0 && high->slope < 0.0;
     const bool rises = low->value > 0.0 && high->value > 0.0 && low->slope < 0.0 && high->slope > 0.0;
     if ((falls || rises) && !stays_clear(low, high)) {
-        struct root_bracket_end extremum = {.s = root_in_bracket(probe_bend, probe, low->s, high->s)};
-        probe_slope(probe, extremum.s, &extremum.value, &extremum.slope);
-        *(falls ? low : high) = extremum;
+        *(falls ? low : high) = end_at(w, what, 1, root_in_bracket(probe_at, &bend, low->s, high->s));
     }
     return low->value > 0.0 && high->value < 0.0;
 }
@@ -211,35 +176,33 @@ bool dense_output_is_larger(const struct dense_output *w, double value, double l
 
 /* Whether a top between two samples may exceed the largest value known. Where the quantity bends down at both
  * samples, the top lies below the crossing of the two tangents. */
-static bool may_be_larger(const struct probe *probe, const struct root_bracket_end *low,
-                          const struct root_bracket_end *high, const struct pair_sample *at,
-                          const struct pair_sample *next, double largest)
+static bool may_be_larger(const struct dense_output *w, const struct event_function *what,
+                          const struct root_bracket_end *low, const struct root_bracket_end *high,
+                          const struct pair_sample *at, const struct pair_sample *next, double largest)
 {
-    const struct event_function *what = probe->what;
     const double width = high->s - low->s;
-    const double rise = value_of(what, next) - value_of(what, at);
+    const double rise = term_of(what, next, 0) - term_of(what, at, 0);
     const double meet = (rise - high->value * width) / (low->value - high->value);
     return !(low->slope < 0.0 && high->slope < 0.0) ||
-           dense_output_is_larger(probe->output, value_of(what, at) + low->value * meet, largest);
+           dense_output_is_larger(w, term_of(what, at, 0) + low->value * meet, largest);
 }
 
 /* Returns the larger of `largest` and of the top between the samples `at` and `next`, whose slopes are `low`
  * and `high`. */
-static double larger_between(const struct probe *probe, struct root_bracket_end low,
-                             struct root_bracket_end high, const struct pair_sample *at,
-                             const struct pair_sample *next, double largest)
+static double larger_between(const struct dense_output *w, const struct event_function *what,
+                             struct root_bracket_end low, struct root_bracket_end high,
+                             const struct pair_sample *at, const struct pair_sample *next, double largest)
 {
-    const struct event_function *what = probe->what;
+    const struct probe slope = {w, what, 1};
     const bool turns = low.value > 0.0 && high.value < 0.0;
     if (turns &&
-        (is_top(what, at) || is_top(what, next) || !may_be_larger(probe, &low, &high, at, next, largest))) {
+        (is_top(what, at) || is_top(what, next) || !may_be_larger(w, what, &low, &high, at, next, largest))) {
         return largest;
     }
-    if (brackets_top(probe, &low, &high) &&
-        !dense_output_climb(probe->output, what, root_guess(low, high), low.s, high.s, &largest)) {
-        struct root_bracket_end top = {.s = root_in_bracket(probe_slope, probe, low.s, high.s)};
-        probe_value(probe, top.s, &top.value, &top.slope);
-        largest = fmax(largest, top.value);
+    if (brackets_top(w, what, &low, &high) &&
+        !dense_output_climb(w, what, root_guess(low, high), low.s, high.s, &largest)) {
+        const double top = root_in_bracket(probe_at, &slope, low.s, high.s);
+        largest = fmax(largest, end_at(w, what, 0, top).value);
     }
     return largest;
 }
@@ -247,18 +210,17 @@ static double larger_between(const struct probe *probe, struct root_bracket_end 
 double dense_output_largest(const struct dense_output *w, const struct event_function *what,
                             const struct dense_range *range, double known)
 {
-    const struct probe probe = {w, what};
-    double largest = fmax(known, fmax(value_of(what, range->first), value_of(what, range->last)));
+    double largest = fmax(known, fmax(term_of(what, range->first, 0), term_of(what, range->last, 0)));
     for (int i = 0; i + 1 < w->count && w->s[i] < range->to; ++i) {
         const bool begins = w->s[i] < range->from;
         const bool ends = w->s[i + 1] > range->to;
         const struct pair_sample *at = begins ? range->first : &w->at[i];
         const struct pair_sample *next = ends ? range->last : &w->at[i + 1];
-        const struct root_bracket_end low = slope_end(what, begins ? range->from : w->s[i], at);
-        const struct root_bracket_end high = slope_end(what, ends ? range->to : w->s[i + 1], next);
+        const struct root_bracket_end low = end_of(what, 1, begins ? range->from : w->s[i], at);
+        const struct root_bracket_end high = end_of(what, 1, ends ? range->to : w->s[i + 1], next);
         if (low.s < high.s) {
-            largest = fmax(largest, value_of(what, next));
-            largest = larger_between(&probe, low, high, at, next, largest);
+            largest = fmax(largest, term_of(what, next, 0));
+            largest = larger_between(w, what, low, high, at, next, largest);
         }
     }
     return largest;

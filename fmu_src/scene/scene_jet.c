@@ -52,11 +52,34 @@ void jet_add_levers(const struct scene_jet *along, int contact, struct vec3 c[JE
     }
 }
 
-/* The jets on which a contact's geometry depends: c, w, the rotations of both bodies, the axis of the
- * shape. */
+/* The jets on which a contact's geometry and force depend: c, w, the rate of c as the destination sees it,
+ * the rotations of both bodies, the axis of the shape. */
 struct contact_path {
-    struct vec3 c[JET_TERMS], w[JET_TERMS], source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
+    struct vec3 c[JET_TERMS], w[JET_TERMS], seen[JET_TERMS];
+    struct vec3 source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
 };
+
+/* Puts the rotations of both bodies and the motion of the shape's axis. */
+static void put_rotations(const struct scene_values *v, const struct scene_instant *at,
+                          const struct scene_jet *along, const struct contact_shape *shape, int contact,
+                          struct contact_path *path)
+{
+    const int from = contact_source(contact);
+    const int to = contact_destination(contact);
+    path->source[0] = at->turning.body[from].angular_velocity;
+    path->destination[0] = at->turning.body[to].angular_velocity;
+    for (int i = 1; i < JET_TERMS; ++i) {
+        path->source[i] = along->angular_velocity[from][i];
+        path->destination[i] = along->angular_velocity[to][i];
+        if (contact_tips(v, contact)) {
+            path->axis[i] =
+                contact_is_upside_down(shape) ? vec3_scale(-1.0, along->axis[to][i]) : along->axis[to][i];
+        }
+    }
+    for (int i = 0; i < JET_TERMS && !contact_is_skew(shape); ++i) {
+        path->seen[i] = vec3_sub(path->w[i], turning_jet_cross(path->destination, path->c, i));
+    }
+}
 
 static struct contact_path path_of(const struct scene_values *v, const struct scene_instant *at,
                                    const struct scene_jet *along, const struct contact_shape *shape,
@@ -69,82 +92,68 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
     for (int i = 1; i < JET_TERMS; ++i) {
         path.c[i] = vec3_sub(along->displacement[to][i], along->displacement[from][i]);
         path.w[i] = vec3_sub(along->velocity[to][i], along->velocity[from][i]);
-        path.source[i] = along->angular_velocity[from][i];
-        path.destination[i] = along->angular_velocity[to][i];
-        if (contact_tips(v, contact)) {
-            path.axis[i] = along->axis[to][i];
-        }
     }
     jet_add_levers(along, contact, path.c, path.w);
     path.c[0] = at->separation[contact];
     path.w[0] = at->rate[contact];
-    path.source[0] = at->turning.body[from].angular_velocity;
-    path.destination[0] = at->turning.body[to].angular_velocity;
-    path.axis[0] = contact_is_skew(shape) ? shape->axis : at->turning.axis[contact];
-    for (int i = 0; i < JET_TERMS && contact_is_upside_down(shape); ++i) {
-        path.axis[i] = vec3_scale(-1.0, path.axis[i]);
+    path.axis[0] = shape->axis;
+    memcpy(path.seen, path.w, sizeof path.seen);
+    if (SCENE_ANY_TURNING && scene_turns(v)) {
+        put_rotations(v, at, along, shape, contact, &path);
     }
     return path;
 }
 
-/* Sets the offset of a circle, (rho - R) a - (height - h) e. The unit vector a points to the axis, rho a = c
+/* Sets coefficients 1 and 2 of the offset d n: of c, of the part of c across a cylinder's axis, or of the
+ * distance from a circle, (rho - R) a - (height - h) e. The unit vector a points to the axis, rho a = c
  * - (c.e) e, height = -c.e, h = L/2, and e points out of the cylinder at the rim's end. */
-static void put_circle_offset(const struct contact_shape *shape, const struct contact_path *path,
-                              struct vec3 offset[JET_TERMS])
-{
-    struct vec3 across[JET_TERMS], to_axis[JET_TERMS];
-    double axial[JET_TERMS], radial[JET_TERMS], rho[JET_TERMS];
-    jet_of_axis_distance(path->c, path->axis, across, axial, rho);
-    to_axis[0] = vec3_scale(1.0 / rho[0], across[0]);
-    jet_divide(across, rho, to_axis);
-    for (int i = 0; i < JET_TERMS; ++i) {
-        radial[i] = rho[i] - (i == 0 ? shape->solid.radius : 0.0);
-        axial[i] += i == 0 ? shape->solid.half_height : 0.0;
-    }
-    for (int i = 1; i < JET_TERMS; ++i) {
-        offset[i] = vec3_add(jet_scale(radial, to_axis, i), jet_scale(axial, path->axis, i));
-    }
-}
-
 static void put_offset(const struct contact_shape *shape, const struct contact_path *path,
                        struct vec3 offset[JET_TERMS])
 {
-    if (contact_is_circle(shape)) {
-        put_circle_offset(shape, path, offset);
+    struct vec3 across[JET_TERMS];
+    double axial[JET_TERMS], rho[JET_TERMS];
+    memcpy(&offset[1], &path->c[1], 2 * sizeof offset[1]);
+    if (!contact_is_cylinder(shape) && !contact_is_circle(shape)) {
         return;
     }
-    for (int i = 1; i < JET_TERMS; ++i) {
-        offset[i] = path->c[i];
-        if (contact_is_cylinder(shape)) {
-            double axial[JET_TERMS];
-            for (int k = 0; k <= i; ++k) {
-                axial[k] = jet_dot(path->c, path->axis, k);
-            }
-            offset[i] = vec3_sub(path->c[i], jet_scale(axial, path->axis, i));
+    jet_of_axis_distance(path->c, path->axis, across, axial, rho);
+    memcpy(&offset[1], &across[1], 2 * sizeof offset[1]);
+    if (contact_is_circle(shape)) {
+        struct vec3 to_axis[JET_TERMS] = {vec3_scale(1.0 / rho[0], across[0])};
+        jet_divide(across, rho, to_axis);
+        rho[0] -= shape->solid.radius;
+        axial[0] += shape->solid.half_height;
+        for (int i = 1; i < JET_TERMS; ++i) {
+            offset[i] = vec3_add(jet_scale(rho, to_axis, i), jet_scale(axial, path->axis, i));
         }
     }
 }
 
-/* Sets the terms of d and n from d^2 = offset.offset and d n = offset; a plane has n = -e and d = n.c. */
+/* Sets the terms of d and n. From d n = offset follow d' = n.offset' and d n' = offset' - d' n. A plane has
+ * n = -e, and where d = 0 n is constant; both have d' = (n.c)'. */
 static void put_distance(const struct contact_shape *shape, const struct contact_geometry *g,
                          const struct contact_path *path, struct contact_jet *jet)
 {
     struct vec3 offset[JET_TERMS] = {g->offset};
-    double length[JET_TERMS];
+    put_offset(shape, path, offset);
     jet->normal[0] = g->normal;
     jet->distance[0] = g->distance;
-    put_offset(shape, path, offset);
-    jet_length(offset, length);
     for (int i = 1; i < JET_TERMS; ++i) {
-        jet->normal[i] = contact_is_plane(shape) ? vec3_scale(-1.0, path->axis[i]) : vec3_make(0.0, 0.0, 0.0);
-    }
-    for (int i = 1; i < JET_TERMS; ++i) {
-        jet->distance[i] = contact_is_plane(shape) ? jet_dot(jet->normal, path->c, i)
-                           : g->degenerate         ? 0.0
-                                                   : length[i];
-    }
-    if (contact_turns(shape, g)) {
-        jet_divide(offset, jet->distance, jet->normal); /* d n = offset */
+        jet->normal[i] = vec3_make(0.0, 0.0, 0.0);
+        if (contact_is_plane(shape)) {
+            jet->normal[i] = vec3_scale(-1.0, path->axis[i]);
+        }
+        jet->distance[i] = jet_dot(jet->normal, path->c, i);
+        if (contact_turns(shape, g)) {
+            double sum = 0.0;
+            for (int k = 1; k <= i; ++k) {
+                sum += k * vec3_dot(jet->normal[i - k], offset[k]);
+            }
+            jet->distance[i] = sum / i;
+            const struct vec3 turned = vec3_sub(offset[i], jet_scale(jet->distance, jet->normal, i));
+            jet->normal[i] =
+                vec3_make(turned.x / g->distance, turned.y / g->distance, turned.z / g->distance);
+        }
     }
 }
 
@@ -153,13 +162,9 @@ static void put_normal_force(const struct contact_shape *shape, const struct con
                              const struct contact_law *change, enum contact_regime regime,
                              struct contact_jet *jet)
 {
-    struct vec3 seen[JET_TERMS];
     for (int i = 0; i < JET_TERMS; ++i) {
-        seen[i] = contact_is_skew(shape)
-                      ? path->w[i]
-                      : vec3_sub(path->w[i], turning_jet_cross(path->destination, path->c, i));
         jet->gap[i] = i > 0 ? shape->side * jet->distance[i] : g->gap;
-        jet->gap_rate[i] = i > 0 ? shape->side * jet_dot(jet->normal, seen, i) : g->gap_rate;
+        jet->gap_rate[i] = i > 0 ? shape->side * jet_dot(jet->normal, path->seen, i) : g->gap_rate;
         jet->normal_force[i] = contact_force_term(law, change, regime, jet->gap, jet->gap_rate, i);
         jet->source_force[i] = vec3_scale(-shape->side, jet_scale(jet->normal_force, jet->normal, i));
     }
@@ -254,25 +259,17 @@ static void put_friction(const struct scene_values *v, const struct scene_state 
     }
 }
 
-/* Computes a contact's jet from bodies, springs and factors. Where nothing turns or rubs, the jet of the
- * normal force is known already, and only torques and slip are computed. */
-static void turning_jet_of_contact(const struct scene_values *v, const struct scene_state *q,
-                                   const struct scene_instant *at, int contact, struct scene_jet *along)
+/* Sets the terms of what rotation and friction add to the jet of the normal force. */
+static void put_turning(const struct scene_values *v, const struct scene_state *q,
+                        const struct contact_shape *shape, const struct contact_path *path, int contact,
+                        struct scene_jet *along)
 {
-    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
-    const struct contact_path path = path_of(v, at, along, &shape, contact);
-    const struct contact_law law = scene_contact_law(v, q, contact);
     struct contact_jet *jet = &along->contact[contact];
     struct turning_jet *turning = &along->turning[contact];
     memset(turning, 0, sizeof *turning);
-    if (scene_turns(v)) {
-        put_distance(&shape, &at->geometry[contact], &path, jet);
-        put_normal_force(&shape, &at->geometry[contact], &path, &law, &along->law_slope[contact],
-                         (enum contact_regime)q->contact[contact].regime, jet);
-    }
-    put_slip(&shape, &path, jet, turning);
+    put_slip(shape, path, jet, turning);
     add_levers_to_arms(along, contact, turning);
-    put_friction(v, q, along, &path, contact, jet, turning);
+    put_friction(v, q, along, path, contact, jet, turning);
     for (int i = 0; i < JET_TERMS; ++i) {
         turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
         turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
@@ -294,18 +291,12 @@ void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
         }
         const struct contact_shape shape = scene_shape_met(v, q, at, j);
         const struct contact_law law = scene_contact_law(v, q, j);
-        struct vec3 c[JET_TERMS];
-        struct vec3 w[JET_TERMS];
-        for (int i = 0; i < JET_TERMS; ++i) {
-            c[i] = vec3_sub(along->displacement[contact_destination(j)][i],
-                            along->displacement[contact_source(j)][i]);
-            w[i] =
-                vec3_sub(along->velocity[contact_destination(j)][i], along->velocity[contact_source(j)][i]);
-        }
-        contact_jet_make(&shape, &at->geometry[j], c, w, &law, &along->law_slope[j], regime,
+        const struct contact_path path = path_of(v, at, along, &shape, j);
+        put_distance(&shape, &at->geometry[j], &path, &along->contact[j]);
+        put_normal_force(&shape, &at->geometry[j], &path, &law, &along->law_slope[j], regime,
                          &along->contact[j]);
         if (SCENE_ANY_TURNING) {
-            turning_jet_of_contact(v, q, at, j, along);
+            put_turning(v, q, &shape, &path, j, along);
         }
     }
 }
@@ -490,7 +481,7 @@ static void put_work(const struct scene_values *v, const struct scene_state *q, 
     }
 }
 
-/* Puts the terms of the principal axes of a compound body, and returns its moments of inertia. */
+/* Puts the terms of the principal axes of a body, and returns its moments of inertia. */
 static struct vec3 put_principal_axes(const struct scene_values *v, const struct scene_jet *along, int body,
                                       struct vec3 axis[3][JET_TERMS])
 {
@@ -499,20 +490,34 @@ static struct vec3 put_principal_axes(const struct scene_values *v, const struct
         vec3_set(&a, k, 1.0);
         put_turned(along->orientation[body], a, axis[k]);
     }
-    return body_principal_inertia(v, body);
+    if (body_is_compound(body)) {
+        return body_principal_inertia(v, body);
+    }
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    return vec3_make(inertia.transverse, inertia.transverse, inertia.axial);
 }
 
-/* Returns half the rate of omega' = sum e_k (e_k.(tau - omega x L)) / I_k of a compound body [rad/s^3], where
- * L = sum I_k (e_k.omega) e_k with the principal axes e_k. */
-static struct vec3 half_spin_jerk_of_three(const struct scene_values *v, const struct scene_jet *along,
-                                           int body, const struct vec3 torque[2])
+/* The angular acceleration is omega' = sum e_k (e_k.(tau - omega x L)) / I_k, where L = sum I_k (e_k.omega)
+ * e_k with the principal axes e_k. */
+struct vec3 turning_jet_half_jerk(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_instant *at, const struct scene_jet *along, int body)
 {
     struct vec3 axis[3][JET_TERMS];
     struct vec3 momentum[2] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-    struct vec3 by[2];
+    struct vec3 by[2] = {turning_torque_on(v, q, q->clock, at, body), along->torque[body]};
     struct vec3 sum = {0.0, 0.0, 0.0};
     const struct vec3 *omega = along->angular_velocity[body];
     const struct vec3 inertia = put_principal_axes(v, along, body, axis);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct turning_jet *turning = &along->turning[j];
+        if (contact_source(j) == body) {
+            by[1] = vec3_add(by[1], turning->source_torque[1]);
+        }
+        if (contact_destination(j) == body) {
+            by[1] = vec3_add(by[1], turning->destination_torque[1]);
+        }
+    }
+    by[1] = body_part_that_turns(v, body, by[1]);
     for (int k = 0; k < 3; ++k) {
         const double part[2] = {jet_dot(omega, axis[k], 0), jet_dot(omega, axis[k], 1)};
         for (int i = 0; i < 2; ++i) {
@@ -520,44 +525,13 @@ static struct vec3 half_spin_jerk_of_three(const struct scene_values *v, const s
         }
     }
     for (int i = 0; i < 2; ++i) {
-        by[i] = vec3_sub(torque[i], turning_jet_cross(omega, momentum, i));
+        by[i] = vec3_sub(by[i], turning_jet_cross(omega, momentum, i));
     }
     for (int k = 0; k < 3; ++k) {
         const double part[2] = {jet_dot(by, axis[k], 0), jet_dot(by, axis[k], 1)};
         sum = vec3_axpy(sum, 0.5 / vec3_get(inertia, k), jet_scale(part, axis[k], 1));
     }
     return sum;
-}
-
-/* Returns half the rate of the angular acceleration omega' of a body that turns freely [rad/s^3], where
- * I_1 omega' = tau - (I_3 - I_1) (tau_3 / I_3 e + omega_3 omega x e). */
-static struct vec3 half_spin_jerk(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_instant *at, const struct scene_jet *along, int body)
-{
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    const struct vec3 *e = along->axis[body];
-    const struct vec3 *omega = along->angular_velocity[body];
-    struct vec3 torque[2] = {turning_torque_on(v, q, q->clock, at, body), along->torque[body]};
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct turning_jet *turning = &along->turning[j];
-        if (contact_source(j) == body) {
-            torque[1] = vec3_add(torque[1], turning->source_torque[1]);
-        }
-        if (contact_destination(j) == body) {
-            torque[1] = vec3_add(torque[1], turning->destination_torque[1]);
-        }
-    }
-    torque[1] = body_part_that_turns(v, body, torque[1]);
-    if (body_is_compound(body)) {
-        return half_spin_jerk_of_three(v, along, body, torque);
-    }
-    const double tau[2] = {jet_dot(torque, e, 0), jet_dot(torque, e, 1)};
-    const double spin[2] = {jet_dot(omega, e, 0), jet_dot(omega, e, 1)};
-    const struct vec3 whirl[2] = {turning_jet_cross(omega, e, 0), turning_jet_cross(omega, e, 1)};
-    const struct vec3 axial = vec3_scale(1.0 / inertia.axial, jet_scale(tau, e, 1));
-    const struct vec3 gyration = vec3_add(axial, jet_scale(spin, whirl, 1));
-    const double more = inertia.axial - inertia.transverse;
-    return vec3_scale(0.5 / inertia.transverse, vec3_axpy(torque[1], -more, gyration));
 }
 
 /* Returns half a spring's second derivative xi'', where xi' is the sum of the law's rate f(F_n, v_t, xi) and
@@ -586,7 +560,7 @@ static void put_turning_changes(const struct scene_values *v, const struct scene
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_turns_freely(v, i)) {
-            along->angular_velocity[i][2] = half_spin_jerk(v, q, at, along, i);
+            along->angular_velocity[i][2] = turning_jet_half_jerk(v, q, at, along, i);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -640,10 +614,27 @@ void jet_of_motion(const struct scene_values *v, const struct scene_state *q, co
     put_contacts(v, q, at, along);
 }
 
-struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_instant *at, const struct scene_jet *along, int body)
+struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct scene_state *q,
+                                      const struct scene_instant *at, const struct scene_jet *along,
+                                      int contact, int part)
 {
-    return vec3_scale(2.0, half_spin_jerk(v, q, at, along, body));
+    if (q->contact[contact].regime == (int32_t)REGIME_APART) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const struct contact_path path = path_of(v, at, along, &shape, contact);
+    const struct turning_motion motion = turning_motion_of(&q->turning, at, contact);
+    const struct turning_laws laws = turning_laws_of(v, q, contact);
+    const struct turning_slopes slopes = turning_slopes_at(&shape, &at->geometry[contact], &motion, &laws);
+    struct turning_motion change = {.separation = path.c[1],
+                                    .rate = path.w[1],
+                                    .source_rotation = path.source[1],
+                                    .destination_rotation = path.destination[1],
+                                    .axis = along->axis[contact_destination(contact)][1]};
+    for (int i = 0; i < OPPOSED; ++i) {
+        change.spring[i] = along->spring[contact][i][1];
+    }
+    return turning_slopes_along(&slopes, &change).spring_rate[part];
 }
 
 void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at, int body,
@@ -685,31 +676,22 @@ double turning_jet_friction_power(const struct scene_values *v, const struct sce
     return power;
 }
 
-/* Returns coefficient `order` of the rotational energy of a body. */
+/* Returns coefficient `order` of the rotational energy of a body, the sum of I_k (omega.e_k)^2 / 2 over the
+ * principal axes. */
 static double rotational_term(const struct scene_values *v, const struct scene_jet *along, int body,
                               int order)
 {
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    const struct vec3 *omega = along->angular_velocity[body];
-    double spin[JET_TERMS];
-    if (body_is_compound(body)) { /* the sum of I_k (omega.e_k)^2 / 2 over the principal axes */
-        struct vec3 axis[3][JET_TERMS];
-        const struct vec3 moments = put_principal_axes(v, along, body, axis);
-        double sum = 0.0;
-        for (int k = 0; k < 3; ++k) {
-            for (int i = 0; i <= order; ++i) {
-                spin[i] = jet_dot(omega, axis[k], i);
-            }
-            sum += 0.5 * vec3_get(moments, k) * taylor_multiply(spin, spin, order);
+    struct vec3 axis[3][JET_TERMS];
+    const struct vec3 inertia = put_principal_axes(v, along, body, axis);
+    double sum = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        double spin[JET_TERMS];
+        for (int i = 0; i <= order; ++i) {
+            spin[i] = jet_dot(along->angular_velocity[body], axis[k], i);
         }
-        return sum;
+        sum += 0.5 * vec3_get(inertia, k) * taylor_multiply(spin, spin, order);
     }
-    for (int k = 0; k <= order; ++k) {
-        spin[k] = jet_dot(omega, along->axis[body], k);
-    }
-    const double axial = taylor_multiply(spin, spin, order);
-    return 0.5 *
-           (inertia.transverse * jet_dot(omega, omega, order) + (inertia.axial - inertia.transverse) * axial);
+    return sum;
 }
 
 struct jet_energies jet_energies_of(const struct scene_values *v, const struct scene_state *q,

@@ -57,10 +57,15 @@ CONTACT_COLD void jet_in_time(const struct scene_values *v, const struct scene_s
 CONTACT_COLD void jet_of_motion(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, struct scene_jet *along);
 
-/* Returns the rate of the angular acceleration of a body that turns freely [rad/s^3 in time]. */
-CONTACT_COLD struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct scene_state *q,
-                                                 const struct scene_instant *at,
-                                                 const struct scene_jet *along, int body);
+/* Returns half the rate of the angular acceleration of a body that turns freely [rad/s^3 in time]. */
+CONTACT_COLD struct vec3 turning_jet_half_jerk(const struct scene_values *v, const struct scene_state *q,
+                                               const struct scene_instant *at, const struct scene_jet *along,
+                                               int body);
+
+/* Returns the change of a spring's rate [m/s, rad/s] along the path. */
+CONTACT_COLD struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct scene_state *q,
+                                                   const struct scene_instant *at,
+                                                   const struct scene_jet *along, int contact, int part);
 
 /* Adds the terms by which lever arms of compound bodies change the separation c and its rate w; w[i] takes
  * those of omega x R o. The orientations and angular velocities of `along` must be set. */

@@ -87,6 +87,12 @@ bool body_turns_freely(const struct scene_values *v, int body)
     return SCENE_ANY_FREE_ROTATION && body_rotation(v, body) == ROTATION_FREE;
 }
 
+/* Whether forces or torques move a body. */
+static bool body_moves_freely(const struct scene_values *v, int body)
+{
+    return body_is_free(v, body) || body_turns_freely(v, body);
+}
+
 bool body_turn_is_prescribed(const struct scene_values *v, int body)
 {
     return SCENE_ANY_ROTATION && body_rotation(v, body) == ROTATION_PRESCRIBED;
@@ -160,11 +166,11 @@ bool contact_has_spring(const struct scene_values *v, int contact, int part)
 
 bool contact_has_springs(const struct scene_values *v, int contact)
 {
-    return contact_has_spring(v, contact, OPPOSED_SLIP) ||
-           (SCENE_ANY_ELASTIC_ROLLING &&
-            (contact_rolling(v, contact) == RESISTANCE_ELASTIC ||
-             contact_spinning(v, contact) == RESISTANCE_ELASTIC) &&
-            contact_resists(v, contact));
+    bool any = false;
+    for (int i = 0; i < OPPOSED; ++i) {
+        any = any || contact_has_spring(v, contact, i);
+    }
+    return any;
 }
 
 /* Returns the bitwise OR of choices, 1 where each is none. It is called so often that it avoids a branch for
@@ -227,16 +233,14 @@ bool contact_is_prescribed(const struct scene_values *v, int contact)
     if (!SCENE_ANY_PRESCRIBED_CONTACT) {
         return false;
     }
-    const int source = contact_source(contact);
-    const int destination = contact_destination(contact);
-    return !body_is_free(v, source) && !body_is_free(v, destination) && !body_turns_freely(v, source) &&
-           !body_turns_freely(v, destination);
+    return !body_moves_freely(v, contact_source(contact)) &&
+           !body_moves_freely(v, contact_destination(contact));
 }
 
 bool scene_is_force_element(const struct scene_values *v)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i) || body_turns_freely(v, i)) {
+        if (body_moves_freely(v, i)) {
             return false;
         }
     }
@@ -317,8 +321,7 @@ struct islands scene_islands(const struct scene_values *v, const struct scene_st
         const int ends[2] = {contact_source(j), contact_destination(j)};
         above[j] = (int16_t)j;
         for (int k = 0; k < 2 && q->contact[j].regime != (int32_t)REGIME_APART; ++k) {
-            const bool moves = body_is_free(v, ends[k]) || body_turns_freely(v, ends[k]);
-            if (moves && latest[ends[k]] >= 0) {
+            if (body_moves_freely(v, ends[k]) && latest[ends[k]] >= 0) {
                 above[island_of(above, j)] = (int16_t)island_of(above, latest[ends[k]]);
             }
             latest[ends[k]] = j;
@@ -344,16 +347,13 @@ bool contact_is_coupled(const struct scene_values *v, const struct scene_state *
     }
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    const bool source_moves = body_is_free(v, source) || body_turns_freely(v, source);
-    const bool destination_moves = body_is_free(v, destination) || body_turns_freely(v, destination);
-    return (source_moves && body_is_loaded(q, source, contact)) ||
-           (destination_moves && body_is_loaded(q, destination, contact));
+    return (body_moves_freely(v, source) && body_is_loaded(q, source, contact)) ||
+           (body_moves_freely(v, destination) && body_is_loaded(q, destination, contact));
 }
 
 bool contact_is_foreseen(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    return !scene_turns(v) || ((!contact_transmits(q, contact) || contact_is_prescribed(v, contact)) &&
-                               !contact_is_coupled(v, q, contact));
+    return !scene_turns(v) || (!contact_pushes(v, q, contact) && !contact_is_coupled(v, q, contact));
 }
 
 static bool has_caps(const struct scene_values *v, int body)

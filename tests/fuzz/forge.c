@@ -1,6 +1,5 @@
 #include "forge.h"
 
-#include "math/checksum.h"
 #include "model/state.h"
 
 enum { CHANGES_AT_MOST = 64 };
@@ -16,14 +15,10 @@ static uint32_t fnv_32(const uint8_t *bytes, size_t size)
     return hash;
 }
 
-void forge_checksums(uint8_t *block, size_t size)
+void forge_checksum(uint8_t *block, size_t size)
 {
-    const size_t payload = offsetof(struct model_state, values);
-    const uint64_t inner =
-        checksum_of(CHECKSUM_START, block + HEADER_SIZE + payload, sizeof(struct model_state) - payload);
-    memcpy(block + HEADER_SIZE + offsetof(struct model_state, checksum), &inner, sizeof inner);
-    const uint32_t outer = fnv_32(block + CHECKED_FROM, size - CHECKED_FROM);
-    memcpy(block + HEADER_CHECKSUM, &outer, sizeof outer);
+    const uint32_t checksum = fnv_32(block + CHECKED_FROM, size - CHECKED_FROM);
+    memcpy(block + HEADER_CHECKSUM, &checksum, sizeof checksum);
 }
 
 void forge_bound_work(uint8_t *block, int most_internal_steps)

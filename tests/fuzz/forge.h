@@ -1,4 +1,4 @@
-/* Saved states whose bytes somebody changed, with checksums that fit nevertheless. */
+/* Saved states whose bytes somebody changed, with a checksum that fits nevertheless. */
 #ifndef FUZZ_FORGE_H
 #define FUZZ_FORGE_H
 
@@ -13,7 +13,7 @@ void forge_changes(uint8_t *block, size_t size, struct bytes *b);
 /* However a state was changed, a step of it has to end soon. */
 void forge_bound_work(uint8_t *block, int most_internal_steps);
 
-/* Both checksums, of the adapter's part and of the model's. */
-void forge_checksums(uint8_t *block, size_t size);
+/* Puts the checksum that fits. */
+void forge_checksum(uint8_t *block, size_t size);
 
 #endif

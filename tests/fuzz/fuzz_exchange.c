@@ -116,7 +116,7 @@ static fmi_status bring_forged(fmi_instance c, struct bytes *b)
     struct bytes some = {row, sizeof row};
     forge_changes((uint8_t *)block, size, &some);
     forge_bound_work((uint8_t *)block, MOST_INTERNAL_STEPS);
-    forge_checksums((uint8_t *)block, size);
+    forge_checksum((uint8_t *)block, size);
     status = fmi2DeSerializeFMUstate(c, block, size, &state);
     if (status == fmi2OK) {
         status = fmi2SetFMUstate(c, state);

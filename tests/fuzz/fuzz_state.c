@@ -148,7 +148,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     forge_changes(block, block_size, &b);
     if (how % 8 != 1) {
         forge_bound_work(block, MOST_INTERNAL_STEPS);
-        forge_checksums(block, block_size);
+        forge_checksum(block, block_size);
     }
     if (how % 8 == 2) {
         block_size = block_size * (how / 8) / 32;

@@ -179,7 +179,7 @@ static fmi_status deserialize(struct player *player, fmi_state *state, struct by
         struct bytes some = {row, sizeof row};
         forge_changes(exact, size, &some);
         forge_bound_work(exact, MOST_INTERNAL_STEPS);
-        forge_checksums(exact, size);
+        forge_checksum(exact, size);
     }
     const fmi_status status = FMI_DESERIALIZE(player->instance, (FMI(Byte) *)exact, size, state);
     free(exact);
