@@ -63,8 +63,11 @@ static struct relative_path solid_path(const struct contact_solid *solid, const 
     return relative_path_make(&shape, &across, 0.0, horizon);
 }
 
-int zone_path_edges(const struct contact_solid *solid, const struct separation_path *path, double horizon,
-                    double edges[ZONE_EDGES])
+/* Sets a sorted superset of the times at which a path passes from one zone to another, as fractions of the
+ * horizon. Returns their number. */
+enum { ZONE_EDGES = 4 * POLYNOMIAL_MAX_DEGREE };
+static int zone_edges(const struct contact_solid *solid, const struct separation_path *path, double horizon,
+                      double edges[ZONE_EDGES])
 {
     const struct relative_path along = solid_path(solid, path, horizon);
     const double h = solid->half_height / along.scale;
@@ -107,19 +110,6 @@ static double zone_clear_place(const struct contact_solid *solid, const struct s
     return clearest;
 }
 
-/* Returns the distance of the centre from the edges of the zone that it is in [m]. */
-static double nearest_margin(const struct contact_solid *solid, struct vec3 c)
-{
-    const struct solid_place place = contact_place_at(solid, c);
-    return contact_zone_margin(solid, contact_zone_by(&place), c);
-}
-
-double zone_path_between(const struct contact_solid *solid, const struct separation_path *path,
-                         double horizon, double from, double to)
-{
-    return zone_clear_place(solid, path, horizon, from, to, nearest_margin);
-}
-
 /* Returns the time of the first edge after which the margin is below zero by more than rounding [s]. */
 static double zone_first_end(const struct contact_solid *solid, const struct separation_path *path,
                              double horizon, const double *edges, int count, zone_margin *margin)
@@ -160,7 +150,7 @@ static double face_margin(const struct contact_solid *solid, struct vec3 c)
 double zone_path_end(const struct contact_solid *solid, const struct separation_path *path, double horizon)
 {
     double edges[ZONE_EDGES];
-    const int count = zone_path_edges(solid, path, horizon, edges);
+    const int count = zone_edges(solid, path, horizon, edges);
     return zone_first_end(solid, path, horizon, edges, count, whole_margin);
 }
 

@@ -25,17 +25,6 @@ double zone_path_end(const struct contact_solid *solid, const struct separation_
 double zone_path_leaves_face(const struct contact_solid *solid, const struct separation_path *path,
                              double horizon);
 
-/* Sets a sorted superset of the times at which a path passes from one zone to another, as fractions of the
- * horizon, ZONE_EDGES at most. Returns their number. */
-enum { ZONE_EDGES = 4 * POLYNOMIAL_MAX_DEGREE };
-int zone_path_edges(const struct contact_solid *solid, const struct separation_path *path, double horizon,
-                    double edges[ZONE_EDGES]);
-
-/* Returns a fraction of the horizon between the neighbouring edges `from` and `to` that shows the zone, clear
- * of edges that the path only touches. */
-double zone_path_between(const struct contact_solid *solid, const struct separation_path *path,
-                         double horizon, double from, double to);
-
 /*
  * Changes of regime at the rim of a capped cylinder along a given path (flight while separating, or
  * prescribed motion). The zeros of the gap are roots of polynomials of degree eight, but the law's conditions

@@ -5,7 +5,6 @@
 
 #include "flight/conservative_advancement.h"
 #include "flight/relative_path.h"
-#include "flight/zone_path.h"
 #include "math/lu.h"
 #include "math/nodes.h"
 #include "math/polynomial.h"
@@ -66,7 +65,7 @@ struct span {
     struct springs springs; /* at present */
     bool elastic;           /* some opposed motion has a spring */
     long *panels;           /* panels that the quadrature may still make */
-    long *evaluations;      /* evaluations that the search for touches may still make */
+    long *evaluations;      /* evaluations that the search for touches may still make; NULL: none is made */
     long panel_cost;        /* cost of a panel; 1: nothing turns about a changing direction, no spring */
 };
 
@@ -810,13 +809,13 @@ static bool sees_end(const struct span *s, const struct scene_instant *at, const
 }
 
 /* Whether sees_end holds at the ends of both halves of a panel; `at` holds the instants at the panel's ends.
- * In a scene without a free body in which nothing turns, no panel goes beyond an extreme of the gap, so that
- * the normal cannot reverse. */
+ * In a scene without a free body in which the path is a polynomial, no panel goes beyond an extreme of the
+ * gap, so that the normal cannot reverse. */
 static bool sees_ends(const struct span *s, const struct panel *left, const struct panel *right,
                       const struct scene_instant at[2])
 {
     struct scene_instant middle;
-    if (!SCENE_ANY_FREE && !scene_turns(s->c.v)) {
+    if (!SCENE_ANY_FREE && s->evaluations == NULL) {
         return true;
     }
     instant_at(&s->c, left->to, &left->springs, &middle);
@@ -1199,10 +1198,10 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
         *s->panels -= s->panel_cost;
         double to = width < end - clock ? clock + width : end;
         struct passage passage;
-        if (SCENE_ANY_ZONES && scene_turns(s->c.v)) {
+        if (SCENE_ANY_ZONES && s->evaluations != NULL) {
             to = zone_left(s, clock, to);
         }
-        if (scene_turns(s->c.v) && finds_passage(s, clock, to, &passage)) {
+        if (s->evaluations != NULL && finds_passage(s, clock, to, &passage)) {
             if (!(passage.from - clock > passage.centre - passage.from)) {
                 pass_centre(s, clock, end, &passage);
                 clock = fmin(passage.to, end);
@@ -1223,14 +1222,14 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
             continue;
         }
         width *= 2.0;
-        if (scene_turns(s->c.v) && made && divides && passes_event(s, &left, &right, &clock)) {
+        if (s->evaluations != NULL && made && divides && passes_event(s, &left, &right, &clock)) {
             continue;
         }
         if (made) { /* else the time between is one rounding of the clock, and the integrals are zero */
             add_sums(s, &left);
             add_sums(s, &right);
             note_peaks_between(s, clock, to);
-            if (scene_turns(s->c.v)) {
+            if (s->evaluations != NULL) {
                 s->springs = laid_springs(&s->c, to, s->springs);
             }
         }
@@ -1333,10 +1332,10 @@ double prescribed_integrate(const struct scene_values *v, struct scene_state *q,
 
 #endif
 
-static struct axis_motion axis_from(const struct span *s, const struct scene_instant *at, double clock)
+/* Returns the motion of the destination's axis from a clock on, where `axis` is its direction then. */
+static struct axis_motion axis_from(const struct span *s, struct vec3 axis, double clock)
 {
     const int destination = contact_destination(s->c.contact);
-    const struct vec3 axis = at->turning.axis[s->c.contact];
     if (!body_turn_is_prescribed(s->c.v, destination) || !contact_tips(s->c.v, s->c.contact)) {
         return axis_motion_fixed(axis);
     }
@@ -1354,8 +1353,8 @@ static struct advancement_path path_from(const struct span *s, double clock)
     kinematics_at(&s->c, clock, &at);
     const struct separation_path separation = separation_path_of(s->c.v, s->c.q, &at, clock, s->c.contact);
     struct advancement_path path = {.shape = scene_contact_shape_at(s->c.v, s->c.q, &at, s->c.contact),
-                                    .axis = axis_from(s, &at, clock),
                                     .rounding = rounding_of_gap(s->c.v, &at, s->c.contact)};
+    path.axis = axis_from(s, path.shape.axis, clock);
     for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
         path.c[i] = separation.c[i];
     }
@@ -1425,7 +1424,7 @@ static void book_stored(struct span *s, double clock, double sign)
     }
 }
 
-/* Integrates from touch to parting to touch where something turns or rubs. */
+/* Integrates from touch to parting to touch where something turns or rubs, or zones divide the gap's path. */
 static bool integrate_located(struct span *s)
 {
     struct scene_state *q = s->c.q;
@@ -1573,7 +1572,7 @@ CONTACT_COLD static bool takes_damping(struct span *s, double from, double to)
     return next != REGIME_APART;
 }
 
-/* Integrates a part of the step, within which the contact stays in one zone and has the path `path`. */
+/* Integrates a part of the step, in which the contact has the path `path`. */
 static bool integrate_path(struct span *s, const struct contact_shape *shape,
                            const struct relative_path *path, double from, double end)
 {
@@ -1599,63 +1598,6 @@ static bool integrate_path(struct span *s, const struct contact_shape *shape,
     return true;
 }
 
-#if SCENE_ANY_CAPS
-
-/* Most changes of regime at a rim in one part of the step. A path causes a dozen at most; further changes are
- * rounding, and the rest of the part is integrated in the regime of its middle. */
-enum { MOST_RIM_CHANGES = 100 };
-
-/* Integrates the part of the step in which the contact is at a rim, one regime after another. */
-CONTACT_COLD static bool integrate_at_rim(struct span *s, const struct contact_shape *shape,
-                                          const struct separation_path *path, double from, double end)
-{
-    const double soon =
-        1e-9; /* distance of a place right after the start of the part, as a fraction of the part */
-    for (int changes = 0; from < end; ++changes) {
-        const double after = from + soon * (end - from);
-        const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
-        const struct rim_change change = rim_first_change(
-            shape, &law, path, 0.0, regime_between(s, after, after), from * s->length, end * s->length);
-        const double to = changes < MOST_RIM_CHANGES ? fmin(change.time / s->length, end) : end;
-        if (!(to > from)) {
-            from = after;
-        } else if (!takes_damping(s, from, to)) {
-            if (!integrate_regime(s, from, to)) {
-                return false;
-            }
-            from = to;
-        }
-    }
-    return true;
-}
-
-/* Integrates the step of a contact with a capped cylinder, one zone after another. */
-CONTACT_COLD static bool integrate_capped(struct span *s, const struct contact_shape *whole,
-                                          const struct separation_path *path)
-{
-    double edges[ZONE_EDGES];
-    const int count = zone_path_edges(&whole->solid, path, s->length, edges);
-    bool done = true;
-    for (double from = 0.0; done && from < 1.0;) {
-        const double to = first_after(edges, count, from);
-        struct scene_instant at;
-        const double within = zone_path_between(&whole->solid, path, s->length, from, to);
-        kinematics_at(&s->c, clock_of(s, within), &at);
-        const struct contact_shape shape = scene_shape_met(s->c.v, s->c.q, &at, s->c.contact);
-        if (contact_is_rim(&shape)) {
-            done = integrate_at_rim(s, &shape, path, from, to);
-        } else {
-            const struct contact_geometry now =
-                contact_geometry_at(&shape, path->c[0], path->w[0], vec3_make(0.0, 0.0, 0.0));
-            const struct relative_path along = relative_path_make(&shape, path, now.gap, s->length);
-            done = integrate_path(s, &shape, &along, from, to);
-        }
-        from = to;
-    }
-    return done;
-}
-#endif
-
 /* Integrates a communication step of one contact between the roots of the polynomials at which its law
  * changes. */
 static bool integrate_polynomial(struct span *s)
@@ -1676,14 +1618,6 @@ static bool integrate_polynomial(struct span *s)
         return true;
     }
     bool done = true;
-#if SCENE_ANY_CAPS
-    if (contact_is_capped(&shape)) {
-        state->peaks = (struct contact_peaks){0.0, 0.0};
-        done = integrate_capped(s, &shape, &separation);
-        book_span(s);
-        return done;
-    }
-#endif
     const struct relative_path path = relative_path_make(&shape, &separation, at.geometry[j].gap, s->length);
     if (candidates_least_gap(&path) < 0.0) {
         state->peaks = (struct contact_peaks){0.0, 0.0};
@@ -1705,7 +1639,8 @@ bool prescribed_over(const struct scene_values *v, struct scene_state *q, double
         if (!contact_is_prescribed(v, j)) {
             continue;
         }
-        if (scene_turns(v)) {
+        const struct contact_shape shape = scene_contact_shape(v, q, j);
+        if (scene_turns(v) || contact_is_capped(&shape)) {
             s.evaluations = &evaluations;
             s.panel_cost += (long)fmin(steps / STEPS_OF_PANEL, PRESCRIBED_PANELS);
             done = integrate_located(&s);

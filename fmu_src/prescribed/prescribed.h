@@ -5,9 +5,9 @@
  * sum over its halves agrees with the whole.
  *
  * Where nothing turns or rubs, the separation is a polynomial of time, and the conditions at which the law
- * changes are polynomials too. Their roots are the events. Where a body turns or a contact rubs, conservative
- * advancement finds the touches and misses none, and the events of law and friction are located between the
- * nodes of the panels.
+ * changes are polynomials too. Their roots are the events. Where a body turns, a contact rubs or a cylinder has
+ * caps, conservative advancement finds the touches and misses none, and the events of law and friction are
+ * located between the nodes of the panels.
  */
 #ifndef CONTACT_PRESCRIBED_PRESCRIBED_H
 #define CONTACT_PRESCRIBED_PRESCRIBED_H
