@@ -221,71 +221,26 @@ static const double RIM_STEP = 0.05;
 enum { RIM_SHORT_STEPS = 20000 };
 static const double RIM_LONG_STEP = 1e-4;
 
-/* Relative rounding error of a sum of products of vectors, as in rounding_of_gap. */
-static const double RIM_ROUNDINGS = 8.0 * DBL_EPSILON;
-
-/* The arguments of the force law at one time. */
+/* The gap at one time. */
 struct rim_instant {
-    double gap, rate, slope; /* g [m], g' for the law [m/s], dg/dt of the path [m/s] */
-    double distance;         /* from the circle [m] */
-    double event;            /* event function of the law in the present regime (contact_event) */
-    enum contact_regime regime;
-    double gap_noise, rate_noise; /* rounding bounds of g [m] and g' [m/s] */
+    double gap, slope; /* g [m], dg/dt of the path [m/s] */
+    double distance;   /* from the circle [m] */
 };
 
-struct rim_search {
-    const struct contact_shape *shape;
-    const struct contact_law *law;
-    const struct separation_path *path;
-    double rounding;
-    enum contact_regime present;
-};
-
-/* Returns the arguments of the force law and their rounding bounds at a time [s]. */
-static struct rim_instant rim_instant_at(const struct rim_search *search, double time)
+static struct rim_instant rim_instant_at(const struct contact_shape *shape,
+                                         const struct separation_path *path, double time)
 {
-    const struct separation_path *path = search->path;
-    struct vec3 slope[SEPARATION_DEGREE];
-    for (int i = 0; i < SEPARATION_DEGREE; ++i) {
-        slope[i] = vec3_scale(i + 1, path->c[i + 1]);
-    }
-    const struct vec3 w = path_at(path->w, SEPARATION_DEGREE, time);
-    const struct vec3 none = {0.0, 0.0, 0.0};
+    const struct separation_path now = zone_path_from(path, time);
     const struct contact_geometry at =
-        contact_geometry_at(search->shape, path_at(path->c, SEPARATION_DEGREE + 1, time), w, none);
-    struct rim_instant now = {.gap = at.gap, .rate = at.gap_rate, .distance = at.distance};
-    now.slope = vec3_dot(at.normal, path_at(slope, SEPARATION_DEGREE, time));
-    now.gap_noise = fmax(search->rounding, RIM_ROUNDINGS * (vec3_norm(path->c[0]) + at.gap_terms));
-    now.rate_noise = vec3_norm(w) * (RIM_ROUNDINGS + fmin(now.gap_noise / at.distance, 1.0));
-    now.event = contact_event(search->law, search->present, now.gap, now.rate);
-    now.regime = contact_regime_of(search->law, now.gap, now.rate, true);
-    return now;
-}
-
-/* Whether the regime has changed by more than rounding. */
-static bool rim_has_changed(const struct rim_search *search, const struct rim_instant *at,
-                            enum contact_regime present)
-{
-    if (at->regime == present) {
-        return false;
-    }
-    if (present == REGIME_APART) {
-        return at->gap < -at->gap_noise;
-    }
-    if (at->gap > at->gap_noise) {
-        return true;
-    }
-    /* this also covers bodies that part within rounding, because the dashpot may have been clipped before */
-    const struct contact_slopes slopes = contact_event_slopes(search->law, present, at->gap, at->rate);
-    return contact_event(search->law, present, at->gap, at->rate) <
-           -(fabs(slopes.by_gap) * at->gap_noise + fabs(slopes.by_rate) * at->rate_noise);
+        contact_geometry_at(shape, now.c[0], now.c[1], vec3_make(0.0, 0.0, 0.0));
+    return (struct rim_instant){at.gap, at.gap_rate, at.distance};
 }
 
 /* Returns the next step [s] at a time and a distance from the circle; `count` steps have been made. */
-static double rim_step_length(const struct rim_search *search, double time, double distance, double longest,
-                              int count)
+static double rim_step_length(const struct separation_path *path, double time, double distance,
+                              double longest, int count)
 {
-    const struct separation_path from = zone_path_from(search->path, time);
+    const struct separation_path from = zone_path_from(path, time);
     double step = longest;
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
         step = fmin(step, pow(RIM_STEP * distance / vec3_norm(from.c[i]), 1.0 / i));
@@ -295,94 +250,31 @@ static double rim_step_length(const struct rim_search *search, double time, doub
 }
 
 /* Returns the time between `low` and `high` at which the gap is least or largest. */
-static double rim_extreme_between(const struct rim_search *search, double low, double high)
+static double rim_extreme_between(const struct contact_shape *shape, const struct separation_path *path,
+                                  double low, double high)
 {
-    const bool falls = rim_instant_at(search, low).slope < 0.0;
+    const bool falls = rim_instant_at(shape, path, low).slope < 0.0;
     for (;;) {
         const double middle = 0.5 * (low + high);
         if (!(middle > low && middle < high)) {
             return middle;
         }
-        *((rim_instant_at(search, middle).slope < 0.0) == falls ? &low : &high) = middle;
+        *((rim_instant_at(shape, path, middle).slope < 0.0) == falls ? &low : &high) = middle;
     }
-}
-
-/* Bisects to the first change between two times; at `after` the regime differs from `present`. */
-static struct rim_change rim_halve_to_change(const struct rim_search *search, double before, double after,
-                                             enum contact_regime present, enum contact_regime next)
-{
-    for (;;) {
-        const double middle = 0.5 * (before + after);
-        if (!(middle > before && middle < after)) {
-            return (struct rim_change){after, next};
-        }
-        const enum contact_regime then = rim_instant_at(search, middle).regime;
-        if (then != present) {
-            next = then;
-        }
-        *(then != present ? &after : &before) = middle;
-    }
-}
-
-/* Sets the event function of the present regime, as a root_function for root_lowest. */
-static void rim_event(const void *data, double time, double *value, double *slope)
-{
-    const struct rim_search *search = data;
-    const struct rim_instant at = rim_instant_at(search, time);
-    *value = at.event;
-    *slope = (double)NAN; /* not needed */
-}
-
-struct rim_change rim_first_change(const struct contact_shape *shape, const struct contact_law *law,
-                                   const struct separation_path *path, double rounding,
-                                   enum contact_regime present, double from, double until)
-{
-    const struct rim_search search = {shape, law, path, rounding, present};
-    struct root_place place[3] = {{from, 1.0}, {from, 1.0}};
-    struct rim_instant before = rim_instant_at(&search, from);
-    place[1].value = before.event;
-    double time = from;
-    for (int count = 0; time < until; ++count) {
-        const double to =
-            fmin(until, time + rim_step_length(&search, time, before.distance, until - from, count));
-        const struct rim_instant end = rim_instant_at(&search, to);
-        struct rim_instant then = end;
-        double at = to;
-        place[2] = (struct root_place){to, end.event};
-        if (before.slope * end.slope < 0.0 && !rim_has_changed(&search, &end, present)) {
-            at = rim_extreme_between(&search, time, to);
-            then = rim_instant_at(&search, at);
-        }
-        if (count > 0 && !rim_has_changed(&search, &then, present) && root_may_dip(place)) {
-            at = root_lowest(rim_event, &search, place);
-            then = rim_instant_at(&search, at);
-            time = place[0].s;
-        }
-        if (rim_has_changed(&search, &then, present)) {
-            return rim_halve_to_change(&search, time, at, present, then.regime);
-        }
-        place[0] = place[1];
-        place[1] = place[2];
-        time = to;
-        before = end;
-    }
-    return (struct rim_change){(double)INFINITY, present};
 }
 
 double rim_least_gap(const struct contact_shape *shape, const struct separation_path *path, double from,
                      double until)
 {
-    const struct contact_law none = {.dashpot = DASHPOT_UNCLAMPED, .law = LAW_LINEAR};
-    const struct rim_search search = {shape, &none, path, 0.0, REGIME_APART};
-    struct rim_instant before = rim_instant_at(&search, from);
+    struct rim_instant before = rim_instant_at(shape, path, from);
     double least = before.gap;
     double time = from;
     for (int count = 0; time < until; ++count) {
         const double to =
-            fmin(until, time + rim_step_length(&search, time, before.distance, until - from, count));
-        const struct rim_instant then = rim_instant_at(&search, to);
+            fmin(until, time + rim_step_length(path, time, before.distance, until - from, count));
+        const struct rim_instant then = rim_instant_at(shape, path, to);
         if (before.slope < 0.0 && then.slope > 0.0) {
-            least = fmin(least, rim_instant_at(&search, rim_extreme_between(&search, time, to)).gap);
+            least = fmin(least, rim_instant_at(shape, path, rim_extreme_between(shape, path, time, to)).gap);
         }
         least = fmin(least, then.gap);
         time = to;

@@ -500,54 +500,6 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     return flight_regime_change(&path, &shape, &law, present, band, by_positions);
 }
 
-static struct regime_change capped_regime_change(const struct scene_values *v, const struct scene_state *q,
-                                                 const struct scene_instant *at, double clock, int contact,
-                                                 double horizon)
-{
-    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
-    const struct regime_change none = {(double)INFINITY, present, 0.0, true};
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    if (contact_is_coupled(v, q, contact) ||
-        (contact_transmits(q, contact) && !contact_is_prescribed(v, contact))) {
-        return none;
-    }
-    if (present == REGIME_APART) {
-        return first_touch_at(zone_change_touch(v, q, at, clock, contact, horizon));
-    }
-    const struct separation_path path = separation_path_of(v, q, at, clock, contact);
-    const double end = zone_path_end(&shape.solid, &path, horizon);
-    const double until = fmin(end, horizon);
-    struct regime_change next = none;
-    if (until > 0.0 && contact_is_rim(&shape)) {
-        const struct contact_law law = scene_contact_law(v, q, contact);
-        const struct rim_change change =
-            rim_first_change(&shape, &law, &path, rounding_of_gap(v, at, contact), present, 0.0, until);
-        /* DBL_MAX says that the gap is the one that the positions give */
-        const double gap = change.regime == REGIME_APART ? 0.0 : DBL_MAX;
-        next = (struct regime_change){change.time, change.regime, gap, false};
-    } else if (until > 0.0) {
-        next = smooth_regime_change(v, q, at, clock, contact, until);
-    }
-    if (!(next.after < end) && end < (double)INFINITY) {
-        /* the gap is again the one that the positions give */
-        return (struct regime_change){end, present, DBL_MAX, next.passes_centre};
-    }
-    return next;
-}
-
-struct regime_change next_regime_change(const struct scene_values *v, const struct scene_state *q,
-                                        const struct scene_instant *at, double clock, int contact,
-                                        double horizon)
-{
-    if (SCENE_ANY_CAPS) {
-        const struct contact_shape shape = scene_contact_shape(v, q, contact);
-        if (contact_is_capped(&shape)) {
-            return capped_regime_change(v, q, at, clock, contact, horizon);
-        }
-    }
-    return smooth_regime_change(v, q, at, clock, contact, horizon);
-}
-
 void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,
                               const struct scene_instant *at, int contact, double until)
 {
@@ -575,6 +527,9 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
 static const double LAW_INSTANTS_PER_RADIAN = 16.0;
 static const double LEAST_LAW_INSTANTS = 64.0;
 static const double MOST_LAW_INSTANTS = 1e6;
+
+/* The last instant is right before the bodies part, where a dashpot may have been clipped shortly before. */
+static const double JUST_BEFORE = 1.0 - 1e-9;
 
 /* Whether another contact transmits a force to a body of this contact that moves freely. */
 static bool is_loaded(const struct scene_values *v, const struct scene_state *q, int contact)
@@ -646,8 +601,8 @@ static void look_for_law(const struct advancement_path *from_now, const struct c
     const double wanted = LEAST_LAW_INSTANTS + LAW_INSTANTS_PER_RADIAN * turning * until;
     const long count = (long)fmin(wanted, fmin(MOST_LAW_INSTANTS, fmax(LEAST_LAW_INSTANTS, (double)budget)));
     double before = 0.0;
-    for (long i = 1; i < count; ++i) {
-        const double time = until * ((double)i / (double)count);
+    for (long i = 1; i <= count; ++i) {
+        const double time = until * fmin((double)i / (double)count, JUST_BEFORE);
         const enum contact_regime then = regime_at_time(&path, law, time);
         found->evaluations += 1;
         if (then != present && then != REGIME_APART) {
@@ -685,6 +640,55 @@ static struct prediction advancement_prediction(const struct scene_values *v, co
         look_for_law(&path, &law, present, fmin(change.after, change.searched), budget, &found);
     }
     return found;
+}
+
+/* So many evaluations of the gap take some milliseconds; a dozen are usual. */
+enum { RIM_EVALUATIONS = 10000 };
+
+static struct regime_change capped_regime_change(const struct scene_values *v, const struct scene_state *q,
+                                                 const struct scene_instant *at, double clock, int contact,
+                                                 double horizon)
+{
+    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
+    const struct regime_change none = {(double)INFINITY, present, 0.0, true};
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    if (contact_is_coupled(v, q, contact) ||
+        (contact_transmits(q, contact) && !contact_is_prescribed(v, contact))) {
+        return none;
+    }
+    if (present == REGIME_APART) {
+        return first_touch_at(zone_change_touch(v, q, at, clock, contact, horizon));
+    }
+    const struct separation_path path = separation_path_of(v, q, at, clock, contact);
+    const double end = zone_path_end(&shape.solid, &path, horizon);
+    const double until = fmin(end, horizon);
+    struct regime_change next = none;
+    if (until > 0.0 && contact_is_rim(&shape)) {
+        next = advancement_prediction(v, q, at, contact, until, RIM_EVALUATIONS).next;
+        /* DBL_MAX says that the gap is the one that the positions give */
+        next.gap = next.regime == REGIME_APART ? 0.0 : DBL_MAX;
+        next.passes_centre = false;
+    } else if (until > 0.0) {
+        next = smooth_regime_change(v, q, at, clock, contact, until);
+    }
+    if (!(next.after < end) && end < (double)INFINITY) {
+        /* the gap is again the one that the positions give */
+        return (struct regime_change){end, present, DBL_MAX, next.passes_centre};
+    }
+    return next;
+}
+
+struct regime_change next_regime_change(const struct scene_values *v, const struct scene_state *q,
+                                        const struct scene_instant *at, double clock, int contact,
+                                        double horizon)
+{
+    if (SCENE_ANY_CAPS) {
+        const struct contact_shape shape = scene_contact_shape(v, q, contact);
+        if (contact_is_capped(&shape)) {
+            return capped_regime_change(v, q, at, clock, contact, horizon);
+        }
+    }
+    return smooth_regime_change(v, q, at, clock, contact, horizon);
 }
 
 struct prediction prediction_of(const struct scene_values *v, const struct scene_state *q,
