@@ -6,7 +6,8 @@
  *
  * Beside bodies that are free, a contact that neither turns nor rubs is integrated from one change of its
  * regime to the next, which integrator/prediction.c foresees. Everywhere else conservative advancement finds
- * the touches and misses none, and the events of law and friction are located between the nodes of the panels.
+ * the touches and misses none, and the events of law and friction are located between the nodes of the
+ * panels.
  */
 #ifndef CONTACT_PRESCRIBED_PRESCRIBED_H
 #define CONTACT_PRESCRIBED_PRESCRIBED_H
