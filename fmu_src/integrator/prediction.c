@@ -180,6 +180,142 @@ static bool path_keeps_away(const struct relative_path *path)
     return start + length < path->reach - NO_DISTANCE && start - length > NO_DISTANCE;
 }
 
+/*
+ * The functions that follow find the first change of regime of a prescribed contact. Neither body is free, so
+ * the path does not depend on the regime.
+ *
+ * A condition that is zero at an event is computed again after the event, from a path with a new origin;
+ * rounding may then give it either sign. A change counts only where its condition exceeds its rounding, and
+ * it takes place where the condition is zero. So rounding at one event cannot cause another event.
+ */
+
+/* Rounding at the start of the path, and the relative speed of the bodies. */
+struct prescribed_rounding {
+    double gap;   /* rounding of the gap [m] */
+    double axial; /* rounding of the place along a cylinder's axis [m] */
+    double speed; /* bound of |w| over the whole path [m/s] */
+};
+
+/* Rounding of a sum of products of vectors, divided by the size of its terms, as in rounding_of_gap. */
+static const double ROUNDINGS = 8.0 * DBL_EPSILON;
+
+/* Gap, gap rate and axial distance at one place of the path, and bounds of their rounding. */
+struct prescribed_instant {
+    double gap, rate, beyond;                   /* [m], [m/s], distance beyond a cylinder's end [m] */
+    double gap_noise, rate_noise, beyond_noise; /* rounding bounds [m], [m/s], [m] */
+    enum contact_regime regime;
+};
+
+/* Returns the sum of the absolute terms of a polynomial at s >= 0; its rounding goes with this sum. */
+static double size_of(const struct polynomial *p, double s)
+{
+    double size = fabs(p->a[p->degree]);
+    for (int i = p->degree - 1; i >= 0; --i) {
+        size = size * s + fabs(p->a[i]);
+    }
+    return size;
+}
+
+static double size_of_path(const struct relative_path *path, double s)
+{
+    double size = vec3_norm(path->c[path->degree]);
+    for (int i = path->degree - 1; i >= 0; --i) {
+        size = size * s + vec3_norm(path->c[i]);
+    }
+    return size;
+}
+
+static struct prescribed_instant prescribed_at(const struct relative_path *path,
+                                               const struct contact_law *law,
+                                               const struct prescribed_rounding *rounding, double s)
+{
+    double gap;
+    double slope;
+    relative_path_gap(path, s, &gap, &slope);
+    const double speed_unit = path->scale / path->horizon;
+    const double distance = relative_path_divisor(path, gap);
+    const double along = polynomial_at(&path->half_rate, s);
+    struct prescribed_instant at = {.gap = path->scale * gap, .beyond = -1.0};
+    at.gap_noise = fmax(rounding->gap, ROUNDINGS * path->scale * (size_of_path(path, s) + path->reach));
+    if (distance > 0.0) {
+        at.rate = path->side * along / distance * speed_unit;
+        /* The rounding of c.w / d comes from the sum c.w and from an error of c as large as the gap's. */
+        const double sum = ROUNDINGS * size_of(&path->half_rate, s) / distance * speed_unit;
+        at.rate_noise = sum + at.gap_noise * rounding->speed / (path->scale * distance);
+    }
+    if (SCENE_ANY_CYLINDER && path->has_ends) {
+        at.beyond = path->scale * (fabs(polynomial_at(&path->axial, s)) - path->half_length);
+        at.beyond_noise =
+            fmax(rounding->axial, ROUNDINGS * path->scale * (size_of(&path->axial, s) + path->half_length));
+    }
+    at.regime = contact_regime_of(law, at.gap, at.rate, relative_path_within(path, s));
+    return at;
+}
+
+/* Whether the regime has changed and its condition exceeds its rounding. */
+static bool has_changed(const struct prescribed_instant *at, const struct contact_law *law,
+                        enum contact_regime present)
+{
+    if (at->regime == present) {
+        return false;
+    }
+    if (present == REGIME_APART) {
+        return at->gap < -at->gap_noise && !(fabs(at->beyond) <= at->beyond_noise);
+    }
+    if (at->regime == REGIME_APART) {
+        return at->gap > at->gap_noise || at->beyond > at->beyond_noise;
+    }
+    const struct contact_slopes slopes = contact_event_slopes(law, present, at->gap, at->rate);
+    return fabs(contact_event(law, present, at->gap, at->rate)) >
+           fabs(slopes.by_gap) * at->gap_noise + fabs(slopes.by_rate) * at->rate_noise;
+}
+
+/* Candidates for events of the law are roots of squared polynomials, which lose digits where the path is
+ * long. So the change is located by bisection of the regime itself, between an instant before and one after
+ * it. */
+static double halve_to_change(const struct relative_path *path, const struct contact_law *law,
+                              const struct prescribed_rounding *rounding, double before, double after,
+                              enum contact_regime next)
+{
+    for (;;) {
+        const double middle = 0.5 * (before + after);
+        if (!(middle > before && middle < after)) {
+            return after;
+        }
+        *(prescribed_at(path, law, rounding, middle).regime == next ? &after : &before) = middle;
+    }
+}
+
+/* Returns the first change of regime. `events` are `count` sorted places of the path, which include every
+ * place at which the regime may change. */
+static struct regime_change prescribed_first_change(const struct relative_path *path,
+                                                    const struct contact_law *law,
+                                                    const struct prescribed_rounding *rounding,
+                                                    const double *events, int count,
+                                                    enum contact_regime present)
+{
+    double from = 0.0;
+    double before = -1.0;
+    for (int i = 0; i <= count; ++i) {
+        const double to = i < count ? events[i] : 1.0;
+        if (!(to > from)) {
+            continue;
+        }
+        const double middle = 0.5 * (from + to);
+        const struct prescribed_instant at = prescribed_at(path, law, rounding, middle);
+        if (has_changed(&at, law, present)) {
+            const bool by_law = present != REGIME_APART && at.regime != REGIME_APART;
+            if (by_law && before >= 0.0) {
+                from = halve_to_change(path, law, rounding, before, middle, at.regime);
+            }
+            return change_at(path, from, at.regime);
+        }
+        before = middle;
+        from = to;
+    }
+    return (struct regime_change){(double)INFINITY, present, 0.0, false};
+}
+
 /* Finds the first touch of bodies that are apart at `settle`; compression begins there. INFINITY: no touch.
  * Returns false where the bodies are not apart at `settle`, or do not approach at the touch. */
 static bool first_touch(const struct relative_path *path, const struct extremes *extremes, double settle,
@@ -254,6 +390,32 @@ static void leave_centre_in_flight(const struct contact_shape *shape, struct sep
     }
 }
 
+/* Returns a bound of the relative speed |w| within the horizon [m/s]. */
+static double speed_at_most(const struct separation_path *separation, double horizon)
+{
+    double speed = vec3_norm(separation->w[SEPARATION_DEGREE - 1]);
+    for (int i = SEPARATION_DEGREE - 2; i >= 0; --i) {
+        speed = speed * horizon + vec3_norm(separation->w[i]);
+    }
+    return speed;
+}
+
+/* Returns the first change of a contact of which neither body is free. */
+static struct regime_change prescribed_regime_change(const struct relative_path *path,
+                                                     const struct contact_shape *shape,
+                                                     const struct contact_law *law,
+                                                     const struct prescribed_rounding *rounding,
+                                                     enum contact_regime present)
+{
+    double events[MAX_CANDIDATES];
+    const struct extremes extremes = extremes_of(path);
+    const int count = candidates_of_all(path, &extremes, shape, law, events);
+    struct regime_change next = prescribed_first_change(path, law, rounding, events, count, present);
+    next.gap = present == REGIME_APART && fabs(next.gap) <= rounding->gap ? 0.0 : next.gap;
+    next.passes_centre = path_passes_centre(path, &extremes, next.after / path->horizon);
+    return next;
+}
+
 /* Returns the first change in flight after the dead band. The change is the first touch, or the first
  * candidate after which the regime differs from the present one. */
 static struct regime_change flight_regime_change(const struct relative_path *path,
@@ -280,7 +442,7 @@ static struct regime_change flight_regime_change(const struct relative_path *pat
     return next;
 }
 
-/* Returns the first change of a contact in flight with a smooth shape. */
+/* Returns the first change of a contact with a smooth shape or, within one zone, with a capped cylinder. */
 static struct regime_change smooth_regime_change(const struct scene_values *v, const struct scene_state *q,
                                                  const struct scene_instant *at, double clock, int contact,
                                                  double horizon)
@@ -289,7 +451,8 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     const struct contact_law law = scene_contact_law(v, q, contact);
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
     const bool has_ends = relative_path_has_ends(&shape);
-    const bool ends_only = present != REGIME_APART && present != REGIME_SEPARATING;
+    const bool ends_only =
+        present != REGIME_APART && present != REGIME_SEPARATING && !contact_is_prescribed(v, contact);
     if ((ends_only && !has_ends) || contact_is_coupled(v, q, contact)) {
         return (struct regime_change){(double)INFINITY, present, 0.0, true};
     }
@@ -314,6 +477,11 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
         return first_touch_at((double)INFINITY);
     }
     const double axially = has_ends ? rounding_of_axial(v, at, contact, &shape) : 0.0;
+    if (contact_is_prescribed(v, contact)) {
+        const struct prescribed_rounding rounding = {by_positions, axially,
+                                                     speed_at_most(&separation, horizon)};
+        return prescribed_regime_change(&path, &shape, &law, &rounding, present);
+    }
     const double found = (q->contact[contact].schedule.dead_band_clock - clock) / horizon;
     /* Bodies that approach touch where g = 0; a wait until the gap exceeds rounding would add penetration. */
     const bool approaches = present == REGIME_APART && now.gap_rate < -rounding_of_rate(at, contact);
@@ -475,10 +643,9 @@ static struct prediction advancement_prediction(const struct scene_values *v, co
     struct prediction found = {next, change.searched, change.evaluations};
     if (change.after < (double)INFINITY) {
         found.searched = horizon;
-        found.next.regime = !apart ? REGIME_APART
-                            : change.gap == 0.0 && !contact_is_prescribed(v, contact)
-                                ? REGIME_COMPRESSION
-                                : regime_of_touch(&path, &law, change.after);
+        found.next.regime = !apart              ? REGIME_APART
+                            : change.gap == 0.0 ? REGIME_COMPRESSION
+                                                : regime_of_touch(&path, &law, change.after);
     }
     if (!apart && contact_has_events(&law)) {
         look_for_law(&path, &law, present, fmin(change.after, change.searched), budget, &found);
@@ -487,7 +654,7 @@ static struct prediction advancement_prediction(const struct scene_values *v, co
 }
 
 /* So many evaluations of the gap take some milliseconds; a dozen are usual. */
-enum { ZONE_EVALUATIONS = 10000 };
+enum { RIM_EVALUATIONS = 10000 };
 
 static struct regime_change capped_regime_change(const struct scene_values *v, const struct scene_state *q,
                                                  const struct scene_instant *at, double clock, int contact,
@@ -507,8 +674,8 @@ static struct regime_change capped_regime_change(const struct scene_values *v, c
     const double end = zone_path_end(&shape.solid, &path, horizon);
     const double until = fmin(end, horizon);
     struct regime_change next = none;
-    if (until > 0.0 && (contact_is_rim(&shape) || contact_is_prescribed(v, contact))) {
-        next = advancement_prediction(v, q, at, contact, until, ZONE_EVALUATIONS).next;
+    if (until > 0.0 && contact_is_rim(&shape)) {
+        next = advancement_prediction(v, q, at, contact, until, RIM_EVALUATIONS).next;
         /* DBL_MAX says that the gap is the one that the positions give */
         next.gap = next.regime == REGIME_APART ? 0.0 : DBL_MAX;
         next.passes_centre = false;
@@ -548,10 +715,6 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
             return is_loaded(v, q, contact) ? nothing
                                             : advancement_prediction(v, q, at, contact, horizon, budget);
         }
-    }
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    if (contact_is_prescribed(v, contact) && !contact_is_capped(&shape)) {
-        return advancement_prediction(v, q, at, contact, horizon, budget);
     }
     const struct regime_change next = next_regime_change(v, q, at, q->clock, contact, horizon);
     return (struct prediction){next, horizon, 0};

@@ -39,9 +39,9 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
                               const struct scene_instant *at, int contact, double until);
 
 /*
- * A prediction is the next foreseen change of a contact's regime. In flight it is found in closed form where
- * the axis of the contact keeps its direction. Where the axis turns, and between bodies that the importer
- * moves, it is found by conservative advancement, which misses no touch.
+ * A prediction is the next foreseen change of a contact's regime. It is found in closed form where the axis
+ * of the contact keeps its direction. Where the axis turns, it is found by conservative advancement, which
+ * misses no touch.
  */
 
 struct prediction {
