@@ -71,6 +71,8 @@ enum { ADVANCEMENT_TERMS = 5 };
 struct advancement_path {
     struct contact_shape shape; /* holds the axis at the start; `axis` below gives the axis at any time */
     struct vec3 c[ADVANCEMENT_TERMS]; /* separation by powers of the time since now [m, m/s, ...] */
+    /* the rate of the separation that the force law uses less c' [m/s, ...]; the search does not read it */
+    struct vec3 mismatch[ADVANCEMENT_TERMS - 1];
     struct axis_motion axis;
     double rounding; /* rounding bound of c at the start [m] */
     /* the lever arms of the parts of compound bodies that meet, 0: source, 1: destination: directions and

@@ -1,12 +1,12 @@
 #include <float.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "contact/shape.h"
 #include "flight/relative_path.h"
 #include "flight/zone_path.h"
 #include "math/polynomial.h"
-#include "math/series.h"
 #include "scene/evaluate.h"
 
 #if SCENE_ANY_ZONES
@@ -63,8 +63,11 @@ static struct relative_path solid_path(const struct contact_solid *solid, const 
     return relative_path_make(&shape, &across, 0.0, horizon);
 }
 
-int zone_path_edges(const struct contact_solid *solid, const struct separation_path *path, double horizon,
-                    double edges[ZONE_EDGES])
+/* Sets a sorted superset of the times at which a path passes from one zone to another, as fractions of the
+ * horizon. Returns their number. */
+enum { ZONE_EDGES = 4 * POLYNOMIAL_MAX_DEGREE };
+static int zone_edges(const struct contact_solid *solid, const struct separation_path *path, double horizon,
+                      double edges[ZONE_EDGES])
 {
     const struct relative_path along = solid_path(solid, path, horizon);
     const double h = solid->half_height / along.scale;
@@ -107,19 +110,6 @@ static double zone_clear_place(const struct contact_solid *solid, const struct s
     return clearest;
 }
 
-/* Returns the distance of the centre from the edges of the zone that it is in [m]. */
-static double nearest_margin(const struct contact_solid *solid, struct vec3 c)
-{
-    const struct solid_place place = contact_place_at(solid, c);
-    return contact_zone_margin(solid, contact_zone_by(&place), c);
-}
-
-double zone_path_between(const struct contact_solid *solid, const struct separation_path *path,
-                         double horizon, double from, double to)
-{
-    return zone_clear_place(solid, path, horizon, from, to, nearest_margin);
-}
-
 /* Returns the time of the first edge after which the margin is below zero by more than rounding [s]. */
 static double zone_first_end(const struct contact_solid *solid, const struct separation_path *path,
                              double horizon, const double *edges, int count, zone_margin *margin)
@@ -160,7 +150,7 @@ static double face_margin(const struct contact_solid *solid, struct vec3 c)
 double zone_path_end(const struct contact_solid *solid, const struct separation_path *path, double horizon)
 {
     double edges[ZONE_EDGES];
-    const int count = zone_path_edges(solid, path, horizon, edges);
+    const int count = zone_edges(solid, path, horizon, edges);
     return zone_first_end(solid, path, horizon, edges, count, whole_margin);
 }
 
@@ -231,71 +221,26 @@ static const double RIM_STEP = 0.05;
 enum { RIM_SHORT_STEPS = 20000 };
 static const double RIM_LONG_STEP = 1e-4;
 
-/* Relative rounding error of a sum of products of vectors, as in rounding_of_gap. */
-static const double RIM_ROUNDINGS = 8.0 * DBL_EPSILON;
-
-/* The arguments of the force law at one time. */
+/* The gap at one time. */
 struct rim_instant {
-    double gap, rate, slope; /* g [m], g' for the law [m/s], dg/dt of the path [m/s] */
-    double distance;         /* from the circle [m] */
-    double event;            /* event function of the law in the present regime (contact_event) */
-    enum contact_regime regime;
-    double gap_noise, rate_noise; /* rounding bounds of g [m] and g' [m/s] */
+    double gap, slope; /* g [m], dg/dt of the path [m/s] */
+    double distance;   /* from the circle [m] */
 };
 
-struct rim_search {
-    const struct contact_shape *shape;
-    const struct contact_law *law;
-    const struct separation_path *path;
-    double rounding;
-    enum contact_regime present;
-};
-
-/* Returns the arguments of the force law and their rounding bounds at a time [s]. */
-static struct rim_instant rim_instant_at(const struct rim_search *search, double time)
+static struct rim_instant rim_instant_at(const struct contact_shape *shape,
+                                         const struct separation_path *path, double time)
 {
-    const struct separation_path *path = search->path;
-    struct vec3 slope[SEPARATION_DEGREE];
-    for (int i = 0; i < SEPARATION_DEGREE; ++i) {
-        slope[i] = vec3_scale(i + 1, path->c[i + 1]);
-    }
-    const struct vec3 w = path_at(path->w, SEPARATION_DEGREE, time);
-    const struct vec3 none = {0.0, 0.0, 0.0};
+    const struct separation_path now = zone_path_from(path, time);
     const struct contact_geometry at =
-        contact_geometry_at(search->shape, path_at(path->c, SEPARATION_DEGREE + 1, time), w, none);
-    struct rim_instant now = {.gap = at.gap, .rate = at.gap_rate, .distance = at.distance};
-    now.slope = vec3_dot(at.normal, path_at(slope, SEPARATION_DEGREE, time));
-    now.gap_noise = fmax(search->rounding, RIM_ROUNDINGS * (vec3_norm(path->c[0]) + at.gap_terms));
-    now.rate_noise = vec3_norm(w) * (RIM_ROUNDINGS + fmin(now.gap_noise / at.distance, 1.0));
-    now.event = contact_event(search->law, search->present, now.gap, now.rate);
-    now.regime = contact_regime_of(search->law, now.gap, now.rate, true);
-    return now;
-}
-
-/* Whether the regime has changed by more than rounding. */
-static bool rim_has_changed(const struct rim_search *search, const struct rim_instant *at,
-                            enum contact_regime present)
-{
-    if (at->regime == present) {
-        return false;
-    }
-    if (present == REGIME_APART) {
-        return at->gap < -at->gap_noise;
-    }
-    if (at->gap > at->gap_noise) {
-        return true;
-    }
-    /* this also covers bodies that part within rounding, because the dashpot may have been clipped before */
-    const struct contact_slopes slopes = contact_event_slopes(search->law, present, at->gap, at->rate);
-    return contact_event(search->law, present, at->gap, at->rate) <
-           -(fabs(slopes.by_gap) * at->gap_noise + fabs(slopes.by_rate) * at->rate_noise);
+        contact_geometry_at(shape, now.c[0], now.c[1], vec3_make(0.0, 0.0, 0.0));
+    return (struct rim_instant){at.gap, at.gap_rate, at.distance};
 }
 
 /* Returns the next step [s] at a time and a distance from the circle; `count` steps have been made. */
-static double rim_step_length(const struct rim_search *search, double time, double distance, double longest,
-                              int count)
+static double rim_step_length(const struct separation_path *path, double time, double distance,
+                              double longest, int count)
 {
-    const struct separation_path from = zone_path_from(search->path, time);
+    const struct separation_path from = zone_path_from(path, time);
     double step = longest;
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
         step = fmin(step, pow(RIM_STEP * distance / vec3_norm(from.c[i]), 1.0 / i));
@@ -305,94 +250,31 @@ static double rim_step_length(const struct rim_search *search, double time, doub
 }
 
 /* Returns the time between `low` and `high` at which the gap is least or largest. */
-static double rim_extreme_between(const struct rim_search *search, double low, double high)
+static double rim_extreme_between(const struct contact_shape *shape, const struct separation_path *path,
+                                  double low, double high)
 {
-    const bool falls = rim_instant_at(search, low).slope < 0.0;
+    const bool falls = rim_instant_at(shape, path, low).slope < 0.0;
     for (;;) {
         const double middle = 0.5 * (low + high);
         if (!(middle > low && middle < high)) {
             return middle;
         }
-        *((rim_instant_at(search, middle).slope < 0.0) == falls ? &low : &high) = middle;
+        *((rim_instant_at(shape, path, middle).slope < 0.0) == falls ? &low : &high) = middle;
     }
-}
-
-/* Bisects to the first change between two times; at `after` the regime differs from `present`. */
-static struct rim_change rim_halve_to_change(const struct rim_search *search, double before, double after,
-                                             enum contact_regime present, enum contact_regime next)
-{
-    for (;;) {
-        const double middle = 0.5 * (before + after);
-        if (!(middle > before && middle < after)) {
-            return (struct rim_change){after, next};
-        }
-        const enum contact_regime then = rim_instant_at(search, middle).regime;
-        if (then != present) {
-            next = then;
-        }
-        *(then != present ? &after : &before) = middle;
-    }
-}
-
-/* Sets the event function of the present regime, as a root_function for root_lowest. */
-static void rim_event(const void *data, double time, double *value, double *slope)
-{
-    const struct rim_search *search = data;
-    const struct rim_instant at = rim_instant_at(search, time);
-    *value = at.event;
-    *slope = (double)NAN; /* not needed */
-}
-
-struct rim_change rim_first_change(const struct contact_shape *shape, const struct contact_law *law,
-                                   const struct separation_path *path, double rounding,
-                                   enum contact_regime present, double from, double until)
-{
-    const struct rim_search search = {shape, law, path, rounding, present};
-    struct root_place place[3] = {{from, 1.0}, {from, 1.0}};
-    struct rim_instant before = rim_instant_at(&search, from);
-    place[1].value = before.event;
-    double time = from;
-    for (int count = 0; time < until; ++count) {
-        const double to =
-            fmin(until, time + rim_step_length(&search, time, before.distance, until - from, count));
-        const struct rim_instant end = rim_instant_at(&search, to);
-        struct rim_instant then = end;
-        double at = to;
-        place[2] = (struct root_place){to, end.event};
-        if (before.slope * end.slope < 0.0 && !rim_has_changed(&search, &end, present)) {
-            at = rim_extreme_between(&search, time, to);
-            then = rim_instant_at(&search, at);
-        }
-        if (count > 0 && !rim_has_changed(&search, &then, present) && root_may_dip(place)) {
-            at = root_lowest(rim_event, &search, place);
-            then = rim_instant_at(&search, at);
-            time = place[0].s;
-        }
-        if (rim_has_changed(&search, &then, present)) {
-            return rim_halve_to_change(&search, time, at, present, then.regime);
-        }
-        place[0] = place[1];
-        place[1] = place[2];
-        time = to;
-        before = end;
-    }
-    return (struct rim_change){(double)INFINITY, present};
 }
 
 double rim_least_gap(const struct contact_shape *shape, const struct separation_path *path, double from,
                      double until)
 {
-    const struct contact_law none = {.dashpot = DASHPOT_UNCLAMPED, .law = LAW_LINEAR};
-    const struct rim_search search = {shape, &none, path, 0.0, REGIME_APART};
-    struct rim_instant before = rim_instant_at(&search, from);
+    struct rim_instant before = rim_instant_at(shape, path, from);
     double least = before.gap;
     double time = from;
     for (int count = 0; time < until; ++count) {
         const double to =
-            fmin(until, time + rim_step_length(&search, time, before.distance, until - from, count));
-        const struct rim_instant then = rim_instant_at(&search, to);
+            fmin(until, time + rim_step_length(path, time, before.distance, until - from, count));
+        const struct rim_instant then = rim_instant_at(shape, path, to);
         if (before.slope < 0.0 && then.slope > 0.0) {
-            least = fmin(least, rim_instant_at(&search, rim_extreme_between(&search, time, to)).gap);
+            least = fmin(least, rim_instant_at(shape, path, rim_extreme_between(shape, path, time, to)).gap);
         }
         least = fmin(least, then.gap);
         time = to;
@@ -404,124 +286,6 @@ double rim_least_gap(const struct contact_shape *shape, const struct separation_
 #endif
 
 #if SCENE_ANY_FREE && SCENE_ANY_CAPS
-
-/* Taylor series of rho - r_d, |z| - L/2 and the gap in time, of degree eight as a squared distance has. */
-enum { GAP_TERMS = 2 * SEPARATION_DEGREE + 1 };
-
-struct gap_series {
-    double radial[GAP_TERMS], axial[GAP_TERMS], gap[GAP_TERMS];
-    double rounding; /* rounding bound of the first terms [m] */
-    /* rate[i] [1/s] is the largest (|c_k| / d)^(1/k) of the path's terms c_k of orders k up to i, with the
-     * distance d at the start. A term of order i is rounding below `rounding` rate[i]^i. */
-    double rate[GAP_TERMS];
-};
-
-/* Whether the gap rate closes the gap, but by less than rounding before the gap opens again. */
-static bool is_graze(const struct gap_series *series)
-{
-    return series->gap[1] < 0.0 && series->gap[2] > 0.0 &&
-           series->gap[1] * series->gap[1] <= 4.0 * series->gap[2] * series->rounding;
-}
-
-/* Returns the order of the first term above rounding; 0 if there is none. */
-static int first_term(const struct gap_series *series, const double *terms)
-{
-    for (int i = 0; i < GAP_TERMS; ++i) {
-        if (fabs(terms[i]) > series->rounding * pow(series->rate[i], i)) {
-            return i;
-        }
-    }
-    return 0;
-}
-
-/* Sets the radial and axial series. The path is projected across the axis term by term, so that a path along
- * the axis has no part across. */
-static void put_solid_place(struct gap_series *series, const struct contact_solid *solid,
-                            const struct separation_path *path)
-{
-    struct vec3 across[SEPARATION_DEGREE + 1];
-    double square[GAP_TERMS] = {0.0};
-    double rho[GAP_TERMS] = {0.0};
-    const double up = vec3_dot(path->c[0], solid->axis) > 0.0 ? 1.0 : -1.0;
-    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
-        const double along = vec3_dot(path->c[i], solid->axis);
-        across[i] = vec3_axpy(path->c[i], -along, solid->axis);
-        series->axial[i] = up * along - (i == 0 ? solid->half_height : 0.0);
-    }
-    for (int i = 0; i < GAP_TERMS; ++i) {
-        for (int k = i > SEPARATION_DEGREE ? i - SEPARATION_DEGREE : 0; k <= i && k <= SEPARATION_DEGREE;
-             ++k) {
-            square[i] += vec3_dot(across[k], across[i - k]);
-        }
-        /* on the axis at the start, rho stays below r_d for all of the time that counts */
-        rho[i] = square[0] > 0.0 ? taylor_root(square, rho, i) : 0.0;
-        series->radial[i] = rho[i] - (i == 0 ? solid->radius : 0.0);
-    }
-}
-
-/* Returns the series of the gap in the zone that the path enters. */
-static struct gap_series gap_series_of(const struct contact_shape *shape, const struct separation_path *path,
-                                       double rounding)
-{
-    struct gap_series series = {.rounding = rounding};
-    const struct contact_geometry at =
-        contact_geometry_at(shape, path->c[0], path->c[1], vec3_make(0.0, 0.0, 0.0));
-    put_solid_place(&series, &shape->solid, path);
-    for (int i = 1; i < GAP_TERMS; ++i) {
-        const double own = i <= SEPARATION_DEGREE ? pow(vec3_norm(path->c[i]) / at.distance, 1.0 / i) : 0.0;
-        series.rate[i] = fmax(series.rate[i - 1], own);
-    }
-    const bool beyond_side = series.radial[first_term(&series, series.radial)] > 0.0;
-    const bool beyond_cap = series.axial[first_term(&series, series.axial)] > 0.0;
-    double square[GAP_TERMS];
-    for (int i = 0; i < GAP_TERMS; ++i) {
-        if (beyond_side && beyond_cap) {
-            square[i] = taylor_multiply(series.radial, series.radial, i) +
-                        taylor_multiply(series.axial, series.axial, i);
-            series.gap[i] = taylor_root(square, series.gap, i);
-        } else {
-            series.gap[i] = beyond_cap ? series.axial[i] : series.radial[i];
-        }
-    }
-    series.gap[0] = 0.0;
-    return series;
-}
-
-/* The further motion of bodies that touch within rounding. */
-struct meeting {
-    bool closes;    /* the bodies penetrate */
-    double leaving; /* otherwise the time until the gap exceeds rounding, or returns to zero [s] */
-};
-
-/* Returns how bodies move on that touch within rounding. Positions give the gap to within `noise` [m].
- * `known` points to a gap with more digits, as just after a contact, or is NULL. The signs of a known gap and
- * of its rate count however small they are, because a ball may hop by less than rounding. */
-static struct meeting meeting_of(const struct contact_shape *shape, const struct separation_path *path,
-                                 double noise, const double *known)
-{
-    struct gap_series series = gap_series_of(shape, path, noise);
-    if (is_graze(&series)) {
-        series.gap[1] = 0.0;
-    }
-    int first = first_term(&series, series.gap);
-    if (known && *known >= 0.0 && (*known > 0.0 || series.gap[1] > 0.0)) {
-        series.gap[0] = *known;
-        first = *known > 0.0 ? 0 : 1;
-    }
-    struct meeting meeting = {series.gap[first] < 0.0, (double)INFINITY};
-    for (int i = 1; i < GAP_TERMS; ++i) {
-        meeting.leaving = fmin(meeting.leaving, pow(noise / fabs(series.gap[i]), 1.0 / i));
-    }
-    if (meeting.leaving < (double)INFINITY) {
-        struct polynomial hop = {{0.0}, GAP_TERMS - 1 - first};
-        for (int i = first; i < GAP_TERMS; ++i) {
-            hop.a[i - first] = series.gap[i] * pow(meeting.leaving, i) / noise;
-        }
-        double roots[POLYNOMIAL_MAX_DEGREE];
-        meeting.leaving *= polynomial_sign_changes(&hop, roots) > 0 ? roots[0] : 1.0;
-    }
-    return meeting;
-}
 
 /* Returns the first t > 0 [s] at which gap + n.(c(t) - c(0)) falls through zero, or INFINITY after `left`. */
 static double plane_touch(const struct separation_path *path, struct vec3 n, double gap, double left)
@@ -552,7 +316,7 @@ static double steady_touch(const struct separation_path *path, struct vec3 n, do
 }
 
 /* Largest number of steps. Near a graze the steps become as short as the rounding of the gap. */
-enum { TOUCH_STEPS = 10000 };
+enum { TOUCH_STEPS = 10000, GRAZE_EVALUATIONS = 10000 };
 
 /* Returns the time of the first touch after `settled` [s]; INFINITY: no touch within the horizon [s]. `gap`
  * is the gap at the start [m], which may have more digits than the positions. */
@@ -589,26 +353,66 @@ static double zone_path_first_touch(const struct contact_shape *shape, const str
 /* Largest number of trials: a gap that stays at zero may come within rounding more than once. */
 enum { TRIALS = 1000 };
 
+/* How bodies go on that touch within rounding. */
+struct meeting {
+    bool is_clear; /* the first two derivatives of the gap tell it */
+    bool closes;   /* in this case: they penetrate now */
+    double rising; /* else a time after which the gap exceeds rounding, or has returned from a hop [s] */
+};
+
+/* The gap is convex, so that the turning of n adds to n.c'' up to |c'|^2 / d. The first derivative tells how
+ * bodies go on if the others cover less than one rounding bound `noise` [m] while it covers four. Otherwise
+ * the sign of the second derivative tells it: bodies may hop or graze each other by less than rounding. */
+static struct meeting meeting_of(const struct contact_shape *shape, const struct separation_path *path,
+                                 double noise)
+{
+    const struct vec3 *c = path->c;
+    const struct contact_geometry at = contact_geometry_at(shape, c[0], c[1], vec3_make(0.0, 0.0, 0.0));
+    const double speed = vec3_dot(at.normal, c[1]);
+    const double bend = vec3_dot(at.normal, c[2]);
+    const double turning = 0.5 * vec3_dot(c[1], c[1]) / at.distance;
+    const double by_speed = 4.0 * noise / fabs(speed);
+    if ((vec3_norm(c[2]) + turning) * by_speed * by_speed < noise) {
+        return (struct meeting){true, speed < 0.0, by_speed};
+    }
+    const double by_bend = sqrt(4.0 * noise / fmin(fabs(bend), fabs(bend + turning)));
+    const double rest = (vec3_norm(c[3]) + vec3_norm(c[4]) * by_bend) * by_bend * by_bend * by_bend;
+    const bool is_clear = bend * (bend + turning) > 0.0 && rest < noise;
+    return bend < 0.0 ? (struct meeting){is_clear, !(speed > 0.0), fmax(-speed / bend, 0.0)}
+                      : (struct meeting){is_clear, false, by_bend};
+}
+
+/* Returns the time after `settled` at which bodies that may graze each other touch by more than rounding
+ * [s]. */
+static double touch_after_graze(const struct contact_shape *shape, const struct separation_path *path,
+                                double noise, double settled, double horizon)
+{
+    const struct separation_path from = zone_path_from(path, settled);
+    struct advancement_path along = {
+        .shape = *shape, .axis = axis_motion_fixed(shape->axis), .rounding = noise};
+    memcpy(along.c, from.c, sizeof along.c);
+    return settled + advancement_first(&along, ADVANCEMENT_TOUCH, horizon - settled, GRAZE_EVALUATIONS).after;
+}
+
 double zone_change_touch(const struct scene_values *v, const struct scene_state *q,
                          const struct scene_instant *at, double clock, int contact, double horizon)
 {
     const struct contact_shape shape = scene_whole_shape(v, q, contact);
     const struct separation_path path = separation_path_of(v, q, at, clock, contact);
     const double noise = rounding_of_gap(v, at, contact);
-    const double *known = scene_gap_is_accumulated(q, at, contact) ? &at->geometry[contact].gap : NULL;
     double time = fmax(0.0, q->contact[contact].schedule.dead_band_clock - clock);
     bool near = fabs(at->geometry[contact].gap) <= noise;
     for (int i = 0; i < TRIALS && time <= horizon; ++i) {
         if (near) {
             const struct separation_path from = zone_path_from(&path, time);
-            const struct meeting meeting = meeting_of(&shape, &from, noise, i == 0 ? known : NULL);
+            const struct meeting meeting = meeting_of(&shape, &from, noise);
+            if (!meeting.is_clear) {
+                return touch_after_graze(&shape, &path, noise, time, horizon);
+            }
             if (meeting.closes) {
                 return time;
             }
-            if (!(meeting.leaving < horizon)) {
-                return (double)INFINITY; /* the bodies stay as they are */
-            }
-            time += meeting.leaving;
+            time += meeting.rising;
         }
         time = zone_path_first_touch(&shape, &path, at->geometry[contact].gap, time, horizon);
         near = true;

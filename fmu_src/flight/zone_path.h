@@ -25,36 +25,7 @@ double zone_path_end(const struct contact_solid *solid, const struct separation_
 double zone_path_leaves_face(const struct contact_solid *solid, const struct separation_path *path,
                              double horizon);
 
-/* Sets a sorted superset of the times at which a path passes from one zone to another, as fractions of the
- * horizon, ZONE_EDGES at most. Returns their number. */
-enum { ZONE_EDGES = 4 * POLYNOMIAL_MAX_DEGREE };
-int zone_path_edges(const struct contact_solid *solid, const struct separation_path *path, double horizon,
-                    double edges[ZONE_EDGES]);
-
-/* Returns a fraction of the horizon between the neighbouring edges `from` and `to` that shows the zone, clear
- * of edges that the path only touches. */
-double zone_path_between(const struct contact_solid *solid, const struct separation_path *path,
-                         double horizon, double from, double to);
-
-/*
- * Changes of regime at the rim of a capped cylinder along a given path (flight while separating, or
- * prescribed motion). The zeros of the gap are roots of polynomials of degree eight, but the law's conditions
- * are not polynomials. The path is therefore followed in steps that are short compared with the distance from
- * the circle.
- */
-
-struct rim_change {
-    double time; /* [s]; INFINITY where nothing changes */
-    enum contact_regime regime;
-};
-
-/* Returns the first change from the regime `present` between the times `from` and `until` [s]; `rounding` is
- * the rounding bound of the gap at the start [m]. */
-struct rim_change rim_first_change(const struct contact_shape *shape, const struct contact_law *law,
-                                   const struct separation_path *path, double rounding,
-                                   enum contact_regime present, double from, double until);
-
-/* Returns the least gap between two times [m]. */
+/* Returns the least gap between two times along a path at the rim of a capped cylinder [m]. */
 double rim_least_gap(const struct contact_shape *shape, const struct separation_path *path, double from,
                      double until);
 

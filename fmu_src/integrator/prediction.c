@@ -476,39 +476,6 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     return flight_regime_change(&f, band);
 }
 
-static struct regime_change capped_regime_change(const struct scene_values *v, const struct scene_state *q,
-                                                 const struct scene_instant *at,
-                                                 const struct contact_shape *shape, int contact,
-                                                 double horizon)
-{
-    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
-    struct regime_change next = no_change(present, true);
-    if (contact_is_coupled(v, q, contact) || contact_pushes(v, q, contact)) {
-        return next;
-    }
-    if (present == REGIME_APART) {
-        return first_touch_at(zone_change_touch(v, q, at, q->clock, contact, horizon));
-    }
-    const struct separation_path path = separation_path_of(v, q, at, q->clock, contact);
-    const double end = zone_path_end(&shape->solid, &path, horizon);
-    const double until = fmin(end, horizon);
-    if (until > 0.0 && contact_is_rim(shape)) {
-        const struct contact_law law = scene_contact_law(v, q, contact);
-        const struct rim_change change =
-            rim_first_change(shape, &law, &path, rounding_of_gap(v, at, contact), present, 0.0, until);
-        /* DBL_MAX says that the gap is the one that the positions give */
-        const double gap = change.regime == REGIME_APART ? 0.0 : DBL_MAX;
-        next = (struct regime_change){change.time, change.regime, gap, false};
-    } else if (until > 0.0) {
-        next = smooth_regime_change(v, q, at, contact, until);
-    }
-    if (!(next.after < end) && end < (double)INFINITY) {
-        /* the gap is again the one that the positions give */
-        return (struct regime_change){end, present, DBL_MAX, next.passes_centre};
-    }
-    return next;
-}
-
 void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,
                               const struct scene_instant *at, int contact, double until)
 {
@@ -537,6 +504,9 @@ static const double LAW_INSTANTS_PER_RADIAN = 16.0;
 static const double LEAST_LAW_INSTANTS = 64.0;
 static const double MOST_LAW_INSTANTS = 1e6;
 
+/* The last instant is right before the bodies part, where a dashpot may have been clipped shortly before. */
+static const double JUST_BEFORE = 1.0 - 1e-9;
+
 static struct advancement_path advancement_path_of(const struct scene_values *v, const struct scene_state *q,
                                                    const struct scene_instant *at, int contact)
 {
@@ -547,6 +517,9 @@ static struct advancement_path advancement_path_of(const struct scene_values *v,
     for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
         path.c[i] = separation.c[i];
     }
+    for (int i = 0; SCENE_ANY_PRESCRIBED && i < SEPARATION_DEGREE; ++i) {
+        path.mismatch[i] = vec3_axpy(separation.w[i], -(i + 1), separation.c[i + 1]);
+    }
     relative_path_put_levers(v, q, at, q->clock, contact, &path);
     path.axis = contact_tips(v, contact)
                     ? flight_axis_motion(v, q, &at->turning.body[destination], destination)
@@ -554,12 +527,20 @@ static struct advancement_path advancement_path_of(const struct scene_values *v,
     return path;
 }
 
+/* Returns g' for the law [m/s]. */
+static double law_rate_at(const struct advancement_path *path, const struct advancement_instant *at,
+                          double time)
+{
+    const struct vec3 mismatch = path_at(path->mismatch, SEPARATION_DEGREE, time);
+    return at->geometry.gap_rate + path->shape.side * vec3_dot(at->geometry.normal, mismatch);
+}
+
 static enum contact_regime regime_at_time(const struct advancement_path *path, const struct contact_law *law,
                                           double time)
 {
     struct advancement_instant at;
     advancement_at(path, ADVANCEMENT_TOUCH, time, &at);
-    return contact_regime_of(law, at.geometry.gap, at.geometry.gap_rate,
+    return contact_regime_of(law, at.geometry.gap, law_rate_at(path, &at, time),
                              contact_within_extents(&path->shape, at.geometry.axial));
 }
 
@@ -570,7 +551,7 @@ static enum contact_regime regime_of_touch(const struct advancement_path *path, 
 {
     struct advancement_instant at;
     advancement_at(path, ADVANCEMENT_TOUCH, time, &at);
-    return contact_regime_of(law, fmin(at.geometry.gap, -DBL_MIN), at.geometry.gap_rate, true);
+    return contact_regime_of(law, fmin(at.geometry.gap, -DBL_MIN), law_rate_at(path, &at, time), true);
 }
 
 static double halve_to_regime(const struct advancement_path *path, const struct contact_law *law,
@@ -594,8 +575,8 @@ static void look_for_law(const struct advancement_path *from_now, const struct c
     const double wanted = LEAST_LAW_INSTANTS + LAW_INSTANTS_PER_RADIAN * turning * until;
     const long count = (long)fmin(wanted, fmin(MOST_LAW_INSTANTS, fmax(LEAST_LAW_INSTANTS, (double)budget)));
     double before = 0.0;
-    for (long i = 1; i < count; ++i) {
-        const double time = until * ((double)i / (double)count);
+    for (long i = 1; i <= count; ++i) {
+        const double time = until * fmin((double)i / (double)count, JUST_BEFORE);
         const enum contact_regime then = regime_at_time(&path, law, time);
         found->evaluations += 1;
         if (then != present && then != REGIME_APART) {
@@ -633,6 +614,40 @@ static struct prediction advancement_prediction(const struct scene_values *v, co
         look_for_law(&path, &law, present, fmin(change.after, change.searched), budget, &found);
     }
     return found;
+}
+
+/* So many evaluations of the gap take some milliseconds; a dozen are usual. */
+enum { RIM_EVALUATIONS = 10000 };
+
+static struct regime_change capped_regime_change(const struct scene_values *v, const struct scene_state *q,
+                                                 const struct scene_instant *at,
+                                                 const struct contact_shape *shape, int contact,
+                                                 double horizon)
+{
+    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
+    struct regime_change next = no_change(present, true);
+    if (contact_is_coupled(v, q, contact) || contact_pushes(v, q, contact)) {
+        return next;
+    }
+    if (present == REGIME_APART) {
+        return first_touch_at(zone_change_touch(v, q, at, q->clock, contact, horizon));
+    }
+    const struct separation_path path = separation_path_of(v, q, at, q->clock, contact);
+    const double end = zone_path_end(&shape->solid, &path, horizon);
+    const double until = fmin(end, horizon);
+    if (until > 0.0 && contact_is_rim(shape)) {
+        next = advancement_prediction(v, q, at, contact, until, RIM_EVALUATIONS).next;
+        /* DBL_MAX says that the gap is the one that the positions give */
+        next.gap = next.regime == REGIME_APART ? 0.0 : DBL_MAX;
+        next.passes_centre = false;
+    } else if (until > 0.0) {
+        next = smooth_regime_change(v, q, at, contact, until);
+    }
+    if (!(next.after < end) && end < (double)INFINITY) {
+        /* the gap is again the one that the positions give */
+        return (struct regime_change){end, present, DBL_MAX, next.passes_centre};
+    }
+    return next;
 }
 
 struct prediction prediction_of(const struct scene_values *v, const struct scene_state *q,

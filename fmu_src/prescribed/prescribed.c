@@ -5,7 +5,6 @@
 
 #include "flight/conservative_advancement.h"
 #include "flight/relative_path.h"
-#include "flight/zone_path.h"
 #include "math/lu.h"
 #include "math/nodes.h"
 #include "math/polynomial.h"
@@ -66,7 +65,7 @@ struct span {
     struct springs springs; /* at present */
     bool elastic;           /* some opposed motion has a spring */
     long *panels;           /* panels that the quadrature may still make */
-    long *evaluations;      /* evaluations that the search for touches may still make */
+    long *evaluations;      /* evaluations that the search for touches may still make; NULL: no search */
     long panel_cost;        /* cost of a panel; 1: nothing turns about a changing direction, no spring */
 };
 
@@ -830,16 +829,12 @@ static bool sees_end(const struct span *s, const struct scene_instant *at, const
            (!SCENE_ANY_FRICTION || sees_layers(s, at, panel, node));
 }
 
-/* Whether sees_end holds at the ends of both halves of a panel; `at` holds the instants at the panel's ends.
- * In a scene without a free body in which nothing turns, no panel goes beyond an extreme of the gap, so that
- * the normal cannot reverse. */
+/* Whether sees_end holds at the ends of both halves of a panel; `at` holds the instants at the panel's
+ * ends. */
 static bool sees_ends(const struct span *s, const struct panel *left, const struct panel *right,
                       const struct scene_instant at[2])
 {
     struct scene_instant middle;
-    if (!SCENE_ANY_FREE && !scene_turns(s->c.v)) {
-        return true;
-    }
     instant_at(&s->c, left->to, &left->springs, &middle);
     return sees_end(s, &at[0], left, 0) && sees_end(s, &middle, left, GAUSS_NODES - 1) &&
            sees_end(s, &middle, right, 0) && sees_end(s, &at[1], right, GAUSS_NODES - 1);
@@ -1195,6 +1190,9 @@ CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, c
     const double to = fmin(passage->to, end);
     struct scene_instant at;
     add_instant(s, clock, passage->centre - clock);
+    instant_at(c, passage->centre, &s->springs, &at);
+    contact_peaks_note(&c->q->contact[c->contact].peaks, at.normal_force[c->contact],
+                       -at.geometry[c->contact].gap);
     s->springs = laid_springs(c, to, s->springs);
     kinematics_at(c, to, &at);
     c->q->contact[c->contact].regime = (int32_t)scene_regime(c->v, c->q, &at, c->contact);
@@ -1220,10 +1218,10 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
         *s->panels -= s->panel_cost;
         double to = width < end - clock ? clock + width : end;
         struct passage passage;
-        if (SCENE_ANY_ZONES && scene_turns(s->c.v)) {
+        if (SCENE_ANY_ZONES && s->evaluations != NULL) {
             to = zone_left(s, clock, to);
         }
-        if (scene_turns(s->c.v) && finds_passage(s, clock, to, &passage)) {
+        if (s->evaluations != NULL && finds_passage(s, clock, to, &passage)) {
             if (!(passage.from - clock > passage.centre - passage.from)) {
                 pass_centre(s, clock, end, &passage);
                 clock = fmin(passage.to, end);
@@ -1244,14 +1242,14 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
             continue;
         }
         width *= 2.0;
-        if (scene_turns(s->c.v) && made && divides && passes_event(s, &left, &right, &clock)) {
+        if (s->evaluations != NULL && made && divides && passes_event(s, &left, &right, &clock)) {
             continue;
         }
         if (made) { /* else the time between is one rounding of the clock, and the integrals are zero */
             add_sums(s, &left);
             add_sums(s, &right);
             note_peaks_between(s, clock, to);
-            if (scene_turns(s->c.v)) {
+            if (s->evaluations != NULL) {
                 s->springs = laid_springs(&s->c, to, s->springs);
             }
         }
@@ -1354,10 +1352,10 @@ double prescribed_integrate(const struct scene_values *v, struct scene_state *q,
 
 #endif
 
-static struct axis_motion axis_from(const struct span *s, const struct scene_instant *at, double clock)
+/* Returns the motion of the destination's axis from a clock on, where `axis` is its direction then. */
+static struct axis_motion axis_from(const struct span *s, struct vec3 axis, double clock)
 {
     const int destination = contact_destination(s->c.contact);
-    const struct vec3 axis = at->turning.axis[s->c.contact];
     if (!body_turn_is_prescribed(s->c.v, destination) || !contact_tips(s->c.v, s->c.contact)) {
         return axis_motion_fixed(axis);
     }
@@ -1375,8 +1373,8 @@ static struct advancement_path path_from(const struct span *s, double clock)
     kinematics_at(&s->c, clock, &at);
     const struct separation_path separation = separation_path_of(s->c.v, s->c.q, &at, clock, s->c.contact);
     struct advancement_path path = {.shape = scene_contact_shape_at(s->c.v, s->c.q, &at, s->c.contact),
-                                    .axis = axis_from(s, &at, clock),
                                     .rounding = rounding_of_gap(s->c.v, &at, s->c.contact)};
+    path.axis = axis_from(s, path.shape.axis, clock);
     for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
         path.c[i] = separation.c[i];
     }
@@ -1446,7 +1444,7 @@ static void book_stored(struct span *s, double clock, double sign)
     }
 }
 
-/* Integrates from touch to parting to touch where something turns or rubs. */
+/* Integrates from touch to parting to touch. */
 static bool integrate_located(struct span *s)
 {
     struct scene_state *q = s->c.q;
@@ -1479,11 +1477,7 @@ static const double STEPS_OF_PANEL = 5.0;
 
 #if !SCENE_ANY_FREE
 
-/*
- * This part serves scenes in which no body may be free: the regimes and forces of the present, and
- * communication steps in which nothing turns or rubs. A place is a time as a fraction of the step, from 0 to
- * 1.
- */
+/* This part serves scenes in which no body may be free: the regimes and forces of the present. */
 
 /* Sets the regimes of a contact that may turn or rub to those of the present instant. */
 static void settle_regimes(const struct scene_values *v, struct scene_state *q, int contact)
@@ -1548,170 +1542,24 @@ void prescribed_begin(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-static double clock_of(const struct span *s, double place)
-{
-    return s->c.q->clock + place * s->length;
-}
-
-/* Returns the regime of a contact half-way between two places. */
-static enum contact_regime regime_between(const struct span *s, double from, double to)
-{
-    struct scene_instant at;
-    kinematics_at(&s->c, clock_of(s, 0.5 * (from + to)), &at);
-    return scene_regime(s->c.v, s->c.q, &at, s->c.contact);
-}
-
-/* Integrates between two neighbouring places at which the law may change or the gap has an extreme. */
-static bool integrate_regime(struct span *s, double from, double to)
-{
-    const enum contact_regime regime = regime_between(s, from, to);
-    s->c.q->contact[s->c.contact].regime = (int32_t)regime;
-    return regime == REGIME_APART ||
-           !(integrate_between(s, clock_of(s, from), clock_of(s, to)) < clock_of(s, to));
-}
-
-/* Returns the first of the ascending places beyond `from`, or 1 if there is none. */
-static double first_after(const double *places, int count, double from)
-{
-    for (int i = 0; i < count; ++i) {
-        if (places[i] > from) {
-            return places[i];
-        }
-    }
-    return 1.0;
-}
-
-/* Whether the bodies begin to touch between two places and the onset sets the damping; if so, sets it. */
-CONTACT_COLD static bool takes_damping(struct span *s, double from, double to)
-{
-    if (!scene_damps_by_onset(s->c.v, s->c.contact) || regime_of(&s->c) != REGIME_APART) {
-        return false;
-    }
-    struct scene_instant at;
-    const enum contact_regime next = regime_between(s, from, to);
-    instant_at(&s->c, clock_of(s, from), &s->springs, &at);
-    s->c.q->contact[s->c.contact].regime = (int32_t)onset_note(s->c.v, s->c.q, &at, s->c.contact, next);
-    return next != REGIME_APART;
-}
-
-/* Integrates a part of the step, within which the contact stays in one zone and has the path `path`. */
-static bool integrate_path(struct span *s, const struct contact_shape *shape,
-                           const struct relative_path *path, double from, double end)
-{
-    const struct extremes extremes = extremes_of(path);
-    double events[MAX_CANDIDATES];
-    int count = -1; /* the places of the law's events are to be found */
-    while (from < end) {
-        if (count < 0) {
-            const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
-            count = candidates_of_all(path, &extremes, shape, &law, events);
-        }
-        const double next =
-            fmin(first_after(events, count, from), first_after(extremes.at, extremes.count, from));
-        const double to = fmin(next, end);
-        if (takes_damping(s, from, to)) {
-            count = -1;
-        } else if (!integrate_regime(s, from, to)) {
-            return false;
-        } else {
-            from = to;
-        }
-    }
-    return true;
-}
-
-#if SCENE_ANY_CAPS
-
-/* Most changes of regime at a rim in one part of the step. A path causes a dozen at most; further changes are
- * rounding, and the rest of the part is integrated in the regime of its middle. */
-enum { MOST_RIM_CHANGES = 100 };
-
-/* Integrates the part of the step in which the contact is at a rim, one regime after another. */
-CONTACT_COLD static bool integrate_at_rim(struct span *s, const struct contact_shape *shape,
-                                          const struct separation_path *path, double from, double end)
-{
-    const double soon =
-        1e-9; /* distance of a place right after the start of the part, as a fraction of the part */
-    for (int changes = 0; from < end; ++changes) {
-        const double after = from + soon * (end - from);
-        const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
-        const struct rim_change change = rim_first_change(
-            shape, &law, path, 0.0, regime_between(s, after, after), from * s->length, end * s->length);
-        const double to = changes < MOST_RIM_CHANGES ? fmin(change.time / s->length, end) : end;
-        if (!(to > from)) {
-            from = after;
-        } else if (!takes_damping(s, from, to)) {
-            if (!integrate_regime(s, from, to)) {
-                return false;
-            }
-            from = to;
-        }
-    }
-    return true;
-}
-
-/* Integrates the step of a contact with a capped cylinder, one zone after another. */
-CONTACT_COLD static bool integrate_capped(struct span *s, const struct contact_shape *whole,
-                                          const struct separation_path *path)
-{
-    double edges[ZONE_EDGES];
-    const int count = zone_path_edges(&whole->solid, path, s->length, edges);
-    bool done = true;
-    for (double from = 0.0; done && from < 1.0;) {
-        const double to = first_after(edges, count, from);
-        struct scene_instant at;
-        const double within = zone_path_between(&whole->solid, path, s->length, from, to);
-        kinematics_at(&s->c, clock_of(s, within), &at);
-        const struct contact_shape shape = scene_shape_met(s->c.v, s->c.q, &at, s->c.contact);
-        if (contact_is_rim(&shape)) {
-            done = integrate_at_rim(s, &shape, path, from, to);
-        } else {
-            const struct contact_geometry now =
-                contact_geometry_at(&shape, path->c[0], path->w[0], vec3_make(0.0, 0.0, 0.0));
-            const struct relative_path along = relative_path_make(&shape, path, now.gap, s->length);
-            done = integrate_path(s, &shape, &along, from, to);
-        }
-        from = to;
-    }
-    return done;
-}
-#endif
-
-/* Integrates a communication step of one contact between the roots of the polynomials at which its law
- * changes. */
-static bool integrate_polynomial(struct span *s)
+/* Whether nothing moves against anything. The force of the present is then the mean. */
+static bool takes_steady(const struct span *s)
 {
     struct scene_instant at;
     const int j = s->c.contact;
     struct contact_state *state = &s->c.q->contact[j];
     scene_kinematics_now(s->c.v, s->c.q, &at);
-    const struct separation_path separation = separation_path_of(s->c.v, s->c.q, &at, s->c.q->clock, j);
-    const struct contact_shape shape = scene_contact_shape(s->c.v, s->c.q, j);
-    if (path_is_steady(separation.c, SEPARATION_DEGREE + 1) &&
-        path_is_steady(separation.w, SEPARATION_DEGREE)) {
-        if (state->regime != (int32_t)REGIME_APART) {
-            scene_forces(s->c.v, s->c.q, s->c.q->clock, &at);
-            book_mean(state, at.source_force[j],
-                      SCENE_HAS_TORQUES ? scene_torque_of_force(&at, j) : vec3_make(0.0, 0.0, 0.0));
-        }
-        return true;
+    const struct separation_path path = separation_path_of(s->c.v, s->c.q, &at, s->c.q->clock, j);
+    if (scene_turns(s->c.v) || !path_is_steady(path.c, SEPARATION_DEGREE + 1) ||
+        !path_is_steady(path.w, SEPARATION_DEGREE)) {
+        return false;
     }
-    bool done = true;
-#if SCENE_ANY_CAPS
-    if (contact_is_capped(&shape)) {
-        state->peaks = (struct contact_peaks){0.0, 0.0};
-        done = integrate_capped(s, &shape, &separation);
-        book_span(s);
-        return done;
+    if (state->regime != (int32_t)REGIME_APART) {
+        scene_forces(s->c.v, s->c.q, s->c.q->clock, &at);
+        book_mean(state, at.source_force[j],
+                  SCENE_HAS_TORQUES ? scene_torque_of_force(&at, j) : vec3_make(0.0, 0.0, 0.0));
     }
-#endif
-    const struct relative_path path = relative_path_make(&shape, &separation, at.geometry[j].gap, s->length);
-    if (candidates_least_gap(&path) < 0.0) {
-        state->peaks = (struct contact_peaks){0.0, 0.0};
-        done = integrate_path(s, &shape, &path, 0.0, 1.0);
-        book_span(s);
-    }
-    return done;
+    return true;
 }
 
 #endif
@@ -1722,25 +1570,20 @@ bool prescribed_over(const struct scene_values *v, struct scene_state *q, double
     const double steps = SCENE_ANY_TURNING ? turning_prescribed_steps(v, q, q->clock + length) : 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct span s = span_of(v, q, j, length, &panels);
-        bool done = true;
         if (!contact_is_prescribed(v, j)) {
             continue;
         }
-        if (scene_turns(v)) {
-            s.evaluations = &evaluations;
-            s.panel_cost += (long)fmin(steps / STEPS_OF_PANEL, PRESCRIBED_PANELS);
-            done = integrate_located(&s);
-            if (done) {
-                book_span(&s);
-            }
-        } else {
 #if !SCENE_ANY_FREE
-            done = integrate_polynomial(&s);
-#endif
+        if (takes_steady(&s)) {
+            continue;
         }
-        if (!done) {
+#endif
+        s.evaluations = &evaluations;
+        s.panel_cost += (long)fmin(steps / STEPS_OF_PANEL, PRESCRIBED_PANELS);
+        if (!integrate_located(&s)) {
             return false;
         }
+        book_span(&s);
     }
     return true;
 }

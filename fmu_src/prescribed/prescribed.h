@@ -4,10 +4,10 @@
  * a regime. The time is divided into panels, each integrated by a Gauss rule, and a panel is halved until the
  * sum over its halves agrees with the whole.
  *
- * Where nothing turns or rubs, the separation is a polynomial of time, and the conditions at which the law
- * changes are polynomials too. Their roots are the events. Where a body turns or a contact rubs, conservative
- * advancement finds the touches and misses none, and the events of law and friction are located between the
- * nodes of the panels.
+ * Beside bodies that are free, a contact that neither turns nor rubs is integrated from one change of its
+ * regime to the next, which integrator/prediction.c foresees. Everywhere else conservative advancement finds
+ * the touches and misses none, and the events of law and friction are located between the nodes of the
+ * panels.
  */
 #ifndef CONTACT_PRESCRIBED_PRESCRIBED_H
 #define CONTACT_PRESCRIBED_PRESCRIBED_H

@@ -275,6 +275,17 @@ static double sweep(struct collocation *p)
     return larger(by_load, p->place->turn(p));
 }
 
+double collocation_turn(struct collocation *p)
+{
+    return p->local.head_on ? 0.0 : p->place->turn(p);
+}
+
+void collocation_load(const struct collocation *p, double *values)
+{
+    nodal_values softening;
+    p->place->load(p, values, softening);
+}
+
 static double tail_of(const struct collocation *p, const struct nodal_vec3 *values, bool in_plane,
                       bool across)
 {
@@ -306,9 +317,12 @@ static double tail_of_all(const struct collocation *p)
     return larger(by_deviation, larger(by_normal, by_momentum) / points);
 }
 
-/* Whether all values are finite and d > 0. Local coordinates are singular at the centre, d = 0. */
-static bool is_sound(const struct collocation *p)
+/* Local coordinates are singular at the centre, d = 0. */
+bool collocation_finish(struct collocation *p)
 {
+    if (p->place->finish != NULL) {
+        p->place->finish(p);
+    }
     for (int i = 0; i < p->nodes->points; ++i) {
         const double sum = p->result.n.x[i] + p->result.n.y[i] + p->result.n.z[i] + p->result.h.x[i] +
                            p->result.h.y[i] + p->result.h.z[i];
@@ -337,9 +351,6 @@ static void sum_up(struct collocation *p)
         p->place->mismatch(p, values);
         nodal_coefficients(p->nodes, values, p->result.normal_mismatch);
     }
-    if (p->place->finish != NULL) {
-        p->place->finish(p);
-    }
 }
 
 /* Iterates to convergence; returns whether the result is within `tolerance` and sound. */
@@ -356,7 +367,7 @@ static bool iterate(struct collocation *p, double tolerance)
         gain = before > 0.0 && p->kind != COLLOCATION_OVERDAMPED ? fmin(1.0, change / before) : 1.0;
         if (change * fmax(gain, gain_before) <= tolerance) {
             sum_up(p);
-            return is_sound(p);
+            return collocation_finish(p);
         }
         before = change;
     }
@@ -577,7 +588,14 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
 
 void collocation_averaged_deviation(const struct collocation *p, double s, double x[4])
 {
-    nodal_derivatives(p->result.slow, p->result.terms, s, x);
+    if (p->kind != COLLOCATION_QUASI_STATIC) {
+        nodal_derivatives(p->result.slow, p->result.terms, s, x);
+        return;
+    }
+    double rate[4];
+    nodal_derivatives(p->result.slow_rate, p->nodes->points, s, rate);
+    x[0] = p->from.deviation + nodal_integral(p->result.slow_rate, p->nodes->points, s);
+    memcpy(x + 1, rate, 3 * sizeof *rate);
 }
 
 /* Adds y and its derivatives with respect to s to x and its derivatives. */
@@ -592,8 +610,11 @@ static void add_oscillation(const struct collocation *p, double y, double y_rate
 
 void collocation_deviation(const struct collocation *p, double s, double x[4])
 {
+    collocation_averaged_deviation(p, s, x);
+    if (p->kind == COLLOCATION_QUASI_STATIC) {
+        return;
+    }
     const struct oscillator_basis by = oscillator_basis_at(&p->result.oscillator, s);
-    nodal_derivatives(p->result.slow, p->result.terms, s, x);
     add_oscillation(p, p->result.y * by.y_of_y + p->result.y_rate * by.y_of_rate,
                     p->result.y * by.rate_of_y + p->result.y_rate * by.rate_of_rate, x);
 }
@@ -917,8 +938,8 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
 }
 
 /* Sets x at the nodes to the equilibrium under the load at the start, and first guesses of n and H. */
-static void begin(struct collocation *p, const struct collocation_problem *from, double step,
-                  enum collocation_kind kind, const struct lobatto *nodes)
+static void start_step(struct collocation *p, const struct collocation_problem *from, double step,
+                       enum collocation_kind kind, const struct lobatto *nodes)
 {
     p->from = *from;
     p->nodes = nodes;
@@ -932,9 +953,10 @@ static void begin(struct collocation *p, const struct collocation_problem *from,
     memset(p->result.slow, 0, sizeof p->result.slow);
     memset(p->result.normal_mismatch, 0, sizeof p->result.normal_mismatch);
     p->result.slow[0] =
-        kind == COLLOCATION_OVERDAMPED ? from->deviation : p->place->load_at_start(p) / from->omega2;
+        kind == COLLOCATION_AVERAGED ? p->place->load_at_start(p) / from->omega2 : from->deviation;
     p->result.y = from->deviation - p->result.slow[0];
-    p->result.y_rate = p->half * p->local.rate.x;
+    p->result.y_rate = kind == COLLOCATION_QUASI_STATIC ? 0.0 : p->half * p->local.rate.x;
+    p->result.oscillator = (struct oscillator){1.0, 0.0}; /* for a step without any */
     p->place->guess(p);
     for (int i = 0; i < nodes->points; ++i) {
         p->result.x[i] = p->result.slow[0];
@@ -973,10 +995,16 @@ static void fill_nodes(struct collocation *p)
     }
 }
 
+void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
+                       enum collocation_kind kind, const struct lobatto *nodes)
+{
+    start_step(p, from, step, kind, nodes);
+    fill_nodes(p);
+}
+
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
                       enum collocation_kind kind, const struct lobatto *nodes, double tolerance)
 {
-    begin(p, from, step, kind, nodes);
-    fill_nodes(p);
+    collocation_begin(p, from, step, kind, nodes);
     return iterate(p, tolerance);
 }

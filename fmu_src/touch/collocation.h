@@ -13,13 +13,14 @@
  * polynomials collocated at the Lobatto nodes (exponential collocation: Hochbruck and Ostermann, Acta
  * Numerica 19 (2010) 209; Lobatto IIIA: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5).
  *
- * x = s + y: s is the particular solution for f, y the free oscillation from the start values. Two kinds of
+ * x = s + y: s is the particular solution for f, y the free oscillation from the start values. Three kinds of
  * step:
  *   averaged     many small oscillations; f, n and H depend on y to first order, and this dependence is
  *                integrated in closed form
  *   overdamped   far beyond critical damping, or without a spring: x = X + y, where y is the fast decay alone
  *                and enters n and H as in an averaged step; X' = u - slower X, where slower and faster are
  *                the decay rates and u is the particular solution at the faster rate
+ *   quasi-static at the right Radau nodes, y = 0: the caller finds x by another law than the linear one
  *
  * Variable s in [0, 2] over the step: time = half s. Derivatives of x are taken with respect to s.
  */
@@ -33,7 +34,7 @@
 #include "math/vec3.h"
 #include "touch/rim.h"
 
-enum collocation_kind { COLLOCATION_AVERAGED, COLLOCATION_OVERDAMPED };
+enum collocation_kind { COLLOCATION_AVERAGED, COLLOCATION_OVERDAMPED, COLLOCATION_QUASI_STATIC };
 
 enum { COLLOCATION_ACCELERATION_TERMS = 3, COLLOCATION_MISMATCH_TERMS = 4 };
 
@@ -80,6 +81,7 @@ struct collocation_result {
     nodal_values x;                   /* x at the nodes, without y [m] */
     nodal_values load;                /* half^2 f, coefficients in s - 1 [m] */
     nodal_values slow;                /* x without y, coefficients of s - 1 [m] */
+    nodal_values slow_rate;           /* in a quasi-static step: dx/ds, coefficients of s - 1 [m] */
     nodal_values normal_mismatch;     /* half n.E, coefficients of s - 1 [m] */
     nodal_values tilt_rate;           /* n_rate.y at a rim, coefficients of s - 1 [rad] */
     int terms;                        /* number of coefficients of `slow` above rounding */
@@ -109,6 +111,18 @@ struct collocation {
  *   overdamped   the faster 3 or more and four times the slower or more, the slower not much more than 3 */
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
                       enum collocation_kind kind, const struct lobatto *nodes, double tolerance);
+
+/*
+ * The parts of a quasi-static step, whose caller sets x at the nodes and in the end slow_rate.
+ * collocation_begin sets x at the nodes to its start. collocation_turn makes one sweep of n and H at the
+ * present x and returns the largest change [m]. collocation_load sets half^2 f [m] at the nodes.
+ * collocation_finish returns whether all values are finite and d > 0.
+ */
+void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
+                       enum collocation_kind kind, const struct lobatto *nodes);
+double collocation_turn(struct collocation *p);
+void collocation_load(const struct collocation *p, double *values);
+bool collocation_finish(struct collocation *p);
 
 /* These functions give x [m] and half n.E [m], each with its first three derivatives with respect to s. */
 void collocation_deviation(const struct collocation *p, double s, double x[4]);

@@ -307,296 +307,44 @@ bool hertz_elastic_make(struct segment *p)
  * Quasi-static motion: a lasting contact whose oscillation has died away, in steps as long as the tangential
  * motion allows, whatever the stiffness.
  *
- *   n' = H x n / d^2,   H' = d n x A,   d = reach - side delta,
  *   delta'' = L - (k_h / m_red) delta^(3/2) (1 + chi delta'),   L = -side (|H|^2 / d^3 + n.A)
  *
  * by Radau IIA collocation with twelve stages (Hairer and Wanner, Solving Ordinary Differential Equations II,
- * IV.5). Only the last equation is stiff and takes Newton's method; n and H follow by sweeps. The method
- * damps away motion that oscillates or decays faster than the step, so the step is only taken where such
- * motion is within tolerance.
+ * IV.5). This equation is stiff and takes Newton's method; n and H follow by the sweeps of
+ * touch/collocation.h, with x = -side delta. The method damps away motion that oscillates or decays faster
+ * than the step, so the step is only taken where such motion is within tolerance.
  *
- * Variable s in [0, 2] over the step: time = half s. Vectors are in the frame of the start (frame_flight).
+ * Variable s in [0, 2] over the step: time = half s.
  */
 
-/* n and H (`turned`), delta [m] and d delta/ds [m] at one s. */
-struct slow_place {
-    double turned[QUASI_STATIC_TURNING];
-    double depth, rate;
+enum { SLOW_NODES = RADAU_POINTS };
+
+/* delta and its derivatives by s, at the nodes and at the start [m]. */
+struct slow_motion {
+    struct collocation *step;
+    double side, half, k, chi; /* half the step [s], k_h / m_red, the damping factor [s/m] */
+    double depth_start, rate_start;
+    nodal_values depth, rate, bend;
 };
-
-/* Sets out = slow_factor a x b. */
-static inline void slow_cross(const double *a, const double *b, double slow_factor, double out[FRAME])
-{
-    out[0] = slow_factor * (a[1] * b[2] - a[2] * b[1]);
-    out[1] = slow_factor * (a[2] * b[0] - a[0] * b[2]);
-    out[2] = slow_factor * (a[0] * b[1] - a[1] * b[0]);
-}
-
-static inline double slow_distance(const struct quasi_static *p, double depth)
-{
-    return p->from->distance - p->from->shape.side * (depth - p->depth_start);
-}
-
-/* Whether a component of n or H changes. */
-static inline bool is_turning(const struct quasi_static *p, int row)
-{
-    if (contact_is_circle(&p->from->shape)) { /* the third rows of n and H are zero */
-        return p->flight.dimensions > 1 && row % FRAME < 2;
-    }
-    const bool in_plane = row == 0 || row == 1 || row == QUASI_STATIC_TURNING - 1;
-    return p->flight.dimensions == 3 || (p->flight.dimensions == 2 && in_plane);
-}
 
 /* Sets out[0] to the part of -d2 delta/ds2 by the contact force [m], and out[1] and out[2] to its derivatives
  * with respect to delta and d delta/ds. */
-static inline void slow_law(const struct quasi_static *p, double depth, double rate, double out[3])
+static inline void slow_law(const struct slow_motion *p, double depth, double rate, double out[3])
 {
     const double root = sqrt(depth);
     const double scale = p->half * p->half * p->k;
-    const double damping = 1.0 + p->from->chi * rate / p->half;
+    const double damping = 1.0 + p->chi * rate / p->half;
     out[0] = scale * depth * root * damping;
     out[1] = 1.5 * scale * root * damping;
-    out[2] = scale * depth * root * p->from->chi / p->half;
+    out[2] = scale * depth * root * p->chi / p->half;
 }
 
-/* How n and H turn about a centre or at a rim. About a centre their rows are along the frame's vectors. */
-struct quasi_static_turning {
-    /* Makes one sweep at fixed delta, which integrates H with the present n and then n with the new H, so
-     * that the error falls by two powers of the radians in the step. Returns the largest change of n. */
-    double (*sweep)(struct quasi_static *p);
-    void (*load)(const struct quasi_static *p, double load[QUASI_STATIC_N]); /* half^2 L [m] at the nodes */
-    void (*normal)(const struct quasi_static *p, const struct slow_place *at,
-                   double n[FRAME]); /* in the frame */
-    /* r and r' at s, in the frame */
-    void (*deviation)(const struct quasi_static *p, const struct slow_place *at, double s, double r[FRAME],
-                      double r_rate[FRAME]);
-};
-
-/* Sets the relative acceleration without contact force at a time, in the frame [m/s^2]. */
-static void slow_acceleration(const struct frame_flight *flight, double time, double out[FRAME])
+/* Sets half^2 L [m] at the nodes. */
+static void slow_load(const struct slow_motion *p, double load[SLOW_NODES])
 {
-    for (int j = 0; j < FRAME; ++j) {
-        out[j] = 0.0;
-        for (int k = flight->degree; k >= 2; --k) {
-            out[j] = out[j] * time + k * (k - 1) * flight->c[k][j];
-        }
-    }
-}
-
-static double slow_dot(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* Sets n and H at a node. */
-static void turned_at(const struct quasi_static *p, int node, double at[QUASI_STATIC_TURNING])
-{
-    for (int j = 0; j < QUASI_STATIC_TURNING; ++j) {
-        at[j] = p->start[j] + p->turned[j][node];
-    }
-}
-
-/* Integrates n (first = 0) or H (first = FRAME) from their rates; returns the largest change by this
- * sweep. */
-static double integrate_turning(struct quasi_static *p, int first)
-{
-    double change = 0.0;
-    for (int j = first; j < first + FRAME; ++j) {
-        if (is_turning(p, j)) {
-            change = fmax(change, nodal_integrate(&radau, p->turning[j], p->turned[j]));
-        }
-    }
-    return change;
-}
-
-static double slow_centre_sweep(struct quasi_static *p)
-{
-    if (p->flight.dimensions == 1) {
-        return 0.0;
-    }
-    for (int i = 0; i < QUASI_STATIC_N; ++i) {
-        double at[QUASI_STATIC_TURNING];
-        double rate[FRAME];
-        turned_at(p, i, at);
-        slow_cross(at, p->pull[i], p->half * slow_distance(p, p->depth[i]), rate);
-        for (int j = 0; j < FRAME; ++j) {
-            p->turning[FRAME + j][i] = rate[j];
-        }
-    }
-    (void)integrate_turning(p, FRAME);
-    for (int i = 0; i < QUASI_STATIC_N; ++i) {
-        const double d = slow_distance(p, p->depth[i]);
-        double at[QUASI_STATIC_TURNING];
-        double rate[FRAME];
-        turned_at(p, i, at);
-        slow_cross(at + FRAME, at, p->half / (d * d), rate);
-        for (int j = 0; j < FRAME; ++j) {
-            p->turning[j][i] = rate[j];
-        }
-    }
-    return integrate_turning(p, 0);
-}
-
-static void slow_centre_load(const struct quasi_static *p, double load[QUASI_STATIC_N])
-{
-    for (int i = 0; i < QUASI_STATIC_N; ++i) {
-        double at[QUASI_STATIC_TURNING];
-        turned_at(p, i, at);
-        double push = slow_dot(at, p->pull[i]);
-        if (p->flight.dimensions > 1) {
-            const double *h = at + FRAME;
-            const double d = slow_distance(p, p->depth[i]);
-            push += slow_dot(h, h) / (d * d * d);
-        }
-        load[i] = -p->from->shape.side * p->half * p->half * push;
-    }
-}
-
-static void slow_centre_deviation(const struct quasi_static *p, const struct slow_place *at, double s,
-                                  double r[FRAME], double r_rate[FRAME])
-{
-    const double time = p->half * s;
-    const double d = slow_distance(p, at->depth);
-    const double radial = -p->from->shape.side * at->rate / p->half;
-    double along[FRAME] = {0.0, 0.0, 0.0};
-    slow_cross(at->turned + FRAME, at->turned, 1.0 / d, along);
-    for (int j = 0; j < FRAME; ++j) {
-        double c = 0.0;
-        double w = 0.0;
-        for (int k = p->flight.degree; k >= 1; --k) {
-            c = (c + p->flight.c[k][j]) * time;
-            w = w * time + k * p->flight.c[k][j];
-        }
-        const double start = j == 0 ? p->from->distance : 0.0;
-        const bool counts = j < p->flight.dimensions;
-        r[j] = counts ? (d * at->turned[j] - start) - c : 0.0;
-        r_rate[j] = counts ? radial * at->turned[j] + along[j] - w : 0.0;
-    }
-}
-
-static void slow_centre_normal(const struct quasi_static *p, const struct slow_place *at, double n[FRAME])
-{
-    (void)p;
-    memcpy(n, at->turned, FRAME * sizeof *n);
-}
-
-static const struct quasi_static_turning about_a_centre = {slow_centre_sweep, slow_centre_load,
-                                                           slow_centre_normal, slow_centre_deviation};
-
-/*
- * At the rim of a capped cylinder, in the coordinates of rim.h. The rows of n hold the changes of azimuth and
- * tilt, the rows of H the changes of their momenta; the third rows are zero.
- */
-
-/* The rows for azimuth and tilt, then the rows for their momenta. */
-enum { RIM_ROWS = 4 };
-static const int rim_rows[RIM_ROWS] = {0, 1, FRAME, FRAME + 1};
-
-static struct rim_state slow_rim_state(const struct quasi_static *p,
-                                       const double turned[QUASI_STATIC_TURNING], double depth)
-{
-    double change[RIM_ROWS];
-    for (int k = 0; k < RIM_ROWS; ++k) {
-        change[k] = turned[rim_rows[k]];
-    }
-    return rim_state_of(&p->rim, change, p->from->shape.side * (p->depth_start - depth));
-}
-
-static struct rim_slopes slow_rim_slopes(const struct quasi_static *p, int node, struct rim_state *at)
-{
-    const double *pull = p->pull[node];
-    double turned[QUASI_STATIC_TURNING];
-    turned_at(p, node, turned); /* p->start is zero at a rim */
-    *at = slow_rim_state(p, turned, p->depth[node]);
-    return rim_slopes_at(at, vec3_from(pull));
-}
-
-/* Integrates two rows, from rim_rows[first] on, after making their rates; returns the largest change by this
- * sweep. */
-static double slow_rim_integrate(struct quasi_static *p, int first)
-{
-    double change = 0.0;
-    for (int i = 0; i < QUASI_STATIC_N; ++i) {
-        struct rim_state at;
-        const struct rim_slopes slopes = slow_rim_slopes(p, i, &at);
-        double rates[RIM_ROWS];
-        rim_change_rates(&p->rim, &slopes, rates);
-        for (int k = first; k < first + 2; ++k) {
-            p->turning[rim_rows[k]][i] = p->half * rates[k];
-        }
-    }
-    for (int k = first; k < first + 2; ++k) {
-        const int row = rim_rows[k];
-        change = fmax(change, nodal_integrate(&radau, p->turning[row], p->turned[row]));
-    }
-    return change;
-}
-
-static double slow_rim_sweep(struct quasi_static *p)
-{
-    (void)slow_rim_integrate(p, 2);
-    return slow_rim_integrate(p, 0);
-}
-
-static void slow_rim_load(const struct quasi_static *p, double load[QUASI_STATIC_N])
-{
-    for (int i = 0; i < QUASI_STATIC_N; ++i) {
-        struct rim_state at;
-        load[i] = -p->from->shape.side * p->half * p->half * slow_rim_slopes(p, i, &at).load;
-    }
-}
-
-static void slow_rim_normal(const struct quasi_static *p, const struct slow_place *at, double n[FRAME])
-{
-    const struct rim_state state = slow_rim_state(p, at->turned, at->depth);
-    vec3_to(rim_normal(&state), n);
-}
-
-static void slow_rim_deviation(const struct quasi_static *p, const struct slow_place *at, double s,
-                               double r[FRAME], double r_rate[FRAME])
-{
-    const double none[RIM_ROWS] = {0.0, 0.0, 0.0, 0.0};
-    const double time = p->half * s;
-    const struct rim_state start = rim_state_of(&p->rim, none, 0.0);
-    const struct rim_state then = slow_rim_state(p, at->turned, at->depth);
-    vec3_to(rim_moved(&p->rim, &then), r);
-    const double radial = -p->from->shape.side / p->half; /* d' by the rate of delta */
-    vec3_to(vec3_sub(rim_velocity(&then, radial * at->rate), rim_velocity(&start, radial * p->rate_start)),
-            r_rate);
-    for (int j = 0; j < FRAME; ++j) {
-        double c = 0.0;
-        double w = 0.0;
-        for (int k = p->flight.degree; k >= 1; --k) {
-            c = (c + p->flight.c[k][j]) * time;
-            w = k > 1 ? (w + k * p->flight.c[k][j]) * time : w;
-        }
-        r[j] -= c;
-        r_rate[j] -= w;
-    }
-}
-
-static const struct quasi_static_turning about_a_rim = {slow_rim_sweep, slow_rim_load, slow_rim_normal,
-                                                        slow_rim_deviation};
-
-/* Samples PAIR_RADIAL and PAIR_AXIAL at s, also in a head-on motion. */
-static void slow_rim_edges(const struct quasi_static *p, const struct slow_place *at, double s,
-                           struct pair_sample *sample)
-{
-    double tilt[3] = {0.0, 0.0, 0.0};
-    if (p->turns == &about_a_rim) {
-        const struct rim_state state = slow_rim_state(p, at->turned, at->depth);
-        double pull[FRAME];
-        slow_acceleration(&p->flight, p->half * s, pull);
-        const struct rim_slopes slopes = rim_slopes_at(&state, vec3_from(pull));
-        const double bend = p->half * p->half * slopes.tilt_momentum / (state.d * state.d);
-        tilt[0] = state.tilt;
-        tilt[1] = p->half * slopes.tilt;
-        tilt[2] = bend + 2.0 * tilt[1] * at->rate / state.d;
-    } else {
-        tilt[0] = pair_rim_start(p->from).tilt;
-    }
-    if (SCENE_ANY_CAPS) { /* other scenes have no PAIR_RADIAL and PAIR_AXIAL */
-        rim_edges(tilt, contact_reach(&p->from->shape), sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
+    collocation_load(p->step, load);
+    for (int i = 0; i < SLOW_NODES; ++i) {
+        load[i] *= -p->side;
     }
 }
 
@@ -611,55 +359,54 @@ static const double SLOW_SWEPT = 4.0 * DBL_EPSILON;
 static const double NEW_MATRIX = 1e-3;
 
 /* Columns of Newton's matrix have room for the zeros behind them (lu.h). */
-enum { SLOW_STRIDE = QUASI_STATIC_N + LANES };
+enum { SLOW_STRIDE = SLOW_NODES + LANES };
 
 /* The factored derivative of the equation's defect with respect to d delta/ds at the nodes. It is D + spring
  * I + dashpot, where I integrates values at the nodes and D is the inverse of I. */
 struct slow_newton {
-    double at[QUASI_STATIC_N * SLOW_STRIDE];
-    int pivot[QUASI_STATIC_N];
+    double at[SLOW_NODES * SLOW_STRIDE];
+    int pivot[SLOW_NODES];
 };
 
 static struct lu_matrix slow_system(struct slow_newton *newton)
 {
-    return (struct lu_matrix){QUASI_STATIC_N, SLOW_STRIDE, newton->at, newton->pivot, NULL};
+    return (struct lu_matrix){SLOW_NODES, SLOW_STRIDE, newton->at, newton->pivot, NULL};
 }
 
 /* Returns the derivative d/ds at node i of the polynomial that is 1 at node j and 0 at the start and the
  * other nodes. radau_stages_12 is for a step of length 1, half as long. */
 static double slow_derivative(int i, int j)
 {
-    return 0.5 * radau_stages_12.inverse[i * QUASI_STATIC_N + j];
+    return 0.5 * radau_stages_12.inverse[i * SLOW_NODES + j];
 }
 
 /* Makes and factors Newton's matrix. Returns false where the matrix is singular. */
-static bool slow_matrix(const struct quasi_static *p, struct slow_newton *newton)
+static bool slow_matrix(const struct slow_motion *p, struct slow_newton *newton)
 {
     memset(newton->at, 0, sizeof newton->at);
-    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+    for (int i = 0; i < SLOW_NODES; ++i) {
         double law[3];
         slow_law(p, p->depth[i], p->rate[i], law);
-        for (int j = 0; j < QUASI_STATIC_N; ++j) {
-            newton->at[j * SLOW_STRIDE + i] = slow_derivative(i, j) +
-                                              law[1] * radau.integral[j * QUASI_STATIC_N + i] +
-                                              (i == j ? law[2] : 0.0);
+        for (int j = 0; j < SLOW_NODES; ++j) {
+            newton->at[j * SLOW_STRIDE + i] =
+                slow_derivative(i, j) + law[1] * radau.integral[j * SLOW_NODES + i] + (i == j ? law[2] : 0.0);
         }
     }
     return lu_factor(slow_system(newton));
 }
 
 /* Integrates d2 delta/ds2 to d delta/ds and delta. Returns false where the bodies would part. */
-static bool take_bend(struct quasi_static *p, double *change)
+static bool take_bend(struct slow_motion *p, double *change)
 {
     nodal_values moved = {0.0};
     nodal_values deeper = {0.0};
     (void)nodal_integrate(&radau, p->bend, moved);
-    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+    for (int i = 0; i < SLOW_NODES; ++i) {
         p->rate[i] = p->rate_start + moved[i];
     }
     (void)nodal_integrate(&radau, p->rate, deeper);
     *change = 0.0;
-    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+    for (int i = 0; i < SLOW_NODES; ++i) {
         const double depth = p->depth_start + deeper[i];
         const double part = fabs(depth - p->depth[i]) / depth;
         *change = larger(part, *change);
@@ -667,6 +414,7 @@ static bool take_bend(struct quasi_static *p, double *change)
             return false;
         }
         p->depth[i] = depth;
+        p->step->result.x[i] = -p->side * depth;
     }
     return true;
 }
@@ -674,17 +422,18 @@ static bool take_bend(struct quasi_static *p, double *change)
 /* Makes the first guess of delta: the equilibrium under the load at each node, or the value at the start if
  * the damping is beyond critical. The guess of d2 delta/ds2 is zero and leads to another delta; `apart` is
  * the difference of the two, which Newton's first step needs. */
-static bool guess_depth(struct quasi_static *p, const double *load, double apart[QUASI_STATIC_N])
+static bool guess_depth(struct slow_motion *p, const double *load, double apart[SLOW_NODES])
 {
     double law[3];
     slow_law(p, p->depth_start, p->rate_start, law);
     const bool creeps = law[2] * law[2] > 4.0 * law[1];
-    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+    for (int i = 0; i < SLOW_NODES; ++i) {
         if (!creeps && !(load[i] > 0.0)) {
             return false;
         }
         const double rest = load[i] / (p->half * p->half * p->k);
         p->depth[i] = creeps ? p->depth_start : cbrt(rest * rest);
+        p->step->result.x[i] = -p->side * p->depth[i];
         p->rate[i] = p->rate_start;
         p->bend[i] = 0.0;
         apart[i] = p->depth_start + p->rate_start * (1.0 + radau.node[i]) - p->depth[i];
@@ -698,7 +447,7 @@ static double misses_start(const double *values, double start)
 {
     nodal_values a;
     nodal_coefficients(&radau, values, a);
-    return fabs(nodal_polynomial_at(a, QUASI_STATIC_N, 0.0) - start);
+    return fabs(nodal_polynomial_at(a, SLOW_NODES, 0.0) - start);
 }
 
 /* After LOOK_AFTER sweeps misses_start of delta shows whether fast motion is left. A step is given up if
@@ -713,15 +462,21 @@ static bool sweeps_have_converged(double last, double before)
     return last <= SLOW_SWEPT || (last < before && last * last <= SLOW_SWEPT * (before - last));
 }
 
-static bool slow_iterate(struct quasi_static *p, double depth_tolerance)
+/* Makes one sweep of n and H; returns the largest change in radians. */
+static double slow_turn(const struct slow_motion *p)
+{
+    return collocation_turn(p->step) / p->step->local.distance;
+}
+
+static bool slow_iterate(struct slow_motion *p, double depth_tolerance)
 {
     struct slow_newton newton;
     nodal_values load;
-    double apart[QUASI_STATIC_N];
-    for (int i = 0; i < SLOW_SWEEPS && p->turns->sweep(p) > NEW_MATRIX; ++i) {
+    double apart[SLOW_NODES];
+    for (int i = 0; i < SLOW_SWEEPS && slow_turn(p) > NEW_MATRIX; ++i) {
         /* Newton's matrix lasts once the load changes little */
     }
-    p->turns->load(p, load);
+    slow_load(p, load);
     if (!guess_depth(p, load, apart)) {
         return false;
     }
@@ -730,19 +485,19 @@ static bool slow_iterate(struct quasi_static *p, double depth_tolerance)
     for (int i = 0; i < SLOW_SWEEPS; ++i) {
         double error[SLOW_STRIDE] = {0.0};
         const double before = largest;
-        const double turned = p->turns->sweep(p);
-        p->turns->load(p, load);
+        const double turned = slow_turn(p);
+        slow_load(p, load);
         if (change > NEW_MATRIX && !slow_matrix(p, &newton)) {
             return false;
         }
-        for (int j = 0; j < QUASI_STATIC_N; ++j) {
+        for (int j = 0; j < SLOW_NODES; ++j) {
             double law[3];
             slow_law(p, p->depth[j], p->rate[j], law);
             error[j] = load[j] - law[0] - p->bend[j] - (i == 0 ? law[1] * apart[j] : 0.0);
         }
         lu_solve(slow_system(&newton), error, NULL);
-        for (int j = 0; j < QUASI_STATIC_N; ++j) {
-            for (int k = 0; k < QUASI_STATIC_N; ++k) {
+        for (int j = 0; j < SLOW_NODES; ++j) {
+            for (int k = 0; k < SLOW_NODES; ++k) {
                 p->bend[j] += slow_derivative(j, k) * error[k];
             }
         }
@@ -751,7 +506,7 @@ static bool slow_iterate(struct quasi_static *p, double depth_tolerance)
         }
         largest = fmax(change, turned);
         if (sweeps_have_converged(largest, before)) {
-            (void)p->turns->sweep(p); /* makes n and H consistent with the final depth */
+            (void)slow_turn(p); /* makes n and H consistent with the final depth */
             return true;
         }
         if (i == LOOK_AFTER && misses_start(p->depth, p->depth_start) > TOO_FAST * depth_tolerance) {
@@ -761,10 +516,10 @@ static bool slow_iterate(struct quasi_static *p, double depth_tolerance)
     return false;
 }
 
-static bool slow_is_accurate(const struct quasi_static *p, double tolerance, double depth_tolerance)
+static bool slow_is_accurate(const struct slow_motion *p, double tolerance, double depth_tolerance)
 {
     const double stiffness = 1.5 * p->k * sqrt(p->depth_start);
-    const double damping = p->k * p->depth_start * sqrt(p->depth_start) * p->from->chi;
+    const double damping = p->k * p->depth_start * sqrt(p->depth_start) * p->chi;
     /* the force of an overdamped contact depends on the rate at which the contact settles */
     const bool creeps = damping * damping > 4.0 * stiffness;
     const double fast = fmax(sqrt(stiffness), damping);
@@ -774,8 +529,10 @@ static bool slow_is_accurate(const struct quasi_static *p, double tolerance, dou
     if (!(error <= depth_tolerance)) {
         return false;
     }
-    for (int j = 0; j < FRAME; ++j) {
-        if (is_turning(p, j) && !(p->from->distance * misses_start(p->turned[j], 0.0) <= tolerance)) {
+    const struct nodal_vec3 *turned = &p->step->result.n;
+    const double *rows[3] = {turned->x, turned->y, turned->z};
+    for (int j = 0; j < 3 && !p->step->local.head_on; ++j) {
+        if (!(p->step->local.distance * misses_start(rows[j], 0.0) <= tolerance)) {
             return false;
         }
     }
@@ -784,148 +541,87 @@ static bool slow_is_accurate(const struct quasi_static *p, double tolerance, dou
 
 /* Makes a step [s]. Returns false where the step is not accurate. delta and its oscillation must be accurate
  * to `depth_tolerance` [m], and d n to `tolerance` [m]. */
-static bool quasi_static_solve(struct quasi_static *p, const struct contact_pair *from, double step,
-                               double tolerance, double depth_tolerance)
+static bool quasi_static_solve(struct segment *segment, double step, double tolerance, double depth_tolerance)
 {
-    p->from = from;
-    p->flight = frame_flight_of(from);
-    p->half = 0.5 * step;
-    p->k = from->hertz_stiffness / from->reduced_mass;
-    p->depth_start = -from->gap;
-    p->rate_start = -p->half * pair_gap_derivative(from);
-    const double normal[QUASI_STATIC_TURNING] = {
-        1.0, 0.0, 0.0, 0.0, -from->distance * p->flight.w[0][2], from->distance * p->flight.w[0][1]};
-    for (int j = 0; j < QUASI_STATIC_TURNING; ++j) {
-        p->start[j] = normal[j];
-        for (int i = 0; i < QUASI_STATIC_N; ++i) {
-            p->turned[j][i] = p->turning[j][i] = 0.0;
-        }
-    }
-    for (int i = 0; i < QUASI_STATIC_N; ++i) {
-        p->depth[i] = p->depth_start;
-    }
-    p->turns = &about_a_centre;
-    if (contact_is_circle(&from->shape) && p->flight.dimensions > 1) {
-        p->turns = &about_a_rim;
-        p->rim = pair_rim_start(from);
-        p->flight = frame_flight_at_rim(from);
-        memset(p->start, 0, sizeof p->start);
-    }
-    for (int i = 0; i < QUASI_STATIC_N; ++i) {
-        slow_acceleration(&p->flight, p->half * (1.0 + radau.node[i]), p->pull[i]);
-    }
-    if (!slow_iterate(p, depth_tolerance) || !slow_is_accurate(p, tolerance, depth_tolerance)) {
+    const struct contact_pair *from = &segment->pair;
+    struct collocation *made = &segment->as.collocation.step;
+    struct slow_motion p = {.step = made,
+                            .side = from->shape.side,
+                            .half = 0.5 * step,
+                            .k = from->hertz_stiffness / from->reduced_mass,
+                            .chi = from->chi,
+                            .depth_start = -from->gap,
+                            .rate_start = -0.5 * step * pair_gap_derivative(from)};
+    collocation_begin(made, &segment->scales.problem, step, COLLOCATION_QUASI_STATIC, &radau);
+    if (!slow_iterate(&p, depth_tolerance) || !slow_is_accurate(&p, tolerance, depth_tolerance)) {
         return false;
     }
-    nodal_coefficients(&radau, p->rate, p->rate_terms);
-    return true;
-}
-
-static double slow_depth(const struct quasi_static *p, double s)
-{
-    return p->depth_start + nodal_integral(p->rate_terms, QUASI_STATIC_N, s);
-}
-
-static struct slow_place slow_place_at(const struct quasi_static *p, double s)
-{
-    struct slow_place at = {.depth = slow_depth(p, s),
-                            .rate = nodal_polynomial_at(p->rate_terms, QUASI_STATIC_N, s)};
-    for (int j = 0; j < QUASI_STATIC_TURNING; ++j) {
-        at.turned[j] = p->start[j];
-        if (is_turning(p, j)) {
-            at.turned[j] += nodal_integral_to(&radau, p->turned[j], p->turning[j], s);
-        }
+    for (int i = 0; i < SLOW_NODES; ++i) {
+        p.rate[i] *= -p.side;
     }
-    return at;
+    nodal_coefficients(&radau, p.rate, made->result.slow_rate);
+    return collocation_finish(made);
 }
 
-void quasi_static_sample(const void *quasi_static, double s, struct pair_sample *sample)
+/* Sets delta and its first three derivatives by s [m]. */
+static void slow_depth_at(const struct pair_collocation *p, double s, double depth[4])
 {
-    const struct quasi_static *p = quasi_static;
-    double rate[4];
-    const double depth = slow_depth(p, s);
-    const double root = sqrt(fmax(depth, 0.0));
-    nodal_derivatives(p->rate_terms, QUASI_STATIC_N, s, rate);
-    const double chi = p->from->chi / p->half;
-    const double damping[3] = {1.0 + chi * rate[0], chi * rate[1], chi * rate[2]};
-    const double spring[3] = {depth * root, 1.5 * root * rate[0],
-                              0.75 / root * rate[0] * rate[0] + 1.5 * root * rate[1]};
+    collocation_averaged_deviation(&p->step, s, depth);
+    for (int i = 0; i < 4; ++i) {
+        depth[i] *= -p->from->shape.side;
+    }
+}
+
+void quasi_static_sample(const void *pair_collocation, double s, struct pair_sample *sample)
+{
+    const struct pair_collocation *p = pair_collocation;
     const double k = p->from->hertz_stiffness;
+    const double chi = p->from->chi / p->step.half;
+    double depth[4];
+    slow_depth_at(p, s, depth);
+    const double *rate = depth + 1;
+    const double root = sqrt(fmax(depth[0], 0.0));
+    const double damping[3] = {1.0 + chi * rate[0], chi * rate[1], chi * rate[2]};
+    const double spring[3] = {depth[0] * root, 1.5 * root * rate[0],
+                              0.75 / root * rate[0] * rate[0] + 1.5 * root * rate[1]};
     for (int i = 0; i < 3; ++i) {
-        sample->of[PAIR_GAP][i] = i == 0 ? -depth : -rate[i - 1];
-        sample->of[PAIR_GAP_RATE][i] = -rate[i] / p->half;
+        sample->of[PAIR_GAP][i] = -depth[i];
+        sample->of[PAIR_GAP_RATE][i] = -rate[i] / p->step.half;
     }
     sample->of[PAIR_FORCE][0] = k * spring[0] * damping[0];
     sample->of[PAIR_FORCE][1] = k * (spring[1] * damping[0] + spring[0] * damping[1]);
     sample->of[PAIR_FORCE][2] =
         k * (spring[2] * damping[0] + 2.0 * spring[1] * damping[1] + spring[0] * damping[2]);
-    if (contact_is_rim(&p->from->shape)) {
-        const struct slow_place at = slow_place_at(p, s);
-        slow_rim_edges(p, &at, s, sample);
+    if (SCENE_ANY_CAPS && p->step.from.at_rim) {
+        double x[4];
+        collocation_averaged_deviation(&p->step, s, x);
+        collocation_edges(&p->step, s, x, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
     }
 }
 
-static bool has_work(const struct pair_work *work)
+/* Returns the integral of the dashpot's power k_h delta^(3/2) chi delta'^2 over [0, s] by Radau's quadrature
+ * [J]. */
+static double slow_dissipated(const struct pair_collocation *p, double s)
 {
-    return work->order > 0 && !path_rests(work->path);
+    double sum = 0.0;
+    for (int i = 0; i < SLOW_NODES && p->from->chi > 0.0; ++i) {
+        const double weight = 0.5 * s * radau.integral[i * SLOW_NODES + SLOW_NODES - 1];
+        double depth[4];
+        slow_depth_at(p, 0.5 * s * (1.0 + radau.node[i]), depth);
+        sum += weight * depth[0] * sqrt(depth[0]) * depth[1] * depth[1] / p->step.half;
+    }
+    return p->from->hertz_stiffness * p->from->chi * sum;
 }
 
-/* Sets the integrals of pair_work and of the dashpot's power over [0, s] by Radau's quadrature. Over the
- * whole step its points are the nodes. */
-static void slow_powers(const struct quasi_static *p, double s, struct pair_change *change)
+struct pair_change quasi_static_advance(const void *pair_collocation, double s)
 {
-    change->dissipated = change->work[0] = change->work[1] = 0.0;
-    if (!has_work(&p->from->work[0]) && !has_work(&p->from->work[1]) && !(p->from->chi > 0.0)) {
-        return;
-    }
-    for (int i = 0; i < QUASI_STATIC_N; ++i) {
-        const double place = 0.5 * s * (1.0 + radau.node[i]);
-        const double weight = 0.5 * s * p->half * radau.integral[i * QUASI_STATIC_N + QUASI_STATIC_N - 1];
-        const double time = p->half * place;
-        struct slow_place at = {.depth = p->depth[i], .rate = p->rate[i]};
-        double law[3];
-        if (s == 2.0) {
-            turned_at(p, i, at.turned);
-        } else {
-            at = slow_place_at(p, place);
-        }
-        slow_law(p, at.depth, at.rate, law);
-        const double force = p->from->reduced_mass * law[0] / (p->half * p->half);
-        const double rate = at.rate / p->half;
-        const double spring = p->from->hertz_stiffness * at.depth * sqrt(at.depth);
-        double rows[3][FRAME];
-        double n[FRAME];
-        p->turns->normal(p, &at, n);
-        p->turns->deviation(p, &at, place, rows[0], rows[1]);
-        change->dissipated += weight * (force - spring) * rate;
-        for (int body = 0; body < PAIR_BODIES; ++body) {
-            const struct pair_work *work = &p->from->work[body];
-            for (int j = 0; j < FRAME && j < p->flight.dimensions && work->order > 0; ++j) {
-                rows[2][j] = p->from->shape.side * force / p->from->reduced_mass * n[j];
-                const struct vec3 path =
-                    vec3_axpy(vec3_axpy(work->path[0], time, work->path[1]), time * time, work->path[2]);
-                change->work[body] += weight * vec3_dot(path, p->flight.frame[j]) * rows[work->order][j];
-            }
-        }
-    }
-}
-
-struct pair_change quasi_static_advance(const void *quasi_static, double s)
-{
-    const struct quasi_static *p = quasi_static;
-    const struct slow_place at = slow_place_at(p, s);
-    double r[FRAME];
-    double r_rate[FRAME];
-    p->turns->deviation(p, &at, s, r, r_rate);
-    struct pair_change change = {.time = p->half * s, .gap = -at.depth};
+    const struct pair_collocation *p = pair_collocation;
+    struct pair_change change = pair_collocation_advance(p, s);
+    double depth[4];
+    slow_depth_at(p, s, depth);
     change.head_on = p->from->is_head_on;
-    change.gap_rate = -at.rate / p->half;
-    change.r = change.r_rate = vec3_make(0.0, 0.0, 0.0);
-    for (int j = 0; j < FRAME; ++j) {
-        change.r = vec3_axpy(change.r, r[j], p->flight.frame[j]);
-        change.r_rate = vec3_axpy(change.r_rate, r_rate[j], p->flight.frame[j]);
-    }
-    slow_powers(p, s, &change);
+    change.gap_rate = -depth[1] / p->step.half;
+    change.dissipated = slow_dissipated(p, s);
     return change;
 }
 
@@ -1039,7 +735,6 @@ bool quasi_static_is_shown(const struct segment *p, const double *root, double u
 
 bool quasi_static_make(struct segment *p)
 {
-    struct quasi_static *made = &p->as.quasi_static;
     const struct slow_scales scales = slow_scales_of(&p->pair);
     const double accuracy = slow_accuracy(p);
     const double radians = SLOW_STEP * pow(accuracy / SLOW_FINEST, 1.0 / RADAU_POINTS);
@@ -1049,10 +744,12 @@ bool quasi_static_make(struct segment *p)
     if (scales.creep > 0.0 && opening > 0.0) {
         step = fmin(step, part_of_depth);
     }
+    segment_take_timescales(p);
+    p->scales.problem.has_mismatch = false; /* there is none but rounding */
     const int attempts = scales.creep > 0.0 ? SLOW_ATTEMPTS : FOLLOWING;
     for (int i = 0; i < attempts && step * scales.fast >= SLOW_SHORTEST; ++i) {
-        if (quasi_static_solve(made, &p->pair, step, p->tolerance, -p->pair.gap * accuracy)) {
-            p->unit = made->half;
+        if (quasi_static_solve(p, step, p->tolerance, -p->pair.gap * accuracy)) {
+            p->unit = 0.5 * step;
             p->end = 2.0;
             dense_output_add(&p->output, 0.0);
             for (int k = 0; k < RADAU_POINTS; ++k) {

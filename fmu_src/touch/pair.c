@@ -825,7 +825,7 @@ struct pair_change pair_collocation_advance(const void *pair_collocation, double
         change.r = vec3_axpy(change.r, -power, c);
     }
     change.gap = from->shape.side * step.deviation;
-    if (from->coefficients.c > 0.0) {
+    if (from->coefficients.c > 0.0 && p->step.kind != COLLOCATION_QUASI_STATIC) {
         change.dissipated = from->reduced_mass * collocation_dissipated(&p->step, s);
     }
     for (int end = 0; end < PAIR_BODIES; ++end) {

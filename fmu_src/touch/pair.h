@@ -245,6 +245,7 @@ void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity 
 /* Returns the envelope of the part that pair_free_oscillation returns. */
 struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, enum pair_quantity quantity);
 
+/* Returns the change without the energy that a dashpot dissipates in a quasi-static step. */
 struct pair_change pair_collocation_advance(const void *pair_collocation, double s);
 
 #endif

@@ -54,33 +54,6 @@ struct hertz_elastic {
     double end_time; /* time at the release [s] */
 };
 
-enum {
-    QUASI_STATIC_TURNING = 2 * FRAME, /* components of n, then of H */
-    QUASI_STATIC_N = RADAU_POINTS
-};
-
-struct quasi_static_turning; /* how n and H turn: in hertz.c */
-
-/* A lasting contact under Hertz's law without its oscillation (hertz.c). Vectors are in the frame of the
- * segment's start. */
-struct quasi_static {
-    const struct contact_pair *from;
-    const struct quasi_static_turning *turns;
-    struct frame_flight flight;
-    double half;                                /* half the step [s] */
-    double k;                                   /* k_h / m_red */
-    double start[QUASI_STATIC_TURNING];         /* n [1] and H [m^2/s] at the start */
-    double pull[QUASI_STATIC_N][FRAME];         /* A at the nodes [m/s^2] */
-    nodal_values turned[QUASI_STATIC_TURNING];  /* change of n and H since the start, at the nodes */
-    nodal_values turning[QUASI_STATIC_TURNING]; /* derivative of n and H by s, at the nodes */
-    double depth_start, rate_start;             /* delta and d delta/ds at the start [m] */
-    nodal_values depth;                         /* delta at the nodes [m] */
-    nodal_values rate;                          /* d delta/ds at the nodes [m] */
-    nodal_values bend;                          /* d2 delta/ds2 at the nodes [m] */
-    nodal_values rate_terms;                    /* coefficients of s - 1 of d delta/ds [m] */
-    struct rim_start rim;                       /* at a rim */
-};
-
 /* The event that ends a regime. */
 struct terminal_event {
     double s;                       /* INFINITY: not within the segment */
@@ -114,7 +87,6 @@ struct segment {
         struct pair_collocation collocation;
         struct pair_series series;
         struct hertz_elastic hertz_elastic;
-        struct quasi_static quasi_static;
     } as;
     struct pair_timescales scales; /* set by all kinds but the closed form */
     bool event_free;               /* the segment has no event */
@@ -138,6 +110,9 @@ struct pair_change segment_change(const struct segment *p, double s);
 
 /* Whether the contact may become deeper than the bodies are wide. Positions then do not give the gap. */
 bool segment_is_deep(const struct segment *p);
+
+/* Sets the rates and sizes of the motion at the start, from which a collocated step is made. */
+void segment_take_timescales(struct segment *p);
 
 /* Moves the bodies from the start of the segment to s, books impulse, energies and work of the contact, but
  * not the clock. Notes the peaks from the place `from` on. */
@@ -172,8 +147,8 @@ double hertz_elastic_place(const struct segment *p, double time);
  * contact oscillates or settles. */
 bool quasi_static_applies(const struct segment *p);
 bool quasi_static_make(struct segment *p);
-void quasi_static_sample(const void *quasi_static, double s, struct pair_sample *sample);
-struct pair_change quasi_static_advance(const void *quasi_static, double s);
+void quasi_static_sample(const void *pair_collocation, double s, struct pair_sample *sample);
+struct pair_change quasi_static_advance(const void *pair_collocation, double s);
 
 /* Whether the first coefficients of u = sqrt(delta) show no oscillation and no decay; `unit` is dt/ds divided
  * by u. */
