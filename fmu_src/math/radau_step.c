@@ -364,7 +364,7 @@ static void subtract_row(struct quaternion_row *restrict to, const double *facto
 
 /* Writes the matrix I - h A_ij r_j, and its right side h sum A_ij r_j q behind each row, where r_j q are the
  * rates of the quaternion q at the start. */
-static void put_turning(const struct radau_step *p, int first, struct quaternion_row *matrix)
+static void put_turning_matrix(const struct radau_step *p, int first, struct quaternion_row *matrix)
 {
     const int s = p->stages->stages;
     double inverse[4];
@@ -395,7 +395,7 @@ static void turn_quaternion(struct radau_step *p, int first)
     double entry[4];
     double inverse[4];
     double product[4];
-    put_turning(p, first, matrix);
+    put_turning_matrix(p, first, matrix);
     for (int k = 0; k < s; ++k) {
         quaternion_in_row(matrix + k, k, entry);
         invert_quaternion(entry, inverse);
