@@ -9,9 +9,9 @@
 #include "model/model.h"
 
 /* Every refusal is a sentence: variable, value, allowed range. The rest tells of contacts that begin and end. */
-static void tell(void *context, enum model_status status, const char *category, const char *message)
+static void tell(void *context, enum model_status status, const char *message)
 {
-    (void)context, (void)category;
+    (void)context;
     if (status != MODEL_OK) {
         fprintf(stderr, "bounce: %s\n", message);
     }

@@ -687,9 +687,6 @@ static struct radau_problem problem_of(struct general *g, const struct scene_val
                                     .rates = ode_rates,
                                     .jacobian = ode_coupled_jacobian,
                                     .whole_jacobian = ode_jacobian};
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        problem.unknowns += layout->met[j] ? node_forces_of(v, j) : 0;
-    }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         for (int k = 0; k < 3 && layout->body[i] >= 0; ++k) {
             g->place[problem.paired] = layout->body[i] + k;
@@ -703,7 +700,7 @@ static struct radau_problem problem_of(struct general *g, const struct scene_val
 static bool same_layout(const struct radau_problem *a, const struct radau_problem *b)
 {
     return a->size == b->size && a->coupled == b->coupled && a->integrals == b->integrals &&
-           a->paired == b->paired && a->turns == b->turns && a->unknowns == b->unknowns;
+           a->paired == b->paired && a->turns == b->turns;
 }
 
 bool general_open(struct general **slot, const struct scene_values *v, const struct integrator_memory *memory,

@@ -368,8 +368,8 @@ static const double SPANS_IMPACT[2] = {0.8, 1.5};
 
 /* Returns the stages of a long step. Twelve follow an impact in one step, where eight take four steps and
  * 60 % more instructions. Elsewhere eight take fewer, because Newton's method limits the steps as much as
- * their error does: F2 to F4 of the report and the rollers take 20 to 40 % fewer so at 1e-9. In steps that are
- * read within, twelve would save F3 a quarter and cost F2 and the rollers 10 to 60 %. */
+ * their error does: F2 to F4 of the report and the rollers take 20 to 40 % fewer so at 1e-9. In steps that
+ * are read within, twelve would save F3 a quarter and cost F2 and the rollers 10 to 60 %. */
 static const struct radau_stages *stages_of_long_step(const struct general *g, double length)
 {
     const double radians = length / general_length_of_springs(g);

@@ -118,15 +118,12 @@ static void prepare_bodies(struct iteration *it)
     }
 }
 
-int node_forces_of(const struct scene_values *v, int contact)
-{
-    return contact_rubs(v, contact) ? ROWS : ROWS_WITHOUT_FRICTION;
-}
-
 /* Returns the number of unknowns of a contact at a stage; zero where it transmits no force. */
 static int rows_of(const struct general *g, int contact)
 {
-    return contact_transmits(g->state, contact) ? node_forces_of(g->ode.values, contact) : 0;
+    return !contact_transmits(g->state, contact)  ? 0
+           : contact_rubs(g->ode.values, contact) ? ROWS
+                                                  : ROWS_WITHOUT_FRICTION;
 }
 
 static void note_node_contact(struct iteration *it, int contact)
@@ -310,7 +307,7 @@ static struct scene_instant *move_to_stage(struct iteration *it, int stage, bool
 static void put_orientation_rates(struct iteration *it, int stage, const struct scene_instant *at)
 {
     const struct ode_layout *layout = &it->g->ode.layout;
-    for (int i = 0; (SCENE_ANY_AXIS || SCENE_ANY_COMPOUND) && i < SCENE_BODIES; ++i) {
+    for (int i = 0; SCENE_ANY_AXIS && i < SCENE_BODIES; ++i) {
         const int k = layout->orientation[i];
         if (k >= 0 && k < layout->coupled) {
             const double *y = it->g->step.point + k;
@@ -331,14 +328,14 @@ static void add_vector(double *to, double factor, struct vec3 a)
     to[2] += factor * a.z;
 }
 
-/* Adds the rates that the orientations get by the changes of the spins to come, so that the places of contacts
- * on bodies that tip follow the forces at once. */
+/* Adds the rates that the orientations get by the changes of the spins to come, so that the places of
+ * contacts on bodies that tip follow the forces at once. */
 static void move_orientations(struct iteration *it)
 {
     const struct radau_step *p = &it->g->step;
     const struct ode_layout *layout = &it->g->ode.layout;
     bool any = false;
-    for (int i = 0; (SCENE_ANY_AXIS || SCENE_ANY_COMPOUND) && i < SCENE_BODIES; ++i) {
+    for (int i = 0; SCENE_ANY_AXIS && i < SCENE_BODIES; ++i) {
         const int k = layout->orientation[i];
         if (!(k >= 0 && k < layout->coupled)) {
             continue;
@@ -727,7 +724,9 @@ static const double CROWDED = 1.0 / 3.0;
 
 bool node_forces_apply(const struct general *g)
 {
-    bool refused = false; /* the unknowns are forces, neither springs nor torques */
+    /* The unknowns are forces, neither springs nor torques. Feet of a body at rest share its weight to 1e-10
+     * with the states as unknowns; with forces as unknowns rounding makes five times as much of it. */
+    bool refused = SCENE_ANY_COMPOUND;
     int rows = 0;
     int contacts = 0;
     bool bends = false;

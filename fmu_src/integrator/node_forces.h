@@ -11,12 +11,9 @@
 
 #include "integrator/general_step.h"
 
-/* Returns the number of unknowns of a contact at a stage. */
-int node_forces_of(const struct scene_values *v, int contact);
-
-/* Whether the step is to be solved so. It cannot be where friction is elastic, a contact resists rolling, or
- * the forces are more unknowns than there is memory for; in a crowded island under Hertz's law that would
- * cost more. */
+/* Whether the step is to be solved so. It cannot be where friction is elastic, a contact resists rolling, a
+ * body is a compound, or the forces are more unknowns than there is memory for; in a crowded island under
+ * Hertz's law that would cost more. */
 bool node_forces_apply(const struct general *g);
 
 /* Solves the stages of g->step from their guess; false where the iterations do not converge. Where the guess

@@ -428,11 +428,12 @@ static struct regime_change flight_regime_change(const struct foresight *f, stru
 static struct regime_change smooth_regime_change(const struct scene_values *v, const struct scene_state *q,
                                                  const struct scene_instant *at, int contact, double horizon)
 {
-    struct foresight f = {.shape = scene_contact_shape(v, q, contact),
-                          .law = scene_contact_law(v, q, contact),
-                          .present = (enum contact_regime)q->contact[contact].regime,
-                          .now = at->geometry[contact],
-                          .horizon = horizon};
+    struct foresight f; /* whose other members are set where they are needed: to clear them all takes time */
+    f.shape = scene_contact_shape(v, q, contact);
+    f.law = scene_contact_law(v, q, contact);
+    f.present = (enum contact_regime)q->contact[contact].regime;
+    f.now = at->geometry[contact];
+    f.horizon = horizon;
     const bool is_prescribed = contact_is_prescribed(v, contact);
     const bool has_ends = relative_path_has_ends(&f.shape);
     const bool in_flight = f.present == REGIME_APART || f.present == REGIME_SEPARATING;

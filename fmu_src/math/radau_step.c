@@ -149,9 +149,8 @@ static inline void radau_polynomials_at(int count, double place, double *of)
 static int rows_of_all(const struct radau_problem *problem)
 {
     const int others = problem->coupled - problem->paired;
-    const int wanted = problem->unknowns > others ? problem->unknowns : others;
-    const int most = problem->turns && others > RADAU_MOST_UNKNOWNS ? others : RADAU_MOST_UNKNOWNS;
-    return RADAU_MOST_STAGES * (wanted < most ? wanted : most);
+    return RADAU_MOST_STAGES *
+           (problem->turns || others < RADAU_MOST_UNKNOWNS ? others : RADAU_MOST_UNKNOWNS);
 }
 
 int radau_step_most_unknowns(const struct radau_step *p)
@@ -489,7 +488,7 @@ struct radau_error radau_step_error(const struct radau_step *p)
     double before = 0.0;
     for (int j = 0; j < p->problem.size; ++j) {
         const double *of = p->chebyshev + j;
-        if (!isfinite(of[s * n])) { /* the sweeps of a quaternion that turns much too far diverge */
+        if (!isfinite(of[s * n])) {
             return (struct radau_error){(double)INFINITY, (double)INFINITY};
         }
         last = fmax(last, fmax(fabs(of[s * n]), fabs(of[(s - 1) * n])) * p->weight[j]);

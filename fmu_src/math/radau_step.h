@@ -25,7 +25,6 @@ struct radau_problem {
     const void *context;
     int size, coupled, integrals;
     bool turns;           /* allows radau_step_solve_fully, which needs whole_jacobian */
-    int unknowns;         /* number of unknowns at a stage of the caller's own iterations */
     int groups;           /* of coupled states: no rate depends on states of another group; 0: one group */
     const int *group_end; /* [groups]: ascending ends of the groups */
     int paired;           /* number of states y[place[i]] whose rate is y[speed[i]]; both are coupled */
@@ -37,8 +36,8 @@ struct radau_problem {
     void (*whole_jacobian)(const void *context, double clock, const double *y, double *columns);
 };
 
-/* Most unknowns at a stage for which a problem has memory (`all`), unless it turns and has more states: twelve
- * stages of so many take 5 MB, and the time of their factorization grows with the third power. */
+/* Unknowns at a stage for which a problem that does not turn has memory (`all`): twelve stages of so many
+ * take 5 MB, and the time of their factorization grows with the third power. */
 enum { RADAU_MOST_UNKNOWNS = 64 };
 
 /* The matrix A of a method and A^2, column by column. */

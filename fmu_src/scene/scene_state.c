@@ -253,7 +253,7 @@ bool scene_uses_ode(const struct scene_values *v)
 }
 
 /* Whether a spring of friction, rolling or spinning has not relaxed. */
-static bool any_spring_is_drawn(const struct scene_state *q, int contact)
+CONTACT_NOINLINE static bool any_spring_is_drawn(const struct scene_state *q, int contact)
 {
     bool any = false;
     for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {

@@ -112,7 +112,12 @@ struct pair_change segment_change(const struct segment *p, double s);
 bool segment_is_deep(const struct segment *p);
 
 /* Sets the rates and sizes of the motion at the start, from which a collocated step is made. */
-void segment_take_timescales(struct segment *p);
+static inline void segment_take_timescales(struct segment *p)
+{
+    pair_timescales_make(&p->scales, &p->pair);
+    p->as.collocation.from = &p->pair;
+    p->as.collocation.felt = p->scales.felt;
+}
 
 /* Moves the bodies from the start of the segment to s, books impulse, energies and work of the contact, but
  * not the clock. Notes the peaks from the place `from` on. */

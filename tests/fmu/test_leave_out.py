@@ -141,13 +141,14 @@ def test_the_library_names_no_variable_that_the_interface_lacks(variables, strin
     assert inside & gone == set()
 
 
-def test_the_force_element_has_a_library_of_at_most_97_kb(library_bytes):
+def test_the_force_element_has_a_library_of_at_most_113_kb(library_bytes):
     """60 kB for the force at an instant, 4 kB for the functions of Model Exchange and their messages, 20 kB
     for mean and peaks over a step: the polynomials that tell when contact begins and ends within it, their
     roots, the quadrature between; 4 kB for factors that may be set between steps and the search for peaks;
     4 kB for changes of the law that are located where a dashpot is clipped, and for warnings of parameters
-    that were set and are not in force; 4 kB for values and messages that go one way in FMI 2 and FMI 3."""
-    assert library_bytes("ForceElement") <= 97_000
+    that were set and are not in force; 4 kB for values and messages that go one way in FMI 2 and FMI 3; 16 kB for
+    conservative advancement, which takes the place of polynomials and knows every shape: they missed peaks."""
+    assert library_bytes("ForceElement") <= 113_000
 
 
 THROWN = ["BallOnSphere", "BallInShell", "BallOffRoller", "PinnedEvent"]
