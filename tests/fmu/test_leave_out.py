@@ -146,8 +146,8 @@ def test_the_force_element_has_a_library_of_at_most_113_kb(library_bytes):
     for mean and peaks over a step: the polynomials that tell when contact begins and ends within it, their
     roots, the quadrature between; 4 kB for factors that may be set between steps and the search for peaks;
     4 kB for changes of the law that are located where a dashpot is clipped, and for warnings of parameters
-    that were set and are not in force; 4 kB for values and messages that go one way in FMI 2 and FMI 3; 16 kB for
-    conservative advancement, which takes the place of polynomials and knows every shape: they missed peaks."""
+    that were set and are not in force; 4 kB for values and messages that go one way in FMI 2 and FMI 3; 16 kB
+    for conservative advancement, which replaces polynomials that missed peaks and knows every shape."""
     assert library_bytes("ForceElement") <= 113_000
 
 
