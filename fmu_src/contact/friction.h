@@ -124,8 +124,9 @@ struct friction_slopes friction_spring_rate_slopes(const struct friction_law *la
 struct vec3 opposed_turned(enum opposed part, struct vec3 spring, struct vec3 normal,
                            struct vec3 normal_rate);
 
-/* Returns a spring without the part that rounding or a jump of n has put out of its plane or line, or the
- * part of omega that is opposed. */
+/* Returns the part of a vector in which an opposed motion takes place: along n for spinning, across n for
+ * rolling and for the slip. It gives the rolling or the spinning of omega. It gives a spring without what
+ * rounding or a jump of n has put aside. */
 struct vec3 opposed_laid(enum opposed part, struct vec3 spring, struct vec3 normal);
 
 /* Return the spring's elongation [m] and its stored energy [J]; the other work of friction is dissipated. */

@@ -360,9 +360,11 @@ struct meeting {
     double rising; /* else a time after which the gap exceeds rounding, or has returned from a hop [s] */
 };
 
-/* The gap is convex, so that the turning of n adds to n.c'' up to |c'|^2 / d. The first derivative tells how
- * bodies go on if the others cover less than one rounding bound `noise` [m] while it covers four. Otherwise
- * the sign of the second derivative tells it: bodies may hop or graze each other by less than rounding. */
+/* Tells how bodies go on that touch within a rounding bound `noise` [m]. The first derivative of the gap
+ * decides, if the other derivatives change the gap by less than `noise` in the time in which the first one
+ * changes it by four times that. Otherwise the sign of the second derivative decides, because the bodies may
+ * hop or graze each other by less than rounding. The gap is convex: the turning of n adds up to |c'|^2 / d to
+ * n.c''. */
 static struct meeting meeting_of(const struct contact_shape *shape, const struct separation_path *path,
                                  double noise)
 {

@@ -23,13 +23,13 @@ struct node {
     struct vec3 by_force[ROWS], by_velocity[ROWS], by_place[ROWS];
 };
 
-/* How a body moves under a force: 1/m [1/kg] and 1/I_1 [1/(kg m^2)]; zero if it does not. */
+/* How easily a body moves: 1/m [1/kg] and 1/I_1 [1/(kg m^2)]. Both are zero for a body that is not free. */
 struct mobility {
     bool moves;
     double by_mass, by_inertia;
 };
 
-/* The matrix by which L/I_1 of a body makes its rotation, by rows; it is symmetric. */
+/* The symmetric matrix, by rows, that gives the angular velocity of a body from its L/I_1. */
 struct rotation_by_spin {
     struct vec3 row[3];
 };
@@ -468,7 +468,7 @@ static int shared_bodies(const struct iteration *it, int c, int d, struct shared
     return count;
 }
 
-/* The rows of a contact at a stage times the rotation that a torque on a shared body makes. */
+/* How the responses of a contact at a stage change with a torque on a body that it shares. */
 struct turned_rows {
     int other_end;
     struct vec3 by_velocity[ROWS], by_place[ROWS]; /* per torque */
@@ -724,8 +724,8 @@ static const double CROWDED = 1.0 / 3.0;
 
 bool node_forces_apply(const struct general *g)
 {
-    /* The unknowns are forces, neither springs nor torques. Feet of a body at rest share its weight to 1e-10
-     * with the states as unknowns; with forces as unknowns rounding makes five times as much of it. */
+    /* The unknowns are forces, neither springs nor torques. With the states as unknowns, the forces of the
+     * feet of a body at rest are right to 6e-11 N; with forces as unknowns, only to 6e-10 N. */
     bool refused = SCENE_ANY_COMPOUND;
     int rows = 0;
     int contacts = 0;

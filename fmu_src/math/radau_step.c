@@ -273,8 +273,8 @@ static void radau_take_jacobian(const struct radau_step *p, double *by_others, d
     }
 }
 
-/* Evaluates the Jacobian, unless the last one was of the same clock and states: a step often begins where the
- * error of the step before was found. */
+/* Evaluates the Jacobian, unless it is known for the same clock and states. A step usually begins with the
+ * states for which the step before has found its error. */
 static void evaluate_jacobian(struct radau_step *p, double clock, const double *y)
 {
     const size_t bytes = (size_t)p->problem.coupled * sizeof *y;
@@ -306,7 +306,7 @@ void radau_step_begin(struct radau_step *p, double clock, const double *y)
     take_jacobian_at(p, 0.0, p->y);
 }
 
-/* a b of quaternions (real part first). */
+/* Sets `product` to a b. Quaternions have their real part first. */
 CONTACT_NOT_FUSED static void multiply_quaternions(const double *a, const double *b, double *product)
 {
     product[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];

@@ -389,8 +389,8 @@ static enum model_status check_state(struct model *m, const struct model_state *
     return MODEL_OK;
 }
 
-/* Another model tries the state, without messages, since this one stays as it is where it is refused, and the
- * memory of its integrator fits other values. */
+/* A model of its own tries the state first, without messages. Where the state is refused, `m` stays as it is,
+ * and the memory of its integrator still fits its values. */
 enum model_status model_restore(struct model *m, const void *bytes)
 {
     struct model trial = {.host = m->host, .outputs = OUTPUTS_NONE};

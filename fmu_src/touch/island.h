@@ -4,12 +4,12 @@
  *
  *   dt/ds = unit pace,   pace = 1, or u = sqrt(delta) of one contact under Hertz's law
  *
- * As a function of time Hertz's force is singular where its contact begins and ends. As a function of s all
- * forces are analytic there, if the pace is the u of that contact (touch/series.c). The pace belongs to the
- * contact that is nearest to its touch or its release. With the deviation r_b of a body from its flight C and
- * the direction u = side n in which a contact pushes its destination
+ * Hertz's force is a singular function of time where its contact begins and ends. All forces are analytic
+ * functions of s there, if the pace is the u of that contact (touch/series.c). The pace belongs to the
+ * contact that is nearest to its touch or its release. With the deviation r_b of a body from its flight C,
+ * and with the direction e = side n in which a contact pushes its destination, the motion follows from
  *
- *   c = C + r_d - r_s,   g_t = u.c',   d = reach + side g,   n = c/d,   m_b r_b'' = sum of -+F u
+ *   c = C + r_d - r_s,   g_t = e.c',   d = reach + side g,   n = c/d,   m_b r_b'' = sum of -+F e
  *
  * where c is the part of the separation across the axis of a cylinder. Products and quotients give the
  * coefficients order by order (Jorba and Zou, Experimental Mathematics 14 (2005) 99). Events are roots of the
