@@ -321,12 +321,11 @@ bool friction_rolls(const struct friction_law *law, enum friction_regime regime,
 }
 
 struct friction_missed friction_missed(const struct friction_law *law, enum friction_regime regime,
-                                       double normal_force, struct vec3 slip, struct vec3 *force, bool rolls,
+                                       struct friction_state at, struct vec3 *force, bool rolls,
                                        double admittance)
 {
-    const double limit = friction_limit(law, regime, normal_force);
+    const double limit = friction_limit(law, regime, at.normal_force);
     if (!(rolls && limit > 0.0)) {
-        const struct friction_state at = {.normal_force = normal_force, .slip = slip};
         const struct vec3 more = vec3_sub(*force, friction_force(law, regime, at));
         return (struct friction_missed){vec3_scale(admittance, more), 0.0};
     }
@@ -337,16 +336,16 @@ struct friction_missed friction_missed(const struct friction_law *law, enum fric
     }
     const double across = part > 0.0 ? -log1p(-part) / part : 1.0;
     const double v_0 = law->slip_velocity;
-    return (struct friction_missed){vec3_axpy(slip, v_0 / limit * across, *force),
+    return (struct friction_missed){vec3_axpy(at.slip, v_0 / limit * across, *force),
                                     v_0 / (limit * (1.0 - part))};
 }
 
 struct friction_response friction_response_of(const struct friction_law *law, enum friction_regime regime,
-                                              double normal_force, struct vec3 slip, struct vec3 force,
-                                              bool rolls, double admittance)
+                                              struct friction_state at, struct vec3 force, bool rolls,
+                                              double admittance)
 {
     struct friction_response response = {.by_slip = {{0.0}}};
-    const double limit = friction_limit(law, regime, normal_force);
+    const double limit = friction_limit(law, regime, at.normal_force);
     if (rolls && limit > 0.0) {
         const struct direction f = direction_of(force);
         const double part = f.length / limit;
@@ -358,16 +357,55 @@ struct friction_response friction_response_of(const struct friction_law *law, en
             vec3_scale(-limit_slope(law, regime) * by_force * part / (1.0 - part), f.unit);
         return response;
     }
-    const struct friction_state at = {.normal_force = normal_force, .slip = slip};
     const struct friction_slopes slopes = friction_force_slopes(law, regime, at);
     response.by_normal_force = vec3_scale(-admittance, slopes.by_normal_force);
     for (int i = 0; i < 3; ++i) {
         response.by_force[i][i] = admittance;
         for (int j = 0; j < 3; ++j) {
             response.by_slip[i][j] = -admittance * slopes.by_slip[i][j];
+            response.by_spring[i][j] = -admittance * slopes.by_spring[i][j];
         }
     }
     return response;
+}
+
+/* Whether the rate of the spring follows F_t alone (struct friction_spring_drive). */
+static bool spring_follows_force(const struct friction_law *law, enum friction_regime regime)
+{
+    return has_dashpot(law) && regime != FRICTION_STICKING;
+}
+
+struct friction_spring_drive friction_spring_drive_of(const struct friction_law *law,
+                                                      enum friction_regime regime, struct friction_state at)
+{
+    struct friction_spring_drive drive = {.is_force = false};
+    if (!has_spring(law, regime)) {
+        return drive;
+    }
+    if (regime == FRICTION_STICKING) {
+        drive.along = drive.across = 1.0;
+    } else if (spring_follows_force(law, regime)) {
+        drive.is_force = true;
+        drive.decay = stiffness_at(law, at) / law->damping;
+        drive.along = drive.across = -1.0 / law->damping;
+    } else {
+        const struct direction xi = direction_of(at.spring);
+        const double limit = friction_limit(law, regime, at.normal_force);
+        drive.unit = xi.unit;
+        drive.across = turning_factor_of(stiffness_at(law, at), limit, xi.length).value;
+        drive.decay =
+            xi.length > 0.0 ? fmax(drive.across / xi.length * vec3_dot(at.slip, xi.unit), 0.0) : 0.0;
+    }
+    return drive;
+}
+
+struct vec3 friction_spring_rate_under(const struct friction_law *law, enum friction_regime regime,
+                                       struct friction_state at, struct vec3 force)
+{
+    if (!has_spring(law, regime) || !spring_follows_force(law, regime)) {
+        return friction_spring_rate(law, regime, at);
+    }
+    return vec3_scale(-1.0 / law->damping, vec3_axpy(force, stiffness_at(law, at), at.spring));
 }
 
 bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime)

@@ -162,9 +162,9 @@ struct friction_missed {
     double steepness; /* the derivative by |F_t| in the first form [m/(N s)]; 0 in the second */
 };
 
-/* The derivatives by F_t, by v_t and by F_n. */
+/* The derivatives by F_t, by v_t, by the spring xi and by F_n. */
 struct friction_response {
-    double by_force[3][3], by_slip[3][3];
+    double by_force[3][3], by_slip[3][3], by_spring[3][3];
     struct vec3 by_normal_force;
 };
 
@@ -176,11 +176,32 @@ bool friction_rolls(const struct friction_law *law, enum friction_regime regime,
 /* friction_missed returns how far a force F_t is from its law, in the form that `rolls` names; it first
  * shortens a force of nearly L or more. friction_response_of returns the derivatives. */
 struct friction_missed friction_missed(const struct friction_law *law, enum friction_regime regime,
-                                       double normal_force, struct vec3 slip, struct vec3 *force, bool rolls,
+                                       struct friction_state at, struct vec3 *force, bool rolls,
                                        double admittance);
 struct friction_response friction_response_of(const struct friction_law *law, enum friction_regime regime,
-                                              double normal_force, struct vec3 slip, struct vec3 force,
-                                              bool rolls, double admittance);
+                                              struct friction_state at, struct vec3 force, bool rolls,
+                                              double admittance);
+
+/*
+ * How the rate of the spring of elastic friction changes where F_t is an unknown:
+ *
+ *   dxi' = -decay dxi + along u (u.dz) + across (dz - u (u.dz))
+ *
+ * The drive z is the slip v_t; but F_t where friction slides with a dashpot, and while the contact is lifted:
+ * there xi' = -(F_t + k_t xi) / c_t, whatever the slip.
+ */
+struct friction_spring_drive {
+    bool is_force;              /* whether z is F_t */
+    double decay;               /* [1/s] */
+    double along, across;       /* [1], or [m/(N s)] where z is F_t */
+    struct vec3 unit;           /* u */
+};
+struct friction_spring_drive friction_spring_drive_of(const struct friction_law *law,
+                                                      enum friction_regime regime, struct friction_state at);
+
+/* Returns xi' [m/s] under a given F_t, without what the normal turns (opposed_turned). */
+struct vec3 friction_spring_rate_under(const struct friction_law *law, enum friction_regime regime,
+                                       struct friction_state at, struct vec3 force);
 
 /* Whether the stick event of elastic friction compares |F*| with a limit. */
 bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime);

@@ -712,8 +712,9 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
     const int size = wanted.size;
     if (*slot == NULL || !same_layout(&(*slot)->whole, &wanted)) {
         const size_t own = (sizeof(struct general) + 15) / 16 * 16;
+        const size_t nodes = (node_forces_memory() + 15) / 16 * 16;
         const size_t rows = 6 * (size_t)size * sizeof(double);
-        struct general *g = memory->allocate(1, own + rows + radau_step_memory(&wanted));
+        struct general *g = memory->allocate(1, own + nodes + rows + radau_step_memory(&wanted));
         if (g == NULL) {
             snprintf(message, INTEGRATOR_MESSAGE_SIZE, "the integrator's memory could not be had");
             return false;
@@ -722,7 +723,8 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
         *slot = g;
         g->whole = wanted;
         g->release = memory->release;
-        g->y = (double *)(void *)((char *)g + own);
+        g->nodes = (char *)g + own;
+        g->y = (double *)(void *)((char *)g + own + nodes);
         g->size_of = g->y + size;
         g->end_size = g->size_of + size;
         g->per_impulse = g->end_size + size;

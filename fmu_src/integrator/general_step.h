@@ -75,6 +75,7 @@ struct general {
     struct scene_output output[SCENE_CONTACTS];
     long rejected;
     void (*release)(void *memory); /* frees this struct */
+    void *nodes;                   /* [node_forces_memory()]: the iteration of node_forces_solve */
     char *message;                 /* INTEGRATOR_MESSAGE_SIZE bytes */
 };
 

@@ -7,20 +7,38 @@
 #include "math/nodes.h"
 #include "scene/evaluate.h"
 
-/* Unknowns of a contact that rubs, and of one that does not: there the force has one direction. */
-enum { ROWS = 3, ROWS_WITHOUT_FRICTION = 1 };
+/* Unknowns of a contact that rubs: its force, and if it resists rolling or spinning also the torque M of that
+ * resistance. Without friction there is one unknown, because the force has one direction. */
+enum { ROWS = 3, ROWS_WITHOUT_FRICTION = 1, MOST_ROWS = OPPOSED > 1 ? 6 : ROWS };
 
 /* One contact at one stage. U is the velocity of the source at the point of contact less that of the
- * destination [m/s]; X is its integral [m]. Each row of the response changes by `by_force` dF + `by_velocity`
- * dU + `by_place` dX. Where the contact does not rub there is one row, and dF has the direction `push`. */
+ * destination [m/s]; X is its integral [m]. Each of the first three rows of the response changes by `by_force`
+ * dF + `by_velocity` dU + `by_place` dX, the last three, those of the torque, by `by_force` dF + `by_torque`
+ * dM + `by_spin` domega. Where the contact does not rub there is one row, and dF has the direction `push`.
+ * The rows of an elastic part change by `by_spring` dxi as well. `by_drive` is the change of these rows by
+ * what drives the spring (friction_spring_drive_of). */
 struct node {
-    struct vec3 force;     /* on the source: the unknown [N] */
-    struct vec3 push;      /* unit vector of a normal force on the source that pushes it away [1] */
-    struct vec3 arm[2];    /* from the centres of source and destination to the point of contact [m] */
-    double response[ROWS]; /* how far the force is from its laws [m/s] */
-    bool rolls;            /* form of the response of friction (friction_response_of) */
-    double steepness;      /* of that response where the slopes were taken */
-    struct vec3 by_force[ROWS], by_velocity[ROWS], by_place[ROWS];
+    struct vec3 force;          /* on the source: the unknown [N] */
+    struct vec3 torque;         /* of the resistance, on the source: the unknown [N m] */
+    struct vec3 more_force;     /* their last corrections */
+    struct vec3 more_torque;
+    struct vec3 push;           /* unit vector of a normal force on the source that pushes it away [1] */
+    struct vec3 arm[2];         /* from the centres of source and destination to the point of contact [m] */
+    double response[MOST_ROWS]; /* how far force and torque are from their laws [m/s, rad/s] */
+    bool rolls[OPPOSED];        /* form of the response of friction (friction_response_of) */
+    double steepness[OPPOSED];  /* of that response where the slopes were taken */
+    struct vec3 by_force[MOST_ROWS], by_velocity[MOST_ROWS], by_place[ROWS];
+    struct vec3 by_torque[ROWS], by_spin[ROWS];
+    struct vec3 by_spring[OPPOSED][ROWS], by_drive[OPPOSED][ROWS];
+    struct friction_spring_drive drive[OPPOSED];
+};
+
+/* One spring of a contact at all stages. By linearization dxi_i = sum `filter`_ij (rho_j + dz_j), where rho is
+ * what the rates of the spring miss, and dz what drives it. `weight` is the filter, or where the slip drives
+ * the spring, the filter times the matrix of integration: the effect of the rates of the slip. */
+struct node_spring {
+    bool is_there, is_force;
+    double filter[RADAU_MOST_STAGES * RADAU_MOST_STAGES], weight[RADAU_MOST_STAGES * RADAU_MOST_STAGES];
 };
 
 /* How easily a body moves: 1/m [1/kg] and 1/I_1 [1/(kg m^2)]. Both are zero for a body that is not free. */
@@ -45,6 +63,7 @@ struct node_contact {
     int contact;
     int body[2], speed[2], spin[2];
     int rows;    /* number of its unknowns at a stage */
+    bool springs; /* whether it has a spring */
     int island;  /* its number: contacts of an island stand together */
     int first;   /* sum of the rows of the contacts before it */
     double side; /* +1: the source is outside the destination, -1: inside */
@@ -69,7 +88,9 @@ struct iteration {
     struct node_contact contact[MOST_NODES];
     struct node node[RADAU_MOST_STAGES][MOST_NODES];
     struct normals normals[MOST_NODES];
-    double admittance[MOST_NODES]; /* scale of the responses that are forces [m/(N s)] */
+    /* scales of the responses that are forces [m/(N s)], and of those that are torques [rad/(N m s)] */
+    double admittance[MOST_NODES], turning_admittance[MOST_NODES];
+    struct node_spring spring[SCENE_ANY_SPRINGS ? MOST_NODES : 1][OPPOSED];
     struct mobility mobility[SCENE_BODIES];
     struct rotation_by_spin rotation[RADAU_MOST_STAGES][SCENE_BODIES];
     int among[ODE_MOST_STATES]; /* indices of states among those that are no places */
@@ -81,6 +102,9 @@ struct iteration {
 /* The slopes of friction are taken anew where they have changed by this factor: by slopes that are much too
  * steep the corrections of the forces are small although the forces are far from the law. */
 static const double STALE = 3.0;
+
+/* The distance of columns in the matrix of a spring; each ends with a zero (math/lu.h). */
+enum { SPRING_STRIDE = RADAU_MOST_STAGES + 4 };
 
 /* Returns the index of the first unknown of a contact at a stage. The stages of one contact stand together,
  * so that bodies in a row make a band of the matrix. */
@@ -106,7 +130,7 @@ static void prepare_bodies(struct iteration *it)
     const struct scene_values *v = it->g->ode.values;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         struct mobility *to = &it->mobility[i];
-        to->by_mass = body_inverse_mass(v, i);
+        *to = (struct mobility){.by_mass = body_inverse_mass(v, i)};
         if (body_turns_freely(v, i)) {
             to->by_inertia = 1.0 / body_inertia_of(v, i).transverse;
             it->rotation[0][i] = rotation_of(v, i, it->g->state->turning.body[i].orientation);
@@ -121,9 +145,10 @@ static void prepare_bodies(struct iteration *it)
 /* Returns the number of unknowns of a contact at a stage; zero where it transmits no force. */
 static int rows_of(const struct general *g, int contact)
 {
-    return !contact_transmits(g->state, contact)  ? 0
-           : contact_rubs(g->ode.values, contact) ? ROWS
-                                                  : ROWS_WITHOUT_FRICTION;
+    return !contact_transmits(g->state, contact)     ? 0
+           : contact_resists(g->ode.values, contact) ? MOST_ROWS
+           : contact_rubs(g->ode.values, contact)    ? ROWS
+                                                     : ROWS_WITHOUT_FRICTION;
 }
 
 static void note_node_contact(struct iteration *it, int contact)
@@ -133,18 +158,22 @@ static void note_node_contact(struct iteration *it, int contact)
     struct node_contact *to = &it->contact[it->contacts];
     to->contact = contact;
     to->rows = rows_of(it->g, contact);
+    to->springs = contact_has_springs(v, contact);
     to->island = it->g->ode.layout.island[contact];
     to->first = it->rows;
     to->laws = turning_laws_of(v, it->g->state, contact);
     to->side = scene_contact_side(v, it->g->state, contact);
-    it->admittance[it->contacts] = it->g->step.length * (by_mass > 0.0 ? by_mass : 1.0);
+    double by_inertia = 0.0;
     for (int end = 0; end < 2; ++end) {
         const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
         const struct ode_layout *layout = &it->g->ode.layout;
         to->body[end] = body;
         to->spin[end] = layout->spin[body] >= 0 ? it->among[layout->spin[body]] : -1;
         to->speed[end] = layout->body[body] >= 0 ? it->among[layout->body[body] + 3] : -1;
+        by_inertia += it->mobility[body].by_inertia;
     }
+    it->admittance[it->contacts] = it->g->step.length * (by_mass > 0.0 ? by_mass : 1.0);
+    it->turning_admittance[it->contacts] = it->g->step.length * (by_inertia > 0.0 ? by_inertia : 1.0);
     it->contacts += 1;
     it->rows += to->rows;
 }
@@ -215,8 +244,15 @@ static void prepare(struct iteration *it)
     }
 }
 
+/* Returns what a change dz of what drives a spring adds to the spring's rate. */
+static struct vec3 driven_by(const struct friction_spring_drive *drive, struct vec3 dz)
+{
+    const double along = (drive->along - drive->across) * vec3_dot(drive->unit, dz);
+    return vec3_axpy(vec3_scale(drive->across, dz), along, drive->unit);
+}
+
 /* Writes the rows of along e e^T plus those of a matrix that acts across e. */
-static void put_rows(struct vec3 to[3], const double across[3][3], double along, struct vec3 e)
+static void put_rows(struct vec3 to[3], double across[3][3], double along, struct vec3 e)
 {
     for (int i = 0; i < 3; ++i) {
         const struct vec3 row = vec3_from(across[i]);
@@ -253,44 +289,142 @@ static void respond_along_normal(struct iteration *it, int stage, int index, con
     }
 }
 
+/* Sets how a part of the response changes with a spring and with what drives it, and the rate of the spring.
+ * `row` is the first row of the part. */
+static void respond_with_spring(struct iteration *it, int stage, int index, int part,
+                                const struct scene_instant *at, struct friction_state rubbing,
+                                struct vec3 opposing, const struct friction_response *slopes)
+{
+    const struct node_contact *c = &it->contact[index];
+    const struct friction_law *law = &c->laws.rubbing[part];
+    const enum friction_regime regime = c->laws.rubbing_regime[part];
+    const struct vec3 n = at->geometry[c->contact].normal;
+    const struct scene_ode *ode = &it->g->ode;
+    struct node *node = &it->node[stage][index];
+    const int state = ode->layout.spring[c->contact][part];
+    if (slopes) {
+        const struct friction_spring_drive drive = friction_spring_drive_of(law, regime, rubbing);
+        node->drive[part] = drive;
+        for (int r = 0; r < ROWS; ++r) {
+            const struct vec3 by = opposed_laid((enum opposed)part, vec3_from(slopes->by_spring[r]), n);
+            node->by_spring[part][r] = by;
+            node->by_drive[part][r] = driven_by(&drive, by);
+        }
+    }
+    const struct vec3 turned = opposed_turned((enum opposed)part, rubbing.spring, n,
+                                              turning_normal_rate(ode->values, ode->state, at, c->contact));
+    vec3_to(vec3_add(friction_spring_rate_under(law, regime, rubbing, opposing), turned),
+            it->rates + stage * it->g->step.width + it->among[state]);
+}
+
+/* Returns how far an opposed motion of a contact is from its law, and if `slopes` is not NULL the derivatives
+ * of that. `opposing` is the part of the force or of the torque that opposes the motion. */
+static struct vec3 respond_opposed(struct iteration *it, int stage, int index, int part,
+                                   const struct scene_instant *at, double normal_force,
+                                   struct vec3 *opposing, struct friction_response *slopes)
+{
+    const struct node_contact *c = &it->contact[index];
+    const struct friction_law *law = &c->laws.rubbing[part];
+    const enum friction_regime regime = c->laws.rubbing_regime[part];
+    const struct contact_geometry *g = &at->geometry[c->contact];
+    const int spring = it->g->ode.layout.spring[c->contact][part];
+    const double a = part == OPPOSED_SLIP ? it->admittance[index] : it->turning_admittance[index];
+    struct node *node = &it->node[stage][index];
+    struct friction_state rubbing = {.normal_force = normal_force, .depth = -g->gap, .depth_rate = -g->gap_rate};
+    rubbing.slip = part == OPPOSED_SLIP
+                       ? at->turning.slip[c->contact]
+                       : opposed_laid((enum opposed)part, turning_spin(at, c->contact), g->normal);
+    if (SCENE_ANY_SPRINGS && spring >= 0) {
+        rubbing.spring =
+            opposed_laid((enum opposed)part, vec3_from(it->g->step.point + spring), g->normal);
+    }
+    if (slopes) {
+        node->rolls[part] = friction_rolls(law, regime, normal_force, *opposing, a);
+    }
+    const struct friction_missed missed =
+        friction_missed(law, regime, rubbing, opposing, node->rolls[part], a);
+    if (slopes) {
+        node->steepness[part] = missed.steepness;
+        *slopes = friction_response_of(law, regime, rubbing, *opposing, node->rolls[part], a);
+    } else {
+        const double ratio = missed.steepness / node->steepness[part];
+        it->stale = it->stale || (node->rolls[part] && !(ratio < STALE && ratio * STALE > 1.0));
+    }
+    if (SCENE_ANY_SPRINGS && spring >= 0) {
+        respond_with_spring(it, stage, index, part, at, rubbing, *opposing, slopes);
+    }
+    return missed.velocity;
+}
+
+/* Sets the response of the resistances to rolling and to spinning and, if `anew`, its slopes. */
+static void respond_with_resistance(struct iteration *it, int stage, int index,
+                                    const struct scene_instant *at, double normal_force, struct vec3 e,
+                                    bool anew)
+{
+    struct node *node = &it->node[stage][index];
+    struct friction_response slopes[2];
+    struct vec3 opposing[2];
+    struct vec3 missed = {0.0, 0.0, 0.0};
+    for (int i = 0; i < 2; ++i) {
+        const int part = OPPOSED_ROLLING + i;
+        opposing[i] = opposed_laid((enum opposed)part, node->torque, e);
+        missed = vec3_add(missed, respond_opposed(it, stage, index, part, at, normal_force, &opposing[i],
+                                                  anew ? &slopes[i] : NULL));
+    }
+    node->torque = vec3_add(opposing[0], opposing[1]);
+    vec3_to(missed, node->response + ROWS);
+    for (int i = 0; anew && i < ROWS; ++i) {
+        const struct vec3 by_normal_force =
+            vec3_make(vec3_get(slopes[0].by_normal_force, i) + vec3_get(slopes[1].by_normal_force, i), 0, 0);
+        node->by_force[ROWS + i] = vec3_scale(-by_normal_force.x, e);
+        node->by_torque[i] = vec3_add(opposed_laid(OPPOSED_ROLLING, vec3_from(slopes[0].by_force[i]), e),
+                                      opposed_laid(OPPOSED_SPINNING, vec3_from(slopes[1].by_force[i]), e));
+        node->by_spin[i] = vec3_add(opposed_laid(OPPOSED_ROLLING, vec3_from(slopes[0].by_slip[i]), e),
+                                    opposed_laid(OPPOSED_SPINNING, vec3_from(slopes[1].by_slip[i]), e));
+        node->by_velocity[ROWS + i] = vec3_make(0.0, 0.0, 0.0);
+    }
+}
+
 /* Sets the response of a contact and, if `anew`, its slopes. Along e it is that of respond_along_normal;
  * across e it is the response of friction. */
-static void respond_with_friction(struct iteration *it, struct node *node, int index,
-                                  const struct scene_instant *at, bool anew)
+static void respond_with_friction(struct iteration *it, int stage, int index, const struct scene_instant *at,
+                                  bool anew)
 {
     const struct node_contact *c = &it->contact[index];
     const struct turning_laws *laws = &c->laws;
-    const struct friction_law *rubbing = &laws->rubbing[OPPOSED_SLIP];
-    const enum friction_regime regime = laws->rubbing_regime[OPPOSED_SLIP];
     const struct contact_geometry *g = &at->geometry[c->contact];
-    const struct vec3 slip = at->turning.slip[c->contact];
+    struct node *node = &it->node[stage][index];
+    struct friction_response friction;
     const double by_law = contact_force(&laws->normal, laws->regime, g->gap, g->gap_rate);
     const double a = it->admittance[index];
     const struct vec3 e = vec3_scale(c->side, g->normal);
     const double normal_force = -vec3_dot(node->force, e);
     struct vec3 tangential = vec3_axpy(node->force, normal_force, e);
-    if (anew) {
-        node->rolls = friction_rolls(rubbing, regime, normal_force, tangential, a);
-    }
-    const struct friction_missed missed =
-        friction_missed(rubbing, regime, normal_force, slip, &tangential, node->rolls, a);
+    const struct vec3 missed = respond_opposed(it, stage, index, OPPOSED_SLIP, at, normal_force, &tangential,
+                                               anew ? &friction : NULL);
     node->force = vec3_axpy(tangential, -normal_force, e);
-    vec3_to(vec3_axpy(missed.velocity, a * (by_law - normal_force), e), node->response);
+    vec3_to(vec3_axpy(missed, a * (by_law - normal_force), e), node->response);
+    if (SCENE_ANY_ROLLING && c->rows == MOST_ROWS) {
+        respond_with_resistance(it, stage, index, at, normal_force, e, anew);
+    }
     if (!anew) {
-        const double ratio = missed.steepness / node->steepness;
-        it->stale = it->stale || (node->rolls && !(ratio < STALE && ratio * STALE > 1.0));
         return;
     }
-    node->steepness = missed.steepness;
     const struct contact_slopes slopes =
         contact_force_slopes(&laws->normal, laws->regime, g->gap, g->gap_rate);
-    const struct friction_response friction =
-        friction_response_of(rubbing, regime, normal_force, slip, tangential, node->rolls, a);
     put_rows(node->by_force, friction.by_force, a, e);
     put_rows(node->by_velocity, friction.by_slip, -a * slopes.by_rate, e); /* g' = -e.U */
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < ROWS; ++i) {
         node->by_force[i] = vec3_axpy(node->by_force[i], -vec3_get(friction.by_normal_force, i), e);
         node->by_place[i] = vec3_scale(-a * slopes.by_gap * vec3_get(e, i), e);
+    }
+    const int spring = it->g->ode.layout.spring[c->contact][OPPOSED_SLIP];
+    if (SCENE_ANY_MINDLIN && spring >= 0) { /* a change of k_t acts as one of xi (contact/friction.h) */
+        const double stiffening = friction_stiffening(&laws->rubbing[OPPOSED_SLIP], -g->gap);
+        const struct vec3 xi = vec3_scale(stiffening, vec3_from(it->g->step.point + spring));
+        for (int i = 0; i < ROWS; ++i) {
+            node->by_place[i] = vec3_axpy(node->by_place[i], vec3_dot(node->by_spring[0][i], xi), e);
+        }
     }
 }
 
@@ -328,32 +462,44 @@ static void add_vector(double *to, double factor, struct vec3 a)
     to[2] += factor * a.z;
 }
 
-/* Adds the rates that the orientations get by the changes of the spins to come, so that the places of
- * contacts on bodies that tip follow the forces at once. */
-static void move_orientations(struct iteration *it)
+/* Sets the filter of a spring (struct node_spring). */
+static void prepare_spring(struct iteration *it, int contact, int part)
 {
     const struct radau_step *p = &it->g->step;
-    const struct ode_layout *layout = &it->g->ode.layout;
-    bool any = false;
-    for (int i = 0; SCENE_ANY_AXIS && i < SCENE_BODIES; ++i) {
-        const int k = layout->orientation[i];
-        if (!(k >= 0 && k < layout->coupled)) {
-            continue;
+    const int s = p->stages->stages;
+    const double *integral = p->stages->integral;
+    struct node_spring *to = &it->spring[contact][part];
+    double entries[RADAU_MOST_STAGES * SPRING_STRIDE] = {0.0};
+    double side[SPRING_STRIDE] = {0.0};
+    int pivot[RADAU_MOST_STAGES];
+    to->is_there = it->g->ode.layout.spring[it->contact[contact].contact][part] >= 0;
+    to->is_force = it->node[0][contact].drive[part].is_force;
+    if (!to->is_there) {
+        return;
+    }
+    for (int k = 0; k < s * s; ++k) { /* I + h A decay */
+        const int i = k % s;
+        const int j = k / s;
+        entries[j * SPRING_STRIDE + i] =
+            (i == j ? 1.0 : 0.0) + p->length * integral[i * s + j] * it->node[j][contact].drive[part].decay;
+    }
+    const struct lu_matrix matrix = {s, SPRING_STRIDE, entries, pivot, NULL};
+    (void)lu_factor(matrix); /* decays are not negative, so that no pivot is zero */
+    for (int j = 0; j < s; ++j) {
+        for (int i = 0; i < s; ++i) {
+            side[i] = p->length * integral[i * s + j];
         }
-        if (!any) {
-            radau_step_pending(p, it->rates, p->scratch);
-            any = true;
+        lu_solve(matrix, side, NULL);
+        for (int i = 0; i < s; ++i) {
+            to->filter[i * s + j] = to->weight[i * s + j] = side[i];
         }
-        for (int stage = 0; stage < p->stages->stages; ++stage) {
-            const double *change = p->others_change + stage * p->width + it->among[k];
-            const struct quaternion at = {p->y[k] + change[0], p->y[k + 1] + change[1],
-                                          p->y[k + 2] + change[2], p->y[k + 3] + change[3]};
-            const struct vec3 spin = vec3_from(p->scratch + stage * p->width + it->among[layout->spin[i]]);
-            const struct quaternion rate = quaternion_rate(at, rotated_by(&it->rotation[stage][i], spin));
-            double *to = it->rates + stage * p->width + it->among[k];
-            to[0] += rate.w;
-            add_vector(to + 1, 1.0, quaternion_vector(rate));
+    }
+    for (int k = 0; k < s * s && !to->is_force; ++k) {
+        double sum = 0.0;
+        for (int l = 0; l < s; ++l) {
+            sum += to->filter[k / s * s + l] * integral[l * s + k % s];
         }
+        to->weight[k] = p->length * sum;
     }
 }
 
@@ -370,22 +516,29 @@ static void evaluate_nodes(struct iteration *it, bool anew)
         for (int j = 0; j < it->contacts; ++j) {
             const int contact = it->contact[j].contact;
             struct node *node = &it->node[i][j];
+            node->more_force = node->more_torque = vec3_make(0.0, 0.0, 0.0);
             if (scene_turns(it->g->ode.values)) {
                 node->arm[0] = at->turning.source_arm[contact];
                 node->arm[1] = at->turning.destination_arm[contact];
             }
-            if (SCENE_ANY_FRICTION && it->contact[j].rows == ROWS) {
-                respond_with_friction(it, node, j, at, anew);
+            if (SCENE_ANY_ROLLING && it->contact[j].rows == MOST_ROWS && p->iterations == 1) {
+                node->torque = vec3_sub(node->torque, vec3_cross(node->arm[0], node->force));
+            }
+            if (SCENE_ANY_FRICTION && it->contact[j].rows >= ROWS) {
+                respond_with_friction(it, i, j, at, anew);
             } else {
                 respond_along_normal(it, i, j, &at->geometry[contact], anew);
             }
         }
     }
+    for (int k = 0; SCENE_ANY_SPRINGS && anew && k < it->contacts * OPPOSED; ++k) {
+        prepare_spring(it, k / OPPOSED, k % OPPOSED);
+    }
     p->evaluations += s;
 }
 
-/* Adds a force of a contact to the rates at a stage. */
-static void add_force(struct iteration *it, int stage, int contact, struct vec3 force)
+/* Adds a force of a contact and a torque of its resistance to the rates at a stage. */
+static void add_force(struct iteration *it, int stage, int contact, struct vec3 force, struct vec3 resistance)
 {
     const struct node_contact *ends = &it->contact[contact];
     double *rates = it->rates + stage * it->g->step.width;
@@ -395,7 +548,10 @@ static void add_force(struct iteration *it, int stage, int contact, struct vec3 
             add_vector(rates + ends->speed[end], SIGN_OF_END[end] * m->by_mass, force);
         }
         if (ends->spin[end] >= 0) {
-            const struct vec3 torque = vec3_cross(it->node[stage][contact].arm[end], force);
+            struct vec3 torque = vec3_cross(it->node[stage][contact].arm[end], force);
+            if (SCENE_ANY_ROLLING && ends->rows == MOST_ROWS) {
+                torque = vec3_add(torque, resistance);
+            }
             add_vector(rates + ends->spin[end], SIGN_OF_END[end] * m->by_inertia, torque);
         }
     }
@@ -420,9 +576,139 @@ static struct vec3 velocity_of(const struct iteration *it, int stage, int contac
     return sum;
 }
 
+/* Returns the change of omega, the angular velocity of the source as the destination sees it. */
+static struct vec3 spin_of(const struct iteration *it, int stage, int contact, const double *change)
+{
+    const struct node_contact *ends = &it->contact[contact];
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    for (int end = 0; end < 2; ++end) {
+        if (ends->spin[end] >= 0) {
+            sum = vec3_axpy(sum, SIGN_OF_END[end],
+                            rotated_by(&it->rotation[stage][ends->body[end]],
+                                       vec3_from(change + ends->spin[end])));
+        }
+    }
+    return sum;
+}
+
+/* Adds the rates that the orientation of a body gets by the changes `pending` of the spins. */
+static void follow_spin(struct iteration *it, int body, const double *pending)
+{
+    const struct radau_step *p = &it->g->step;
+    const int k = it->g->ode.layout.orientation[body];
+    for (int stage = 0; stage < p->stages->stages; ++stage) {
+        const double *change = p->others_change + stage * p->width + it->among[k];
+        const struct quaternion at = {p->y[k] + change[0], p->y[k + 1] + change[1], p->y[k + 2] + change[2],
+                                      p->y[k + 3] + change[3]};
+        const struct vec3 spin =
+            vec3_from(pending + stage * p->width + it->among[it->g->ode.layout.spin[body]]);
+        const struct quaternion rate = quaternion_rate(at, rotated_by(&it->rotation[stage][body], spin));
+        double *to = it->rates + stage * p->width + it->among[k];
+        to[0] += rate.w;
+        add_vector(to + 1, 1.0, quaternion_vector(rate));
+    }
+}
+
+/* Returns the part of a vector across a unit vector, which may be zero. */
+static struct vec3 across_of(struct vec3 unit, struct vec3 a)
+{
+    return vec3_axpy(a, -vec3_dot(unit, a), unit);
+}
+
+/* Computes the changes of a spring to come at all stages, with the changes `pending` of the states that are no
+ * places. If `rates` is not NULL, what they add to the rates of the spring is added there. */
+static void change_spring(struct iteration *it, int contact, int part, const double *pending, double *rates,
+                          struct vec3 change[RADAU_MOST_STAGES])
+{
+    const struct radau_step *p = &it->g->step;
+    const int s = p->stages->stages;
+    const struct node_contact *c = &it->contact[contact];
+    const struct node_spring *spring = &it->spring[contact][part];
+    const int at = it->among[it->g->ode.layout.spring[c->contact][part]];
+    struct vec3 driven[RADAU_MOST_STAGES];
+    struct vec3 missed[RADAU_MOST_STAGES];
+    struct vec3 normal[RADAU_MOST_STAGES];
+    for (int i = 0; i < s; ++i) {
+        const struct node *node = &it->node[i][contact];
+        const double *to_come = pending + i * p->width;
+        const struct vec3 dz = spring->is_force
+                                   ? (part == OPPOSED_SLIP ? node->more_force : node->more_torque)
+                               : part == OPPOSED_SLIP ? velocity_of(it, i, contact, to_come)
+                                                      : spin_of(it, i, contact, to_come);
+        normal[i] = it->g->at_stage[i].geometry[c->contact].normal;
+        driven[i] = driven_by(&node->drive[part], opposed_laid((enum opposed)part, dz, normal[i]));
+        missed[i] = vec3_add(driven[i], vec3_from(it->rates + i * p->width + at));
+        for (int j = 0; j < s; ++j) {
+            missed[i] = vec3_axpy(missed[i], -p->stages->inverse[i * s + j] / p->length,
+                                  vec3_from(p->others_change + j * p->width + at));
+        }
+        missed[i] = across_of(node->drive[part].unit, opposed_laid((enum opposed)part, missed[i], normal[i]));
+    }
+    for (int i = 0; i < s; ++i) {
+        struct vec3 sum = {0.0, 0.0, 0.0};
+        for (int j = 0; j < s; ++j) {
+            sum = vec3_axpy(sum, spring->filter[i * s + j], missed[j]);
+        }
+        change[i] = across_of(it->node[i][contact].drive[part].unit,
+                              opposed_laid((enum opposed)part, sum, normal[i]));
+    }
+    for (int i = 0; rates && i < s; ++i) {
+        const double decay = it->node[i][contact].drive[part].decay;
+        add_vector(rates + i * p->width + at, 1.0, vec3_axpy(driven[i], -decay, change[i]));
+    }
+}
+
+/* Adds the rates that orientations and springs get by the changes to come of spins, velocities and forces, so
+ * that places of contacts on bodies that tip, and elastic forces, follow the forces at once. */
+static void move_others(struct iteration *it)
+{
+    const struct radau_step *p = &it->g->step;
+    const struct ode_layout *layout = &it->g->ode.layout;
+    bool any = false;
+    for (int i = 0; SCENE_ANY_AXIS && i < SCENE_BODIES; ++i) {
+        any = any || (layout->orientation[i] >= 0 && layout->orientation[i] < layout->coupled);
+    }
+    for (int c = 0; SCENE_ANY_SPRINGS && c < it->contacts; ++c) {
+        any = any || it->contact[c].springs;
+    }
+    if (!any) {
+        return;
+    }
+    radau_step_pending(p, it->rates, p->scratch);
+    for (int i = 0; SCENE_ANY_AXIS && i < SCENE_BODIES; ++i) {
+        if (layout->orientation[i] >= 0 && layout->orientation[i] < layout->coupled) {
+            follow_spin(it, i, p->scratch);
+        }
+    }
+    for (int k = 0; SCENE_ANY_SPRINGS && k < it->contacts * OPPOSED; ++k) {
+        struct vec3 change[RADAU_MOST_STAGES];
+        if (it->spring[k / OPPOSED][k % OPPOSED].is_there) {
+            change_spring(it, k / OPPOSED, k % OPPOSED, p->scratch, it->rates, change);
+        }
+    }
+}
+
+/* Adds the changes of the responses by the changes to come of a spring. */
+static void add_pending_spring(struct iteration *it, int contact, int part)
+{
+    const struct radau_step *p = &it->g->step;
+    struct vec3 change[RADAU_MOST_STAGES];
+    if (!it->spring[contact][part].is_there) {
+        return;
+    }
+    change_spring(it, contact, part, p->scratch, NULL, change);
+    for (int i = 0; i < p->stages->stages; ++i) {
+        struct node *node = &it->node[i][contact];
+        for (int r = 0; r < ROWS; ++r) {
+            node->response[r + (part == OPPOSED_SLIP ? 0 : ROWS)] +=
+                vec3_dot(node->by_spring[part][r], change[i]);
+        }
+    }
+}
+
 /* Adds the contact forces to the rates. The integrals of these rates will change the states, and what these
  * changes do is added to the responses. In the first iteration the guesses of states and of forces are
- * independent. Later only spins change so, because the lever arms have moved. */
+ * independent. Later only spins change so, because the lever arms have moved, and springs. */
 static void add_pending(struct iteration *it)
 {
     struct radau_step *p = &it->g->step;
@@ -430,7 +716,7 @@ static void add_pending(struct iteration *it)
     const bool first = p->iterations == 1;
     for (int i = 0; i < s; ++i) {
         for (int c = 0; c < it->contacts; ++c) {
-            add_force(it, i, c, it->node[i][c].force);
+            add_force(it, i, c, it->node[i][c].force, it->node[i][c].torque);
         }
     }
     if (!first && !scene_turns(it->g->ode.values)) {
@@ -441,10 +727,20 @@ static void add_pending(struct iteration *it)
         for (int c = 0; c < it->contacts; ++c) {
             struct node *node = &it->node[i][c];
             const struct vec3 more = velocity_of(it, i, c, p->scratch + i * p->width);
-            for (int r = 0; r < it->contact[c].rows; ++r) {
+            const int rows = it->contact[c].rows;
+            for (int r = 0; r < (rows < ROWS ? rows : ROWS); ++r) {
                 node->response[r] += vec3_dot(node->by_velocity[r], more);
             }
+            if (SCENE_ANY_ROLLING && rows == MOST_ROWS) {
+                const struct vec3 spin = spin_of(it, i, c, p->scratch + i * p->width);
+                for (int r = 0; r < ROWS; ++r) {
+                    node->response[ROWS + r] += vec3_dot(node->by_spin[r], spin);
+                }
+            }
         }
+    }
+    for (int k = 0; SCENE_ANY_SPRINGS && k < it->contacts * OPPOSED; ++k) {
+        add_pending_spring(it, k / OPPOSED, k % OPPOSED);
     }
 }
 
@@ -471,7 +767,7 @@ static int shared_bodies(const struct iteration *it, int c, int d, struct shared
 /* How the responses of a contact at a stage change with a torque on a body that it shares. */
 struct turned_rows {
     int other_end;
-    struct vec3 by_velocity[ROWS], by_place[ROWS]; /* per torque */
+    struct vec3 by_velocity[MOST_ROWS], by_place[ROWS], by_drive[OPPOSED][ROWS]; /* per torque */
 };
 
 /* A torque M turns a body by J^-1 M, which moves the contact by J^-1 M x arm. */
@@ -479,40 +775,91 @@ static struct turned_rows turned_rows_of(const struct iteration *it, int stage, 
                                          const struct shared_body *m)
 {
     const struct node *node = &it->node[stage][contact];
+    const struct node_contact *c = &it->contact[contact];
     const struct rotation_by_spin *rotation = &it->rotation[stage][m->body];
     const struct vec3 arm = vec3_scale(m->by_inertia, node->arm[m->end]);
     struct turned_rows to = {.other_end = m->other_end};
-    for (int r = 0; r < it->contact[contact].rows && m->by_inertia != 0.0; ++r) {
+    if (m->by_inertia == 0.0) {
+        return to;
+    }
+    for (int r = 0; r < ROWS && r < c->rows; ++r) {
         to.by_velocity[r] = rotated_by(rotation, vec3_cross(arm, node->by_velocity[r]));
         to.by_place[r] = rotated_by(rotation, vec3_cross(arm, node->by_place[r]));
+    }
+    for (int r = ROWS; SCENE_ANY_ROLLING && r < c->rows; ++r) {
+        to.by_velocity[r] = rotated_by(rotation, vec3_scale(m->by_inertia, node->by_spin[r - ROWS]));
+    }
+    for (int part = 0; SCENE_ANY_SPRINGS && c->springs && part < OPPOSED; ++part) {
+        for (int r = 0; r < ROWS; ++r) {
+            const struct vec3 drive = node->by_drive[part][r];
+            to.by_drive[part][r] =
+                rotated_by(rotation, part == OPPOSED_SLIP ? vec3_cross(arm, drive)
+                                                          : vec3_scale(m->by_inertia, drive));
+        }
     }
     return to;
 }
 
-/* Writes the rows of one contact and the columns of another at a pair of stages. The rows change with the
- * integrals `once` and `square` of the forces, through the bodies that both contacts share: by their masses,
- * of which `by_mass` is the sum of the inverses, and by the torques that the forces make. */
-static inline void put_block(const struct iteration *it, const struct node *node, int rows,
-                             const struct node *by, int columns, double by_mass,
-                             const struct turned_rows *turned, int count, double once, double square,
+/* How the responses at one stage change with the forces at another: by the integrals `once` and `square` of
+ * these forces, and for each spring by the slip that they make, or by themselves. */
+struct block_weights {
+    double once, square;
+    double by_slip[OPPOSED], by_force[OPPOSED];
+};
+
+/* Adds to a row the changes of the springs of its part: `effect` by the force or the impulse of it, `twist` by
+ * the torque. */
+static inline struct vec3 row_of_springs(const struct vec3 by[OPPOSED][ROWS], const double weight[OPPOSED],
+                                         int r)
+{
+    return r < ROWS ? vec3_scale(weight[OPPOSED_SLIP], by[OPPOSED_SLIP][r])
+                    : vec3_axpy(vec3_scale(weight[OPPOSED - 1], by[OPPOSED - 1][r - ROWS]),
+                                weight[OPPOSED / 2], by[OPPOSED / 2][r - ROWS]);
+}
+
+/* Writes the rows of one contact and the columns of another at a pair of stages. The rows change through the
+ * bodies that both contacts share: by their masses, of which `by_mass` is the sum of the inverses, and by the
+ * torques that the forces make. */
+static inline void put_block(const struct iteration *it, const struct node *node,
+                             const struct node_contact *of, const struct node *by,
+                             const struct node_contact *from, double by_mass,
+                             const struct turned_rows *turned, int count, const struct block_weights *w,
                              double *to)
 {
     const int stride = it->g->step.all.stride;
-    for (int r = 0; r < rows; ++r) {
-        const struct vec3 row = vec3_axpy(vec3_scale(once, node->by_velocity[r]), square, node->by_place[r]);
+    const bool springs = SCENE_ANY_SPRINGS && of->springs;
+    for (int r = 0; r < of->rows; ++r) {
+        struct vec3 row = vec3_scale(w->once, node->by_velocity[r]);
+        struct vec3 twist = {0.0, 0.0, 0.0};
+        row = r < ROWS ? vec3_axpy(row, w->square, node->by_place[r]) : row;
+        row = springs && r < ROWS ? vec3_add(row, row_of_springs(node->by_drive, w->by_slip, r)) : row;
         struct vec3 effect = vec3_scale(by_mass, row);
         effect = node == by ? vec3_add(effect, node->by_force[r]) : effect;
         for (int l = 0; l < count; ++l) {
             const struct turned_rows *t = &turned[l];
-            const struct vec3 turn = vec3_axpy(vec3_scale(once, t->by_velocity[r]), square, t->by_place[r]);
+            struct vec3 turn = vec3_scale(w->once, t->by_velocity[r]);
+            turn = r < ROWS ? vec3_axpy(turn, w->square, t->by_place[r]) : turn;
+            turn = springs ? vec3_add(turn, row_of_springs(t->by_drive, w->by_slip, r)) : turn;
             effect = vec3_add(effect, vec3_cross(turn, by->arm[t->other_end]));
+            twist = vec3_add(twist, turn);
         }
-        if (columns == ROWS_WITHOUT_FRICTION) {
+        if (springs && of == from) {
+            const struct vec3 own = row_of_springs(node->by_drive, w->by_force, r);
+            effect = r < ROWS ? vec3_add(effect, own) : effect;
+            twist = r < ROWS ? twist : vec3_add(twist, own);
+        }
+        if (from->rows == ROWS_WITHOUT_FRICTION) {
             to[r] = vec3_dot(effect, by->push);
-        } else {
-            to[r] = effect.x;
-            to[stride + r] = effect.y;
-            to[2 * stride + r] = effect.z;
+            continue;
+        }
+        to[r] = effect.x;
+        to[stride + r] = effect.y;
+        to[2 * stride + r] = effect.z;
+        if (SCENE_ANY_ROLLING && from->rows == MOST_ROWS) {
+            twist = node == by && r >= ROWS ? vec3_add(twist, node->by_torque[r - ROWS]) : twist;
+            to[3 * stride + r] = twist.x;
+            to[4 * stride + r] = twist.y;
+            to[5 * stride + r] = twist.z;
         }
     }
 }
@@ -588,8 +935,15 @@ static void put_blocks(const struct iteration *it, int c, int d)
             turned[l] = turned_rows_of(it, i, c, &shared[l]);
         }
         for (int j = 0; j < s; ++j) {
-            put_block(it, node, of->rows, &it->node[j][d], from->rows, by_mass, turned, count,
-                      p->length * columns->once[j * s + i], p->length * p->length * columns->twice[j * s + i],
+            struct block_weights w = {.once = p->length * columns->once[j * s + i],
+                                      .square = p->length * p->length * columns->twice[j * s + i]};
+            for (int k = 0; SCENE_ANY_SPRINGS && of->springs && k < OPPOSED; ++k) {
+                const struct node_spring *spring = &it->spring[c][k];
+                const double weight = spring->is_there ? spring->weight[i * s + j] : 0.0;
+                w.by_slip[k] = spring->is_force ? 0.0 : weight;
+                w.by_force[k] = spring->is_force ? weight : 0.0;
+            }
+            put_block(it, node, of, &it->node[j][d], from, by_mass, turned, count, &w,
                       rows + unknown_of(it, d, j) * p->all.stride);
         }
     }
@@ -649,9 +1003,13 @@ static void correct_forces(struct iteration *it)
         struct node *node = &it->node[k / it->contacts][k % it->contacts];
         const struct node_contact *c = &it->contact[k % it->contacts];
         const double *by = side + unknown_of(it, k % it->contacts, k / it->contacts);
-        const struct vec3 more = c->rows == ROWS ? vec3_from(by) : vec3_scale(by[0], node->push);
-        node->force = vec3_add(node->force, more);
-        add_force(it, k / it->contacts, k % it->contacts, more);
+        node->more_force = c->rows >= ROWS ? vec3_from(by) : vec3_scale(by[0], node->push);
+        node->force = vec3_add(node->force, node->more_force);
+        if (SCENE_ANY_ROLLING && c->rows == MOST_ROWS) {
+            node->more_torque = vec3_from(by + ROWS);
+            node->torque = vec3_add(node->torque, node->more_torque);
+        }
+        add_force(it, k / it->contacts, k % it->contacts, node->more_force, node->more_torque);
     }
 }
 
@@ -670,6 +1028,14 @@ static void guess_forces(struct iteration *it)
         for (int i = 0; i < p->stages->stages; ++i) {
             it->node[i][j].force = vec3_from(goes_on ? rates + 3 * i : p->start_rates + impulse);
         }
+        if (SCENE_ANY_ROLLING && it->contact[j].rows == MOST_ROWS) { /* the resistance and that of the force */
+            if (goes_on) {
+                radau_step_guess_rates(p, impulse + 3, 3, rates);
+            }
+            for (int i = 0; i < p->stages->stages; ++i) {
+                it->node[i][j].torque = vec3_from(goes_on ? rates + 3 * i : p->start_rates + impulse + 3);
+            }
+        }
     }
 }
 
@@ -679,11 +1045,15 @@ static void finish_nodes(struct iteration *it)
     struct general *g = it->g;
     struct radau_step *p = &g->step;
     struct vec3 force[SCENE_CONTACTS] = {{0.0, 0.0, 0.0}};
+    struct vec3 resistance[SCENE_CONTACTS] = {{0.0, 0.0, 0.0}};
     for (int i = 0; i < p->stages->stages; ++i) {
         for (int j = 0; j < it->contacts; ++j) {
             force[it->contact[j].contact] = it->node[i][j].force;
+            if (SCENE_ANY_ROLLING && it->contact[j].rows == MOST_ROWS) {
+                resistance[it->contact[j].contact] = it->node[i][j].torque;
+            }
         }
-        ode_rates_under(&g->ode, p->start + p->length * p->stages->node[i], p->point, force,
+        ode_rates_under(&g->ode, p->start + p->length * p->stages->node[i], p->point, force, resistance,
                         move_to_stage(it, i, true), p->rates + i * p->stride);
     }
     p->evaluations += p->stages->stages;
@@ -724,16 +1094,14 @@ static const double CROWDED = 1.0 / 3.0;
 
 bool node_forces_apply(const struct general *g)
 {
-    /* The unknowns are forces, neither springs nor torques. With the states as unknowns, the forces of the
-     * feet of a body at rest are right to 6e-11 N; with forces as unknowns, only to 6e-10 N. */
-    bool refused = SCENE_ANY_COMPOUND;
+    /* With the states as unknowns, the forces of the feet of a body at rest are right to 6e-11 N; with forces
+     * as unknowns, only to 6e-10 N. */
+    const bool refused = SCENE_ANY_COMPOUND;
     int rows = 0;
     int contacts = 0;
     bool bends = false;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         bends = bends || (rows_of(g, j) > 0 && scene_is_hertz(g->ode.values, j));
-        refused = refused || (rows_of(g, j) > 0 &&
-                              (contact_has_springs(g->ode.values, j) || contact_resists(g->ode.values, j)));
         rows += rows_of(g, j);
         contacts += rows_of(g, j) > 0 ? 1 : 0;
     }
@@ -743,36 +1111,43 @@ bool node_forces_apply(const struct general *g)
     return !refused && rows <= radau_step_most_unknowns(&g->step) && contacts <= MOST_NODES;
 }
 
+size_t node_forces_memory(void)
+{
+    return sizeof(struct iteration);
+}
+
 bool node_forces_solve(struct general *g, double tolerance, void (*set_weights)(struct general *g))
 {
     struct radau_step *p = &g->step;
-    struct iteration it = {.g = g};
+    struct iteration *it = g->nodes;
     double last = (double)INFINITY;
     bool anew = true;
-    prepare(&it);
-    guess_forces(&it);
+    it->g = g;
+    it->factorizations = 0;
+    prepare(it);
+    guess_forces(it);
     memcpy(p->point, p->y, (size_t)g->size * sizeof *p->point);
     for (p->iterations = 1; p->iterations <= MOST_NODE_ITERATIONS; ++p->iterations) {
-        evaluate_nodes(&it, anew);
-        if (anew && !factor_nodes(&it)) {
+        evaluate_nodes(it, anew);
+        if (anew && !factor_nodes(it)) {
             return false;
         }
-        add_pending(&it);
-        correct_forces(&it);
-        move_orientations(&it);
-        const double size = radau_step_integrate(p, it.rates);
+        add_pending(it);
+        correct_forces(it);
+        move_others(it);
+        const double size = radau_step_integrate(p, it->rates);
         if (!isfinite(size)) {
             return false;
         }
         if (p->iterations == 1 && set_weights) {
             set_weights(g);
         }
-        if (!it.stale && has_converged(p, size, last, tolerance)) {
-            finish_nodes(&it);
+        if (!it->stale && has_converged(p, size, last, tolerance)) {
+            finish_nodes(it);
             return true;
         }
-        const bool slow = p->iterations > 2 && (it.stale || !(size < KEEPING_SLOPES * last));
-        if (slow && (!(size < LARGEST_GROWTH * last) || it.factorizations == MOST_FACTORIZATIONS)) {
+        const bool slow = p->iterations > 2 && (it->stale || !(size < KEEPING_SLOPES * last));
+        if (slow && (!(size < LARGEST_GROWTH * last) || it->factorizations == MOST_FACTORIZATIONS)) {
             return false;
         }
         anew = slow && !anew;

@@ -724,7 +724,8 @@ void scene_evaluate(const struct scene_values *v, const struct scene_state *q, d
 }
 
 void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct vec3 *force, const bool *met, struct scene_instant *at)
+                              const struct vec3 *force, const struct vec3 *resistance, const bool *met,
+                              struct scene_instant *at)
 {
     put_accelerations(v, q, clock, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -738,8 +739,8 @@ void scene_put_contact_forces(const struct scene_values *v, const struct scene_s
         accelerate(v, j, at);
         if (scene_turns(v)) {
             at->turning.friction_force[j] = vec3_axpy(force[j], at->normal_force[j], e);
-            if (SCENE_ANY_ROLLING) { /* contacts that resist are not solved so */
-                at->turning.resistance[j] = vec3_make(0.0, 0.0, 0.0);
+            if (SCENE_ANY_ROLLING) {
+                at->turning.resistance[j] = resistance[j];
             }
             put_torques(v, at, j);
         }

@@ -203,10 +203,12 @@ double turning_prescribed_steps(const struct scene_values *v, const struct scene
 /* Returns the orientation and angular velocity of a body of prescribed rotation at a clock. */
 struct body_turn turning_prescribed_at(const struct scene_state *q, double clock, int body);
 
-/* Completes an instant that has kinematics, arms and slips by given contact forces on the sources [N], one
- * for each contact: accelerations, F_n, and where scene_turns torques and F_t. */
+/* Completes an instant that has kinematics, arms and slips by given contact forces [N] and resistances to
+ * rolling and spinning [N m] on the sources, one for each contact: accelerations, F_n, and where scene_turns
+ * torques and F_t. */
 void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct vec3 *force, const bool *met, struct scene_instant *at);
+                              const struct vec3 *force, const struct vec3 *resistance, const bool *met,
+                              struct scene_instant *at);
 
 /* Adds rotations, friction and torques to an instant that has geometry and normal forces. */
 void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);

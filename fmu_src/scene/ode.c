@@ -668,9 +668,9 @@ void ode_rates(const void *scene_ode, double clock, const double *y, double *rat
 }
 
 void ode_rates_under(const struct scene_ode *ode, double clock, const double *y, const struct vec3 *force,
-                     struct scene_instant *at, double *rates)
+                     const struct vec3 *resistance, struct scene_instant *at, double *rates)
 {
-    scene_put_contact_forces(ode->values, ode->state, clock, force, met_of(ode), at);
+    scene_put_contact_forces(ode->values, ode->state, clock, force, resistance, met_of(ode), at);
     put_scene_rates(ode, clock, y, at, rates);
 }
 
