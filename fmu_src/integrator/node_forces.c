@@ -387,7 +387,7 @@ static void respond_with_resistance(struct iteration *it, int stage, int index,
 
 /* Sets the response of a contact and, if `anew`, its slopes. Along e it is that of respond_along_normal;
  * across e it is the response of friction. */
-static void respond_with_friction(struct iteration *it, int stage, int index, const struct scene_instant *at,
+CONTACT_FLATTEN static void respond_with_friction(struct iteration *it, int stage, int index, const struct scene_instant *at,
                                   bool anew)
 {
     const struct node_contact *c = &it->contact[index];
@@ -709,7 +709,7 @@ static void add_pending_spring(struct iteration *it, int contact, int part)
 /* Adds the contact forces to the rates. The integrals of these rates will change the states, and what these
  * changes do is added to the responses. In the first iteration the guesses of states and of forces are
  * independent. Later only spins change so, because the lever arms have moved, and springs. */
-static void add_pending(struct iteration *it)
+CONTACT_FLATTEN static void add_pending(struct iteration *it)
 {
     struct radau_step *p = &it->g->step;
     const int s = p->stages->stages;
@@ -824,11 +824,11 @@ static inline void put_block(const struct iteration *it, const struct node *node
                              const struct node_contact *of, const struct node *by,
                              const struct node_contact *from, double by_mass,
                              const struct turned_rows *turned, int count, const struct block_weights *w,
-                             double *to)
+                             bool plain, double *to)
 {
     const int stride = it->g->step.all.stride;
-    const bool springs = SCENE_ANY_SPRINGS && of->springs;
-    for (int r = 0; r < of->rows; ++r) {
+    const bool springs = SCENE_ANY_SPRINGS && !plain && of->springs;
+    for (int r = 0; r < of->rows && !(plain && r >= ROWS); ++r) {
         struct vec3 row = vec3_scale(w->once, node->by_velocity[r]);
         struct vec3 twist = {0.0, 0.0, 0.0};
         row = r < ROWS ? vec3_axpy(row, w->square, node->by_place[r]) : row;
@@ -855,7 +855,7 @@ static inline void put_block(const struct iteration *it, const struct node *node
         to[r] = effect.x;
         to[stride + r] = effect.y;
         to[2 * stride + r] = effect.z;
-        if (SCENE_ANY_ROLLING && from->rows == MOST_ROWS) {
+        if (SCENE_ANY_ROLLING && !plain && from->rows == MOST_ROWS) {
             twist = node == by && r >= ROWS ? vec3_add(twist, node->by_torque[r - ROWS]) : twist;
             to[3 * stride + r] = twist.x;
             to[4 * stride + r] = twist.y;
@@ -906,7 +906,7 @@ static void put_blocks_of_normals(const struct iteration *it, int c, int d, doub
 }
 
 /* Writes the rows of contact c and the columns of contact d at all stages. */
-static void put_blocks(const struct iteration *it, int c, int d)
+CONTACT_FLATTEN static void put_blocks(const struct iteration *it, int c, int d)
 {
     struct radau_step *p = &it->g->step;
     const int s = p->stages->stages;
@@ -919,6 +919,7 @@ static void put_blocks(const struct iteration *it, int c, int d)
         clear_blocks(it, c, d);
         return;
     }
+    const bool plain = !of->springs && of->rows <= ROWS && from->rows <= ROWS;
     double by_mass = 0.0;
     for (int l = 0; l < count; ++l) {
         by_mass += shared[l].by_mass;
@@ -943,8 +944,12 @@ static void put_blocks(const struct iteration *it, int c, int d)
                 w.by_slip[k] = spring->is_force ? 0.0 : weight;
                 w.by_force[k] = spring->is_force ? weight : 0.0;
             }
-            put_block(it, node, of, &it->node[j][d], from, by_mass, turned, count, &w,
-                      rows + unknown_of(it, d, j) * p->all.stride);
+            double *to = rows + unknown_of(it, d, j) * p->all.stride;
+            if (plain) { /* the compiler drops what friction without springs has not */
+                put_block(it, node, of, &it->node[j][d], from, by_mass, turned, count, &w, true, to);
+            } else {
+                put_block(it, node, of, &it->node[j][d], from, by_mass, turned, count, &w, false, to);
+            }
         }
     }
 }
