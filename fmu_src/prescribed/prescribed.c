@@ -400,15 +400,6 @@ CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, doub
  * scene/transition.c sets the regimes after an event, at the clock of q.
  */
 
-/* The events of scene/ode.h but that of a zone; none here has the index ODE_EVENT_GAP. */
-enum { PRESCRIBED_EVENTS = ODE_EVENT_LIFT + OPPOSED };
-
-/* The event functions, which are positive within the present regimes, and bounds of their rounding. */
-struct margins {
-    double value[PRESCRIBED_EVENTS];
-    double noise[PRESCRIBED_EVENTS];
-};
-
 static const struct springs NO_SPRINGS = {.of = {{0.0, 0.0, 0.0}}};
 
 static struct springs springs_of(const struct scene_state *q, int contact)
@@ -454,107 +445,45 @@ static double relative_speed(const struct prescribed_contact *c, const struct sc
                              : speed;
 }
 
-static double event_rounding(const struct prescribed_contact *c, const struct contact_law *law,
-                             enum contact_regime regime, const struct scene_instant *at)
-{
-    const struct contact_geometry *g = &at->geometry[c->contact];
-    const struct contact_slopes slopes = contact_event_slopes(law, regime, g->gap, g->gap_rate);
-    return rounding_of_event(c->v, law, &slopes, at, c->contact, 0.0) +
-           SPEED_ROUNDINGS * fabs(slopes.by_rate) * relative_speed(c, at);
-}
-
-/* Sets friction at a clock after a change of the law's regime from `before` (scene/transition.h). */
-static void follow_law(const struct prescribed_contact *c, double clock, enum contact_regime before)
+/* Sets the event functions of scene/ode.h, which are positive within the present regimes. Each is raised by its
+ * rounding. */
+static void events_at(const struct prescribed_contact *c, double clock, const struct springs *springs,
+                      double events[ODE_EVENTS_EACH])
 {
     const double present = c->q->clock;
-    c->q->clock = clock;
-    if (SCENE_ANY_FRICTION) {
-        turning_take_regime(c->v, c->q, c->contact, before);
-    }
-    c->q->clock = present;
-}
-
-/* Rounding error of an event function of friction, divided by the terms whose difference it is. */
-static const double MARGIN_ROUNDING = 1e-13;
-
-static void put_margin(struct margins *margins, int event, double value, double noise)
-{
-    margins->value[event] = value;
-    margins->noise[event] = noise;
-}
-
-static void put_stick_margin(const struct prescribed_contact *c, double clock, const struct scene_instant *at,
-                             int part, struct margins *margins)
-{
-    const int j = c->contact;
-    if (contact_has_spring(c->v, j, part)) {
-        const struct friction_law law = scene_friction_law(c->v, c->q, j, part);
-        const enum friction_regime regime = rubbing_regime(c, part);
-        const struct friction_state rubbing = turning_rubbing(&c->q->turning, at, j, part);
-        const double rate = turning_normal_force_rate(c->v, c->q, clock, at, j);
-        const bool by_speed = law.damping == 0.0 && regime != FRICTION_STICKING;
-        const double scale =
-            by_speed ? vec3_norm(rubbing.slip) : law.static_coefficient * fabs(at->normal_force[j]);
-        put_margin(margins, ode_stick_event(part), friction_stick_event(&law, regime, rubbing, rate),
-                   MARGIN_ROUNDING * scale);
-    }
-}
-
-static void friction_margins(const struct prescribed_contact *c, double clock, const struct scene_instant *at,
-                             struct margins *margins)
-{
-    const int j = c->contact;
-    const struct friction_law law = scene_friction_law(c->v, c->q, j, OPPOSED_SLIP);
-    const enum friction_regime regime = rubbing_regime(c, OPPOSED_SLIP);
-    const double force = fabs(at->normal_force[j]);
-    const double force_noise = rounding_of_force(c->v, c->q, at, j) + MARGIN_ROUNDING * force;
-    struct contact_law pull = scene_contact_law(c->v, c->q, j);
-    if (contact_may_pull(&pull)) {
-        const struct contact_geometry *g = &at->geometry[j];
-        const double push = contact_push(&pull, g->gap, g->gap_rate);
-        pull.dashpot = DASHPOT_NON_ADHESIVE; /* the event function of this dashpot is the push */
-        put_margin(margins, ODE_EVENT_LIFT, friction_lift_event(regime, push),
-                   event_rounding(c, &pull, REGIME_COMPRESSION, at));
-    }
-    put_margin(margins, ODE_EVENT_CAP, friction_cap_event(&law, regime, at->normal_force[j]),
-               law.coefficient * force_noise);
-    for (int i = 0; i < OPPOSED; ++i) {
-        put_stick_margin(c, clock, at, i, margins);
-    }
-}
-
-static void margins_at(const struct prescribed_contact *c, double clock, const struct springs *springs,
-                       struct margins *margins)
-{
     struct scene_instant at;
     const struct contact_law law = scene_contact_law(c->v, c->q, c->contact);
-    for (int i = 0; i < PRESCRIBED_EVENTS; ++i) {
-        margins->value[i] = 1.0;
-        margins->noise[i] = 0.0;
+    for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+        events[i] = 1.0;
     }
     instant_at(c, clock, springs, &at);
+    const double error = SPEED_ROUNDINGS * relative_speed(c, &at); /* [m/s] */
+    if (SCENE_ANY_FRICTION && contact_rubs(c->v, c->contact) && contact_transmits(c->q, c->contact)) {
+        struct scene_ode ode = {.values = c->v, .state = c->q};
+        c->q->clock = clock;
+        const double of_slip = error + SPEED_ROUNDINGS * vec3_norm(at.turning.slip[c->contact]);
+        turning_friction_events(&ode, &at, c->contact, of_slip, SPEED_ROUNDINGS, 0.0, events);
+        c->q->clock = present;
+    }
     if (contact_has_events(&law)) {
         const struct contact_geometry *g = &at.geometry[c->contact];
-        margins->value[ODE_EVENT_LAW] = contact_event(&law, regime_of(c), g->gap, g->gap_rate);
-        margins->noise[ODE_EVENT_LAW] = event_rounding(c, &law, regime_of(c), &at);
-    }
-    if (contact_rubs(c->v, c->contact) && contact_transmits(c->q, c->contact)) {
-        friction_margins(c, clock, &at, margins);
+        const struct contact_slopes slopes = contact_event_slopes(&law, regime_of(c), g->gap, g->gap_rate);
+        events[ODE_EVENT_LAW] = contact_event(&law, regime_of(c), g->gap, g->gap_rate) +
+                                rounding_of_event(c->v, &law, &slopes, &at, c->contact, error);
     }
 }
 
-/* Returns the first event whose function is below zero by more than rounding, or PRESCRIBED_EVENTS if there is
- * none. A function of friction must also be below its value at `start`. */
-static int event_passed(const struct margins *now, const struct margins *start)
+/* Returns the first event whose function is below zero, or ODE_EVENT_GAP if there is none. A function of
+ * friction that is below zero at the start must fall to twice its value there. */
+static int event_passed(const double *now, const double *start)
 {
-    for (int i = 0; i < PRESCRIBED_EVENTS; ++i) {
+    for (int i = ODE_EVENT_LAW; i < ODE_EVENT_ZONE; ++i) {
         /* the law's function may jump in the centre, and start below zero on its other side */
-        const double floor = start && i != ODE_EVENT_LAW ? fmin(start->value[i], 0.0) : 0.0;
-        if (now->value[i] < floor - now->noise[i]) {
+        if (now[i] < (i == ODE_EVENT_LAW ? 0.0 : 2.0 * fmin(start[i], 0.0))) {
             return i;
         }
     }
-    return PRESCRIBED_EVENTS;
+    return ODE_EVENT_GAP;
 }
 
 static void lay_springs(const struct prescribed_contact *c)
@@ -568,6 +497,17 @@ void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         lay_springs(&(struct prescribed_contact){v, q, j});
     }
+}
+
+/* Sets friction at a clock after a change of the law's regime from `before` (scene/transition.h). */
+static void follow_law(const struct prescribed_contact *c, double clock, enum contact_regime before)
+{
+    const double present = c->q->clock;
+    c->q->clock = clock;
+    if (SCENE_ANY_FRICTION) {
+        turning_take_regime(c->v, c->q, c->contact, before);
+    }
+    c->q->clock = present;
 }
 
 /* Sets the regimes and springs after an event. */
@@ -755,7 +695,7 @@ static void add_sums(struct span *s, const struct panel *panel)
 /* A clock within a panel, and the event functions there. */
 struct place {
     double clock;
-    struct margins at;
+    double at[ODE_EVENTS_EACH];
 };
 
 /* Number of places in both halves of a panel: the start, the nodes and the end. */
@@ -764,7 +704,7 @@ enum { PANEL_PLACES = 2 * GAUSS_NODES + 2 };
 static void put_place(const struct span *s, double clock, const struct springs *springs, struct place *place)
 {
     place->clock = clock;
-    margins_at(&s->c, clock, springs, &place->at);
+    events_at(&s->c, clock, springs, place->at);
 }
 
 /* An event function of a contact without a spring, as the argument of root_lowest. */
@@ -776,9 +716,9 @@ struct dip {
 static void dip_at(const void *data, double clock, double *value, double *slope)
 {
     const struct dip *dip = data;
-    struct margins at;
-    margins_at(&dip->span->c, clock, &dip->span->springs, &at);
-    *value = at.value[dip->event];
+    double at[ODE_EVENTS_EACH];
+    events_at(&dip->span->c, clock, &dip->span->springs, at);
+    *value = at[dip->event];
     *slope = (double)NAN; /* not needed */
 }
 
@@ -786,17 +726,18 @@ static void dip_at(const void *data, double clock, double *value, double *slope)
  * becomes the clock at which the function is lowest. */
 static bool finds_dip(const struct span *s, const struct place place[3], double *after)
 {
-    for (int event = ODE_EVENT_LAW; event <= ODE_EVENT_LIFT; ++event) {
+    for (int event = ODE_EVENT_LAW; event < ODE_EVENT_ZONE; ++event) {
         const struct dip dip = {s, event};
         struct root_place of[3];
         for (int i = 0; i < 3; ++i) {
-            of[i] = (struct root_place){place[i].clock, place[i].at.value[event]};
+            of[i] = (struct root_place){place[i].clock, place[i].at[event]};
         }
-        if (event != ODE_EVENT_STICK && root_may_dip(of)) {
-            struct margins low;
+        if (event != (int)ode_stick_event(ode_event_part((enum ode_event)event)) && root_may_dip(of)) {
+            double low;
+            double slope;
             *after = root_lowest(dip_at, &dip, of);
-            margins_at(&s->c, *after, &s->springs, &low);
-            if (low.value[event] < -low.noise[event]) {
+            dip_at(&dip, *after, &low, &slope);
+            if (low < 0.0) {
                 return true;
             }
         }
@@ -821,7 +762,7 @@ static bool finds_event(const struct span *s, const struct panel *left, const st
     for (int i = 1; i < count; ++i) {
         *before = place[i - 1].clock;
         *after = place[i].clock;
-        if (event_passed(&place[i].at, &start->at) != PRESCRIBED_EVENTS) {
+        if (event_passed(place[i].at, start->at) != ODE_EVENT_GAP) {
             return true;
         }
         if (i + 1 < count && finds_dip(s, &place[i - 1], after)) {
@@ -840,7 +781,7 @@ static bool panel_to_event(const struct span *s, const struct place *start, doub
                            struct panel *panel, int *event)
 {
     const struct springs first = s->springs;
-    struct margins now;
+    double now[ODE_EVENTS_EACH];
     int made = 0;
     panel->springs = first;
     while (after - before > 4.0 * DBL_EPSILON * fabs(after)) {
@@ -854,16 +795,16 @@ static bool panel_to_event(const struct span *s, const struct place *start, doub
         if (s->elastic && !panel_make(&s->c, start->clock, middle, &first, panel)) {
             panel->springs = first;
         }
-        margins_at(&s->c, middle, &panel->springs, &now);
-        *(event_passed(&now, &start->at) != PRESCRIBED_EVENTS ? &after : &before) = middle;
+        events_at(&s->c, middle, &panel->springs, now);
+        *(event_passed(now, start->at) != ODE_EVENT_GAP ? &after : &before) = middle;
     }
     *s->panels -= made * s->panel_cost / PANELS_COMPARED;
     if (!panel_make(&s->c, start->clock, after, &first, panel)) {
         return false;
     }
-    margins_at(&s->c, after, &panel->springs, &now);
-    *event = event_passed(&now, &start->at);
-    return *event != PRESCRIBED_EVENTS;
+    events_at(&s->c, after, &panel->springs, now);
+    *event = event_passed(now, start->at);
+    return *event != ODE_EVENT_GAP;
 }
 
 /* Whether an event ends a regime in the halves of a panel. If so, integrates up to the event and changes the

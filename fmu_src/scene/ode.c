@@ -377,8 +377,8 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
     const double force = at->normal_force[contact];
     const struct contact_geometry *g = &at->geometry[contact];
     const double by_rate = contact_force_slopes(&laws.normal, laws.regime, g->gap, g->gap_rate).by_rate;
-    const double rounding = 8.0 * DBL_EPSILON * fabs(force) + fabs(by_rate) * tolerated;
     const double of_force = rounding_of_force(ode->values, ode->state, at, contact);
+    const double rounding = 8.0 * DBL_EPSILON * fabs(force) + of_force + fabs(by_rate) * tolerated;
     for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
         events[i] = 1.0;
     }
