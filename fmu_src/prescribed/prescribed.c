@@ -445,8 +445,8 @@ static double relative_speed(const struct prescribed_contact *c, const struct sc
                              : speed;
 }
 
-/* Sets the event functions of scene/ode.h, which are positive within the present regimes. Each is raised by its
- * rounding. */
+/* Sets the event functions of scene/ode.h, raised by their rounding. They are positive within the present
+ * regimes. */
 static void events_at(const struct prescribed_contact *c, double clock, const struct springs *springs,
                       double events[ODE_EVENTS_EACH])
 {
