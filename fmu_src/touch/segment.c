@@ -264,11 +264,8 @@ static void add_extrema_of_oscillation(struct dense_output *w, const struct pair
     const double first = pair_oscillation_first_extremum(made);
     const double before = fmax(ceil((w->s[0] - first) / half), 0.0); /* extrema before the sample */
     double extremum = first + before * half;
-    bool deepest = pair_oscillation_closes(made) == (fmod(before, 2.0) == 0.0);
     for (; w->count < 3 && extremum < end; extremum += half) {
-        pair_oscillation_sample_extremum(made, extremum, deepest, &w->at[w->count]);
-        w->s[w->count++] = extremum;
-        deepest = !deepest;
+        dense_output_add(w, extremum);
     }
     if (w->count < 3) {
         dense_output_add(w, end);
