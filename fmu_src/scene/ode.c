@@ -334,27 +334,25 @@ static void friction_events(const struct scene_ode *ode, double clock, const str
     }
 }
 
-static void turning_events(const struct scene_ode *ode, double clock, const double *y,
-                           const struct scene_instant *at, int contact, double out[ODE_EVENTS_EACH])
+/* Sets the events of the gap and the law. Closed forms foresee all changes of a contact that is apart, and
+ * where nothing turns the passage of a cylinder's end, unless another contact acts on its bodies. */
+static void contact_events(const struct scene_ode *ode, const struct scene_instant *at, int contact,
+                           double out[ODE_EVENTS_EACH])
 {
-    const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
+    const enum contact_regime regime = (enum contact_regime)ode->state->contact[contact].regime;
+    const bool is_coupled = contact_is_coupled(ode->values, ode->state, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
-        out[i] = 1.0;
+    if (!is_coupled && !contact_pushes(ode->values, ode->state, contact)) {
+        return;
     }
-    if (!contact_is_foreseen(ode->values, ode->state, contact)) {
-        const bool apart = laws.regime == REGIME_APART;
-        const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
-        out[ODE_EVENT_GAP] = apart ? ode->gap_offset[contact] + fmax(g->gap, scene_beyond_ends(&shape, g))
-                                   : depth_to_parting(ode, &shape, g, contact);
-        out[ODE_EVENT_LAW] = apart ? 1.0
-                                   : ode->margin_offset[contact] +
-                                         contact_event(&laws.normal, laws.regime, g->gap, g->gap_rate);
-    }
-    if (contact_transmits(ode->state, contact) && contact_rubs(ode->values, contact)) {
-        struct turning_state turning;
-        unpack_springs(ode, y, contact, &turning);
-        friction_events(ode, clock, &turning, at, contact, out);
+    struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
+    shape.half_length = is_coupled || scene_turns(ode->values) ? shape.half_length : (double)INFINITY;
+    if (regime == REGIME_APART) {
+        out[ODE_EVENT_GAP] = ode->gap_offset[contact] + fmax(g->gap, scene_beyond_ends(&shape, g));
+    } else {
+        const struct contact_law law = scene_contact_law(ode->values, ode->state, contact);
+        out[ODE_EVENT_GAP] = depth_to_parting(ode, &shape, g, contact);
+        out[ODE_EVENT_LAW] = ode->margin_offset[contact] + contact_event(&law, regime, g->gap, g->gap_rate);
     }
 }
 
@@ -994,66 +992,30 @@ static double not_zero(double value)
     return fabs(value) < 1e-100 ? -1e-100 : value;
 }
 
-/* Sets the event functions of a contact with a body that another contact loads, so that closed forms do not
- * foresee its changes. */
-static void coupled_events(const struct scene_ode *ode, const struct contact_shape *shape,
-                           const struct contact_law *law, const struct contact_geometry *g, int j,
-                           double out[ODE_EVENTS_EACH])
-{
-    const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
-    const double apart = fmax(g->gap, scene_beyond_ends(shape, g));
-    out[0] = not_zero(ode->gap_offset[j] + (regime == REGIME_APART ? apart : -apart));
-    if (regime == REGIME_SEPARATING) {
-        out[1] = not_zero(ode->margin_offset[j] + contact_event(law, regime, g->gap, g->gap_rate));
-    }
-}
-
-static void put_zone(const struct scene_ode *ode, const struct scene_instant *at, int contact, double *out)
-{
-    if (SCENE_ANY_ZONES) {
-        out[ODE_EVENTS_EACH - 1] =
-            not_zero(ode->zone_offset[contact] + zones_margin(ode->values, ode->state, at, contact));
-    }
-}
-
 void ode_events_at(const struct scene_ode *ode, double clock, const double *y, const struct scene_instant *at,
                    double events[ODE_EVENTS])
 {
     const struct scene_values *v = ode->values;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         double *out = events + ODE_EVENTS_EACH * j;
+        for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+            out[i] = 1.0;
+        }
         if (!ode->layout.met[j]) {
-            for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
-                out[i] = 1.0;
-            }
             continue;
         }
-        const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
-        const struct contact_law law = scene_contact_law(v, ode->state, j);
-        const struct contact_geometry *g = &at->geometry[j];
-        if (SCENE_ANY_TURNING) {
-            if (scene_turns(v)) {
-                turning_events(ode, clock, y, at, j, out);
-                put_zone(ode, at, j, out);
-                for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
-                    out[i] = not_zero(out[i]);
-                }
-                continue;
-            }
-            for (int i = ODE_EVENT_STICK; i < ODE_EVENT_ZONE; ++i) {
-                out[i] = 1.0;
-            }
+        contact_events(ode, at, j, out);
+        if (SCENE_ANY_FRICTION && contact_rubs(v, j) && contact_transmits(ode->state, j)) {
+            struct turning_state turning;
+            unpack_springs(ode, y, j, &turning);
+            friction_events(ode, clock, &turning, at, j, out);
         }
-        out[0] = out[1] = 1.0;
-        if (contact_transmits(ode->state, j) && !contact_is_prescribed(v, j)) {
-            out[0] = not_zero(ode->gap_offset[j] - g->gap);
-            out[1] = not_zero(ode->margin_offset[j] + contact_event(&law, regime, g->gap, g->gap_rate));
+        if (SCENE_ANY_ZONES) {
+            out[ODE_EVENT_ZONE] = ode->zone_offset[j] + zones_margin(v, ode->state, at, j);
         }
-        if (contact_is_coupled(v, ode->state, j)) {
-            const struct contact_shape shape = scene_contact_shape(v, ode->state, j);
-            coupled_events(ode, &shape, &law, g, j, out);
+        for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+            out[i] = not_zero(out[i]);
         }
-        put_zone(ode, at, j, out);
     }
 }
 
