@@ -273,6 +273,11 @@ void flight_force(const struct scene_state *q, int body, double clock, struct ve
     }
 }
 
+bool flight_is_steady(const struct scene_values *v, const struct scene_state *q, int body)
+{
+    return body_is_free(v, body) ? path_is_steady(q->path[body].force, 3) : !body_is_prescribed(v, body);
+}
+
 int flight_velocity(const struct scene_values *v, int body, struct vec3 start, const struct vec3 force[3],
                     struct vec3 velocity[FLIGHT_TERMS])
 {

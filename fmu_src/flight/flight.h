@@ -61,6 +61,9 @@ bool flight_is_free(const struct scene_state *q);
 /* Sets the external force on a body [N] as a polynomial of the time since `clock`. */
 void flight_force(const struct scene_state *q, int body, double clock, struct vec3 force[3]);
 
+/* Whether a body rests, or flies under a constant force. */
+bool flight_is_steady(const struct scene_values *v, const struct scene_state *q, int body);
+
 /* Sets the coefficients of a free body's velocity as a polynomial of time, from gravity and a force with the
  * same time origin. Returns their number: two for a constant force. */
 enum { FLIGHT_TERMS = 4 };
