@@ -109,7 +109,8 @@ static const double SEPARATION_TIMES = 4.0;
 static const double LONGEST_HORIZON = 1e18;
 static const double HORIZON_GROWTH = 1e3;
 
-/* A flight of many short steps is searched a few times only, each time so many times as far as it has come. */
+/* A flight of many short steps is searched a few times only, each time so many times as far as it has
+ * come. */
 static const double SEARCH_GROWTH = 8.0;
 
 /* Returns the horizon of the search for regime changes [s]. It is the longer of the rest of the step and
