@@ -347,32 +347,6 @@ static struct regime_change first_touch_at(double after)
     return (struct regime_change){after, isfinite(after) ? REGIME_COMPRESSION : REGIME_APART, 0.0, false};
 }
 
-/* Finds the change in head-on flight as the root of a quadratic equation. Returns false where that
- * fails. */
-static bool head_on_change(const struct foresight *f, struct regime_change *next)
-{
-    if (!flight_is_head_on(&f->shape, &f->separation, f->now.normal)) {
-        return false;
-    }
-    if (f->present == REGIME_APART) {
-        double touch;
-        if (!flight_head_on_touch(&f->shape, &f->separation, &f->now, f->gap_rounding, f->horizon, &touch)) {
-            return false;
-        }
-        *next = first_touch_at(touch);
-        return true;
-    }
-    struct flight_regime_end end;
-    const double noise = dead_band_rounding(f, f->gap_rounding);
-    if (!flight_head_on_regime_end(&f->shape, &f->law, &f->separation, &f->now, f->gap_rounding, noise,
-                                   &end)) {
-        return false;
-    }
-    *next = end.after <= f->horizon ? (struct regime_change){end.after, end.regime, end.gap, false}
-                                    : no_change(f->present, false);
-    return true;
-}
-
 /* Where the distance d is zero the separation vector is only rounding. The vector is set along the escape
  * direction, which is that of the motion. */
 static void leave_centre_in_flight(struct foresight *f)
@@ -449,10 +423,12 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     f.by_positions = rounding_of_gap(v, at, contact);
     f.gap_rounding =
         scene_gap_is_accumulated(q, at, contact) ? 8.0 * DBL_EPSILON * fabs(gap) : f.by_positions;
-    struct regime_change next;
+    double touch;
     const double dead_band_rest = q->contact[contact].schedule.dead_band_clock - q->clock;
-    if (!has_ends && in_flight && !(dead_band_rest > 0.0) && head_on_change(&f, &next)) {
-        return next;
+    if (!has_ends && f.present == REGIME_APART && !(dead_band_rest > 0.0) &&
+        flight_is_head_on(&f.shape, &f.separation, f.now.normal) &&
+        flight_head_on_touch(&f.shape, &f.separation, &f.now, f.gap_rounding, horizon, &touch)) {
+        return first_touch_at(touch);
     }
     f.path = relative_path_make(&f.shape, &f.separation, gap, horizon);
     if (f.present == REGIME_APART && !has_ends && path_keeps_away(&f.path)) {
