@@ -243,17 +243,6 @@ static bool is_in_closed_form(const struct scene_values *v, const struct scene_s
             (SCENE_HAS_ISLANDS && any_is_coupled(v, q) && island_may_be(v, q) && !general_goes_on(v, q)));
 }
 
-/* Returns a bound of the mean speed at which the flight of a contact's bodies changes their separation within
- * a time from now [m/s]. */
-static double flight_speed_at_most(const struct separation_path *flight, double time)
-{
-    double speed = 0.0;
-    for (int i = SEPARATION_DEGREE; i > 0; --i) {
-        speed = speed * time + vec3_norm(flight->c[i]);
-    }
-    return speed;
-}
-
 /* Whether the importer moves or turns a body. */
 static bool is_led(const struct scene_values *v, int body)
 {
@@ -294,7 +283,7 @@ static double approach_at_most(const struct scene_values *v, const struct scene_
                                const struct scene_instant *at, int contact, double time)
 {
     const struct separation_path flight = separation_path_of(v, q, at, q->clock, contact);
-    double speed = flight_speed_at_most(&flight, time);
+    double speed = path_size(flight.c + 1, SEPARATION_DEGREE, time);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         for (int end = 0; contact_transmits(q, j) && end < 2; ++end) {
             const int body = end == 0 ? contact_source(j) : contact_destination(j);

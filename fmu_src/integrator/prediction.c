@@ -210,22 +210,13 @@ struct prescribed_instant {
     enum contact_regime regime;
 };
 
-/* Return the sum of the absolute terms of a polynomial at s >= 0. The sum bounds the polynomial on [0, s],
+/* Returns the sum of the absolute terms of a polynomial at s >= 0. The sum bounds the polynomial on [0, s],
  * and its rounding goes with the sum. */
 static double size_of(const struct polynomial *p, double s)
 {
     double size = fabs(p->a[p->degree]);
     for (int i = p->degree - 1; i >= 0; --i) {
         size = size * s + fabs(p->a[i]);
-    }
-    return size;
-}
-
-static double size_of_terms(const struct vec3 *terms, int count, double s)
-{
-    double size = vec3_norm(terms[count - 1]);
-    for (int i = count - 2; i >= 0; --i) {
-        size = size * s + vec3_norm(terms[i]);
     }
     return size;
 }
@@ -240,13 +231,13 @@ static struct prescribed_instant prescribed_at(const struct foresight *f, double
     const double distance = relative_path_divisor(path, gap);
     const double along = polynomial_at(&path->half_rate, s);
     struct prescribed_instant at = {.gap = path->scale * gap, .beyond = -1.0};
-    at.gap_noise = fmax(f->by_positions, ROUNDINGS * path->scale *
-                                             (size_of_terms(path->c, path->degree + 1, s) + path->reach));
+    at.gap_noise = fmax(f->by_positions,
+                        ROUNDINGS * path->scale * (path_size(path->c, path->degree + 1, s) + path->reach));
     if (distance > 0.0) {
         at.rate = path->side * along / distance * speed_unit;
         /* The rounding of c.w / d comes from the sum c.w and from an error of c as large as the gap's. */
         const double sum = ROUNDINGS * size_of(&path->half_rate, s) / distance * speed_unit;
-        const double speed = size_of_terms(f->separation.w, SEPARATION_DEGREE, f->horizon); /* at most */
+        const double speed = path_size(f->separation.w, SEPARATION_DEGREE, f->horizon); /* at most */
         at.rate_noise = sum + at.gap_noise * speed / (path->scale * distance);
     }
     if (SCENE_ANY_CYLINDER && path->has_ends) {

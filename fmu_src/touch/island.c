@@ -607,10 +607,7 @@ static double separation_within(const struct island *s, const struct separation_
                                 const int end[2])
 {
     const double time = island_time_at(s, s->end);
-    double length = 0.0;
-    for (int p = SEPARATION_DEGREE; p > 0; --p) {
-        length = (length + vec3_norm(flight->c[p])) * time;
-    }
+    double length = time * path_size(flight->c + 1, SEPARATION_DEGREE, time);
     for (int e = 0; e < 2; ++e) {
         length += end[e] >= 0 ? s->body[end[e]].farthest : 0.0;
     }

@@ -1264,10 +1264,7 @@ static bool may_change_face(const struct face_path *path)
     const struct contact_solid *solid = &p->pair.shape.solid;
     const double depth = deepest_of(p) - p->pair.shape.source_radius;
     const double time = segment_time(p, p->end);
-    double length = 0.0;
-    for (int i = SEPARATION_DEGREE; i > 0; --i) {
-        length = (length + vec3_norm(path->flight.c[i])) * time;
-    }
+    const double length = time * path_size(path->flight.c + 1, SEPARATION_DEGREE, time);
     const struct solid_place place = contact_place_at(solid, path->flight.c[0]);
     const double other = solid->zone == ZONE_SIDE ? place.axial : place.radial;
     const bool opposite = solid->zone != ZONE_SIDE && depth >= solid->half_height;
