@@ -396,15 +396,6 @@ double contact_event(const struct contact_law *law, enum contact_regime regime, 
     return regime == REGIME_SEPARATING ? -push : push;
 }
 
-double contact_separating_event_term(const struct contact_law *law, const double *gap, const double *gap_rate,
-                                     int order)
-{
-    if (contact_is_hertz(law)) {
-        return law->damping * gap_rate[order] - (order == 0 ? 1.0 : 0.0);
-    }
-    return -contact_force_term(law, NULL, REGIME_COMPRESSION, gap, gap_rate, order);
-}
-
 double contact_event_force(const struct contact_law *law, double event)
 {
     return law->dashpot == DASHPOT_APPROACH_ONLY ? law->damping * event : event;

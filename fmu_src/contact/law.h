@@ -184,10 +184,6 @@ double contact_event(const struct contact_law *law, enum contact_regime regime, 
 struct contact_slopes contact_event_slopes(const struct contact_law *law, enum contact_regime regime,
                                            double gap, double gap_rate);
 
-/* Returns the Taylor coefficient `order` of the event function of the separating regime along a path. */
-double contact_separating_event_term(const struct contact_law *law, const double *gap, const double *gap_rate,
-                                     int order);
-
 /* Returns a value of the event function as a force [N]. With an approach-only dashpot the value is a gap rate
  * and is multiplied by the damping. A value of Hertz's law then has no unit, and 1 counts as 1 N. */
 double contact_event_force(const struct contact_law *law, double event);

@@ -14,19 +14,6 @@
 #include "contact/shape.h"
 #include "math/compiler.h"
 
-struct contact_jacobian {
-    double by_separation[3][3];      /* dF_src / dc [N/m] */
-    double by_rate[3][3];            /* dF_src / dw [N s/m] */
-    struct vec3 power_by_separation; /* d/dc of the dissipated power [W/m] */
-    struct vec3 power_by_rate;       /* d/dw of the dissipated power [W s/m] */
-};
-
-/* Returns the derivatives at a separation rate w in a regime of contact. Where d = 0, n is constant and T is
- * zero. */
-struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
-                                            const struct contact_geometry *at, struct vec3 w,
-                                            const struct contact_law *law, enum contact_regime regime);
-
 /*
  * One contact along a path: every quantity is a series c[0] + c[1] s + c[2] s^2 + ..., computed from the
  * series of the separation c(s) and its rate w(s). If s is the time since the present, the coefficients are

@@ -203,17 +203,11 @@ static double largest_until(const struct parabola *p, double t)
     return p->bend < 0.0 && top > 0.0 && top < t ? p->value + 0.5 * top * p->rate : largest;
 }
 
-static struct parabola gap_of(const struct contact_shape *shape, const struct separation_path *separation,
-                              const struct contact_geometry *now)
-{
-    return (struct parabola){now->gap, shape->side * vec3_dot(now->normal, separation->c[1]),
-                             shape->side * vec3_dot(now->normal, separation->c[2])};
-}
-
 bool flight_head_on_touch(const struct contact_shape *shape, const struct separation_path *separation,
                           const struct contact_geometry *now, double rounding, double horizon, double *touch)
 {
-    const struct parabola gap = gap_of(shape, separation, now);
+    const struct parabola gap = {now->gap, shape->side * vec3_dot(now->normal, separation->c[1]),
+                                 shape->side * vec3_dot(now->normal, separation->c[2])};
     /* bodies that approach touch however small the gap is; rounding affects only the time */
     const double unclear = gap.value > 0.0 && gap.rate < 0.0 ? 0.0 : rounding;
     if (now->degenerate || !first_fall(&gap, unclear, touch)) {
@@ -224,35 +218,6 @@ bool flight_head_on_touch(const struct contact_shape *shape, const struct separa
     }
     return shape->side > 0 ||
            largest_until(&gap, fmin(*touch, horizon)) < (1.0 - CLEAR_OF_CENTRE) * contact_reach(shape);
-}
-
-bool flight_head_on_regime_end(const struct contact_shape *shape, const struct contact_law *law,
-                               const struct separation_path *separation, const struct contact_geometry *now,
-                               double rounding, double margin_rounding, struct flight_regime_end *end)
-{
-    const struct parabola gap = gap_of(shape, separation, now);
-    const struct parabola overlap = {-gap.value, -gap.rate, -gap.bend};
-    const double gap_terms[3] = {gap.value, gap.rate, gap.bend};
-    const double rate_terms[3] = {gap.rate, 2.0 * gap.bend, 0.0};
-    double terms[3];
-    for (int i = 0; i < 3; ++i) {
-        terms[i] = contact_separating_event_term(law, gap_terms, rate_terms, i);
-    }
-    struct parabola margin = {terms[0], terms[1], terms[2]};
-    if (fabs(margin.value) <= margin_rounding) {
-        margin.value = 0.0;
-    }
-    double opening;
-    double recompression;
-    if (now->degenerate || !(overlap.value > rounding) || !first_fall(&overlap, rounding, &opening) ||
-        !first_fall(&margin, margin_rounding, &recompression)) {
-        return false;
-    }
-    end->regime = opening <= recompression ? REGIME_APART : REGIME_COMPRESSION;
-    end->after = fmin(opening, recompression);
-    end->gap =
-        opening <= recompression ? 0.0 : gap.value + recompression * (gap.rate + recompression * gap.bend);
-    return true;
 }
 
 bool flight_is_free(const struct scene_state *q)
@@ -271,6 +236,11 @@ void flight_force(const struct scene_state *q, int body, double clock, struct ve
     if (!path_is_steady(force, 3)) {
         path_shift(force, 3, clock);
     }
+}
+
+bool flight_is_steady(const struct scene_values *v, const struct scene_state *q, int body)
+{
+    return body_is_free(v, body) ? path_is_steady(q->path[body].force, 3) : !body_is_prescribed(v, body);
 }
 
 int flight_velocity(const struct scene_values *v, int body, struct vec3 start, const struct vec3 force[3],

@@ -34,20 +34,6 @@ bool flight_is_head_on(const struct contact_shape *shape, const struct separatio
 bool flight_head_on_touch(const struct contact_shape *shape, const struct separation_path *separation,
                           const struct contact_geometry *now, double rounding, double horizon, double *touch);
 
-/* The end of a separating regime: the gap opens (apart), or the law pushes again (compression). */
-struct flight_regime_end {
-    double after; /* seconds from now; INFINITY: never */
-    enum contact_regime regime;
-    double gap; /* gap at that time [m] */
-};
-
-/* Sets the end of the separating regime; returns false where rounding decides. `margin_rounding` is the
- * rounding bound of the event function [N]. The source does not pass the centre, because the gap grows as
- * long as the formula would pull. */
-bool flight_head_on_regime_end(const struct contact_shape *shape, const struct contact_law *law,
-                               const struct separation_path *separation, const struct contact_geometry *now,
-                               double rounding, double margin_rounding, struct flight_regime_end *end);
-
 /*
  * Motion without contact forces, in closed form. The acceleration of a free body is gravity + force(t) / m
  * with a force of degree two at most, so its displacement is a polynomial of degree four at most. The
@@ -60,6 +46,9 @@ bool flight_is_free(const struct scene_state *q);
 
 /* Sets the external force on a body [N] as a polynomial of the time since `clock`. */
 void flight_force(const struct scene_state *q, int body, double clock, struct vec3 force[3]);
+
+/* Whether a body rests, or flies under a constant force. */
+bool flight_is_steady(const struct scene_values *v, const struct scene_state *q, int body);
 
 /* Sets the coefficients of a free body's velocity as a polynomial of time, from gravity and a force with the
  * same time origin. Returns their number: two for a constant force. */

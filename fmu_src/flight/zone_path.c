@@ -158,11 +158,7 @@ double zone_path_end(const struct contact_solid *solid, const struct separation_
 static bool stays_on_face(const struct contact_solid *solid, const struct separation_path *path,
                           double horizon)
 {
-    double length = 0.0;
-    for (int i = SEPARATION_DEGREE; i > 0; --i) {
-        length = (length + vec3_norm(path->c[i])) * horizon;
-    }
-    return face_margin(solid, path->c[0]) > length;
+    return face_margin(solid, path->c[0]) > horizon * path_size(path->c + 1, SEPARATION_DEGREE, horizon);
 }
 
 /* Adds where the path crosses the edges of the face of skew cylinders, as fractions of the horizon. */

@@ -109,20 +109,20 @@ static const double SEPARATION_TIMES = 4.0;
 static const double LONGEST_HORIZON = 1e18;
 static const double HORIZON_GROWTH = 1e3;
 
-static double horizon_of_flight(double clock, double remaining)
-{
-    const double horizon = fmax(remaining, clock);
-    return horizon > LONGEST_HORIZON ? fmin(horizon, fmax(LONGEST_HORIZON, HORIZON_GROWTH * clock)) : horizon;
-}
+/* A flight of many short steps is searched a few times only, each time so many times as far as it has
+ * come. */
+static const double SEARCH_GROWTH = 8.0;
 
-/* Returns the horizon of the search for regime changes [s]. It is the longer of the rest of the step and the
- * time since the phase began, so that a flight of many short steps is searched a few times only. While a
- * contact separates, the horizon is not much longer than the separation lasts. The conditions are then nearly
- * linear, and their roots are cheap. */
+/* Returns the horizon of the search for regime changes [s]. It is the longer of the rest of the step and
+ * SEARCH_GROWTH times the time since the phase began. While a contact separates, the horizon is not much
+ * longer than the separation lasts. The conditions are then nearly linear, and their roots are cheap. */
 static double horizon_from(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at, double remaining)
 {
-    double horizon = horizon_of_flight(q->clock, remaining);
+    double horizon = fmax(remaining, SEARCH_GROWTH * q->clock);
+    if (horizon > LONGEST_HORIZON) {
+        horizon = fmin(horizon, fmax(LONGEST_HORIZON, HORIZON_GROWTH * q->clock));
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (q->contact[j].regime == REGIME_SEPARATING) {
             const struct contact_geometry *now = &at->geometry[j];
@@ -243,17 +243,6 @@ static bool is_in_closed_form(const struct scene_values *v, const struct scene_s
             (SCENE_HAS_ISLANDS && any_is_coupled(v, q) && island_may_be(v, q) && !general_goes_on(v, q)));
 }
 
-/* Returns a bound of the mean speed at which the flight of a contact's bodies changes their separation within
- * a time from now [m/s]. */
-static double flight_speed_at_most(const struct separation_path *flight, double time)
-{
-    double speed = 0.0;
-    for (int i = SEPARATION_DEGREE; i > 0; --i) {
-        speed = speed * time + vec3_norm(flight->c[i]);
-    }
-    return speed;
-}
-
 /* Whether the importer moves or turns a body. */
 static bool is_led(const struct scene_values *v, int body)
 {
@@ -294,7 +283,7 @@ static double approach_at_most(const struct scene_values *v, const struct scene_
                                const struct scene_instant *at, int contact, double time)
 {
     const struct separation_path flight = separation_path_of(v, q, at, q->clock, contact);
-    double speed = flight_speed_at_most(&flight, time);
+    double speed = path_size(flight.c + 1, SEPARATION_DEGREE, time);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         for (int end = 0; contact_transmits(q, j) && end < 2; ++end) {
             const int body = end == 0 ? contact_source(j) : contact_destination(j);
@@ -1055,34 +1044,4 @@ void integrator_catch_up(struct integrator *s, const struct scene_values *v, str
         q->step_length = scene_time(q) - start;
         transition_end_step(v, q);
     }
-}
-
-bool integrator_defer_further(const struct scene_values *v, struct scene_state *q, double end_time)
-{
-    const double deferrable = q->deferrable_clock;
-    q->deferrable_clock = 0.0; /* no further search until a step has been integrated */
-    if (!(deferrable > 0.0 && deferrable == q->horizon_clock) || !q->only_flies) {
-        return false;
-    }
-    flight_catch_up(v, q);
-    const double before = q->clock;
-    const double apart = flight_apart_until(v, q);
-    /* An integrated step would go to the horizon, look ahead from there, and go on to its end. */
-    q->clock = deferrable;
-    const double remaining = scene_remaining(q, end_time);
-    const double further = remaining > 0.0 ? horizon_of_flight(q->clock, remaining) : 0.0;
-    const double horizon = q->clock + further;
-    if (remaining >= 0.0 && horizon < apart && q->clock + remaining <= horizon) {
-        q->horizon_clock = horizon;
-        if (flight_deferrable_until(v, q) == horizon) {
-            q->deferrable_clock = horizon;
-            q->clock += remaining;
-            q->deferred_from = before;
-            q->deferred = 1;
-            return true;
-        }
-        q->horizon_clock = deferrable;
-    }
-    q->clock = before;
-    return false;
 }

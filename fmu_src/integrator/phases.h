@@ -92,12 +92,6 @@ void integrator_close(struct integrator *s);
 enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
                                       struct scene_state *q, const struct step_request *request);
 
-/* Goes on with a flight that could be deferred up to the horizon (flight.h). Where no contact can begin
- * before the next horizon, the clock advances to the end of the step. The horizon advances as a search would
- * set it, so that results have the same bits. Where a search is needed, the function returns false and leaves
- * the motion as it was. */
-bool integrator_defer_further(const struct scene_values *v, struct scene_state *q, double end_time);
-
 /* Computes the motion of deferred steps, in which only the clock has advanced. Steps can be deferred in
  * flight (flight.h), within a phase of contact pairs, whose motion is a function of its start and of the
  * clock, and within a step of the general segment, which has a polynomial. */

@@ -210,22 +210,13 @@ struct prescribed_instant {
     enum contact_regime regime;
 };
 
-/* Return the sum of the absolute terms of a polynomial at s >= 0. The sum bounds the polynomial on [0, s],
+/* Returns the sum of the absolute terms of a polynomial at s >= 0. The sum bounds the polynomial on [0, s],
  * and its rounding goes with the sum. */
 static double size_of(const struct polynomial *p, double s)
 {
     double size = fabs(p->a[p->degree]);
     for (int i = p->degree - 1; i >= 0; --i) {
         size = size * s + fabs(p->a[i]);
-    }
-    return size;
-}
-
-static double size_of_terms(const struct vec3 *terms, int count, double s)
-{
-    double size = vec3_norm(terms[count - 1]);
-    for (int i = count - 2; i >= 0; --i) {
-        size = size * s + vec3_norm(terms[i]);
     }
     return size;
 }
@@ -240,13 +231,13 @@ static struct prescribed_instant prescribed_at(const struct foresight *f, double
     const double distance = relative_path_divisor(path, gap);
     const double along = polynomial_at(&path->half_rate, s);
     struct prescribed_instant at = {.gap = path->scale * gap, .beyond = -1.0};
-    at.gap_noise = fmax(f->by_positions, ROUNDINGS * path->scale *
-                                             (size_of_terms(path->c, path->degree + 1, s) + path->reach));
+    at.gap_noise = fmax(f->by_positions,
+                        ROUNDINGS * path->scale * (path_size(path->c, path->degree + 1, s) + path->reach));
     if (distance > 0.0) {
         at.rate = path->side * along / distance * speed_unit;
         /* The rounding of c.w / d comes from the sum c.w and from an error of c as large as the gap's. */
         const double sum = ROUNDINGS * size_of(&path->half_rate, s) / distance * speed_unit;
-        const double speed = size_of_terms(f->separation.w, SEPARATION_DEGREE, f->horizon); /* at most */
+        const double speed = path_size(f->separation.w, SEPARATION_DEGREE, f->horizon); /* at most */
         at.rate_noise = sum + at.gap_noise * speed / (path->scale * distance);
     }
     if (SCENE_ANY_CYLINDER && path->has_ends) {
@@ -347,32 +338,6 @@ static struct regime_change first_touch_at(double after)
     return (struct regime_change){after, isfinite(after) ? REGIME_COMPRESSION : REGIME_APART, 0.0, false};
 }
 
-/* Finds the change in head-on flight as the root of a quadratic equation. Returns false where that
- * fails. */
-static bool head_on_change(const struct foresight *f, struct regime_change *next)
-{
-    if (!flight_is_head_on(&f->shape, &f->separation, f->now.normal)) {
-        return false;
-    }
-    if (f->present == REGIME_APART) {
-        double touch;
-        if (!flight_head_on_touch(&f->shape, &f->separation, &f->now, f->gap_rounding, f->horizon, &touch)) {
-            return false;
-        }
-        *next = first_touch_at(touch);
-        return true;
-    }
-    struct flight_regime_end end;
-    const double noise = dead_band_rounding(f, f->gap_rounding);
-    if (!flight_head_on_regime_end(&f->shape, &f->law, &f->separation, &f->now, f->gap_rounding, noise,
-                                   &end)) {
-        return false;
-    }
-    *next = end.after <= f->horizon ? (struct regime_change){end.after, end.regime, end.gap, false}
-                                    : no_change(f->present, false);
-    return true;
-}
-
 /* Where the distance d is zero the separation vector is only rounding. The vector is set along the escape
  * direction, which is that of the motion. */
 static void leave_centre_in_flight(struct foresight *f)
@@ -449,10 +414,12 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     f.by_positions = rounding_of_gap(v, at, contact);
     f.gap_rounding =
         scene_gap_is_accumulated(q, at, contact) ? 8.0 * DBL_EPSILON * fabs(gap) : f.by_positions;
-    struct regime_change next;
+    double touch;
     const double dead_band_rest = q->contact[contact].schedule.dead_band_clock - q->clock;
-    if (!has_ends && in_flight && !(dead_band_rest > 0.0) && head_on_change(&f, &next)) {
-        return next;
+    if (!has_ends && f.present == REGIME_APART && !(dead_band_rest > 0.0) &&
+        flight_is_head_on(&f.shape, &f.separation, f.now.normal) &&
+        flight_head_on_touch(&f.shape, &f.separation, &f.now, f.gap_rounding, horizon, &touch)) {
+        return first_touch_at(touch);
     }
     f.path = relative_path_make(&f.shape, &f.separation, gap, horizon);
     if (f.present == REGIME_APART && !has_ends && path_keeps_away(&f.path)) {
@@ -673,85 +640,4 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
         }
     }
     return (struct prediction){smooth_regime_change(v, q, at, contact, horizon), horizon, 0};
-}
-
-/* Where the discriminant is below this part of its terms, the parabola may only touch zero. Its root then has
- * less than half of the digits. */
-static const double CLEAR_OF_GRAZING = 1e-8;
-
-/* The bound is earlier than the root by this part of the time, which is far more than rounding. */
-static const double CLEARANCE = 1e-3;
-
-/* Returns a time [s] up to which value + rate t + bend t^2 is certainly positive. `gap_rounding` and
- * `rate_rounding` bound the rounding of `value` and `rate`. The function returns 0 where rounding decides. */
-static double above_plane_until(double value, double rate, double bend, double gap_rounding,
-                                double rate_rounding)
-{
-    const double square = rate * rate;
-    const double product = 4.0 * bend * value;
-    const double discriminant = square - product;
-    if (!(fabs(discriminant) > CLEAR_OF_GRAZING * (square + fabs(product))) || !isfinite(discriminant)) {
-        return 0.0;
-    }
-    if (discriminant < 0.0 || (bend >= 0.0 && rate > rate_rounding)) {
-        return (double)INFINITY;
-    }
-    const double root = sqrt(discriminant);
-    const double t = rate < 0.0 ? 2.0 * value / (root - rate) : -0.5 * (root + rate) / bend;
-    const double rounding = 2.0 * (gap_rounding + t * rate_rounding) / root;
-    return fmax(0.0, t * (1.0 - CLEARANCE) - rounding);
-}
-
-/* Returns the acceleration of a body in flight without external force [m/s^2]. */
-static struct vec3 free_fall(const struct scene_values *v, int body)
-{
-    return body_is_free(v, body) ? gravity(v) : vec3_make(0.0, 0.0, 0.0);
-}
-
-/* Whether apart_for applies: the source is outside its destination, and neither body is prescribed. */
-static bool apart_is_known(const struct scene_values *v, const struct scene_state *q, int contact)
-{
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    if (body_is_prescribed(v, contact_source(contact)) ||
-        body_is_prescribed(v, contact_destination(contact))) {
-        return false;
-    }
-    return shape.side > 0 && !contact_is_torus(&shape) && !body_is_compound(contact_source(contact)) &&
-           !body_is_compound(contact_destination(contact));
-}
-
-/* Returns the time [s] after the present instant `at` in which bodies that are apart cannot touch. A convex
- * destination lies behind the plane that touches it in the point nearest to the source. So the gap is at
- * least the source's height above that plane, which is a parabola of time. */
-static double apart_for(const struct scene_values *v, const struct scene_state *q,
-                        const struct scene_instant *at, int contact)
-{
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const struct contact_geometry *now = &at->geometry[contact];
-    const double rounding = rounding_of_gap(v, at, contact);
-    /* Beyond a cylinder's open ends the gap may be negative without a touch. */
-    const double least = relative_path_has_ends(&shape) ? 0.0 : -rounding;
-    if (now->degenerate || !(now->gap > least)) {
-        return 0.0;
-    }
-    const struct vec3 bend =
-        vec3_sub(free_fall(v, contact_destination(contact)), free_fall(v, contact_source(contact)));
-    return above_plane_until(fmax(now->gap, 0.0), now->gap_rate, 0.5 * vec3_dot(now->normal, bend), rounding,
-                             rounding_of_rate(at, contact));
-}
-
-double flight_apart_until(const struct scene_values *v, const struct scene_state *q)
-{
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (!apart_is_known(v, q, j)) {
-            return 0.0;
-        }
-    }
-    struct scene_instant at;
-    scene_kinematics_now(v, q, &at);
-    double least = (double)INFINITY;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        least = fmin(least, apart_for(v, q, &at, j));
-    }
-    return q->clock + least;
 }

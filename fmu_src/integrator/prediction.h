@@ -50,10 +50,4 @@ struct prediction {
 struct prediction prediction_of(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, int contact, double horizon, long budget);
 
-/* A time until which bodies in flight certainly do not touch is cheaper to find than the touch itself. */
-
-/* Returns a clock [s] before which no bodies that are apart touch, if no external forces act. INFINITY: they
- * never touch; 0: no such clock is known. */
-double flight_apart_until(const struct scene_values *v, const struct scene_state *q);
-
 #endif

@@ -130,33 +130,6 @@ void model_start_paths(struct model *m)
     }
 }
 
-static bool same_coefficients(const struct vec3 *a, const struct vec3 *b, int count)
-{
-    for (int i = 0; i < count; ++i) {
-        if (a[i].x != b[i].x || a[i].y != b[i].y || a[i].z != b[i].z) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static bool same_orientation(struct quaternion a, struct quaternion b)
-{
-    return a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
-static bool input_path_is_same(const struct body_path *a, const struct body_path *b)
-{
-    const bool turn_is_same =
-        !SCENE_ANY_ROTATION ||
-        (same_coefficients(a->angular_velocity, b->angular_velocity, 3) &&
-         same_coefficients(a->axis, b->axis, 3) && same_coefficients(a->torque, b->torque, 3) &&
-         a->turn_follows == b->turn_follows &&
-         (!SCENE_ANY_COMPOUND || same_orientation(a->orientation, b->orientation)));
-    return turn_is_same && same_coefficients(a->displacement, b->displacement, 4) &&
-           same_coefficients(a->velocity, b->velocity, 3) && same_coefficients(a->force, b->force, 3);
-}
-
 static void input_path_shift(const struct model *m, int body, struct body_path *path)
 {
     const double clock = m->state.motion.clock;
@@ -258,8 +231,8 @@ static bool differs(const struct scene_values *v, const struct scene_state *q,
                     const struct tunable_values *before, struct motion_tuning *tuning)
 {
     const struct vec3 now_gravity = gravity(v);
-    bool any = !same_coefficients(&now_gravity, &before->gravity, 1);
     tuning->more_gravity = vec3_sub(now_gravity, before->gravity);
+    bool any = !vec3_is_zero(tuning->more_gravity);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_coefficients *now = &q->contact[j].parameters.factors;
         const struct contact_coefficients next = model_factors(v, q, j);
@@ -452,7 +425,7 @@ bool model_has_no_orientation(const struct scene_values *v, int body)
 
 bool model_is_no_rotation(struct quaternion q)
 {
-    return same_orientation(q, (struct quaternion){0.0, 0.0, 0.0, 0.0});
+    return q.w == 0.0 && vec3_is_zero(quaternion_vector(q));
 }
 
 enum model_status model_refuse_inputs(const struct model *m)
@@ -512,7 +485,7 @@ bool model_apply_inputs(struct model *m)
              (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)))) {
             return false;
         }
-        same = same && input_path_is_same(&before, &next[i]);
+        same = same && memcmp(&before, &next[i], sizeof before) == 0; /* a path has no padding */
     }
     bool applied = true;
     if (m->state.exchange == EXCHANGE_CONTINUOUS) {

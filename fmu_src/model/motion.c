@@ -287,20 +287,10 @@ static void foresee_reading(struct model *m, double clock)
     }
 }
 
-/* Defers the flight beyond the known clock. It is not inlined, so that motion_defer saves no registers for
- * it. */
-CONTACT_NOINLINE static bool defer_further(struct model *m, double end_time)
-{
-    return SCENE_ANY_FREE && integrator_defer_further(&m->state.values, &m->state.motion, end_time);
-}
-
 bool motion_defer(struct model *m, double end_time)
 {
     struct scene_state *q = &m->state.motion;
-    if (!SCENE_ANY_FREE) {
-        return false;
-    }
-    if (!flight_defer(q, end_time) && !(q->deferrable_clock > 0.0 && defer_further(m, end_time))) {
+    if (!SCENE_ANY_FREE || !flight_defer(q, end_time)) {
         return false;
     }
     if (m->outputs > OUTPUTS_FIXED) {

@@ -10,6 +10,7 @@
 #include "math/polynomial.h"
 #include "scene/dense_output.h"
 #include "scene/evaluate.h"
+#include "scene/transition.h"
 
 /* One contact. A search sets regimes and springs in q before it knows whether they are reached: q serves as
  * working memory. */
@@ -79,15 +80,20 @@ static void kinematics_at(const struct prescribed_contact *c, double clock, stru
     scene_kinematics(c->v, c->q, clock, c->q->body, at);
 }
 
+static void put_springs_of(const struct prescribed_contact *c, const struct springs *springs)
+{
+    if (SCENE_ANY_FRICTION) {
+        memcpy(c->q->turning.spring[c->contact], springs->of, sizeof springs->of);
+    }
+}
+
 /* Computes the instant of a contact in its present regimes, whose formulas hold smoothly beyond their
  * ends. */
 CONTACT_NOINLINE static void instant_at(const struct prescribed_contact *c, double clock,
                                         const struct springs *springs, struct scene_instant *at)
 {
     kinematics_at(c, clock, at);
-    if (SCENE_ANY_FRICTION) {
-        memcpy(c->q->turning.spring[c->contact], springs->of, sizeof springs->of);
-    }
+    put_springs_of(c, springs);
     scene_forces(c->v, c->q, clock, at);
 }
 
@@ -390,21 +396,9 @@ CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, doub
 }
 
 /*
- * The regimes of law and friction of a contact that turns or rubs: the regimes at its onset, the event
- * functions that end them, and the regimes after each event. All forces are smooth between two events.
+ * The regimes of law and friction of a contact that turns or rubs. All forces are smooth between two events.
+ * scene/transition.c sets the regimes after an event, at the clock of q.
  */
-
-/* EVENT_LAW is the law's event (contact/law.h). The others are those of friction (contact/friction.h). At
- * EVENT_LIFT the dashpot begins or ceases to pull. At EVENT_CAP friction reaches or leaves its largest force.
- * From EVENT_STICK on the opposed motions stick or break away, one event for each. */
-enum regime_event { EVENT_LAW, EVENT_LIFT, EVENT_CAP, EVENT_STICK };
-enum { REGIME_EVENTS = EVENT_STICK + OPPOSED };
-
-/* The event functions, which are positive within the present regimes, and bounds of their rounding. */
-struct margins {
-    double value[REGIME_EVENTS];
-    double noise[REGIME_EVENTS];
-};
 
 static const struct springs NO_SPRINGS = {.of = {{0.0, 0.0, 0.0}}};
 
@@ -451,274 +445,51 @@ static double relative_speed(const struct prescribed_contact *c, const struct sc
                              : speed;
 }
 
-static double event_rounding(const struct prescribed_contact *c, const struct contact_law *law,
-                             enum contact_regime regime, const struct scene_instant *at)
+/* Sets the event functions of scene/ode.h, raised by their rounding. They are positive within the present
+ * regimes. */
+static void events_at(const struct prescribed_contact *c, double clock, const struct springs *springs,
+                      double events[ODE_EVENTS_EACH])
 {
-    const struct contact_geometry *g = &at->geometry[c->contact];
-    const struct contact_slopes slopes = contact_event_slopes(law, regime, g->gap, g->gap_rate);
-    return rounding_of_event(c->v, law, &slopes, at, c->contact, 0.0) +
-           SPEED_ROUNDINGS * fabs(slopes.by_rate) * relative_speed(c, at);
-}
-
-static const struct vec3 NO_SPRING = {0.0, 0.0, 0.0};
-
-static void rub_with(const struct prescribed_contact *c, int part, enum friction_regime regime,
-                     struct vec3 spring)
-{
-    c->q->contact[c->contact].friction_regime[part] = (int32_t)regime;
-    c->q->turning.spring[c->contact][part] = spring;
-}
-
-static void rub_all_with(const struct prescribed_contact *c, enum friction_regime regime)
-{
-    for (int i = 0; i < OPPOSED; ++i) {
-        rub_with(c, i, regime, NO_SPRING);
-    }
-}
-
-/* Least length of a spring that begins to slide, as a fraction of the source's radius, and least angle of
- * another spring in radians: the force may be zero. */
-static const double FIRST_LENGTH = 1e-4;
-
-/* Returns the spring at the start of sliding. Without a dashpot the spring is along the slip, and only its
- * direction has a meaning. With a dashpot it is at rest. */
-static struct vec3 first_spring(const struct prescribed_contact *c, int part, const struct friction_law *law,
-                                const struct scene_instant *at)
-{
-    const struct vec3 slip = turning_rubbing(&c->q->turning, at, c->contact, part).slip;
-    const double speed = vec3_norm(slip);
-    if (law->damping > 0.0 || !(speed > 0.0)) {
-        return NO_SPRING;
-    }
-    const double limit = friction_limit(law, FRICTION_SLIDING, at->normal_force[c->contact]);
-    const double stiffness = friction_stiffness(law, -at->geometry[c->contact].gap);
-    const double length = fmin(limit, law->largest) / stiffness;
-    const double unit = part == OPPOSED_SLIP ? contact_source_radius(c->v, c->contact) : 1.0;
-    const double least = FIRST_LENGTH * unit;
-    return vec3_scale(fmax(length, least) / speed, slip);
-}
-
-/* Begins friction, or the resistance to rolling or spinning (`part`, enum opposed), with a spring at rest. */
-static void start_friction(const struct prescribed_contact *c, double clock, int part)
-{
-    const int j = c->contact;
-    struct scene_instant at;
-    const struct friction_law law = scene_friction_law(c->v, c->q, j, part);
-    const struct contact_law normal = scene_contact_law(c->v, c->q, j);
-    rub_with(c, part, FRICTION_STICKING, NO_SPRING);
-    const struct springs springs = springs_of(c->q, j);
-    instant_at(c, clock, &springs, &at);
-    struct friction_state rubbing = turning_rubbing(&c->q->turning, &at, j, part);
-    rubbing.normal_force = contact_may_pull(&normal) ? at.normal_force[j] : fmax(at.normal_force[j], 0.0);
-    const double rate = turning_normal_force_rate(c->v, c->q, clock, &at, j);
-    enum friction_regime next = friction_onset_regime(&law, rubbing, rate);
-    next = rubbing.normal_force < 0.0 ? FRICTION_LIFTED : next;
-    const bool slides = next == FRICTION_SLIDING || next == FRICTION_CAPPED;
-    rub_with(c, part, next,
-             law.kind == FRICTION_ELASTIC && slides ? first_spring(c, part, &law, &at) : NO_SPRING);
-}
-
-/* Begins friction at a clock where the contact rubs and has a force; else ends it. */
-static void friction_from(const struct prescribed_contact *c, double clock)
-{
-    const bool begins = contact_rubs(c->v, c->contact) && contact_transmits(c->q, c->contact);
-    rub_all_with(c, FRICTION_LIFTED);
-    for (int i = 0; begins && i < contact_opposed(c->v, c->contact); ++i) {
-        start_friction(c, clock, i);
-    }
-}
-
-/* Rounding error of an event function of friction, divided by the terms whose difference it is. */
-static const double MARGIN_ROUNDING = 1e-13;
-
-static void put_margin(struct margins *margins, int event, double value, double noise)
-{
-    margins->value[event] = value;
-    margins->noise[event] = noise;
-}
-
-static void put_stick_margin(const struct prescribed_contact *c, double clock, const struct scene_instant *at,
-                             int part, struct margins *margins)
-{
-    const int j = c->contact;
-    if (contact_has_spring(c->v, j, part)) {
-        const struct friction_law law = scene_friction_law(c->v, c->q, j, part);
-        const enum friction_regime regime = rubbing_regime(c, part);
-        const struct friction_state rubbing = turning_rubbing(&c->q->turning, at, j, part);
-        const double rate = turning_normal_force_rate(c->v, c->q, clock, at, j);
-        const bool by_speed = law.damping == 0.0 && regime != FRICTION_STICKING;
-        const double scale =
-            by_speed ? vec3_norm(rubbing.slip) : law.static_coefficient * fabs(at->normal_force[j]);
-        put_margin(margins, EVENT_STICK + part, friction_stick_event(&law, regime, rubbing, rate),
-                   MARGIN_ROUNDING * scale);
-    }
-}
-
-static void friction_margins(const struct prescribed_contact *c, double clock, const struct scene_instant *at,
-                             struct margins *margins)
-{
-    const int j = c->contact;
-    const struct friction_law law = scene_friction_law(c->v, c->q, j, OPPOSED_SLIP);
-    const enum friction_regime regime = rubbing_regime(c, OPPOSED_SLIP);
-    const double force = fabs(at->normal_force[j]);
-    const double force_noise = rounding_of_force(c->v, c->q, at, j) + MARGIN_ROUNDING * force;
-    struct contact_law pull = scene_contact_law(c->v, c->q, j);
-    if (contact_may_pull(&pull)) {
-        const struct contact_geometry *g = &at->geometry[j];
-        const double push = contact_push(&pull, g->gap, g->gap_rate);
-        pull.dashpot = DASHPOT_NON_ADHESIVE; /* the event function of this dashpot is the push */
-        put_margin(margins, EVENT_LIFT, friction_lift_event(regime, push),
-                   event_rounding(c, &pull, REGIME_COMPRESSION, at));
-    }
-    put_margin(margins, EVENT_CAP, friction_cap_event(&law, regime, at->normal_force[j]),
-               law.coefficient * force_noise);
-    for (int i = 0; i < OPPOSED; ++i) {
-        put_stick_margin(c, clock, at, i, margins);
-    }
-}
-
-static void margins_at(const struct prescribed_contact *c, double clock, const struct springs *springs,
-                       struct margins *margins)
-{
+    const double present = c->q->clock;
     struct scene_instant at;
     const struct contact_law law = scene_contact_law(c->v, c->q, c->contact);
-    for (int i = 0; i < REGIME_EVENTS; ++i) {
-        margins->value[i] = 1.0;
-        margins->noise[i] = 0.0;
+    for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+        events[i] = 1.0;
     }
     instant_at(c, clock, springs, &at);
+    const double error = SPEED_ROUNDINGS * relative_speed(c, &at); /* [m/s] */
+    if (SCENE_ANY_FRICTION && contact_rubs(c->v, c->contact) && contact_transmits(c->q, c->contact)) {
+        struct scene_ode ode = {.values = c->v, .state = c->q};
+        c->q->clock = clock;
+        const double of_slip = error + SPEED_ROUNDINGS * vec3_norm(at.turning.slip[c->contact]);
+        turning_friction_events(&ode, &at, c->contact, of_slip, SPEED_ROUNDINGS, 0.0, events);
+        c->q->clock = present;
+    }
     if (contact_has_events(&law)) {
         const struct contact_geometry *g = &at.geometry[c->contact];
-        margins->value[EVENT_LAW] = contact_event(&law, regime_of(c), g->gap, g->gap_rate);
-        margins->noise[EVENT_LAW] = event_rounding(c, &law, regime_of(c), &at);
-    }
-    if (contact_rubs(c->v, c->contact) && contact_transmits(c->q, c->contact)) {
-        friction_margins(c, clock, &at, margins);
+        const struct contact_slopes slopes = contact_event_slopes(&law, regime_of(c), g->gap, g->gap_rate);
+        events[ODE_EVENT_LAW] = contact_event(&law, regime_of(c), g->gap, g->gap_rate) +
+                                rounding_of_event(c->v, &law, &slopes, &at, c->contact, error);
     }
 }
 
-/* Returns the first event whose function is below zero by more than rounding, or REGIME_EVENTS if there is
- * none. A function of friction must also be below its value at `start`. */
-static int event_passed(const struct margins *now, const struct margins *start)
+/* Returns the first event whose function is below zero, or ODE_EVENT_GAP if there is none. A function of
+ * friction that is below zero at the start must fall to twice its value there. */
+static int event_passed(const double *now, const double *start)
 {
-    for (int i = 0; i < REGIME_EVENTS; ++i) {
+    for (int i = ODE_EVENT_LAW; i < ODE_EVENT_ZONE; ++i) {
         /* the law's function may jump in the centre, and start below zero on its other side */
-        const double floor = start && i != EVENT_LAW ? fmin(start->value[i], 0.0) : 0.0;
-        if (now->value[i] < floor - now->noise[i]) {
+        if (now[i] < (i == ODE_EVENT_LAW ? 0.0 : 2.0 * fmin(start[i], 0.0))) {
             return i;
         }
     }
-    return REGIME_EVENTS;
-}
-
-/* Lifts an opposed motion, as lift_friction of scene/transition.c does. */
-static void lift_part(const struct prescribed_contact *c, int part, struct vec3 spring)
-{
-    const bool relaxes = scene_friction_law(c->v, c->q, c->contact, part).damping > 0.0;
-    rub_with(c, part, FRICTION_LIFTED, relaxes ? spring : NO_SPRING);
-}
-
-/* Ends the lifting of an opposed motion. */
-static void rub_part_again(const struct prescribed_contact *c, double clock, int part, struct vec3 spring)
-{
-    if (vec3_max_abs(spring) > 0.0) {
-        rub_with(c, part, FRICTION_SLIDING, spring); /* it has not relaxed */
-    } else {
-        start_friction(c, clock, part);
-    }
-}
-
-/* Ends or begins the lifting of an opposed motion. */
-static void change_lifting(const struct prescribed_contact *c, double clock, int part, struct vec3 spring)
-{
-    if (rubbing_regime(c, part) == FRICTION_LIFTED) {
-        rub_part_again(c, clock, part, spring);
-    } else {
-        lift_part(c, part, spring);
-    }
-}
-
-/* Lets the slip, the rolling or the spinning (`part`) break away at the instant `at` if it sticks, or stick
- * if it slides. */
-static void change_sticking(const struct prescribed_contact *c, int part, struct vec3 spring,
-                            const struct scene_instant *at)
-{
-    const int j = c->contact;
-    const struct friction_law law = scene_friction_law(c->v, c->q, j, part);
-    const enum friction_regime before = rubbing_regime(c, part);
-    if (before == FRICTION_STICKING) {
-        /* a spring as short as rounding of the gap makes it has no direction yet */
-        const struct contact_law normal = scene_contact_law(c->v, c->q, j);
-        const struct contact_geometry *g = &at->geometry[j];
-        const struct contact_slopes slopes = contact_force_slopes(&normal, regime_of(c), g->gap, g->gap_rate);
-        const bool is_noise = at->normal_force[j] <= fabs(slopes.by_gap) * rounding_of_gap(c->v, at, j);
-        rub_with(c, part, friction_sliding_regime(&law, at->normal_force[j]),
-                 is_noise ? first_spring(c, part, &law, at) : spring);
-    } else {
-        rub_with(c, part, FRICTION_STICKING,
-                 friction_spring(&law, before, turning_rubbing(&c->q->turning, at, j, part)));
-    }
-}
-
-static void take_friction_event(const struct prescribed_contact *c, double clock, struct springs springs,
-                                int event)
-{
-    struct scene_instant at;
-    const enum friction_regime before = rubbing_regime(c, OPPOSED_SLIP);
-    instant_at(c, clock, &springs, &at);
-    if (event == EVENT_LIFT) {
-        for (int i = 0; i < contact_opposed(c->v, c->contact); ++i) {
-            change_lifting(c, clock, i, springs.of[i]);
-        }
-    } else if (event == EVENT_CAP) {
-        rub_with(c, OPPOSED_SLIP, before == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED,
-                 springs.of[OPPOSED_SLIP]);
-    } else {
-        change_sticking(c, event - EVENT_STICK, springs.of[event - EVENT_STICK], &at);
-    }
-}
-
-/* Takes the events of friction that a corner of the normal force causes: the slip may no longer stretch a
- * spring, or a spring may be too long. Each opposed motion has one at most. */
-static void reconsider_friction(const struct prescribed_contact *c, double clock)
-{
-    struct margins margins;
-    for (int i = 0; i < contact_opposed(c->v, c->contact); ++i) {
-        const struct springs springs = springs_of(c->q, c->contact);
-        margins_at(c, clock, &springs, &margins);
-        const int event = event_passed(&margins, NULL);
-        if (event > EVENT_LAW && event < REGIME_EVENTS) {
-            take_friction_event(c, clock, springs, event);
-        }
-    }
-}
-
-/* Sets friction after the law's event. Friction ends or begins with the normal force, and may stick at a
- * corner of this force. */
-static void follow_law(const struct prescribed_contact *c, double clock, struct springs springs,
-                       enum contact_regime before)
-{
-    const bool separates = regime_of(c) == REGIME_SEPARATING;
-    if (!contact_rubs(c->v, c->contact)) {
-        return;
-    }
-    if (!separates && before != REGIME_SEPARATING) {
-        reconsider_friction(c, clock);
-        return;
-    }
-    for (int i = 0; i < contact_opposed(c->v, c->contact); ++i) {
-        if (separates) {
-            lift_part(c, i, springs.of[i]);
-        } else {
-            rub_part_again(c, clock, i, springs.of[i]);
-        }
-    }
+    return ODE_EVENT_GAP;
 }
 
 static void lay_springs(const struct prescribed_contact *c)
 {
     const struct springs laid = laid_springs(c, c->q->clock, springs_of(c->q, c->contact));
-    memcpy(c->q->turning.spring[c->contact], laid.of, sizeof laid.of);
+    put_springs_of(c, &laid);
 }
 
 void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q)
@@ -728,28 +499,38 @@ void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-/* Sets the regimes and springs after an event. A contact that sticks again keeps the spring of sliding. */
-static void take_regime_event(const struct prescribed_contact *c, double clock, struct springs springs,
-                              int event)
+/* Sets friction at a clock after a change of the law's regime from `before` (scene/transition.h). */
+static void follow_law(const struct prescribed_contact *c, double clock, enum contact_regime before)
+{
+    const double present = c->q->clock;
+    c->q->clock = clock;
+    if (SCENE_ANY_FRICTION) {
+        turning_take_regime(c->v, c->q, c->contact, before);
+    }
+    c->q->clock = present;
+}
+
+/* Sets the regimes and springs after an event. */
+static void take_regime_event(const struct prescribed_contact *c, double clock, int event)
 {
     const enum contact_regime before = regime_of(c);
-    if (event == EVENT_LAW) {
+    const double present = c->q->clock;
+    if (event == ODE_EVENT_LAW) {
         const struct contact_law law = scene_contact_law(c->v, c->q, c->contact);
         c->q->contact[c->contact].regime = (int32_t)contact_regime_after(&law, before);
-    }
-    if (SCENE_ANY_FRICTION && event == EVENT_LAW) {
-        follow_law(c, clock, springs, before);
+        follow_law(c, clock, before);
     } else if (SCENE_ANY_FRICTION) {
-        take_friction_event(c, clock, springs, event);
+        c->q->clock = clock;
+        turning_take_event(c->v, c->q, c->contact, (enum ode_event)event);
+        c->q->clock = present;
     }
 }
 
-static void end_regimes(const struct prescribed_contact *c)
+static void end_regimes(const struct prescribed_contact *c, double clock)
 {
+    const enum contact_regime before = regime_of(c);
     c->q->contact[c->contact].regime = (int32_t)REGIME_APART;
-    if (SCENE_ANY_FRICTION) {
-        rub_all_with(c, FRICTION_STICKING);
-    }
+    follow_law(c, clock, before);
 }
 
 /* Largest difference of a panel and its halves, divided by the size of their terms. The order ten of the
@@ -914,7 +695,7 @@ static void add_sums(struct span *s, const struct panel *panel)
 /* A clock within a panel, and the event functions there. */
 struct place {
     double clock;
-    struct margins at;
+    double at[ODE_EVENTS_EACH];
 };
 
 /* Number of places in both halves of a panel: the start, the nodes and the end. */
@@ -923,7 +704,7 @@ enum { PANEL_PLACES = 2 * GAUSS_NODES + 2 };
 static void put_place(const struct span *s, double clock, const struct springs *springs, struct place *place)
 {
     place->clock = clock;
-    margins_at(&s->c, clock, springs, &place->at);
+    events_at(&s->c, clock, springs, place->at);
 }
 
 /* An event function of a contact without a spring, as the argument of root_lowest. */
@@ -935,9 +716,9 @@ struct dip {
 static void dip_at(const void *data, double clock, double *value, double *slope)
 {
     const struct dip *dip = data;
-    struct margins at;
-    margins_at(&dip->span->c, clock, &dip->span->springs, &at);
-    *value = at.value[dip->event];
+    double at[ODE_EVENTS_EACH];
+    events_at(&dip->span->c, clock, &dip->span->springs, at);
+    *value = at[dip->event];
     *slope = (double)NAN; /* not needed */
 }
 
@@ -945,17 +726,18 @@ static void dip_at(const void *data, double clock, double *value, double *slope)
  * becomes the clock at which the function is lowest. */
 static bool finds_dip(const struct span *s, const struct place place[3], double *after)
 {
-    for (int event = 0; event < EVENT_STICK; ++event) {
+    for (int event = ODE_EVENT_LAW; event < ODE_EVENT_ZONE; ++event) {
         const struct dip dip = {s, event};
         struct root_place of[3];
         for (int i = 0; i < 3; ++i) {
-            of[i] = (struct root_place){place[i].clock, place[i].at.value[event]};
+            of[i] = (struct root_place){place[i].clock, place[i].at[event]};
         }
-        if (root_may_dip(of)) {
-            struct margins low;
+        if (event != (int)ode_stick_event(ode_event_part((enum ode_event)event)) && root_may_dip(of)) {
+            double low;
+            double slope;
             *after = root_lowest(dip_at, &dip, of);
-            margins_at(&s->c, *after, &s->springs, &low);
-            if (low.value[event] < -low.noise[event]) {
+            dip_at(&dip, *after, &low, &slope);
+            if (low < 0.0) {
                 return true;
             }
         }
@@ -980,7 +762,7 @@ static bool finds_event(const struct span *s, const struct panel *left, const st
     for (int i = 1; i < count; ++i) {
         *before = place[i - 1].clock;
         *after = place[i].clock;
-        if (event_passed(&place[i].at, &start->at) != REGIME_EVENTS) {
+        if (event_passed(place[i].at, start->at) != ODE_EVENT_GAP) {
             return true;
         }
         if (i + 1 < count && finds_dip(s, &place[i - 1], after)) {
@@ -999,7 +781,7 @@ static bool panel_to_event(const struct span *s, const struct place *start, doub
                            struct panel *panel, int *event)
 {
     const struct springs first = s->springs;
-    struct margins now;
+    double now[ODE_EVENTS_EACH];
     int made = 0;
     panel->springs = first;
     while (after - before > 4.0 * DBL_EPSILON * fabs(after)) {
@@ -1013,16 +795,16 @@ static bool panel_to_event(const struct span *s, const struct place *start, doub
         if (s->elastic && !panel_make(&s->c, start->clock, middle, &first, panel)) {
             panel->springs = first;
         }
-        margins_at(&s->c, middle, &panel->springs, &now);
-        *(event_passed(&now, &start->at) != REGIME_EVENTS ? &after : &before) = middle;
+        events_at(&s->c, middle, &panel->springs, now);
+        *(event_passed(now, start->at) != ODE_EVENT_GAP ? &after : &before) = middle;
     }
     *s->panels -= made * s->panel_cost / PANELS_COMPARED;
     if (!panel_make(&s->c, start->clock, after, &first, panel)) {
         return false;
     }
-    margins_at(&s->c, after, &panel->springs, &now);
-    *event = event_passed(&now, &start->at);
-    return *event != REGIME_EVENTS;
+    events_at(&s->c, after, &panel->springs, now);
+    *event = event_passed(now, start->at);
+    return *event != ODE_EVENT_GAP;
 }
 
 /* Whether an event ends a regime in the halves of a panel. If so, integrates up to the event and changes the
@@ -1043,7 +825,8 @@ static bool passes_event(struct span *s, const struct panel *left, const struct 
     add_sums(s, &panel);
     note_peaks_between(s, panel.from, panel.to);
     s->springs = laid_springs(&s->c, panel.to, s->springs);
-    take_regime_event(&s->c, panel.to, s->springs, event);
+    put_springs_of(&s->c, &s->springs);
+    take_regime_event(&s->c, panel.to, event);
     s->springs = springs_of(s->c.q, s->c.contact);
     counter_add(&s->c.q->counters.events, 1);
     *clock = panel.to;
@@ -1196,11 +979,9 @@ CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, c
     s->springs = laid_springs(c, to, s->springs);
     kinematics_at(c, to, &at);
     c->q->contact[c->contact].regime = (int32_t)scene_regime(c->v, c->q, &at, c->contact);
-    if (SCENE_ANY_FRICTION) {
-        memcpy(c->q->turning.spring[c->contact], s->springs.of, sizeof s->springs.of);
-        follow_law(c, to, s->springs, before);
-        s->springs = springs_of(c->q, c->contact);
-    }
+    put_springs_of(c, &s->springs);
+    follow_law(c, to, before);
+    s->springs = springs_of(c->q, c->contact);
     add_instant(s, to, to - passage->centre);
     counter_add(&c->q->counters.events, 1);
 }
@@ -1298,8 +1079,8 @@ static void book_span(const struct span *s)
             torques->destination_mean = vec3_scale(1.0 / s->length, destination);
         }
     }
-    if (SCENE_ANY_FRICTION && scene_turns(s->c.v)) {
-        memcpy(q->turning.spring[s->c.contact], s->springs.of, sizeof s->springs.of);
+    if (scene_turns(s->c.v)) {
+        put_springs_of(&s->c, &s->springs);
     }
 }
 
@@ -1408,9 +1189,7 @@ static void begin_contact(struct span *s, double clock)
     kinematics_at(c, clock, &at);
     (void)onset_note(c->v, q, &at, c->contact, scene_regime_of_touching(c->v, q, &at, c->contact));
     q->contact[c->contact].regime = (int32_t)scene_regime_of_touching(c->v, q, &at, c->contact);
-    if (SCENE_ANY_FRICTION) {
-        friction_from(c, clock);
-    }
+    follow_law(c, clock, REGIME_APART);
     s->springs = springs_of(q, c->contact);
     if (SCENE_ANY_FREE) {
         struct contact_record *record = &q->contact[s->c.contact].record;
@@ -1423,7 +1202,7 @@ static void begin_contact(struct span *s, double clock)
 
 static void end_contact(struct span *s, double clock)
 {
-    end_regimes(&s->c);
+    end_regimes(&s->c, clock);
     if (SCENE_ANY_FREE) {
         struct contact_record *record = &s->c.q->contact[s->c.contact].record;
         record->last_duration = clock - record->touch_clock;
@@ -1489,20 +1268,13 @@ static void settle_regimes(const struct scene_values *v, struct scene_state *q, 
     const enum contact_regime next = onset_note(v, q, &at, contact, scene_regime(v, q, &at, contact));
     q->contact[contact].regime = (int32_t)next;
     if (next == REGIME_APART) {
-        end_regimes(&c);
+        end_regimes(&c, q->clock);
         return;
     }
-    if (!SCENE_ANY_FRICTION) {
-        return;
-    }
-    if (before != REGIME_APART) {
+    if (SCENE_ANY_FRICTION && before != REGIME_APART) {
         lay_springs(&c);
     }
-    if (before == REGIME_APART || (contact_rubs(v, contact) && !contact_has_springs(v, contact))) {
-        friction_from(&c, q->clock);
-    } else {
-        follow_law(&c, q->clock, springs_of(q, contact), before);
-    }
+    follow_law(&c, q->clock, contact_has_springs(v, contact) ? before : REGIME_APART);
 }
 
 static void book_mean(struct contact_state *state, struct vec3 force, struct vec3 torque)

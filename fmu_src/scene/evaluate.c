@@ -635,15 +635,10 @@ static inline void put_accelerations(const struct scene_values *v, const struct 
 /* Adds the force of a contact to the accelerations of its bodies. */
 static inline void accelerate(const struct scene_values *v, int contact, struct scene_instant *at)
 {
-    const int source = contact_source(contact);
-    const int destination = contact_destination(contact);
-    const struct vec3 force = at->source_force[contact];
-    if (body_is_free(v, source)) {
-        at->acceleration[source] = vec3_axpy(at->acceleration[source], 1.0 / body_mass(v, source), force);
-    }
-    if (body_is_free(v, destination)) {
-        at->acceleration[destination] =
-            vec3_axpy(at->acceleration[destination], -1.0 / body_mass(v, destination), force);
+    for (int end = 0; end < 2; ++end) {
+        const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+        const double by = (end == 0 ? 1.0 : -1.0) * body_inverse_mass(v, body);
+        at->acceleration[body] = vec3_axpy(at->acceleration[body], by, at->source_force[contact]);
     }
 }
 
@@ -766,21 +761,18 @@ struct vec3 scene_torque_of_force(const struct scene_instant *at, int contact)
 
 double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact)
 {
-    const int source = contact_source(contact);
-    const int destination = contact_destination(contact);
     double power = 0.0;
-    if (body_is_prescribed(v, source)) {
-        power -= vec3_dot(at->source_force[contact], at->velocity[source]);
-    }
-    if (body_is_prescribed(v, destination)) {
-        power += vec3_dot(at->source_force[contact], at->velocity[destination]);
-    }
-    if (body_turn_is_prescribed(v, source)) {
-        power -= vec3_dot(at->turning.source_torque[contact], at->turning.body[source].angular_velocity);
-    }
-    if (body_turn_is_prescribed(v, destination)) {
-        power -=
-            vec3_dot(at->turning.destination_torque[contact], at->turning.body[destination].angular_velocity);
+    for (int end = 0; end < 2; ++end) {
+        const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+        if (body_is_prescribed(v, body)) {
+            const double along = vec3_dot(at->source_force[contact], at->velocity[body]);
+            power += end == 0 ? -along : along;
+        }
+        if (body_turn_is_prescribed(v, body)) {
+            power -= vec3_dot(end == 0 ? at->turning.source_torque[contact]
+                                       : at->turning.destination_torque[contact],
+                              at->turning.body[body].angular_velocity);
+        }
     }
     return power;
 }

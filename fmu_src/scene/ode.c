@@ -334,27 +334,25 @@ static void friction_events(const struct scene_ode *ode, double clock, const str
     }
 }
 
-static void turning_events(const struct scene_ode *ode, double clock, const double *y,
-                           const struct scene_instant *at, int contact, double out[ODE_EVENTS_EACH])
+/* Sets the events of the gap and the law. Closed forms foresee all changes of a contact that is apart, and
+ * where nothing turns the passage of a cylinder's end, unless another contact acts on its bodies. */
+static void contact_events(const struct scene_ode *ode, const struct scene_instant *at, int contact,
+                           double out[ODE_EVENTS_EACH])
 {
-    const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
+    const enum contact_regime regime = (enum contact_regime)ode->state->contact[contact].regime;
+    const bool is_coupled = contact_is_coupled(ode->values, ode->state, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
-        out[i] = 1.0;
+    if (!is_coupled && !contact_pushes(ode->values, ode->state, contact)) {
+        return;
     }
-    if (!contact_is_foreseen(ode->values, ode->state, contact)) {
-        const bool apart = laws.regime == REGIME_APART;
-        const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
-        out[ODE_EVENT_GAP] = apart ? ode->gap_offset[contact] + fmax(g->gap, scene_beyond_ends(&shape, g))
-                                   : depth_to_parting(ode, &shape, g, contact);
-        out[ODE_EVENT_LAW] = apart ? 1.0
-                                   : ode->margin_offset[contact] +
-                                         contact_event(&laws.normal, laws.regime, g->gap, g->gap_rate);
-    }
-    if (contact_transmits(ode->state, contact) && contact_rubs(ode->values, contact)) {
-        struct turning_state turning;
-        unpack_springs(ode, y, contact, &turning);
-        friction_events(ode, clock, &turning, at, contact, out);
+    struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
+    shape.half_length = is_coupled || scene_turns(ode->values) ? shape.half_length : (double)INFINITY;
+    if (regime == REGIME_APART) {
+        out[ODE_EVENT_GAP] = ode->gap_offset[contact] + fmax(g->gap, scene_beyond_ends(&shape, g));
+    } else {
+        const struct contact_law law = scene_contact_law(ode->values, ode->state, contact);
+        out[ODE_EVENT_GAP] = depth_to_parting(ode, &shape, g, contact);
+        out[ODE_EVENT_LAW] = ode->margin_offset[contact] + contact_event(&law, regime, g->gap, g->gap_rate);
     }
 }
 
@@ -377,8 +375,8 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
     const double force = at->normal_force[contact];
     const struct contact_geometry *g = &at->geometry[contact];
     const double by_rate = contact_force_slopes(&laws.normal, laws.regime, g->gap, g->gap_rate).by_rate;
-    const double rounding = 8.0 * DBL_EPSILON * fabs(force) + fabs(by_rate) * tolerated;
     const double of_force = rounding_of_force(ode->values, ode->state, at, contact);
+    const double rounding = 8.0 * DBL_EPSILON * fabs(force) + of_force + fabs(by_rate) * tolerated;
     for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
         events[i] = 1.0;
     }
@@ -698,8 +696,7 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
     }
 }
 
-/* This part computes the Jacobian of a scene that turns or rubs, from directional derivatives of each
- * contact. */
+/* This part computes the Jacobian from directional derivatives of each contact. */
 
 /* The leading `size` rows and columns of a Jacobian, by columns. Entries outside are dropped. */
 struct jacobian {
@@ -735,6 +732,7 @@ struct turning_linearization {
     struct turning_state turning;
     const struct ode_layout *layout;
     struct jacobian matrix;
+    bool turns; /* scene_turns */
 };
 
 static struct vec3 along_axis(int component)
@@ -843,10 +841,12 @@ static void add_change(const struct turning_linearization *l, const struct turni
     }
     const int impulse = l->layout->impulse[contact];
     add_three(l->matrix, impulse, column, 1.0, change.force);
-    add_three(l->matrix, impulse + 3, column, 1.0, change.source_torque);
-    add_three(l->matrix, impulse + 6, column, 1.0, change.destination_torque);
     add_entry(l->matrix, l->layout->dissipated, column, change.dissipated_power);
-    add_entry(l->matrix, l->layout->dissipated + 2, column, change.friction_power);
+    if (l->turns) {
+        add_three(l->matrix, impulse + 3, column, 1.0, change.source_torque);
+        add_three(l->matrix, impulse + 6, column, 1.0, change.destination_torque);
+        add_entry(l->matrix, l->layout->dissipated + 2, column, change.friction_power);
+    }
 }
 
 /* Adds the columns of the states of a body at one end of a contact (sign -1: source, +1: destination). A
@@ -946,23 +946,42 @@ static void add_rotation(const struct turning_linearization *l, double clock, in
     }
 }
 
-static void linearize(struct turning_linearization *l, double clock)
+/* Sets the leading `size` rows and columns of the Jacobian, by columns. */
+static void put_jacobian(const struct scene_ode *ode, double clock, const double *y, int size,
+                         double *columns)
 {
-    const struct scene_ode *ode = l->ode;
-    memset(l->matrix.at, 0, (size_t)l->matrix.size * (size_t)l->matrix.size * sizeof *l->matrix.at);
-    l->layout = &ode->layout;
-    l->turning = ode->state->turning;
-    turning_unpack(ode, l->y, &l->turning);
-    ode_instant(ode, clock, l->y, &l->at);
+    struct turning_linearization l = {.ode = ode,
+                                      .y = y,
+                                      .turning = ode->state->turning,
+                                      .layout = &ode->layout,
+                                      .matrix = {columns, size},
+                                      .turns = scene_turns(ode->values)};
+    memset(columns, 0, (size_t)size * (size_t)size * sizeof *columns);
+    if (l.turns) {
+        turning_unpack(ode, y, &l.turning);
+    }
+    ode_instant(ode, clock, y, &l.at);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        add_motion(l->matrix, ode, clock, i);
-        if (SCENE_ANY_ROTATION && l->layout->spin[i] >= 0) {
-            add_rotation(l, clock, i);
+        add_motion(l.matrix, ode, clock, i);
+        if (SCENE_ANY_ROTATION && ode->layout.spin[i] >= 0) {
+            add_rotation(&l, clock, i);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        add_contact(l, j);
+        add_contact(&l, j);
     }
+}
+
+void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
+{
+    const struct scene_ode *ode = scene_ode;
+    put_jacobian(ode, clock, y, ode->layout.size, columns);
+}
+
+void ode_coupled_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
+{
+    const struct scene_ode *ode = scene_ode;
+    put_jacobian(ode, clock, y, ode->layout.coupled, columns);
 }
 
 /* Returns a tiny negative number in place of zero. A contact that starts at g = 0 then does not end at once,
@@ -973,66 +992,30 @@ static double not_zero(double value)
     return fabs(value) < 1e-100 ? -1e-100 : value;
 }
 
-/* Sets the event functions of a contact with a body that another contact loads, so that closed forms do not
- * foresee its changes. */
-static void coupled_events(const struct scene_ode *ode, const struct contact_shape *shape,
-                           const struct contact_law *law, const struct contact_geometry *g, int j,
-                           double out[ODE_EVENTS_EACH])
-{
-    const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
-    const double apart = fmax(g->gap, scene_beyond_ends(shape, g));
-    out[0] = not_zero(ode->gap_offset[j] + (regime == REGIME_APART ? apart : -apart));
-    if (regime == REGIME_SEPARATING) {
-        out[1] = not_zero(ode->margin_offset[j] + contact_event(law, regime, g->gap, g->gap_rate));
-    }
-}
-
-static void put_zone(const struct scene_ode *ode, const struct scene_instant *at, int contact, double *out)
-{
-    if (SCENE_ANY_ZONES) {
-        out[ODE_EVENTS_EACH - 1] =
-            not_zero(ode->zone_offset[contact] + zones_margin(ode->values, ode->state, at, contact));
-    }
-}
-
 void ode_events_at(const struct scene_ode *ode, double clock, const double *y, const struct scene_instant *at,
                    double events[ODE_EVENTS])
 {
     const struct scene_values *v = ode->values;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         double *out = events + ODE_EVENTS_EACH * j;
+        for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+            out[i] = 1.0;
+        }
         if (!ode->layout.met[j]) {
-            for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
-                out[i] = 1.0;
-            }
             continue;
         }
-        const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
-        const struct contact_law law = scene_contact_law(v, ode->state, j);
-        const struct contact_geometry *g = &at->geometry[j];
-        if (SCENE_ANY_TURNING) {
-            if (scene_turns(v)) {
-                turning_events(ode, clock, y, at, j, out);
-                put_zone(ode, at, j, out);
-                for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
-                    out[i] = not_zero(out[i]);
-                }
-                continue;
-            }
-            for (int i = ODE_EVENT_STICK; i < ODE_EVENT_ZONE; ++i) {
-                out[i] = 1.0;
-            }
+        contact_events(ode, at, j, out);
+        if (SCENE_ANY_FRICTION && contact_rubs(v, j) && contact_transmits(ode->state, j)) {
+            struct turning_state turning;
+            unpack_springs(ode, y, j, &turning);
+            friction_events(ode, clock, &turning, at, j, out);
         }
-        out[0] = out[1] = 1.0;
-        if (contact_transmits(ode->state, j) && !contact_is_prescribed(v, j)) {
-            out[0] = not_zero(ode->gap_offset[j] - g->gap);
-            out[1] = not_zero(ode->margin_offset[j] + contact_event(&law, regime, g->gap, g->gap_rate));
+        if (SCENE_ANY_ZONES) {
+            out[ODE_EVENT_ZONE] = ode->zone_offset[j] + zones_margin(v, ode->state, at, j);
         }
-        if (contact_is_coupled(v, ode->state, j)) {
-            const struct contact_shape shape = scene_contact_shape(v, ode->state, j);
-            coupled_events(ode, &shape, &law, g, j, out);
+        for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+            out[i] = not_zero(out[i]);
         }
-        put_zone(ode, at, j, out);
     }
 }
 
@@ -1078,106 +1061,6 @@ enum contact_regime ode_regime_after(const struct scene_values *v, const struct 
     scene_now(v, q, &at);
     const double gap = fmin(at.geometry[contact].gap, -DBL_MIN);
     return contact_regime_of(&law, gap, at.geometry[contact].gap_rate, true);
-}
-
-static void add_block(struct jacobian m, int row, int column, double factor, double block[3][3])
-{
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            add_entry(m, row + i, column + j, factor * block[i][j]);
-        }
-    }
-}
-
-static void add_row(struct jacobian m, int row, int column, double factor, struct vec3 entries)
-{
-    for (int k = 0; k < 3; ++k) {
-        add_entry(m, row, column + k, factor * vec3_get(entries, k));
-    }
-}
-
-/* Returns a^T M. */
-static struct vec3 left_product(struct vec3 a, double m[3][3])
-{
-    return vec3_make(a.x * m[0][0] + a.y * m[1][0] + a.z * m[2][0],
-                     a.x * m[0][1] + a.y * m[1][1] + a.z * m[2][1],
-                     a.x * m[0][2] + a.y * m[1][2] + a.z * m[2][2]);
-}
-
-/* Adds the effects of the state of `body` (sign -1: source, +1: destination) through contact j. */
-static void contact_columns(struct jacobian jacobian, const struct scene_ode *ode,
-                            const struct scene_instant *at, int j, int body, double sign,
-                            struct contact_jacobian *gradient)
-{
-    const struct scene_values *v = ode->values;
-    const int ends[2] = {contact_source(j), contact_destination(j)};
-    const struct ode_layout *layout = &ode->layout;
-    const int column = layout->body[body];
-    const int work = layout->dissipated + 1;
-    for (int end = 0; end < 2; ++end) {
-        const double on_end = end == 0 ? 1.0 : -1.0; /* the destination gets the opposite force */
-        if (layout->body[ends[end]] >= 0) {
-            const int row = layout->body[ends[end]] + 3;
-            const double factor = sign * on_end / body_mass(v, ends[end]);
-            add_block(jacobian, row, column, factor, gradient->by_separation);
-            add_block(jacobian, row, column + 3, factor, gradient->by_rate);
-        } else if (body_is_prescribed(v, ends[end])) {
-            const struct vec3 speed = at->velocity[ends[end]];
-            add_row(jacobian, work, column, -sign * on_end, left_product(speed, gradient->by_separation));
-            add_row(jacobian, work, column + 3, -sign * on_end, left_product(speed, gradient->by_rate));
-        }
-    }
-    add_block(jacobian, layout->impulse[j], column, sign, gradient->by_separation);
-    add_block(jacobian, layout->impulse[j], column + 3, sign, gradient->by_rate);
-    add_row(jacobian, layout->dissipated, column, sign, gradient->power_by_separation);
-    add_row(jacobian, layout->dissipated, column + 3, sign, gradient->power_by_rate);
-}
-
-/* Sets the leading `size` rows and columns of the Jacobian, by columns. */
-static void put_jacobian(const struct scene_ode *ode, double clock, const double *y, int size,
-                         double *columns)
-{
-    const struct scene_values *v = ode->values;
-    const struct jacobian jacobian = {columns, size};
-    if (scene_turns(v)) {
-        struct turning_linearization l = {.ode = ode, .y = y, .matrix = jacobian};
-        linearize(&l, clock);
-        return;
-    }
-    struct scene_instant at;
-    ode_instant(ode, clock, y, &at);
-    memset(columns, 0, (size_t)size * (size_t)size * sizeof *columns);
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        add_motion(jacobian, ode, clock, i);
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
-        if (regime == REGIME_APART) {
-            continue;
-        }
-        const struct contact_shape shape = scene_contact_shape(v, ode->state, j);
-        const struct contact_law law = scene_contact_law(v, ode->state, j);
-        struct contact_jacobian gradient =
-            contact_jacobian_at(&shape, &at.geometry[j], at.rate[j], &law, regime);
-        if (ode->layout.body[contact_source(j)] >= 0) {
-            contact_columns(jacobian, ode, &at, j, contact_source(j), -1.0, &gradient);
-        }
-        if (ode->layout.body[contact_destination(j)] >= 0) {
-            contact_columns(jacobian, ode, &at, j, contact_destination(j), 1.0, &gradient);
-        }
-    }
-}
-
-void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
-{
-    const struct scene_ode *ode = scene_ode;
-    put_jacobian(ode, clock, y, ode->layout.size, columns);
-}
-
-void ode_coupled_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
-{
-    const struct scene_ode *ode = scene_ode;
-    put_jacobian(ode, clock, y, ode->layout.coupled, columns);
 }
 
 /* Whether only gravity and contacts do work on a body. A prescribed body must rest by both of its inputs,

@@ -60,6 +60,15 @@ struct vec3 path_at(const struct vec3 *coefficients, int count, double clock)
     return value;
 }
 
+double path_size(const struct vec3 *coefficients, int count, double clock)
+{
+    double size = 0.0;
+    for (int i = count - 1; i >= 0; --i) {
+        size = size * clock + vec3_norm(coefficients[i]);
+    }
+    return size;
+}
+
 void path_shift(struct vec3 *coefficients, int count, double clock)
 {
     if (path_is_steady(coefficients, count)) {

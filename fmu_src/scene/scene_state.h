@@ -258,6 +258,9 @@ void scene_rebase(const struct scene_values *v, struct scene_state *q);
 /* Returns the value of a path of `count` coefficients at a clock. */
 struct vec3 path_at(const struct vec3 *coefficients, int count, double clock);
 
+/* Returns the sum of the sizes of the terms, which bounds the polynomial up to `clock` >= 0. */
+double path_size(const struct vec3 *coefficients, int count, double clock);
+
 /* Returns the derivative of a path of three coefficients at a clock. */
 struct vec3 path_slope(const struct vec3 path[3], double clock);
 

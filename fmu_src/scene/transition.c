@@ -225,7 +225,7 @@ static void lift_all(const struct scene_values *v, struct scene_state *q, int co
 }
 
 /* Length of a friction spring as a fraction of the source's radius, and angle of another spring in radians,
- * where no force gives it. */
+ * where no force but that of rounding gives it. */
 static const double TYPICAL_LENGTH = 1e-4;
 
 /* Returns the spring of a contact that begins to slide along `along` without a dashpot. Only the direction of
@@ -242,7 +242,8 @@ static struct vec3 direction_to_slide(const struct rubbed *r, const struct scene
     const double force = fmax(at->normal_force[r->contact], spring_force);
     const double length = fmin(law->coefficient * force, law->largest) / friction_stiffness(law, depth);
     const double unit = r->part == OPPOSED_SLIP ? contact_source_radius(r->v, r->contact) : 1.0;
-    const double typical = length > 0.0 ? length : TYPICAL_LENGTH * unit;
+    const bool is_known = length > 0.0 && depth > rounding_of_gap(r->v, at, r->contact);
+    const double typical = is_known ? length : TYPICAL_LENGTH * unit;
     return size > 0.0 ? vec3_scale(typical / size, along) : along;
 }
 

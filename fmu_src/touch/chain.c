@@ -49,13 +49,6 @@ static bool goes_along(const struct contact_shape *shape, struct vec3 normal, st
     return vec3_max_abs(vec3_axpy(across, -vec3_dot(normal, across), normal)) <= CHAIN_SAME * size;
 }
 
-static bool has_constant_force(const struct scene_values *v, const struct scene_state *q, int body)
-{
-    return body_is_free(v, body)
-               ? vec3_is_zero(q->path[body].force[1]) && vec3_is_zero(q->path[body].force[2])
-               : !body_is_prescribed(v, body);
-}
-
 /* Whether n keeps its direction while the bodies fly, and the gap is a parabola. */
 static bool flies_along(const struct chain *c, const struct scene_values *v, const struct scene_state *q,
                         const struct scene_instant *at, int contact, const struct contact_shape *shape,
@@ -66,7 +59,7 @@ static bool flies_along(const struct chain *c, const struct scene_values *v, con
     const int destination = contact_destination(contact);
     const bool may_turn_over = !contact_is_plane(shape) && shape->side < 0 && !contact_transmits(q, contact);
     if (g->degenerate || may_turn_over || contact_is_zoned(shape) || scene_ends_suddenly(v, contact) ||
-        !has_constant_force(v, q, source) || !has_constant_force(v, q, destination)) {
+        !flight_is_steady(v, q, source) || !flight_is_steady(v, q, destination)) {
         return false;
     }
     return goes_along(shape, g->normal, flight->c[1], c->speed) &&

@@ -12,9 +12,8 @@ struct collocation_place {
     void (*guess)(struct collocation *p);                 /* first guess of n and H */
     void (*load)(const struct collocation *p, double *values, double *softening);
     double (*turn)(struct collocation *p); /* one sweep of n and H; returns the largest change [m] */
-    void (*mismatch)(const struct collocation *p, double *values); /* half n.E at the nodes [m] */
     void (*finish)(struct collocation *p); /* called once sweeps have converged; may be NULL */
-    /* c - c(0) and n at a node, in the world, without the oscillation */
+    /* c - c(0) and n at a node, in the frame, without the oscillation */
     void (*at_node)(const struct collocation *p, int node, struct vec3 *moved, struct vec3 *normal);
     struct collocation_change (*change_at)(const struct collocation *p, double s);
 };
@@ -38,11 +37,24 @@ static inline struct vec3 collocation_in_world(const struct collocation *p, stru
                      p->local.frame[2]);
 }
 
-/* Returns A in the frame at the time t from the start [m/s^2]. */
-static struct vec3 acceleration_then(const struct collocation *p, double t)
+static struct vec3 polynomial_of_time(const struct vec3 *a, int terms, double t)
 {
-    return vec3_axpy(vec3_axpy(p->local.acceleration[0], t, p->local.acceleration[1]), t * t,
-                     p->local.acceleration[2]);
+    struct vec3 sum = a[terms - 1];
+    for (int i = terms - 2; i >= 0; --i) {
+        sum = vec3_axpy(a[i], t, sum);
+    }
+    return sum;
+}
+
+static struct vec3 at_row(const struct nodal_vec3 *row, int i)
+{
+    return vec3_make(row->x[i], row->y[i], row->z[i]);
+}
+
+/* Returns A in the frame at s [m/s^2]. */
+static struct vec3 acceleration_then(const struct collocation *p, double s)
+{
+    return polynomial_of_time(p->local.acceleration, COLLOCATION_ACCELERATION_TERMS, p->half * s);
 }
 
 /* Returns the integral of y over time, expressed by the present y and y' [m s]. */
@@ -76,21 +88,31 @@ static void centre_load(const struct collocation *p, double *values, double *sof
     const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
     const struct vec3 h = vec3_sub(p->local.momentum, p->result.momentum_correction);
     for (int i = 0; i < points; i += LANES) {
+        const double2 hx = h.x + double2_at(p->result.h.x, i);
+        const double2 hy = h.y + double2_at(p->result.h.y, i);
         const double2 hz = h.z + double2_at(p->result.h.z, i);
-        double2 h_squared = hz * hz;
-        double2 drive = (n.x + double2_at(p->result.n.x, i)) * double2_at(p->work.drive_at.x, i) +
-                        (n.y + double2_at(p->result.n.y, i)) * double2_at(p->work.drive_at.y, i);
-        if (!p->local.planar) {
-            const double2 hx = h.x + double2_at(p->result.h.x, i);
-            const double2 hy = h.y + double2_at(p->result.h.y, i);
-            h_squared += hx * hx + hy * hy;
-            drive += (n.z + double2_at(p->result.n.z, i)) * double2_at(p->work.drive_at.z, i);
-        }
+        const double2 h_squared = hx * hx + hy * hy + hz * hz;
+        const double2 drive = (n.x + double2_at(p->result.n.x, i)) * double2_at(p->work.drive_at.x, i) +
+                              (n.y + double2_at(p->result.n.y, i)) * double2_at(p->work.drive_at.y, i) +
+                              (n.z + double2_at(p->result.n.z, i)) * double2_at(p->work.drive_at.z, i);
         const double2 inverse = 1.0 / (p->from.reach + double2_at(p->result.x, i));
         const double2 centrifugal = half2 * h_squared * inverse * inverse * inverse;
         double2_put(values, i, centrifugal + half2 * drive);
         double2_put(softening, i, 1.5 * centrifugal * inverse);
     }
+}
+
+/* Integrates the nodal values of a vector from their rates; returns the largest change of a component. In a
+ * plane motion the vector lies in the plane or across it. */
+static double integrate_three(const struct collocation *p, const struct nodal_vec3 *rate,
+                              struct nodal_vec3 *sum, bool in_plane, bool across)
+{
+    double change = 0.0;
+    if (in_plane || !p->local.planar) {
+        change =
+            larger(nodal_integrate(p->nodes, rate->x, sum->x), nodal_integrate(p->nodes, rate->y, sum->y));
+    }
+    return across || !p->local.planar ? larger(nodal_integrate(p->nodes, rate->z, sum->z), change) : change;
 }
 
 /* Integrates H' = d n x A. Returns the largest change [m]: the change of H times the step divided by d. */
@@ -102,19 +124,13 @@ static double integrate_momentum(struct collocation *p)
         const double2 arm = p->half * (p->from.reach + double2_at(p->result.x, i));
         const double2 nx = n.x + double2_at(p->result.n.x, i);
         const double2 ny = n.y + double2_at(p->result.n.y, i);
+        const double2 nz = n.z + double2_at(p->result.n.z, i);
+        double2_put(p->result.h_rate.x, i, arm * (ny * double2_at(a->z, i) - nz * double2_at(a->y, i)));
+        double2_put(p->result.h_rate.y, i, arm * (nz * double2_at(a->x, i) - nx * double2_at(a->z, i)));
         double2_put(p->result.h_rate.z, i, arm * (nx * double2_at(a->y, i) - ny * double2_at(a->x, i)));
-        if (!p->local.planar) {
-            const double2 nz = n.z + double2_at(p->result.n.z, i);
-            double2_put(p->result.h_rate.x, i, arm * (ny * double2_at(a->z, i) - nz * double2_at(a->y, i)));
-            double2_put(p->result.h_rate.y, i, arm * (nz * double2_at(a->x, i) - nx * double2_at(a->z, i)));
-        }
     }
-    double change = nodal_integrate(p->nodes, p->result.h_rate.z, p->result.h.z);
-    if (!p->local.planar) {
-        change = larger(nodal_integrate(p->nodes, p->result.h_rate.x, p->result.h.x), change);
-        change = larger(nodal_integrate(p->nodes, p->result.h_rate.y, p->result.h.y), change);
-    }
-    return 2.0 * p->half / p->local.distance * change;
+    return 2.0 * p->half / p->local.distance *
+           integrate_three(p, &p->result.h_rate, &p->result.h, false, true);
 }
 
 /* Integrates n' = H x n / d^2. Returns the largest change [m]: the change of n times d. */
@@ -128,25 +144,14 @@ static double integrate_normal(struct collocation *p)
         const double2 nx = n.x + double2_at(p->result.n.x, i);
         const double2 ny = n.y + double2_at(p->result.n.y, i);
         const double2 hz = h.z + double2_at(p->result.h.z, i);
-        double2 to_x = -hz * ny;
-        double2 to_y = hz * nx;
-        if (!p->local.planar) {
-            const double2 nz = n.z + double2_at(p->result.n.z, i);
-            const double2 hx = h.x + double2_at(p->result.h.x, i);
-            const double2 hy = h.y + double2_at(p->result.h.y, i);
-            to_x += hy * nz;
-            to_y -= hx * nz;
-            double2_put(p->result.n_rate.z, i, by * (hx * ny - hy * nx));
-        }
-        double2_put(p->result.n_rate.x, i, by * to_x);
-        double2_put(p->result.n_rate.y, i, by * to_y);
+        const double2 nz = n.z + double2_at(p->result.n.z, i);
+        const double2 hx = h.x + double2_at(p->result.h.x, i);
+        const double2 hy = h.y + double2_at(p->result.h.y, i);
+        double2_put(p->result.n_rate.x, i, by * (hy * nz - hz * ny));
+        double2_put(p->result.n_rate.y, i, by * (hz * nx - hx * nz));
+        double2_put(p->result.n_rate.z, i, by * (hx * ny - hy * nx));
     }
-    double change = larger(nodal_integrate(p->nodes, p->result.n_rate.x, p->result.n.x),
-                           nodal_integrate(p->nodes, p->result.n_rate.y, p->result.n.y));
-    if (!p->local.planar) {
-        change = larger(nodal_integrate(p->nodes, p->result.n_rate.z, p->result.n.z), change);
-    }
-    return p->local.distance * change;
+    return p->local.distance * integrate_three(p, &p->result.n_rate, &p->result.n, true, false);
 }
 
 /* Integrates H with the present n, then n with the new H; returns the largest change [m]. */
@@ -159,17 +164,6 @@ static double centre_turn(struct collocation *p)
     p->result.momentum_correction = correction.momentum;
     const double by_momentum = integrate_momentum(p);
     return larger(by_momentum, integrate_normal(p));
-}
-
-/* Sets half n.E at the nodes [m]. */
-static void centre_mismatch(const struct collocation *p, double *values)
-{
-    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
-    for (int i = 0; i < p->nodes->points; ++i) {
-        values[i] = (n.x + p->result.n.x[i]) * p->work.mismatch_at.x[i] +
-                    (n.y + p->result.n.y[i]) * p->work.mismatch_at.y[i] +
-                    (n.z + p->result.n.z[i]) * p->work.mismatch_at.z[i];
-    }
 }
 
 /* A step turns by about two radians of tangential motion. Sweep k multiplies the error by about these radians
@@ -348,7 +342,11 @@ static void sum_up(struct collocation *p)
     p->result.interior_error = tail_of_all(p);
     if (has_mismatch(p)) {
         nodal_values values;
-        p->place->mismatch(p, values);
+        for (int i = 0; i < p->nodes->points; ++i) {
+            struct vec3 moved, normal;
+            p->place->at_node(p, i, &moved, &normal);
+            values[i] = vec3_dot(normal, at_row(&p->work.mismatch_at, i));
+        }
         nodal_coefficients(p->nodes, values, p->result.normal_mismatch);
     }
 }
@@ -393,11 +391,6 @@ static struct rim_state rim_state_at_start(const struct collocation *p)
     return collocation_rim_state(p, zero, zero, p->from.deviation);
 }
 
-static struct vec3 rim_row(const struct nodal_vec3 *row, int i)
-{
-    return vec3_make(row->x[i], row->y[i], row->z[i]);
-}
-
 static void put_rim_rates(const struct collocation *p, int i, double factor, const struct rim_slopes *slopes,
                           struct nodal_vec3 *n, struct nodal_vec3 *h)
 {
@@ -409,8 +402,8 @@ static void put_rim_rates(const struct collocation *p, int i, double factor, con
 
 static struct rim_state collocation_rim_state_at_node(const struct collocation *p, int i)
 {
-    return collocation_rim_state(p, vec3_sub(rim_row(&p->result.n, i), p->result.normal_correction),
-                                 vec3_sub(rim_row(&p->result.h, i), p->result.momentum_correction),
+    return collocation_rim_state(p, vec3_sub(at_row(&p->result.n, i), p->result.normal_correction),
+                                 vec3_sub(at_row(&p->result.h, i), p->result.momentum_correction),
                                  p->result.x[i]);
 }
 
@@ -428,18 +421,24 @@ static struct collocation_correction collocation_rim_correction(const struct col
                                            vec3_make(by * slopes[2], by * slopes[3], 0.0)};
 }
 
-static void collocation_rim_begin(struct collocation *p)
+/* Turns A and E into the frame. */
+static void put_in_local_frame(struct collocation *p)
 {
-    memcpy(p->local.frame, p->from.rim.frame, sizeof p->local.frame);
-    memset(p->result.tilt_rate, 0, sizeof p->result.tilt_rate);
-    p->local.planar = false;
-    p->local.rate = vec3_make(p->from.radial, 0.0, 0.0);
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
         p->local.acceleration[i] = collocation_in_frame(p, p->from.acceleration[i]);
     }
     for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && has_mismatch(p); ++i) {
         p->local.mismatch[i] = collocation_in_frame(p, p->from.mismatch[i]);
     }
+}
+
+static void collocation_rim_begin(struct collocation *p)
+{
+    memcpy(p->local.frame, p->from.rim.frame, sizeof p->local.frame);
+    memset(p->result.tilt_rate, 0, sizeof p->result.tilt_rate);
+    p->local.planar = false;
+    p->local.rate = vec3_make(p->from.radial, 0.0, 0.0);
+    put_in_local_frame(p);
 }
 
 static double collocation_rim_load_at_start(const struct collocation *p)
@@ -468,18 +467,11 @@ static void collocation_rim_load(const struct collocation *p, double *values, do
     const double half2 = p->half * p->half;
     for (int i = 0; i < p->nodes->points; ++i) {
         const struct rim_state at = collocation_rim_state_at_node(p, i);
-        const struct rim_slopes slopes = rim_slopes_at(&at, rim_row(&p->work.drive_at, i));
+        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->work.drive_at, i));
         const double spin = slopes.azimuth * at.cosine;
         values[i] = half2 * slopes.load;
         softening[i] = 1.5 * half2 * (spin * spin + slopes.tilt * slopes.tilt);
     }
-}
-
-/* Integrates the nodal values of two components from their rates; returns the largest change. */
-static double rim_integrate(const struct collocation *p, const struct nodal_vec3 *rate,
-                            struct nodal_vec3 *sum)
-{
-    return fmax(nodal_integrate(p->nodes, rate->x, sum->x), nodal_integrate(p->nodes, rate->y, sum->y));
 }
 
 static double collocation_rim_turn(struct collocation *p)
@@ -494,20 +486,21 @@ static double collocation_rim_turn(struct collocation *p)
     nodal_values per_d_squared;
     for (int i = 0; i < p->nodes->points; ++i) {
         const struct rim_state at = collocation_rim_state_at_node(p, i);
-        const struct rim_slopes slopes = rim_slopes_at(&at, rim_row(&p->work.acceleration_at, i));
+        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->work.acceleration_at, i));
         put_rim_rates(p, i, p->half, &slopes, &p->result.n_rate, &p->result.h_rate);
         per_rho_squared[i] = 1.0 / (at.rho * at.rho);
         per_d_squared[i] = 1.0 / (at.d * at.d);
     }
-    const double by_momentum = 2.0 * p->half / distance * rim_integrate(p, &p->result.h_rate, &p->result.h);
+    const double by_momentum =
+        2.0 * p->half / distance * integrate_three(p, &p->result.h_rate, &p->result.h, true, false);
     for (int i = 0; i < p->nodes->points; ++i) {
-        const struct vec3 h = vec3_sub(rim_row(&p->result.h, i), p->result.momentum_correction);
+        const struct vec3 h = vec3_sub(at_row(&p->result.h, i), p->result.momentum_correction);
         const double scale = p->from.rim.rho / distance;
         p->result.n_rate.x[i] =
             p->half * scale * (p->from.rim.azimuth_momentum + scale * h.x) * per_rho_squared[i];
         p->result.n_rate.y[i] = p->half * (p->from.rim.tilt_momentum + h.y) * per_d_squared[i];
     }
-    return fmax(by_momentum, distance * rim_integrate(p, &p->result.n_rate, &p->result.n));
+    return fmax(by_momentum, distance * integrate_three(p, &p->result.n_rate, &p->result.n, true, false));
 }
 
 static void collocation_rim_keep_tilt(struct collocation *p)
@@ -515,37 +508,35 @@ static void collocation_rim_keep_tilt(struct collocation *p)
     nodal_coefficients(p->nodes, p->result.n_rate.y, p->result.tilt_rate);
 }
 
-static void collocation_rim_mismatch(const struct collocation *p, double *values)
-{
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const struct rim_state at = collocation_rim_state_at_node(p, i);
-        values[i] = vec3_dot(rim_normal(&at), rim_row(&p->work.mismatch_at, i));
-    }
-}
-
 static void collocation_rim_at_node(const struct collocation *p, int node, struct vec3 *moved,
                                     struct vec3 *normal)
 {
     const struct rim_state at = collocation_rim_state_at_node(p, node);
-    *moved = collocation_in_world(p, rim_moved(&p->from.rim, &at));
-    *normal = collocation_in_world(p, rim_normal(&at));
+    *moved = rim_moved(&p->from.rim, &at);
+    *normal = rim_normal(&at);
+}
+
+/* Returns the change of n or H since the start, from its nodal values and rates, without the part by y at the
+ * start. */
+static struct vec3 integral_then(const struct collocation *p, const struct nodal_vec3 *values,
+                                 const struct nodal_vec3 *rate, struct vec3 correction, double s)
+{
+    const struct vec3 all = {nodal_integral_to(p->nodes, values->x, rate->x, s),
+                             nodal_integral_to(p->nodes, values->y, rate->y, s),
+                             nodal_integral_to(p->nodes, values->z, rate->z, s)};
+    return vec3_sub(all, correction);
 }
 
 /* Returns the state at s. The caller passes x of collocation_deviation, or the averaged x. */
 static struct rim_state rim_state_then(const struct collocation *p, double s, const double x[4])
 {
-    const struct lobatto *nodes = p->nodes;
-    struct vec3 n = {nodal_integral_to(nodes, p->result.n.x, p->result.n_rate.x, s),
-                     nodal_integral_to(nodes, p->result.n.y, p->result.n_rate.y, s), 0.0};
-    struct vec3 h = {nodal_integral_to(nodes, p->result.h.x, p->result.h_rate.x, s),
-                     nodal_integral_to(nodes, p->result.h.y, p->result.h_rate.y, s), 0.0};
+    const struct vec3 n = integral_then(p, &p->result.n, &p->result.n_rate, p->result.normal_correction, s);
+    const struct vec3 h = integral_then(p, &p->result.h, &p->result.h_rate, p->result.momentum_correction, s);
     double slow[4];
     collocation_averaged_deviation(p, s, slow);
-    n = vec3_sub(n, p->result.normal_correction);
-    h = vec3_sub(h, p->result.momentum_correction);
     const struct rim_state then = collocation_rim_state(p, n, h, x[0]);
-    const struct collocation_correction correction = collocation_rim_correction(
-        p, &then, acceleration_then(p, p->half * s), x[0] - slow[0], x[1] - slow[1]);
+    const struct collocation_correction correction =
+        collocation_rim_correction(p, &then, acceleration_then(p, s), x[0] - slow[0], x[1] - slow[1]);
     return collocation_rim_state(p, vec3_add(n, correction.normal), vec3_add(h, correction.momentum), x[0]);
 }
 
@@ -745,12 +736,10 @@ static double moment_of_oscillation(const struct collocation *p, const double *v
 static void centre_at_node(const struct collocation *p, int i, struct vec3 *moved, struct vec3 *normal)
 {
     const struct vec3 start = {1.0, 0.0, 0.0};
-    const struct vec3 normal_change = vec3_sub(
-        vec3_make(p->result.n.x[i], p->result.n.y[i], p->result.n.z[i]), p->result.normal_correction);
+    const struct vec3 normal_change = vec3_sub(at_row(&p->result.n, i), p->result.normal_correction);
     const double d = p->from.reach + p->result.x[i];
-    *moved = collocation_in_world(
-        p, vec3_axpy(vec3_scale(d, normal_change), p->result.x[i] - p->from.deviation, start));
-    *normal = collocation_in_world(p, vec3_add(start, normal_change));
+    *moved = vec3_axpy(vec3_scale(d, normal_change), p->result.x[i] - p->from.deviation, start);
+    *normal = vec3_add(start, normal_change);
 }
 
 double collocation_moment(const struct collocation *p, const struct vec3 weight[2], double s)
@@ -760,7 +749,8 @@ double collocation_moment(const struct collocation *p, const struct vec3 weight[
     nodal_values a;
     for (int i = 0; i < p->nodes->points; ++i) {
         const double at = 1.0 + p->nodes->node[i];
-        const struct vec3 weight_then = vec3_axpy(weight[0], p->half * at, weight[1]);
+        const struct vec3 weight_then =
+            collocation_in_frame(p, vec3_axpy(weight[0], p->half * at, weight[1]));
         struct vec3 moved;
         struct vec3 normal;
         p->place->at_node(p, i, &moved, &normal);
@@ -775,23 +765,13 @@ double collocation_moment(const struct collocation *p, const struct vec3 weight[
 static void frame_change_at(const struct collocation *p, double s, const double x[4],
                             struct vec3 *normal_change, struct vec3 *momentum_change)
 {
-    const struct lobatto *nodes = p->nodes;
-    normal_change->x = nodal_integral_to(nodes, p->result.n.x, p->result.n_rate.x, s);
-    normal_change->y = nodal_integral_to(nodes, p->result.n.y, p->result.n_rate.y, s);
-    momentum_change->z = nodal_integral_to(nodes, p->result.h.z, p->result.h_rate.z, s);
-    if (!p->local.planar) {
-        normal_change->z = nodal_integral_to(nodes, p->result.n.z, p->result.n_rate.z, s);
-        momentum_change->x = nodal_integral_to(nodes, p->result.h.x, p->result.h_rate.x, s);
-        momentum_change->y = nodal_integral_to(nodes, p->result.h.y, p->result.h_rate.y, s);
-    }
     double slow[4];
     collocation_averaged_deviation(p, s, slow);
-    *normal_change = vec3_sub(*normal_change, p->result.normal_correction);
-    *momentum_change = vec3_sub(*momentum_change, p->result.momentum_correction);
+    *normal_change = integral_then(p, &p->result.n, &p->result.n_rate, p->result.normal_correction, s);
+    *momentum_change = integral_then(p, &p->result.h, &p->result.h_rate, p->result.momentum_correction, s);
     const struct collocation_correction correction = collocation_correction_of(
         p, x[0] - slow[0], x[1] - slow[1], vec3_add(vec3_make(1.0, 0.0, 0.0), *normal_change),
-        vec3_add(p->local.momentum, *momentum_change), acceleration_then(p, p->half * s),
-        p->from.reach + x[0]);
+        vec3_add(p->local.momentum, *momentum_change), acceleration_then(p, s), p->from.reach + x[0]);
     *normal_change = vec3_add(*normal_change, correction.normal);
     *momentum_change = vec3_add(*momentum_change, correction.momentum);
 }
@@ -887,12 +867,9 @@ static void centre_begin(struct collocation *p)
     p->local.rate = collocation_in_frame(p, p->from.rate);
     p->local.rate.x = p->from.radial;
     p->local.planar = flatten(&p->local.rate);
+    put_in_local_frame(p);
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        p->local.acceleration[i] = collocation_in_frame(p, p->from.acceleration[i]);
         p->local.planar = flatten(&p->local.acceleration[i]) && p->local.planar;
-    }
-    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && has_mismatch(p); ++i) {
-        p->local.mismatch[i] = collocation_in_frame(p, p->from.mismatch[i]);
     }
     p->local.momentum = vec3_scale(p->local.distance, vec3_make(0.0, -p->local.rate.z, p->local.rate.y));
 }
@@ -923,14 +900,13 @@ static void centre_guess(struct collocation *p)
 }
 
 /* A head-on motion uses this table at a rim too, because n does not turn. */
-static const struct collocation_place about_centre = {centre_begin, centre_load_at_start, centre_guess,
-                                                      centre_load,  centre_turn,          centre_mismatch,
-                                                      NULL,         centre_at_node,       centre_change_at};
+static const struct collocation_place about_centre = {centre_begin,   centre_load_at_start, centre_guess,
+                                                      centre_load,    centre_turn,          NULL,
+                                                      centre_at_node, centre_change_at};
 
 static const struct collocation_place about_rim = {
-    collocation_rim_begin,     collocation_rim_load_at_start, collocation_rim_guess,
-    collocation_rim_load,      collocation_rim_turn,          collocation_rim_mismatch,
-    collocation_rim_keep_tilt, collocation_rim_at_node,       collocation_rim_change_at};
+    collocation_rim_begin, collocation_rim_load_at_start, collocation_rim_guess,   collocation_rim_load,
+    collocation_rim_turn,  collocation_rim_keep_tilt,     collocation_rim_at_node, collocation_rim_change_at};
 
 struct collocation_change collocation_change_at(const struct collocation *p, double s)
 {
@@ -963,43 +939,23 @@ static void start_step(struct collocation *p, const struct collocation_problem *
     }
 }
 
-static struct vec3 polynomial_of_time(const struct vec3 *a, int terms, double t)
+void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
+                       enum collocation_kind kind, const struct lobatto *nodes)
 {
-    struct vec3 sum = a[terms - 1];
-    for (int i = terms - 2; i >= 0; --i) {
-        sum = vec3_axpy(a[i], t, sum);
-    }
-    return sum;
-}
-
-static void fill_nodes(struct collocation *p)
-{
-    const bool steady =
-        !has_mismatch(p) && vec3_is_zero(p->local.acceleration[1]) && vec3_is_zero(p->local.acceleration[2]);
-    for (int i = 0; i < p->nodes->points && steady; ++i) {
-        nodal_put_vec3(&p->work.acceleration_at, i, p->local.acceleration[0]);
-        nodal_put_vec3(&p->work.drive_at, i, p->local.acceleration[0]);
-    }
-    for (int i = 0; i < p->nodes->points && !steady; ++i) {
-        const double t = p->half * (1.0 + p->nodes->node[i]);
-        const struct vec3 acceleration =
-            polynomial_of_time(p->local.acceleration, COLLOCATION_ACCELERATION_TERMS, t);
+    start_step(p, from, step, kind, nodes);
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const double s = 1.0 + p->nodes->node[i];
+        const struct vec3 acceleration = acceleration_then(p, s);
         struct vec3 drive = acceleration;
         if (has_mismatch(p)) {
-            const struct vec3 mismatch = polynomial_of_time(p->local.mismatch, COLLOCATION_MISMATCH_TERMS, t);
+            const struct vec3 mismatch =
+                polynomial_of_time(p->local.mismatch, COLLOCATION_MISMATCH_TERMS, p->half * s);
             nodal_put_vec3(&p->work.mismatch_at, i, vec3_scale(p->half, mismatch));
             drive = vec3_axpy(acceleration, -p->from.damping_rate, mismatch);
         }
         nodal_put_vec3(&p->work.acceleration_at, i, acceleration);
         nodal_put_vec3(&p->work.drive_at, i, drive);
     }
-}
-
-void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
-                       enum collocation_kind kind, const struct lobatto *nodes)
-{
-    start_step(p, from, step, kind, nodes);
-    fill_nodes(p);
 }
 
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,

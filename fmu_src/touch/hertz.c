@@ -164,28 +164,11 @@ static double elastic_time(const struct hertz_elastic *p, double s)
     return s == p->end ? p->end_time : s == 0.0 ? 0.0 : elastic_time_between(p, p->start, s);
 }
 
-struct elastic_time_left {
-    const struct hertz_elastic *of;
-    double time;
-};
-
-static void elastic_time_left_at(const void *elastic_time_left, double s, double *value, double *slope)
+void hertz_elastic_time(const void *hertz_elastic, double s, double time[3])
 {
-    const struct elastic_time_left *left = elastic_time_left;
-    *value = elastic_time(left->of, s) - left->time;
-    *slope = 4.0 * left->of->deepest * elastic_pace(left->of, left->of->start + s);
-}
-
-double hertz_elastic_time(const struct segment *p, double s)
-{
-    return elastic_time(&p->as.hertz_elastic, s);
-}
-
-double hertz_elastic_place(const struct segment *p, double time)
-{
-    const struct hertz_elastic *made = &p->as.hertz_elastic;
-    const struct elastic_time_left left = {made, time};
-    return time < made->end_time ? root_in_bracket(elastic_time_left_at, &left, 0.0, made->end) : made->end;
+    const struct hertz_elastic *p = hertz_elastic;
+    time[0] = elastic_time(p, s);
+    time[1] = 4.0 * p->deepest * elastic_pace(p, p->start + s);
 }
 
 void hertz_elastic_sample(const void *hertz_elastic, double s, struct pair_sample *sample)
@@ -291,7 +274,7 @@ bool hertz_elastic_make(struct segment *p)
     }
     const bool parts = made->end_time <= p->longest;
     p->clear_of_centre = true;
-    p->end = parts ? made->end : hertz_elastic_place(p, p->longest);
+    p->end = parts ? made->end : segment_place_before(p, p->longest, made->end);
     p->unit = elastic_time(made, p->end) / p->end;
     dense_output_add(&p->output, 0.0);
     if (made->start < 0.0 &&

@@ -17,14 +17,15 @@ static inline void put(struct two_way *to, int i, double value)
     to->back[TAYLOR_ORDER - i] = value;
 }
 
-/* Returns coefficient i of the product. Coefficients that are not known yet are zero. */
-static inline double product(const struct two_way *a, const struct two_way *b, int i)
+/* Returns coefficient i of the product of a series and another one. Coefficients that are not known yet are
+ * zero. */
+static inline double product(const double *a, const struct two_way *b, int i)
 {
     const double *back = b->back + (TAYLOR_ORDER - i);
     double2 sum[PARTS];
     memset(sum, 0, sizeof sum);
     for (int k = 0; k <= i; k += LANES) {
-        sum[part(k)] += double2_at(a->row, k) * double2_at(back, k);
+        sum[part(k)] += double2_at(a, k) * double2_at(back, k);
     }
     return parts_together(sum);
 }
@@ -32,7 +33,7 @@ static inline double product(const struct two_way *a, const struct two_way *b, i
 /* Returns coefficient i of the series times the pace. */
 static inline double paced(const struct island *s, const struct two_way *a, int i)
 {
-    return s->paced_by < 0 ? a->row[i] : product(&s->pace, a, i);
+    return s->paced_by < 0 ? a->row[i] : product(s->pace.row, a, i);
 }
 
 bool island_may_be(const struct scene_values *v, const struct scene_state *q)
@@ -53,14 +54,6 @@ static bool knows_shape(const struct scene_values *v, const struct contact_shape
 {
     return !contact_is_zoned(shape) && !contact_is_circle(shape) && !scene_ends_suddenly(v, contact) &&
            !body_is_compound(contact_source(contact)) && !body_is_compound(contact_destination(contact));
-}
-
-/* Whether a body rests, or flies under a constant force. */
-static bool is_simple(const struct scene_values *v, const struct scene_state *q, int body)
-{
-    return body_is_free(v, body)
-               ? vec3_is_zero(q->path[body].force[1]) && vec3_is_zero(q->path[body].force[2])
-               : !body_is_prescribed(v, body);
 }
 
 /* A dashpot faster than the spring by this factor makes decays that are much faster than the motion. */
@@ -125,8 +118,8 @@ static bool add_touching(struct island *s, const struct scene_values *v, const s
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
     const int bodies[2] = {contact_source(contact), contact_destination(contact)};
-    if (g->degenerate || !knows_shape(v, &shape, contact) || !is_simple(v, q, bodies[0]) ||
-        !is_simple(v, q, bodies[1])) {
+    if (g->degenerate || !knows_shape(v, &shape, contact) || !flight_is_steady(v, q, bodies[0]) ||
+        !flight_is_steady(v, q, bodies[1])) {
         return false;
     }
     memset(r, 0, sizeof *r);
@@ -197,30 +190,15 @@ static void find_axes(struct island *s)
 static void find_bends(struct island *s, const struct scene_values *v, const struct scene_state *q,
                        const struct scene_instant *at)
 {
-    struct vec3 by_contacts[2 * ISLAND_MOST];
-    memset(by_contacts, 0, sizeof by_contacts);
-    for (int i = 0; i < s->rows; ++i) {
-        const struct island_row *r = &s->row[i];
-        const struct contact_geometry *g = &at->geometry[r->contact];
-        const struct contact_law law = scene_contact_law(v, q, r->contact);
-        const double force =
-            contact_force(&law, (enum contact_regime)q->contact[r->contact].regime, g->gap, g->gap_rate);
-        for (int e = 0; e < 2; ++e) {
-            if (r->end[e] >= 0) {
-                const double by = (e == 0 ? -r->side : r->side) * force * s->body[r->end[e]].by_mass;
-                by_contacts[r->end[e]] = vec3_axpy(by_contacts[r->end[e]], by, g->normal);
-            }
-        }
-    }
+    struct scene_instant now = *at;
+    scene_forces(v, q, q->clock, &now);
     for (int i = 0; i < s->rows; ++i) {
         struct island_row *r = &s->row[i];
         const struct contact_geometry *g = &at->geometry[r->contact];
         const struct contact_shape shape = scene_contact_shape(v, q, r->contact);
         const struct vec3 w = at->rate[r->contact];
-        struct vec3 a = vec3_scale(2.0, r->flight.c[2]);
-        for (int e = 0; e < 2; ++e) {
-            a = r->end[e] >= 0 ? vec3_axpy(a, e == 0 ? -1.0 : 1.0, by_contacts[r->end[e]]) : a;
-        }
+        const struct vec3 a = vec3_sub(now.acceleration[contact_destination(r->contact)],
+                                       now.acceleration[contact_source(r->contact)]);
         const double turning = r->is_straight ? 0.0 : contact_turning_rate(&shape, g, w, w) * r->by_distance;
         r->bend = r->side * (vec3_dot(g->normal, a) + turning);
     }
@@ -275,7 +253,7 @@ static void put_time(struct island *s, int i)
     for (int p = 2; p <= s->degree; ++p) {
         put(&s->power_of_time[p], i,
             s->paced_by < 0 ? (i == p ? s->power_of_time[p - 1].row[p - 1] * s->unit : 0.0)
-                            : product(&s->power_of_time[1], &s->power_of_time[p - 1], i));
+                            : product(s->power_of_time[1].row, &s->power_of_time[p - 1], i));
     }
 }
 
@@ -303,25 +281,6 @@ static inline double deviation(const struct island *s, const int end[2], int k, 
     return sum;
 }
 
-/* Coefficient i of the products of n with d, c' and the impulse, as far as coefficients are known. */
-struct with_normal {
-    double d, rate, impulse;
-};
-
-static inline struct with_normal products_with_normal(const struct island_row *r, int k, int i)
-{
-    const double *back = r->n[k].back + (TAYLOR_ORDER - i);
-    double2 sum[3][PARTS];
-    memset(sum, 0, sizeof sum);
-    for (int j = 0; j <= i; j += LANES) {
-        const double2 n = double2_at(back, j);
-        sum[0][part(j)] += double2_at(r->d, j) * n;
-        sum[1][part(j)] += double2_at(r->rate_of_c[k], j) * n;
-        sum[2][part(j)] += double2_at(r->impulse.row, j) * n;
-    }
-    return (struct with_normal){parts_together(sum[0]), parts_together(sum[1]), parts_together(sum[2])};
-}
-
 /* Sets coefficient i of the separation and its rate, of n and of g'. Notes the part of the push that lower
  * coefficients make. */
 static void put_motion(const struct island *s, struct island_row *r, int i)
@@ -345,11 +304,10 @@ static void put_motion(const struct island *s, struct island_row *r, int i)
     r->d[i] = r->side * r->gap.row[i];
     for (int a = 0; a < s->axes && !r->is_straight; ++a) {
         const int k = s->axis[a];
-        const struct with_normal of = products_with_normal(r, k, i);
-        const double n = (vec3_get(across, k) - of.d) * r->by_distance;
+        const double n = (vec3_get(across, k) - product(r->d, &r->n[k], i)) * r->by_distance;
         put(&r->n[k], i, n);
-        speed += of.rate + r->rate_of_c[k][0] * n;
-        r->lower_push[k] = of.impulse + r->impulse.row[0] * n;
+        speed += product(r->rate_of_c[k], &r->n[k], i);
+        r->lower_push[k] = product(r->impulse.row, &r->n[k], i);
     }
     put(&r->rate, i, r->side * speed);
 }
@@ -358,7 +316,7 @@ static void put_motion(const struct island *s, struct island_row *r, int i)
 static void put_gap(const struct island *s, struct island_row *r, bool is_pace, int i)
 {
     if (is_pace) {
-        put(&r->depth, i, product(&s->pace, &s->pace, i));
+        put(&r->depth, i, product(s->pace.row, &s->pace, i));
         put(&r->gap, i, i == 0 ? r->gap.row[0] : -r->depth.row[i]);
     } else if (r->is_hertz) {
         put(&r->depth, i, i == 0 ? fmax(-r->gap.row[0], 0.0) : -r->gap.row[i]);
@@ -372,24 +330,14 @@ static double term_of_three_halves(const struct two_way *a, const double *slope,
     if (i == 0) {
         return a->row[0] * sqrt(a->row[0]);
     }
-    const double *back = p->back + (TAYLOR_ORDER - i);
-    double2 plain[PARTS];
-    double2 sloped[PARTS];
-    memset(plain, 0, sizeof plain);
-    memset(sloped, 0, sizeof sloped);
-    for (int j = 0; j <= i; j += LANES) {
-        const double2 of = double2_at(back, j);
-        plain[part(j)] += double2_at(a->row, j) * of;
-        sloped[part(j)] += double2_at(slope, j) * of;
-    }
-    return (2.5 * parts_together(sloped) - i * parts_together(plain)) / (i * a->row[0]);
+    return (2.5 * product(slope, p, i) - i * product(a->row, p, i)) / (i * a->row[0]);
 }
 
 /* Returns coefficient i of delta^(3/2). Where a contact begins as the pace does, delta goes with s^2. */
 static double power_term(const struct island *s, const struct island_row *r, bool is_pace, int i)
 {
     if (is_pace) {
-        return product(&s->pace, &r->depth, i);
+        return product(s->pace.row, &r->depth, i);
     }
     if (r->depth.row[0] > 0.0) {
         return term_of_three_halves(&r->depth, r->slope, &r->power, i);
@@ -402,7 +350,7 @@ static void put_force(const struct island *s, struct island_row *r, bool is_pace
     if (SCENE_ANY_HERTZ && r->is_hertz) {
         r->slope[i] = i * r->depth.row[i];
         put(&r->power, i, power_term(s, r, is_pace, i));
-        put(&r->drag, i, r->c > 0.0 ? r->k * r->c * product(&r->power, &r->rate, i) : 0.0);
+        put(&r->drag, i, r->c > 0.0 ? r->k * r->c * product(r->power.row, &r->rate, i) : 0.0);
         put(&r->force, i, r->k * r->power.row[i] - r->drag.row[i]);
     } else {
         put(&r->drag, i, r->c * r->rate.row[i]);
@@ -486,11 +434,6 @@ static bool is_quiet(const struct island *s, const struct scene_values *v, doubl
     return amplitude <= fmax(quiet, SMALL_OSCILLATION * deepest);
 }
 
-static double larger_of(double a, double b)
-{
-    return a > b ? a : b; /* ignores NaN in a */
-}
-
 /* The first coefficients give the size of the whole, since s is of order one. In an impact from the touch the
  * push begins with the power 5 of s. */
 enum { SCALE_TERMS = 8 };
@@ -504,20 +447,20 @@ static double reliable_end(const struct island *s)
     double growth = -(double)INFINITY; /* minus the binary logarithm of the radius of convergence */
     for (int n = 0; n < s->rows; ++n) {
         for (int i = 0; i < SCALE_TERMS; ++i) {
-            pace = larger_of(fabs(s->pace.row[i]), pace);
-            opened = larger_of(fabs(s->row[n].gap.row[i]), opened);
+            pace = larger(fabs(s->pace.row[i]), pace);
+            opened = larger(fabs(s->row[n].gap.row[i]), opened);
             for (int k = 0; k < ISLAND_AXES; ++k) {
-                pushed = larger_of(fabs(s->row[n].pushed[k][i]), pushed);
+                pushed = larger(fabs(s->row[n].pushed[k][i]), pushed);
             }
         }
     }
     for (int n = 0; n < s->rows; ++n) {
         for (int i = TAYLOR_ORDER - 3; i < TAYLOR_TERMS; ++i) {
-            double part = larger_of(fabs(s->row[n].gap.row[i]) / opened, fabs(s->pace.row[i]) / pace);
+            double part = larger(fabs(s->row[n].gap.row[i]) / opened, fabs(s->pace.row[i]) / pace);
             for (int k = 0; k < ISLAND_AXES; ++k) {
-                part = larger_of(fabs(s->row[n].pushed[k][i]) / pushed, part);
+                part = larger(fabs(s->row[n].pushed[k][i]) / pushed, part);
             }
-            growth = larger_of(log2(part) / i, growth);
+            growth = larger(log2(part) / i, growth);
         }
     }
     return exp2(log2(ACCURACY) / TAYLOR_TERMS - growth);
@@ -626,7 +569,7 @@ static void add_powers(struct island *s, int degree)
 {
     for (int p = s->degree + 1; p <= degree; ++p) {
         for (int i = 0; i < TAYLOR_TERMS; ++i) {
-            put(&s->power_of_time[p], i, product(&s->power_of_time[1], &s->power_of_time[p - 1], i));
+            put(&s->power_of_time[p], i, product(s->power_of_time[1].row, &s->power_of_time[p - 1], i));
         }
         s->degree = p;
     }
@@ -664,10 +607,7 @@ static double separation_within(const struct island *s, const struct separation_
                                 const int end[2])
 {
     const double time = island_time_at(s, s->end);
-    double length = 0.0;
-    for (int p = SEPARATION_DEGREE; p > 0; --p) {
-        length = (length + vec3_norm(flight->c[p])) * time;
-    }
+    double length = time * path_size(flight->c + 1, SEPARATION_DEGREE, time);
     for (int e = 0; e < 2; ++e) {
         length += end[e] >= 0 ? s->body[end[e]].farthest : 0.0;
     }
@@ -693,7 +633,7 @@ static double touch_within(const struct island *s, const struct contact_shape *s
             put(&path->c[k], i, path->c[k].row[i] - axial * vec3_get(axis, k));
             of[i] += is_flat ? shape->side * vec3_get(g->normal, k) * path->c[k].row[i]
                              : shape->side * (2.0 * vec3_get(start, k) * path->c[k].row[i] +
-                                              product(&path->c[k], &path->c[k], i));
+                                              product(path->c[k].row, &path->c[k], i));
         }
     }
     const double gap = g->gap + offset;

@@ -239,7 +239,10 @@ static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
                                           : vec3_make(0.0, 0.0, 0.0);
 }
 
-static struct vec3 not_aside(const struct contact_pair *p, struct vec3 a)
+/* Returns the part of a vector that acts on the contact's motion. At a cylinder it is the part across the
+ * axis. At a plane it is the part along the normal, so that H = 0 and a polynomial load is followed
+ * exactly. */
+static struct vec3 coupled(const struct contact_pair *p, struct vec3 a)
 {
     return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, a), p->normal) : pair_across(p, a);
 }
@@ -274,8 +277,8 @@ static struct common_motion common_motion_of(const struct contact_pair *p, const
         common.velocity[0] = vec3_axpy(common.velocity[0], part, q->body[ends[end]].velocity);
         common.velocity[1] = vec3_axpy(common.velocity[1], inverse_mass, force[0]);
     }
-    common.velocity[0] = not_aside(p, common.velocity[0]);
-    common.velocity[1] = not_aside(p, common.velocity[1]);
+    common.velocity[0] = coupled(p, common.velocity[0]);
+    common.velocity[1] = coupled(p, common.velocity[1]);
     return common;
 }
 
@@ -541,11 +544,6 @@ double pair_oscillation_first_extremum(const struct pair_oscillation *p)
     return angle / p->omega_d;
 }
 
-bool pair_oscillation_closes(const struct pair_oscillation *p)
-{
-    return p->y_rate < 0.0 || (p->y_rate == 0.0 && p->y > 0.0);
-}
-
 bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_quantity quantity,
                                   double factor, double offset)
 {
@@ -568,16 +566,6 @@ bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_qu
     }
     return oscillator_envelope_of(&p->oscillator, start, start_rate).amplitude <
            factor * equilibrium + offset;
-}
-
-static void sample_from(const struct pair_oscillation *p, const double y[4], struct pair_sample *sample)
-{
-    for (int i = 0; i < 3; ++i) {
-        sample->of[PAIR_GAP][i] = y[i];
-        sample->of[PAIR_GAP_RATE][i] = p->rate * y[i + 1];
-        sample->of[PAIR_FORCE][i] =
-            contact_linear_force(p->from->coefficients, y[i], sample->of[PAIR_GAP_RATE][i]);
-    }
 }
 
 /* Computes the force as F_n = m_red (g'' - side n.A). */
@@ -605,18 +593,12 @@ void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair
     grow(p, s, y);
     y[0] += p->from->gap;
     y[1] += p->y_rate;
-    sample_from(p, y, sample);
-}
-
-/* At an extremum |y| = omega_d amplitude exp(-damping_rate s / 2). */
-void pair_oscillation_sample_extremum(const struct pair_oscillation *p, double s, bool deepest,
-                                      struct pair_sample *sample)
-{
-    const double damping_rate = p->oscillator.damping_rate;
-    const double shrunk = damping_rate > 0.0 ? p->omega_d * exp(-0.5 * damping_rate * s) : 1.0;
-    const double size = deepest ? -shrunk * p->amplitude : shrunk * p->amplitude;
-    const double y[4] = {p->equilibrium + size, 0.0, -size, damping_rate * size};
-    sample_from(p, y, sample);
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PAIR_GAP][i] = y[i];
+        sample->of[PAIR_GAP_RATE][i] = p->rate * y[i + 1];
+        sample->of[PAIR_FORCE][i] =
+            contact_linear_force(p->from->coefficients, y[i], sample->of[PAIR_GAP_RATE][i]);
+    }
 }
 
 /* Returns the energy dissipated [J], by the oscillator's energy balance: p_nv g'^2 = -(m g'^2 / 2 + p_n (g -
@@ -834,14 +816,6 @@ struct pair_change pair_collocation_advance(const void *pair_collocation, double
     return change;
 }
 
-/* Returns the part of a vector that acts on the contact's motion. At a cylinder it is the part across the
- * axis. At a plane it is the part along the normal, so that H = 0 and a polynomial load is followed
- * exactly. */
-static struct vec3 coupled(const struct contact_pair *p, struct vec3 c)
-{
-    return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, c), p->normal) : pair_across(p, c);
-}
-
 /* Sets A = C'' and E = W - C', each reduced to the part that acts on the contact's motion. */
 static void set_paths(const struct contact_pair *p, const struct vec3 felt[SEPARATION_DEGREE],
                       struct collocation_problem *problem)
@@ -928,25 +902,15 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
         oscillator_envelope_of(&oscillator, problem->deviation - load / problem->omega2, radial).amplitude;
 }
 
-/* Returns the largest |A| at the start, the middle and the end of the step [m/s^2]. */
-static double largest_acceleration(const struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS],
-                                   double step)
+double pair_tangential_rate_within(const struct pair_timescales *scales, double step)
 {
+    const struct vec3 *acceleration = scales->problem.acceleration;
     double largest = vec3_norm(acceleration[0]);
     for (int i = 1; i <= 2; ++i) {
         largest =
             fmax(largest, vec3_norm(path_at(acceleration, COLLOCATION_ACCELERATION_TERMS, 0.5 * i * step)));
     }
-    return largest;
-}
-
-double pair_tangential_rate_within(const struct pair_timescales *scales, double step)
-{
-    const struct vec3 *acceleration = scales->problem.acceleration;
-    if (vec3_is_zero(acceleration[1]) && vec3_is_zero(acceleration[2])) {
-        return scales->tangential_rate;
-    }
-    return scales->rate_along + sqrt(largest_acceleration(acceleration, step) / scales->distance);
+    return scales->rate_along + sqrt(largest / scales->distance);
 }
 
 /* A step may exceed the radians asked for by this factor, because they are only an estimate. */

@@ -171,13 +171,6 @@ double pair_oscillation_longest(const struct pair_oscillation *p);
  * period pi / omega_d. */
 double pair_oscillation_first_extremum(const struct pair_oscillation *p);
 
-/* Whether the gap decreases until pair_oscillation_first_extremum. */
-bool pair_oscillation_closes(const struct pair_oscillation *p);
-
-/* Makes the sample at a minimum (deepest) or maximum of the gap, without trigonometric functions. */
-void pair_oscillation_sample_extremum(const struct pair_oscillation *p, double s, bool deepest,
-                                      struct pair_sample *sample);
-
 void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample);
 
 struct pair_change pair_oscillation_advance(const void *pair_oscillation, double s);

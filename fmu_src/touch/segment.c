@@ -264,11 +264,8 @@ static void add_extrema_of_oscillation(struct dense_output *w, const struct pair
     const double first = pair_oscillation_first_extremum(made);
     const double before = fmax(ceil((w->s[0] - first) / half), 0.0); /* extrema before the sample */
     double extremum = first + before * half;
-    bool deepest = pair_oscillation_closes(made) == (fmod(before, 2.0) == 0.0);
     for (; w->count < 3 && extremum < end; extremum += half) {
-        pair_oscillation_sample_extremum(made, extremum, deepest, &w->at[w->count]);
-        w->s[w->count++] = extremum;
-        deepest = !deepest;
+        dense_output_add(w, extremum);
     }
     if (w->count < 3) {
         dense_output_add(w, end);
@@ -983,29 +980,9 @@ static void peaks_note(struct segment *p, struct contact_peaks *peaks, double fr
  *   integral of c x F = -m_red ([C x r' - C' x r + r x r'] + integral of C'' x r)
  *
  * r is along n. Of C only the part along the axis counts at the side of a cylinder, and the part across n at
- * a plane and at a cap. r x r' counts at a rim alone. A destination sphere has no torque.
+ * a plane and at a cap. r x r' counts at a rim alone. A destination sphere has no torque. `bend` below has
+ * the coefficients of C''.
  */
-
-/* The part of C that makes a torque, and its second derivative, as polynomials of time. */
-struct lever {
-    struct vec3 c[SEPARATION_DEGREE + 1];
-    struct vec3 bend[SEPARATION_DEGREE - 1];
-};
-
-/* Returns C x r' - C' x r. */
-static inline struct vec3 boundary_terms(const struct vec3 c[SEPARATION_DEGREE + 1], bool vary,
-                                         const struct pair_change *change)
-{
-    const double t = change->time;
-    struct vec3 at = vec3_axpy(c[1], t, c[2]);
-    struct vec3 rate = vec3_axpy(c[1], 2.0 * t, c[2]);
-    if (vary) {
-        at = vec3_axpy(vec3_axpy(at, t * t, c[3]), t * t * t, c[4]);
-        rate = vec3_axpy(vec3_axpy(rate, 3.0 * t * t, c[3]), 4.0 * t * t * t, c[4]);
-    }
-    at = vec3_axpy(c[0], t, at);
-    return vec3_sub(vec3_cross(at, change->r_rate), vec3_cross(rate, change->r));
-}
 
 /*
  * The moments M_j, integrals of t^j rho over a head-on motion, in closed form: r = side rho n and m_red rho''
@@ -1046,14 +1023,14 @@ static void head_on_moments(const struct contact_pair *p, const struct pair_chan
     }
 }
 
-static struct vec3 head_on(const struct contact_pair *p, const struct lever *lever,
+static struct vec3 head_on(const struct contact_pair *p, const struct vec3 *bend,
                            const struct pair_change *change)
 {
     double moment[SEPARATION_DEGREE - 1];
     struct vec3 sum = {0.0, 0.0, 0.0};
     head_on_moments(p, change, moment);
     for (int j = 0; j < SEPARATION_DEGREE - 1; ++j) {
-        sum = vec3_axpy(sum, p->shape.side * moment[j], vec3_cross(lever->bend[j], p->normal));
+        sum = vec3_axpy(sum, p->shape.side * moment[j], vec3_cross(bend[j], p->normal));
     }
     return sum;
 }
@@ -1062,7 +1039,7 @@ static struct vec3 head_on(const struct contact_pair *p, const struct lever *lev
  * the power 7/2. */
 enum { PANELS = 8 };
 
-static struct vec3 by_quadrature(struct segment *p, const struct lever *lever, double time)
+static struct vec3 by_quadrature(const struct segment *p, const struct vec3 *bend, double time)
 {
     struct vec3 sum = {0.0, 0.0, 0.0};
     const double half = 0.5 * time / PANELS;
@@ -1071,9 +1048,8 @@ static struct vec3 by_quadrature(struct segment *p, const struct lever *lever, d
         const int panel = i / GAUSS_NODES;
         const double t = half * (2.0 * panel + place.at);
         const struct pair_change then = segment_change(p, segment_place(p, t));
-        const struct vec3 bend = path_at(lever->bend, SEPARATION_DEGREE - 1, t);
         const double weight = half * GAUSS_WEIGHT[i % GAUSS_NODES] * place.factor;
-        sum = vec3_axpy(sum, weight, vec3_cross(bend, then.r));
+        sum = vec3_axpy(sum, weight, vec3_cross(path_at(bend, SEPARATION_DEGREE - 1, t), then.r));
     }
     return sum;
 }
@@ -1081,7 +1057,7 @@ static struct vec3 by_quadrature(struct segment *p, const struct lever *lever, d
 /* The integral of C'' x r as external works (pair.h), which segments integrate exactly: e_k.(C'' x r) = W.r
  * with W = e_k x C'', and by parts the integral of W.r is the integral of P.r' less P.r at the end, with P' =
  * -W. */
-static struct vec3 as_works(struct segment *p, const struct lever *lever, const struct pair_change *change,
+static struct vec3 as_works(struct segment *p, const struct vec3 *bend, const struct pair_change *change,
                             double s)
 {
     struct vec3 sum = {0.0, 0.0, 0.0};
@@ -1092,8 +1068,8 @@ static struct vec3 as_works(struct segment *p, const struct lever *lever, const 
             struct vec3 unit = {0.0, 0.0, 0.0};
             vec3_set(&unit, (k + i) % 3, 1.0);
             work[i] = (struct pair_work){.order = 1, .factor = 0.0};
-            work[i].path[1] = vec3_scale(-1.0, vec3_cross(unit, lever->bend[0]));
-            work[i].path[2] = vec3_scale(-0.5, vec3_cross(unit, lever->bend[1]));
+            work[i].path[1] = vec3_scale(-1.0, vec3_cross(unit, bend[0]));
+            work[i].path[2] = vec3_scale(-0.5, vec3_cross(unit, bend[1]));
         }
         const struct pair_change then = segment_change(p, s);
         for (int i = 0; i < PAIR_BODIES && k + i < 3; ++i) {
@@ -1105,60 +1081,38 @@ static struct vec3 as_works(struct segment *p, const struct lever *lever, const 
     return sum;
 }
 
-static CONTACT_NOINLINE struct vec3 of_bend(struct segment *p, struct lever *lever,
-                                            const struct pair_change *change, double s)
+/* Returns the integral of c x r'' with the part of C that counts. */
+static CONTACT_NOINLINE struct vec3 by_lever(struct segment *p, const struct pair_change *change, double s,
+                                             const struct vec3 c[SEPARATION_DEGREE + 1])
 {
+    const bool is_circle = contact_is_circle(&p->pair.shape);
+    const double t = change->time;
+    struct vec3 bend[SEPARATION_DEGREE - 1];
+    struct vec3 rate = c[1];
+    double power = 1.0;
+    bool bends = is_circle;
     for (int i = 2; i <= SEPARATION_DEGREE; ++i) {
-        lever->bend[i - 2] = vec3_scale(i * (i - 1), lever->c[i]);
+        power *= t;
+        bend[i - 2] = vec3_scale(i * (i - 1), c[i]);
+        rate = vec3_axpy(rate, i * power, c[i]);
+        bends = bends || !vec3_is_zero(vec3_cross(c[i], p->pair.normal));
+    }
+    const struct vec3 at = path_at(c, SEPARATION_DEGREE + 1, t);
+    struct vec3 sum = vec3_sub(vec3_cross(at, change->r_rate), vec3_cross(rate, change->r));
+    if (is_circle) {
+        sum = vec3_add(sum, vec3_cross(change->r, change->r_rate));
+    }
+    if (!bends) {
+        return sum;
     }
     if (p->kind == SEGMENT_CLOSED_FORM) {
-        return head_on(&p->pair, lever, change);
+        return vec3_add(sum, head_on(&p->pair, bend, change));
     }
-    bool by_nodes = !vec3_is_zero(lever->bend[2]); /* a path has three coefficients */
+    bool by_nodes = !vec3_is_zero(bend[2]); /* a path has three coefficients */
     if (SCENE_ANY_HERTZ) {
         by_nodes = by_nodes || p->kind == SEGMENT_HERTZ_ELASTIC;
     }
-    return by_nodes ? by_quadrature(p, lever, change->time) : as_works(p, lever, change, s);
-}
-
-/* Returns the torque impulse at the side of a cylinder [N m s]; `along` is the component of C along the
- * axis. */
-static CONTACT_NOINLINE struct vec3 at_side(struct segment *p, const struct pair_change *change, double s,
-                                            const double along[SEPARATION_DEGREE + 1])
-{
-    struct lever lever;
-    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
-        lever.c[i] = vec3_scale(along[i], p->pair.shape.axis);
-    }
-    const bool vary = along[3] != 0.0 || along[4] != 0.0;
-    const bool bends = along[2] != 0.0 || vary;
-    const struct vec3 sum = boundary_terms(lever.c, vary, change);
-    return bends ? vec3_add(sum, of_bend(p, &lever, change, s)) : sum;
-}
-
-/* Returns the torque impulse at a plane, a cap, a rim or a torus, where C is `flight` [N m s]. The products
- * with r contain C along n by rounding only. If C'' is along n there is nothing to integrate. */
-static struct vec3 at_face(struct segment *p, const struct pair_change *change, double s,
-                           const struct vec3 flight[SEPARATION_DEGREE + 1])
-{
-    struct vec3 c[SEPARATION_DEGREE + 1];
-    const bool is_circle = contact_is_circle(&p->pair.shape);
-    for (int i = 0; i <= SEPARATION_DEGREE; ++i) { /* bodies at rest may fly far along n */
-        c[i] = is_circle ? flight[i] : contact_across_plane(p->pair.normal, flight[i]);
-    }
-    const bool vary = !vec3_is_zero(c[3]) || !vec3_is_zero(c[4]);
-    bool bends = vary || !vec3_is_zero(vec3_cross(c[2], p->pair.normal));
-    struct vec3 sum = boundary_terms(c, vary, change);
-    if (is_circle) {
-        sum = vec3_add(sum, vec3_cross(change->r, change->r_rate));
-        bends = true;
-    }
-    if (bends) {
-        struct lever lever;
-        memcpy(lever.c, c, sizeof lever.c);
-        sum = vec3_add(sum, of_bend(p, &lever, change, s));
-    }
-    return sum;
+    return vec3_add(sum, by_nodes ? by_quadrature(p, bend, t) : as_works(p, bend, change, s));
 }
 
 /* Returns the torque's impulse over [0, s] [N m s]; `change` is the motion at s. At skew cylinders it adds
@@ -1167,29 +1121,32 @@ static struct vec3 torque_impulse(struct segment *p, const struct pair_change *c
                                   struct vec3 *of_source)
 {
     const struct contact_pair *pair = &p->pair;
-    struct vec3 sum = {0.0, 0.0, 0.0};
-    if (!(change->time > 0.0)) {
-        return sum;
+    const struct contact_shape *shape = &pair->shape;
+    const bool is_skew = contact_is_skew(shape);
+    struct vec3 c[SEPARATION_DEGREE + 1];
+    struct vec3 foot[SEPARATION_DEGREE + 1];
+    bool acts = false;
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
+        const struct vec3 flown = pair->flight.c[i];
+        c[i] = vec3_make(0.0, 0.0, 0.0);
+        if (contact_is_circle(shape)) {
+            c[i] = flown;
+        } else if (contact_is_plane(shape)) { /* bodies at rest may fly far along n */
+            c[i] = contact_across_plane(pair->normal, flown);
+            foot[i] = is_skew ? contact_across_plane(pair->normal, contact_foot_along(shape, flown)) : c[i];
+        } else if (contact_is_cylinder(shape)) { /* c[0] may lack the part along the axis */
+            c[i] = vec3_scale(i == 0 ? pair->axial : vec3_dot(shape->axis, flown), shape->axis);
+        }
+        acts = acts || !vec3_is_zero(c[i]);
     }
-    if (contact_is_plane(&pair->shape) || contact_is_circle(&pair->shape)) {
-        sum = at_face(p, change, s, pair->flight.c);
-        if (contact_is_skew(&pair->shape)) {
-            struct vec3 foot[SEPARATION_DEGREE + 1]; /* linear in c at the face */
-            for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
-                foot[i] = contact_foot_along(&pair->shape, pair->flight.c[i]);
-            }
-            const struct vec3 of_foot = at_face(p, change, s, foot);
-            sum = vec3_sub(sum, of_foot);
-            *of_source = vec3_axpy(*of_source, -pair->reduced_mass, of_foot);
-        }
-    } else if (contact_is_cylinder(&pair->shape)) {
-        double along[SEPARATION_DEGREE + 1] = {pair->axial}; /* c[0] may lack it */
-        bool acts = pair->axial != 0.0;
-        for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-            along[i] = vec3_dot(pair->shape.axis, pair->flight.c[i]);
-            acts = acts || along[i] != 0.0;
-        }
-        sum = acts ? at_side(p, change, s, along) : sum;
+    if (!acts || !(change->time > 0.0)) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    struct vec3 sum = by_lever(p, change, s, c);
+    if (is_skew) { /* the foot is linear in c at the face */
+        const struct vec3 of_foot = by_lever(p, change, s, foot);
+        sum = vec3_sub(sum, of_foot);
+        *of_source = vec3_axpy(*of_source, -pair->reduced_mass, of_foot);
     }
     return vec3_scale(-pair->reduced_mass, sum);
 }
@@ -1307,10 +1264,7 @@ static bool may_change_face(const struct face_path *path)
     const struct contact_solid *solid = &p->pair.shape.solid;
     const double depth = deepest_of(p) - p->pair.shape.source_radius;
     const double time = segment_time(p, p->end);
-    double length = 0.0;
-    for (int i = SEPARATION_DEGREE; i > 0; --i) {
-        length = (length + vec3_norm(path->flight.c[i])) * time;
-    }
+    const double length = time * path_size(path->flight.c + 1, SEPARATION_DEGREE, time);
     const struct solid_place place = contact_place_at(solid, path->flight.c[0]);
     const double other = solid->zone == ZONE_SIDE ? place.axial : place.radial;
     const bool opposite = solid->zone != ZONE_SIDE && depth >= solid->half_height;
@@ -1363,46 +1317,74 @@ static double zone_longest_inside(const struct segment *p)
 
 /* The first kind that applies and can be made is taken. `work` is the cost of making and using a segment, in
  * steps in closed form of 3,000 instructions each: a series or half a period takes 30,000 instructions, a
- * radian of the tangential motion 125,000. A kind without `applies` always applies. For a kind without `time`
- * and `place`, the time is unit times s. */
+ * radian of the tangential motion 125,000. A kind without `applies` always applies. For a kind without
+ * `time`, the time is unit times s. */
 static const struct {
     bool (*applies)(const struct segment *p);
     bool (*make)(struct segment *p);
     dense_output_sampler *sample;
     struct pair_change (*advance)(const void *motion, double s);
     int work;
-    double (*time)(const struct segment *p, double s);
-    double (*place)(const struct segment *p, double time);
+    void (*time)(const void *motion, double s, double time[3]);
 } kinds[] = {
     /* Head-on motion under constant acceleration: the closed form is exact for any time, so it comes
      * first. */
     [SEGMENT_CLOSED_FORM] = {closed_form_applies, closed_form_make, pair_oscillation_sample,
-                             pair_oscillation_advance, 1, NULL, NULL},
+                             pair_oscillation_advance, 1, NULL},
     /* Fast oscillations that are small and clear of g = 0: one step covers as many as the tangential motion
      * allows. */
     [SEGMENT_AVERAGED] = {averaged_applies, averaged_make, pair_collocation_sample, pair_collocation_advance,
-                          40, NULL, NULL},
+                          40, NULL},
     /* Contacts far beyond critical damping or without a spring: a segment covers a radian of the tangential
      * motion. */
     [SEGMENT_OVERDAMPED] = {overdamped_applies, overdamped_make, pair_collocation_sample,
-                            pair_collocation_advance, 40, NULL, NULL},
+                            pair_collocation_advance, 40, NULL},
     /* All other contacts: soft ones, short remainders of a motion and Hertz's law. A segment covers two
      * radians of the contact's oscillation, of the bodies' passage or of the rim. */
-    [SEGMENT_SERIES] = {NULL, series_make, series_sample, series_advance, 10, series_time, series_place},
+    [SEGMENT_SERIES] = {NULL, series_make, series_sample, series_advance, 10, series_time},
 #if SCENE_ANY_HERTZ
     /* Hertz's law after the oscillation has died away: a segment covers a radian of the tangential motion. */
     [SEGMENT_QUASI_STATIC] = {quasi_static_applies, quasi_static_make, quasi_static_sample,
-                              quasi_static_advance, 40, NULL, NULL},
+                              quasi_static_advance, 40, NULL},
     /* Hertz's law without damping, head-on under constant acceleration: a segment covers all the rest of an
      * impact. */
     [SEGMENT_HERTZ_ELASTIC] = {hertz_elastic_applies, hertz_elastic_make, hertz_elastic_sample,
-                               hertz_elastic_advance, 1, hertz_elastic_time, hertz_elastic_place},
+                               hertz_elastic_advance, 1, hertz_elastic_time},
 #endif
 };
 
 double segment_time(const struct segment *p, double s)
 {
-    return kinds[p->kind].time != NULL ? kinds[p->kind].time(p, s) : s * p->unit;
+    double time[3] = {s * p->unit};
+    if (kinds[p->kind].time != NULL) {
+        kinds[p->kind].time(&p->as, s, time);
+    }
+    return time[0];
+}
+
+/* The time of a segment less a given one, as the context of a root_function. */
+struct time_left {
+    const struct segment *of;
+    double time;
+};
+
+static void time_left_at(const void *time_left, double s, double *value, double *slope)
+{
+    const struct time_left *left = time_left;
+    double time[3];
+    kinds[left->of->kind].time(&left->of->as, s, time);
+    *value = time[0] - left->time;
+    *slope = time[1];
+}
+
+double segment_place_before(const struct segment *p, double time, double end)
+{
+    const struct time_left left = {p, time};
+    struct root_bracket_end low = {.s = 0.0};
+    struct root_bracket_end high = {.s = end};
+    time_left_at(&left, low.s, &low.value, &low.slope);
+    time_left_at(&left, high.s, &high.value, &high.slope);
+    return high.value > 0.0 ? root_between(time_left_at, &left, low, high) : end;
 }
 
 double segment_place(const struct segment *p, double time)
@@ -1410,7 +1392,8 @@ double segment_place(const struct segment *p, double time)
     if (!(time > 0.0)) {
         return 0.0; /* after a start at the touch, time may be of second order in s: no root at 0 */
     }
-    return kinds[p->kind].place != NULL ? kinds[p->kind].place(p, time) : time / p->unit;
+    return kinds[p->kind].time != NULL ? segment_place_before(p, time, fmin(p->end, p->terminal.s))
+                                       : time / p->unit;
 }
 
 struct pair_change segment_change(const struct segment *p, double s)

@@ -126,9 +126,12 @@ void segment_advance(struct segment *p, double from, double s, const struct scen
 
 /*
  * The kinds of series.c and hertz.c. `applies` says whether the problem is of the form that the kind solves.
- * `make` makes it over p->longest or less; false where it would not be accurate to p->tolerance. `time` and
- * `place` are those of segment_time and segment_place.
+ * `make` makes it over p->longest or less; false where it would not be accurate to p->tolerance. `time` sets
+ * the time since the start [s] and its derivative by s.
  */
+
+/* Returns the s in [0, end] at a time [s] of a kind with `time`, or `end` where that is earlier. */
+double segment_place_before(const struct segment *p, double time, double end);
 
 /* The kind for any contact. `make` returns false where p->may_be_quasi_static and the first coefficients
  * confirm it. From rest at the touch under Hertz's law it sets p->longest to the time for which the force is
@@ -136,8 +139,7 @@ void segment_advance(struct segment *p, double from, double s, const struct scen
 bool series_make(struct segment *p);
 void series_sample(const void *pair_series, double s, struct pair_sample *sample);
 struct pair_change series_advance(const void *pair_series, double s);
-double series_time(const struct segment *p, double s);
-double series_place(const struct segment *p, double time);
+void series_time(const void *pair_series, double s, double time[3]);
 
 /* The kind for head-on motion under Hertz's law without damping: a segment lasts up to the release, and
  * `make` sets p->parting. */
@@ -145,8 +147,7 @@ bool hertz_elastic_applies(const struct segment *p);
 bool hertz_elastic_make(struct segment *p);
 void hertz_elastic_sample(const void *hertz_elastic, double s, struct pair_sample *sample);
 struct pair_change hertz_elastic_advance(const void *hertz_elastic, double s);
-double hertz_elastic_time(const struct segment *p, double s);
-double hertz_elastic_place(const struct segment *p, double time);
+void hertz_elastic_time(const void *hertz_elastic, double s, double time[3]);
 
 /* The kind for Hertz's law under a load that presses the bodies together and changes far more slowly than the
  * contact oscillates or settles. */

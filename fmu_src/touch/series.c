@@ -499,62 +499,10 @@ static void complete_series(struct pair_series *p, struct series_work *z, double
     p->step = reliable_step(p, z, accuracy);
 }
 
-/* Evaluates two series and their first two derivatives with respect to s, both series in one loop. */
-static void two_rows_at(const double *a, const double *b, double s, double of_a[3], double of_b[3])
-{
-#if CONTACT_GNU_C
-    double2 value = {0.0};
-    double2 slope = {0.0};
-    double2 bend = {0.0}; /* half the second derivative */
-    for (int i = TAYLOR_TERMS - 1; i >= 0; --i) {
-        const double2 next = {a[i], b[i]};
-        bend = bend * s + slope;
-        slope = slope * s + value;
-        value = value * s + next;
-    }
-    for (int j = 0; j < 2; ++j) {
-        double *out = j == 0 ? of_a : of_b;
-        out[0] = value[j];
-        out[1] = slope[j];
-        out[2] = 2.0 * bend[j];
-    }
-#else
-    taylor_derivatives(a, TAYLOR_TERMS, s, of_a);
-    taylor_derivatives(b, TAYLOR_TERMS, s, of_b);
-#endif
-}
-
 /* Returns the time from the start to s [s]. */
 static double series_time_at(const struct pair_series *p, double s)
 {
     return SCENE_ANY_HERTZ && p->by_root ? taylor_at(p->time, TAYLOR_TERMS, s) : p->unit * s;
-}
-
-struct series_time_left {
-    const struct pair_series *of;
-    double time;
-};
-
-static void series_time_left_at(const void *series_time_left, double s, double *value, double *slope)
-{
-    const struct series_time_left *left = series_time_left;
-    double time[3];
-    taylor_derivatives(left->of->time, TAYLOR_TERMS, s, time);
-    *value = time[0] - left->time;
-    *slope = time[1];
-}
-
-/* Returns the s of a time [s], at most `end`. */
-static double series_place_of(const struct pair_series *p, double time, double end)
-{
-    if (!(SCENE_ANY_HERTZ && p->by_root)) {
-        return time / p->unit;
-    }
-    const struct series_time_left left = {p, time};
-    const struct root_bracket_end low = {0.0, -time, p->time[1]};
-    struct root_bracket_end high = {.s = end};
-    series_time_left_at(&left, end, &high.value, &high.slope);
-    return high.value > 0.0 ? root_between(series_time_left_at, &left, low, high) : end;
 }
 
 static void series_value_at(const void *row, double s, double *value, double *slope)
@@ -620,7 +568,8 @@ void series_sample(const void *pair_series, double s, struct pair_sample *sample
     double opened[3];
     double *gap = sample->of[PAIR_GAP];
     double *rate = sample->of[PAIR_GAP_RATE];
-    two_rows_at(p->opened, p->rate, s, opened, rate);
+    taylor_derivatives(p->opened, TAYLOR_TERMS, s, opened);
+    taylor_derivatives(p->rate, TAYLOR_TERMS, s, rate);
     if (SCENE_ANY_HERTZ && p->by_root) {
         gap[0] = -opened[0] * opened[0];
         gap[1] = -2.0 * opened[0] * opened[1];
@@ -633,45 +582,17 @@ void series_sample(const void *pair_series, double s, struct pair_sample *sample
         }
     }
     if (SCENE_ANY_CAPS && contact_is_rim(&p->from->shape)) {
-        two_rows_at(p->radial, p->axial, s, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
+        taylor_derivatives(p->radial, TAYLOR_TERMS, s, sample->of[PAIR_RADIAL]);
+        taylor_derivatives(p->axial, TAYLOR_TERMS, s, sample->of[PAIR_AXIAL]);
     }
-}
-
-/* Powers of s, with which sums of many series at one s need one multiplication per term. */
-struct series_powers {
-    double of[TAYLOR_TERMS];
-};
-
-static struct series_powers powers_of(double s)
-{
-    struct series_powers at;
-    double power = 1.0;
-    for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        at.of[i] = power;
-        power *= s;
-    }
-    return at;
-}
-
-/* The sum of a row, the smallest terms first. */
-static double row_at(const double row[TAYLOR_TERMS], const struct series_powers *at)
-{
-    _Static_assert(TAYLOR_ORDER % LANES == 0, "the terms but the first are in pairs");
-    double2 sum[PARTS];
-    memset(sum, 0, sizeof sum);
-    for (int i = TAYLOR_TERMS - LANES; i > 0; i -= LANES) {
-        sum[part(i - 1)] += double2_at(row, i) * double2_at(at->of, i);
-    }
-    return row[0] + parts_together(sum);
 }
 
 /* Returns a series of vectors at one s, in the world. */
-static struct vec3 vector_at(const struct pair_series *p, const series_row *rows,
-                             const struct series_powers *at)
+static struct vec3 vector_at(const struct pair_series *p, const series_row *rows, double s)
 {
     struct vec3 out = vec3_make(0.0, 0.0, 0.0);
     for (int j = 0; j < p->flight.dimensions; ++j) {
-        out = vec3_axpy(out, row_at(rows[j], at), p->flight.frame[j]);
+        out = vec3_axpy(out, taylor_at(rows[j], TAYLOR_TERMS, s), p->flight.frame[j]);
     }
     return out;
 }
@@ -741,12 +662,11 @@ static double series_dissipated(const struct pair_series *p, double s)
 struct pair_change series_advance(const void *pair_series, double s)
 {
     const struct pair_series *p = pair_series;
-    const struct series_powers at = powers_of(s);
-    const double opened = row_at(p->opened, &at);
+    const double opened = taylor_at(p->opened, TAYLOR_TERMS, s);
     return (struct pair_change){
         .time = series_time_at(p, s),
-        .r = vector_at(p, p->r, &at),
-        .r_rate = vector_at(p, p->r_rate, &at),
+        .r = vector_at(p, p->r, s),
+        .r_rate = vector_at(p, p->r_rate, s),
         .gap = SCENE_ANY_HERTZ && p->by_root ? -opened * opened : opened,
         .dissipated = series_dissipated(p, s),
         .work = {series_work_of(p, &p->from->work[0], s), series_work_of(p, &p->from->work[1], s)}};
@@ -806,7 +726,7 @@ bool series_make(struct segment *p)
     p->unit = made->unit;
     p->end = fmin(made->step, parting > 0.0 ? parting : made->step);
     if (parting > 0.0 && series_time_at(made, p->end) > p->longest) {
-        p->end = series_place_of(made, p->longest, p->end);
+        p->end = segment_place_before(p, p->longest, p->end);
         parting = p->end < parting ? (double)INFINITY : parting;
     }
     const int places = by_root ? PLACES_BY_ROOT : PLACES_BY_TIME;
@@ -819,13 +739,13 @@ bool series_make(struct segment *p)
     return true;
 }
 
-double series_time(const struct segment *p, double s)
+void series_time(const void *pair_series, double s, double time[3])
 {
-    return series_time_at(&p->as.series, s);
-}
-
-double series_place(const struct segment *p, double time)
-{
-    const double end = fmin(p->end, p->terminal.s);
-    return !(time < series_time(p, end)) ? end : series_place_of(&p->as.series, time, end);
+    const struct pair_series *p = pair_series;
+    if (SCENE_ANY_HERTZ && p->by_root) {
+        taylor_derivatives(p->time, TAYLOR_TERMS, s, time);
+        return;
+    }
+    time[0] = p->unit * s;
+    time[1] = p->unit;
 }
