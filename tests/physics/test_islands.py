@@ -446,12 +446,12 @@ def found_twice(scene):
     return fine, coarse, onsets
 
 
-def check_motion(fmu, scene, steps, least):
+def check_motion(fmu, scene, steps, least, tolerance=TOLERANCE):
     """Against the reference, within `least` or what the reference itself is uncertain of; returns the number
     of contacts that began, and that of the reference"""
     fine, coarse, onsets = kept([*scene, END], lambda: found_twice(scene))
     values = values_of(*scene)
-    start(fmu, values, TOLERANCE)
+    start(fmu, values, tolerance)
     balls = range(1, len(scene[0]) + 1)
     energy = fmu["energy.total"]
     for _ in range(steps):
@@ -467,10 +467,13 @@ def check_motion(fmu, scene, steps, least):
     return sum(fmu[name.replace(".law", ".onsets")] for name in touched), onsets
 
 
-# In the last three a ball is far from the others: the rounding of its gaps must not loosen theirs.
-@pytest.mark.parametrize("seed", [*seeds(8), 74, 386, 396])
-def test_islands_move_as_in_the_reference(opened_several, seed):
-    found, expected = check_motion(opened_several("Islands"), scene_of(seed), 1, 1e-7)
+# In three a ball is far from the others: the rounding of its gaps must not loosen theirs. In the last one a
+# slip reverses in the middle of a step that goes on to a release: regularized friction bends there.
+@pytest.mark.parametrize(
+    "seed, tolerance", [*((seed, TOLERANCE) for seed in (*seeds(8), 74, 386, 396)), (7624, 1e-9)]
+)
+def test_islands_move_as_in_the_reference(opened_several, seed, tolerance):
+    found, expected = check_motion(opened_several("Islands"), scene_of(seed), 1, 1e-7, tolerance)
     assert found >= expected
 
 
