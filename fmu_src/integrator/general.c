@@ -560,7 +560,7 @@ static bool search_tops(struct general *g, const struct scene_instant *at, int c
     const enum contact_regime regime = (enum contact_regime)g->state->contact[contact].regime;
     const double by_gap = fabs(contact_force_slopes(&law, regime, now->gap, now->gap_rate).by_gap);
     const double rounding = rounding_of_gap(g->ode.values, at, contact);
-    const double worth = 1.0 + fmax(g->relative, DENSE_OUTPUT_WORTH_A_SEARCH);
+    const double worth = 1.0 + fmax(g->relative, dense_output_worth_a_search(g->ode.values));
     const struct contact_shape shape = scene_contact_shape(g->ode.values, g->state, contact);
     const double depth = worth * noted->penetration + rounding;
     const double deepest = fmax(note_tops(g, contact, GENERAL_DEPTH, ends, depth), depth);
@@ -833,7 +833,8 @@ void general_attach(struct general *g, const struct scene_values *v, struct scen
             .contact = j,
             .move = move_along_step,
             .mover = g,
-            .output = {.latest_s = -1.0, .worth_a_search = fmax(g->relative, DENSE_OUTPUT_WORTH_A_SEARCH)}};
+            .output = {.latest_s = -1.0,
+                       .worth_a_search = fmax(g->relative, dense_output_worth_a_search(v))}};
     }
 }
 

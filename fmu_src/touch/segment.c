@@ -1428,7 +1428,6 @@ static bool make_kind(struct segment *p, enum segment_kind kind)
     p->terminal.s = p->parting = (double)NAN;
     p->output.sampler = kinds[kind].sample;
     p->output.segment = &p->as;
-    p->output.worth_a_search = DENSE_OUTPUT_WORTH_A_SEARCH;
     p->output.count = 0;
     p->output.latest_s = -1.0;
     if (kinds[kind].applies != NULL && !kinds[kind].applies(p)) {
@@ -1520,6 +1519,7 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
     p->gap_rounding = rounding_of_gap(v, at, contact);
     p->gap_is_known = p->pair.gap == 0.0 || scene_gap_is_accumulated(q, at, contact);
     p->tolerance = tolerance;
+    p->output.worth_a_search = dense_output_worth_a_search(v);
     p->rubs = contact_rubs(v, contact);
     p->may_pull = p->rubs && contact_may_pull(&p->pair.law);
     p->is_lifted =
