@@ -577,12 +577,19 @@ static bool overdamped_is_accurate(const struct segment *p, double step, double 
            averaged_error(decay, ratio, p->scales.problem.reach, ratio) <= p->tolerance;
 }
 
+/* An error of n [rad] changes the load along n by as large a part of it. Where the law has events, the sweeps
+ * leave an error of less than this part of HYSTERESIS. The decay of a larger one would look as if it might end
+ * the regime, segment after segment, and no averaged segment would follow. */
+static const double ERROR_OF_LOAD = 1e-2;
+
 /* Makes a step that is within tolerance everywhere, not only at its end, because an event may end it. */
 static bool overdamped_try(struct segment *p, double step)
 {
     struct collocation *made = &p->as.collocation.step;
+    const double turned = ERROR_OF_LOAD * HYSTERESIS * p->scales.problem.reach;
+    const double tolerance = has_margin(p) ? fmin(0.1 * p->tolerance, turned) : 0.1 * p->tolerance;
     return collocation_make(made, &p->scales.problem, step, COLLOCATION_OVERDAMPED, &lobatto[LOBATTO_TWELVE],
-                            0.1 * p->tolerance) &&
+                            tolerance) &&
            made->result.interior_error <= p->tolerance;
 }
 
