@@ -454,10 +454,11 @@ static bool look_again(struct general *g, double length, struct general_event *f
 }
 
 /* Where the polynomial is not accurate enough between its ends, a shorter step is made that ends at the
- * event. The event is located again on the shorter step's polynomial until both agree. Where no such step can
- * be made, because friction has no direction where the normal force ends, a step of half the length comes
- * first. A stiff step is made again in any case, because its polynomial may reach F_n < 0 and reverse the
- * slip. */
+ * event. The event is located again on the shorter step's polynomial until both agree. A shorter step without
+ * an event is made longer by what its end misses. Otherwise the next long step would end before the event
+ * again, and so on without an end. Where no such step can be made, because friction has no direction where the
+ * normal force ends, a step of half the length comes first. A stiff step is made again in any case, because its
+ * polynomial may reach F_n < 0 and reverse the slip. */
 bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y)
 {
     struct radau_step *p = &g->step;
@@ -478,17 +479,21 @@ bool general_end_at(struct general *g, struct general_event *found, double *cloc
             }
             continue;
         }
-        const double missing = missing_to(g, event, rate, *clock, y);
+        double missing = missing_to(g, event, rate, *clock, y);
+        for (int k = 0;
+             k < MOST_MOVES && found->event < 0 && missing > CLOSE * length && missing < 0.1 * length; ++k) {
+            length += missing;
+            if (!look_again(g, length, found, clock, y)) {
+                return false;
+            }
+            missing = missing_to(g, event, rate, *clock, y);
+        }
         const bool is_first =
             found->event < 0 || found->part >= 1.0 - CLOSE; /* on the shorter step's polynomial */
         if (is_first && fabs(missing) <= CLOSE * length) {
             *found = (struct general_event){1.0, event};
             move_to_event(g, event, rate, clock, y);
             return true;
-        }
-        if (found->event < 0 && missing > 0.0 && missing < 0.1 * length &&
-            !look_again(g, length + missing, found, clock, y)) {
-            return false;
         }
     }
     return found->event < 0;

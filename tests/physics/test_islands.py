@@ -467,13 +467,16 @@ def check_motion(fmu, scene, steps, least, tolerance=TOLERANCE):
     return sum(fmu[name.replace(".law", ".onsets")] for name in touched), onsets
 
 
-# In three a ball is far from the others: the rounding of its gaps must not loosen theirs. In the last one a
-# slip reverses in the middle of a step that goes on to a release: regularized friction bends there.
-@pytest.mark.parametrize(
-    "seed, tolerance", [*((seed, TOLERANCE) for seed in (*seeds(8), 74, 386, 396)), (7624, 1e-9)]
-)
+# In three a ball is far from the others: the rounding of its gaps must not loosen theirs. In 7624 a slip
+# reverses within a step, where regularized friction bends. In 9245 balls touch right after the start, where
+# the polynomial of a long step shows them nearer than they are.
+CASES = [*((seed, TOLERANCE) for seed in (*seeds(8), 74, 386, 396)), (7624, 1e-9), (9245, 1e-5)]
+
+
+@pytest.mark.parametrize("seed, tolerance", CASES)
 def test_islands_move_as_in_the_reference(opened_several, seed, tolerance):
-    found, expected = check_motion(opened_several("Islands"), scene_of(seed), 1, 1e-7, tolerance)
+    least = max(1e-7, 10.0 * tolerance)
+    found, expected = check_motion(opened_several("Islands"), scene_of(seed), 1, least, tolerance)
     assert found >= expected
 
 
