@@ -57,8 +57,8 @@ static double smooth_gap(const struct general *g, int contact, double gap)
 static const double MISSED_AT_BEND = 0.15;
 
 /* Where in a step the slip is least: the part of the step, the limit L of friction [N] and the least slip
- * [m/s] there, and the change of the slip at that rate in the whole step [m/s]. For a resistance the units are
- * N m and rad/s. */
+ * [m/s] there, and the change of the slip at that rate in the whole step [m/s]. For a resistance the units
+ * are N m and rad/s. */
 struct bend {
     double part, limit, rate, least;
 };
@@ -456,9 +456,9 @@ static bool look_again(struct general *g, double length, struct general_event *f
 /* Where the polynomial is not accurate enough between its ends, a shorter step is made that ends at the
  * event. The event is located again on the shorter step's polynomial until both agree. A shorter step without
  * an event is made longer by what its end misses. Otherwise the next long step would end before the event
- * again, and so on without an end. Where no such step can be made, because friction has no direction where the
- * normal force ends, a step of half the length comes first. A stiff step is made again in any case, because its
- * polynomial may reach F_n < 0 and reverse the slip. */
+ * again, and so on without an end. Where no such step can be made, because friction has no direction where
+ * the normal force ends, a step of half the length comes first. A stiff step is made again in any case,
+ * because its polynomial may reach F_n < 0 and reverse the slip. */
 bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y)
 {
     struct radau_step *p = &g->step;

@@ -803,9 +803,9 @@ bool island_make(struct island *s, const struct scene_values *v, const struct sc
 /* In so many parts of a series a force or a depth has one maximum each. */
 enum { ISLAND_PARTS = 4 };
 
-/* At a touch and at a release the pace is zero, and with it the slope of every series. The slopes at both ends
- * are therefore taken inside, by this part of the way between the ends. A top that is nearer to an end exceeds
- * the value there by the square of this part. */
+/* At a touch and at a release the pace is zero, and with it the slope of every series. The slopes at both
+ * ends are therefore taken inside, by this part of the way between the ends. A top that is nearer to an end
+ * exceeds the value there by the square of this part. */
 static const double INSIDE = 1e-6;
 
 /* Returns the largest value of a series from one place to another. */

@@ -577,9 +577,9 @@ static bool overdamped_is_accurate(const struct segment *p, double step, double 
            averaged_error(decay, ratio, p->scales.problem.reach, ratio) <= p->tolerance;
 }
 
-/* An error of n [rad] changes the load along n by as large a part of it. Where the law has events, the sweeps
- * leave an error of less than this part of HYSTERESIS. The decay of a larger one would look as if it might end
- * the regime, segment after segment, and no averaged segment would follow. */
+/* An error of n [rad] changes the load along n by as large a part of it. Where the law has events, the
+ * sweeps leave an error of less than this part of HYSTERESIS. The decay of a larger one would look as if it
+ * might end the regime, segment after segment, and no averaged segment would follow. */
 static const double ERROR_OF_LOAD = 1e-2;
 
 /* Makes a step that is within tolerance everywhere, not only at its end, because an event may end it. */
