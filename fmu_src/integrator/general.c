@@ -48,6 +48,63 @@ static double smooth_gap(const struct general *g, int contact, double gap)
     return isfinite(smooth) ? smooth : gap;
 }
 
+/*
+ * Where the slip u passes zero, regularized friction -L (u - |u| u / (2 v_0) + ...) / v_0 bends: |u| u has a
+ * jump of its second derivative. The Chebyshev coefficients do not show it before it is as large as they are.
+ * Radau quadrature of |t| t over the unit interval has an error of at most this number divided by the cube of
+ * the number of stages (computed for 4, 8 and 12 stages).
+ */
+static const double MISSED_AT_BEND = 0.15;
+
+/* Where in a step the slip is least: the part of the step, the limit L of friction [N] and the least slip
+ * [m/s] there, and the change of the slip at that rate in the whole step [m/s]. For a resistance the units
+ * are N m and rad/s. */
+struct bend {
+    double part, limit, rate, least;
+};
+
+/* Returns the error of the impulse by friction in the step [N s]. It is less near the ends of the step, where
+ * a polynomial fits the longer piece. A slip that does not reach zero is a smooth function of time, with
+ * singularities at complex times; the convergence of Radau quadrature follows from their distance. */
+static double missed_at_bend(const struct radau_step *p, const struct friction_law *law,
+                             const struct bend *bend)
+{
+    const int s = p->stages->stages;
+    const double end = fmin(bend->part, 1.0 - bend->part);
+    const double share = fmin(MISSED_AT_BEND / (s * s * s), end * end * end);
+    const double away = 2.0 * bend->least / bend->rate; /* in halves of the step */
+    const double slips = bend->rate / law->slip_velocity;
+    return 0.5 * bend->limit * slips * slips * p->length * share *
+           pow(away + sqrt(1.0 + away * away), 1.0 - 2.0 * s);
+}
+
+/* Notes the part of the step at which friction bends between the last sample of the slip and this one, unless
+ * the error is below that allowed in the impulse. */
+static void note_bend(struct general *g, const struct scene_instant *at, int contact, int part, int place)
+{
+    const struct radau_step *p = &g->step;
+    const struct vec3 slip = turning_rubbing(&g->state->turning, at, contact, part).slip;
+    const struct vec3 last = g->slip[contact][part];
+    const struct vec3 change = vec3_axpy(slip, -1.0, last);
+    const double back = -vec3_dot(last, change);
+    g->slip[contact][part] = slip;
+    if (place == 0 || !(back > 0.0) || !(vec3_dot(slip, change) > 0.0)) {
+        return;
+    }
+    const struct friction_law law = scene_friction_law(g->ode.values, g->state, contact, part);
+    const double square = vec3_dot(change, change);
+    const double from = place > 1 ? p->stages->node[place - 2] : 0.0;
+    const double lasts = p->stages->node[place - 1] - from;
+    const struct bend bend = {.limit = friction_limit(&law, FRICTION_SLIDING, at->normal_force[contact]),
+                              .part = from + lasts * back / square,
+                              .rate = sqrt(square) / lasts,
+                              .least = vec3_norm(vec3_axpy(last, back / square, change))};
+    const int impulse = g->ode.layout.impulse[contact] + (part == OPPOSED_SLIP ? 0 : 3);
+    if (law.kind == FRICTION_REGULARIZED && missed_at_bend(p, &law, &bend) * p->weight[impulse] > 1.0) {
+        g->bend = fmin(g->bend, bend.part);
+    }
+}
+
 /* Samples the event functions at the instant `at` of the state g->y. */
 static void sample_events_at(struct general *g, double clock, const struct scene_instant *at, int place)
 {
@@ -59,6 +116,10 @@ static void sample_events_at(struct general *g, double clock, const struct scene
         }
         g->loads[place][j][GENERAL_FORCE] = at->normal_force[j];
         g->loads[place][j][GENERAL_DEPTH] = -at->geometry[j].gap;
+        const bool rubs = SCENE_ANY_FRICTION && g->step.problem.turns && contact_transmits(g->state, j);
+        for (int i = 0; rubs && i < contact_opposed(g->ode.values, j); ++i) {
+            note_bend(g, at, j, i, place);
+        }
         for (int e = ODE_EVENTS_EACH * j; e < ODE_EVENTS_EACH * (j + 1); ++e) {
             const double size = fabs(events[e]);
             g->event_size[e] = size > g->event_size[e] ? size : g->event_size[e];
@@ -131,6 +192,7 @@ static void sample_events(struct general *g)
         return;
     }
     g->is_sampled = true;
+    g->bend = (double)INFINITY;
     memset(g->event_size, 0, sizeof g->event_size);
     memcpy(g->y, p->y, (size_t)g->size * sizeof *g->y);
     ode_instant(&g->ode, p->start, g->y, &at);
@@ -392,10 +454,11 @@ static bool look_again(struct general *g, double length, struct general_event *f
 }
 
 /* Where the polynomial is not accurate enough between its ends, a shorter step is made that ends at the
- * event. The event is located again on the shorter step's polynomial until both agree. Where no such step can
- * be made, because friction has no direction where the normal force ends, a step of half the length comes
- * first. A stiff step is made again in any case, because its polynomial may reach F_n < 0 and reverse the
- * slip. */
+ * event. The event is located again on the shorter step's polynomial until both agree. A shorter step without
+ * an event is made longer by what its end misses. Otherwise the next long step would end before the event
+ * again, and so on without an end. Where no such step can be made, because friction has no direction where
+ * the normal force ends, a step of half the length comes first. A stiff step is made again in any case,
+ * because its polynomial may reach F_n < 0 and reverse the slip. */
 bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y)
 {
     struct radau_step *p = &g->step;
@@ -416,17 +479,21 @@ bool general_end_at(struct general *g, struct general_event *found, double *cloc
             }
             continue;
         }
-        const double missing = missing_to(g, event, rate, *clock, y);
+        double missing = missing_to(g, event, rate, *clock, y);
+        for (int k = 0;
+             k < MOST_MOVES && found->event < 0 && missing > CLOSE * length && missing < 0.1 * length; ++k) {
+            length += missing;
+            if (!look_again(g, length, found, clock, y)) {
+                return false;
+            }
+            missing = missing_to(g, event, rate, *clock, y);
+        }
         const bool is_first =
             found->event < 0 || found->part >= 1.0 - CLOSE; /* on the shorter step's polynomial */
         if (is_first && fabs(missing) <= CLOSE * length) {
             *found = (struct general_event){1.0, event};
             move_to_event(g, event, rate, clock, y);
             return true;
-        }
-        if (found->event < 0 && missing > 0.0 && missing < 0.1 * length &&
-            !look_again(g, length + missing, found, clock, y)) {
-            return false;
         }
     }
     return found->event < 0;
@@ -498,7 +565,7 @@ static bool search_tops(struct general *g, const struct scene_instant *at, int c
     const enum contact_regime regime = (enum contact_regime)g->state->contact[contact].regime;
     const double by_gap = fabs(contact_force_slopes(&law, regime, now->gap, now->gap_rate).by_gap);
     const double rounding = rounding_of_gap(g->ode.values, at, contact);
-    const double worth = 1.0 + fmax(g->relative, DENSE_OUTPUT_WORTH_A_SEARCH);
+    const double worth = 1.0 + fmax(g->relative, dense_output_worth_a_search(g->ode.values));
     const struct contact_shape shape = scene_contact_shape(g->ode.values, g->state, contact);
     const double depth = worth * noted->penetration + rounding;
     const double deepest = fmax(note_tops(g, contact, GENERAL_DEPTH, ends, depth), depth);
@@ -773,7 +840,8 @@ void general_attach(struct general *g, const struct scene_values *v, struct scen
             .contact = j,
             .move = move_along_step,
             .mover = g,
-            .output = {.latest_s = -1.0, .worth_a_search = fmax(g->relative, DENSE_OUTPUT_WORTH_A_SEARCH)}};
+            .output = {.latest_s = -1.0,
+                       .worth_a_search = fmax(g->relative, dense_output_worth_a_search(v))}};
     }
 }
 
@@ -891,6 +959,7 @@ static enum advance_result make_step(struct general *g, const struct scene_state
     /* a step goes beyond the end only where rounding allows accurate outputs */
     const double most = g->read_share <= 1.0 ? fmax(step->clock_limit - q->clock, left) : left;
     double longest = (double)INFINITY;
+    double known = 0.0; /* g->longest of a step that a bend of friction has shortened */
     if (SCENE_ANY_FRICTION && g->step.problem.turns) {
         g->longest = fmin(g->longest, general_length_of_sliding(g));
     }
@@ -900,6 +969,13 @@ static enum advance_result make_step(struct general *g, const struct scene_state
         }
         const struct general_event first = general_first_event(g);
         const double until = first.part * g->step.length;
+        if (g->bend < first.part) { /* the step shall end at the bend */
+            known = fmax(known, g->longest);
+            longest = g->bend * g->step.length;
+            g->rejected += 1;
+            continue;
+        }
+        g->longest = fmax(g->longest, known);
         end->event = first;
         end->clock = g->step.length == left ? step->clock_end : q->clock + g->step.length;
         if (first.event < 0) {

@@ -57,9 +57,11 @@ struct general {
     double release_clock;               /* when a contact under Hertz's law ends; INFINITY: not known */
     double release_rest;                /* what a step to that release leaves for the steps after it [s] */
     int steps_to_release;               /* number of steps made to that release */
-    double within_share;                /* factor of error_within when it is compared with error_at_end */
-    double read_share; /* within_share where outputs are read within the step; above 1: none is read */
-    bool is_sampled;   /* whether `events` and `loads` are those of the solved step */
+    struct vec3 slip[SCENE_CONTACTS][OPPOSED]; /* the last sample of the slips in the step [m/s, rad/s] */
+    double bend;         /* part of the step at which friction bends first and matters; INFINITY: nowhere */
+    double within_share; /* factor of error_within when it is compared with error_at_end */
+    double read_share;   /* within_share where outputs are read within the step; above 1: none is read */
+    bool is_sampled;     /* whether `events` and `loads` are those of the solved step */
     double *y, *size_of, *end_size; /* [size]: a state; sizes of the states at both ends of the step */
     /* [size], noted at the start of the step: change of integrals by an impulse of a contact, divided by that
      * impulse; largest errors allowed */

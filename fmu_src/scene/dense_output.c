@@ -13,6 +13,11 @@ struct probe {
     int order; /* of the derivative: 0, 1 or 2 */
 };
 
+double dense_output_worth_a_search(const struct scene_values *v)
+{
+    return fmin(solver_relative_tolerance(v), 1e-9); /* less saves no work at loose tolerances */
+}
+
 void dense_output_add(struct dense_output *w, double s)
 {
     w->sampler(w->segment, s, &w->at[w->count]);

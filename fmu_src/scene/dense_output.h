@@ -26,9 +26,8 @@ typedef void dense_output_sampler(const void *segment, double s, struct pair_sam
 
 enum { DENSE_OUTPUT_POINTS = 24 };
 
-/* The usual value of `worth_a_search` below, which is less than any tolerance that users ask for; 1e-8 is the
- * tolerance at the start. */
-#define DENSE_OUTPUT_WORTH_A_SEARCH 1e-9
+/* Returns the usual value of `worth_a_search` below: at most the tolerance. */
+double dense_output_worth_a_search(const struct scene_values *v);
 
 /* A segment sampled at ascending s, so densely that no quantity has two extrema between two samples. */
 struct dense_output {

@@ -743,20 +743,26 @@ bool island_make(struct island *s, const struct scene_values *v, const struct sc
 /* In so many parts of a series a force or a depth has one maximum each. */
 enum { ISLAND_PARTS = 4 };
 
+/* At a touch and at a release the pace is zero, and with it the slope of every series. The slopes at both
+ * ends are therefore taken inside, by this part of the way between the ends. A top that is nearer to an end
+ * exceeds the value there by the square of this part. */
+static const double INSIDE = 1e-6;
+
 /* Returns the largest value of a series from one place to another. */
 static double largest_within(const double *row, double from, double to)
 {
+    const double inside = INSIDE * (to - from);
     double slopes[TAYLOR_TERMS];
     double before[3];
     double after[3];
+    double largest = fmax(taylor_at(row, TAYLOR_TERMS, from), taylor_at(row, TAYLOR_TERMS, to));
     for (int i = 0; i < TAYLOR_TERMS; ++i) {
         slopes[i] = i < TAYLOR_ORDER ? (i + 1) * row[i + 1] : 0.0;
     }
-    taylor_derivatives(row, TAYLOR_TERMS, from, before);
-    double largest = before[0];
+    taylor_derivatives(row, TAYLOR_TERMS, from + inside, before);
     for (int i = 0; i < ISLAND_PARTS; ++i) {
-        const double start = from + (to - from) * i / ISLAND_PARTS;
-        const double end = i + 1 < ISLAND_PARTS ? from + (to - from) * (i + 1) / ISLAND_PARTS : to;
+        const double start = from + fmax((to - from) * i / ISLAND_PARTS, inside);
+        const double end = i + 1 < ISLAND_PARTS ? from + (to - from) * (i + 1) / ISLAND_PARTS : to - inside;
         taylor_derivatives(row, TAYLOR_TERMS, end, after);
         largest = fmax(largest, after[0]);
         if (before[1] > 0.0 && after[1] < 0.0) {

@@ -574,12 +574,19 @@ static bool overdamped_is_accurate(const struct segment *p, double step, double 
            averaged_error(decay, ratio, p->scales.problem.reach, ratio) <= p->tolerance;
 }
 
+/* An error of n [rad] changes the load along n by as large a part of it. Where the law has events, the
+ * sweeps leave an error of less than this part of HYSTERESIS. The decay of a larger one would look as if it
+ * might end the regime, segment after segment, and no averaged segment would follow. */
+static const double ERROR_OF_LOAD = 1e-2;
+
 /* Makes a step that is within tolerance everywhere, not only at its end, because an event may end it. */
 static bool overdamped_try(struct segment *p, double step)
 {
     struct collocation *made = &p->as.collocation.step;
+    const double turned = ERROR_OF_LOAD * HYSTERESIS * p->scales.problem.reach;
+    const double tolerance = has_margin(p) ? fmin(0.1 * p->tolerance, turned) : 0.1 * p->tolerance;
     return collocation_make(made, &p->scales.problem, step, COLLOCATION_OVERDAMPED, &lobatto[LOBATTO_TWELVE],
-                            0.1 * p->tolerance) &&
+                            tolerance) &&
            made->result.interior_error <= p->tolerance;
 }
 
@@ -1411,7 +1418,6 @@ static bool make_kind(struct segment *p, enum segment_kind kind)
     p->terminal.s = p->parting = (double)NAN;
     p->output.sampler = kinds[kind].sample;
     p->output.segment = &p->as;
-    p->output.worth_a_search = DENSE_OUTPUT_WORTH_A_SEARCH;
     p->output.count = 0;
     p->output.latest_s = -1.0;
     if (kinds[kind].applies != NULL && !kinds[kind].applies(p)) {
@@ -1503,6 +1509,7 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
     p->gap_rounding = rounding_of_gap(v, at, contact);
     p->gap_is_known = p->pair.gap == 0.0 || scene_gap_is_accumulated(q, at, contact);
     p->tolerance = tolerance;
+    p->output.worth_a_search = dense_output_worth_a_search(v);
     p->rubs = contact_rubs(v, contact);
     p->may_pull = p->rubs && contact_may_pull(&p->pair.law);
     p->is_lifted =

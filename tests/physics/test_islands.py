@@ -446,12 +446,12 @@ def found_twice(scene):
     return fine, coarse, onsets
 
 
-def check_motion(fmu, scene, steps, least):
+def check_motion(fmu, scene, steps, least, tolerance=TOLERANCE):
     """Against the reference, within `least` or what the reference itself is uncertain of; returns the number
     of contacts that began, and that of the reference"""
     fine, coarse, onsets = kept([*scene, END], lambda: found_twice(scene))
     values = values_of(*scene)
-    start(fmu, values, TOLERANCE)
+    start(fmu, values, tolerance)
     balls = range(1, len(scene[0]) + 1)
     energy = fmu["energy.total"]
     for _ in range(steps):
@@ -467,10 +467,16 @@ def check_motion(fmu, scene, steps, least):
     return sum(fmu[name.replace(".law", ".onsets")] for name in touched), onsets
 
 
-# In the last three a ball is far from the others: the rounding of its gaps must not loosen theirs.
-@pytest.mark.parametrize("seed", [*seeds(8), 74, 386, 396])
-def test_islands_move_as_in_the_reference(opened_several, seed):
-    found, expected = check_motion(opened_several("Islands"), scene_of(seed), 1, 1e-7)
+# In three a ball is far from the others: the rounding of its gaps must not loosen theirs. In 7624 a slip
+# reverses within a step, where regularized friction bends. In 9245 balls touch right after the start, where
+# the polynomial of a long step shows them nearer than they are.
+CASES = [*((seed, TOLERANCE) for seed in (*seeds(8), 74, 386, 396)), (7624, 1e-9), (9245, 1e-5)]
+
+
+@pytest.mark.parametrize("seed, tolerance", CASES)
+def test_islands_move_as_in_the_reference(opened_several, seed, tolerance):
+    least = max(1e-7, 10.0 * tolerance)
+    found, expected = check_motion(opened_several("Islands"), scene_of(seed), 1, least, tolerance)
     assert found >= expected
 
 

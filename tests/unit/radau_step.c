@@ -235,6 +235,41 @@ TEST(a_step_with_the_jacobian_at_every_stage_is_exact)
     }
 }
 
+/* The row of a' has v and 1 + x. The error of a step evaluates it at the end, where the next step begins; a
+ * solution evaluates it at the stages. */
+TEST(a_jacobian_serves_its_own_clock_and_state_alone)
+{
+    static const struct {
+        bool solved;
+        double clock, moved;
+        int evaluations; /* of the rates, and of the Jacobian where it is not known */
+    } begins[] = {{true, 1.0, 0.0, 1},
+                  {false, 1.0, 0.5, 2},
+                  {false, 1.0, 0.5, 1},
+                  {false, 2.0, 0.5, 2},
+                  {true, 2.0, 0.5, 2}};
+    const double damping = 10.0;
+    struct radau_step p;
+    double y[TIPPING_STATES];
+    void *memory = begin_tipping(&p, &damping);
+    for (int k = 0; k < 5; ++k) {
+        radau_step_guess_on(&p, &radau_stages_12, 1.0);
+        CHECK(!begins[k].solved || radau_step_solve_fully(&p, 1e-14));
+        if (k == 0) {
+            radau_step_finish(&p);
+            CHECK(radau_step_start_error(&p) < 1.0);
+            radau_step_at(&p, 1.0, y);
+        }
+        const double at[] = {y[PLACE] + begins[k].moved, y[SPEED] - begins[k].moved, y[TIPPING]};
+        const int before = p.evaluations;
+        radau_step_begin(&p, begins[k].clock, at);
+        CHECK(p.evaluations - before == begins[k].evaluations);
+        CHECK_CLOSE("a' by v", p.by_others[1], 1.0 + at[PLACE], 0.0);
+        CHECK_CLOSE("a' by x", p.by_places[1], at[SPEED], 0.0);
+    }
+    free(memory);
+}
+
 /* v' = 6 t and a' = 2 t given at the stages: v = 1 + 3 t^2, x = t + t^3, a = t^2. */
 TEST(given_rates_are_integrated_exactly_and_a_guess_tells_its_rates)
 {

@@ -300,7 +300,7 @@ FAMILIES = {"a load that grows from zero": grown_load, "a start on the edge": ed
 FAMILIES |= {"a stiff landing": stiff_landing, "a centre deep inside": deep_inside}
 
 
-@pytest.mark.parametrize("seed", seeds())
+@pytest.mark.parametrize("seed", [*seeds(), 5121])  # in the last one a stiff dashpot holds a ball at rest
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_ball_at_a_cap_ends_the_same_however_it_is_stepped(opened, family, seed):
     check_agreement(opened, FAMILIES[family](np.random.default_rng(seed)), seed)

@@ -146,8 +146,9 @@ def rolling_on_a_turntable(random):
     return Scene("Turntable", values, pick(random, 0.06, 0.5, 2.0), floor)
 
 
-# Seeds 920148 and 930291 once failed: a step of the general segment began just before a Hertz release.
-@pytest.mark.parametrize("seed", [*seeds(), 920148, 930291])
+# Seeds 920148 and 930291 once failed: a step of the general segment began just before a Hertz release. In
+# 5087 a ball is deepest just before another contact's release, where the pace of an island's series is zero.
+@pytest.mark.parametrize("seed", [*seeds(), 920148, 930291, 5087])
 @pytest.mark.parametrize("family", [ball_into_corner, balls_in_a_row], ids=["corner", "row"])
 def test_balls_in_a_corner_and_in_a_row_end_the_same_however_they_are_stepped(opened_several, family, seed):
     check_agreement(opened_several, family(np.random.default_rng(seed)), seed)

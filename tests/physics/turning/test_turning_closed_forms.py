@@ -139,6 +139,13 @@ def test_no_torque_and_no_change_without_a_coefficient(opened, method, friction)
     check_close("energy.friction", fmu["energy.friction"], 0.0, 0.0)
 
 
+def test_an_impact_that_tips_a_cylinder_takes_one_step(opened):
+    """Orientations follow the forces in the same iteration; one behind, longer attempts do not converge."""
+    fmu = run(opened("TippingRoller"), {}, 1.0, 1, 1e-9)
+    assert fmu["contact.onsets"] == 1
+    assert (fmu["solver.steps"], fmu["solver.rejected_steps"]) == (1, 0)
+
+
 def test_a_cylinder_tumbles_as_the_closed_form_says(opened):
     """1,000 turns of its angular momentum, in one step and in many."""
     for steps in (1, 13):
