@@ -250,7 +250,7 @@ static void scene_jet_at(const struct scene_output *o, double clock, struct scen
     struct scene_state q;
     struct scene_instant at;
     scene_at(o, clock, &q, &at);
-    jet_of_motion(o->values, &q, &at, along);
+    jet_of_motion(o->values, &q, &at, false, along);
 }
 
 static void put_sample(const struct contact_jet *jet, struct pair_sample *sample)
