@@ -638,10 +638,14 @@ bool model_get_vector(const struct model *m, const uint32_t *references, double 
     return true;
 }
 
-size_t model_get_reals(const struct model *m, const uint32_t *references, size_t count, double *values)
+size_t model_get_reals(struct model *m, const uint32_t *references, size_t count, double *values)
 {
     size_t i = 0;
     const double *from = NULL;
+    const uint32_t real = count > 0 && references[0] < SCENE_REFERENCES ? scene_reals[references[0]] : 0;
+    if (real & (VARIABLE_BODY | VARIABLE_COMPUTED)) {
+        (void)model_update_outputs(m, real & VARIABLE_COMPUTED ? OUTPUTS_ALL : OUTPUTS_BODIES);
+    }
     while (i < count && (from = known_real(m, references[i], 0)) != NULL) {
         values[i++] = *from;
     }
