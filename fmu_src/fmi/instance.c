@@ -433,12 +433,13 @@ CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance
                                                        const uint32_t *references, size_t reference_count,
                                                        void *values, size_t count)
 {
-    if (!values_ready(instance, references, reference_count, values, count)) {
-        return MODEL_ERROR;
-    }
-    if (types == TYPES_REAL && instance->phase == PHASE_STEP && !has_vectors(instance) &&
+    const bool is_quick = types == TYPES_REAL && instance->phase == PHASE_STEP && !has_vectors(instance);
+    if (is_quick && references != NULL && values != NULL &&
         model_get_reals(instance->model, references, count, values) == count) {
         return MODEL_OK;
+    }
+    if (!values_ready(instance, references, reference_count, values, count)) {
+        return MODEL_ERROR;
     }
     enum model_status status =
         check_components(instance, find_readable, types, references, reference_count, "nValues", count);

@@ -387,11 +387,22 @@ static bool is_over_already(struct cvode *c, const struct scene_values *v, struc
  * no quantity has two extrema within it. */
 static void note_peaks(struct cvode *c, struct scene_state *q, double to)
 {
+    const struct dense_output *any = NULL; /* of a contact in touch */
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime != REGIME_APART && to > q->clock) {
+        c->output[j].values = c->problem.ode.values;
+        c->output[j].state = q;
+        any = q->contact[j].regime != REGIME_APART ? &c->output[j].output : any;
+    }
+    if (!any || !(to > q->clock)) {
+        return;
+    }
+    if (any->count == 0) {
+        scene_outputs_add(c->output, q->clock);
+    }
+    scene_outputs_add(c->output, to);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (q->contact[j].regime != REGIME_APART) {
             struct scene_output *output = &c->output[j];
-            output->values = c->problem.ode.values;
-            output->state = q;
             scene_output_note_peaks(output, q->clock, to, 1, &q->contact[j].peaks);
             const double half = 0.5 * (to - q->clock);
             for (int i = 0; i < GAUSS_NODES && scene_output_has_torque(output); ++i) {

@@ -634,18 +634,22 @@ static bool restore_pairs(struct pair_phase *all, const struct scene_values *v, 
            make_segments(all, v, &start, &at, q->phase.longest);
 }
 
-/* Whether a longer phase does harm: each reading of it would cost more, or the places of a deep contact, as
- * the sum of a long flight and of what nearly cancels it, would be rounded more. */
-static bool longer_does_harm(const struct pair_phase *all, const struct scene_values *v,
-                             const struct scene_state *q)
+/* Returns the length [s] beyond which a longer phase does harm: each reading of it would cost more, or the
+ * places of a deep contact, as the sum of a long flight and of what nearly cancels it, would be rounded
+ * more. */
+static double harmless_time(const struct pair_phase *all, const struct scene_values *v,
+                            const struct scene_state *q)
 {
-    bool any = false;
+    double time = (double)INFINITY;
     for (int j = 0; all->form == PHASE_OF_SEGMENTS && j < SCENE_CONTACTS; ++j) {
         const struct segment *p = &all->segment[j];
-        any = any || (contact_pushes(v, q, j) && segment_is_deep(p)) ||
-              (SCENE_ANY_FRICTION && p->rubs && rubbing_is_long(p, v, q, j));
+        if (contact_pushes(v, q, j) && segment_is_deep(p)) {
+            time = 0.0;
+        } else if (SCENE_ANY_FRICTION && p->rubs) {
+            time = fmin(time, rubbing_short_until(p, v, q, j));
+        }
     }
-    return any;
+    return time;
 }
 
 /* Begins a phase up to the clock `until`, or earlier: of a chain, or of pairs alone as long as the others
@@ -666,8 +670,9 @@ static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, st
         until = q->clock + longest;
     }
     made = made || (until > q->clock && make_segments(all, v, q, advance_now(step, v, q), longest));
-    if (made && until > step->clock_end && longer_does_harm(all, v, q)) {
-        until = step->clock_end;
+    const double harmless = made && until > step->clock_end ? harmless_time(all, v, q) : (double)INFINITY;
+    if (q->clock + harmless < until) {
+        until = fmax(q->clock + harmless, step->clock_end);
         longest = until - q->clock;
         made = make_segments(all, v, q, advance_now(step, v, q), longest);
     }

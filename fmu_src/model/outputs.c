@@ -248,25 +248,23 @@ static void put_contact_sums(struct scene_values *v, const struct scene_instant 
     put_body_contact_torque(v, body, torque);
 }
 
-/* Sets the outputs of bodies that turn and contacts that rub. Returns a sum of them, which is finite only if
- * every output is. */
-static double show_turning(struct scene_values *v, const struct scene_state *q,
-                           const struct scene_instant *at)
+/* Completes the instant by rotation and friction, and sets the outputs of bodies that turn and contacts that
+ * rub. Returns a sum of them, which is finite only if every output is. */
+static double show_turning(struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
 {
-    struct scene_instant known = *at;
     double sum = 0.0;
     if (!scene_turns(v)) {
-        turning_complete(v, q, &known);
+        turning_complete(v, q, at);
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        put_turn(v, &known.turning, i);
+        put_turn(v, &at->turning, i);
         if (body_is_compound(i)) {
-            put_contact_sums(v, &known, i);
+            put_contact_sums(v, at, i);
         }
-        sum += vec3_norm(known.turning.body[i].angular_velocity);
+        sum += vec3_norm(at->turning.body[i].angular_velocity);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        sum += put_rubbing(v, q, &known, j);
+        sum += put_rubbing(v, q, at, j);
     }
     return sum;
 }
@@ -638,10 +636,14 @@ bool model_get_vector(const struct model *m, const uint32_t *references, double 
     return true;
 }
 
-size_t model_get_reals(const struct model *m, const uint32_t *references, size_t count, double *values)
+size_t model_get_reals(struct model *m, const uint32_t *references, size_t count, double *values)
 {
     size_t i = 0;
     const double *from = NULL;
+    const uint32_t real = count > 0 && references[0] < SCENE_REFERENCES ? scene_reals[references[0]] : 0;
+    if (real & (VARIABLE_BODY | VARIABLE_COMPUTED)) {
+        (void)model_update_outputs(m, real & VARIABLE_COMPUTED ? OUTPUTS_ALL : OUTPUTS_BODIES);
+    }
     while (i < count && (from = known_real(m, references[i], 0)) != NULL) {
         values[i++] = *from;
     }

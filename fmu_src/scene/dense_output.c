@@ -249,19 +249,42 @@ static void scene_at(const struct scene_output *o, double clock, struct scene_st
     scene_evaluate(o->values, q, clock, q->body, at);
 }
 
+/* Puts the jet of the scene at a clock. */
+static void scene_jet_at(const struct scene_output *o, double clock, struct scene_jet *along)
+{
+    struct scene_state q;
+    struct scene_instant at;
+    scene_at(o, clock, &q, &at);
+    jet_of_motion(o->values, &q, &at, false, along);
+}
+
+static void put_sample(const struct contact_jet *jet, struct pair_sample *sample)
+{
+    put_terms(sample->of[PAIR_GAP], jet->gap);
+    put_terms(sample->of[PAIR_GAP_RATE], jet->gap_rate);
+    put_terms(sample->of[PAIR_FORCE], jet->normal_force);
+}
+
 /* Samples the scene; serves as a dense_output_sampler, whose variable is the clock [s]. */
 static void sample_scene(const void *output, double clock, struct pair_sample *sample)
 {
     const struct scene_output *o = output;
-    struct scene_state q;
-    struct scene_instant at;
     struct scene_jet along;
-    scene_at(o, clock, &q, &at);
-    jet_of_motion(o->values, &q, &at, &along);
-    const struct contact_jet *jet = &along.contact[o->contact];
-    put_terms(sample->of[PAIR_GAP], jet->gap);
-    put_terms(sample->of[PAIR_GAP_RATE], jet->gap_rate);
-    put_terms(sample->of[PAIR_FORCE], jet->normal_force);
+    scene_jet_at(o, clock, &along);
+    put_sample(&along.contact[o->contact], sample);
+}
+
+void scene_outputs_add(struct scene_output *outputs, double clock)
+{
+    struct scene_jet along;
+    scene_jet_at(outputs, clock, &along);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        struct dense_output *w = &outputs[j].output;
+        if (outputs->state->contact[j].regime != (int32_t)REGIME_APART) {
+            put_sample(&along.contact[j], &w->at[w->count]);
+            w->s[w->count++] = clock;
+        }
+    }
 }
 
 /* Notes the peaks on both sides of the centre of solid bodies. There n and the force of a dashpot reverse, so

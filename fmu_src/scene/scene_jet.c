@@ -281,8 +281,9 @@ static void put_turning(const struct scene_values *v, const struct scene_state *
     }
 }
 
-void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
-                     const struct scene_instant *at, struct scene_jet *along)
+/* Puts the contacts' terms; those of slip, friction and torques only where `rubs`. */
+static void put_contact_jets(const struct scene_values *v, const struct scene_state *q,
+                             const struct scene_instant *at, bool rubs, struct scene_jet *along)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
@@ -295,10 +296,16 @@ void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
         put_distance(&shape, &at->geometry[j], &path, &along->contact[j]);
         put_normal_force(&shape, &at->geometry[j], &path, &law, &along->law_slope[j], regime,
                          &along->contact[j]);
-        if (SCENE_ANY_TURNING) {
+        if (SCENE_ANY_TURNING && rubs) {
             put_turning(v, q, &shape, &path, j, along);
         }
     }
+}
+
+void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
+                     const struct scene_instant *at, struct scene_jet *along)
+{
+    put_contact_jets(v, q, at, true, along);
 }
 
 /* Puts the orientation's terms from the angular velocity: q' = (0, omega) q / 2. */
@@ -554,16 +561,17 @@ static struct vec3 half_spring_change(const struct scene_values *v, const struct
                       vec3_add(sum, opposed_turned_term((enum opposed)part, spring, geometry->normal, 1)));
 }
 
-/* Sets the second-order terms of rotations and springs from contacts known to the first order. */
+/* Sets the second-order terms of rotations and springs from contacts known to the first order; without `all`
+ * only the rotations that move a gap. */
 static void put_turning_changes(const struct scene_values *v, const struct scene_state *q,
-                                const struct scene_instant *at, struct scene_jet *along)
+                                const struct scene_instant *at, bool all, struct scene_jet *along)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_turns_freely(v, i)) {
+        if (body_turns_freely(v, i) && (all || body_has_axis(i) || body_is_compound(i))) {
             along->angular_velocity[i][2] = turning_jet_half_jerk(v, q, at, along, i);
         }
     }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+    for (int j = 0; all && j < SCENE_CONTACTS; ++j) {
         for (int i = 0; i < OPPOSED && q->contact[j].regime != (int32_t)REGIME_APART; ++i) {
             if (contact_has_spring(v, j, i)) {
                 along->spring[j][i][2] = half_spring_change(v, q, at, along, j, i);
@@ -574,16 +582,16 @@ static void put_turning_changes(const struct scene_values *v, const struct scene
 
 /* Puts the contacts' terms. The forces then give the coefficients 2 of the free bodies' velocities and of
  * rotations, on which the coefficients 2 of the contacts depend; therefore the contacts' terms are put
- * again. */
+ * again: all of them, or those of the normal force alone. */
 static void put_contacts(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, struct scene_jet *along)
+                         const struct scene_instant *at, bool all, struct scene_jet *along)
 {
-    jet_of_contacts(v, q, at, along);
+    put_contact_jets(v, q, at, all || scene_turns(v), along);
     if (scene_turns(v)) {
-        put_turning_changes(v, q, at, along);
+        put_turning_changes(v, q, at, all, along);
     }
     if ((SCENE_ANY_FREE && put_jerk(v, q, along)) || scene_turns(v)) {
-        jet_of_contacts(v, q, at, along);
+        put_contact_jets(v, q, at, all, along);
     }
 }
 
@@ -591,14 +599,14 @@ void jet_in_time(const struct scene_values *v, const struct scene_state *q, cons
                  struct scene_jet *along)
 {
     put_bodies(v, q, at, along);
-    put_contacts(v, q, at, along);
+    put_contacts(v, q, at, true, along);
     if (SCENE_ANY_FREE) {
         put_work(v, q, along);
     }
 }
 
 void jet_of_motion(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
-                   struct scene_jet *along)
+                   bool all, struct scene_jet *along)
 {
     put_bodies(v, q, at, along);
     along->touching = true;
@@ -611,7 +619,7 @@ void jet_of_motion(const struct scene_values *v, const struct scene_state *q, co
             along->displacement[i][2] = displacement[2];
         }
     }
-    put_contacts(v, q, at, along);
+    put_contacts(v, q, at, all, along);
 }
 
 struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct scene_state *q,

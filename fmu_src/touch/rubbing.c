@@ -557,10 +557,18 @@ bool rubbing_allows(struct segment *p, const struct scene_values *v, const struc
     return true;
 }
 
-bool rubbing_is_long(const struct segment *p, const struct scene_values *v, const struct scene_state *q,
-                     int contact)
+double rubbing_short_until(const struct segment *p, const struct scene_values *v, const struct scene_state *q,
+                           int contact)
 {
     const struct slide f = slide_of(p, v, q, contact);
-    const double time = segment_time(p, fmin(p->end, p->terminal.s));
-    return f.per_impulse > 0.0 && (radians_in(p, time) > LONGEST_PANEL || axis_turns(&f, f.slip, time));
+    const double end = fmin(p->end, p->terminal.s);
+    const double time = segment_time(p, end);
+    if (!(f.per_impulse > 0.0)) {
+        return (double)INFINITY;
+    }
+    if (axis_turns(&f, f.slip, time)) {
+        return 0.0;
+    }
+    const double full = has_closed_moments(&p->pair) ? segment_time(p, end_of_full_friction(&f, end)) : 0.0;
+    return radians_in(p, time - full) > LONGEST_PANEL ? full : (double)INFINITY;
 }

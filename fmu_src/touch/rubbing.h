@@ -17,10 +17,10 @@ bool rubbing_is_solvable(const struct scene_values *v, const struct scene_state 
 bool rubbing_allows(struct segment *p, const struct scene_values *v, const struct scene_state *q,
                     int contact);
 
-/* Whether the motion along the plane is integrated over many panels from the start of the segment on, so that
- * each reading of a longer segment costs more. */
-bool rubbing_is_long(const struct segment *p, const struct scene_values *v, const struct scene_state *q,
-                     int contact);
+/* Returns the time from the start of the segment [s] up to which a reading costs no more in a longer segment,
+ * because the motion along the plane is a closed form there; INFINITY where few panels cover the rest. */
+double rubbing_short_until(const struct segment *p, const struct scene_values *v, const struct scene_state *q,
+                           int contact);
 
 /* segment_advance, with friction: the motion along the plane, the rotation of the source, and the impulses
  * and works of the friction force. */

@@ -110,15 +110,16 @@ def test_the_slip_is_that_of_the_formula_through_all_bounces(opened, law, rotati
 
 
 @pytest.mark.parametrize("stiffness", [1e6, 1e10])
-@pytest.mark.parametrize("spin", [[0.0, 0.0, 0.0], [3.0, -5.0, 20.0]])
-def test_an_oscillation_that_never_dies_away_costs_little_while_a_ball_slides(opened, stiffness, spin):
+@pytest.mark.parametrize("spin, steps", [([0.0] * 3, 1), ([0.0] * 3, 1000), ([3.0, -5.0, 20.0], 1)])
+def test_an_oscillation_that_never_dies_away_costs_little_while_a_ball_slides(opened, stiffness, spin, steps):
     """Set down where it touches, undamped: p = m g (t - sin(w t)/w), 16 or 1,600 swings until it rolls. The
-    way is a sum over Gauss-Legendre panels of a twentieth of a radian and less."""
+    way is a sum over Gauss-Legendre panels of a twentieth of a radian and less. Communication points end no
+    phase but where friction ceases to be full."""
     unit, end = 1e-3, 0.5
     values = thrown("linear", "free", 2.0 / unit)[0] | {"source.center": [0.0, 0.0, R]}
     values |= {"source.initial_velocity": [1.0, 0.3, 0.0], "source.initial_angular_velocity": spin}
     values |= {"contact.method": "penalty", "contact.penalty_factor": stiffness}
-    fmu = run(opened("SpherePlane"), values, end, 1, 1e-10)
+    fmu = run(opened("SpherePlane"), values, end, steps, 1e-10)
     assert fmu["solver.steps"] < 100
     begin, swing = slip_of(np.array([1.0, 0.3]), np.array(spin)), math.sqrt(stiffness / M)
     size, kappa = np.linalg.norm(begin), 3.5 / M
