@@ -191,10 +191,10 @@ struct friction_response friction_response_of(const struct friction_law *law, en
  * there xi' = -(F_t + k_t xi) / c_t, whatever the slip.
  */
 struct friction_spring_drive {
-    bool is_force;              /* whether z is F_t */
-    double decay;               /* [1/s] */
-    double along, across;       /* [1], or [m/(N s)] where z is F_t */
-    struct vec3 unit;           /* u */
+    bool is_force;        /* whether z is F_t */
+    double decay;         /* [1/s] */
+    double along, across; /* [1], or [m/(N s)] where z is F_t */
+    struct vec3 unit;     /* u */
 };
 struct friction_spring_drive friction_spring_drive_of(const struct friction_law *law,
                                                       enum friction_regime regime, struct friction_state at);

@@ -7,8 +7,8 @@
 #include "math/nodes.h"
 #include "scene/evaluate.h"
 
-/* Unknowns of a contact that rubs: its force, and if it resists rolling or spinning also the torque M of that
- * resistance. Without friction there is one unknown, because the force has one direction. */
+/* Unknowns of a contact that rubs: its force, and if it resists rolling or spinning also the torque M of
+ * that resistance. Without friction there is one unknown, because the force has one direction. */
 enum { ROWS = 3, ROWS_WITHOUT_FRICTION = 1, MOST_ROWS = OPPOSED > 1 ? 6 : ROWS };
 
 /* One contact at one stage. U is the velocity of the source at the point of contact less that of the
@@ -18,9 +18,9 @@ enum { ROWS = 3, ROWS_WITHOUT_FRICTION = 1, MOST_ROWS = OPPOSED > 1 ? 6 : ROWS }
  * The rows of an elastic part change by `by_spring` dxi as well. `by_drive` is the change of these rows by
  * what drives the spring (friction_spring_drive_of). */
 struct node {
-    struct vec3 force;          /* on the source: the unknown [N] */
-    struct vec3 torque;         /* of the resistance, on the source: the unknown [N m] */
-    struct vec3 more_force;     /* their last corrections */
+    struct vec3 force;      /* on the source: the unknown [N] */
+    struct vec3 torque;     /* of the resistance, on the source: the unknown [N m] */
+    struct vec3 more_force; /* their last corrections */
     struct vec3 more_torque;
     struct vec3 push;           /* unit vector of a normal force on the source that pushes it away [1] */
     struct vec3 arm[2];         /* from the centres of source and destination to the point of contact [m] */
@@ -33,8 +33,8 @@ struct node {
     struct friction_spring_drive drive[OPPOSED];
 };
 
-/* One spring of a contact at all stages. By linearization dxi_i = sum `filter`_ij (rho_j + dz_j), where rho is
- * what the rates of the spring miss, and dz what drives it. `weight` is the filter, or where the slip drives
+/* One spring of a contact at all stages. Linearized, dxi_i = sum `filter`_ij (rho_j + S dz_j), where rho is
+ * the rate by the law less that of the polynomial, and S dz the change by what drives the spring. `weight` is the filter, or where the slip drives
  * the spring, the filter times the matrix of integration: the effect of the rates of the slip. */
 struct node_spring {
     bool is_there, is_force;
@@ -62,11 +62,11 @@ static inline struct vec3 rotated_by(const struct rotation_by_spin *m, struct ve
 struct node_contact {
     int contact;
     int body[2], speed[2], spin[2];
-    int rows;    /* number of its unknowns at a stage */
+    int rows;     /* number of its unknowns at a stage */
     bool springs; /* whether it has a spring */
-    int island;  /* its number: contacts of an island stand together */
-    int first;   /* sum of the rows of the contacts before it */
-    double side; /* +1: the source is outside the destination, -1: inside */
+    int island;   /* its number: contacts of an island stand together */
+    int first;    /* sum of the rows of the contacts before it */
+    double side;  /* +1: the source is outside the destination, -1: inside */
     struct turning_laws laws;
 };
 
@@ -320,8 +320,8 @@ static void respond_with_spring(struct iteration *it, int stage, int index, int 
 /* Returns how far an opposed motion of a contact is from its law, and if `slopes` is not NULL the derivatives
  * of that. `opposing` is the part of the force or of the torque that opposes the motion. */
 static struct vec3 respond_opposed(struct iteration *it, int stage, int index, int part,
-                                   const struct scene_instant *at, double normal_force,
-                                   struct vec3 *opposing, struct friction_response *slopes)
+                                   const struct scene_instant *at, double normal_force, struct vec3 *opposing,
+                                   struct friction_response *slopes)
 {
     const struct node_contact *c = &it->contact[index];
     const struct friction_law *law = &c->laws.rubbing[part];
@@ -330,13 +330,13 @@ static struct vec3 respond_opposed(struct iteration *it, int stage, int index, i
     const int spring = it->g->ode.layout.spring[c->contact][part];
     const double a = part == OPPOSED_SLIP ? it->admittance[index] : it->turning_admittance[index];
     struct node *node = &it->node[stage][index];
-    struct friction_state rubbing = {.normal_force = normal_force, .depth = -g->gap, .depth_rate = -g->gap_rate};
+    struct friction_state rubbing = {
+        .normal_force = normal_force, .depth = -g->gap, .depth_rate = -g->gap_rate};
     rubbing.slip = part == OPPOSED_SLIP
                        ? at->turning.slip[c->contact]
                        : opposed_laid((enum opposed)part, turning_spin(at, c->contact), g->normal);
     if (SCENE_ANY_SPRINGS && spring >= 0) {
-        rubbing.spring =
-            opposed_laid((enum opposed)part, vec3_from(it->g->step.point + spring), g->normal);
+        rubbing.spring = opposed_laid((enum opposed)part, vec3_from(it->g->step.point + spring), g->normal);
     }
     if (slopes) {
         node->rolls[part] = friction_rolls(law, regime, normal_force, *opposing, a);
@@ -374,9 +374,9 @@ static void respond_with_resistance(struct iteration *it, int stage, int index,
     node->torque = vec3_add(opposing[0], opposing[1]);
     vec3_to(missed, node->response + ROWS);
     for (int i = 0; anew && i < ROWS; ++i) {
-        const struct vec3 by_normal_force =
-            vec3_make(vec3_get(slopes[0].by_normal_force, i) + vec3_get(slopes[1].by_normal_force, i), 0, 0);
-        node->by_force[ROWS + i] = vec3_scale(-by_normal_force.x, e);
+        const double by_normal_force =
+            vec3_get(vec3_add(slopes[0].by_normal_force, slopes[1].by_normal_force), i);
+        node->by_force[ROWS + i] = vec3_scale(-by_normal_force, e);
         node->by_torque[i] = vec3_add(opposed_laid(OPPOSED_ROLLING, vec3_from(slopes[0].by_force[i]), e),
                                       opposed_laid(OPPOSED_SPINNING, vec3_from(slopes[1].by_force[i]), e));
         node->by_spin[i] = vec3_add(opposed_laid(OPPOSED_ROLLING, vec3_from(slopes[0].by_slip[i]), e),
@@ -387,8 +387,8 @@ static void respond_with_resistance(struct iteration *it, int stage, int index,
 
 /* Sets the response of a contact and, if `anew`, its slopes. Along e it is that of respond_along_normal;
  * across e it is the response of friction. */
-CONTACT_FLATTEN static void respond_with_friction(struct iteration *it, int stage, int index, const struct scene_instant *at,
-                                  bool anew)
+CONTACT_FLATTEN static void respond_with_friction(struct iteration *it, int stage, int index,
+                                                  const struct scene_instant *at, bool anew)
 {
     const struct node_contact *c = &it->contact[index];
     const struct turning_laws *laws = &c->laws;
@@ -583,9 +583,9 @@ static struct vec3 spin_of(const struct iteration *it, int stage, int contact, c
     struct vec3 sum = {0.0, 0.0, 0.0};
     for (int end = 0; end < 2; ++end) {
         if (ends->spin[end] >= 0) {
-            sum = vec3_axpy(sum, SIGN_OF_END[end],
-                            rotated_by(&it->rotation[stage][ends->body[end]],
-                                       vec3_from(change + ends->spin[end])));
+            sum = vec3_axpy(
+                sum, SIGN_OF_END[end],
+                rotated_by(&it->rotation[stage][ends->body[end]], vec3_from(change + ends->spin[end])));
         }
     }
     return sum;
@@ -615,8 +615,8 @@ static struct vec3 across_of(struct vec3 unit, struct vec3 a)
     return vec3_axpy(a, -vec3_dot(unit, a), unit);
 }
 
-/* Computes the changes of a spring to come at all stages, with the changes `pending` of the states that are no
- * places. If `rates` is not NULL, what they add to the rates of the spring is added there. */
+/* Computes the changes of a spring to come at all stages, with the changes `pending` of the states that are
+ * no places. If `rates` is not NULL, what they add to the rates of the spring is added there. */
 static void change_spring(struct iteration *it, int contact, int part, const double *pending, double *rates,
                           struct vec3 change[RADAU_MOST_STAGES])
 {
@@ -792,9 +792,8 @@ static struct turned_rows turned_rows_of(const struct iteration *it, int stage, 
     for (int part = 0; SCENE_ANY_SPRINGS && c->springs && part < OPPOSED; ++part) {
         for (int r = 0; r < ROWS; ++r) {
             const struct vec3 drive = node->by_drive[part][r];
-            to.by_drive[part][r] =
-                rotated_by(rotation, part == OPPOSED_SLIP ? vec3_cross(arm, drive)
-                                                          : vec3_scale(m->by_inertia, drive));
+            to.by_drive[part][r] = rotated_by(
+                rotation, part == OPPOSED_SLIP ? vec3_cross(arm, drive) : vec3_scale(m->by_inertia, drive));
         }
     }
     return to;
@@ -807,8 +806,7 @@ struct block_weights {
     double by_slip[OPPOSED], by_force[OPPOSED];
 };
 
-/* Adds to a row the changes of the springs of its part: `effect` by the force or the impulse of it, `twist` by
- * the torque. */
+/* Returns what the springs of its part add to row r, each with its weight. */
 static inline struct vec3 row_of_springs(const struct vec3 by[OPPOSED][ROWS], const double weight[OPPOSED],
                                          int r)
 {
@@ -1033,7 +1031,8 @@ static void guess_forces(struct iteration *it)
         for (int i = 0; i < p->stages->stages; ++i) {
             it->node[i][j].force = vec3_from(goes_on ? rates + 3 * i : p->start_rates + impulse);
         }
-        if (SCENE_ANY_ROLLING && it->contact[j].rows == MOST_ROWS) { /* the resistance and that of the force */
+        if (SCENE_ANY_ROLLING &&
+            it->contact[j].rows == MOST_ROWS) { /* the resistance and that of the force */
             if (goes_on) {
                 radau_step_guess_rates(p, impulse + 3, 3, rates);
             }

@@ -23,6 +23,11 @@ static struct vec3 vector_of(struct random *random, double size)
                      size * random_between(random, -1.0, 1.0));
 }
 
+static struct friction_state state_of(double normal_force, struct vec3 slip)
+{
+    return (struct friction_state){.normal_force = normal_force, .slip = slip};
+}
+
 TEST(the_responses_vanish_where_the_law_holds)
 {
     struct random random = {1};
@@ -37,8 +42,8 @@ TEST(the_responses_vanish_where_the_law_holds)
         rolling += rolls;
         for (int form = 0; form <= (int)rolls; ++form) {
             const double scale = form ? vec3_norm(slip) : ADMITTANCE * vec3_norm(force);
-            const struct friction_missed missed =
-                friction_missed(&law, FRICTION_SLIDING, normal_force, slip, &force, form != 0, ADMITTANCE);
+            const struct friction_missed missed = friction_missed(
+                &law, FRICTION_SLIDING, state_of(normal_force, slip), &force, form != 0, ADMITTANCE);
             CHECK(vec3_norm(missed.velocity) <= 1e-13 * scale);
         }
     }
@@ -49,7 +54,8 @@ TEST(the_responses_vanish_where_the_law_holds)
 static struct vec3 missed_at(const struct friction_law *law, double normal_force, struct vec3 slip,
                              struct vec3 force, bool rolls)
 {
-    return friction_missed(law, FRICTION_SLIDING, normal_force, slip, &force, rolls, ADMITTANCE).velocity;
+    return friction_missed(law, FRICTION_SLIDING, state_of(normal_force, slip), &force, rolls, ADMITTANCE)
+        .velocity;
 }
 
 static void check_column(const double matrix[3][3], int column, struct vec3 more, struct vec3 less,
@@ -72,9 +78,10 @@ TEST(the_slopes_are_the_derivatives_of_the_responses)
         const struct vec3 slip = vector_of(&random, law.slip_velocity);
         struct vec3 force = vector_of(&random, 0.5 * limit);
         const double steepness =
-            friction_missed(&law, FRICTION_SLIDING, normal_force, slip, &force, rolls, ADMITTANCE).steepness;
-        const struct friction_response r =
-            friction_response_of(&law, FRICTION_SLIDING, normal_force, slip, force, rolls, ADMITTANCE);
+            friction_missed(&law, FRICTION_SLIDING, state_of(normal_force, slip), &force, rolls, ADMITTANCE)
+                .steepness;
+        const struct friction_response r = friction_response_of(
+            &law, FRICTION_SLIDING, state_of(normal_force, slip), force, rolls, ADMITTANCE);
         const double of_force = rolls ? steepness : ADMITTANCE;
         const double of_slip = rolls ? 1.0 : ADMITTANCE * limit / law.slip_velocity;
         for (int k = 0; k < 3; ++k) {
@@ -100,8 +107,8 @@ TEST(a_force_beyond_the_limit_is_shortened_and_steep)
     const struct friction_law law = {
         .kind = FRICTION_REGULARIZED, .coefficient = 0.5, .slip_velocity = 1e-3, .largest = 1e9};
     struct vec3 force = {30.0, 0.0, 0.0};
-    const struct friction_missed r =
-        friction_missed(&law, FRICTION_SLIDING, 10.0, vec3_make(0.0, 0.0, 0.0), &force, true, ADMITTANCE);
+    const struct friction_missed r = friction_missed(
+        &law, FRICTION_SLIDING, state_of(10.0, vec3_make(0.0, 0.0, 0.0)), &force, true, ADMITTANCE);
     CHECK(force.x > 0.99 * 5.0 && force.x < 5.0);
     CHECK(r.steepness > 500.0 * law.slip_velocity / 5.0);
     const struct vec3 none = {0.0, 0.0, 0.0};
@@ -109,4 +116,36 @@ TEST(a_force_beyond_the_limit_is_shortened_and_steep)
     CHECK(friction_rolls(&law, FRICTION_SLIDING, 10.0, none, MOBILE));
     CHECK(!friction_rolls(&law, FRICTION_SLIDING, 10.0, none, 0.9 * law.slip_velocity / 5.0));
     CHECK(!friction_rolls(&law, FRICTION_SLIDING, 0.0, none, MOBILE));
+}
+
+/* The drive of a spring is another form of the law: by the slip it has the derivative of the spring's rate, and
+ * under the force of the law it gives the same rate. */
+TEST(the_drive_of_a_spring_is_that_of_its_rate)
+{
+    struct random random = {3};
+    for (int i = 0; i < SAMPLES; ++i) {
+        const bool damped = i % 2 == 0;
+        const enum friction_regime regime = i % 4 < 2 ? FRICTION_STICKING : FRICTION_SLIDING;
+        const struct friction_law law = {.kind = FRICTION_ELASTIC,
+                                         .coefficient = 0.5,
+                                         .static_coefficient = 0.6,
+                                         .largest = 1e9,
+                                         .stiffness = 1e4,
+                                         .damping = damped ? 30.0 : 0.0};
+        const struct friction_state at = {.normal_force = random_between(&random, 0.5, 40.0),
+                                          .slip = vector_of(&random, 0.3),
+                                          .spring = vector_of(&random, 1e-3)};
+        const struct friction_spring_drive drive = friction_spring_drive_of(&law, regime, at);
+        const struct friction_slopes slopes = friction_spring_rate_slopes(&law, regime, at);
+        const struct vec3 force = friction_force(&law, regime, at);
+        const struct vec3 rate = friction_spring_rate(&law, regime, at);
+        const struct vec3 under = friction_spring_rate_under(&law, regime, at, force);
+        CHECK(vec3_norm(vec3_sub(under, rate)) <= 1e-12 * vec3_norm(rate));
+        CHECK(drive.is_force == (damped && regime == FRICTION_SLIDING));
+        for (int k = 0; k < 9 && !drive.is_force; ++k) {
+            const double units = vec3_get(drive.unit, k / 3) * vec3_get(drive.unit, k % 3);
+            const double entry = (drive.along - drive.across) * units + (k / 3 == k % 3 ? drive.across : 0.0);
+            CHECK(fabs(entry - slopes.by_slip[k / 3][k % 3]) <= 1e-12 * fmax(drive.along, drive.across));
+        }
+    }
 }
