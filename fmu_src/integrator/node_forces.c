@@ -12,11 +12,11 @@
 enum { ROWS = 3, ROWS_WITHOUT_FRICTION = 1, MOST_ROWS = OPPOSED > 1 ? 6 : ROWS };
 
 /* One contact at one stage. U is the velocity of the source at the point of contact less that of the
- * destination [m/s]; X is its integral [m]. Each of the first three rows of the response changes by `by_force`
- * dF + `by_velocity` dU + `by_place` dX, the last three, those of the torque, by `by_force` dF + `by_torque`
- * dM + `by_spin` domega. Where the contact does not rub there is one row, and dF has the direction `push`.
- * The rows of an elastic part change by `by_spring` dxi as well. `by_drive` is the change of these rows by
- * what drives the spring (friction_spring_drive_of). */
+ * destination [m/s]; X is its integral [m]. The first three rows of the response are those of the force, and
+ * each changes by `by_force` dF + `by_velocity` dU + `by_place` dX. The last three are those of the torque,
+ * and each changes by `by_force` dF + `by_torque` dM + `by_spin` domega. Where the contact does not rub there
+ * is one row, and dF has the direction `push`. Rows with a spring change by `by_spring` dxi as well;
+ * `by_drive` is their change by what drives the spring (friction_spring_drive_of). */
 struct node {
     struct vec3 force;      /* on the source: the unknown [N] */
     struct vec3 torque;     /* of the resistance, on the source: the unknown [N m] */
@@ -33,9 +33,10 @@ struct node {
     struct friction_spring_drive drive[OPPOSED];
 };
 
-/* One spring of a contact at all stages. Linearized, dxi_i = sum `filter`_ij (rho_j + S dz_j), where rho is
- * the rate by the law less that of the polynomial, and S dz the change by what drives the spring. `weight` is the filter, or where the slip drives
- * the spring, the filter times the matrix of integration: the effect of the rates of the slip. */
+/* One spring of a contact at all stages. Linearized, it changes by dxi_i = sum `filter`_ij (rho_j + S dz_j).
+ * Here rho is the rate by the law less the rate of the polynomial, and S dz is the change of the rate by what
+ * drives the spring. `weight` is the filter where F_t drives the spring. Where the slip does, `weight` is the
+ * filter times the matrix of integration, because the forces give the rates of the slip. */
 struct node_spring {
     bool is_there, is_force;
     double filter[RADAU_MOST_STAGES * RADAU_MOST_STAGES], weight[RADAU_MOST_STAGES * RADAU_MOST_STAGES];
