@@ -341,10 +341,6 @@ static const double ROUNDING_OF_GAP = 0.5;
 static const double WITHIN_SHARE = 1e-2;
 static const double TURNING_WITHIN_SHARE = 1e-3;
 
-/* Peaks are read within a step. Where the tolerance is so small that the error at the end is limited by
- * rounding, the error within may be this number of tolerances. */
-static const double MOST_WITHIN = 10.0;
-
 /* Length of a step of four stages, divided by the length of an equally accurate step of eight. The
  * oscillation y'' = -y has an error of 1e-12 after steps of 0.18 and 2 radians (measured). */
 static const double REACH_OF_FOUR = 0.09;
@@ -855,8 +851,6 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
     int failures = 0;
     bool again = false;
     struct attempt before = {.stages = NULL};
-    const double turning_share =
-        fmax(TURNING_WITHIN_SHARE, g->relative / (MOST_WITHIN * solver_relative_tolerance(g->ode.values)));
     if (SCENE_ANY_HERTZ && !(g->release_clock - g->step.start > clock_rounding(g))) {
         forget_release(g);
     }
@@ -866,7 +860,7 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
         }
         struct attempt now = plan_attempt(g, limit);
         g->within_share = now.length > left       ? g->read_share
-                          : g->step.problem.turns ? turning_share
+                          : g->step.problem.turns ? TURNING_WITHIN_SHARE
                                                   : WITHIN_SHARE;
         const bool solved = try_to_solve(g, now.stages, now.length, failures, again);
         again = false;
