@@ -462,9 +462,8 @@ double free_bodies_dissipated_power(const struct scene_values *v, const struct s
     return power;
 }
 
-/* Puts the rates of the free bodies' accelerations from the contact forces. False: no body moves by
- * forces. */
-static bool put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
+/* Puts the rates of the free bodies' accelerations from the contact forces. */
+static void put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
@@ -472,7 +471,6 @@ static bool put_jerk(const struct scene_values *v, const struct scene_state *q, 
             along->velocity[i][2] = free_bodies_half_jerk(v, along, i);
         }
     }
-    return !scene_is_force_element(v);
 }
 
 /* Puts the terms of the dissipated energy and of the external work. */
@@ -586,11 +584,15 @@ static void put_turning_changes(const struct scene_values *v, const struct scene
 static void put_contacts(const struct scene_values *v, const struct scene_state *q,
                          const struct scene_instant *at, bool all, struct scene_jet *along)
 {
-    put_contact_jets(v, q, at, all || scene_turns(v), along);
+    const bool moves = !scene_is_force_element(v);
+    put_contact_jets(v, q, at, all || (moves && scene_turns(v)), along);
     if (scene_turns(v)) {
         put_turning_changes(v, q, at, all, along);
     }
-    if ((SCENE_ANY_FREE && put_jerk(v, q, along)) || scene_turns(v)) {
+    if (SCENE_ANY_FREE) {
+        put_jerk(v, q, along);
+    }
+    if (moves || (all && scene_turns(v))) {
         put_contact_jets(v, q, at, all, along);
     }
 }
