@@ -84,11 +84,16 @@ static void kinematics_at(const struct prescribed_contact *c, double clock, stru
 CONTACT_NOINLINE static void instant_at(const struct prescribed_contact *c, double clock,
                                         const struct springs *springs, struct scene_instant *at)
 {
-    kinematics_at(c, clock, at);
+    bool met[SCENE_CONTACTS] = {false};
+    met[c->contact] = true;
     if (SCENE_ANY_FRICTION) {
         memcpy(c->q->turning.spring[c->contact], springs->of, sizeof springs->of);
     }
-    scene_forces(c->v, c->q, clock, at);
+    if (SCENE_CONTACTS > 1) {
+        scene_evaluate_met(c->v, c->q, clock, c->q->body, &c->q->turning, met, at);
+    } else {
+        scene_evaluate(c->v, c->q, clock, c->q->body, at);
+    }
 }
 
 /* Sets the torques, the power that friction takes, and the sum of the lengths of both lever arms [m]. Returns
