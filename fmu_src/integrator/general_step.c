@@ -155,7 +155,7 @@ double general_length_of_sliding(const struct general *g)
                 continue;
             }
             if (!known) {
-                jet_of_motion(v, q, &at, true, &along);
+                jet_of_motion(v, q, &at, NULL, &along);
                 known = true;
             }
             const struct turning_jet *jet = &along.turning[j];

@@ -92,9 +92,14 @@ static void put_springs_of(const struct prescribed_contact *c, const struct spri
 CONTACT_NOINLINE static void instant_at(const struct prescribed_contact *c, double clock,
                                         const struct springs *springs, struct scene_instant *at)
 {
-    kinematics_at(c, clock, at);
+    bool met[SCENE_CONTACTS] = {false};
+    met[c->contact] = true;
     put_springs_of(c, springs);
-    scene_forces(c->v, c->q, clock, at);
+    if (SCENE_CONTACTS > 1) {
+        scene_evaluate_met(c->v, c->q, clock, c->q->body, &c->q->turning, met, at);
+    } else {
+        scene_evaluate(c->v, c->q, clock, c->q->body, at);
+    }
 }
 
 /* Sets the torques, the power that friction takes, and the sum of the lengths of both lever arms [m]. Returns

@@ -238,7 +238,8 @@ static void put_terms(double of[3], const double term[JET_TERMS])
     of[2] = 2.0 * term[2];
 }
 
-static void scene_at(const struct scene_output *o, double clock, struct scene_state *q,
+/* Puts the scene at a clock, or only the contacts in `met`. */
+static void scene_at(const struct scene_output *o, double clock, const bool *met, struct scene_state *q,
                      struct scene_instant *at)
 {
     scene_state_look(o->state, q);
@@ -246,16 +247,11 @@ static void scene_at(const struct scene_output *o, double clock, struct scene_st
     if (o->move) {
         o->move(o->mover, clock, q);
     }
-    scene_evaluate(o->values, q, clock, q->body, at);
-}
-
-/* Puts the jet of the scene at a clock. */
-static void scene_jet_at(const struct scene_output *o, double clock, struct scene_jet *along)
-{
-    struct scene_state q;
-    struct scene_instant at;
-    scene_at(o, clock, &q, &at);
-    jet_of_motion(o->values, &q, &at, false, along);
+    if (met) {
+        scene_evaluate_met(o->values, q, clock, q->body, &q->turning, met, at);
+    } else {
+        scene_evaluate(o->values, q, clock, q->body, at);
+    }
 }
 
 static void put_sample(const struct contact_jet *jet, struct pair_sample *sample)
@@ -269,18 +265,32 @@ static void put_sample(const struct contact_jet *jet, struct pair_sample *sample
 static void sample_scene(const void *output, double clock, struct pair_sample *sample)
 {
     const struct scene_output *o = output;
+    struct scene_state q;
+    struct scene_instant at;
     struct scene_jet along;
-    scene_jet_at(o, clock, &along);
+    bool met[SCENE_CONTACTS] = {false};
+    met[o->contact] = true;
+    /* a contact of bodies whose motion is given depends on no other */
+    const bool alone = SCENE_CONTACTS > 1 && contact_is_prescribed(o->values, o->contact);
+    scene_at(o, clock, alone ? met : NULL, &q, &at);
+    jet_of_motion(o->values, &q, &at, met, &along);
     put_sample(&along.contact[o->contact], sample);
 }
 
 void scene_outputs_add(struct scene_output *outputs, double clock)
 {
+    struct scene_state q;
+    struct scene_instant at;
     struct scene_jet along;
-    scene_jet_at(outputs, clock, &along);
+    bool met[SCENE_CONTACTS];
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        met[j] = outputs->state->contact[j].regime != (int32_t)REGIME_APART;
+    }
+    scene_at(outputs, clock, NULL, &q, &at);
+    jet_of_motion(outputs->values, &q, &at, met, &along);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct dense_output *w = &outputs[j].output;
-        if (outputs->state->contact[j].regime != (int32_t)REGIME_APART) {
+        if (met[j]) {
             put_sample(&along.contact[j], &w->at[w->count]);
             w->s[w->count++] = clock;
         }
@@ -352,6 +362,6 @@ void scene_output_add_torque(const struct scene_output *o, double clock, double 
     struct vec3 *sum = &q->contact[o->contact].torques.destination_impulse;
     struct scene_state then;
     struct scene_instant at;
-    scene_at(o, clock, &then, &at);
+    scene_at(o, clock, NULL, &then, &at);
     *sum = vec3_axpy(*sum, weight, scene_torque_of_force(&at, o->contact));
 }

@@ -281,13 +281,15 @@ static void put_turning(const struct scene_values *v, const struct scene_state *
     }
 }
 
-/* Puts the contacts' terms; those of slip, friction and torques only where `rubs`. */
+/* Puts the terms of the contacts in `met`, or of all; those of slip, friction and torques only where
+ * `rubs`. */
 static void put_contact_jets(const struct scene_values *v, const struct scene_state *q,
-                             const struct scene_instant *at, bool rubs, struct scene_jet *along)
+                             const struct scene_instant *at, const bool *met, bool rubs,
+                             struct scene_jet *along)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
-        if (along->touching && regime == REGIME_APART) {
+        if ((along->touching && regime == REGIME_APART) || (met && !met[j])) {
             continue;
         }
         const struct contact_shape shape = scene_shape_met(v, q, at, j);
@@ -305,7 +307,7 @@ static void put_contact_jets(const struct scene_values *v, const struct scene_st
 void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at, struct scene_jet *along)
 {
-    put_contact_jets(v, q, at, true, along);
+    put_contact_jets(v, q, at, NULL, true, along);
 }
 
 /* Puts the orientation's terms from the angular velocity: q' = (0, omega) q / 2. */
@@ -462,9 +464,8 @@ double free_bodies_dissipated_power(const struct scene_values *v, const struct s
     return power;
 }
 
-/* Puts the rates of the free bodies' accelerations from the contact forces. False: no body moves by
- * forces. */
-static bool put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
+/* Puts the rates of the free bodies' accelerations from the contact forces. */
+static void put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
@@ -472,7 +473,6 @@ static bool put_jerk(const struct scene_values *v, const struct scene_state *q, 
             along->velocity[i][2] = free_bodies_half_jerk(v, along, i);
         }
     }
-    return !scene_is_force_element(v);
 }
 
 /* Puts the terms of the dissipated energy and of the external work. */
@@ -582,16 +582,21 @@ static void put_turning_changes(const struct scene_values *v, const struct scene
 
 /* Puts the contacts' terms. The forces then give the coefficients 2 of the free bodies' velocities and of
  * rotations, on which the coefficients 2 of the contacts depend; therefore the contacts' terms are put
- * again: all of them, or those of the normal force alone. */
+ * again: all of them, or those of the normal forces in `met`. */
 static void put_contacts(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, bool all, struct scene_jet *along)
+                         const struct scene_instant *at, const bool *met, struct scene_jet *along)
 {
-    put_contact_jets(v, q, at, all || scene_turns(v), along);
+    const bool all = met == NULL;
+    const bool moves = !scene_is_force_element(v);
+    put_contact_jets(v, q, at, moves ? NULL : met, all || (moves && scene_turns(v)), along);
     if (scene_turns(v)) {
         put_turning_changes(v, q, at, all, along);
     }
-    if ((SCENE_ANY_FREE && put_jerk(v, q, along)) || scene_turns(v)) {
-        put_contact_jets(v, q, at, all, along);
+    if (SCENE_ANY_FREE) {
+        put_jerk(v, q, along);
+    }
+    if (moves || (all && scene_turns(v))) {
+        put_contact_jets(v, q, at, met, all, along);
     }
 }
 
@@ -599,14 +604,14 @@ void jet_in_time(const struct scene_values *v, const struct scene_state *q, cons
                  struct scene_jet *along)
 {
     put_bodies(v, q, at, along);
-    put_contacts(v, q, at, true, along);
+    put_contacts(v, q, at, NULL, along);
     if (SCENE_ANY_FREE) {
         put_work(v, q, along);
     }
 }
 
 void jet_of_motion(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
-                   bool all, struct scene_jet *along)
+                   const bool *met, struct scene_jet *along)
 {
     put_bodies(v, q, at, along);
     along->touching = true;
@@ -619,7 +624,7 @@ void jet_of_motion(const struct scene_values *v, const struct scene_state *q, co
             along->displacement[i][2] = displacement[2];
         }
     }
-    put_contacts(v, q, at, all, along);
+    put_contacts(v, q, at, met, along);
 }
 
 struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct scene_state *q,

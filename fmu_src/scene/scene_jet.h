@@ -53,10 +53,10 @@ CONTACT_COLD void jet_in_time(const struct scene_values *v, const struct scene_s
                               const struct scene_instant *at, struct scene_jet *along);
 
 /* Computes the jet in time of the contacts in touch, in which prescribed displacements follow their own
- * derivatives. These need not be the prescribed velocity, which the force law sees. Without `all` the terms
- * of gaps and normal forces alone are whole. */
+ * derivatives. These need not be the prescribed velocity, which the force law sees. `met` tells of which
+ * contacts gaps and normal forces are wanted; NULL: all terms of all contacts. */
 CONTACT_COLD void jet_of_motion(const struct scene_values *v, const struct scene_state *q,
-                                const struct scene_instant *at, bool all, struct scene_jet *along);
+                                const struct scene_instant *at, const bool *met, struct scene_jet *along);
 
 /* Returns half the rate of the angular acceleration of a body that turns freely [rad/s^3 in time]. */
 CONTACT_COLD struct vec3 turning_jet_half_jerk(const struct scene_values *v, const struct scene_state *q,
