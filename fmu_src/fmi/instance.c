@@ -444,7 +444,8 @@ CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance
     enum model_status status =
         check_components(instance, find_readable, types, references, reference_count, "nValues", count);
     char *to = values;
-    for (size_t i = 0; values != NULL && i < reference_count && status == MODEL_OK; ++i) {
+    for (size_t i = 0; references != NULL && values != NULL && i < reference_count && status == MODEL_OK;
+         ++i) {
         const struct variable *first = variable_of(instance, references[i]);
         const size_t length = length_of(instance, first);
         for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
@@ -465,7 +466,8 @@ enum model_status instance_set_values(struct instance *instance, unsigned types,
         check_components(instance, find_settable, types, references, reference_count, "nValues", count);
     for (int setting = 0; setting < 2; ++setting) { /* all values are checked before any is set */
         const char *from = values;
-        for (size_t i = 0; values != NULL && i < reference_count && status <= MODEL_WARNING; ++i) {
+        for (size_t i = 0;
+             references != NULL && values != NULL && i < reference_count && status <= MODEL_WARNING; ++i) {
             const struct variable *first = variable_of(instance, references[i]);
             const size_t length = length_of(instance, first);
             for (size_t k = 0; k < length && status <= MODEL_WARNING; ++k) {

@@ -146,10 +146,13 @@ static void prepare_bodies(struct iteration *it)
 /* Returns the number of unknowns of a contact at a stage; zero where it transmits no force. */
 static int rows_of(const struct general *g, int contact)
 {
-    return !contact_transmits(g->state, contact)     ? 0
-           : contact_resists(g->ode.values, contact) ? MOST_ROWS
-           : contact_rubs(g->ode.values, contact)    ? ROWS
-                                                     : ROWS_WITHOUT_FRICTION;
+    if (!contact_transmits(g->state, contact)) {
+        return 0;
+    }
+    if (SCENE_ANY_ROLLING && contact_resists(g->ode.values, contact)) {
+        return MOST_ROWS;
+    }
+    return contact_rubs(g->ode.values, contact) ? ROWS : ROWS_WITHOUT_FRICTION;
 }
 
 static void note_node_contact(struct iteration *it, int contact)
@@ -539,7 +542,7 @@ static void evaluate_nodes(struct iteration *it, bool anew)
 }
 
 /* Adds a force of a contact and a torque of its resistance to the rates at a stage. */
-static void add_force(struct iteration *it, int stage, int contact, struct vec3 force, struct vec3 resistance)
+static void add_force(struct iteration *it, int stage, int contact, struct vec3 force, struct vec3 own_torque)
 {
     const struct node_contact *ends = &it->contact[contact];
     double *rates = it->rates + stage * it->g->step.width;
@@ -551,7 +554,7 @@ static void add_force(struct iteration *it, int stage, int contact, struct vec3 
         if (ends->spin[end] >= 0) {
             struct vec3 torque = vec3_cross(it->node[stage][contact].arm[end], force);
             if (SCENE_ANY_ROLLING && ends->rows == MOST_ROWS) {
-                torque = vec3_add(torque, resistance);
+                torque = vec3_add(torque, own_torque);
             }
             add_vector(rates + ends->spin[end], SIGN_OF_END[end] * m->by_inertia, torque);
         }
@@ -1050,15 +1053,15 @@ static void finish_nodes(struct iteration *it)
     struct general *g = it->g;
     struct radau_step *p = &g->step;
     struct vec3 force[SCENE_CONTACTS] = {{0.0, 0.0, 0.0}};
-    struct vec3 resistance[SCENE_CONTACTS] = {{0.0, 0.0, 0.0}};
+    struct vec3 torque[SCENE_CONTACTS] = {{0.0, 0.0, 0.0}};
     for (int i = 0; i < p->stages->stages; ++i) {
         for (int j = 0; j < it->contacts; ++j) {
             force[it->contact[j].contact] = it->node[i][j].force;
             if (SCENE_ANY_ROLLING && it->contact[j].rows == MOST_ROWS) {
-                resistance[it->contact[j].contact] = it->node[i][j].torque;
+                torque[it->contact[j].contact] = it->node[i][j].torque;
             }
         }
-        ode_rates_under(&g->ode, p->start + p->length * p->stages->node[i], p->point, force, resistance,
+        ode_rates_under(&g->ode, p->start + p->length * p->stages->node[i], p->point, force, torque,
                         move_to_stage(it, i, true), p->rates + i * p->stride);
     }
     p->evaluations += p->stages->stages;

@@ -485,7 +485,8 @@ bool model_apply_inputs(struct model *m)
              (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)))) {
             return false;
         }
-        same = same && memcmp(&before, &next[i], sizeof before) == 0; /* a path has no padding */
+        const void *bytes = &before; /* a path has no padding */
+        same = same && memcmp(bytes, &next[i], sizeof before) == 0;
     }
     bool applied = true;
     if (m->state.exchange == EXCHANGE_CONTINUOUS) {

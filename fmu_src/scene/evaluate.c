@@ -719,7 +719,7 @@ void scene_evaluate(const struct scene_values *v, const struct scene_state *q, d
 }
 
 void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct vec3 *force, const struct vec3 *resistance, const bool *met,
+                              const struct vec3 *force, const struct vec3 *torque, const bool *met,
                               struct scene_instant *at)
 {
     put_accelerations(v, q, clock, at);
@@ -735,7 +735,7 @@ void scene_put_contact_forces(const struct scene_values *v, const struct scene_s
         if (scene_turns(v)) {
             at->turning.friction_force[j] = vec3_axpy(force[j], at->normal_force[j], e);
             if (SCENE_ANY_ROLLING) {
-                at->turning.resistance[j] = resistance[j];
+                at->turning.resistance[j] = torque[j];
             }
             put_torques(v, at, j);
         }

@@ -207,7 +207,7 @@ struct body_turn turning_prescribed_at(const struct scene_state *q, double clock
  * rolling and spinning [N m] on the sources, one for each contact: accelerations, F_n, and where scene_turns
  * torques and F_t. */
 void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct vec3 *force, const struct vec3 *resistance, const bool *met,
+                              const struct vec3 *force, const struct vec3 *torque, const bool *met,
                               struct scene_instant *at);
 
 /* Adds rotations, friction and torques to an instant that has geometry and normal forces. */

@@ -666,9 +666,9 @@ void ode_rates(const void *scene_ode, double clock, const double *y, double *rat
 }
 
 void ode_rates_under(const struct scene_ode *ode, double clock, const double *y, const struct vec3 *force,
-                     const struct vec3 *resistance, struct scene_instant *at, double *rates)
+                     const struct vec3 *torque, struct scene_instant *at, double *rates)
 {
-    scene_put_contact_forces(ode->values, ode->state, clock, force, resistance, met_of(ode), at);
+    scene_put_contact_forces(ode->values, ode->state, clock, force, torque, met_of(ode), at);
     put_scene_rates(ode, clock, y, at, rates);
 }
 
@@ -814,6 +814,9 @@ static void add_to_body(const struct turning_linearization *l, int column, int b
     }
 }
 
+/* The change of a lever arm that does not turn [m]. */
+static const struct vec3 NOT_TURNED = {0.0, 0.0, 0.0};
+
 /* Adds the effects of a change of a contact's motion to one column. `turned` is the change of the lever arm
  * of a compound body at one end (sign -1: source, +1: destination) [m]. */
 static void add_change(const struct turning_linearization *l, const struct turning_slopes *slopes,
@@ -860,23 +863,23 @@ static void add_body_columns(const struct turning_linearization *l, const struct
         const int column = l->layout->body[body] + k;
         struct turning_motion motion = none;
         motion.separation = vec3_scale(sign, along_axis(k));
-        add_change(l, slopes, contact, column, &motion, sign, none.axis);
+        add_change(l, slopes, contact, column, &motion, sign, NOT_TURNED);
         motion = none;
         motion.rate = vec3_scale(sign, along_axis(k));
-        add_change(l, slopes, contact, column + 3, &motion, sign, none.axis);
+        add_change(l, slopes, contact, column + 3, &motion, sign, NOT_TURNED);
     }
     for (int k = 0; k < 3 && l->layout->spin[body] >= 0; ++k) {
         struct turning_motion motion = none;
         struct vec3 *rotation = sign < 0.0 ? &motion.source_rotation : &motion.destination_rotation;
         *rotation = rotation_by_spin(l, body, k);
         motion.rate = vec3_scale(sign, vec3_cross(*rotation, lever));
-        add_change(l, slopes, contact, l->layout->spin[body] + k, &motion, sign, none.axis);
+        add_change(l, slopes, contact, l->layout->spin[body] + k, &motion, sign, NOT_TURNED);
     }
     const bool tips = l->layout->orientation[body] >= 0 && l->layout->orientation[body] < l->layout->coupled;
     for (int k = 0; k < 4 && tips; ++k) { /* of a destination or a compound: other sources are spheres */
         struct turning_motion motion = none;
         struct vec3 *rotation = sign < 0.0 ? &motion.source_rotation : &motion.destination_rotation;
-        struct vec3 turned = none.axis;
+        struct vec3 turned = NOT_TURNED;
         *rotation = rotation_by_orientation(l, body, k);
         if (body_is_compound(body)) {
             turned = vec3_cross(turn_by_orientation(l, body, k), lever);
@@ -907,7 +910,7 @@ static void add_contact(const struct turning_linearization *l, int contact)
         if (spring >= 0) {
             struct turning_motion stretched = {.separation = {0.0, 0.0, 0.0}};
             stretched.spring[k / 3] = along_axis(k % 3);
-            add_change(l, &slopes, contact, spring + k % 3, &stretched, 1.0, stretched.axis);
+            add_change(l, &slopes, contact, spring + k % 3, &stretched, 1.0, NOT_TURNED);
         }
     }
 }

@@ -159,7 +159,7 @@ void ode_other_motion(const struct scene_ode *ode, double clock, struct scene_in
 void ode_contact_motion(const struct scene_ode *ode, const double *y, bool all, struct scene_instant *at);
 void ode_rates_without_contact(const struct scene_ode *ode, double clock, double *rates);
 void ode_rates_under(const struct scene_ode *ode, double clock, const double *y, const struct vec3 *force,
-                     const struct vec3 *resistance, struct scene_instant *at, double *rates);
+                     const struct vec3 *torque, struct scene_instant *at, double *rates);
 
 /* Computes the event functions of friction and both resistances at `at`, the present instant of ode->state.
  * Each is raised by twice its error by rounding and by errors of the opposed motions: the slip has one of

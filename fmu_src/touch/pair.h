@@ -241,4 +241,10 @@ struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, en
 /* Returns the change without the energy that a dashpot dissipates in a quasi-static step. */
 struct pair_change pair_collocation_advance(const void *pair_collocation, double s);
 
+/* Sets the time since the start of a motion [s] at the place s, and its derivative by s. */
+typedef void time_function(const void *of, double s, double time[3]);
+
+/* Returns the place in [0, end] at a time [s], or `end` where that is earlier. */
+double place_before(time_function *time_of, const void *of, double time, double end);
+
 #endif

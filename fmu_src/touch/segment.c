@@ -1369,38 +1369,14 @@ double segment_time(const struct segment *p, double s)
     return time[0];
 }
 
-/* The time of a segment less a given one, as the context of a root_function. */
-struct time_left {
-    const struct segment *of;
-    double time;
-};
-
-static void time_left_at(const void *time_left, double s, double *value, double *slope)
-{
-    const struct time_left *left = time_left;
-    double time[3];
-    kinds[left->of->kind].time(&left->of->as, s, time);
-    *value = time[0] - left->time;
-    *slope = time[1];
-}
-
-double segment_place_before(const struct segment *p, double time, double end)
-{
-    const struct time_left left = {p, time};
-    struct root_bracket_end low = {.s = 0.0};
-    struct root_bracket_end high = {.s = end};
-    time_left_at(&left, low.s, &low.value, &low.slope);
-    time_left_at(&left, high.s, &high.value, &high.slope);
-    return high.value > 0.0 ? root_between(time_left_at, &left, low, high) : end;
-}
-
 double segment_place(const struct segment *p, double time)
 {
     if (!(time > 0.0)) {
         return 0.0; /* after a start at the touch, time may be of second order in s: no root at 0 */
     }
-    return kinds[p->kind].time != NULL ? segment_place_before(p, time, fmin(p->end, p->terminal.s))
-                                       : time / p->unit;
+    return kinds[p->kind].time != NULL
+               ? place_before(kinds[p->kind].time, &p->as, time, fmin(p->end, p->terminal.s))
+               : time / p->unit;
 }
 
 struct pair_change segment_change(const struct segment *p, double s)

@@ -130,9 +130,6 @@ void segment_advance(struct segment *p, double from, double s, const struct scen
  * the time since the start [s] and its derivative by s.
  */
 
-/* Returns the s in [0, end] at a time [s] of a kind with `time`, or `end` where that is earlier. */
-double segment_place_before(const struct segment *p, double time, double end);
-
 /* The kind for any contact. `make` returns false where p->may_be_quasi_static and the first coefficients
  * confirm it. From rest at the touch under Hertz's law it sets p->longest to the time for which the force is
  * negligible beside the load. Under Hertz's law it finds p->parting. */

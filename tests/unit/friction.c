@@ -118,8 +118,8 @@ TEST(a_force_beyond_the_limit_is_shortened_and_steep)
     CHECK(!friction_rolls(&law, FRICTION_SLIDING, 0.0, none, MOBILE));
 }
 
-/* The drive of a spring is another form of the law: by the slip it has the derivative of the spring's rate, and
- * under the force of the law it gives the same rate. */
+/* The drive of a spring is another form of the law: by the slip it has the derivative of the spring's rate,
+ * and under the force of the law it gives the same rate. */
 TEST(the_drive_of_a_spring_is_that_of_its_rate)
 {
     struct random random = {3};
