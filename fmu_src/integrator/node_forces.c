@@ -391,8 +391,8 @@ static void respond_with_resistance(struct iteration *it, int stage, int index,
 
 /* Sets the response of a contact and, if `anew`, its slopes. Along e it is that of respond_along_normal;
  * across e it is the response of friction. */
-CONTACT_FLATTEN static void respond_with_friction(struct iteration *it, int stage, int index,
-                                                  const struct scene_instant *at, bool anew)
+CONTACT_NOT_FUSED CONTACT_FLATTEN static void
+respond_with_friction(struct iteration *it, int stage, int index, const struct scene_instant *at, bool anew)
 {
     const struct node_contact *c = &it->contact[index];
     const struct turning_laws *laws = &c->laws;
