@@ -172,7 +172,7 @@ def pin_after(end):
 @pytest.mark.parametrize(("p_nv", "mu"), [(0.0, 0.3), (50.0, 0.3), (50.0, 0.0)])
 def test_a_tripod_falls_slides_and_tumbles_as_six_degrees_of_freedom_do(opened, method, p_nv, mu):
     values, _, _ = tripod(p_nv, mu)
-    fmu = run(opened("Tripod"), values, 0.3, tolerance=1e-12, method=method)
+    fmu = run(opened("Tripod"), values, 0.3, tolerance=3e-13, method=method)  # 1e-12 leaves CVODE 1e-9
     assert all(fmu[f"{name}.onsets"] > 0 for name in TRIPOD)
     check_close("state", state(fmu, "tripod"), tripod_after(p_nv, mu, 0.3), 1e-9)
 
