@@ -485,8 +485,8 @@ bool model_apply_inputs(struct model *m)
              (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)))) {
             return false;
         }
-        const void *bytes = &before; /* a path has no padding */
-        same = same && memcmp(bytes, &next[i], sizeof before) == 0;
+        const void *bytes[2] = {&before, &next[i]}; /* a path has no padding */
+        same = same && memcmp(bytes[0], bytes[1], sizeof before) == 0;
     }
     bool applied = true;
     if (m->state.exchange == EXCHANGE_CONTINUOUS) {
