@@ -372,7 +372,7 @@ struct friction_response friction_response_of(const struct friction_law *law, en
 /* Whether the rate of the spring follows F_t alone (struct friction_spring_drive). */
 static bool spring_follows_force(const struct friction_law *law, enum friction_regime regime)
 {
-    return has_dashpot(law) && regime != FRICTION_STICKING;
+    return has_spring(law, regime) && has_dashpot(law) && regime != FRICTION_STICKING;
 }
 
 struct friction_spring_drive friction_spring_drive_of(const struct friction_law *law,
@@ -402,7 +402,7 @@ struct friction_spring_drive friction_spring_drive_of(const struct friction_law 
 struct vec3 friction_spring_rate_under(const struct friction_law *law, enum friction_regime regime,
                                        struct friction_state at, struct vec3 force)
 {
-    if (!has_spring(law, regime) || !spring_follows_force(law, regime)) {
+    if (!spring_follows_force(law, regime)) {
         return friction_spring_rate(law, regime, at);
     }
     return vec3_scale(-1.0 / law->damping, vec3_axpy(force, stiffness_at(law, at), at.spring));

@@ -1,10 +1,7 @@
 /*
  * Derivatives of the contact force, for implicit integration.
  *
- * F_n is the normal force of the law. T is P - n n^T, where P is the identity for a sphere and I - e_d e_d^T
- * for a cylinder; a rim has the T of contact_turning_part. The derivatives are
- *   dg/dc = side n,   dn/dc = T / d,   dg'/dc = side T w / d,   dg'/dw = side n
- * and the force on the source is F_src = -side F_n n.
+ * F_n is the normal force of the law, and the force on the source without friction is F_src = -side F_n n.
  */
 #ifndef CONTACT_CONTACT_SLOPES_H
 #define CONTACT_CONTACT_SLOPES_H

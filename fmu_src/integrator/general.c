@@ -455,8 +455,8 @@ static bool look_again(struct general *g, double length, struct general_event *f
 
 /* Where the polynomial is not accurate enough between its ends, a shorter step is made that ends at the
  * event. The event is located again on the shorter step's polynomial until both agree. A shorter step without
- * an event is made longer by what its end misses. Otherwise the next long step would end before the event
- * again, and so on without an end. Where no such step can be made, because friction has no direction where
+ * an event is made longer by what its end misses, because the next long step would only find the same event
+ * and end before it again. Where no such step can be made, because friction has no direction where
  * the normal force ends, a step of half the length comes first. A stiff step is made again in any case,
  * because its polynomial may reach F_n < 0 and reverse the slip. */
 bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y)

@@ -603,9 +603,9 @@ bool general_is_stiff(const struct general *g)
  * error at the end is then taken to be at least the error within. */
 static const double END_OF_ROLLING = 0.3;
 
-/* Nothing dies away before the first stage where each state decays by fewer powers of e within the step. The
- * defect of the polynomial at the start is then that of an oscillation, which the error at the end contains.
- */
+/* If no state decays by this number of powers of e within the step, no motion dies away before the first
+ * stage. The defect of the polynomial at the start is then that of an oscillation, and the error at the end
+ * contains its effect. */
 static const double LEAST_DECAY = 1.0;
 
 double general_finish_step(struct general *g)
@@ -616,6 +616,7 @@ double general_finish_step(struct general *g)
     const struct radau_error error = radau_step_error(p);
     g->error_within = error.within;
     g->error_at_end = fmax(error.at_end, g->within_share * error.within);
+    /* this also sets stage_others to the Jacobian at the end of the step */
     const double of_start = g->fully ? g->within_share * radau_step_start_error(p) : 0.0;
     g->error_of_start = p->length * g->fastest_decay > LEAST_DECAY ? of_start : 0.0;
     if (g->fully && fastest_decay_of(p, p->stage_others) < END_OF_ROLLING * g->fastest_decay) {

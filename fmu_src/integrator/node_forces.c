@@ -293,8 +293,8 @@ static void respond_along_normal(struct iteration *it, int stage, int index, con
     }
 }
 
-/* Sets how a part of the response changes with a spring and with what drives it, and the rate of the spring.
- * `row` is the first row of the part. */
+/* Sets the rate of a spring and, if `slopes` is not NULL, how the response of its part changes with the
+ * spring and with what drives it. */
 static void respond_with_spring(struct iteration *it, int stage, int index, int part,
                                 const struct scene_instant *at, struct friction_state rubbing,
                                 struct vec3 opposing, const struct friction_response *slopes)
@@ -404,6 +404,10 @@ respond_with_friction(struct iteration *it, int stage, int index, const struct s
     const struct vec3 e = vec3_scale(c->side, g->normal);
     const double normal_force = -vec3_dot(node->force, e);
     struct vec3 tangential = vec3_axpy(node->force, normal_force, e);
+    if (SCENE_ANY_SPRINGS && anew && c->springs) { /* of the parts that have no spring */
+        memset(node->by_spring, 0, sizeof node->by_spring);
+        memset(node->by_drive, 0, sizeof node->by_drive);
+    }
     const struct vec3 missed = respond_opposed(it, stage, index, OPPOSED_SLIP, at, normal_force, &tangential,
                                                anew ? &friction : NULL);
     node->force = vec3_axpy(tangential, -normal_force, e);
@@ -466,7 +470,7 @@ static void add_vector(double *to, double factor, struct vec3 a)
     to[2] += factor * a.z;
 }
 
-/* Sets the filter of a spring (struct node_spring). */
+/* Sets the filter and the weight of a spring by its decays at the stages (struct node_spring). */
 static void prepare_spring(struct iteration *it, int contact, int part)
 {
     const struct radau_step *p = &it->g->step;
@@ -488,7 +492,7 @@ static void prepare_spring(struct iteration *it, int contact, int part)
             (i == j ? 1.0 : 0.0) + p->length * integral[i * s + j] * it->node[j][contact].drive[part].decay;
     }
     const struct lu_matrix matrix = {s, SPRING_STRIDE, entries, pivot, NULL};
-    (void)lu_factor(matrix); /* decays are not negative, so that no pivot is zero */
+    (void)lu_factor(matrix); /* should it fail, the iterations do not converge */
     for (int j = 0; j < s; ++j) {
         for (int i = 0; i < s; ++i) {
             side[i] = p->length * integral[i * s + j];
@@ -613,52 +617,73 @@ static void follow_spin(struct iteration *it, int body, const double *pending)
     }
 }
 
-/* Returns the part of a vector across a unit vector, which may be zero. */
-static struct vec3 across_of(struct vec3 unit, struct vec3 a)
+/* The changes to come of a spring at all stages, and those of its rate by what drives it. */
+struct spring_change {
+    struct vec3 spring[RADAU_MOST_STAGES], driven[RADAU_MOST_STAGES];
+};
+
+/* Returns the part of a vector that changes a spring at a stage: where the spring lies, and across `unit` of
+ * its drive, because a spring that only turns keeps its length. */
+static struct vec3 part_of_spring(const struct iteration *it, int stage, int contact, int part, struct vec3 a)
 {
-    return vec3_axpy(a, -vec3_dot(unit, a), unit);
+    const struct vec3 n = it->g->at_stage[stage].geometry[it->contact[contact].contact].normal;
+    return opposed_laid(OPPOSED_SLIP, opposed_laid((enum opposed)part, a, n),
+                        it->node[stage][contact].drive[part].unit);
 }
 
-/* Computes the changes of a spring to come at all stages, with the changes `pending` of the states that are
- * no places. If `rates` is not NULL, what they add to the rates of the spring is added there. */
-static void change_spring(struct iteration *it, int contact, int part, const double *pending, double *rates,
-                          struct vec3 change[RADAU_MOST_STAGES])
+/* Sets the changes by what drives a spring, where the states that are no places change by `pending`. */
+static void drive_spring(const struct iteration *it, int contact, int part, const double *pending,
+                         struct spring_change *to)
 {
-    const struct radau_step *p = &it->g->step;
-    const int s = p->stages->stages;
-    const struct node_contact *c = &it->contact[contact];
-    const struct node_spring *spring = &it->spring[contact][part];
-    const int at = it->among[it->g->ode.layout.spring[c->contact][part]];
-    struct vec3 driven[RADAU_MOST_STAGES];
-    struct vec3 missed[RADAU_MOST_STAGES];
-    struct vec3 normal[RADAU_MOST_STAGES];
-    for (int i = 0; i < s; ++i) {
+    for (int i = 0; i < it->g->step.stages->stages; ++i) {
         const struct node *node = &it->node[i][contact];
-        const double *to_come = pending + i * p->width;
-        const struct vec3 dz = spring->is_force
+        const double *to_come = pending + i * it->g->step.width;
+        const struct vec3 n = it->g->at_stage[i].geometry[it->contact[contact].contact].normal;
+        const struct vec3 dz = it->spring[contact][part].is_force
                                    ? (part == OPPOSED_SLIP ? node->more_force : node->more_torque)
                                : part == OPPOSED_SLIP ? velocity_of(it, i, contact, to_come)
                                                       : spin_of(it, i, contact, to_come);
-        normal[i] = it->g->at_stage[i].geometry[c->contact].normal;
-        driven[i] = driven_by(&node->drive[part], opposed_laid((enum opposed)part, dz, normal[i]));
-        missed[i] = vec3_add(driven[i], vec3_from(it->rates + i * p->width + at));
+        to->driven[i] = driven_by(&node->drive[part], opposed_laid((enum opposed)part, dz, n));
+    }
+}
+
+static struct spring_change change_of_spring(const struct iteration *it, int contact, int part,
+                                             const double *pending)
+{
+    const struct radau_step *p = &it->g->step;
+    const int s = p->stages->stages;
+    const struct node_spring *spring = &it->spring[contact][part];
+    const int at = it->among[it->g->ode.layout.spring[it->contact[contact].contact][part]];
+    struct vec3 missed[RADAU_MOST_STAGES];
+    struct spring_change to;
+    drive_spring(it, contact, part, pending, &to);
+    for (int i = 0; i < s; ++i) {
+        missed[i] = vec3_add(to.driven[i], vec3_from(it->rates + i * p->width + at));
         for (int j = 0; j < s; ++j) {
             missed[i] = vec3_axpy(missed[i], -p->stages->inverse[i * s + j] / p->length,
                                   vec3_from(p->others_change + j * p->width + at));
         }
-        missed[i] = across_of(node->drive[part].unit, opposed_laid((enum opposed)part, missed[i], normal[i]));
+        missed[i] = part_of_spring(it, i, contact, part, missed[i]);
     }
     for (int i = 0; i < s; ++i) {
         struct vec3 sum = {0.0, 0.0, 0.0};
         for (int j = 0; j < s; ++j) {
             sum = vec3_axpy(sum, spring->filter[i * s + j], missed[j]);
         }
-        change[i] = across_of(it->node[i][contact].drive[part].unit,
-                              opposed_laid((enum opposed)part, sum, normal[i]));
+        to.spring[i] = part_of_spring(it, i, contact, part, sum);
     }
-    for (int i = 0; rates && i < s; ++i) {
+    return to;
+}
+
+/* Adds to the rates of a spring what its changes to come and what drives it will change. */
+static void follow_drive(struct iteration *it, int contact, int part, const double *pending)
+{
+    const struct radau_step *p = &it->g->step;
+    const struct spring_change change = change_of_spring(it, contact, part, pending);
+    const int at = it->among[it->g->ode.layout.spring[it->contact[contact].contact][part]];
+    for (int i = 0; i < p->stages->stages; ++i) {
         const double decay = it->node[i][contact].drive[part].decay;
-        add_vector(rates + i * p->width + at, 1.0, vec3_axpy(driven[i], -decay, change[i]));
+        add_vector(it->rates + i * p->width + at, 1.0, vec3_axpy(change.driven[i], -decay, change.spring[i]));
     }
 }
 
@@ -685,9 +710,8 @@ static void move_others(struct iteration *it)
         }
     }
     for (int k = 0; SCENE_ANY_SPRINGS && k < it->contacts * OPPOSED; ++k) {
-        struct vec3 change[RADAU_MOST_STAGES];
         if (it->spring[k / OPPOSED][k % OPPOSED].is_there) {
-            change_spring(it, k / OPPOSED, k % OPPOSED, p->scratch, it->rates, change);
+            follow_drive(it, k / OPPOSED, k % OPPOSED, p->scratch);
         }
     }
 }
@@ -696,16 +720,15 @@ static void move_others(struct iteration *it)
 static void add_pending_spring(struct iteration *it, int contact, int part)
 {
     const struct radau_step *p = &it->g->step;
-    struct vec3 change[RADAU_MOST_STAGES];
     if (!it->spring[contact][part].is_there) {
         return;
     }
-    change_spring(it, contact, part, p->scratch, NULL, change);
+    const struct spring_change change = change_of_spring(it, contact, part, p->scratch);
     for (int i = 0; i < p->stages->stages; ++i) {
         struct node *node = &it->node[i][contact];
         for (int r = 0; r < ROWS; ++r) {
             node->response[r + (part == OPPOSED_SLIP ? 0 : ROWS)] +=
-                vec3_dot(node->by_spring[part][r], change[i]);
+                vec3_dot(node->by_spring[part][r], change.spring[i]);
         }
     }
 }
@@ -803,14 +826,16 @@ static struct turned_rows turned_rows_of(const struct iteration *it, int stage, 
     return to;
 }
 
-/* How the responses at one stage change with the forces at another: by the integrals `once` and `square` of
- * these forces, and for each spring by the slip that they make, or by themselves. */
+/* The responses at one stage change with the forces at another. `once` and `square` weigh the first and the
+ * second integral of these forces, which move the bodies. Of each spring, `by_slip` weighs its change by the
+ * slip that the forces make, and `by_force` its change by the forces themselves. */
 struct block_weights {
     double once, square;
     double by_slip[OPPOSED], by_force[OPPOSED];
 };
 
-/* Returns what the springs of its part add to row r, each with its weight. */
+/* Returns what the springs add to row r of the response, each with its weight: the spring of the slip to the
+ * rows of the force, those of rolling and spinning to the rows of the torque. */
 static inline struct vec3 row_of_springs(const struct vec3 by[OPPOSED][ROWS], const double weight[OPPOSED],
                                          int r)
 {

@@ -265,7 +265,7 @@ static enum model_status put_sum_of_changes(const struct model *m, struct linear
 }
 
 /* The adjoint product finds the effect of each known in turn. That is cheap enough, because inputs are few
- * and one of them costs as much as reading all outputs. */
+ * and the effect of one costs as much as reading all outputs. */
 enum model_status model_product(struct model *m, const struct product *p)
 {
     enum model_status status = MODEL_OK;

@@ -13,7 +13,7 @@ struct collocation_place {
     void (*load)(const struct collocation *p, double *values, double *softening);
     double (*turn)(struct collocation *p); /* one sweep of n and H; returns the largest change [m] */
     void (*finish)(struct collocation *p); /* called once sweeps have converged; may be NULL */
-    /* c - c(0) and n at a node, in the frame, without the oscillation */
+    /* sets c - c(0) and n at a node, in the frame, without the oscillation */
     void (*at_node)(const struct collocation *p, int node, struct vec3 *moved, struct vec3 *normal);
     struct collocation_change (*change_at)(const struct collocation *p, double s);
 };

@@ -116,8 +116,8 @@ bool collocation_make(struct collocation *p, const struct collocation_problem *f
  * These functions are the parts of a quasi-static step. Its caller finds the deviation x at the nodes, and
  * slow_rate in the end. collocation_begin sets x at all nodes to its value at the start. collocation_turn
  * makes one sweep of n and H, at the x that the nodes have, and returns the largest change [m].
- * collocation_load sets `values` to half^2 f [m] at the nodes. collocation_finish returns whether all values
- * are finite and d > 0.
+ * collocation_load sets `values` to the load f times half^2 [m] at the nodes. collocation_finish returns
+ * whether all values are finite and d > 0.
  */
 void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
                        enum collocation_kind kind, const struct lobatto *nodes);

@@ -235,8 +235,8 @@ TEST(a_step_with_the_jacobian_at_every_stage_is_exact)
     }
 }
 
-/* The row of a' has v and 1 + x. The error of a step evaluates it at the end, where the next step begins; a
- * solution evaluates it at the stages. */
+/* The derivatives of a' = (1 + x) v by x and by v depend on the state: they are v and 1 + x. The error of a
+ * step leaves the Jacobian at the end, where the next step begins; a solution leaves that at a stage. */
 TEST(a_jacobian_serves_its_own_clock_and_state_alone)
 {
     static const struct {

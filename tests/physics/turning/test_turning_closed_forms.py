@@ -91,6 +91,17 @@ def test_few_steps_of_rolling_are_rejected(opened, name):
     assert fmu["solver.steps"] <= 250, fmu["solver.steps"]
 
 
+def test_springs_are_solved_with_the_forces(opened):
+    """In the golfer's tube by springs with dashpots. With the states as unknowns: twice as many evaluations."""
+    problem = turning_problems()["F3"]
+    values = problem.start | {"contact.friction": "elastic", "contact.rolling": "elastic"}
+    values |= {"contact.tangential_stiffness": 8e4, "contact.tangential_damping": 63.0}
+    values |= {"contact.rolling_coefficient": 0.05}
+    values |= {"contact.rolling_stiffness": 80.0, "contact.rolling_damping": 0.063}
+    fmu = run(opened(problem.fmu), values, problem.stop, steps=1, tolerance=1e-9)
+    assert fmu["solver.force_evaluations"] <= 12_000
+
+
 LIMITS = {  # case of v_0, largest v_0
     "golfer's tube": (lambda v_0: cases.golfers_tube(v_0, turns=1.0), 1e-3),
     "turntable": (cases.turntable, 1e-3),
