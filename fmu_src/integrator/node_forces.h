@@ -14,8 +14,8 @@
 /* Returns the bytes of memory that g->nodes needs. */
 size_t node_forces_memory(void);
 
-/* Whether the step is to be solved so. It cannot be where a body is a compound, or the forces are more
- * unknowns than there is memory for; in a crowded island under Hertz's law that would cost more. */
+/* Whether the step is to be solved so. It cannot be where the forces are more unknowns than there is memory
+ * for; in a crowded island under Hertz's law that would cost more. */
 bool node_forces_apply(const struct general *g);
 
 /* Solves the stages of g->step from their guess; false where the iterations do not converge. Where the guess

@@ -164,7 +164,7 @@ size_t radau_step_memory(const struct radau_problem *problem)
     const size_t s = RADAU_MOST_STAGES;
     const size_t m = RADAU_MOST_SYSTEMS;
     const size_t all = (size_t)radau_padded(rows_of_all(problem));
-    const size_t doubles = (6 * s + 2 * m + 1) * n + (6 + 2 * m) * n * n + 6 * n + (all + 1) * all;
+    const size_t doubles = (7 * s + 2 * m + 1) * n + (6 + 2 * m) * n * n + 6 * n + (all + 1) * all;
     const size_t ints = 4 * n + 1 + m * n + all;
     return doubles * sizeof(double) + ints * sizeof(int);
 }
@@ -217,6 +217,7 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     p->places_change = take(&next, s * n);
     p->residual = take(&next, s * n);
     p->scratch = take(&next, 2 * RADAU_MOST_SYSTEMS * n);
+    p->more = take(&next, s * n);
     p->chebyshev = take(&next, (s + 1) * n);
     p->jacobian = take(&next, n * n);
     p->by_others = take(&next, n * n);
@@ -572,6 +573,16 @@ static void radau_move_places(struct radau_step *p)
         }
     }
     radau_combine_rows(p->places_change, width, stages->integral, s, s, speeds, width, width);
+}
+
+void radau_step_integrals(const struct radau_step *p, const double *rates, double *integrals)
+{
+    const int s = p->stages->stages;
+    const int width = p->width;
+    radau_combine_rows(integrals, width, p->stages->integral, s, s, rates, width, width);
+    for (int k = 0; k < s * width; k += LANES) {
+        double2_put(integrals, k, double2_at(integrals, k) * p->length);
+    }
 }
 
 void radau_step_pending(const struct radau_step *p, const double *rates, double *pending)

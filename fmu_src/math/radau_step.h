@@ -67,10 +67,10 @@ struct radau_step {
     struct lu_matrix system[RADAU_MOST_SYSTEMS];
     double factored_length; /* step length [s] that the systems are factored for; 0: none */
     const struct radau_stages *factored_stages;
-    double *others_change, *residual, *scratch; /* [stages][width] */
-    double *places_change;                      /* [stages][paired, padded] */
-    double *stage_others, *stage_places, *side; /* for radau_step_solve_fully */
-    double *whole;                              /* [size][size], for radau_step_solve_fully */
+    double *others_change, *residual, *scratch, *more; /* [stages][width] */
+    double *places_change;                             /* [stages][paired, padded] */
+    double *stage_others, *stage_places, *side;        /* for radau_step_solve_fully */
+    double *whole;                                     /* [size][size], for radau_step_solve_fully */
     struct lu_matrix all;
     struct radau_columns columns[RADAU_METHODS];
     double *point, *re; /* [size] each */
@@ -108,14 +108,16 @@ void radau_step_guess_again(struct radau_step *p, const struct radau_stages *sta
  * else from the rates there. Stiff directions that turn would mislead the solution of the linear problem. */
 void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages, double length);
 
-/* For iterations of the caller's own. radau_step_pending writes the integrals of rates of the others less
- * their changes; all three are [stage][p->width]. radau_step_integrate sets the changes of the coupled
- * states to the integrals, and returns the largest weighted difference from the changes before. After
+/* For iterations of the caller's own. radau_step_integrals writes the integrals of rates of the others from
+ * the start to each stage; radau_step_pending writes these less the changes of the others. All arrays are
+ * [stage][p->width]. radau_step_integrate sets the changes of the coupled states to the integrals, and
+ * returns the largest weighted difference from the changes before. After
  * radau_step_guess_on or radau_step_guess_again from a polynomial, radau_step_guess_rates gives the rates
  * of `count` states from `first` on, along the guess, at [stage * count + state]. `all` has room for
  * radau_step_most_unknowns unknowns at each stage. */
 int radau_step_most_unknowns(const struct radau_step *p);
 const struct radau_columns *radau_step_columns(struct radau_step *p);
+void radau_step_integrals(const struct radau_step *p, const double *rates, double *integrals);
 void radau_step_pending(const struct radau_step *p, const double *rates, double *pending);
 double radau_step_integrate(struct radau_step *p, const double *rates);
 void radau_step_guess_rates(const struct radau_step *p, int first, int count, double *rates);

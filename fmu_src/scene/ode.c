@@ -876,7 +876,7 @@ static void add_body_columns(const struct turning_linearization *l, const struct
         add_change(l, slopes, contact, l->layout->spin[body] + k, &motion, sign, NOT_TURNED);
     }
     const bool tips = l->layout->orientation[body] >= 0 && l->layout->orientation[body] < l->layout->coupled;
-    for (int k = 0; SCENE_ANY_AXIS && k < 4 && tips;
+    for (int k = 0; SCENE_ANY_TIPPING && k < 4 && tips;
          ++k) { /* of a destination or a compound: other sources are spheres */
         struct turning_motion motion = none;
         struct vec3 *rotation = sign < 0.0 ? &motion.source_rotation : &motion.destination_rotation;

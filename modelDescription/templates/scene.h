@@ -75,6 +75,8 @@
 #define SCENE_ANY_COMPOUND {{ any_compound | int }}
 #define SCENE_ANY_ADVANCEMENT {{ (any_rotation or any_torus or any_skew or any_compound) | int }} /* may only that find a touch? */
 #define SCENE_ANY_AXIS {{ (any_cylinder or any_plane or any_torus) | int }}    /* has any shape an axis? */
+/* may a contact see how any body is turned? */
+#define SCENE_ANY_TIPPING {{ (any_cylinder or any_plane or any_torus or any_compound) | int }}
 #define SCENE_ANY_KEPT_AXIS {{ (scene.bodies | selectattr("keeps_axis") | list | length > 0) | int }} /* body_keeps_axis? */
 #define SCENE_ANY_ENDS {{ (any_cylinder or any_torus) | int }}    /* may a shape end suddenly? */
 #define SCENE_ANY_ENDLESS {{ any_endless | int }} /* may any contact be without ends along an axis, or with caps? */
