@@ -9,15 +9,11 @@ nodes:
     integral     [j n + i]: the integral of l_j from -1 to node i
     monomial     [j n + k]: the coefficient of sigma^k in l_j
 
-Simplified Newton iterations for Radau IIA of s stages use the right Radau nodes c of [0, 1]. With A_ij the
+Radau IIA of s stages has the right Radau nodes c of [0, 1]. With A_ij the
 integral of l_j from 0 to c_i:
 
     integral     A, row by row
     inverse      A^-1, row by row
-    eigenvalue   those of A^-1 without negative imaginary part; (re, im) each
-    into         the rows of T^-1 that belong to them, A^-1 = T diag T^-1; all re of a row, then all im
-    back         the columns of T, twice where they are complex: a real vector is the real part of their sum;
-                 by rows, (re, -im) each
     chebyshev    from values at the nodes to the s + 1 Chebyshev coefficients of the polynomial through them
                  and through zero at 0; by coefficients
     bernstein    from values at 0 and at the nodes to the s + 1 Bernstein coefficients; by places
@@ -39,7 +35,6 @@ STAGES = (4, 8, 12)
 REST = Decimal(1) / 1024  # RADAU_REST of node_tables.h
 DIGITS = 100  # of the arithmetic: roots of twelfth degree and products with inverses lose some forty
 ROOT_DIGITS = 80  # of roots
-NO_DIGIT = Decimal("1e-40")  # an imaginary part that is so small beside the real one is none
 
 
 class Complex:
@@ -65,20 +60,6 @@ class Complex:
     def square(self):
         """|z|^2"""
         return self.re * self.re + self.im * self.im
-
-
-def solved(matrix: list, right: list) -> list:
-    """x of matrix x = right, where both consist of complex numbers."""
-    rows = [[*row, b] for row, b in zip(matrix, right, strict=True)]
-    size = len(rows)
-    for k in range(size):
-        pivot = max(range(k, size), key=lambda i: rows[i][k].square())
-        rows[k], rows[pivot] = rows[pivot], rows[k]
-        rows[k] = [x / rows[k][k] for x in rows[k]]
-        for i in range(size):
-            if i != k:
-                rows[i] = [x - rows[i][k] * y for x, y in zip(rows[i], rows[k], strict=True)]
-    return [row[-1] for row in rows]
 
 
 def roots(polynomial: list) -> list:
@@ -144,48 +125,6 @@ def number(x) -> str:
     return "0.0" if abs(value) < 1e-40 else repr(value)
 
 
-def characteristic(matrix: list) -> list:
-    """Coefficients of det(x - matrix), lowest degree first: the method of Faddeev and Le Verrier."""
-    size = range(len(matrix))
-    power = [[Decimal(0)] * len(matrix) for _ in size]
-    coefficients = [Decimal(1)]
-    for k in range(1, len(matrix) + 1):
-        for i in size:
-            power[i][i] += coefficients[0]
-        power = [[sum(a * power[m][j] for m, a in enumerate(row)) for j in size] for row in matrix]
-        coefficients.insert(0, -sum(power[i][i] for i in size) / k)
-    return coefficients
-
-
-def eigenvectors(inverse: list) -> tuple[list, list, list]:
-    """Eigenvalues without negative imaginary part, by that; their rows of T^-1, and the columns of T, whose
-    largest element is 1, twice where they are complex. One step of inverse iteration with an eigenvalue of
-    ROOT_DIGITS has all digits."""
-    found = [
-        Complex(x.re, 0 if abs(x.im) < NO_DIGIT * abs(x.re) else x.im) for x in roots(characteristic(inverse))
-    ]
-    upper = sorted((x for x in found if x.im >= 0), key=lambda x: (x.im, x.re))
-    into, back = [], []
-    for value in upper:
-        start = [Complex(k + 1) for k in range(len(inverse))]
-        shifted = [[Complex(a) for a in row] for row in inverse]
-        for k, row in enumerate(shifted):
-            row[k] = row[k] - value
-        column = solved(shifted, start)
-        row = solved([list(one) for one in zip(*shifted, strict=True)], start)
-        largest = max(column, key=Complex.square)
-        column = [x / largest for x in column]
-        scale = sum((a * b for a, b in zip(row, column, strict=True)), Complex(0))
-        into.append([x / scale for x in row])
-        back.append([Complex(2 if value.im else 1) * x for x in column])
-    return upper, into, back
-
-
-def split(rows: list) -> list:
-    """Each row's real parts, then its imaginary ones."""
-    return [[*(x.re for x in row), *(x.im for x in row)] for row in rows]
-
-
 def to_chebyshev(monomials: list) -> list:
     """Coefficients of T_k(2 s - 1) from those of s^k: by Horner's scheme, with s T_k = (T_{k-1} + 2 T_k +
     T_{k+1})/4 and s T_0 = (T_0 + T_1)/2."""
@@ -218,10 +157,16 @@ def table(name: str, rows: list) -> str:
 
 def inverted(matrix: list) -> list:
     """The inverse, by rows."""
-    size = range(len(matrix))
-    whole = [[Complex(a) for a in row] for row in matrix]
-    columns = [solved(whole, [Complex(i == j) for i in size]) for j in size]
-    return [[columns[j][i].re for j in size] for i in size]
+    size = len(matrix)
+    rows = [[*row, *(Decimal(i == j) for j in range(size))] for i, row in enumerate(matrix)]
+    for k in range(size):
+        pivot = max(range(k, size), key=lambda i: abs(rows[i][k]))
+        rows[k], rows[pivot] = rows[pivot], rows[k]
+        rows[k] = [x / rows[k][k] for x in rows[k]]
+        for i in range(size):
+            if i != k:
+                rows[i] = [x - rows[i][k] * y for x, y in zip(rows[i], rows[k], strict=True)]
+    return [row[size:] for row in rows]
 
 
 def even(x: Decimal) -> tuple[Decimal, Decimal]:
@@ -250,16 +195,12 @@ def stage_tables(stages: int, pace: str = "") -> str:
     times, paces = zip(*map(PACES.get(pace, even), at), strict=True)
     a = [[integral(b, 0, x) * faster for b, faster in zip(basis, paces, strict=True)] for x in at]
     inverse = inverted(a)
-    values, into, back = eigenvectors(inverse)
     places = [Decimal(0), *at]
     through_zero = [lagrange(places, j) for j in range(stages + 1)]
     named = {
         "node": [times],
         "integral": a,
         "inverse": inverse,
-        "eigenvalue": [[x.re, x.im] for x in values],
-        "into": split(into),
-        "back": zip(*(row for x in back for row in ([y.re for y in x], [-y.im for y in x])), strict=True),
     }
     alike = {
         "chebyshev": zip(*(to_chebyshev(b) for b in through_zero[1:]), strict=True),
@@ -272,7 +213,7 @@ def stage_tables(stages: int, pace: str = "") -> str:
         f"radau_{name}_{stages}" for name in ("node", *alike)
     ]
     kind = {"touch": "RADAU_FROM_TOUCH", "release": "RADAU_TO_RELEASE"}.get(pace, "RADAU_EVEN")
-    first = f"{stages}, {len(values)}, {kind}, {number(PACES.get(pace, even)(Decimal(0))[1])}"
+    first = f"{stages}, {kind}, {number(PACES.get(pace, even)(Decimal(0))[1])}"
     struct = f"const struct radau_stages radau_stages_{own} = {{\n    {first},\n    "
     return "\n".join([*arrays, struct + ",\n    ".join(members) + "};\n"])
 

@@ -200,10 +200,7 @@ static void sample_events(struct general *g)
     for (int i = 0; i < p->stages->stages; ++i) {
         const double clock = p->start + p->stages->node[i] * p->length;
         radau_step_stage(p, i, g->y);
-        if (!g->by_forces) {
-            ode_instant(&g->ode, clock, g->y, &at);
-        }
-        sample_events_at(g, clock, g->by_forces ? &g->at_stage[i] : &at, i + 1);
+        sample_events_at(g, clock, &g->at_stage[i], i + 1);
     }
     for (int k = 0; SCENE_ANY_SPRINGS && k < SCENE_CONTACTS * OPPOSED; ++k) {
         smooth_friction(g, k / OPPOSED, k % OPPOSED);
@@ -406,11 +403,8 @@ static double missing_to(struct general *g, int event, double rate, double clock
 static bool solve_again(struct general *g, double length)
 {
     struct radau_step *p = &g->step;
-    radau_step_guess_again(p, p->stages, length);
-    const bool solved = g->by_forces ? node_forces_solve(g, general_newton_share(g), NULL)
-                        : g->fully   ? radau_step_solve_fully(p, general_newton_share(g))
-                                     : radau_step_solve(p, general_newton_share(g));
-    if (!solved) {
+    radau_step_guess_on(p, p->stages, length);
+    if (!node_forces_solve(g, general_newton_share(g), NULL)) {
         return false;
     }
     const double error = general_finish_step(g);
@@ -670,7 +664,6 @@ void general_keep_step(const struct general *g, struct scene_state *q)
     kept->length = p->length;
     kept->end = g->end.clock;
     kept->solvable = g->solvable;
-    kept->simple = g->simple;
     kept->release_clock = g->release_clock;
     kept->release_rest = g->release_rest;
     kept->steps_to_release = g->steps_to_release;
@@ -697,7 +690,6 @@ bool general_take_up(struct general *g, const struct scene_values *v, struct sce
     general_attach(g, v, q);
     const size_t bytes = (size_t)g->size * sizeof(double);
     g->solvable = kept->solvable;
-    g->simple = kept->simple;
     g->release_clock = kept->release_clock;
     g->release_rest = kept->release_rest;
     g->steps_to_release = kept->steps_to_release;
@@ -747,13 +739,13 @@ static struct radau_problem problem_of(struct general *g, const struct scene_val
                                     .coupled = layout->coupled,
                                     .integrals = layout->integrals,
                                     .turns = scene_turns(v),
+                                    .unknowns = node_forces_unknowns(v),
                                     .groups = layout->groups,
                                     .group_end = layout->group_end,
                                     .place = g->place,
                                     .speed = g->speed,
                                     .rates = ode_rates,
-                                    .jacobian = ode_coupled_jacobian,
-                                    .whole_jacobian = ode_jacobian};
+                                    .jacobian = ode_coupled_jacobian};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         for (int k = 0; k < 3 && layout->body[i] >= 0; ++k) {
             g->place[problem.paired] = layout->body[i] + k;
@@ -767,7 +759,7 @@ static struct radau_problem problem_of(struct general *g, const struct scene_val
 static bool same_layout(const struct radau_problem *a, const struct radau_problem *b)
 {
     return a->size == b->size && a->coupled == b->coupled && a->integrals == b->integrals &&
-           a->paired == b->paired && a->turns == b->turns;
+           a->paired == b->paired && a->turns == b->turns && a->unknowns == b->unknowns;
 }
 
 bool general_open(struct general **slot, const struct scene_values *v, const struct integrator_memory *memory,
@@ -856,7 +848,7 @@ void general_start(struct general *g, const struct scene_values *v, struct scene
 {
     struct scene_instant at;
     general_attach(g, v, q);
-    g->solvable = g->simple = (double)INFINITY;
+    g->solvable = (double)INFINITY;
     g->step.known_length = 0.0;
     general_set_events(g, &at);
     ode_pack(&g->ode, g->y);

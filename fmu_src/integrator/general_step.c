@@ -253,67 +253,10 @@ void general_set_weights(struct general *g)
     allow_rounding(g);
 }
 
-/* The next functions solve steps whose friction is so stiff that the Jacobian is needed at every stage. */
-
-/* Friction regimes and slip velocities v_0 [m/s] that are restored after a first guess. */
-struct kept_friction {
-    int32_t regime[SCENE_CONTACTS];
-    double slip_velocity[SCENE_CONTACTS];
-};
-
-/* Replaces regularized friction by its tangent at zero slip, under the normal force at the start of the step.
- * The tangent does not saturate, so that Newton's method finds the small slip of rolling from any guess. */
-static void straighten_friction(struct general *g, struct kept_friction *kept)
-{
-    struct scene_instant at;
-    ode_instant(&g->ode, g->step.start, g->step.y, &at);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        struct contact_state *contact = &g->state->contact[j];
-        const struct friction_law law = scene_friction_law(g->ode.values, g->state, j, OPPOSED_SLIP);
-        const double limit =
-            friction_limit(&law, (enum friction_regime)contact->friction_regime[0], at.normal_force[j]);
-        kept->regime[j] = contact->friction_regime[OPPOSED_SLIP];
-        kept->slip_velocity[j] = contact->parameters.slip_velocity;
-        if (law.kind == FRICTION_REGULARIZED && limit > 0.0) {
-            contact->friction_regime[OPPOSED_SLIP] = (int32_t)FRICTION_STICKING;
-            contact->parameters.slip_velocity *= law.largest / limit;
-        }
-    }
-}
-
-static void restore_friction(struct general *g, const struct kept_friction *kept)
-{
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        g->state->contact[j].friction_regime[OPPOSED_SLIP] = kept->regime[j];
-        g->state->contact[j].parameters.slip_velocity = kept->slip_velocity[j];
-    }
-}
-
-bool general_solve_fully(struct general *g, bool thoroughly)
-{
-    struct radau_step *p = &g->step;
-    const bool goes_on = radau_step_goes_on(p);
-    if (goes_on && radau_step_solve_quickly(p, general_newton_share(g))) {
-        return true;
-    }
-    if (!thoroughly) {
-        return false;
-    }
-    if (goes_on) {
-        radau_step_guess_on(p, p->stages, p->length);
-    }
-    struct kept_friction kept;
-    straighten_friction(g, &kept);
-    const bool rolls = radau_step_approach(p); /* the slip is found afterwards */
-    restore_friction(g, &kept);
-    general_set_weights(g); /* the first guess may have been far off */
-    return rolls && radau_step_solve_fully(p, general_newton_share(g));
-}
-
 /* The functions that follow make one step of the general segment: its stages, its length, its error. */
 
-/* After a failure of Newton's method with the Jacobian at every stage, the limit of the step's length is
- * SOLVABLE_PART times that length. After each success the limit is multiplied by SOLVABLE_GROWTH. */
+/* After a failure of Newton's method where bodies rub, the limit of the step's length is SOLVABLE_PART times
+ * that length. After each success the limit is multiplied by SOLVABLE_GROWTH. */
 static const double SOLVABLE_PART = 0.6;
 static const double SOLVABLE_GROWTH = 1.1;
 
@@ -321,15 +264,7 @@ static const double SOLVABLE_GROWTH = 1.1;
 enum { EASY_ITERATIONS = 3 };
 static const double EASY_GROWTH = 2.0;
 
-/* Growth of the limit for simplified iterations. It exceeds SOLVABLE_GROWTH: their failures cost less. */
-static const double SIMPLE_GROWTH = 1.3;
-
-/* A step is stiff where a state decays by more than this number of powers of e within it. The force on that
- * state is then mostly rounding, and Newton's method needs the Jacobian at every stage. */
-static const double STIFF = 200.0;
-
-/* The polynomial follows a decay by fewer powers of e than this. Simplified iterations then fail only because
- * the step is too long for a change within it. */
+/* The polynomial follows a decay by fewer powers of e than this within a step. */
 static const double LEAST_STIFF = 5.0;
 
 /* Usual rounding of a gap, divided by the bound of that rounding (rounding_of_gap). */
@@ -545,57 +480,19 @@ void general_begin(struct general *g, double clock, const double *y)
     }
 }
 
-/* Solves the stages by Newton's method with the Jacobian at every stage. */
-static bool try_fully(struct general *g, const struct radau_stages *stages, double length, bool thoroughly)
-{
-    g->fully = true;
-    radau_step_guess_on(&g->step, stages, length);
-    general_set_weights(g);
-    return general_solve_fully(g, thoroughly);
-}
-
-/* If node_forces_solve has failed so often in a step, each time for a shorter length, the step is solved
- * without forces as unknowns. Its iterations may not converge however short the step is. */
-enum { MOST_FAILURES = 10 };
-
-/* Solves the stages with the forces as unknowns where the scene allows that (node_forces_apply). In other
- * scenes simplified iterations come first, unless the step is so stiff or long that they would fail. They
- * start from the last solution if the step is made `again` for another length. */
-static bool try_to_solve(struct general *g, const struct radau_stages *stages, double length, int failures,
-                         bool again)
+/* Solves the stages from the guess that goes on from the last step. */
+static bool try_to_solve(struct general *g, const struct radau_stages *stages, double length)
 {
     struct radau_step *p = &g->step;
-    const bool rubs = SCENE_ANY_FRICTION && p->problem.turns;
-    const double stiffness = rubs ? length * g->fastest_decay : 0.0;
-    g->fully = g->by_forces = false;
-    if (failures < MOST_FAILURES && node_forces_apply(g)) {
-        radau_step_guess_on(p, stages, length);
-        general_set_weights(g);
-        g->fully = rubs;
-        g->by_forces =
-            node_forces_solve(g, general_newton_share(g),
-                              p->problem.turns || radau_step_goes_on(p) ? NULL : general_set_weights);
-        return g->by_forces;
-    }
-    if (stiffness > STIFF || (stiffness > LEAST_STIFF && length > g->simple)) {
-        return try_fully(g, stages, length, stiffness > STIFF);
-    }
-    if (again) {
-        radau_step_guess_again(p, stages, length);
-    }
-    if (again || radau_step_guess(p, stages, length)) {
-        general_set_weights(g);
-        if (radau_step_solve(p, general_newton_share(g))) {
-            return true;
-        }
-    }
-    g->simple = fmin(g->simple, SOLVABLE_PART * length);
-    return stiffness > LEAST_STIFF && try_fully(g, stages, length, false);
+    radau_step_guess_on(p, stages, length);
+    general_set_weights(g);
+    return node_forces_solve(g, general_newton_share(g),
+                             p->problem.turns || radau_step_goes_on(p) ? NULL : general_set_weights);
 }
 
 bool general_is_stiff(const struct general *g)
 {
-    return SCENE_ANY_FRICTION && g->step.problem.turns && g->step.length * g->fastest_decay > LEAST_STIFF;
+    return general_rubs(g) && g->step.length * g->fastest_decay > LEAST_STIFF;
 }
 
 /* Rolling ends within a step if the fastest decay at its stages is less than this part of that at its start.
@@ -616,10 +513,10 @@ double general_finish_step(struct general *g)
     const struct radau_error error = radau_step_error(p);
     g->error_within = error.within;
     g->error_at_end = fmax(error.at_end, g->within_share * error.within);
-    /* this also sets stage_others to the Jacobian at the end of the step */
-    const double of_start = g->fully ? g->within_share * radau_step_start_error(p) : 0.0;
+    /* this also sets end_others to the Jacobian at the end of the step */
+    const double of_start = general_rubs(g) ? g->within_share * radau_step_start_error(p) : 0.0;
     g->error_of_start = p->length * g->fastest_decay > LEAST_DECAY ? of_start : 0.0;
-    if (g->fully && fastest_decay_of(p, p->stage_others) < END_OF_ROLLING * g->fastest_decay) {
+    if (general_rubs(g) && fastest_decay_of(p, p->end_others) < END_OF_ROLLING * g->fastest_decay) {
         g->error_at_end = fmax(g->error_at_end, error.within);
     }
     return fmax(g->error_at_end, g->error_of_start);
@@ -629,7 +526,7 @@ double general_finish_step(struct general *g)
 static double factor_of(const struct general *g, double error, const struct radau_stages *stages)
 {
     if (!(error < (double)INFINITY)) {
-        return g->fully ? SOLVABLE_PART : 0.4;
+        return general_rubs(g) ? SOLVABLE_PART : 0.4;
     }
     const double start = SAFETY * pow(fmax(g->error_of_start, 1e-100), -START_POWER);
     const double longest = fmin(fmax(start, START_SHRINKAGE), GROWTH);
@@ -770,6 +667,18 @@ static struct attempt plan_attempt(const struct general *g, double limit)
     return next;
 }
 
+/* Returns an attempt with fewer stages than `wanted` if its unknowns have no room otherwise. */
+static struct attempt fit_attempt(const struct general *g, struct attempt wanted)
+{
+    const int most = node_forces_stages(g);
+    if (most >= wanted.stages->stages) {
+        return wanted;
+    }
+    wanted.stages = most >= radau_stages_8.stages ? &radau_stages_8 : &radau_stages_4;
+    wanted.length = fmin(wanted.length, reach_of(wanted.stages) * g->longest);
+    return wanted;
+}
+
 /* Returns the clock of the first release after the end of the step, by the gaps and gap rates at the end. It
  * is accurate where the step ends close to the release. INFINITY: no contact opens at the end. */
 static double release_after(struct general *g)
@@ -836,21 +745,15 @@ static void lengthen(struct general *g, const struct attempt *now)
                      ? fmax(next, g->longest)
                      : fmin(next, GROWTH * fmax(g->longest, now->length));
     g->longest = fmin(g->longest, fmax(g->solvable, now->length));
-    if (g->by_forces && g->fully) {
+    if (general_rubs(g)) {
         g->longest = fmin(g->longest, growth_by_iterations(g->step.iterations) * now->length);
     }
     g->solvable *= g->step.iterations <= EASY_ITERATIONS ? EASY_GROWTH : SOLVABLE_GROWTH;
-    g->simple *= SIMPLE_GROWTH;
-    if (SCENE_ANY_FRICTION && g->step.problem.turns && g->longest * g->fastest_decay < LEAST_STIFF) {
-        g->longest = fmin(g->longest, fmax(g->simple, now->length));
-    }
 }
 
 bool general_step_make(struct general *g, double limit, double left, long *budget,
                        double (*release_within)(struct general *g))
 {
-    int failures = 0;
-    bool again = false;
     struct attempt before = {.stages = NULL};
     if (SCENE_ANY_HERTZ && !(g->release_clock - g->step.start > clock_rounding(g))) {
         forget_release(g);
@@ -859,17 +762,15 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
         if (*budget <= 0) {
             return false;
         }
-        struct attempt now = plan_attempt(g, limit);
+        struct attempt now = fit_attempt(g, plan_attempt(g, limit));
         g->within_share = now.length > left       ? g->read_share
                           : g->step.problem.turns ? TURNING_WITHIN_SHARE
                                                   : WITHIN_SHARE;
-        const bool solved = try_to_solve(g, now.stages, now.length, failures, again);
-        again = false;
+        const bool solved = try_to_solve(g, now.stages, now.length);
         if (solved) {
             now.error = general_finish_step(g);
             if (SCENE_ANY_HERTZ && tries < RELEASE_TRIES && finds_release(g, release_within)) {
                 g->rejected += 1;
-                again = now.error <= 1.0;
                 continue; /* g->longest stays: steps behind the release may be as long as this attempt */
             }
         }
@@ -879,10 +780,9 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
             *budget -= 1;
             return true;
         }
-        if (g->fully && !(now.error < (double)INFINITY)) {
+        if (general_rubs(g) && !(now.error < (double)INFINITY)) {
             g->solvable = SOLVABLE_PART * now.length;
         }
-        failures += solved ? 0 : 1;
         g->rejected += 1;
         shorten(g, &before, &now);
         before = now;

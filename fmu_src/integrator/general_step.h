@@ -43,10 +43,7 @@ struct general {
     int size;
     int place[3 * SCENE_BODIES], speed[3 * SCENE_BODIES]; /* pairs of states for math/radau_step.h */
     double relative, absolute;                            /* error allowed in a step [1], [m, m/s, ...] */
-    bool by_forces;                                       /* whether node_forces_solve has solved the step */
-    bool fully;           /* whether node_forces_solve or radau_step_solve_fully solves the step */
-    double solvable;      /* estimate of the longest step that these two solve [s] */
-    double simple;        /* estimate of the longest step that simplified iterations solve [s] */
+    double solvable;      /* estimate of the longest step that is solved where bodies rub [s] */
     double fastest_decay; /* fastest decay of a state at the start of the step [1/s] */
     struct general_rounding rounding[ODE_MOST_GROUPS]; /* of each group of states */
     double error_within;   /* largest error within the last step, divided by the error allowed */
@@ -80,6 +77,12 @@ struct general {
     void *nodes;                   /* [node_forces_memory()]: the iteration of node_forces_solve */
     char *message;                 /* INTEGRATOR_MESSAGE_SIZE bytes */
 };
+
+/* Whether bodies may turn and rub. */
+static inline bool general_rubs(const struct general *g)
+{
+    return SCENE_ANY_FRICTION && g->step.problem.turns;
+}
 
 static inline double general_newton_share(const struct general *g)
 {
@@ -131,10 +134,6 @@ bool general_is_stiff(const struct general *g);
 
 /* Completes a step whose stages are solved. Returns its largest error, divided by the error allowed. */
 double general_finish_step(struct general *g);
-
-/* Solves a stiff step from its guess; returns false where the iteration does not converge. If `thoroughly`, a
- * second guess is made where the guess that continues the last step's polynomial is poor. */
-bool general_solve_fully(struct general *g, bool thoroughly);
 
 /* Returns the first terminal event within g->step. */
 struct general_event general_first_event(struct general *g);

@@ -71,9 +71,6 @@ struct node_contact {
     struct turning_laws laws;
 };
 
-/* Most contacts that transmit forces at a time. */
-enum { MOST_NODES = SCENE_CONTACTS < RADAU_MOST_UNKNOWNS ? SCENE_CONTACTS : RADAU_MOST_UNKNOWNS };
-
 /* The source gets the force of a contact, the destination the opposite one. */
 static const double SIGN_OF_END[2] = {1.0, -1.0};
 
@@ -86,12 +83,12 @@ struct normals {
 struct iteration {
     struct general *g;
     int contacts, rows; /* that transmit forces; unknowns at a stage */
-    struct node_contact contact[MOST_NODES];
-    struct node node[RADAU_MOST_STAGES][MOST_NODES];
-    struct normals normals[MOST_NODES];
+    struct node_contact contact[SCENE_CONTACTS];
+    struct node node[RADAU_MOST_STAGES][SCENE_CONTACTS];
+    struct normals normals[SCENE_CONTACTS];
     /* scales of the responses that are forces [m/(N s)], and of those that are torques [rad/(N m s)] */
-    double admittance[MOST_NODES], turning_admittance[MOST_NODES];
-    struct node_spring spring[SCENE_ANY_SPRINGS ? MOST_NODES : 1][OPPOSED];
+    double admittance[SCENE_CONTACTS], turning_admittance[SCENE_CONTACTS];
+    struct node_spring spring[SCENE_ANY_SPRINGS ? SCENE_CONTACTS : 1][OPPOSED];
     struct mobility mobility[SCENE_BODIES];
     struct rotation_by_spin rotation[RADAU_MOST_STAGES][SCENE_BODIES];
     int among[ODE_MOST_STATES]; /* indices of states among those that are no places */
@@ -143,16 +140,19 @@ static void prepare_bodies(struct iteration *it)
     }
 }
 
+/* Returns the number of unknowns of a contact at a stage while it transmits a force. */
+static int unknowns_of(const struct scene_values *v, int contact)
+{
+    if (SCENE_ANY_ROLLING && contact_resists(v, contact)) {
+        return MOST_ROWS;
+    }
+    return contact_rubs(v, contact) ? ROWS : ROWS_WITHOUT_FRICTION;
+}
+
 /* Returns the number of unknowns of a contact at a stage; zero where it transmits no force. */
 static int rows_of(const struct general *g, int contact)
 {
-    if (!contact_transmits(g->state, contact)) {
-        return 0;
-    }
-    if (SCENE_ANY_ROLLING && contact_resists(g->ode.values, contact)) {
-        return MOST_ROWS;
-    }
-    return contact_rubs(g->ode.values, contact) ? ROWS : ROWS_WITHOUT_FRICTION;
+    return contact_transmits(g->state, contact) ? unknowns_of(g->ode.values, contact) : 0;
 }
 
 static void note_node_contact(struct iteration *it, int contact)
@@ -230,7 +230,7 @@ static void prepare(struct iteration *it)
     struct general *g = it->g;
     struct radau_step *p = &g->step;
     it->rates = p->rates;
-    it->bare = p->residual;
+    it->bare = p->bare;
     for (int j = 0; j < p->others; ++j) {
         it->among[p->other[j]] = j;
     }
@@ -491,13 +491,13 @@ static void prepare_spring(struct iteration *it, int contact, int part)
         entries[j * SPRING_STRIDE + i] =
             (i == j ? 1.0 : 0.0) + p->length * integral[i * s + j] * it->node[j][contact].drive[part].decay;
     }
-    const struct lu_matrix matrix = {s, SPRING_STRIDE, entries, pivot, NULL};
+    const struct lu_matrix matrix = {s, SPRING_STRIDE, entries, pivot};
     (void)lu_factor(matrix); /* should it fail, the iterations do not converge */
     for (int j = 0; j < s; ++j) {
         for (int i = 0; i < s; ++i) {
             side[i] = p->length * integral[i * s + j];
         }
-        lu_solve(matrix, side, NULL);
+        lu_solve(matrix, side);
         for (int i = 0; i < s; ++i) {
             to->filter[i * s + j] = to->weight[i * s + j] = side[i];
         }
@@ -1080,7 +1080,7 @@ static void correct_forces(struct iteration *it)
     side[p->stages->stages * it->rows] = 0.0;
     for (int c = 0; c < it->contacts;) {
         const int first = unknown_of(it, c, 0);
-        lu_solve(part_of_island(it, &c), side + first, NULL);
+        lu_solve(part_of_island(it, &c), side + first);
     }
     for (int k = 0; k < count; ++k) {
         struct node *node = &it->node[k / it->contacts][k % it->contacts];
@@ -1171,25 +1171,22 @@ static bool has_converged(const struct radau_step *p, double size, double last, 
                              : size <= NODE_ROUNDING_SHARE;
 }
 
-/* Under Hertz's law an island whose contacts are more than this part of its states without places takes many
- * short steps, and a factorization for the forces costs more than the iterations that it saves: a bearing of
- * 18 contacts takes 1.5 times as long with forces as unknowns. */
-static const double CROWDED = 1.0 / 3.0;
+int node_forces_unknowns(const struct scene_values *v)
+{
+    int count = 0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        count += unknowns_of(v, j);
+    }
+    return count;
+}
 
-bool node_forces_apply(const struct general *g)
+int node_forces_stages(const struct general *g)
 {
     int rows = 0;
-    int contacts = 0;
-    bool bends = false;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        bends = bends || (rows_of(g, j) > 0 && scene_is_hertz(g->ode.values, j));
         rows += rows_of(g, j);
-        contacts += rows_of(g, j) > 0 ? 1 : 0;
     }
-    if (bends && !scene_turns(g->ode.values) && rows > CROWDED * g->step.others) {
-        return false;
-    }
-    return rows <= radau_step_most_unknowns(&g->step) && contacts <= MOST_NODES;
+    return rows > 0 ? radau_step_room(&g->step) / rows : RADAU_MOST_STAGES;
 }
 
 size_t node_forces_memory(void)

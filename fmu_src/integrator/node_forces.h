@@ -14,9 +14,11 @@
 /* Returns the bytes of memory that g->nodes needs. */
 size_t node_forces_memory(void);
 
-/* Whether the step is to be solved so. It cannot be where the forces are more unknowns than there is memory
- * for; in a crowded island under Hertz's law that would cost more. */
-bool node_forces_apply(const struct general *g);
+/* Returns the number of unknowns at a stage while all contacts transmit forces. */
+int node_forces_unknowns(const struct scene_values *v);
+
+/* Returns the largest number of stages at which the unknowns of the contacts in touch have room. */
+int node_forces_stages(const struct general *g);
 
 /* Solves the stages of g->step from their guess; false where the iterations do not converge. Where the guess
  * is far from the end of the step, `set_weights` sets the errors allowed anew after the first iteration; it

@@ -1,7 +1,6 @@
 /*
- * Factors of a dense real or complex matrix and the solution of its systems, by Gaussian elimination with row
- * pivots. The matrix stands column by column. Each column, and a right side, ends with at least one zero.
- * Imaginary parts stand in arrays of their own.
+ * Factors of a dense matrix and the solution of its systems, by Gaussian elimination with row pivots. The
+ * matrix stands column by column. Each column, and a right side, ends with at least one zero.
  */
 #ifndef CONTACT_MATH_LU_H
 #define CONTACT_MATH_LU_H
@@ -12,7 +11,6 @@ struct lu_matrix {
     int rows, stride; /* stride: the distance of two columns */
     double *re;
     int *pivot; /* [rows], written by lu_factor */
-    double *im; /* NULL: the matrix is real */
 };
 
 /* Returns the part of a matrix in `rows` rows and columns from `first` on. It may be used by itself where all
@@ -20,13 +18,13 @@ struct lu_matrix {
 static inline struct lu_matrix lu_part(struct lu_matrix m, int first, int rows)
 {
     const int at = first * (m.stride + 1);
-    return (struct lu_matrix){rows, m.stride, m.re + at, m.pivot + first, m.im ? m.im + at : (double *)0};
+    return (struct lu_matrix){rows, m.stride, m.re + at, m.pivot + first};
 }
 
 /* Factors in place; false where a pivot is zero or not finite. The pivots are stored as their reciprocals. */
 bool lu_factor(struct lu_matrix m);
 
-/* Solves for the right side re + i im in place; `im` is not read for a real matrix. */
-void lu_solve(struct lu_matrix m, double *re, double *im);
+/* Solves for a right side in place. */
+void lu_solve(struct lu_matrix m, double *side);
 
 #endif

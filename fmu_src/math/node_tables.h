@@ -31,7 +31,7 @@ enum { RADAU_POINTS = 12 };
 extern const struct lobatto radau;
 
 /*
- * Constants of Radau IIA with simplified Newton iterations, at the right Radau nodes of [0, 1].
+ * Constants of Radau IIA at the right Radau nodes of [0, 1].
  *
  * A step is a polynomial of its place sigma in [0, 1]. Its pace says how the time tau, a part of the step's
  * length, follows from sigma:
@@ -48,14 +48,14 @@ enum radau_pace { RADAU_EVEN, RADAU_FROM_TOUCH, RADAU_TO_RELEASE, RADAU_PACES };
 #define RADAU_REST (1.0 / 1024.0)
 
 struct radau_stages {
-    int stages, systems; /* number of stages; of eigenvalues of A^-1, where a complex pair counts once */
+    int stages;
     enum radau_pace pace;
     double start_pace; /* d tau/d sigma at the start */
     /* `node` holds the times tau of the stages, `place` their sigma */
-    const double *node, *integral, *inverse, *eigenvalue, *into, *back, *place, *chebyshev, *bernstein;
+    const double *node, *integral, *inverse, *place, *chebyshev, *bernstein;
 };
 
-enum { RADAU_METHODS = 5, RADAU_MOST_STAGES = 12, RADAU_MOST_SYSTEMS = 8 };
+enum { RADAU_METHODS = 5, RADAU_MOST_STAGES = 12 };
 
 extern const struct radau_stages radau_stages_4, radau_stages_8, radau_stages_12;
 extern const struct radau_stages radau_stages_touch, radau_stages_release; /* of twelve stages */

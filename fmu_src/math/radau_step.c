@@ -145,27 +145,28 @@ static inline void radau_polynomials_at(int count, double place, double *of)
     }
 }
 
-/* Returns the number of rows of the system of all stages. */
+/* Returns the number of rows of the matrix `all`. */
 static int rows_of_all(const struct radau_problem *problem)
 {
-    const int others = problem->coupled - problem->paired;
-    return RADAU_MOST_STAGES *
-           (problem->turns || others < RADAU_MOST_UNKNOWNS ? others : RADAU_MOST_UNKNOWNS);
+    const int unknowns = problem->unknowns;
+    const int most = RADAU_MOST_STAGES * unknowns;
+    const int least = RADAU_LEAST_STAGES * unknowns > RADAU_ROOM ? RADAU_LEAST_STAGES * unknowns : RADAU_ROOM;
+    const int rows = most < least ? most : least;
+    return rows > problem->coupled ? rows : problem->coupled;
 }
 
-int radau_step_most_unknowns(const struct radau_step *p)
+int radau_step_room(const struct radau_step *p)
 {
-    return rows_of_all(&p->problem) / RADAU_MOST_STAGES;
+    return rows_of_all(&p->problem);
 }
 
 size_t radau_step_memory(const struct radau_problem *problem)
 {
     const size_t n = (size_t)radau_padded(problem->size);
     const size_t s = RADAU_MOST_STAGES;
-    const size_t m = RADAU_MOST_SYSTEMS;
     const size_t all = (size_t)radau_padded(rows_of_all(problem));
-    const size_t doubles = (7 * s + 2 * m + 1) * n + (6 + 2 * m) * n * n + 6 * n + (all + 1) * all;
-    const size_t ints = 4 * n + 1 + m * n + all;
+    const size_t doubles = (8 * s + 1) * n + 5 * n * n + 7 * n + (all + 1) * all;
+    const size_t ints = 4 * n + 1 + all;
     return doubles * sizeof(double) + ints * sizeof(int);
 }
 
@@ -215,8 +216,8 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     p->rates = take(&next, s * n);
     p->others_change = take(&next, s * n);
     p->places_change = take(&next, s * n);
-    p->residual = take(&next, s * n);
-    p->scratch = take(&next, 2 * RADAU_MOST_SYSTEMS * n);
+    p->bare = take(&next, s * n);
+    p->scratch = take(&next, s * n);
     p->more = take(&next, s * n);
     p->chebyshev = take(&next, (s + 1) * n);
     p->jacobian = take(&next, n * n);
@@ -228,28 +229,18 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     p->point = take(&next, n);
     p->jacobian_y = take(&next, n);
     p->re = take(&next, n);
-    for (int k = 0; k < RADAU_MOST_SYSTEMS; ++k) {
-        p->system[k].re = take(&next, n * n);
-        p->system[k].im = take(&next, n * n);
-    }
     const int all = radau_padded(rows_of_all(problem));
-    p->stage_others = take(&next, n * n);
-    p->stage_places = take(&next, n * n);
+    p->end_others = take(&next, n * n);
+    p->end_places = take(&next, n * n);
     p->side = take(&next, all);
-    p->whole = take(&next, n * n);
     p->all = (struct lu_matrix){.stride = all, .re = take(&next, all * all)};
     int *whole = (int *)(void *)next;
     p->other = whole;
     p->speed_among = whole + n;
-    p->group_first = whole + (2 + RADAU_MOST_SYSTEMS) * n;
+    p->group_first = whole + 2 * n;
     p->group_of = p->group_first + n + 1;
     p->all.pivot = p->group_of + n;
     list_others(p);
-    for (int k = 0; k < RADAU_MOST_SYSTEMS; ++k) {
-        p->system[k].rows = p->others;
-        p->system[k].stride = p->width;
-        p->system[k].pivot = whole + (2 + k) * n;
-    }
 }
 
 /* Copies the parts of p->jacobian by the states left and by the places. Outside the groups they are zero. */
@@ -287,15 +278,6 @@ static void evaluate_jacobian(struct radau_step *p, double clock, const double *
     }
 }
 
-/* Takes the Jacobian at the time `since` the start [s] and the state y. */
-static void take_jacobian_at(struct radau_step *p, double since, const double *y)
-{
-    evaluate_jacobian(p, p->start + since, y);
-    radau_take_jacobian(p, p->by_others, p->by_places);
-    p->jacobian_since = since;
-    p->factored_length = 0.0;
-}
-
 void radau_step_begin(struct radau_step *p, double clock, const double *y)
 {
     const struct radau_problem *problem = &p->problem;
@@ -304,7 +286,8 @@ void radau_step_begin(struct radau_step *p, double clock, const double *y)
     memcpy(p->y, y, (size_t)n * sizeof *y);
     problem->rates(problem->context, clock, y, p->start_rates);
     p->evaluations += 1;
-    take_jacobian_at(p, 0.0, p->y);
+    evaluate_jacobian(p, p->start, p->y);
+    radau_take_jacobian(p, p->by_others, p->by_places);
 }
 
 /* Sets `product` to a b. Quaternions have their real part first. */
@@ -655,22 +638,21 @@ static void put_start_defect(struct radau_step *p)
     p->side[p->others] = 0.0;
 }
 
-/* Factor, and solve for the right side re + i im, a matrix with `each` rows for each of the others, group by
- * group. Outside the groups the matrix is zero. */
-static bool factor_groups(const struct radau_step *p, struct lu_matrix m, int each)
+/* Factor a matrix with a row for each of the others, and solve its system, group by group. Outside the groups
+ * the matrix is zero. */
+static bool factor_groups(const struct radau_step *p, struct lu_matrix m)
 {
     bool done = true;
     for (int j = 0; done && j < p->others; j = radau_group_end(p, j)) {
-        done = lu_factor(lu_part(m, each * j, each * (radau_group_end(p, j) - j)));
+        done = lu_factor(lu_part(m, j, radau_group_end(p, j) - j));
     }
     return done;
 }
 
-static void solve_groups(const struct radau_step *p, struct lu_matrix m, int each, double *re, double *im)
+static void solve_groups(const struct radau_step *p, struct lu_matrix m, double *side)
 {
     for (int j = 0; j < p->others; j = radau_group_end(p, j)) {
-        const struct lu_matrix part = lu_part(m, each * j, each * (radau_group_end(p, j) - j));
-        lu_solve(part, re + each * j, im ? im + each * j : NULL);
+        lu_solve(lu_part(m, j, radau_group_end(p, j) - j), side + j);
     }
 }
 
@@ -694,7 +676,7 @@ static bool factor_dying(struct radau_step *p, struct lu_matrix system, const do
             to[i] -= p->length * p->length * by_places[k * m + i];
         }
     }
-    return factor_groups(p, system, 1);
+    return factor_groups(p, system);
 }
 
 void radau_step_stage(const struct radau_step *p, int stage, double *y)
@@ -710,19 +692,6 @@ void radau_step_stage(const struct radau_step *p, int stage, double *y)
     }
 }
 
-/* Evaluates the Jacobian at one stage and stores its columns for the states left and for the places. */
-static void radau_take_stage_jacobian(struct radau_step *p, int stage)
-{
-    const struct radau_problem *problem = &p->problem;
-    const double clock = p->start + p->length * p->stages->node[stage];
-    memcpy(p->point, p->y, (size_t)problem->size * sizeof *p->point);
-    radau_step_stage(p, stage, p->point);
-    problem->jacobian(problem->context, clock, p->point, p->jacobian);
-    p->evaluations += 1;
-    p->jacobian_clock = (double)NAN;
-    radau_take_jacobian(p, p->stage_others, p->stage_places);
-}
-
 /* A part with the rate lambda decays by 1 - 1/(1 + h lambda) of the defect, and leaves an error of 1/(1 + h
  * lambda) of that. */
 double radau_step_start_error(struct radau_step *p)
@@ -734,216 +703,24 @@ double radau_step_start_error(struct radau_step *p)
         return (double)INFINITY;
     }
     memcpy(p->point, p->side, (size_t)m * sizeof *p->side);
-    solve_groups(p, system, 1, p->side, NULL);
+    solve_groups(p, system, p->side);
     for (int i = 0; i < m; ++i) {
         p->side[i] = p->point[i] - p->side[i];
     }
-    solve_groups(p, system, 1, p->side, NULL);
+    solve_groups(p, system, p->side);
     radau_step_at(p, 1.0, p->point);
     evaluate_jacobian(p, p->start + p->length, p->point);
-    radau_take_jacobian(p, p->stage_others, p->stage_places);
-    if (!factor_dying(p, system, p->stage_others, p->stage_places)) {
+    radau_take_jacobian(p, p->end_others, p->end_places);
+    if (!factor_dying(p, system, p->end_others, p->end_places)) {
         return (double)INFINITY;
     }
-    solve_groups(p, system, 1, p->side, NULL);
+    solve_groups(p, system, p->side);
     double largest = 0.0;
     for (int i = 0; i < m; ++i) {
         const double size = fabs(p->side[i]) * p->weight[p->other[i]];
         largest = size <= largest ? largest : size;
     }
     return largest;
-}
-
-/* Most iterations: a step with more of them would cost more than two steps of half the length. */
-static const int MOST_ITERATIONS = 12;
-
-/* Corrections that shrink by no more than this do not converge within MOST_ITERATIONS. */
-static const double SLOWEST_CONTRACTION = 0.5;
-
-/* Corrections below this part of the error allowed are rounding. */
-static const double ROUNDING_SHARE = 0.25;
-
-/* Writes lambda - h J of the states left, with the effect of the places, which change by h/lambda of their
- * speeds. */
-static void put_system(struct radau_step *p, struct lu_matrix system, double length, double re, double im)
-{
-    const int m = p->others;
-    const double scale = length * length / (re * re + im * im);
-    for (int j = 0; j < m; ++j) {
-        const int first = radau_group_begin(p, j);
-        const int end = radau_group_end(p, j);
-        double *column = system.re + j * system.stride;
-        for (int i = first; i < end; ++i) {
-            column[i] = -length * p->by_others[j * m + i];
-        }
-        column[end] = 0.0;
-        memset(system.im + j * system.stride + first, 0, (size_t)(end - first + 1) * sizeof(double));
-        column[j] += re;
-        system.im[j * system.stride + j] = im;
-    }
-    for (int j = 0; j < p->problem.paired; ++j) {
-        const int speed = p->speed_among[j];
-        double *column_re = system.re + speed * system.stride;
-        double *column_im = system.im + speed * system.stride;
-        for (int i = radau_group_begin(p, speed); i < radau_group_end(p, speed); ++i) {
-            column_re[i] -= scale * re * p->by_places[j * m + i];
-            column_im[i] += scale * im * p->by_places[j * m + i];
-        }
-    }
-}
-
-static bool factor(struct radau_step *p, const struct radau_stages *stages, double length)
-{
-    if (p->factored_length == length && p->factored_stages == stages) {
-        return true;
-    }
-    p->factored_length = 0.0;
-    for (int k = 0; k < stages->systems; ++k) {
-        put_system(p, p->system[k], length, stages->eigenvalue[2 * k], stages->eigenvalue[2 * k + 1]);
-        if (!factor_groups(p, p->system[k], 1)) {
-            return false;
-        }
-    }
-    p->factored_length = length;
-    p->factored_stages = stages;
-    return true;
-}
-
-/* Adds one correction from p->residual; returns the largest weighted entry of the correction. */
-static double correct(struct radau_step *p)
-{
-    const struct radau_stages *stages = p->stages;
-    const int s = stages->stages;
-    const int systems = stages->systems;
-    const int width = p->width;
-    double *parts = p->scratch; /* of each system the real parts, then the imaginary parts */
-    for (int k = 0; k < systems; ++k) {
-        double *re = parts + 2 * k * width;
-        radau_combine(re, stages->into + 2 * k * s, s, p->residual, width, width);
-        radau_combine(re + width, stages->into + (2 * k + 1) * s, s, p->residual, width, width);
-        solve_groups(p, p->system[k], 1, re, re + width);
-    }
-    double largest = 0.0;
-    for (int i = 0; i < s; ++i) {
-        radau_combine(p->re, stages->back + 2 * i * systems, 2 * systems, parts, width, width);
-        for (int j = 0; j < p->others; ++j) {
-            p->others_change[i * width + j] += p->re[j];
-            const double size = fabs(p->re[j]) * p->weight[p->other[j]];
-            largest = size <= largest ? largest : size; /* NaN counts as the largest */
-        }
-    }
-    return largest;
-}
-
-/* Evaluates the Jacobian in the middle of the step, where the rates at the start lead. At a touch the
- * stiffness of the force is zero, and iterations with it would be slow. */
-static void take_jacobian_ahead(struct radau_step *p)
-{
-    const struct radau_problem *problem = &p->problem;
-    const double time = 0.5 * p->length;
-    for (int i = 0; i < problem->size; ++i) {
-        p->point[i] = p->y[i] + time * p->start_rates[i];
-    }
-    take_jacobian_at(p, time, p->point);
-}
-
-bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, double length)
-{
-    p->stages = stages;
-    p->length = length;
-    if (stages->pace == RADAU_FROM_TOUCH) {
-        take_jacobian_ahead(p);
-    } else if (p->jacobian_since > 0.0) {
-        take_jacobian_at(p, 0.0, p->y);
-    }
-    if (!factor(p, stages, length)) {
-        return false;
-    }
-    memset(p->others_change, 0, (size_t)(stages->stages * p->width) * sizeof(double));
-    memset(p->residual, 0, (size_t)(stages->stages * p->width) * sizeof(double));
-    for (int i = 0; i < p->others; ++i) { /* the places move with their speeds at the start */
-        double moved = 0.0;
-        for (int j = 0; j < p->problem.paired; ++j) {
-            if (p->group_of[p->speed_among[j]] == p->group_of[i]) {
-                moved += p->by_places[j * p->others + i] * p->y[p->problem.speed[j]];
-            }
-        }
-        for (int k = 0; k < stages->stages; ++k) {
-            p->residual[k * p->width + i] =
-                length * (p->start_rates[p->other[i]] + stages->node[k] * length * moved);
-        }
-    }
-    const bool solved = isfinite(correct(p));
-    radau_move_places(p);
-    return solved;
-}
-
-void radau_step_guess_again(struct radau_step *p, const struct radau_stages *stages, double length)
-{
-    const int s = p->known->stages;
-    for (int i = 0; i < stages->stages; ++i) {
-        double of[RADAU_MOST_STAGES + 1];
-        radau_polynomials_at(s + 1, radau_place(p->known, stages->node[i] * length / p->known_length), of);
-        radau_combine(p->point, of, s + 1, p->chebyshev, p->stride, p->stride);
-        memcpy(p->change + i * p->stride, p->point, (size_t)p->stride * sizeof *p->point);
-        for (int j = 0; j < p->width; ++j) {
-            p->others_change[i * p->width + j] = j < p->others ? p->point[p->other[j]] : 0.0;
-        }
-    }
-    p->stages = stages;
-    p->length = length;
-    radau_move_places(p);
-}
-
-/* Sets the residual h f - A^-1 change of the states left at all stages. */
-static void radau_evaluate_residual(struct radau_step *p)
-{
-    const struct radau_problem *problem = &p->problem;
-    const int s = p->stages->stages;
-    memcpy(p->point, p->y, (size_t)problem->size * sizeof *p->point);
-    for (int i = 0; i < s; ++i) {
-        radau_step_stage(p, i, p->point);
-        problem->rates(problem->context, p->start + p->length * p->stages->node[i], p->point,
-                       p->rates + i * p->stride);
-    }
-    p->evaluations += s;
-    for (int i = 0; i < s; ++i) {
-        double *restrict to = p->residual + i * p->width;
-        const double *rates = p->rates + i * p->stride;
-        radau_combine(to, p->stages->inverse + i * s, s, p->others_change, p->width, p->width);
-        for (int j = 0; j < p->others; ++j) {
-            to[j] = p->length * rates[p->other[j]] - to[j];
-        }
-    }
-}
-
-bool radau_step_solve(struct radau_step *p, double tolerance)
-{
-    double last = 0.0;
-    p->contraction = 0.0;
-    if (!factor(p, p->stages, p->length)) {
-        return false;
-    }
-    for (p->iterations = 1; p->iterations <= MOST_ITERATIONS; ++p->iterations) {
-        radau_evaluate_residual(p);
-        const double size = correct(p);
-        radau_move_places(p);
-        if (!isfinite(size)) {
-            return false;
-        }
-        if (p->iterations > 1) {
-            p->contraction = size / last;
-        }
-        const double factor = p->iterations > 1 ? p->contraction : SLOWEST_CONTRACTION;
-        if (factor < 1.0 && factor / (1.0 - factor) * size <= tolerance) {
-            return true;
-        }
-        if (p->iterations > 2 && p->contraction > SLOWEST_CONTRACTION) {
-            return size <= ROUNDING_SHARE;
-        }
-        last = size;
-    }
-    return false;
 }
 
 /* Returns which of the five methods this is. */
@@ -973,239 +750,4 @@ const struct radau_columns *radau_step_columns(struct radau_step *p)
     }
     columns->known = true;
     return columns;
-}
-
-/* Newton's method for a step with the Jacobian at every stage: for problems whose stiff directions turn
- * within the step, in which simplified iterations do not converge however stiff they are. */
-
-/* Newton's method converges quadratically; if it needs more Jacobians, the guess is too far off. */
-static const int MOST_JACOBIANS = 14;
-
-/* While corrections shrink by this the Jacobians are kept: an iteration with new ones costs ten of those. */
-static const double KEEPING_CONTRACTION = 0.2;
-
-/* The errors of the first iterations may grow, while a guess is brought to where the problem is nearly
- * linear. */
-static const int FREE_ITERATIONS = 6;
-
-/* Corrections that do not shrink any more are rounding where they are below this part of the error
- * allowed. */
-static const double FULL_ROUNDING_SHARE = 0.25;
-
-/* Residuals below this part of the error allowed are negligible for the integrals. */
-static const double INTEGRAL_SHARE = 0.02;
-
-/* Returns the row of a state left at a stage in the system of all stages. The rows of a group stand together,
- * stage by stage. */
-static inline int row_of(const struct radau_step *p, int stage, int other)
-{
-    const int first = radau_group_begin(p, other);
-    const int rows = radau_group_end(p, other) - first;
-    return (p->stages->stages - 1) * first + stage * rows + other;
-}
-
-/* Puts A^-1 - h J (by the states left) - h^2 A J (by the places) into the rows of one stage. */
-static void put_stage(struct radau_step *p, int stage)
-{
-    const struct radau_stages *stages = p->stages;
-    const int s = stages->stages;
-    const int m = p->others;
-    const struct lu_matrix all = p->all;
-    for (int j = 0; j < s; ++j) {
-        const double weight = p->length * p->length * stages->integral[stage * s + j];
-        for (int column = 0; column < m; ++column) {
-            const int first = radau_group_begin(p, column);
-            const int rows = radau_group_end(p, column) - first;
-            double *to = all.re + row_of(p, j, column) * all.stride + row_of(p, stage, first);
-            memset(to, 0, (size_t)rows * sizeof *to);
-            to[column - first] = stages->inverse[stage * s + j];
-            for (int i = 0; i < rows && j == stage; ++i) {
-                to[i] -= p->length * p->stage_others[column * m + first + i];
-            }
-        }
-        for (int k = 0; k < p->problem.paired; ++k) {
-            const int speed = p->speed_among[k];
-            const int first = radau_group_begin(p, speed);
-            double *to = all.re + row_of(p, j, speed) * all.stride + row_of(p, stage, first) - first;
-            for (int i = first; i < radau_group_end(p, speed); ++i) {
-                to[i] -= weight * p->stage_places[k * m + i];
-            }
-        }
-    }
-}
-
-/* Factors of the system at the present values of the stages; false where it is singular. */
-static bool factor_fully(struct radau_step *p)
-{
-    const int s = p->stages->stages;
-    for (int i = 0; i < s; ++i) {
-        radau_take_stage_jacobian(p, i);
-        put_stage(p, i);
-    }
-    for (int j = 0; j < s * p->others; ++j) { /* the zero behind each column of a group */
-        const int column = row_of(p, j / p->others, j % p->others);
-        p->all.re[column * p->all.stride + s * radau_group_end(p, j % p->others)] = 0.0;
-    }
-    return factor_groups(p, p->all, s);
-}
-
-/* Adds one correction from the residual; returns the largest weighted entry of the correction. */
-static double correct_fully(struct radau_step *p)
-{
-    const int s = p->stages->stages;
-    const int m = p->others;
-    double *side = p->side;
-    for (int i = 0; i < s; ++i) {
-        for (int j = 0; j < m; ++j) {
-            side[row_of(p, i, j)] = p->residual[i * p->width + j];
-        }
-    }
-    side[s * m] = 0.0;
-    solve_groups(p, p->all, s, side, NULL);
-    double largest = 0.0;
-    for (int i = 0; i < s; ++i) {
-        for (int j = 0; j < m; ++j) {
-            const double by = side[row_of(p, i, j)];
-            p->others_change[i * p->width + j] += by;
-            const double size = fabs(by) * p->weight[p->other[j]];
-            largest = size <= largest ? largest : size;
-        }
-    }
-    return largest;
-}
-
-/* Returns the change of a place at a stage due to the last corrections. */
-static double place_moved(const struct radau_step *p, int stage, int place)
-{
-    const int s = p->stages->stages;
-    double sum = 0.0;
-    for (int j = 0; j < s; ++j) {
-        sum += p->stages->integral[stage * s + j] * p->side[row_of(p, j, p->speed_among[place])];
-    }
-    return p->length * sum;
-}
-
-/* Updates the rates of the integrals by the last corrections. The evaluated value of a stiff force is nearly
- * all rounding, because its argument is a small difference of states. The corrections remove that rounding,
- * so that integrals of the force are as smooth as the states. */
-static void move_integrals(struct radau_step *p)
-{
-    const struct radau_problem *problem = &p->problem;
-    const int n = problem->size;
-    for (int i = 0; i < p->stages->stages; ++i) {
-        const double clock = p->start + p->length * p->stages->node[i];
-        double *rates = p->rates + i * p->stride;
-        memcpy(p->point, p->y, (size_t)n * sizeof *p->point);
-        radau_step_stage(p, i, p->point);
-        problem->whole_jacobian(problem->context, clock, p->point, p->whole);
-        for (int j = 0; j < p->others + problem->paired; ++j) {
-            const int k = j - p->others;
-            const double moved = k < 0 ? p->side[row_of(p, i, j)] : place_moved(p, i, k);
-            const double *column = p->whole + n * (k < 0 ? p->other[j] : problem->place[k]);
-            for (int row = problem->integrals; row < n; ++row) {
-                rates[row] += column[row] * moved;
-            }
-        }
-    }
-    p->evaluations += p->stages->stages;
-}
-
-/* Newton's method. New Jacobians are made where corrections shrink too little. A `quick` solution is given up
- * if the first corrections shrink too little and exceed the error allowed; smaller ones are rounding or
- * nearly done, and new Jacobians cost less than another guess. `*moved` is the sum of the corrections since
- * the last Jacobians. */
-static bool iterate_fully(struct radau_step *p, double tolerance, bool quick, double *moved)
-{
-    double last = (double)INFINITY;
-    bool anew = true;
-    int jacobians = 0;
-    for (p->iterations = 1; jacobians <= MOST_JACOBIANS; ++p->iterations) {
-        radau_evaluate_residual(p);
-        jacobians += anew ? 1 : 0;
-        if (anew && !factor_fully(p)) {
-            return false;
-        }
-        const double size = correct_fully(p);
-        radau_move_places(p);
-        if (!isfinite(size)) {
-            return false;
-        }
-        *moved = anew ? size : *moved + size;
-        p->contraction = size / last;
-        if (size <= tolerance ||
-            (p->iterations > 1 && p->contraction < 0.1 && size * p->contraction <= tolerance)) {
-            return true;
-        }
-        const bool is_rounding = size <= FULL_ROUNDING_SHARE;
-        if (p->contraction > 0.5 && is_rounding) {
-            return true;
-        }
-        const bool shrinks = p->contraction < KEEPING_CONTRACTION || is_rounding;
-        if ((jacobians > FREE_ITERATIONS && anew && p->contraction > 0.5) ||
-            (quick && p->iterations == 2 && !shrinks && size > 1.0)) {
-            return false;
-        }
-        anew = p->iterations > 1 && !shrinks;
-        last = size;
-    }
-    return false;
-}
-
-/* Estimate of the error in the rates of the integrals: the residual of the states left, by the weights. */
-static double missed_by_integrals(const struct radau_step *p)
-{
-    double largest = 0.0;
-    for (int i = 0; i < p->stages->stages; ++i) {
-        for (int j = 0; j < p->others; ++j) {
-            largest = fmax(largest, fabs(p->residual[i * p->width + j]) * p->weight[p->other[j]]);
-        }
-    }
-    return largest;
-}
-
-/* Iterates until the error of the integrals is negligible. If rounding prevents that, one more correction
- * gives the error. It needs new Jacobians if the corrections since the last ones exceed the error allowed. */
-static bool complete_integrals(struct radau_step *p, double moved)
-{
-    double last = (double)INFINITY;
-    for (;;) {
-        radau_evaluate_residual(p);
-        const double missed = missed_by_integrals(p);
-        if (missed <= INTEGRAL_SHARE) {
-            return true;
-        }
-        if (!(missed < KEEPING_CONTRACTION * last)) {
-            break;
-        }
-        moved += correct_fully(p);
-        radau_move_places(p);
-        last = missed;
-    }
-    if (!(moved <= 1.0) && !factor_fully(p)) {
-        return false;
-    }
-    if (!isfinite(correct_fully(p))) {
-        return false;
-    }
-    radau_move_places(p);
-    move_integrals(p);
-    return true;
-}
-
-bool radau_step_approach(struct radau_step *p)
-{
-    double moved;
-    return iterate_fully(p, 1.0, false, &moved);
-}
-
-bool radau_step_solve_fully(struct radau_step *p, double tolerance)
-{
-    double moved;
-    return iterate_fully(p, tolerance, false, &moved) && complete_integrals(p, moved);
-}
-
-bool radau_step_solve_quickly(struct radau_step *p, double tolerance)
-{
-    double moved;
-    return iterate_fully(p, tolerance, true, &moved) && complete_integrals(p, moved);
 }

@@ -2,15 +2,14 @@
  * One step of Radau IIA for y' = f(t, y): the polynomial through the start that has the right rate at all
  * stages. With s stages its order is 2 s - 1 at the end and s within; parts of the motion that are too fast
  * for the step are damped away (Hairer and Wanner, Solving Ordinary Differential Equations II, chapter IV.8).
- * Simplified Newton iterations use the Jacobian at the start, split by the eigenvalues of A^-1 into s/2
- * complex systems of the problem's size. The polynomial is one of time, or of a place whose time has another
- * pace where forces are no polynomials of time (math/node_tables.h).
+ * The caller finds the rates at the stages by iterations of its own, such as those of
+ * integrator/node_forces.c. The polynomial is one of time, or of a place whose time has another pace where
+ * forces are no polynomials of time (math/node_tables.h).
  *
  * The states come in three groups. The first `coupled` states depend on each other. Next come quaternions q'
  * = w q, where w depends on the coupled states; each feels only itself. From `integrals` on, the states are
- * integrals of functions of the others. Quaternions and integrals are no part of the systems. Coupled states
- * whose rate is another state, places with a speed, are eliminated from them; the coupled states left are
- * called the others.
+ * integrals of functions of the others. Iterations move the coupled states alone. The rate of some of these,
+ * places, is another state, their speed; the coupled states that are no places are called the others.
  */
 #ifndef CONTACT_MATH_RADAU_STEP_H
 #define CONTACT_MATH_RADAU_STEP_H
@@ -24,7 +23,8 @@
 struct radau_problem {
     const void *context;
     int size, coupled, integrals;
-    bool turns;           /* allows radau_step_solve_fully, which needs whole_jacobian */
+    bool turns;           /* whether bodies turn, which the caller asks */
+    int unknowns;         /* the most unknowns at a stage of the caller's iterations */
     int groups;           /* of coupled states: no rate depends on states of another group; 0: one group */
     const int *group_end; /* [groups]: ascending ends of the groups */
     int paired;           /* number of states y[place[i]] whose rate is y[speed[i]]; both are coupled */
@@ -32,13 +32,11 @@ struct radau_problem {
     void (*rates)(const void *context, double clock, const double *y, double *rates);
     /* d(rate i)/d(y j) of the coupled states, at [j * coupled + i] */
     void (*jacobian)(const void *context, double clock, const double *y, double *columns);
-    /* d(rate i)/d(y j) of all states, at [j * size + i] */
-    void (*whole_jacobian)(const void *context, double clock, const double *y, double *columns);
 };
 
-/* Unknowns at a stage for which a problem that does not turn has memory (`all`): twelve stages of so many
- * take 5 MB, and the time of their factorization grows with the third power. */
-enum { RADAU_MOST_UNKNOWNS = 64 };
+/* The matrix of the caller's iterations, `all`, has room for all unknowns at twelve stages, or for this
+ * number of rows, which take 32 MB. More unknowns have room at four stages. */
+enum { RADAU_ROOM = 2048, RADAU_LEAST_STAGES = 4 };
 
 /* The matrix A of a method and A^2, column by column. */
 struct radau_columns {
@@ -51,8 +49,7 @@ struct radau_step {
     const struct radau_stages *stages; /* method of the last solution */
     double start, length;              /* clock at the start, and length of the last solution [s] */
     int evaluations;                   /* number since the caller set it to zero */
-    int iterations;                    /* number in the last solution */
-    double contraction;                /* last correction of the last solution divided by the one before */
+    int iterations;                    /* number in the last solution, counted by the caller */
     double *y, *start_rates;           /* states and rates at the start [size] */
     double *change, *rates;            /* [stages][stride]: the states less y, and their rates */
     double *chebyshev; /* [stages + 1][stride]: coefficients of change, -1 at the start, 1 at the end */
@@ -63,15 +60,12 @@ struct radau_step {
     double jacobian_clock;            /* where it was evaluated last; NaN: not known */
     double *jacobian_y;               /* [coupled] */
     double *by_others, *by_places;    /* its parts for the others: [others][others], [paired][others] */
-    double jacobian_since;            /* time from the start to where the Jacobian is [s] */
-    struct lu_matrix system[RADAU_MOST_SYSTEMS];
-    double factored_length; /* step length [s] that the systems are factored for; 0: none */
-    const struct radau_stages *factored_stages;
-    double *others_change, *residual, *scratch, *more; /* [stages][width] */
-    double *places_change;                             /* [stages][paired, padded] */
-    double *stage_others, *stage_places, *side;        /* for radau_step_solve_fully */
-    double *whole;                                     /* [size][size], for radau_step_solve_fully */
-    struct lu_matrix all;
+    double *others_change;            /* [stages][width] */
+    double *bare, *scratch, *more;    /* [stages][width], for the caller */
+    double *places_change;            /* [stages][paired, padded] */
+    double *end_others, *end_places;  /* as by_others and by_places, at the end of the step */
+    struct lu_matrix all;             /* for the caller, as `side`: [radau_step_room] rows */
+    double *side;
     struct radau_columns columns[RADAU_METHODS];
     double *point, *re; /* [size] each */
     int stride, width;  /* padded lengths of rows of all states, and of the others */
@@ -99,23 +93,16 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
 /* Begins a step at the state y and evaluates the rates and the Jacobian at y. */
 void radau_step_begin(struct radau_step *p, double clock, const double *y);
 
-/* Start the iterations from the solution of the linear problem, or from the last polynomial for a step of
- * another length. radau_step_solve follows. False where the systems are singular. */
-bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, double length);
-void radau_step_guess_again(struct radau_step *p, const struct radau_stages *stages, double length);
-
-/* Starts the iterations of radau_step_solve_fully from the last polynomial if it begins or ends at the start,
- * else from the rates there. Stiff directions that turn would mislead the solution of the linear problem. */
+/* Starts iterations from the last polynomial if it begins or ends at the start, else from the rates there. */
 void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages, double length);
 
-/* For iterations of the caller's own. radau_step_integrals writes the integrals of rates of the others from
- * the start to each stage; radau_step_pending writes these less the changes of the others. All arrays are
- * [stage][p->width]. radau_step_integrate sets the changes of the coupled states to the integrals, and
- * returns the largest weighted difference from the changes before. After
- * radau_step_guess_on or radau_step_guess_again from a polynomial, radau_step_guess_rates gives the rates
- * of `count` states from `first` on, along the guess, at [stage * count + state]. `all` has room for
- * radau_step_most_unknowns unknowns at each stage. */
-int radau_step_most_unknowns(const struct radau_step *p);
+/* radau_step_integrals writes the integrals of rates of the others from the start to each stage;
+ * radau_step_pending writes these less the changes of the others. All arrays are [stage][p->width].
+ * radau_step_integrate sets the changes of the coupled states to the integrals, and returns the largest
+ * weighted difference from the changes before. After radau_step_guess_on from a polynomial,
+ * radau_step_guess_rates gives the rates of `count` states from `first` on, along the guess, at
+ * [stage * count + state]. radau_step_room returns the number of rows of `all`. */
+int radau_step_room(const struct radau_step *p);
 const struct radau_columns *radau_step_columns(struct radau_step *p);
 void radau_step_integrals(const struct radau_step *p, const double *rates, double *integrals);
 void radau_step_pending(const struct radau_step *p, const double *rates, double *pending);
@@ -128,17 +115,6 @@ bool radau_step_goes_on(const struct radau_step *p);
 
 /* Writes the coupled states at a stage by the last iteration, and leaves the other entries of y alone. */
 void radau_step_stage(const struct radau_step *p, int stage, double *y);
-
-/* Iterates until the corrections to come are below `tolerance`, by the weights, or rounding. False where they
- * do not converge. */
-bool radau_step_solve(struct radau_step *p, double tolerance);
-
-/* Solve with the Jacobian at every stage. This costs more, but converges where stiff directions turn within
- * the step. `quickly` gives up soon unless the guess is good. `approach` only comes about as close as the
- * errors allowed, as a guess for another problem. */
-bool radau_step_solve_fully(struct radau_step *p, double tolerance);
-bool radau_step_solve_quickly(struct radau_step *p, double tolerance);
-bool radau_step_approach(struct radau_step *p);
 
 /* Error at the end, by the weights, due to motion that dies away before the first stage. To be called after
  * radau_step_finish. The error is nothing where such motion still dies away at the end, because the states

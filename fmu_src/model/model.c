@@ -295,7 +295,7 @@ static bool unfinished_is_sound(const struct scene_values *v, const struct scene
                            step->pace >= 0 && step->pace < RADAU_PACES &&
                            (step->pace == RADAU_EVEN || step->stages == RADAU_MOST_STAGES);
     const bool is_step = is_method && step->event >= -1 && step->event < ODE_EVENTS && step->solvable > 0.0 &&
-                         step->simple > 0.0 && step->release_clock > 0.0 && step->release_rest >= 0.0 &&
+                         step->release_clock > 0.0 && step->release_rest >= 0.0 &&
                          step->steps_to_release >= 0 && step->length > 0.0 && step->start <= step->present &&
                          step->present <= q->clock && step->end >= q->clock;
     return !SCENE_ANY_FREE || !initialized || q->integrator_fresh == 1 || !scene_keeps_steps(v) ||

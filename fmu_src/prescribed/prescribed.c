@@ -263,12 +263,12 @@ static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NOD
         double m[UNKNOWNS][COLUMN] = {{0.0}};
         double by[COLUMN] = {0.0};
         int pivot[UNKNOWNS];
-        const struct lu_matrix matrix = {UNKNOWNS, COLUMN, &m[0][0], pivot, NULL};
+        const struct lu_matrix matrix = {UNKNOWNS, COLUMN, &m[0][0], pivot};
         put_equations(p, x, m, by);
         if (!lu_factor(matrix)) {
             return false;
         }
-        lu_solve(matrix, by, NULL);
+        lu_solve(matrix, by);
         change = 0.0;
         size = vec3_norm(p->start);
         for (int i = 0; i < GAUSS_NODES; ++i) {

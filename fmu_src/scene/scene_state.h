@@ -171,7 +171,7 @@ struct unfinished_step {
     double start, length; /* the clock at the start of the step, and its length [s] */
     double end;           /* the clock of the event that ends the step early, or of its end [s] */
     double present;       /* the clock up to which the motion has followed the step [s] */
-    double solvable, simple, release_clock, release_rest; /* as in struct general [s] */
+    double solvable, release_clock, release_rest; /* as in struct general [s] */
     double at_start[UNFINISHED_STATES];
     double at_end[UNFINISHED_STATES];                           /* at the clock `end` */
     double weight[UNFINISHED_STATES];                           /* 1 divided by the error allowed */

@@ -353,7 +353,7 @@ struct slow_newton {
 
 static struct lu_matrix slow_system(struct slow_newton *newton)
 {
-    return (struct lu_matrix){SLOW_NODES, SLOW_STRIDE, newton->at, newton->pivot, NULL};
+    return (struct lu_matrix){SLOW_NODES, SLOW_STRIDE, newton->at, newton->pivot};
 }
 
 /* Returns the derivative d/ds at node i of the polynomial that is 1 at node j and 0 at the start and the
@@ -478,7 +478,7 @@ static bool slow_iterate(struct slow_motion *p, double depth_tolerance)
             slow_law(p, p->depth[j], p->rate[j], law);
             error[j] = load[j] - law[0] - p->bend[j] - (i == 0 ? law[1] * apart[j] : 0.0);
         }
-        lu_solve(slow_system(&newton), error, NULL);
+        lu_solve(slow_system(&newton), error);
         for (int j = 0; j < SLOW_NODES; ++j) {
             for (int k = 0; k < SLOW_NODES; ++k) {
                 p->bend[j] += slow_derivative(j, k) * error[k];
