@@ -45,13 +45,17 @@ double taylor_divide(const double *a, const double *b, const double *q, int orde
     return sum / b[0];
 }
 
+/* The even and the odd coefficients make two sums, so that one need not wait for the other. */
 double taylor_at(const double *a, int terms, double s)
 {
-    double sum = 0.0;
-    for (int i = terms - 1; i >= 0; --i) {
-        sum = sum * s + a[i];
+    const double square = s * s;
+    double even = 0.0;
+    double odd = terms % 2 == 0 ? a[terms - 1] : 0.0;
+    for (int i = (terms - 1) / 2 * 2; i > 0; i -= 2) {
+        even = even * square + a[i];
+        odd = odd * square + a[i - 1];
     }
-    return sum;
+    return even * square + a[0] + odd * s;
 }
 
 void taylor_derivatives(const double *a, int terms, double s, double out[3])

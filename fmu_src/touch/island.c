@@ -18,14 +18,19 @@ static inline void put(struct two_way *to, int i, double value)
 }
 
 /* Returns coefficient i of the product of a series and another one. Coefficients that are not known yet are
- * zero. */
+ * zero. Four sums, of every fourth term each, need not wait for each other. */
 static inline double product(const double *a, const struct two_way *b, int i)
 {
     const double *back = b->back + (TAYLOR_ORDER - i);
-    double2 sum[PARTS];
+    double2 sum[2 * PARTS];
     memset(sum, 0, sizeof sum);
-    for (int k = 0; k <= i; k += LANES) {
-        sum[part(k)] += double2_at(a, k) * double2_at(back, k);
+    for (int k = 0; k <= i; k += 2 * PARTS * LANES) {
+        for (int l = 0; l < 2 * PARTS; ++l) {
+            sum[l] += double2_at(a, k + l * LANES) * double2_at(back, k + l * LANES);
+        }
+    }
+    for (int l = 0; l < PARTS; ++l) {
+        sum[l] += sum[l + PARTS];
     }
     return parts_together(sum);
 }
@@ -753,23 +758,22 @@ static double largest_within(const double *row, double from, double to)
 {
     const double inside = INSIDE * (to - from);
     double slopes[TAYLOR_TERMS];
-    double before[3];
-    double after[3];
     double largest = fmax(taylor_at(row, TAYLOR_TERMS, from), taylor_at(row, TAYLOR_TERMS, to));
-    for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        slopes[i] = i < TAYLOR_ORDER ? (i + 1) * row[i + 1] : 0.0;
+    for (int i = 0; i < TAYLOR_ORDER; ++i) {
+        slopes[i] = (i + 1) * row[i + 1];
     }
-    taylor_derivatives(row, TAYLOR_TERMS, from + inside, before);
-    for (int i = 0; i < ISLAND_PARTS; ++i) {
-        const double start = from + fmax((to - from) * i / ISLAND_PARTS, inside);
-        const double end = i + 1 < ISLAND_PARTS ? from + (to - from) * (i + 1) / ISLAND_PARTS : to - inside;
-        taylor_derivatives(row, TAYLOR_TERMS, end, after);
-        largest = fmax(largest, after[0]);
-        if (before[1] > 0.0 && after[1] < 0.0) {
+    slopes[TAYLOR_ORDER] = 0.0;
+    double start = from + inside;
+    bool rises = taylor_at(slopes, TAYLOR_TERMS, start) > 0.0;
+    for (int i = 1; i <= ISLAND_PARTS; ++i) {
+        const double end = i < ISLAND_PARTS ? from + (to - from) * i / ISLAND_PARTS : to - inside;
+        const double slope = taylor_at(slopes, TAYLOR_TERMS, end);
+        if (rises && !(slope > 0.0)) {
             const double top = root_in_bracket(island_series_at, slopes, start, end);
             largest = fmax(largest, taylor_at(row, TAYLOR_TERMS, top));
         }
-        memcpy(before, after, sizeof before);
+        rises = slope > 0.0;
+        start = end;
     }
     return largest;
 }
@@ -799,10 +803,6 @@ struct island_sums {
     struct vec3 twist;
     double dissipated;
 };
-
-/* A series is summed up in so many panels of twelve Lobatto nodes each: products of series have coefficients
- * beyond the last one. */
-enum { ISLAND_PANELS = 2 };
 
 /* Adds the integrand at a place, times `weight`. */
 static void add_to_sums(const struct island *s, const struct island_row *r, const struct island_path *path,
@@ -839,10 +839,11 @@ static struct island_sums sums_of(const struct island *s, const struct island_ro
             path.c[k].row[0] = vec3_get(r->flight.c[0], k);
         }
     }
-    for (int i = 0; i < ISLAND_PANELS * n && (twists || r->c > 0.0); ++i) {
-        const double half = 0.5 * place / ISLAND_PANELS; /* a panel goes from 0 to 2 */
-        add_to_sums(s, r, twists ? &path : NULL, half * (2.0 * (i / n) + 1.0 + nodes->node[i % n]),
-                    half * nodes->integral[i % n * n + n - 1], &sums);
+    /* Products of series have coefficients beyond the last one. Twelve nodes integrate them to rounding,
+     * because a series ends at a fourth of its radius of convergence. */
+    for (int i = 0; i < n && (twists || r->c > 0.0); ++i) {
+        add_to_sums(s, r, twists ? &path : NULL, 0.5 * place * (1.0 + nodes->node[i]),
+                    0.5 * place * nodes->integral[i * n + n - 1], &sums);
     }
     return sums;
 }

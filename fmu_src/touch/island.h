@@ -24,11 +24,14 @@
 /* An island has at most so many contacts in touch. The general segment takes larger ones. */
 enum { ISLAND_MOST = SCENE_CONTACTS < 48 ? SCENE_CONTACTS : 48, ISLAND_AXES = 3 };
 
-/* A series, and in `back` the same in reversed order: coefficient j at [TAYLOR_ORDER - j], and a zero last.
- * Products read both of their factors forwards, two terms in one instruction. */
+/* Rows of coefficients end with zeros, because products take four terms at a time. */
+enum { ISLAND_ROW = TAYLOR_TERMS + 3 };
+
+/* A series, and in `back` the same in reversed order: coefficient j at [TAYLOR_ORDER - j]. Products read both
+ * of their factors forwards, two terms in one instruction. */
 struct two_way {
-    double row[TAYLOR_TERMS + 1];
-    double back[TAYLOR_TERMS + 1];
+    double row[ISLAND_ROW];
+    double back[ISLAND_ROW];
 };
 
 /* A contact in touch. */
@@ -47,12 +50,12 @@ struct island_row {
     struct two_way gap, rate, force; /* g [m], g' [m/s], F [N] */
     struct two_way impulse, drag;    /* F pace, and the dashpot's part of -F [N] */
     struct two_way n[ISLAND_AXES];
-    struct two_way depth, power;                     /* delta and delta^(3/2) under Hertz's law */
-    double slope[TAYLOR_TERMS + 1];                  /* i times coefficient i of delta */
-    double d[TAYLOR_TERMS + 1];                      /* from coefficient 1 on [m] */
-    double rate_of_c[ISLAND_AXES][TAYLOR_TERMS + 1]; /* [m/s] */
-    double lower_push[ISLAND_AXES];                  /* the part of the next push by lower coefficients */
-    double pushed[ISLAND_AXES][TAYLOR_TERMS];        /* momentum given to the destination [N s] */
+    struct two_way depth, power;               /* delta and delta^(3/2) under Hertz's law */
+    double slope[ISLAND_ROW];                  /* i times coefficient i of delta */
+    double d[ISLAND_ROW];                      /* from coefficient 1 on [m] */
+    double rate_of_c[ISLAND_AXES][ISLAND_ROW]; /* [m/s] */
+    double lower_push[ISLAND_AXES];            /* the part of the next push by lower coefficients */
+    double pushed[ISLAND_AXES][TAYLOR_TERMS];  /* momentum given to the destination [N s] */
 };
 
 /* A free body on which contacts of the island act. */
