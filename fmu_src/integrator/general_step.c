@@ -404,8 +404,19 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
     }
 }
 
-/* Notes, at the start of a step, the rounding of gaps [m] and of friction, and the largest error allowed in
- * each state. */
+/* Returns F_n / (m_red d) of a contact, or zero where n does not turn. */
+static double swing_of(const struct general *g, const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape_at(g->ode.values, g->state, at, contact);
+    const struct contact_geometry *geometry = &at->geometry[contact];
+    return contact_turns(&shape, geometry)
+               ? fabs(at->normal_force[contact]) * scene_inverse_mass(g->ode.values, contact) /
+                     geometry->distance
+               : 0.0;
+}
+
+/* Notes, at the start of a step, the rounding of gaps [m] and of friction, the largest error allowed in each
+ * state, and how fast bodies may swing. */
 static void note_errors(struct general *g)
 {
     struct scene_instant at;
@@ -421,6 +432,7 @@ static void note_errors(struct general *g)
             double *largest = &g->rounding[g->ode.layout.island[j]].place;
             *largest = fmax(*largest, of_gap);
             note_contact(g, &at, j);
+            g->swing[j] = swing_of(g, &at, j);
         }
     }
 }
@@ -670,7 +682,7 @@ static struct attempt plan_attempt(const struct general *g, double limit)
 /* Returns an attempt with fewer stages than `wanted` if its unknowns have no room otherwise. */
 static struct attempt fit_attempt(const struct general *g, struct attempt wanted)
 {
-    const int most = node_forces_stages(g);
+    const int most = node_forces_stages(g, wanted.length);
     if (most >= wanted.stages->stages) {
         return wanted;
     }

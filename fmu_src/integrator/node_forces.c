@@ -8,15 +8,22 @@
 #include "scene/evaluate.h"
 
 /* Unknowns of a contact that rubs: its force, and if it resists rolling or spinning also the torque M of
- * that resistance. Without friction there is one unknown, because the force has one direction. */
+ * that resistance. Without friction there is one unknown, because the force has one direction; there are
+ * three if that direction turns much in the step (SWINGING). */
 enum { ROWS = 3, ROWS_WITHOUT_FRICTION = 1, MOST_ROWS = OPPOSED > 1 ? 6 : ROWS };
+
+/* Without friction there is room for so many unknowns at twelve stages, and for all three at eight. */
+enum { ROWS_WHERE_IT_SWINGS = 2 };
 
 /* One contact at one stage. U is the velocity of the source at the point of contact less that of the
  * destination [m/s]; X is its integral [m]. The first three rows of the response are those of the force, and
  * each changes by `by_force` dF + `by_velocity` dU + `by_place` dX. The last three are those of the torque,
- * and each changes by `by_force` dF + `by_torque` dM + `by_spin` domega. Where the contact does not rub there
+ * and each changes by `by_force` dF + `by_torque` dM + `by_spin` domega. Where the contact has one unknown there
  * is one row, and dF has the direction `push`. Rows with a spring change by `by_spring` dxi as well;
- * `by_drive` is their change by what drives the spring (friction_spring_drive_of). */
+ * `by_drive` is their change by what drives the spring (friction_spring_drive_of).
+ *
+ * A displacement dD of the source's centre against the destination's turns n, by which the rows of the force
+ * change by `by_swing` dD. */
 struct node {
     struct vec3 force;      /* on the source: the unknown [N] */
     struct vec3 torque;     /* of the resistance, on the source: the unknown [N m] */
@@ -28,7 +35,9 @@ struct node {
     bool rolls[OPPOSED];        /* form of the response of friction (friction_response_of) */
     double steepness[OPPOSED];  /* of that response where the slopes were taken */
     struct vec3 by_force[MOST_ROWS], by_velocity[MOST_ROWS], by_place[ROWS];
+    struct vec3 by_swing[ROWS];
     struct vec3 by_torque[ROWS], by_spin[ROWS];
+    struct vec3 offset[2]; /* from the centres of the bodies to those of their parts in touch [m] */
     struct vec3 by_spring[OPPOSED][ROWS], by_drive[OPPOSED][ROWS];
     struct friction_spring_drive drive[OPPOSED];
 };
@@ -64,6 +73,7 @@ struct node_contact {
     int contact;
     int body[2], speed[2], spin[2];
     int rows;     /* number of its unknowns at a stage */
+    bool rubs;    /* whether it has friction */
     bool springs; /* whether it has a spring */
     int island;   /* its number: contacts of an island stand together */
     int first;    /* sum of the rows of the contacts before it */
@@ -140,19 +150,24 @@ static void prepare_bodies(struct iteration *it)
     }
 }
 
-/* Returns the number of unknowns of a contact at a stage while it transmits a force. */
-static int unknowns_of(const struct scene_values *v, int contact)
-{
-    if (SCENE_ANY_ROLLING && contact_resists(v, contact)) {
-        return MOST_ROWS;
-    }
-    return contact_rubs(v, contact) ? ROWS : ROWS_WITHOUT_FRICTION;
-}
+/* Without friction the direction of a force is the n of the last iteration where the step, of the length h, has
+ * less than this h^2 F_n / (m_red d). The iterations converge so. In longer steps the bodies swing about each
+ * other by more than the iterations follow, and the whole force is unknown. The steps of a bearing at rest,
+ * whose balls are nearly as wide as its grooves, grow only by that; 4 and 25 in place of 10 take it 10 % more
+ * instructions until then. */
+static const double SWINGING = 10.0;
 
 /* Returns the number of unknowns of a contact at a stage; zero where it transmits no force. */
-static int rows_of(const struct general *g, int contact)
+static int rows_of(const struct general *g, int contact, double length)
 {
-    return contact_transmits(g->state, contact) ? unknowns_of(g->ode.values, contact) : 0;
+    if (!contact_transmits(g->state, contact)) {
+        return 0;
+    }
+    if (SCENE_ANY_ROLLING && contact_resists(g->ode.values, contact)) {
+        return MOST_ROWS;
+    }
+    const bool swings = SCENE_ANY_CURVED && length * length * g->swing[contact] > SWINGING;
+    return swings || contact_rubs(g->ode.values, contact) ? ROWS : ROWS_WITHOUT_FRICTION;
 }
 
 static void note_node_contact(struct iteration *it, int contact)
@@ -161,7 +176,8 @@ static void note_node_contact(struct iteration *it, int contact)
     const double by_mass = scene_inverse_mass(v, contact);
     struct node_contact *to = &it->contact[it->contacts];
     to->contact = contact;
-    to->rows = rows_of(it->g, contact);
+    to->rows = rows_of(it->g, contact, it->g->step.length);
+    to->rubs = contact_rubs(v, contact);
     to->springs = contact_has_springs(v, contact);
     to->island = it->g->ode.layout.island[contact];
     to->first = it->rows;
@@ -193,7 +209,7 @@ static int neighbours_of(const struct iteration *it, int contact)
         for (int k = 0; k < 4; ++k) {
             shares = shares || (body[k / 2] == other[k % 2] && it->mobility[body[k / 2]].moves);
         }
-        count += shares && rows_of(it->g, j) > 0 ? 1 : 0;
+        count += shares && contact_transmits(it->g->state, j) ? 1 : 0;
     }
     return count;
 }
@@ -206,16 +222,16 @@ static void note_contacts(struct iteration *it)
     int neighbours[SCENE_CONTACTS];
     it->contacts = it->rows = 0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        neighbours[j] = SCENE_CONTACTS > 2 && rows_of(it->g, j) > 0 ? neighbours_of(it, j) : 0;
+        neighbours[j] = SCENE_CONTACTS > 2 && contact_transmits(it->g->state, j) ? neighbours_of(it, j) : 0;
     }
     for (int k = 0; k < SCENE_CONTACTS; ++k) { /* the first contact of an island stands for it */
-        bool is_first = rows_of(it->g, k) > 0;
+        bool is_first = contact_transmits(it->g->state, k);
         for (int j = 0; j < k; ++j) {
-            is_first = is_first && !(rows_of(it->g, j) > 0 && island[j] == island[k]);
+            is_first = is_first && !(contact_transmits(it->g->state, j) && island[j] == island[k]);
         }
         for (int n = 0; is_first && n <= SCENE_CONTACTS; ++n) {
             for (int j = k; j < SCENE_CONTACTS; ++j) {
-                if (island[j] == island[k] && neighbours[j] == n && rows_of(it->g, j) > 0) {
+                if (island[j] == island[k] && neighbours[j] == n && contact_transmits(it->g->state, j)) {
                     note_node_contact(it, j);
                 }
             }
@@ -389,6 +405,64 @@ static void respond_with_resistance(struct iteration *it, int stage, int index,
     }
 }
 
+/* Sets how the rows of the force change as the centres of the bodies move and n turns. `by_normal` are the
+ * derivatives of these rows by e. A change dD turns e by -side/d times its part that turns n, and with e the
+ * lever arms r_s e and r_s e - c (contact/shape.h). The iterations follow the turning of a destination that
+ * tips, and the torques of the turned arms. */
+static void put_swing(struct iteration *it, int stage, int index, const struct scene_instant *at,
+                      const struct vec3 by_normal[ROWS])
+{
+    const struct node_contact *c = &it->contact[index];
+    const struct contact_geometry *g = &at->geometry[c->contact];
+    const struct contact_shape shape =
+        scene_contact_shape_at(it->g->ode.values, it->g->state, at, c->contact);
+    const double turns = contact_turns(&shape, g) ? -c->side / g->distance : 0.0;
+    struct node *node = &it->node[stage][index];
+    for (int r = 0; r < ROWS; ++r) {
+        struct vec3 by_arms = {0.0, 0.0, 0.0};
+        struct vec3 by_turn = by_normal[r];
+        if (SCENE_ANY_TURNING && scene_turns(it->g->ode.values)) {
+            const struct vec3 rotation = at->turning.body[c->body[1]].angular_velocity;
+            const struct vec3 spin = vec3_sub(at->turning.body[c->body[0]].angular_velocity, rotation);
+            by_turn = vec3_axpy(by_turn, shape.source_radius, vec3_cross(node->by_velocity[r], spin));
+            by_arms = vec3_cross(rotation, node->by_velocity[r]);
+        }
+        node->by_swing[r] = vec3_axpy(by_arms, turns, contact_turning_part(&shape, g, by_turn));
+    }
+    const struct vec3 arm = vec3_scale(shape.source_radius * c->side, g->normal);
+    node->offset[0] = vec3_sub(node->arm[0], arm);
+    node->offset[1] = vec3_sub(node->arm[1], vec3_sub(arm, at->separation[c->contact]));
+}
+
+/* Sets the response of a contact without friction that swings and, if `anew`, its slopes. The response is the
+ * admittance a times F less the force -F_law e of the law. */
+static void respond_freely(struct iteration *it, int stage, int index, const struct scene_instant *at,
+                           bool anew)
+{
+    const struct node_contact *c = &it->contact[index];
+    const struct contact_geometry *g = &at->geometry[c->contact];
+    struct node *node = &it->node[stage][index];
+    struct vec3 by_normal[ROWS];
+    const double a = it->admittance[index];
+    const struct vec3 e = vec3_scale(c->side, g->normal);
+    const double by_law = contact_force(&c->laws.normal, c->laws.regime, g->gap, g->gap_rate);
+    vec3_to(vec3_scale(a, vec3_axpy(node->force, by_law, e)), node->response);
+    if (!anew) {
+        return;
+    }
+    const struct contact_slopes slopes =
+        contact_force_slopes(&c->laws.normal, c->laws.regime, g->gap, g->gap_rate);
+    for (int r = 0; r < ROWS; ++r) {
+        const struct vec3 unit = {r == 0, r == 1, r == 2};
+        const double along = a * vec3_get(e, r);
+        node->by_force[r] = vec3_scale(a, unit);
+        node->by_velocity[r] = vec3_scale(-along * slopes.by_rate, e); /* g' = -e.U */
+        node->by_place[r] = vec3_scale(-along * slopes.by_gap, e);
+        by_normal[r] = vec3_axpy(vec3_scale(a * by_law, unit), along * slopes.by_rate, at->rate[c->contact]);
+    }
+    put_swing(it, stage, index, at, by_normal);
+}
+
 /* Sets the response of a contact and, if `anew`, its slopes. Along e it is that of respond_along_normal;
  * across e it is the response of friction. */
 CONTACT_NOT_FUSED CONTACT_FLATTEN static void
@@ -399,6 +473,7 @@ respond_with_friction(struct iteration *it, int stage, int index, const struct s
     const struct contact_geometry *g = &at->geometry[c->contact];
     struct node *node = &it->node[stage][index];
     struct friction_response friction;
+    struct vec3 by_normal[ROWS];
     const double by_law = contact_force(&laws->normal, laws->regime, g->gap, g->gap_rate);
     const double a = it->admittance[index];
     const struct vec3 e = vec3_scale(c->side, g->normal);
@@ -423,9 +498,16 @@ respond_with_friction(struct iteration *it, int stage, int index, const struct s
     put_rows(node->by_force, friction.by_force, a, e);
     put_rows(node->by_velocity, friction.by_slip, -a * slopes.by_rate, e); /* g' = -e.U */
     for (int i = 0; i < ROWS; ++i) {
+        const struct vec3 slip = at->turning.slip[c->contact];
+        const double along = a * vec3_get(e, i);
         node->by_force[i] = vec3_axpy(node->by_force[i], -vec3_get(friction.by_normal_force, i), e);
-        node->by_place[i] = vec3_scale(-a * slopes.by_gap * vec3_get(e, i), e);
+        node->by_place[i] = vec3_scale(-along * slopes.by_gap, e);
+        by_normal[i] =
+            vec3_axpy(vec3_scale(normal_force, node->by_force[i]), g->gap_rate, node->by_velocity[i]);
+        by_normal[i] = vec3_axpy(by_normal[i], along - vec3_get(friction.by_normal_force, i), tangential);
+        by_normal[i] = vec3_axpy(by_normal[i], -along * slopes.by_rate, slip);
     }
+    put_swing(it, stage, index, at, by_normal);
     const int spring = it->g->ode.layout.spring[c->contact][OPPOSED_SLIP];
     if (SCENE_ANY_MINDLIN && spring >= 0) { /* a change of k_t acts as one of xi (contact/friction.h) */
         const double stiffening = friction_stiffening(&laws->rubbing[OPPOSED_SLIP], -g->gap);
@@ -532,8 +614,10 @@ static void evaluate_nodes(struct iteration *it, bool anew)
             if (SCENE_ANY_ROLLING && it->contact[j].rows == MOST_ROWS && p->iterations == 1) {
                 node->torque = vec3_sub(node->torque, vec3_cross(node->arm[0], node->force));
             }
-            if (SCENE_ANY_FRICTION && it->contact[j].rows >= ROWS) {
+            if (SCENE_ANY_FRICTION && it->contact[j].rubs) {
                 respond_with_friction(it, i, j, at, anew);
+            } else if (SCENE_ANY_CURVED && it->contact[j].rows == ROWS) {
+                respond_freely(it, i, j, at, anew);
             } else {
                 respond_along_normal(it, i, j, &at->geometry[contact], anew);
             }
@@ -863,6 +947,11 @@ static struct turned_rows turned_rows_of(const struct iteration *it, int stage, 
     for (int r = 0; r < ROWS && r < c->rows; ++r) {
         to.by_velocity[r] = rotated_by(rotation, vec3_cross(arm, node->by_velocity[r]));
         to.by_place[r] = rotated_by(rotation, vec3_cross(arm, node->by_place[r]));
+        if (SCENE_ANY_COMPOUND && c->rows >= ROWS) {
+            const struct vec3 offset = vec3_scale(m->by_inertia, node->offset[m->end]);
+            to.by_place[r] =
+                vec3_add(to.by_place[r], rotated_by(rotation, vec3_cross(offset, node->by_swing[r])));
+        }
     }
     for (int r = ROWS; SCENE_ANY_ROLLING && r < c->rows; ++r) {
         to.by_velocity[r] = rotated_by(rotation, vec3_scale(m->by_inertia, node->by_spin[r - ROWS]));
@@ -911,7 +1000,11 @@ static inline void put_block(const struct iteration *it, const struct node *node
         struct vec3 twist = {0.0, 0.0, 0.0};
         row = r < ROWS ? vec3_axpy(row, w->square, node->by_place[r]) : row;
         row = springs && r < ROWS ? vec3_add(row, row_of_springs(node->by_drive, w->by_slip, r)) : row;
-        struct vec3 effect = vec3_scale(by_mass, row);
+        struct vec3 effect = row;
+        if (r < ROWS && of->rows >= ROWS) {
+            effect = vec3_axpy(row, w->square, node->by_swing[r]);
+        }
+        effect = vec3_scale(by_mass, effect);
         effect = node == by ? vec3_add(effect, node->by_force[r]) : effect;
         for (int l = 0; l < count; ++l) {
             const struct turned_rows *t = &turned[l];
@@ -1002,7 +1095,8 @@ CONTACT_FLATTEN static void put_blocks(const struct iteration *it, int c, int d)
     for (int l = 0; l < count; ++l) {
         by_mass += shared[l].by_mass;
     }
-    if (!(SCENE_ANY_TURNING && scene_turns(it->g->ode.values))) {
+    const bool along_normals = of->rows == ROWS_WITHOUT_FRICTION && from->rows == ROWS_WITHOUT_FRICTION;
+    if (along_normals && !(SCENE_ANY_TURNING && scene_turns(it->g->ode.values))) {
         put_blocks_of_normals(it, c, d, by_mass);
         return;
     }
@@ -1175,16 +1269,18 @@ int node_forces_unknowns(const struct scene_values *v)
 {
     int count = 0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        count += unknowns_of(v, j);
+        count += SCENE_ANY_ROLLING && contact_resists(v, j) ? MOST_ROWS
+                 : contact_rubs(v, j)                       ? ROWS
+                                                            : ROWS_WHERE_IT_SWINGS;
     }
     return count;
 }
 
-int node_forces_stages(const struct general *g)
+int node_forces_stages(const struct general *g, double length)
 {
     int rows = 0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        rows += rows_of(g, j);
+        rows += rows_of(g, j, length);
     }
     return rows > 0 ? radau_step_room(&g->step) / rows : RADAU_MOST_STAGES;
 }

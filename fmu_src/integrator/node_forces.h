@@ -14,11 +14,13 @@
 /* Returns the bytes of memory that g->nodes needs. */
 size_t node_forces_memory(void);
 
-/* Returns the number of unknowns at a stage while all contacts transmit forces. */
+/* Returns the number of unknowns at a stage while all contacts transmit forces, for which there shall be room
+ * at twelve stages. */
 int node_forces_unknowns(const struct scene_values *v);
 
-/* Returns the largest number of stages at which the unknowns of the contacts in touch have room. */
-int node_forces_stages(const struct general *g);
+/* Returns the largest number of stages at which the unknowns of the contacts in touch have room in a step of
+ * this length [s]. */
+int node_forces_stages(const struct general *g, double length);
 
 /* Solves the stages of g->step from their guess; false where the iterations do not converge. Where the guess
  * is far from the end of the step, `set_weights` sets the errors allowed anew after the first iteration; it
