@@ -1004,19 +1004,6 @@ struct vec3 turning_acceleration(const struct scene_values *v, const struct scen
     return vec3_scale(1.0 / inertia.transverse, vec3_axpy(torque, -more, axial));
 }
 
-struct turning_motion turning_motion_of(const struct turning_state *turning, const struct scene_instant *at,
-                                        int contact)
-{
-    struct turning_motion motion = {
-        .separation = at->separation[contact],
-        .rate = at->rate[contact],
-        .source_rotation = at->turning.body[contact_source(contact)].angular_velocity,
-        .destination_rotation = at->turning.body[contact_destination(contact)].angular_velocity,
-        .axis = at->turning.axis[contact]};
-    memcpy(motion.spring, turning->spring[contact], sizeof motion.spring);
-    return motion;
-}
-
 struct turning_laws turning_laws_of(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     struct turning_laws laws = {.normal = scene_contact_law(v, q, contact),
