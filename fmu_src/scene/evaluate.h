@@ -40,7 +40,6 @@ struct scene_instant {
 
 /* One body at one instant. */
 struct body_instant {
-    struct vec3 origin;       /* u at clock 0 [m] */
     struct vec3 moved;        /* the part of u since clock 0 [m] */
     struct vec3 displacement; /* u [m] */
     struct vec3 velocity;     /* v [m/s] */
