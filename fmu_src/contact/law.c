@@ -455,13 +455,6 @@ double contact_stored_slope(const struct contact_law *law, enum contact_regime r
                                    : law->stiffness * gap;
 }
 
-double contact_stored_bend(const struct contact_law *law, enum contact_regime regime, double gap)
-{
-    return regime == REGIME_APART  ? 0.0
-           : contact_is_hertz(law) ? 1.5 * law->stiffness * sqrt(fmax(-gap, 0.0))
-                                   : law->stiffness;
-}
-
 double contact_stored_term(const struct contact_law *law, const struct contact_law *change,
                            enum contact_regime regime, const double *gap, int order)
 {

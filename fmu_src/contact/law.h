@@ -204,11 +204,10 @@ bool contact_may_pull(const struct contact_law *law);
 bool contact_is_elastic(const struct contact_law *law);
 
 /* The stored energy E_c [J] during penetration: p_n g^2 / 2 of the linear law, 2/5 k_h delta^(5/2) of Hertz's
- * law. The functions return E_c, its first two derivatives with respect to g [N, N/m], and its Taylor
- * coefficient `order` along a path with `change` as in contact_force_term. */
+ * law. The functions return E_c, its derivative with respect to g [N], and its Taylor coefficient `order`
+ * along a path with `change` as in contact_force_term. */
 double contact_stored_energy(const struct contact_law *law, enum contact_regime regime, double gap);
 double contact_stored_slope(const struct contact_law *law, enum contact_regime regime, double gap);
-double contact_stored_bend(const struct contact_law *law, enum contact_regime regime, double gap);
 double contact_stored_term(const struct contact_law *law, const struct contact_law *change,
                            enum contact_regime regime, const double *gap, int order);
 

@@ -1,7 +1,6 @@
 /*
- * Derivatives of the contact force, for implicit integration.
- *
- * F_n is the normal force of the law, and the force on the source without friction is F_src = -side F_n n.
+ * Derivatives of the contact force. F_n is the normal force of the law, and the force on the source without
+ * friction is F_src = -side F_n n.
  */
 #ifndef CONTACT_CONTACT_SLOPES_H
 #define CONTACT_CONTACT_SLOPES_H
@@ -47,23 +46,23 @@ struct friction_path {
     double slip_velocity_slope;
 };
 
-/* Returns coefficient `order` of F_t from the coefficients 0..order of the path. At zero slip the speed |v_t|
- * grows with |s|; its coefficients are those for s > 0. */
-CONTACT_COLD struct vec3 friction_force_term(const struct friction_law *law, enum friction_regime regime,
-                                             const struct friction_path *path, int order);
+/* Sets the series of F_t. At zero slip |v_t| grows with |s|; its coefficients are those for s > 0. */
+CONTACT_COLD void friction_force_terms(const struct friction_law *law, enum friction_regime regime,
+                                       const struct friction_path *path, struct vec3 force[JET_TERMS]);
 
 /* Sets the series of an opposed motion (contact/friction.h) from those of the slip, omega and n. */
 CONTACT_COLD void opposed_terms(enum opposed part, const struct vec3 slip[JET_TERMS],
                                 const struct vec3 omega[JET_TERMS], const struct vec3 normal[JET_TERMS],
                                 struct vec3 motion[JET_TERMS]);
 
-/* Returns coefficient `order`, 0 or 1, of the rate at which n turns a spring (opposed_turned). */
-CONTACT_COLD struct vec3 opposed_turned_term(enum opposed part, const struct vec3 spring[JET_TERMS],
-                                             const struct vec3 normal[JET_TERMS], int order);
+/* Returns the change along a path of the rate at which n turns a spring (opposed_turned), from the first two
+ * terms of the spring, of n and of n'. */
+CONTACT_COLD struct vec3 opposed_turned_change(enum opposed part, const struct vec3 spring[2],
+                                               const struct vec3 normal[2], const struct vec3 normal_rate[2]);
 
-/* Returns coefficient `order` of the energy stored in the tangential spring [J]. */
-CONTACT_COLD double friction_stored_term(const struct friction_law *law, enum friction_regime regime,
-                                         const struct friction_path *path, int order);
+/* Sets the series of the energy stored in the tangential spring [J]. */
+CONTACT_COLD void friction_stored_terms(const struct friction_law *law, enum friction_regime regime,
+                                        const struct friction_path *path, double stored[JET_TERMS]);
 
 /* Sets the series of the length of a vector. */
 CONTACT_COLD void jet_length(const struct vec3 a[JET_TERMS], double length[JET_TERMS]);
@@ -78,33 +77,9 @@ CONTACT_COLD void jet_of_axis_distance(const struct vec3 c[JET_TERMS], const str
                                        struct vec3 across[JET_TERMS], double axial[JET_TERMS],
                                        double rho[JET_TERMS]);
 
-/*
- * Exact directional derivatives of the force, the torques and the spring's rate of a contact that rotates or
- * has friction. The direction is a change of the motion. Implicit integration needs them. World frame, SI
- * units.
- *
- *   w_g = w - omega_d x c                          the rate of c as the destination sees it
- *   g' = side n.w_g
- *   v_t = -(w_g - n (n.w_g)) + r_s side (omega_s - omega_d) x n
- *   F_src = -side F_n n + F_t
- *   tau_src = r_s side n x F_src + M,   tau_dst = -(r_s side n - c) x F_src - M
- *   xi' = friction_spring_rate + opposed_turned, and likewise theta'
- *
- * The shape of skew cylinders does not turn, so that w_g = w. The place a e_s of the source's nearest point
- * adds to the arm r_s n.
- */
-
 /* Returns the change of F_t or of the spring's rate for given changes of F_n, slip and spring. */
 struct vec3 friction_slopes_along(const struct friction_slopes *slopes, double normal_force, struct vec3 slip,
                                   struct vec3 spring);
-
-/* The motion of a contact, or a change of this motion in which `axis` is the change of shape.axis. */
-struct turning_motion {
-    struct vec3 separation, rate;                      /* c [m], w [m/s] */
-    struct vec3 source_rotation, destination_rotation; /* omega_s, omega_d [rad/s] */
-    struct vec3 axis;                                  /* e_d */
-    struct vec3 spring[OPPOSED];                       /* xi [m], theta of rolling and spinning [rad] */
-};
 
 /* The laws and their regimes: of the normal force, and of friction and both resistances (enum opposed). */
 struct turning_laws {
@@ -113,39 +88,5 @@ struct turning_laws {
     enum contact_regime regime;
     enum friction_regime rubbing_regime[OPPOSED];
 };
-
-/* The change of the force, torques and powers of a contact due to a change of its motion. */
-struct turning_change {
-    struct vec3 force;                             /* F_src [N] */
-    struct vec3 source_torque, destination_torque; /* about the centres [N m] */
-    struct vec3 spring_rate[OPPOSED];              /* xi' [m/s], theta' [rad/s] */
-    double dissipated_power;                       /* by the law of the normal force [W] */
-    double friction_power;                         /* -F_t.v_t - M.omega [W] */
-};
-
-/* The slopes of a contact at one motion; turning_slopes_along computes every directional derivative by
- * them. */
-struct turning_slopes {
-    struct contact_shape shape;
-    struct contact_geometry geometry;
-    struct turning_motion motion;
-    struct vec3 seen_rate, normal_rate, spin; /* w_g, n', omega */
-    struct vec3 across;                       /* the part of w_g that turns n */
-    struct vec3 opposed[OPPOSED];             /* v_t and both parts of omega */
-    struct vec3 opposing[OPPOSED], force;     /* F_t and both parts of M; F_src */
-    double normal_force, stored_slope, bend;  /* F_n, and dE_c/dg and d^2E_c/dg^2 of the stored energy */
-    double inverse_distance;                  /* 1 / d; 0 where n does not turn with c */
-    double stiffening;                        /* dk_t / (k_t ddelta) [1/m] */
-    struct contact_slopes normal_slopes;      /* derivatives of F_n by g and g' */
-    struct friction_slopes force_slopes[OPPOSED], spring_slopes[OPPOSED];
-    int parts; /* number of opposed motions with a law: all, or the slip alone */
-};
-
-/* Returns the slopes at a motion whose geometry is `at`, with g' = side n.w_g. */
-struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const struct contact_geometry *at,
-                                        const struct turning_motion *motion, const struct turning_laws *laws);
-
-struct turning_change turning_slopes_along(const struct turning_slopes *s,
-                                           const struct turning_motion *change);
 
 #endif

@@ -255,6 +255,20 @@ static struct quaternion turned_by_series(const struct vec3 lambda[ROTOR_RATES],
     return quaternion_unit(q);
 }
 
+struct quaternion rotor_turned_after(const struct vec3 lambda[ROTOR_RATES], struct quaternion q, double time)
+{
+    struct vec3 rate[ROTOR_RATES] = {lambda[0], lambda[1], lambda[2], lambda[3]};
+    double before = (double)INFINITY;
+    for (double left = time; left > 0.0 && left < before;) { /* where a step is rounding beside the rest */
+        const double step = step_of(rate, left);
+        q = turned_by_series(rate, step, q);
+        rotor_rates_shift(rate, ROTOR_RATES, step);
+        before = left;
+        left -= step;
+    }
+    return q;
+}
+
 /* Returns the increment of omega_3 in a step and adds the increment's integral to `integral`. */
 static double spin_grown(const struct vec3 torque[ROTOR_TORQUES], double axial_inertia,
                          const struct vec3 term[ROTOR_TERMS + 1], double step, double *integral)

@@ -66,8 +66,10 @@ void rotor_rates_under_torque(const struct rotor_state *start, double transverse
                               double axial_inertia, const struct vec3 torque[ROTOR_TORQUES],
                               struct vec3 lambda[ROTOR_RATES]);
 
-/* Returns the direction of an axis after time >= 0 [s]. */
+/* Return the direction of an axis, and an orientation, after time >= 0 [s]. The orientation stays as it is
+ * where steps become less than a rounding of the time. */
 struct vec3 rotor_axis_after(const struct vec3 lambda[ROTOR_RATES], struct vec3 axis, double time);
+struct quaternion rotor_turned_after(const struct vec3 lambda[ROTOR_RATES], struct quaternion q, double time);
 
 /* Returns the state after time >= 0 [s] under a torque. */
 struct rotor_state rotor_under_torque(const struct rotor_state *start, double transverse_inertia,

@@ -6,6 +6,7 @@
 
 #include "contact/law.h"
 #include "math/compiler.h"
+#include "math/rotor.h"
 #include "scene/evaluate.h"
 
 bool scene_is_hertz(const struct scene_values *v, int contact)
@@ -202,51 +203,8 @@ struct quaternion turning_start_orientation(const struct scene_values *v, int bo
                                : quaternion_identity();
 }
 
-/* Terms of the series of a rotation over one step, and the bound of the angle a [rad] by which the summed
- * sizes of omega's terms would turn the body in 8 steps. By Cauchy's bound, coefficient n of the series in
- * time / step is at most exp(a/2)/8^n. With a <= 8, which is a step of one radian for a constant omega, the
- * term after the twentieth is below exp(4)/8^21 = 6e-18. */
-enum { SERIES_TERMS = 20 };
-static const double SERIES_REACH = 8.0;
-
-/*
- * Returns the orientation q at `clock` from that at 0, under the angular velocity omega(t) = sum omega_i t^i.
- * From q' = (0, omega) q/2 follow the coefficients of a power series,
- *   (n + 1) q_(n+1) = sum_i (0, omega_i) q_(n-i) / 2
- * A series covers a step of at most one radian. Each step moves the origin of the polynomial to its start.
- */
-static struct quaternion rotation_over(const struct vec3 *omega, double clock, struct quaternion q)
-{
-    struct vec3 rest[3] = {omega[0], omega[1], omega[2]};
-    double left = clock;
-    double before = (double)INFINITY;
-    while (left > 0.0 && left < before) { /* see turning_prescribed_steps */
-        const double w[3] = {vec3_norm(rest[0]), vec3_norm(rest[1]), vec3_norm(rest[2])};
-        double step = left;
-        double far = SERIES_REACH * step;
-        while (far * (w[0] + far * (w[1] / 2.0 + far * w[2] / 3.0)) > SERIES_REACH) {
-            step *= 0.5;
-            far = SERIES_REACH * step;
-        }
-        struct quaternion term[SERIES_TERMS + 1] = {q};
-        for (int n = 0; n < SERIES_TERMS; ++n) {
-            struct quaternion sum = {0.0, 0.0, 0.0, 0.0};
-            double power = step;
-            for (int i = 0; i < 3 && i <= n; ++i) {
-                sum = quaternion_axpy(sum, power, quaternion_rate(term[n - i], rest[i]));
-                power *= step;
-            }
-            term[n + 1] = quaternion_scale(1.0 / (n + 1), sum);
-            q = quaternion_axpy(q, 1.0, term[n + 1]);
-        }
-        q = quaternion_unit(q);
-        path_shift(rest, 3, step);
-        before = left;
-        left -= step;
-    }
-    return q;
-}
-
+/* Returns the orientation q at `clock` from that at 0, under the angular velocity omega(t) = sum omega_i
+ * t^i. */
 static struct quaternion turned_by(const struct vec3 *omega, double clock, struct quaternion q)
 {
     if (clock == 0.0) {
@@ -255,7 +213,8 @@ static struct quaternion turned_by(const struct vec3 *omega, double clock, struc
     if (path_is_steady(omega, 3)) { /* the angular velocity is constant */
         return quaternion_unit(quaternion_product(quaternion_of_rotation(vec3_scale(clock, omega[0])), q));
     }
-    return rotation_over(omega, clock, q);
+    const struct vec3 rate[ROTOR_RATES] = {omega[0], omega[1], omega[2]};
+    return rotor_turned_after(rate, q, clock);
 }
 
 double turning_prescribed_steps(const struct scene_values *v, const struct scene_state *q, double length)
@@ -477,21 +436,27 @@ struct contact_law scene_contact_law(const struct scene_values *v, const struct 
                             (enum contact_force_law)contact_law(v, contact));
 }
 
+/* Returns the displacement of a body at clock 0. */
+static struct vec3 origin_of(const struct scene_values *v, const struct scene_state *q, int body)
+{
+    return body_is_free(v, body)         ? q->origin[body].displacement
+           : body_is_prescribed(v, body) ? q->path[body].displacement[0]
+                                         : vec3_make(0.0, 0.0, 0.0);
+}
+
 static struct body_instant body_at(const struct scene_values *v, const struct scene_state *q, double clock,
                                    const struct body_state *bodies, int body)
 {
-    struct body_instant at = {.origin = {0.0, 0.0, 0.0}};
+    struct body_instant at = {.moved = {0.0, 0.0, 0.0}};
     if (body_is_free(v, body)) {
-        at.origin = q->origin[body].displacement;
         at.moved = bodies[body].moved;
         at.velocity = bodies[body].velocity;
     }
     if (body_is_prescribed(v, body)) {
-        at.origin = q->path[body].displacement[0];
         at.moved = vec3_scale(clock, path_at(q->path[body].displacement + 1, 3, clock));
         at.velocity = path_at(q->path[body].velocity, 3, clock);
     }
-    at.displacement = vec3_add(at.origin, at.moved);
+    at.displacement = vec3_add(origin_of(v, q, body), at.moved);
     return at;
 }
 
@@ -519,31 +484,18 @@ static struct vec3 rate_in_destination(const struct scene_values *v, const struc
     return at->rate[contact];
 }
 
-/* Sets the motion of the bodies and their displacements at clock 0. */
-static void put_motions(const struct scene_values *v, const struct scene_state *q, double clock,
-                        const struct body_state *bodies, struct vec3 origin[SCENE_BODIES],
-                        struct scene_instant *at)
-{
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        const struct body_instant body = body_at(v, q, clock, bodies, i);
-        origin[i] = body.origin;
-        at->moved[i] = body.moved;
-        at->displacement[i] = body.displacement;
-        at->velocity[i] = body.velocity;
-    }
-}
-
 /* Sets the separation of a contact and its rate. The undeformed locations are subtracted first, then the
  * displacements at clock 0, then the displacements since: large common parts cancel before small ones are
  * added. Where a sphere is a part of a compound, its centre is at the end of a lever arm R o, which moves at
  * omega x R o. */
-static void put_separation(const struct scene_values *v, const struct vec3 origin[SCENE_BODIES], int contact,
+static void put_separation(const struct scene_values *v, const struct scene_state *q, int contact,
                            struct scene_instant *at)
 {
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
-    const struct vec3 start = vec3_add(apart, vec3_sub(origin[destination], origin[source]));
+    const struct vec3 start =
+        vec3_add(apart, vec3_sub(origin_of(v, q, destination), origin_of(v, q, source)));
     at->separation[contact] = vec3_add(start, vec3_sub(at->moved[destination], at->moved[source]));
     at->rate[contact] = vec3_sub(at->velocity[destination], at->velocity[source]);
     for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
@@ -561,21 +513,15 @@ static inline bool is_met(const bool *met, int contact)
     return SCENE_CONTACTS == 1 || met == NULL || met[contact];
 }
 
-CONTACT_NOINLINE void scene_meet(const struct scene_values *v, const struct scene_state *q, const bool *met,
-                                 struct scene_instant *at)
+void scene_meet(const struct scene_values *v, const struct scene_state *q, const bool *met,
+                struct scene_instant *at)
 {
     const bool turns = scene_turns(v);
-    struct vec3 origin[SCENE_BODIES];
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        origin[i] = body_is_free(v, i)         ? q->origin[i].displacement
-                    : body_is_prescribed(v, i) ? q->path[i].displacement[0]
-                                               : vec3_make(0.0, 0.0, 0.0);
-    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (!is_met(met, j)) {
             continue;
         }
-        put_separation(v, origin, j, at);
+        put_separation(v, q, j, at);
         if (turns) {
             put_axis(v, q, j, at);
         }
@@ -596,8 +542,12 @@ void scene_place_bodies(const struct scene_values *v, const struct scene_state *
                         const struct body_state *bodies, const struct turning_state *turning,
                         struct scene_instant *at)
 {
-    struct vec3 origin[SCENE_BODIES];
-    put_motions(v, q, clock, bodies, origin, at);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        const struct body_instant body = body_at(v, q, clock, bodies, i);
+        at->moved[i] = body.moved;
+        at->displacement[i] = body.displacement;
+        at->velocity[i] = body.velocity;
+    }
     if (scene_turns(v)) {
         put_turns(v, q, clock, turning, at);
     }
@@ -606,18 +556,8 @@ void scene_place_bodies(const struct scene_values *v, const struct scene_state *
 CONTACT_FLATTEN void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
                                       const struct body_state *bodies, struct scene_instant *at)
 {
-    if (scene_turns(v)) {
-        scene_place_bodies(v, q, clock, bodies, &q->turning, at);
-        scene_meet(v, q, NULL, at);
-        return;
-    }
-    struct vec3 origin[SCENE_BODIES];
-    put_motions(v, q, clock, bodies, origin, at);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        put_separation(v, origin, j, at);
-        const struct contact_shape shape = scene_contact_shape(v, q, j);
-        at->geometry[j] = contact_geometry_at(&shape, at->separation[j], at->rate[j], q->contact[j].normal);
-    }
+    scene_place_bodies(v, q, clock, bodies, &q->turning, at);
+    scene_meet(v, q, NULL, at);
 }
 
 /* Sets the accelerations without contact forces. */
@@ -702,7 +642,7 @@ void scene_evaluate_met(const struct scene_values *v, const struct scene_state *
                         const struct body_state *bodies, const struct turning_state *turning, const bool *met,
                         struct scene_instant *at)
 {
-    if (met == NULL && !scene_turns(v)) {
+    if (met == NULL && !scene_turns(v)) { /* the frequent path */
         scene_evaluate(v, q, clock, bodies, at);
         return;
     }
@@ -1002,19 +942,6 @@ struct vec3 turning_acceleration(const struct scene_values *v, const struct scen
     const struct vec3 gyration = vec3_scale(vec3_dot(omega, e), vec3_cross(omega, e));
     const struct vec3 axial = vec3_axpy(gyration, vec3_dot(torque, e) / inertia.axial, e);
     return vec3_scale(1.0 / inertia.transverse, vec3_axpy(torque, -more, axial));
-}
-
-struct turning_motion turning_motion_of(const struct turning_state *turning, const struct scene_instant *at,
-                                        int contact)
-{
-    struct turning_motion motion = {
-        .separation = at->separation[contact],
-        .rate = at->rate[contact],
-        .source_rotation = at->turning.body[contact_source(contact)].angular_velocity,
-        .destination_rotation = at->turning.body[contact_destination(contact)].angular_velocity,
-        .axis = at->turning.axis[contact]};
-    memcpy(motion.spring, turning->spring[contact], sizeof motion.spring);
-    return motion;
 }
 
 struct turning_laws turning_laws_of(const struct scene_values *v, const struct scene_state *q, int contact)

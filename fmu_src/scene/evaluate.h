@@ -40,7 +40,6 @@ struct scene_instant {
 
 /* One body at one instant. */
 struct body_instant {
-    struct vec3 origin;       /* u at clock 0 [m] */
     struct vec3 moved;        /* the part of u since clock 0 [m] */
     struct vec3 displacement; /* u [m] */
     struct vec3 velocity;     /* v [m/s] */
@@ -276,9 +275,7 @@ struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_s
 struct vec3 turning_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
                                  const struct scene_instant *at, int body);
 
-/* Return the motion and the laws of a contact in the structs of contact/slopes.h. */
-struct turning_motion turning_motion_of(const struct turning_state *turning, const struct scene_instant *at,
-                                        int contact);
+/* Returns the laws of a contact. */
 struct turning_laws turning_laws_of(const struct scene_values *v, const struct scene_state *q, int contact);
 
 /* Returns the normal force, and of an opposed motion of a contact (contact/friction.h) the motion and the

@@ -5,6 +5,7 @@
 #include "contact/slopes.h"
 #include "scene/evaluate.h"
 #include "scene/ode.h"
+#include "scene/scene_jet.h"
 
 enum { BODY_STATES = 6 };
 
@@ -696,7 +697,8 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
     }
 }
 
-/* This part computes the Jacobian from directional derivatives of each contact. */
+/* This part computes the Jacobian column by column, from the jets of the contacts along a change of one
+ * state. */
 
 /* The leading `size` rows and columns of a Jacobian, by columns. Entries outside are dropped. */
 struct jacobian {
@@ -718,235 +720,151 @@ static void add_three(struct jacobian m, int row, int column, double factor, str
     }
 }
 
-static void add_four(struct jacobian m, int row, int column, struct quaternion a)
-{
-    add_entry(m, row, column, a.w);
-    add_three(m, row + 1, column, 1.0, quaternion_vector(a));
-}
-
 /* Data that all parts of the Jacobian need. */
-struct turning_linearization {
+struct linearization {
     const struct scene_ode *ode;
+    double clock;
     const double *y;
-    struct scene_instant at;
-    struct turning_state turning;
-    const struct ode_layout *layout;
     struct jacobian matrix;
-    bool turns; /* scene_turns */
+    struct scene_state q; /* with the springs of y */
+    struct scene_instant at;
+    struct scene_jet along; /* the path, along one state */
 };
 
-static struct vec3 along_axis(int component)
-{
-    struct vec3 a = {0.0, 0.0, 0.0};
-    vec3_set(&a, component, 1.0);
-    return a;
-}
-
-/* Returns the change of omega by component k of L / I_1, of which omega is a linear function. */
-static struct vec3 rotation_by_spin(const struct turning_linearization *l, int body, int k)
-{
-    return body_rotation_of(l->ode->values, body, l->at.turning.body[body].orientation, along_axis(k));
-}
-
-/* Returns the change of the axis e by component k of the orientation in y. This quaternion may have any
- * length; e is the axis of the unit quaternion. */
-static struct vec3 axis_by_orientation(const struct turning_linearization *l, int body, int k)
-{
-    const double *data = l->y + l->layout->orientation[body];
-    const struct quaternion q = four_from(data);
-    const struct vec3 slopes[4] = {
-        {q.y, -q.x, q.w}, {q.z, -q.w, -q.x}, {q.w, q.z, -q.y}, {q.x, q.y, q.z}}; /* half derivatives */
-    const struct vec3 e = quaternion_third_axis(l->at.turning.body[body].orientation);
-    return vec3_scale(2.0 / quaternion_dot(q, q), vec3_axpy(slopes[k], -data[k], e));
-}
-
-/* Returns the rotation vector r by which component k of the orientation in y turns the body. With the
- * quaternion q of any length it is twice the vector part of e_k q* / |q|^2. */
-static struct vec3 turn_by_orientation(const struct turning_linearization *l, int body, int k)
-{
-    const struct quaternion q = four_from(l->y + l->layout->orientation[body]);
-    const struct quaternion along = {k == 0, k == 1, k == 2, k == 3};
-    return vec3_scale(2.0 / quaternion_dot(q, q),
-                      quaternion_vector(quaternion_product(along, quaternion_inverse(q))));
-}
-
-/* Returns the change of omega by component k of the orientation, at constant L / I_1. The axis e changes, or
- * a compound body turns by r: with omega = M L / I_1 the change is r x omega - M (r x L / I_1). */
-static struct vec3 rotation_by_orientation(const struct turning_linearization *l, int body, int k)
-{
-    const struct vec3 spin = vec3_from(l->y + l->layout->spin[body]);
-    if (body_is_compound(body)) {
-        const struct body_turn *turn = &l->at.turning.body[body];
-        const struct vec3 r = turn_by_orientation(l, body, k);
-        const struct vec3 held =
-            body_rotation_of(l->ode->values, body, turn->orientation, vec3_cross(r, spin));
-        return vec3_sub(vec3_cross(r, turn->angular_velocity), held);
-    }
-    const struct vec3 change = axis_by_orientation(l, body, k);
-    const struct vec3 e = quaternion_third_axis(l->at.turning.body[body].orientation);
-    const struct vec3 both = vec3_axpy(vec3_scale(vec3_dot(spin, change), e), vec3_dot(spin, e), change);
-    return vec3_scale(body_flatness(l->ode->values, body), both);
-}
-
-/* Adds a change of the power of the drives. */
-static void add_work(const struct turning_linearization *l, int column, double power)
-{
-    if (l->matrix.size > l->layout->integrals) {
-        add_entry(l->matrix, l->layout->dissipated + 1, column, power);
-    }
-}
-
-/* Adds a change of the force, times `sign`, and a change of the torque on a body. */
-static void add_to_body(const struct turning_linearization *l, int column, int body, double sign,
-                        struct vec3 force, struct vec3 torque)
+/* Adds a change of the force, times `sign`, and a change of the torque on a body, or of the power of its
+ * drives. */
+static void add_to_body(const struct linearization *l, int column, int body, double sign, struct vec3 force,
+                        struct vec3 torque)
 {
     const struct scene_values *v = l->ode->values;
-    if (l->layout->body[body] >= 0) {
-        add_three(l->matrix, l->layout->body[body] + 3, column, sign / body_mass(v, body), force);
+    const struct ode_layout *layout = &l->ode->layout;
+    if (layout->body[body] >= 0) {
+        add_three(l->matrix, layout->body[body] + 3, column, sign / body_mass(v, body), force);
     } else if (body_is_prescribed(v, body)) {
-        add_work(l, column, -sign * vec3_dot(force, l->at.velocity[body]));
+        add_entry(l->matrix, layout->dissipated + 1, column, -sign * vec3_dot(force, l->at.velocity[body]));
     }
-    if (l->layout->spin[body] >= 0) {
-        add_three(l->matrix, l->layout->spin[body], column, 1.0 / body_inertia_of(v, body).transverse,
-                  torque);
+    if (layout->spin[body] >= 0) {
+        add_three(l->matrix, layout->spin[body], column, 1.0 / body_inertia_of(v, body).transverse, torque);
     } else if (body_turn_is_prescribed(v, body)) {
-        add_work(l, column, -vec3_dot(torque, l->at.turning.body[body].angular_velocity));
+        add_entry(l->matrix, layout->dissipated + 1, column,
+                  -vec3_dot(torque, l->at.turning.body[body].angular_velocity));
     }
 }
 
-/* The change of a lever arm that does not turn [m]. */
-static const struct vec3 NOT_TURNED = {0.0, 0.0, 0.0};
-
-/* Adds the effects of a change of a contact's motion to one column. `turned` is the change of the lever arm
- * of a compound body at one end (sign -1: source, +1: destination) [m]. */
-static void add_change(const struct turning_linearization *l, const struct turning_slopes *slopes,
-                       int contact, int column, const struct turning_motion *motion, double sign,
-                       struct vec3 turned)
+/* Adds what the change does to a contact, and by it to its bodies, springs and integrals. */
+static void add_contact_change(struct linearization *l, int contact, int column)
 {
-    struct turning_change change = turning_slopes_along(slopes, motion);
-    for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) { /* the torque R o x F of a lever arm */
-        struct vec3 *torque = end == 0 ? &change.source_torque : &change.destination_torque;
-        const double way = end == 0 ? 1.0 : -1.0; /* the destination gets the opposite force */
-        *torque = vec3_axpy(*torque, way, vec3_cross(scene_lever(&l->at, contact, end), change.force));
-        if (way != sign) {
-            *torque = vec3_axpy(*torque, way, vec3_cross(turned, slopes->force));
-        }
-    }
-    add_to_body(l, column, contact_source(contact), 1.0, change.force, change.source_torque);
-    add_to_body(l, column, contact_destination(contact), -1.0, change.force, change.destination_torque);
-    for (int i = 0; i < OPPOSED; ++i) {
-        if (l->layout->spring[contact][i] >= 0) {
-            add_three(l->matrix, l->layout->spring[contact][i], column, 1.0, change.spring_rate[i]);
-        }
-    }
-    if (l->matrix.size <= l->layout->integrals) {
-        return; /* the leading rows alone are wanted */
-    }
-    const int impulse = l->layout->impulse[contact];
-    add_three(l->matrix, impulse, column, 1.0, change.force);
-    add_entry(l->matrix, l->layout->dissipated, column, change.dissipated_power);
-    if (l->turns) {
-        add_three(l->matrix, impulse + 3, column, 1.0, change.source_torque);
-        add_three(l->matrix, impulse + 6, column, 1.0, change.destination_torque);
-        add_entry(l->matrix, l->layout->dissipated + 2, column, change.friction_power);
-    }
-}
-
-/* Adds the columns of the states of a body at one end of a contact (sign -1: source, +1: destination). A
- * change r of how a compound is turned changes its lever arm b by r x b; the rate of c has omega x b. */
-static void add_body_columns(const struct turning_linearization *l, const struct turning_slopes *slopes,
-                             int contact, int body, double sign)
-{
-    const struct turning_motion none = {.separation = {0.0, 0.0, 0.0}};
-    const struct vec3 lever = scene_lever(&l->at, contact, sign < 0.0 ? 0 : 1);
-    for (int k = 0; k < 3 && l->layout->body[body] >= 0; ++k) {
-        const int column = l->layout->body[body] + k;
-        struct turning_motion motion = none;
-        motion.separation = vec3_scale(sign, along_axis(k));
-        add_change(l, slopes, contact, column, &motion, sign, NOT_TURNED);
-        motion = none;
-        motion.rate = vec3_scale(sign, along_axis(k));
-        add_change(l, slopes, contact, column + 3, &motion, sign, NOT_TURNED);
-    }
-    for (int k = 0; k < 3 && l->layout->spin[body] >= 0; ++k) {
-        struct turning_motion motion = none;
-        struct vec3 *rotation = sign < 0.0 ? &motion.source_rotation : &motion.destination_rotation;
-        *rotation = rotation_by_spin(l, body, k);
-        motion.rate = vec3_scale(sign, vec3_cross(*rotation, lever));
-        add_change(l, slopes, contact, l->layout->spin[body] + k, &motion, sign, NOT_TURNED);
-    }
-    const bool tips = l->layout->orientation[body] >= 0 && l->layout->orientation[body] < l->layout->coupled;
-    for (int k = 0; SCENE_ANY_TIPPING && k < 4 && tips;
-         ++k) { /* of a destination or a compound: other sources are spheres */
-        struct turning_motion motion = none;
-        struct vec3 *rotation = sign < 0.0 ? &motion.source_rotation : &motion.destination_rotation;
-        struct vec3 turned = NOT_TURNED;
-        *rotation = rotation_by_orientation(l, body, k);
-        if (body_is_compound(body)) {
-            turned = vec3_cross(turn_by_orientation(l, body, k), lever);
-            motion.separation = vec3_scale(sign, turned);
-            motion.rate =
-                vec3_scale(sign, vec3_add(vec3_cross(*rotation, lever),
-                                          vec3_cross(l->at.turning.body[body].angular_velocity, turned)));
-        } else {
-            motion.axis = axis_by_orientation(l, body, k);
-        }
-        add_change(l, slopes, contact, l->layout->orientation[body] + k, &motion, sign, turned);
-    }
-}
-
-static void add_contact(const struct turning_linearization *l, int contact)
-{
-    const struct contact_shape shape = scene_contact_shape_at(l->ode->values, l->ode->state, &l->at, contact);
-    const struct turning_motion motion = turning_motion_of(&l->turning, &l->at, contact);
-    const struct turning_laws laws = turning_laws_of(l->ode->values, l->ode->state, contact);
-    if (laws.regime == REGIME_APART) {
+    const struct scene_values *v = l->ode->values;
+    const struct ode_layout *layout = &l->ode->layout;
+    const struct turning_jet *turning = &l->along.turning[contact];
+    if (l->q.contact[contact].regime == (int32_t)REGIME_APART || column >= l->matrix.size) {
         return;
     }
-    const struct turning_slopes slopes = turning_slopes_at(&shape, &l->at.geometry[contact], &motion, &laws);
-    add_body_columns(l, &slopes, contact, contact_source(contact), -1.0);
-    add_body_columns(l, &slopes, contact, contact_destination(contact), 1.0);
-    for (int k = 0; k < 3 * contact_opposed(l->ode->values, contact); ++k) {
-        const int spring = l->layout->spring[contact][k / 3];
-        if (spring >= 0) {
-            struct turning_motion stretched = {.separation = {0.0, 0.0, 0.0}};
-            stretched.spring[k / 3] = along_axis(k % 3);
-            add_change(l, &slopes, contact, spring + k % 3, &stretched, 1.0, NOT_TURNED);
+    jet_of_contact(v, &l->q, &l->at, contact, &l->along);
+    const struct vec3 force = l->along.contact[contact].source_force[1];
+    add_to_body(l, column, contact_source(contact), 1.0, force, turning->source_torque[1]);
+    add_to_body(l, column, contact_destination(contact), -1.0, force, turning->destination_torque[1]);
+    for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
+        if (layout->spring[contact][i] >= 0) {
+            add_three(l->matrix, layout->spring[contact][i], column, 1.0,
+                      turning_jet_spring_change(v, &l->q, &l->at, &l->along, contact, i));
         }
     }
-}
-
-/* Adds the derivatives by a body's velocity of its displacement's rate and of the external force's power. */
-static void add_motion(struct jacobian m, const struct scene_ode *ode, double clock, int body)
-{
-    const int index = ode->layout.body[body];
-    for (int k = 0; k < 3 && index >= 0; ++k) {
-        const struct vec3 force = path_at(ode->state->path[body].force, 3, clock);
-        add_entry(m, index + k, index + 3 + k, 1.0);
-        add_entry(m, ode->layout.dissipated + 1, index + 3 + k, vec3_get(force, k));
+    if (l->matrix.size <= layout->integrals) {
+        return; /* the leading rows alone are wanted */
+    }
+    const int impulse = layout->impulse[contact];
+    add_three(l->matrix, impulse, column, 1.0, force);
+    add_entry(l->matrix, layout->dissipated, column,
+              jet_dissipated_power_of(v, &l->q, &l->along, contact, 1));
+    if (scene_turns(v)) {
+        add_three(l->matrix, impulse + 3, column, 1.0, turning->source_torque[1]);
+        add_three(l->matrix, impulse + 6, column, 1.0, turning->destination_torque[1]);
+        add_entry(l->matrix, layout->dissipated + 2, column,
+                  turning_jet_friction_power_of(v, &l->along, contact, 1));
     }
 }
 
-/* Adds the derivatives of the rate of a body's orientation and of the external torque's power. */
-static void add_rotation(const struct turning_linearization *l, double clock, int body)
+/* Adds a column: what the change of one state of a body does to the rates of its place and orientation, to
+ * the power of the loads on it, and to its contacts. Takes the change back. */
+static void add_column(struct linearization *l, int body, int column)
 {
-    const int spin = l->layout->spin[body];
-    const int orientation = l->layout->orientation[body];
-    const int work = l->layout->dissipated + 1;
-    const struct quaternion q = four_from(l->y + orientation);
-    const struct vec3 torque = path_at(l->ode->state->path[body].torque, 3, clock);
-    for (int k = 0; k < 3; ++k) {
-        const struct vec3 change = rotation_by_spin(l, body, k);
-        add_four(l->matrix, orientation, spin + k, quaternion_rate(q, change));
-        add_entry(l->matrix, work, spin + k, vec3_dot(torque, change));
+    const struct ode_layout *layout = &l->ode->layout;
+    const struct body_path *path = &l->q.path[body];
+    struct scene_jet *along = &l->along;
+    double power = 0.0;
+    if (layout->body[body] >= 0) {
+        add_three(l->matrix, layout->body[body], column, 1.0, along->velocity[body][1]);
+        power = vec3_dot(path_at(path->force, 3, l->clock), along->velocity[body][1]);
     }
-    for (int k = 0; k < 4; ++k) {
-        const struct vec3 change = rotation_by_orientation(l, body, k);
-        const struct vec3 omega = l->at.turning.body[body].angular_velocity;
-        const struct quaternion along = {k == 0, k == 1, k == 2, k == 3};
-        add_four(l->matrix, orientation, orientation + k,
-                 quaternion_axpy(quaternion_rate(along, omega), 1.0, quaternion_rate(q, change)));
-        add_entry(l->matrix, work, orientation + k, vec3_dot(torque, change));
+    if (SCENE_ANY_ROTATION && layout->spin[body] >= 0) {
+        const int row = layout->orientation[body];
+        const struct vec3 faster = along->angular_velocity[body][1];
+        const struct quaternion rate = quaternion_axpy(
+            quaternion_rate(four_from(l->y + row), faster), 1.0,
+            quaternion_rate(along->given_orientation[body], l->at.turning.body[body].angular_velocity));
+        add_entry(l->matrix, row, column, rate.w);
+        add_three(l->matrix, row + 1, column, 1.0, quaternion_vector(rate));
+        power += vec3_dot(path_at(path->torque, 3, l->clock), faster);
+    }
+    add_entry(l->matrix, layout->dissipated + 1, column, power);
+    for (int j = 0; column < layout->coupled && j < SCENE_CONTACTS; ++j) {
+        if (contact_source(j) == body || contact_destination(j) == body) {
+            add_contact_change(l, j, column);
+        }
+    }
+    along->displacement[body][1] = along->velocity[body][1] = along->angular_velocity[body][1] =
+        vec3_make(0.0, 0.0, 0.0);
+    if (SCENE_ANY_AXIS) {
+        along->axis[body][1] = vec3_make(0.0, 0.0, 0.0);
+    }
+    along->orientation[body][1] = along->given_orientation[body] = (struct quaternion){0.0, 0.0, 0.0, 0.0};
+}
+
+/* Changes component k of the orientation in y, a quaternion of any length, at constant L / I_1. As the axis
+ * changes, omega changes too. A compound body, whose omega is M L / I_1, turns by a vector r, and omega
+ * changes by r x omega - M (r x L / I_1). */
+static void change_orientation(struct linearization *l, int body, int k)
+{
+    const struct scene_values *v = l->ode->values;
+    const struct body_turn *turn = &l->at.turning.body[body];
+    const struct quaternion q = four_from(l->y + l->ode->layout.orientation[body]);
+    const struct vec3 spin = vec3_from(l->y + l->ode->layout.spin[body]);
+    struct scene_jet *along = &l->along;
+    along->given_orientation[body] = (struct quaternion){k == 0, k == 1, k == 2, k == 3};
+    turning_jet_move_orientation(body, turn->orientation, sqrt(quaternion_dot(q, q)), k, 1.0, along);
+    if (body_is_compound(body)) {
+        const struct quaternion back = quaternion_inverse(turn->orientation);
+        const struct vec3 r =
+            vec3_scale(2.0, quaternion_vector(quaternion_product(along->orientation[body][1], back)));
+        const struct vec3 held = body_rotation_of(v, body, turn->orientation, vec3_cross(r, spin));
+        along->angular_velocity[body][1] = vec3_sub(vec3_cross(r, turn->angular_velocity), held);
+        return;
+    }
+    const struct vec3 change = along->axis[body][1];
+    const struct vec3 e = quaternion_third_axis(turn->orientation);
+    along->angular_velocity[body][1] = vec3_scale(
+        body_flatness(v, body), vec3_axpy(vec3_scale(vec3_dot(spin, change), e), vec3_dot(spin, e), change));
+}
+
+/* Adds the columns of a body's states. */
+static void add_columns_of_body(struct linearization *l, int body)
+{
+    const struct ode_layout *layout = &l->ode->layout;
+    for (int k = 0; k < BODY_STATES && layout->body[body] >= 0; ++k) {
+        vec3_set(k < 3 ? &l->along.displacement[body][1] : &l->along.velocity[body][1], k % 3, 1.0);
+        add_column(l, body, layout->body[body] + k);
+    }
+    for (int k = 0; SCENE_ANY_ROTATION && k < 3 && layout->spin[body] >= 0; ++k) {
+        struct vec3 spin = {0.0, 0.0, 0.0};
+        vec3_set(&spin, k, 1.0);
+        l->along.angular_velocity[body][1] =
+            body_rotation_of(l->ode->values, body, l->at.turning.body[body].orientation, spin);
+        add_column(l, body, layout->spin[body] + k);
+    }
+    for (int k = 0; SCENE_ANY_ROTATION && k < 4 && layout->spin[body] >= 0; ++k) {
+        change_orientation(l, body, k);
+        add_column(l, body, layout->orientation[body] + k);
     }
 }
 
@@ -954,25 +872,30 @@ static void add_rotation(const struct turning_linearization *l, double clock, in
 static void put_jacobian(const struct scene_ode *ode, double clock, const double *y, int size,
                          double *columns)
 {
-    struct turning_linearization l = {.ode = ode,
-                                      .y = y,
-                                      .turning = ode->state->turning,
-                                      .layout = &ode->layout,
-                                      .matrix = {columns, size},
-                                      .turns = scene_turns(ode->values)};
+    struct linearization l = {.ode = ode, .clock = clock, .y = y, .matrix = {columns, size}};
     memset(columns, 0, (size_t)size * (size_t)size * sizeof *columns);
-    if (l.turns) {
-        turning_unpack(ode, y, &l.turning);
-    }
+    l.along.first_order = true;
+    scene_state_copy(ode->values, ode->state, &l.q);
     ode_instant(ode, clock, y, &l.at);
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        add_motion(l.matrix, ode, clock, i);
-        if (SCENE_ANY_ROTATION && ode->layout.spin[i] >= 0) {
-            add_rotation(&l, clock, i);
+    if (scene_turns(ode->values)) {
+        turning_unpack(ode, y, &l.q.turning);
+        for (int i = 0; i < SCENE_BODIES; ++i) {
+            l.along.orientation[i][0] = l.at.turning.body[i].orientation;
+            l.along.angular_velocity[i][0] = l.at.turning.body[i].angular_velocity;
         }
     }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        add_contact(&l, j);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        add_columns_of_body(&l, i);
+    }
+    for (int k = 0; SCENE_ANY_SPRINGS && k < 3 * OPPOSED * SCENE_CONTACTS; ++k) {
+        const int contact = k / (3 * OPPOSED);
+        const int part = k / 3 % OPPOSED;
+        if (ode->layout.spring[contact][part] >= 0) {
+            struct vec3 *spring = &l.along.spring[contact][part][1];
+            vec3_set(spring, k % 3, 1.0);
+            add_contact_change(&l, contact, ode->layout.spring[contact][part] + k % 3);
+            *spring = vec3_make(0.0, 0.0, 0.0);
+        }
     }
 }
 

@@ -57,6 +57,7 @@ void jet_add_levers(const struct scene_jet *along, int contact, struct vec3 c[JE
 struct contact_path {
     struct vec3 c[JET_TERMS], w[JET_TERMS], seen[JET_TERMS];
     struct vec3 source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
+    int terms; /* number of terms that are wanted */
 };
 
 /* Puts the rotations of both bodies and the motion of the shape's axis. */
@@ -68,7 +69,7 @@ static void put_rotations(const struct scene_values *v, const struct scene_insta
     const int to = contact_destination(contact);
     path->source[0] = at->turning.body[from].angular_velocity;
     path->destination[0] = at->turning.body[to].angular_velocity;
-    for (int i = 1; i < JET_TERMS; ++i) {
+    for (int i = 1; i < path->terms; ++i) {
         path->source[i] = along->angular_velocity[from][i];
         path->destination[i] = along->angular_velocity[to][i];
         if (contact_tips(v, contact)) {
@@ -76,7 +77,7 @@ static void put_rotations(const struct scene_values *v, const struct scene_insta
                 contact_is_upside_down(shape) ? vec3_scale(-1.0, along->axis[to][i]) : along->axis[to][i];
         }
     }
-    for (int i = 0; i < JET_TERMS && !contact_is_skew(shape); ++i) {
+    for (int i = 0; i < path->terms && !contact_is_skew(shape); ++i) {
         path->seen[i] = vec3_sub(path->w[i], turning_jet_cross(path->destination, path->c, i));
     }
 }
@@ -89,7 +90,8 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
     const int to = contact_destination(contact);
     struct contact_path path;
     memset(&path, 0, sizeof path);
-    for (int i = 1; i < JET_TERMS; ++i) {
+    path.terms = along->first_order ? 2 : JET_TERMS;
+    for (int i = 1; i < path.terms; ++i) {
         path.c[i] = vec3_sub(along->displacement[to][i], along->displacement[from][i]);
         path.w[i] = vec3_sub(along->velocity[to][i], along->velocity[from][i]);
     }
@@ -138,7 +140,7 @@ static void put_distance(const struct contact_shape *shape, const struct contact
     put_offset(shape, path, offset);
     jet->normal[0] = g->normal;
     jet->distance[0] = g->distance;
-    for (int i = 1; i < JET_TERMS; ++i) {
+    for (int i = 1; i < path->terms; ++i) {
         jet->normal[i] = vec3_make(0.0, 0.0, 0.0);
         if (contact_is_plane(shape)) {
             jet->normal[i] = vec3_scale(-1.0, path->axis[i]);
@@ -162,7 +164,7 @@ static void put_normal_force(const struct contact_shape *shape, const struct con
                              const struct contact_law *change, enum contact_regime regime,
                              struct contact_jet *jet)
 {
-    for (int i = 0; i < JET_TERMS; ++i) {
+    for (int i = 0; i < path->terms; ++i) {
         jet->gap[i] = i > 0 ? shape->side * jet->distance[i] : g->gap;
         jet->gap_rate[i] = i > 0 ? shape->side * jet_dot(jet->normal, path->seen, i) : g->gap_rate;
         jet->normal_force[i] = contact_force_term(law, change, regime, jet->gap, jet->gap_rate, i);
@@ -177,7 +179,7 @@ static void put_slip(const struct contact_shape *shape, const struct contact_pat
     struct vec3 far[JET_TERMS];
     struct vec3 all[JET_TERMS];
     double along_normal[JET_TERMS];
-    for (int i = 0; i < JET_TERMS; ++i) {
+    for (int i = 0; i < path->terms; ++i) {
         const struct vec3 foot =
             i == 0 ? contact_foot(shape, path->c[0]) : contact_foot_along(shape, path->c[i]);
         turning->source_arm[i] = contact_source_arm(shape, jet->normal[i], foot);
@@ -233,12 +235,15 @@ static void put_opposing(const struct scene_values *v, const struct scene_state 
         path.spring[1] = vec3_add(path.spring[1],
                                   laid_change((enum opposed)part, along->spring_before[contact][part], jet));
     }
+    struct vec3 force[JET_TERMS];
+    double stored[JET_TERMS];
+    friction_force_terms(&law, regime, &path, force);
+    friction_stored_terms(&law, regime, &path, stored);
     for (int i = 0; i < JET_TERMS; ++i) {
         struct vec3 *sum = slips ? turning->friction_force : turning->resistance;
-        const struct vec3 term = friction_force_term(&law, regime, &path, i);
-        sum[i] = vec3_add(sum[i], term);
-        turning->stored[i] += friction_stored_term(&law, regime, &path, i);
-        jet->source_force[i] = slips ? vec3_add(jet->source_force[i], term) : jet->source_force[i];
+        sum[i] = vec3_add(sum[i], force[i]);
+        turning->stored[i] += stored[i];
+        jet->source_force[i] = slips ? vec3_add(jet->source_force[i], force[i]) : jet->source_force[i];
     }
 }
 
@@ -248,7 +253,7 @@ static void put_friction(const struct scene_values *v, const struct scene_state 
                          struct contact_jet *jet, struct turning_jet *turning)
 {
     const bool rubs = contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
-    for (int i = 0; i < JET_TERMS; ++i) {
+    for (int i = 0; i < path->terms; ++i) {
         turning->spin[i] = vec3_sub(path->source[i], path->destination[i]);
     }
     for (int part = 0; part < contact_opposed(v, contact); ++part) {
@@ -270,7 +275,7 @@ static void put_turning(const struct scene_values *v, const struct scene_state *
     put_slip(shape, path, jet, turning);
     add_levers_to_arms(along, contact, turning);
     put_friction(v, q, along, path, contact, jet, turning);
-    for (int i = 0; i < JET_TERMS; ++i) {
+    for (int i = 0; i < path->terms; ++i) {
         turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
         turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
         if (contact_resists(v, contact)) {
@@ -281,27 +286,38 @@ static void put_turning(const struct scene_values *v, const struct scene_state *
     }
 }
 
-/* Puts the terms of the contacts in `met`, or of all; those of slip, friction and torques only where
- * `rubs`. */
+/* Puts the terms of one contact; those of slip, friction and torques only where `rubs`. */
+static void put_contact_jet(const struct scene_values *v, const struct scene_state *q,
+                            const struct scene_instant *at, int contact, bool rubs, struct scene_jet *along)
+{
+    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_path path = path_of(v, at, along, &shape, contact);
+    put_distance(&shape, &at->geometry[contact], &path, &along->contact[contact]);
+    put_normal_force(&shape, &at->geometry[contact], &path, &law, &along->law_slope[contact], regime,
+                     &along->contact[contact]);
+    if (SCENE_ANY_TURNING && rubs) {
+        put_turning(v, q, &shape, &path, contact, along);
+    }
+}
+
+/* Puts the terms of the contacts in `met`, or of all. */
 static void put_contact_jets(const struct scene_values *v, const struct scene_state *q,
                              const struct scene_instant *at, const bool *met, bool rubs,
                              struct scene_jet *along)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
-        if ((along->touching && regime == REGIME_APART) || (met && !met[j])) {
-            continue;
-        }
-        const struct contact_shape shape = scene_shape_met(v, q, at, j);
-        const struct contact_law law = scene_contact_law(v, q, j);
-        const struct contact_path path = path_of(v, at, along, &shape, j);
-        put_distance(&shape, &at->geometry[j], &path, &along->contact[j]);
-        put_normal_force(&shape, &at->geometry[j], &path, &law, &along->law_slope[j], regime,
-                         &along->contact[j]);
-        if (SCENE_ANY_TURNING && rubs) {
-            put_turning(v, q, &shape, &path, j, along);
+        if (!(along->touching && q->contact[j].regime == (int32_t)REGIME_APART) && (!met || met[j])) {
+            put_contact_jet(v, q, at, j, rubs, along);
         }
     }
+}
+
+void jet_of_contact(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
+                    int contact, struct scene_jet *along)
+{
+    put_contact_jet(v, q, at, contact, scene_turns(v), along);
 }
 
 void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
@@ -451,15 +467,21 @@ double free_bodies_external_power(const struct scene_values *v, const struct sce
     return power + turning;
 }
 
+double jet_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
+                               const struct scene_jet *along, int contact, int order)
+{
+    const struct contact_jet *jet = &along->contact[contact];
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    return contact_dissipated_term(&law, (enum contact_regime)q->contact[contact].regime, jet->normal_force,
+                                   jet->gap, jet->gap_rate, order);
+}
+
 double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
                                     const struct scene_jet *along, int order)
 {
     double power = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_jet *contact = &along->contact[j];
-        const struct contact_law law = scene_contact_law(v, q, j);
-        power += contact_dissipated_term(&law, (enum contact_regime)q->contact[j].regime,
-                                         contact->normal_force, contact->gap, contact->gap_rate, order);
+        power += jet_dissipated_power_of(v, q, along, j, order);
     }
     return power;
 }
@@ -541,9 +563,56 @@ struct vec3 turning_jet_half_jerk(const struct scene_values *v, const struct sce
     return sum;
 }
 
-/* Returns half a spring's second derivative xi'', where xi' is the sum of the law's rate f(F_n, v_t, xi) and
- * opposed_turned. */
-static struct vec3 half_spring_change(const struct scene_values *v, const struct scene_state *q,
+/* Takes away the part of a vector that does not turn the normal of a circle, (R / rho) b (b.w_g), in which b
+ * is the unit vector along the circle and rho the distance from its axis. */
+static void take_hoop(const struct contact_geometry *g, const struct contact_path *path,
+                      struct vec3 across[JET_TERMS])
+{
+    struct vec3 radial[JET_TERMS];
+    double axial[JET_TERMS], rho[JET_TERMS];
+    jet_of_axis_distance(path->c, path->axis, radial, axial, rho);
+    struct vec3 to_axis[JET_TERMS] = {vec3_scale(1.0 / rho[0], radial[0])};
+    jet_divide(radial, rho, to_axis);
+    const struct vec3 b[2] = {turning_jet_cross(path->axis, to_axis, 0),
+                              turning_jet_cross(path->axis, to_axis, 1)};
+    const double part[2] = {g->circumferential_part, -g->circumferential_part * rho[1] / rho[0]};
+    const double rate[2] = {jet_dot(b, path->seen, 0), jet_dot(b, path->seen, 1)};
+    for (int i = 0; i < 2; ++i) {
+        const double along[2] = {part[0] * rate[0], part[0] * rate[1] + part[1] * rate[0]};
+        across[i] = vec3_sub(across[i], jet_scale(along, b, i));
+    }
+}
+
+/* Sets n' = across / d + omega_d x n and its change along the path, where `across` is the part of w_g that
+ * turns n (contact_turning_part). */
+static void put_normal_rate(const struct contact_shape *shape, const struct contact_geometry *g,
+                            const struct contact_path *path, const struct contact_jet *jet,
+                            struct vec3 rate[2])
+{
+    struct vec3 across[JET_TERMS] = {{0.0, 0.0, 0.0}};
+    for (int i = 0; i < 2; ++i) {
+        rate[i] = contact_is_skew(shape) ? vec3_make(0.0, 0.0, 0.0)
+                                         : turning_jet_cross(path->destination, jet->normal, i);
+        const double opening[2] = {jet_dot(path->seen, jet->normal, 0), jet_dot(path->seen, jet->normal, 1)};
+        const double axial[2] = {jet_dot(path->seen, path->axis, 0), jet_dot(path->seen, path->axis, 1)};
+        across[i] = vec3_sub(path->seen[i], jet_scale(opening, jet->normal, i));
+        if (contact_is_cylinder(shape)) {
+            across[i] = vec3_sub(across[i], jet_scale(axial, path->axis, i));
+        }
+    }
+    if (contact_turns(shape, g)) {
+        if (contact_is_circle(shape)) {
+            take_hoop(g, path, across);
+        }
+        struct vec3 turned[JET_TERMS] = {vec3_scale(1.0 / g->distance, across[0])};
+        jet_divide(across, jet->distance, turned);
+        rate[0] = vec3_add(rate[0], turned[0]);
+        rate[1] = vec3_add(rate[1], turned[1]);
+    }
+}
+
+/* xi' is the sum of the law's rate f(F_n, v_t, xi) and opposed_turned. */
+struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct scene_state *q,
                                       const struct scene_instant *at, const struct scene_jet *along,
                                       int contact, int part)
 {
@@ -551,14 +620,20 @@ static struct vec3 half_spring_change(const struct scene_values *v, const struct
     const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
     const struct friction_state rubbing = turning_rubbing(&q->turning, at, contact, part);
     const struct friction_slopes slopes = friction_spring_rate_slopes(&law, regime, rubbing);
-    const struct contact_jet *geometry = &along->contact[contact];
-    const struct vec3 *spring = along->spring[contact][part];
-    const double stiffened = friction_stiffening(&law, rubbing.depth) * rubbing.depth_rate; /* friction.h */
-    const struct vec3 sum =
-        friction_slopes_along(&slopes, geometry->normal_force[1], along->turning[contact].motion[part][1],
+    const struct contact_jet *jet = &along->contact[contact];
+    const struct vec3 spring[2] = {rubbing.spring, along->spring[contact][part][1]};
+    struct vec3 rate[2];
+    if (q->contact[contact].regime == (int32_t)REGIME_APART) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const struct contact_path path = path_of(v, at, along, &shape, contact);
+    put_normal_rate(&shape, &at->geometry[contact], &path, jet, rate);
+    const double stiffened = -friction_stiffening(&law, rubbing.depth) * jet->gap[1]; /* friction.h */
+    const struct vec3 by_law =
+        friction_slopes_along(&slopes, jet->normal_force[1], along->turning[contact].motion[part][1],
                               vec3_axpy(spring[1], stiffened, spring[0]));
-    return vec3_scale(0.5,
-                      vec3_add(sum, opposed_turned_term((enum opposed)part, spring, geometry->normal, 1)));
+    return vec3_add(by_law, opposed_turned_change((enum opposed)part, spring, jet->normal, rate));
 }
 
 /* Sets the second-order terms of rotations and springs from contacts known to the first order; without `all`
@@ -574,7 +649,7 @@ static void put_turning_changes(const struct scene_values *v, const struct scene
     for (int j = 0; all && j < SCENE_CONTACTS; ++j) {
         for (int i = 0; i < OPPOSED && q->contact[j].regime != (int32_t)REGIME_APART; ++i) {
             if (contact_has_spring(v, j, i)) {
-                along->spring[j][i][2] = half_spring_change(v, q, at, along, j, i);
+                along->spring[j][i][2] = vec3_scale(0.5, turning_jet_spring_change(v, q, at, along, j, i));
             }
         }
     }
@@ -627,29 +702,6 @@ void jet_of_motion(const struct scene_values *v, const struct scene_state *q, co
     put_contacts(v, q, at, met, along);
 }
 
-struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct scene_state *q,
-                                      const struct scene_instant *at, const struct scene_jet *along,
-                                      int contact, int part)
-{
-    if (q->contact[contact].regime == (int32_t)REGIME_APART) {
-        return vec3_make(0.0, 0.0, 0.0);
-    }
-    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
-    const struct contact_path path = path_of(v, at, along, &shape, contact);
-    const struct turning_motion motion = turning_motion_of(&q->turning, at, contact);
-    const struct turning_laws laws = turning_laws_of(v, q, contact);
-    const struct turning_slopes slopes = turning_slopes_at(&shape, &at->geometry[contact], &motion, &laws);
-    struct turning_motion change = {.separation = path.c[1],
-                                    .rate = path.w[1],
-                                    .source_rotation = path.source[1],
-                                    .destination_rotation = path.destination[1],
-                                    .axis = along->axis[contact_destination(contact)][1]};
-    for (int i = 0; i < OPPOSED; ++i) {
-        change.spring[i] = along->spring[contact][i][1];
-    }
-    return turning_slopes_along(&slopes, &change).spring_rate[part];
-}
-
 void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at, int body,
                            int component, double change, struct scene_jet *along)
 {
@@ -675,16 +727,25 @@ void turning_jet_move_orientation(int body, struct quaternion unit, double lengt
     along->axis[body][1] = vec3_add(along->axis[body][1], vec3_cross(turned, quaternion_third_axis(unit)));
 }
 
+double turning_jet_friction_power_of(const struct scene_values *v, const struct scene_jet *along, int contact,
+                                     int order)
+{
+    const struct turning_jet *jet = &along->turning[contact];
+    double power = 0.0;
+    if (contact_rubs(v, contact)) {
+        power -= jet_dot(jet->friction_force, jet->slip, order);
+    }
+    if (contact_resists(v, contact)) {
+        power -= jet_dot(jet->resistance, jet->spin, order);
+    }
+    return power;
+}
+
 double turning_jet_friction_power(const struct scene_values *v, const struct scene_jet *along, int order)
 {
     double power = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_rubs(v, j)) {
-            power -= jet_dot(along->turning[j].friction_force, along->turning[j].slip, order);
-        }
-        if (contact_resists(v, j)) {
-            power -= jet_dot(along->turning[j].resistance, along->turning[j].spin, order);
-        }
+        power += turning_jet_friction_power_of(v, along, j, order);
     }
     return power;
 }
