@@ -98,7 +98,7 @@ struct iteration {
     struct normals normals[SCENE_CONTACTS];
     /* scales of the responses that are forces [m/(N s)], and of those that are torques [rad/(N m s)] */
     double admittance[SCENE_CONTACTS], turning_admittance[SCENE_CONTACTS];
-    struct node_spring spring[SCENE_ANY_SPRINGS ? SCENE_CONTACTS : 1][OPPOSED];
+    struct node_spring spring[1 + SCENE_ANY_SPRINGS * (SCENE_CONTACTS - 1)][OPPOSED];
     struct mobility mobility[SCENE_BODIES];
     struct rotation_by_spin rotation[RADAU_MOST_STAGES][SCENE_BODIES];
     int among[ODE_MOST_STATES]; /* indices of states among those that are no places */
@@ -672,13 +672,11 @@ static struct vec3 velocity_of(const struct iteration *it, int stage, int contac
  * quaternion q turns a body by the vector part of 2 dq q* / |q|^2. */
 static struct vec3 turned_of(const struct iteration *it, int stage, int contact, const double *change)
 {
-    const struct radau_step *p = &it->g->step;
-    const struct ode_layout *layout = &it->g->ode.layout;
-    const struct node_contact *ends = &it->contact[contact];
     struct vec3 sum = {0.0, 0.0, 0.0};
     for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
-        const int k = layout->orientation[ends->body[end]];
-        if (k >= 0 && k < layout->coupled) {
+        const int k = it->g->ode.layout.orientation[it->contact[contact].body[end]];
+        if (k >= 0 && k < it->g->ode.layout.coupled) {
+            const struct radau_step *p = &it->g->step;
             const double *by = change + it->among[k];
             const double *moved = p->others_change + stage * p->width + it->among[k];
             const double *from = p->y + k;
