@@ -18,8 +18,8 @@ enum { ROWS_WHERE_IT_SWINGS = 2 };
 /* One contact at one stage. U is the velocity of the source at the point of contact less that of the
  * destination [m/s]; X is its integral [m]. The first three rows of the response are those of the force, and
  * each changes by `by_force` dF + `by_velocity` dU + `by_place` dX. The last three are those of the torque,
- * and each changes by `by_force` dF + `by_torque` dM + `by_spin` domega. Where the contact has one unknown there
- * is one row, and dF has the direction `push`. Rows with a spring change by `by_spring` dxi as well;
+ * and each changes by `by_force` dF + `by_torque` dM + `by_spin` domega. Where the contact has one unknown,
+ * there is one row, and dF has the direction `push`. Rows with a spring change by `by_spring` dxi as well;
  * `by_drive` is their change by what drives the spring (friction_spring_drive_of).
  *
  * A displacement dD of the source's centre against the destination's turns n, by which the rows of the force
@@ -150,11 +150,11 @@ static void prepare_bodies(struct iteration *it)
     }
 }
 
-/* Without friction the direction of a force is the n of the last iteration where the step, of the length h, has
- * less than this h^2 F_n / (m_red d). The iterations converge so. In longer steps the bodies swing about each
- * other by more than the iterations follow, and the whole force is unknown. The steps of a bearing at rest,
- * whose balls are nearly as wide as its grooves, grow only by that; 4 and 25 in place of 10 take it 10 % more
- * instructions until then. */
+/* Without friction a contact has one unknown, and the force has the direction n of the last iteration, where
+ * the step of the length h has less than this h^2 F_n / (m_red d): the iterations then converge. In longer
+ * steps the bodies swing about each other by more than the iterations follow, and the whole force is unknown.
+ * A bearing that comes to rest, with balls nearly as wide as its grooves, takes 2.2e9 instructions for 50 ms;
+ * with 4 and with 25 in place of 10 it takes 12 and 6 % more. */
 static const double SWINGING = 10.0;
 
 /* Returns the number of unknowns of a contact at a stage; zero where it transmits no force. */
