@@ -103,7 +103,7 @@ static void put_saturation(double z, double out[JET_TERMS])
     out[2] *= 2.0; /* Horner's scheme gives derivatives over factorials */
 }
 
-/* Sets the coefficients of -L (1 - exp(-|v_t|/v_0))/|v_t| v_t. */
+/* Sets the series of regularized friction, F_t = -L (1 - exp(-|v_t|/v_0))/|v_t| v_t. */
 static void put_regularized(const struct friction_law *law, const struct friction_path *path,
                             const double limit[JET_TERMS], struct vec3 force[JET_TERMS])
 {

@@ -14,8 +14,8 @@
 /* Returns the bytes of memory that g->nodes needs. */
 size_t node_forces_memory(void);
 
-/* Returns the number of unknowns at a stage while all contacts transmit forces, for which there shall be room
- * at twelve stages. */
+/* Returns the number of unknowns of a stage for which a step of twelve stages has room: those that there are
+ * while all contacts transmit forces. */
 int node_forces_unknowns(const struct scene_values *v);
 
 /* Returns the largest number of stages at which the unknowns of the contacts in touch have room in a step of

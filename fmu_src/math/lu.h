@@ -1,6 +1,6 @@
 /*
  * Factors of a dense matrix and the solution of its systems, by Gaussian elimination with row pivots. The
- * matrix stands column by column. Each column, and a right side, ends with at least one zero.
+ * matrix is stored column by column. At least one zero follows each column and each right side.
  */
 #ifndef CONTACT_MATH_LU_H
 #define CONTACT_MATH_LU_H

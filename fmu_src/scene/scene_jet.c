@@ -286,7 +286,7 @@ static void put_turning(const struct scene_values *v, const struct scene_state *
     }
 }
 
-/* Puts the terms of one contact; those of slip, friction and torques only where `rubs`. */
+/* Sets the series of one contact. If `rubs`, these include the slip, friction and torques. */
 static void put_contact_jet(const struct scene_values *v, const struct scene_state *q,
                             const struct scene_instant *at, int contact, bool rubs, struct scene_jet *along)
 {
@@ -302,7 +302,7 @@ static void put_contact_jet(const struct scene_values *v, const struct scene_sta
     }
 }
 
-/* Puts the terms of the contacts in `met`, or of all. */
+/* Sets the series of the contacts that `met` marks; NULL marks all. */
 static void put_contact_jets(const struct scene_values *v, const struct scene_state *q,
                              const struct scene_instant *at, const bool *met, bool rubs,
                              struct scene_jet *along)

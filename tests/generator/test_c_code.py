@@ -256,11 +256,8 @@ def test_nodes_of_collocation_and_their_polynomials(tables, name, points):
 
 @pytest.mark.parametrize("stages", [4, 8, 12])
 def test_stages_of_radau_integrate_polynomials(tables, stages):
-    def of(name, *shape):
-        return tables[f"radau_{name}_{stages}"].reshape(*shape)
-
-    node = of("node", stages)
-    integral, inverse = of("integral", stages, stages), of("inverse", stages, stages)
+    node = tables[f"radau_node_{stages}"]
+    integral, inverse = (tables[f"radau_{of}_{stages}"].reshape(stages, -1) for of in ("integral", "inverse"))
     for k in range(stages):
         assert integral @ node**k == pytest.approx(node ** (k + 1) / (k + 1), abs=1e-15)
     assert integral @ inverse == pytest.approx(np.eye(stages), abs=1e-13)
