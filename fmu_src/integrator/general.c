@@ -730,11 +730,17 @@ static const double LEAST_TOLERANCE = 1024.0 * DBL_EPSILON;
 /* Where outputs are read within a step, the error allowed there is this part of the tolerance. */
 static const double READ_PART = 0.1;
 
+static void general_rates(void *general, double clock, const double *y, double *rates)
+{
+    const struct general *g = general;
+    ode_rates(&g->ode, clock, y, rates);
+}
+
 /* Returns the problem of the states of g->ode.layout. */
 static struct radau_problem problem_of(struct general *g, const struct scene_values *v)
 {
     const struct ode_layout *layout = &g->ode.layout;
-    struct radau_problem problem = {.context = &g->ode,
+    struct radau_problem problem = {.context = g,
                                     .size = layout->size,
                                     .coupled = layout->coupled,
                                     .integrals = layout->integrals,
@@ -744,8 +750,8 @@ static struct radau_problem problem_of(struct general *g, const struct scene_val
                                     .group_end = layout->group_end,
                                     .place = g->place,
                                     .speed = g->speed,
-                                    .rates = ode_rates,
-                                    .jacobian = ode_coupled_jacobian};
+                                    .rates = general_rates,
+                                    .slopes = node_forces_slopes};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         for (int k = 0; k < 3 && layout->body[i] >= 0; ++k) {
             g->place[problem.paired] = layout->body[i] + k;

@@ -103,7 +103,8 @@ struct iteration {
     struct rotation_by_spin rotation[RADAU_MOST_STAGES][SCENE_BODIES];
     int among[ODE_MOST_STATES]; /* indices of states among those that are no places */
     double *rates, *bare; /* [stages][width] rates of these states with and without the contact forces */
-    bool stale;           /* whether the slopes of a contact that rolls have changed by more than STALE */
+    struct scene_instant instant; /* at which node_forces_slopes linearizes */
+    bool stale; /* whether the slopes of a contact that rolls have changed by more than STALE */
     int factorizations;
 };
 
@@ -136,6 +137,9 @@ static struct rotation_by_spin rotation_of(const struct scene_values *v, int bod
 static void prepare_bodies(struct iteration *it)
 {
     const struct scene_values *v = it->g->ode.values;
+    for (int j = 0; j < it->g->step.others; ++j) {
+        it->among[it->g->step.other[j]] = j;
+    }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         struct mobility *to = &it->mobility[i];
         *to = (struct mobility){.by_mass = body_inverse_mass(v, i)};
@@ -170,13 +174,14 @@ static int rows_of(const struct general *g, int contact, double length)
     return swings || contact_rubs(g->ode.values, contact) ? ROWS : ROWS_WITHOUT_FRICTION;
 }
 
-static void note_node_contact(struct iteration *it, int contact)
+/* Notes a contact that transmits forces, in a step of the length [s]. */
+static void note_node_contact(struct iteration *it, int contact, double length)
 {
     const struct scene_values *v = it->g->ode.values;
     const double by_mass = scene_inverse_mass(v, contact);
     struct node_contact *to = &it->contact[it->contacts];
     to->contact = contact;
-    to->rows = rows_of(it->g, contact, it->g->step.length);
+    to->rows = rows_of(it->g, contact, length);
     to->rubs = contact_rubs(v, contact);
     to->springs = contact_has_springs(v, contact);
     to->island = it->g->ode.layout.island[contact];
@@ -192,8 +197,8 @@ static void note_node_contact(struct iteration *it, int contact)
         to->speed[end] = layout->body[body] >= 0 ? it->among[layout->body[body] + 3] : -1;
         by_inertia += it->mobility[body].by_inertia;
     }
-    it->admittance[it->contacts] = it->g->step.length * (by_mass > 0.0 ? by_mass : 1.0);
-    it->turning_admittance[it->contacts] = it->g->step.length * (by_inertia > 0.0 ? by_inertia : 1.0);
+    it->admittance[it->contacts] = length * (by_mass > 0.0 ? by_mass : 1.0);
+    it->turning_admittance[it->contacts] = length * (by_inertia > 0.0 ? by_inertia : 1.0);
     it->contacts += 1;
     it->rows += to->rows;
 }
@@ -232,7 +237,7 @@ static void note_contacts(struct iteration *it)
         for (int n = 0; is_first && n <= SCENE_CONTACTS; ++n) {
             for (int j = k; j < SCENE_CONTACTS; ++j) {
                 if (island[j] == island[k] && neighbours[j] == n && contact_transmits(it->g->state, j)) {
-                    note_node_contact(it, j);
+                    note_node_contact(it, j, it->g->step.length);
                 }
             }
         }
@@ -247,9 +252,6 @@ static void prepare(struct iteration *it)
     struct radau_step *p = &g->step;
     it->rates = p->rates;
     it->bare = p->bare;
-    for (int j = 0; j < p->others; ++j) {
-        it->among[p->other[j]] = j;
-    }
     prepare_bodies(it);
     note_contacts(it);
     memset(p->point, 0, (size_t)g->size * sizeof *p->point);
@@ -668,8 +670,15 @@ static struct vec3 velocity_of(const struct iteration *it, int stage, int contac
     return sum;
 }
 
-/* Returns the change of the place X of a contact at a stage as orientations change. A change dq of the
- * quaternion q turns a body by the vector part of 2 dq q* / |q|^2. */
+/* Returns the vector by which a change dq of the quaternion q turns a body: the vector part of
+ * 2 dq q* / |q|^2. */
+static struct vec3 turn_of(struct quaternion q, struct quaternion dq)
+{
+    return vec3_scale(2.0 / quaternion_dot(q, q),
+                      quaternion_vector(quaternion_product(dq, quaternion_inverse(q))));
+}
+
+/* Returns the change of the place X of a contact at a stage as orientations change. */
 static struct vec3 turned_of(const struct iteration *it, int stage, int contact, const double *change)
 {
     struct vec3 sum = {0.0, 0.0, 0.0};
@@ -682,9 +691,7 @@ static struct vec3 turned_of(const struct iteration *it, int stage, int contact,
             const double *from = p->y + k;
             const struct quaternion q = {from[0] + moved[0], from[1] + moved[1], from[2] + moved[2],
                                          from[3] + moved[3]};
-            const struct quaternion dq = {by[0], by[1], by[2], by[3]};
-            const struct vec3 turn = vec3_scale(
-                2.0 / quaternion_dot(q, q), quaternion_vector(quaternion_product(dq, quaternion_inverse(q))));
+            const struct vec3 turn = turn_of(q, (struct quaternion){by[0], by[1], by[2], by[3]});
             sum = vec3_axpy(sum, SIGN_OF_END[end], vec3_cross(turn, it->node[stage][contact].arm[end]));
         }
     }
@@ -1234,6 +1241,198 @@ static void finish_nodes(struct iteration *it)
                         move_to_stage(it, i, true), p->rates + i * p->stride);
     }
     p->evaluations += p->stages->stages;
+}
+
+/* These functions linearize the motion at one instant, at the first node, by the slopes of the
+ * responses. They leave out what the methods of a step's length and error do not ask for: how lever arms turn
+ * with the bodies, and how the angular velocity of a body changes as it tips under a constant L. */
+
+/* A change of the motion of a contact: of U, X and omega, and of the spring of one of its parts. */
+struct node_change {
+    struct vec3 velocity, place, spin, spring;
+    int part;
+};
+
+/* Returns the solution of a system of three equations, given its rows. */
+static struct vec3 solve_three(const struct vec3 rows[ROWS], struct vec3 side)
+{
+    const struct vec3 first = vec3_cross(rows[1], rows[2]);
+    const struct vec3 sum = vec3_add(vec3_scale(side.y, vec3_cross(rows[2], rows[0])),
+                                     vec3_scale(side.z, vec3_cross(rows[0], rows[1])));
+    return vec3_scale(1.0 / vec3_dot(rows[0], first), vec3_axpy(sum, side.x, first));
+}
+
+/* Sets the changes of the force and of the torque of a contact by a change of its motion, such that its
+ * responses stay zero. */
+static void follow_change(const struct iteration *it, int contact, const struct node_change *by,
+                          struct vec3 *force, struct vec3 *torque)
+{
+    const struct node *node = &it->node[0][contact];
+    double missed[MOST_ROWS] = {0.0};
+    for (int r = 0; r < ROWS; ++r) {
+        missed[r] = vec3_dot(node->by_velocity[r], by->velocity) +
+                    vec3_dot(vec3_add(node->by_place[r], node->by_swing[r]), by->place);
+        if (SCENE_ANY_SPRINGS && it->contact[contact].springs && by->part == OPPOSED_SLIP) {
+            missed[r] += vec3_dot(node->by_spring[OPPOSED_SLIP][r], by->spring);
+        }
+    }
+    *force = vec3_scale(-1.0, solve_three(node->by_force, vec3_from(missed)));
+    *torque = vec3_make(0.0, 0.0, 0.0);
+    if (SCENE_ANY_ROLLING && it->contact[contact].rows == MOST_ROWS) {
+        for (int r = 0; r < ROWS; ++r) {
+            missed[r] = vec3_dot(node->by_force[ROWS + r], *force) + vec3_dot(node->by_spin[r], by->spin);
+            if (it->contact[contact].springs && by->part != OPPOSED_SLIP) {
+                missed[r] += vec3_dot(node->by_spring[by->part][r], by->spring);
+            }
+        }
+        *torque = vec3_scale(-1.0, solve_three(node->by_torque, vec3_from(missed)));
+    }
+}
+
+/* Adds to it->rates what a change of the motion of a contact does to its bodies and springs. */
+static void add_change(struct iteration *it, int contact, const struct node_change *by)
+{
+    struct vec3 force, torque;
+    follow_change(it, contact, by, &force, &torque);
+    add_force(it, 0, contact, force, torque);
+    for (int part = 0; SCENE_ANY_SPRINGS && it->contact[contact].springs && part < OPPOSED; ++part) {
+        const int spring = it->g->ode.layout.spring[it->contact[contact].contact][part];
+        const struct friction_spring_drive *drive = &it->node[0][contact].drive[part];
+        const struct vec3 n = it->instant.geometry[it->contact[contact].contact].normal;
+        const struct vec3 dz = drive->is_force        ? (part == OPPOSED_SLIP ? force : torque)
+                               : part == OPPOSED_SLIP ? by->velocity
+                                                      : by->spin;
+        if (spring >= 0) {
+            const struct vec3 driven = driven_by(drive, opposed_laid((enum opposed)part, dz, n));
+            const double decay = part == by->part ? drive->decay : 0.0;
+            add_vector(it->rates + it->among[spring], 1.0, vec3_axpy(driven, -decay, by->spring));
+        }
+    }
+}
+
+/* Adds what a change of the motion of a body does to its contacts. Its centre moves by `place` and faster by
+ * `velocity`; it turns by the vector `turn` and faster by `spin`. */
+static void add_change_of_body(struct iteration *it, int body, struct vec3 place, struct vec3 velocity,
+                               struct vec3 turn, struct vec3 spin)
+{
+    for (int c = 0; c < it->contacts; ++c) {
+        for (int end = 0; end < 2; ++end) {
+            const double sign = SIGN_OF_END[end];
+            struct node_change by = {vec3_scale(sign, velocity),
+                                     vec3_scale(sign, place),
+                                     vec3_scale(sign, spin),
+                                     {0.0, 0.0, 0.0},
+                                     0};
+            if (it->contact[c].body[end] != body) {
+                continue;
+            }
+            if (scene_turns(it->g->ode.values)) {
+                const struct vec3 arm = it->node[0][c].arm[end];
+                by.velocity = vec3_axpy(by.velocity, sign, vec3_cross(spin, arm));
+                by.place = vec3_axpy(by.place, sign, vec3_cross(turn, arm));
+            }
+            add_change(it, c, &by);
+        }
+    }
+}
+
+/* Adds the columns of a body that turns freely: of its spin and, where contacts depend on it, of its
+ * orientation. */
+static void add_columns_of_turning(struct iteration *it, int body, double *by_others)
+{
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    const struct ode_layout *layout = &it->g->ode.layout;
+    const int others = it->g->step.others;
+    const int row = layout->orientation[body];
+    const bool tips = SCENE_ANY_TIPPING && row < layout->coupled;
+    const double *y = it->g->step.point + row;
+    const struct quaternion q = {y[0], y[1], y[2], y[3]};
+    for (int k = 0; k < 3; ++k) {
+        const struct vec3 faster = rotated_by(&it->rotation[0][body], (struct vec3){k == 0, k == 1, k == 2});
+        it->rates = by_others + (it->among[layout->spin[body]] + k) * others;
+        add_change_of_body(it, body, none, none, none, faster);
+        if (tips) {
+            const struct quaternion rate = quaternion_rate(q, faster);
+            it->rates[it->among[row]] += rate.w;
+            add_vector(it->rates + it->among[row] + 1, 1.0, quaternion_vector(rate));
+        }
+    }
+    for (int k = 0; tips && k < 4; ++k) {
+        const struct quaternion unit = {k == 0, k == 1, k == 2, k == 3};
+        const struct quaternion rate = quaternion_rate(unit, it->instant.turning.body[body].angular_velocity);
+        it->rates = by_others + (it->among[row] + k) * others;
+        it->rates[it->among[row]] += rate.w;
+        add_vector(it->rates + it->among[row] + 1, 1.0, quaternion_vector(rate));
+        add_change_of_body(it, body, none, none, turn_of(q, unit), none);
+    }
+}
+
+/* Evaluates the contacts at the first node, with the forces that the law gives there. One second stands for
+ * the length of the step: it only chooses between responses whose slopes agree. */
+static void evaluate_instant(struct iteration *it, double clock, const double *y)
+{
+    struct general *g = it->g;
+    const struct scene_values *v = g->ode.values;
+    struct scene_instant *at = &it->instant;
+    ode_instant(&g->ode, clock, y, at);
+    prepare_bodies(it);
+    it->rates = g->step.scratch; /* of the springs, which are not asked for */
+    it->contacts = it->rows = 0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_transmits(g->state, j)) {
+            struct node *node = &it->node[0][it->contacts];
+            node->force = at->source_force[j];
+            node->torque = at->turning.resistance[j];
+            node->arm[0] = at->turning.source_arm[j];
+            node->arm[1] = at->turning.destination_arm[j];
+            note_node_contact(it, j, 1.0);
+            if (SCENE_ANY_FRICTION && contact_rubs(v, j)) {
+                respond_with_friction(it, 0, it->contacts - 1, at, true);
+            } else {
+                respond_freely(it, 0, it->contacts - 1, at, true);
+            }
+        }
+    }
+    for (int i = 0; SCENE_ANY_TIPPING && i < SCENE_BODIES; ++i) {
+        if (body_turns_freely(v, i)) {
+            it->rotation[0][i] = rotation_of(v, i, at->turning.body[i].orientation);
+        }
+    }
+}
+
+void node_forces_slopes(void *general, double clock, const double *y, double *by_others, double *by_places)
+{
+    struct general *g = general;
+    struct iteration *it = g->nodes;
+    const struct ode_layout *layout = &g->ode.layout;
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    const int others = g->step.others;
+    int place = 0;
+    it->g = g;
+    memmove(g->step.point, y, (size_t)g->size * sizeof *y);
+    evaluate_instant(it, clock, g->step.point);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        for (int k = 0; k < 3 && layout->body[i] >= 0; ++k) {
+            const struct vec3 unit = {k == 0, k == 1, k == 2};
+            it->rates = by_places + place++ * others;
+            add_change_of_body(it, i, unit, none, none, none);
+            it->rates = by_others + (it->among[layout->body[i] + 3] + k) * others;
+            add_change_of_body(it, i, none, unit, none, none);
+        }
+        if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
+            add_columns_of_turning(it, i, by_others);
+        }
+    }
+    for (int k = 0; SCENE_ANY_SPRINGS && k < 3 * OPPOSED * it->contacts; ++k) {
+        const int contact = k / (3 * OPPOSED);
+        struct node_change by = {.part = k / 3 % OPPOSED};
+        const int spring = layout->spring[it->contact[contact].contact][by.part];
+        if (spring >= 0) {
+            vec3_set(&by.spring, k % 3, 1.0);
+            it->rates = by_others + (it->among[spring] + k % 3) * others;
+            add_change(it, contact, &by);
+        }
+    }
 }
 
 /* Largest number of iterations, and of iterations with new slopes. More iterations would cost more than two

@@ -165,7 +165,7 @@ size_t radau_step_memory(const struct radau_problem *problem)
     const size_t n = (size_t)radau_padded(problem->size);
     const size_t s = RADAU_MOST_STAGES;
     const size_t all = (size_t)radau_padded(rows_of_all(problem));
-    const size_t doubles = (8 * s + 1) * n + 5 * n * n + 7 * n + (all + 1) * all;
+    const size_t doubles = (8 * s + 1) * n + 4 * n * n + 7 * n + (all + 1) * all;
     const size_t ints = 4 * n + 1 + all;
     return doubles * sizeof(double) + ints * sizeof(int);
 }
@@ -211,7 +211,7 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     const int n = radau_padded(problem->size);
     const int s = RADAU_MOST_STAGES;
     double *next = memory;
-    *p = (struct radau_step){.problem = *problem, .stride = n, .jacobian_clock = (double)NAN};
+    *p = (struct radau_step){.problem = *problem, .stride = n, .end_clock = (double)NAN};
     p->change = take(&next, s * n);
     p->rates = take(&next, s * n);
     p->others_change = take(&next, s * n);
@@ -220,14 +220,13 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     p->scratch = take(&next, s * n);
     p->more = take(&next, s * n);
     p->chebyshev = take(&next, (s + 1) * n);
-    p->jacobian = take(&next, n * n);
     p->by_others = take(&next, n * n);
     p->by_places = take(&next, n * n);
     p->y = take(&next, n);
     p->start_rates = take(&next, n);
     p->weight = take(&next, n);
     p->point = take(&next, n);
-    p->jacobian_y = take(&next, n);
+    p->end_y = take(&next, n);
     p->re = take(&next, n);
     const int all = radau_padded(rows_of_all(problem));
     p->end_others = take(&next, n * n);
@@ -243,51 +242,33 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     list_others(p);
 }
 
-/* Copies the parts of p->jacobian by the states left and by the places. Outside the groups they are zero. */
-static void radau_take_jacobian(const struct radau_step *p, double *by_others, double *by_places)
+/* Evaluates the slopes of the rates of the others at a state. */
+static void evaluate_slopes(struct radau_step *p, double clock, const double *y, double *by_others,
+                            double *by_places)
 {
     const struct radau_problem *problem = &p->problem;
-    const int m = p->others;
-    memset(by_others, 0, (size_t)(m * m) * sizeof *by_others);
-    memset(by_places, 0, (size_t)(problem->paired * m) * sizeof *by_places);
-    for (int j = 0; j < m; ++j) {
-        const double *column = p->jacobian + p->other[j] * problem->coupled;
-        for (int i = radau_group_begin(p, j); i < radau_group_end(p, j); ++i) {
-            by_others[j * m + i] = column[p->other[i]];
-        }
-    }
-    for (int j = 0; j < problem->paired; ++j) {
-        const double *column = p->jacobian + problem->place[j] * problem->coupled;
-        const int speed = p->speed_among[j];
-        for (int i = radau_group_begin(p, speed); i < radau_group_end(p, speed); ++i) {
-            by_places[j * m + i] = column[p->other[i]];
-        }
-    }
+    const size_t row = (size_t)p->others * sizeof(double);
+    memset(by_others, 0, (size_t)p->others * row);
+    memset(by_places, 0, (size_t)problem->paired * row);
+    problem->slopes(problem->context, clock, y, by_others, by_places);
+    p->evaluations += 1;
 }
 
-/* Evaluates the Jacobian, unless it is known for the same clock and states. A step usually begins with the
- * states for which the step before has found its error. */
-static void evaluate_jacobian(struct radau_step *p, double clock, const double *y)
-{
-    const size_t bytes = (size_t)p->problem.coupled * sizeof *y;
-    if (p->jacobian_clock != clock || memcmp(p->jacobian_y, y, bytes) != 0) {
-        p->problem.jacobian(p->problem.context, clock, y, p->jacobian);
-        p->evaluations += 1;
-        p->jacobian_clock = clock;
-        memcpy(p->jacobian_y, y, bytes);
-    }
-}
-
+/* A step usually begins with the states for which the step before has found its error. */
 void radau_step_begin(struct radau_step *p, double clock, const double *y)
 {
     const struct radau_problem *problem = &p->problem;
-    const int n = problem->size;
+    const size_t row = (size_t)p->others * sizeof(double);
     p->start = clock;
-    memcpy(p->y, y, (size_t)n * sizeof *y);
+    memcpy(p->y, y, (size_t)problem->size * sizeof *y);
     problem->rates(problem->context, clock, y, p->start_rates);
     p->evaluations += 1;
-    evaluate_jacobian(p, p->start, p->y);
-    radau_take_jacobian(p, p->by_others, p->by_places);
+    if (p->end_clock == clock && memcmp(p->end_y, y, (size_t)problem->coupled * sizeof *y) == 0) {
+        memcpy(p->by_others, p->end_others, (size_t)p->others * row);
+        memcpy(p->by_places, p->end_places, (size_t)problem->paired * row);
+    } else {
+        evaluate_slopes(p, clock, p->y, p->by_others, p->by_places);
+    }
 }
 
 /* Sets `product` to a b. Quaternions have their real part first. */
@@ -709,8 +690,9 @@ double radau_step_start_error(struct radau_step *p)
     }
     solve_groups(p, system, p->side);
     radau_step_at(p, 1.0, p->point);
-    evaluate_jacobian(p, p->start + p->length, p->point);
-    radau_take_jacobian(p, p->end_others, p->end_places);
+    evaluate_slopes(p, p->start + p->length, p->point, p->end_others, p->end_places);
+    p->end_clock = p->start + p->length;
+    memcpy(p->end_y, p->point, (size_t)p->problem.coupled * sizeof *p->point);
     if (!factor_dying(p, system, p->end_others, p->end_places)) {
         return (double)INFINITY;
     }

@@ -21,7 +21,7 @@
 #include "math/node_tables.h"
 
 struct radau_problem {
-    const void *context;
+    void *context;
     int size, coupled, integrals;
     bool turns;           /* whether bodies turn, which the caller asks */
     int unknowns;         /* the most unknowns at a stage of the caller's iterations */
@@ -29,9 +29,10 @@ struct radau_problem {
     const int *group_end; /* [groups]: ascending ends of the groups */
     int paired;           /* number of states y[place[i]] whose rate is y[speed[i]]; both are coupled */
     const int *place, *speed;
-    void (*rates)(const void *context, double clock, const double *y, double *rates);
-    /* d(rate i)/d(y j) of the coupled states, at [j * coupled + i] */
-    void (*jacobian)(const void *context, double clock, const double *y, double *columns);
+    void (*rates)(void *context, double clock, const double *y, double *rates);
+    /* Adds d(rate i)/d(other j) of the others at [j * others + i], and d(rate i)/d(place j) of the others at
+     * [j * others + i]. Outside the groups it leaves the zeros that it finds. */
+    void (*slopes)(void *context, double clock, const double *y, double *by_others, double *by_places);
 };
 
 /* The matrix of the caller's iterations, `all`, has room for all unknowns at twelve stages, or for this
@@ -56,14 +57,12 @@ struct radau_step {
     double known_start, known_length; /* start and length of `chebyshev`; length 0: there is none */
     const struct radau_stages *known; /* its method */
     double *weight;                   /* [size]: 1 / error allowed, set by the caller */
-    double *jacobian;                 /* [coupled][coupled], by columns */
-    double jacobian_clock;            /* where it was evaluated last; NaN: not known */
-    double *jacobian_y;               /* [coupled] */
-    double *by_others, *by_places;    /* its parts for the others: [others][others], [paired][others] */
+    double *by_others, *by_places;    /* the slopes at the start: [others][others], [paired][others] */
     double *others_change;            /* [stages][width] */
     double *bare, *scratch, *more;    /* [stages][width], for the caller */
     double *places_change;            /* [stages][paired, padded] */
     double *end_others, *end_places;  /* as by_others and by_places, at the end of the step */
+    double end_clock, *end_y;         /* where they were evaluated; a clock of NaN: they are not known */
     struct lu_matrix all;             /* for the caller, as `side`: [radau_step_room] rows */
     double *side;
     struct radau_columns columns[RADAU_METHODS];
@@ -90,7 +89,7 @@ static inline int radau_group_end(const struct radau_step *p, int other)
 size_t radau_step_memory(const struct radau_problem *problem);
 void radau_step_place(struct radau_step *p, const struct radau_problem *problem, void *memory);
 
-/* Begins a step at the state y and evaluates the rates and the Jacobian at y. */
+/* Begins a step at the state y and evaluates the rates and their slopes at y. */
 void radau_step_begin(struct radau_step *p, double clock, const double *y);
 
 /* Starts iterations from the last polynomial if it begins or ends at the start, else from the rates there. */

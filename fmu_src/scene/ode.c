@@ -700,7 +700,7 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
 /* This part computes the Jacobian column by column, from the jets of the contacts along a change of one
  * state. */
 
-/* The leading `size` rows and columns of a Jacobian, by columns. Entries outside are dropped. */
+/* A Jacobian, by columns. */
 struct jacobian {
     double *at;
     int size;
@@ -708,9 +708,7 @@ struct jacobian {
 
 static void add_entry(struct jacobian m, int row, int column, double value)
 {
-    if (row < m.size && column < m.size) {
-        m.at[column * m.size + row] += value;
-    }
+    m.at[column * m.size + row] += value;
 }
 
 static void add_three(struct jacobian m, int row, int column, double factor, struct vec3 a)
@@ -757,7 +755,7 @@ static void add_contact_change(struct linearization *l, int contact, int column)
     const struct scene_values *v = l->ode->values;
     const struct ode_layout *layout = &l->ode->layout;
     const struct turning_jet *turning = &l->along.turning[contact];
-    if (l->q.contact[contact].regime == (int32_t)REGIME_APART || column >= l->matrix.size) {
+    if (l->q.contact[contact].regime == (int32_t)REGIME_APART) {
         return;
     }
     jet_of_contact(v, &l->q, &l->at, contact, &l->along);
@@ -769,9 +767,6 @@ static void add_contact_change(struct linearization *l, int contact, int column)
             add_three(l->matrix, layout->spring[contact][i], column, 1.0,
                       turning_jet_spring_change(v, &l->q, &l->at, &l->along, contact, i));
         }
-    }
-    if (l->matrix.size <= layout->integrals) {
-        return; /* the leading rows alone are wanted */
     }
     const int impulse = layout->impulse[contact];
     add_three(l->matrix, impulse, column, 1.0, force);
@@ -868,10 +863,10 @@ static void add_columns_of_body(struct linearization *l, int body)
     }
 }
 
-/* Sets the leading `size` rows and columns of the Jacobian, by columns. */
-static void put_jacobian(const struct scene_ode *ode, double clock, const double *y, int size,
-                         double *columns)
+void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
 {
+    const struct scene_ode *ode = scene_ode;
+    const int size = ode->layout.size;
     struct linearization l = {.ode = ode, .clock = clock, .y = y, .matrix = {columns, size}};
     memset(columns, 0, (size_t)size * (size_t)size * sizeof *columns);
     l.along.first_order = true;
@@ -897,18 +892,6 @@ static void put_jacobian(const struct scene_ode *ode, double clock, const double
             *spring = vec3_make(0.0, 0.0, 0.0);
         }
     }
-}
-
-void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
-{
-    const struct scene_ode *ode = scene_ode;
-    put_jacobian(ode, clock, y, ode->layout.size, columns);
-}
-
-void ode_coupled_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
-{
-    const struct scene_ode *ode = scene_ode;
-    put_jacobian(ode, clock, y, ode->layout.coupled, columns);
 }
 
 /* Returns a tiny negative number in place of zero. A contact that starts at g = 0 then does not end at once,

@@ -118,14 +118,11 @@ void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double rel
 void ode_pack(const struct scene_ode *ode, double *y);
 void ode_unpack(const struct scene_ode *ode, struct scene_state *q, const double *y);
 
-/* Computes dy/dt. Integrators that know no scene call it and the Jacobians (math/radau_step.h). */
+/* Computes dy/dt. */
 void ode_rates(const void *scene_ode, double clock, const double *y, double *rates);
 
 /* Sets columns[j * size + i] to the derivative of (dy/dt)_i with respect to y_j. */
 void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns);
-
-/* Sets the leading `coupled` rows and columns of this Jacobian, by columns. */
-void ode_coupled_jacobian(const void *scene_ode, double clock, const double *y, double *columns);
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
 

@@ -39,7 +39,7 @@ TEST(a_matrix_with_many_blocks_of_zeros_gives_the_solution_of_its_system)
  * angular velocity v, and the integral of v^2. */
 enum { PLACE, SPEED, TURN, SQUARE = 6, SIZE };
 
-static void oscillator_rates(const void *damping, double clock, const double *y, double *rates)
+static void oscillator_rates(void *damping, double clock, const double *y, double *rates)
 {
     (void)clock;
     rates[PLACE] = y[SPEED];
@@ -51,16 +51,15 @@ static void oscillator_rates(const void *damping, double clock, const double *y,
     rates[SQUARE] = y[SPEED] * y[SPEED];
 }
 
-static void oscillator_jacobian(const void *damping, double clock, const double *y, double *columns)
+static void oscillator_slopes(void *damping, double clock, const double *y, double *by_others,
+                              double *by_places)
 {
     (void)clock, (void)y;
-    columns[PLACE * 2 + PLACE] = 0.0;
-    columns[PLACE * 2 + SPEED] = -1.0;
-    columns[SPEED * 2 + PLACE] = 1.0;
-    columns[SPEED * 2 + SPEED] = -*(const double *)damping;
+    by_others[0] -= *(const double *)damping;
+    by_places[0] -= 1.0;
 }
 
-static struct radau_problem oscillator(const double *damping)
+static struct radau_problem oscillator(double *damping)
 {
     static const int place = PLACE, speed = SPEED;
     return (struct radau_problem){.context = damping,
@@ -72,7 +71,7 @@ static struct radau_problem oscillator(const double *damping)
                                   .place = &place,
                                   .speed = &speed,
                                   .rates = oscillator_rates,
-                                  .jacobian = oscillator_jacobian};
+                                  .slopes = oscillator_slopes};
 }
 
 /* Begins a step of a problem from the states y, all of the weight 1, and returns its memory. */
@@ -88,7 +87,7 @@ static void *begin_at(struct radau_step *p, const struct radau_problem *problem,
 }
 
 /* Begins at x = 0, v = 1, unturned. */
-static void *begin(struct radau_step *p, const double *damping)
+static void *begin(struct radau_step *p, double *damping)
 {
     const double y[SIZE] = {[SPEED] = 1.0, [TURN] = 1.0};
     const struct radau_problem problem = oscillator(damping);
@@ -148,7 +147,7 @@ TEST(an_oscillation_is_right_at_the_end_and_within)
                  {&radau_stages_12, 4.0, 1e-13, 1e-9},
                  {&radau_stages_touch, 1.0, 1e-13, 1e-9},
                  {&radau_stages_release, 1.0, 1e-13, 1e-9}};
-    const double damping = 0.0;
+    double damping = 0.0;
     for (int k = 0; k < 5; ++k) {
         struct radau_step p;
         double y[SIZE];
@@ -176,7 +175,7 @@ TEST(an_oscillation_is_right_at_the_end_and_within)
  * stages are 1 less their change, with a rounding of 1e-16, and x has a hundred times that at most. */
 TEST(what_is_too_fast_is_damped_away)
 {
-    const double damping = 1e8;
+    double damping = 1e8;
     struct radau_step p;
     double y[SIZE];
     void *memory = begin(&p, &damping);
@@ -191,7 +190,7 @@ TEST(what_is_too_fast_is_damped_away)
 TEST(a_quaternion_that_turns_too_far_has_no_small_error)
 {
     const double y[SIZE] = {[SPEED] = 2e7, [TURN] = 1.0};
-    const double damping = 0.0;
+    double damping = 0.0;
     struct radau_step p;
     void *memory = begin(&p, &damping);
     radau_step_begin(&p, 0.0, y);
@@ -209,7 +208,7 @@ TEST(a_quaternion_that_turns_too_far_has_no_small_error)
 /* x' = v, a' = (1 + x) v, v' = -x - damping v - 5 a. */
 enum { TIPPING = 2, TIPPING_STATES = 3 };
 
-static void tipping_rates(const void *damping, double clock, const double *y, double *rates)
+static void tipping_rates(void *damping, double clock, const double *y, double *rates)
 {
     (void)clock;
     rates[PLACE] = y[SPEED];
@@ -217,19 +216,19 @@ static void tipping_rates(const void *damping, double clock, const double *y, do
     rates[TIPPING] = (1.0 + y[PLACE]) * y[SPEED];
 }
 
-static void tipping_jacobian(const void *damping, double clock, const double *y, double *columns)
+/* The others are v and a. */
+static void tipping_slopes(void *damping, double clock, const double *y, double *by_others, double *by_places)
 {
     (void)clock;
-    const double of_speed[TIPPING_STATES] = {-1.0, -*(const double *)damping, -5.0};
-    for (int j = 0; j < TIPPING_STATES; ++j) {
-        columns[j * TIPPING_STATES + PLACE] = j == SPEED ? 1.0 : 0.0;
-        columns[j * TIPPING_STATES + SPEED] = of_speed[j];
-        columns[j * TIPPING_STATES + TIPPING] = j == SPEED ? 1.0 + y[PLACE] : j == PLACE ? y[SPEED] : 0.0;
-    }
+    by_others[0] -= *(const double *)damping;
+    by_others[1] += 1.0 + y[PLACE];
+    by_others[2] -= 5.0;
+    by_places[0] -= 1.0;
+    by_places[1] += y[SPEED];
 }
 
 /* A step from x = 0, v = 1, a = 0 and its memory. */
-static void *begin_tipping(struct radau_step *p, const double *damping)
+static void *begin_tipping(struct radau_step *p, double *damping)
 {
     static const int place = PLACE, speed = SPEED;
     const double start[TIPPING_STATES] = {[SPEED] = 1.0};
@@ -242,7 +241,7 @@ static void *begin_tipping(struct radau_step *p, const double *damping)
                                           .place = &place,
                                           .speed = &speed,
                                           .rates = tipping_rates,
-                                          .jacobian = tipping_jacobian};
+                                          .slopes = tipping_slopes};
     return begin_at(p, &problem, start);
 }
 
@@ -272,14 +271,14 @@ static void tip(struct radau_step *p, double length)
 }
 
 /* The derivatives of a' = (1 + x) v by x and by v depend on the state: they are v and 1 + x. The error of
- * the start is none where nothing dies away. It leaves the Jacobian at the end, where the next begins. */
-TEST(a_jacobian_serves_its_own_clock_and_state_alone)
+ * the start is none where nothing dies away. It leaves the slopes at the end, where the next step begins. */
+TEST(slopes_at_the_end_serve_a_start_of_their_own_clock_and_state_alone)
 {
     static const struct {
         double clock, moved;
-        int evaluations; /* of the rates, and of the Jacobian where it is not known */
-    } begins[] = {{0.1, 0.0, 1}, {0.1, 0.5, 2}, {0.1, 0.5, 1}, {0.2, 0.5, 2}, {0.2, 0.5, 1}};
-    const double damping = 1.0;
+        int evaluations; /* of the rates, and of their slopes where these are not known */
+    } begins[] = {{0.1, 0.0, 1}, {0.1, 0.5, 2}, {0.1, 0.0, 1}, {0.2, 0.0, 2}, {0.1, 0.0, 1}};
+    double damping = 1.0;
     struct radau_step p;
     double y[TIPPING_STATES];
     void *memory = begin_tipping(&p, &damping);
@@ -301,7 +300,7 @@ TEST(a_jacobian_serves_its_own_clock_and_state_alone)
 /* v' = 6 t and a' = 2 t given at the stages: v = 1 + 3 t^2, x = t + t^3, a = t^2. */
 TEST(given_rates_are_integrated_exactly_and_a_guess_tells_its_rates)
 {
-    const double length = 0.7;
+    double length = 0.7;
     struct radau_step p;
     double y[TIPPING_STATES];
     double rates[RADAU_MOST_STAGES];
@@ -340,7 +339,7 @@ TEST(given_rates_are_integrated_exactly_and_a_guess_tells_its_rates)
 /* Rates that go with the root of the time since the start, or of the time to what a step leaves. */
 TEST(roots_of_time_are_polynomials_of_a_paced_step)
 {
-    const double length = 0.7;
+    double length = 0.7;
     const struct radau_stages *paced[2] = {&radau_stages_touch, &radau_stages_release};
     for (int k = 0; k < 2; ++k) {
         struct radau_step p;
