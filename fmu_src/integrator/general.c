@@ -833,6 +833,8 @@ void general_attach(struct general *g, const struct scene_values *v, struct scen
     g->release_rest = 0.0;
     g->steps_to_release = 0;
     g->longest = q->general_length; /* kept in the state, so that a restored state continues bit for bit */
+    g->last_length = q->general_last[0];
+    g->last_error = q->general_last[1];
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         g->output[j] = (struct scene_output){
             .contact = j,
@@ -855,6 +857,7 @@ void general_start(struct general *g, const struct scene_values *v, struct scene
     struct scene_instant at;
     general_attach(g, v, q);
     g->solvable = (double)INFINITY;
+    g->last_length = 0.0;
     g->step.known_length = 0.0;
     general_set_events(g, &at);
     ode_pack(&g->ode, g->y);
@@ -1067,6 +1070,8 @@ CONTACT_NOINLINE enum advance_result general_advance(struct general *g, const st
         result = make_steps(g, v, q, step);
     }
     q->general_length = isfinite(g->longest) ? g->longest : 0.0;
+    q->general_last[0] = g->last_length;
+    q->general_last[1] = g->last_error;
     advance_spend(step, 0, EVALUATION_WORK * (long)g->step.evaluations);
     counter_add(&q->counters.force_evaluations, g->step.evaluations);
     counter_add(&q->counters.rejected_steps, g->rejected);

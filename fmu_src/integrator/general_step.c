@@ -528,13 +528,14 @@ double general_finish_step(struct general *g)
     /* this also sets end_others to the Jacobian at the end of the step */
     const double of_start = general_rubs(g) ? g->within_share * radau_step_start_error(p) : 0.0;
     g->error_of_start = p->length * g->fastest_decay > LEAST_DECAY ? of_start : 0.0;
-    if (general_rubs(g) && fastest_decay_of(p, p->end_others) < END_OF_ROLLING * g->fastest_decay) {
-        g->error_at_end = fmax(g->error_at_end, error.within);
-    }
-    return fmax(g->error_at_end, g->error_of_start);
+    const bool ends =
+        general_rubs(g) && fastest_decay_of(p, p->end_others) < END_OF_ROLLING * g->fastest_decay;
+    g->error_of_rolling = ends ? error.within : 0.0;
+    return fmax(fmax(g->error_at_end, g->error_of_rolling), g->error_of_start);
 }
 
-/* Returns the factor of the next length. With s stages the error goes as length to the power 2 s - 1. */
+/* Returns the factor of the next length. With s stages the error at the end goes as length to the power
+ * 2 s - 1, and the error within as length to the power s. */
 static double factor_of(const struct general *g, double error, const struct radau_stages *stages)
 {
     if (!(error < (double)INFINITY)) {
@@ -544,12 +545,13 @@ static double factor_of(const struct general *g, double error, const struct rada
     const double longest = fmin(fmax(start, START_SHRINKAGE), GROWTH);
     const double power = 1.0 / (2.0 * stages->stages - 1.0);
     const double at_end = g->error_at_end;
+    const double of_rolling = SAFETY * pow(fmax(g->error_of_rolling, 1e-100), -1.0 / stages->stages);
     if (g->step.problem.turns && !(at_end < NOISE_OF_DECREASE * g->error_within)) {
         if (at_end < NOISE_OF_ERROR || at_end > 1.0) {
-            return at_end > 1.0 ? fmin(SHRINKAGE, longest) : longest;
+            return fmin(at_end > 1.0 ? SHRINKAGE : of_rolling, longest);
         }
     }
-    const double factor = SAFETY * pow(fmax(at_end, 1e-100), -power);
+    const double factor = fmin(SAFETY * pow(fmax(at_end, 1e-100), -power), of_rolling);
     return fmin(fmax(factor, SHRINKAGE), longest);
 }
 
@@ -747,11 +749,26 @@ static void shorten(struct general *g, const struct attempt *before, const struc
 /* Behind a touch an accurate step is longer than one from the touch by this factor. */
 static const double AFTER_TOUCH = 2.0;
 
+/* Returns the factor of the next length if the ratio of the length to the accurate length goes on as from the
+ * last step to this one (the predictive controller of Gustafsson, 1994). Steps towards a singularity, such as
+ * the end of a slip or of a normal force, become shorter by the same ratio again and again. */
+static double factor_of_trend(const struct general *g, const struct attempt *now)
+{
+    const double power = 1.0 / (2.0 * now->stages->stages - 1.0);
+    const double worse = now->error * now->error / g->last_error;
+    return g->last_length > 0.0 ? SAFETY * now->length / g->last_length * pow(worse, -power)
+                                : (double)INFINITY;
+}
+
 /* Sets g->longest for the next step after the attempt `now` has been accepted. */
 static void lengthen(struct general *g, const struct attempt *now)
 {
     const double paced = now->stages->pace == RADAU_FROM_TOUCH ? AFTER_TOUCH : 1.0;
-    const double next = now->length / reach_of(now->stages) * paced * factor_of(g, now->error, now->stages);
+    const double factor =
+        fmin(factor_of(g, now->error, now->stages), fmax(factor_of_trend(g, now), SHRINKAGE));
+    const double next = now->length / reach_of(now->stages) * paced * factor;
+    g->last_length = now->length;
+    g->last_error = fmax(now->error, 1e-100);
     /* a step that a touch or a release has shortened says little about the longest step */
     g->longest = now->length < g->longest && any_force_bends(g)
                      ? fmax(next, g->longest)

@@ -46,10 +46,12 @@ struct general {
     double solvable;      /* estimate of the longest step that is solved where bodies rub [s] */
     double fastest_decay; /* fastest decay of a state at the start of the step [1/s] */
     struct general_rounding rounding[ODE_MOST_GROUPS]; /* of each group of states */
-    double error_within;          /* largest error within the last step, divided by the error allowed */
-    double error_at_end;          /* error at the end of the last step, divided by the error allowed */
-    double error_of_start;        /* error by decay before the first stage, divided by the error allowed */
-    double longest;               /* estimate of the longest accurate step of twelve stages [s] */
+    double error_of_rolling; /* error where rolling ends within the step, divided by the error allowed */
+    double error_within;     /* largest error within the last step, divided by the error allowed */
+    double error_at_end;     /* error at the end of the last step, divided by the error allowed */
+    double error_of_start;   /* error by decay before the first stage, divided by the error allowed */
+    double longest;          /* estimate of the longest accurate step of twelve stages [s] */
+    double last_length, last_error; /* of the last accepted step of this phase; a length of 0: none yet */
     double swing[SCENE_CONTACTS]; /* F_n / (m_red d) of contacts in touch, at the start of the step [1/s^2] */
     double since_touch[SCENE_CONTACTS]; /* time since the touch under Hertz's law [s]; INFINITY: long ago */
     double release_clock;               /* when a contact under Hertz's law ends; INFINITY: not known */

@@ -1439,9 +1439,11 @@ void node_forces_slopes(void *general, double clock, const double *y, double *by
  * steps of half the length. */
 enum { MOST_NODE_ITERATIONS = 16, MOST_FACTORIZATIONS = 5 };
 
-/* Slopes are kept while each correction is less than this part of the one before. New slopes and their
- * factors cost about three iterations. */
+/* Slopes are kept while each correction is less than this part of the one before, and while no more than this
+ * number of iterations is left at the present rate. New slopes and their factors cost about three iterations,
+ * and then one or two are left. */
 static const double KEEPING_SLOPES = 0.2;
+static const double MOST_LEFT = 5.0;
 
 /* Corrections that grow by more than this do not converge with new slopes either. */
 static const double LARGEST_GROWTH = 2.0;
@@ -1461,6 +1463,12 @@ static bool has_converged(const struct radau_step *p, double size, double last, 
     }
     return contraction < 0.5 ? size * contraction / (1.0 - contraction) <= tolerance
                              : size <= NODE_ROUNDING_SHARE;
+}
+
+/* Whether corrections of this size, which were `last` before, shrink fast enough with the present slopes. */
+static bool keeps_slopes(double size, double last, double tolerance)
+{
+    return size < KEEPING_SLOPES * last && log(size / tolerance) < MOST_LEFT * log(last / size);
 }
 
 int node_forces_unknowns(const struct scene_values *v)
@@ -1518,7 +1526,7 @@ bool node_forces_solve(struct general *g, double tolerance, void (*set_weights)(
             finish_nodes(it);
             return true;
         }
-        const bool slow = p->iterations > 2 && (it->stale || !(size < KEEPING_SLOPES * last));
+        const bool slow = p->iterations > 2 && (it->stale || !keeps_slopes(size, last, tolerance));
         if (slow && (!(size < LARGEST_GROWTH * last) || it->factorizations == MOST_FACTORIZATIONS)) {
             return false;
         }
