@@ -322,8 +322,8 @@ static double reach_of(const struct radau_stages *stages)
 static const double SATURATED_SLIP = 40.0;
 
 /* Returns the error [N] that rounding of the slip leaves in the rate of an integral of regularized friction.
- * Corrections by the Jacobian (move_integrals in math/radau_step.c) remove the part linear in the rounding.
- * The square of the rounding divided by v_0 remains. */
+ * The forces are unknowns of the iterations, and the part linear in the rounding does not reach them. The square
+ * of the rounding divided by v_0 remains. */
 static double rounding_of_friction(const struct friction_law *law, double limit, double speeds)
 {
     const double part = fmin(ROUNDING_OF_STATES * speeds / law->slip_velocity, 1.0);
@@ -437,7 +437,7 @@ static void note_errors(struct general *g)
     }
 }
 
-/* Returns the fastest decay of a state that is no position [1/s], by the Jacobian `by_others`. */
+/* Returns the fastest decay of a state that is no position [1/s], by the slopes `by_others`. */
 static double fastest_decay_of(const struct radau_step *p, const double *by_others)
 {
     double most = 0.0;
@@ -525,7 +525,7 @@ double general_finish_step(struct general *g)
     const struct radau_error error = radau_step_error(p);
     g->error_within = error.within;
     g->error_at_end = fmax(error.at_end, g->within_share * error.within);
-    /* this also sets end_others to the Jacobian at the end of the step */
+    /* this also sets end_others */
     const double of_start = general_rubs(g) ? g->within_share * radau_step_start_error(p) : 0.0;
     g->error_of_start = p->length * g->fastest_decay > LEAST_DECAY ? of_start : 0.0;
     const bool ends =
@@ -754,18 +754,19 @@ static const double AFTER_TOUCH = 2.0;
  * the end of a slip or of a normal force, become shorter by the same ratio again and again. */
 static double factor_of_trend(const struct general *g, const struct attempt *now)
 {
-    const double power = 1.0 / (2.0 * now->stages->stages - 1.0);
+    if (!(g->last_length > 0.0)) {
+        return (double)INFINITY;
+    }
     const double worse = now->error * now->error / g->last_error;
-    return g->last_length > 0.0 ? SAFETY * now->length / g->last_length * pow(worse, -power)
-                                : (double)INFINITY;
+    const double factor = SAFETY * now->length / g->last_length;
+    return fmax(factor * pow(worse, -1.0 / (2.0 * now->stages->stages - 1.0)), SHRINKAGE);
 }
 
 /* Sets g->longest for the next step after the attempt `now` has been accepted. */
 static void lengthen(struct general *g, const struct attempt *now)
 {
     const double paced = now->stages->pace == RADAU_FROM_TOUCH ? AFTER_TOUCH : 1.0;
-    const double factor =
-        fmin(factor_of(g, now->error, now->stages), fmax(factor_of_trend(g, now), SHRINKAGE));
+    const double factor = fmin(factor_of(g, now->error, now->stages), factor_of_trend(g, now));
     const double next = now->length / reach_of(now->stages) * paced * factor;
     g->last_length = now->length;
     g->last_error = fmax(now->error, 1e-100);

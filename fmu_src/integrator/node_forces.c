@@ -1367,8 +1367,11 @@ static void add_columns_of_turning(struct iteration *it, int body, double *by_ot
     }
 }
 
-/* Evaluates the contacts at the first node, with the forces that the law gives there. One second stands for
- * the length of the step: it only chooses between responses whose slopes agree. */
+/* In so short a step [s] no friction rolls (friction_rolls). The slopes of the responses by the forces are then
+ * of one size, and solve_three loses no digits. */
+static const double NO_STEP = 1e-60;
+
+/* Evaluates the contacts at the first node, with the forces that the law gives there. */
 static void evaluate_instant(struct iteration *it, double clock, const double *y)
 {
     struct general *g = it->g;
@@ -1385,7 +1388,7 @@ static void evaluate_instant(struct iteration *it, double clock, const double *y
             node->torque = at->turning.resistance[j];
             node->arm[0] = at->turning.source_arm[j];
             node->arm[1] = at->turning.destination_arm[j];
-            note_node_contact(it, j, 1.0);
+            note_node_contact(it, j, NO_STEP);
             if (SCENE_ANY_FRICTION && contact_rubs(v, j)) {
                 respond_with_friction(it, 0, it->contacts - 1, at, true);
             } else {
