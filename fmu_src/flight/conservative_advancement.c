@@ -17,19 +17,9 @@ struct axis_motion axis_motion_of_rotor(const struct rotor *rotor)
         .kind = turns ? AXIS_PRECESSES : AXIS_FIXED, .axis = rotor->axis, .rotor = *rotor};
 }
 
-static bool is_steady_axis(const struct vec3 *coefficient, int count)
-{
-    for (int i = 1; i < count; ++i) {
-        if (!vec3_is_zero(coefficient[i])) {
-            return false;
-        }
-    }
-    return true;
-}
-
 struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *rate, int count)
 {
-    if (is_steady_axis(rate, count)) {
+    if (path_is_steady(rate, count)) {
         /* a steady turn is the torque-free rotation of a sphere (equal moments of inertia) */
         const struct rotor_state start = {quaternion_between(vec3_make(0.0, 0.0, 1.0), axis), rate[0]};
         struct rotor rotor = rotor_from(start, 1.0, 1.0);
@@ -43,7 +33,7 @@ struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *r
 
 struct axis_motion axis_motion_following(const struct vec3 *direction, int count)
 {
-    struct axis_motion motion = {.kind = is_steady_axis(direction, count) ? AXIS_FIXED : AXIS_FOLLOWS};
+    struct axis_motion motion = {.kind = path_is_steady(direction, count) ? AXIS_FIXED : AXIS_FOLLOWS};
     motion.axis = vec3_scale(1.0 / vec3_norm(direction[0]), direction[0]);
     memcpy(motion.coefficient, direction, (size_t)count * sizeof *direction);
     return motion;
@@ -122,13 +112,13 @@ void axis_motion_move_on(struct axis_motion *motion, double time)
 {
     if (motion->kind == AXIS_PRESCRIBED && time > motion->from) {
         motion->axis = prescribed_axis_at(motion, time).axis;
-        rotor_rates_shift(motion->coefficient, AXIS_TERMS, time - motion->from);
+        path_shift(motion->coefficient, AXIS_TERMS, time - motion->from);
         motion->from = time;
     }
     if (CONTACT_ANY_COMPOUND && motion->kind == AXIS_TUMBLES && time > motion->from) {
         motion->body =
             rotor_of_three_after(&motion->body, motion->inertia, motion->coefficient, time - motion->from);
-        rotor_rates_shift(motion->coefficient, ROTOR_TORQUES, time - motion->from);
+        path_shift(motion->coefficient, ROTOR_TORQUES, time - motion->from);
         motion->from = time;
     }
 }
@@ -168,10 +158,7 @@ static struct axis_bounds tumbling_bounds(const struct axis_motion *motion, doub
     const struct vec3 omega =
         quaternion_rotate(quaternion_inverse(body->orientation), body->angular_velocity);
     const double until = time + length - motion->from;
-    double torque = 0.0;
-    for (int k = ROTOR_TORQUES - 1; k >= 0; --k) {
-        torque = vec3_norm(motion->coefficient[k]) + torque * until;
-    }
+    const double torque = path_size(motion->coefficient, ROTOR_TORQUES, until);
     const double momentum =
         vec3_norm(vec3_make(i.x * omega.x, i.y * omega.y, i.z * omega.z)) + torque * until;
     const double speed = momentum / least;

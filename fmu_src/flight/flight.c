@@ -259,11 +259,11 @@ int flight_velocity(const struct scene_values *v, int body, struct vec3 start, c
 
 struct vec3 flight_displacement(const struct vec3 *velocity, int terms, double time)
 {
-    struct vec3 mean[FLIGHT_TERMS];
-    for (int i = 0; i < terms; ++i) {
-        mean[i] = vec3_scale(FLIGHT_MEAN[i], velocity[i]);
+    struct vec3 mean = {0.0, 0.0, 0.0};
+    for (int i = terms - 1; i >= 0; --i) {
+        mean = vec3_axpy(vec3_scale(FLIGHT_MEAN[i], velocity[i]), time, mean);
     }
-    return vec3_scale(time, path_at(mean, terms, time));
+    return vec3_scale(time, mean);
 }
 
 struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,

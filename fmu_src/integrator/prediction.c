@@ -181,10 +181,7 @@ static bool path_passes_centre(const struct relative_path *path, const struct ex
 static bool path_keeps_away(const struct relative_path *path)
 {
     const double start = relative_path_is_flat(path) ? path->c[0].x : vec3_norm(path->c[0]);
-    double length = 0.0;
-    for (int i = 1; i <= path->degree; ++i) {
-        length += vec3_norm(path->c[i]);
-    }
+    const double length = path_size(path->c + 1, path->degree, 1.0);
     if (path->side > 0) {
         return start - length > path->reach + NO_DISTANCE;
     }

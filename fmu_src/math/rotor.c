@@ -158,15 +158,6 @@ double rotor_axis_speed(const struct rotor *rotor)
 enum { ROTOR_TERMS = 21 };
 static const double ROTOR_REACH = 8.0;
 
-void rotor_rates_shift(struct vec3 *coefficient, int count, double time)
-{
-    for (int first = 0; first < count - 1; ++first) {
-        for (int i = count - 2; i >= first; --i) {
-            coefficient[i] = vec3_axpy(coefficient[i], time, coefficient[i + 1]);
-        }
-    }
-}
-
 /* Returns L divided by I_1, where L = I_1 omega + (I_3 - I_1) omega_3 e_3. */
 static struct vec3 rate_of_momentum(const struct rotor_state *start, double transverse_inertia,
                                     double axial_inertia)
@@ -231,7 +222,7 @@ struct vec3 rotor_axis_after(const struct vec3 lambda[ROTOR_RATES], struct vec3 
         const double step = step_of(rate, left);
         struct vec3 term[ROTOR_TERMS + 1] = {axis};
         axis = axis_terms(rate, step, term);
-        rotor_rates_shift(rate, ROTOR_RATES, step);
+        path_shift(rate, ROTOR_RATES, step);
         left -= step;
     }
     return axis;
@@ -262,7 +253,7 @@ struct quaternion rotor_turned_after(const struct vec3 lambda[ROTOR_RATES], stru
     for (double left = time; left > 0.0 && left < before;) { /* where a step is rounding beside the rest */
         const double step = step_of(rate, left);
         q = turned_by_series(rate, step, q);
-        rotor_rates_shift(rate, ROTOR_RATES, step);
+        path_shift(rate, ROTOR_RATES, step);
         before = left;
         left -= step;
     }
@@ -307,8 +298,8 @@ struct rotor_state rotor_under_torque(const struct rotor_state *start, double tr
         const struct quaternion about = quaternion_of_rotation(vec3_make(0.0, 0.0, ratio * turned));
         now.orientation = quaternion_product(turned_by_series(lambda, step, now.orientation), about);
         axis = quaternion_third_axis(now.orientation);
-        rotor_rates_shift(lambda, ROTOR_RATES, step);
-        rotor_rates_shift(moment, ROTOR_TORQUES, step);
+        path_shift(lambda, ROTOR_RATES, step);
+        path_shift(moment, ROTOR_TORQUES, step);
         left -= step;
     }
     /* omega = L/I_1 + (1 - I_3/I_1) omega_3 e_3 */
@@ -393,7 +384,7 @@ struct rotor_state rotor_of_three_after(const struct rotor_state *start, struct 
         for (int i = ROTOR_TORQUES - 1; i >= 0; --i) {
             momentum = vec3_axpy(momentum, pow(step, i + 1) / (i + 1), moment[i]);
         }
-        rotor_rates_shift(moment, ROTOR_TORQUES, step);
+        path_shift(moment, ROTOR_TORQUES, step);
         left -= step;
     }
     omega = quotient(quaternion_rotate(quaternion_inverse(q), momentum), inertia);

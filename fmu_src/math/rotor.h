@@ -89,7 +89,4 @@ struct rotor_state rotor_under_torque(const struct rotor_state *start, double tr
 struct rotor_state rotor_of_three_after(const struct rotor_state *start, struct vec3 inertia,
                                         const struct vec3 torque[ROTOR_TORQUES], double time);
 
-/* Moves the origin of a polynomial of time on by `time` [s], in place. */
-void rotor_rates_shift(struct vec3 *coefficient, int count, double time);
-
 #endif

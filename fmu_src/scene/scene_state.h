@@ -255,24 +255,6 @@ double scene_remaining(const struct scene_state *q, double end_time);
  * deferred flight (flight/flight.h). */
 void scene_rebase(const struct scene_values *v, struct scene_state *q);
 
-/* Returns the value of a path of `count` coefficients at a clock. */
-struct vec3 path_at(const struct vec3 *coefficients, int count, double clock);
-
-/* Returns the sum of the sizes of the terms, which bounds the polynomial up to `clock` >= 0. */
-double path_size(const struct vec3 *coefficients, int count, double clock);
-
-/* Returns the derivative of a path of three coefficients at a clock. */
-struct vec3 path_slope(const struct vec3 path[3], double clock);
-
-/* Whether all coefficients but the first are zero, as in most paths. */
-bool path_is_steady(const struct vec3 *coefficients, int count);
-
-/* Whether a path of three coefficients is zero throughout. */
-bool path_rests(const struct vec3 path[3]);
-
-/* Changes the coefficients of a path so that its origin moves to `clock`. */
-void path_shift(struct vec3 *coefficients, int count, double clock);
-
 /* Whether a body moves freely, by Newton's law; whether its motion is prescribed. The answers are
  * compile-time constants where the scene pins the choice. */
 bool body_is_free(const struct scene_values *v, int body);

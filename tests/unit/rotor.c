@@ -174,7 +174,7 @@ TEST(the_result_does_not_depend_on_how_it_is_cut)
         struct vec3 rest[ROTOR_TORQUES] = {torque[0], torque[1], torque[2]};
         for (int j = 0; j < 128; ++j) {
             now = rotor_under_torque(&now, 1.0, 0.3, rest, 1.0 / 64.0);
-            rotor_rates_shift(rest, ROTOR_TORQUES, 1.0 / 64.0);
+            path_shift(rest, ROTOR_TORQUES, 1.0 / 64.0);
         }
         const double speed = 1.0 + vec3_norm(whole.angular_velocity);
         check_states(&now, &whole, (200.0L + 10.0L * speed) * DBL_EPSILON, speed); /* of so many radians */
