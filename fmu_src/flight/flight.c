@@ -58,23 +58,9 @@ void flight_turn(const struct scene_values *v, struct scene_state *q, int body, 
     q->turning.body[body] = then;
 }
 
-static struct axis_motion prescribed_axis(const struct scene_state *q, struct vec3 axis, int body)
-{
-    struct body_path path = q->path[body];
-    path_shift(path.angular_velocity, 3, q->clock);
-    path_shift(path.axis, 3, q->clock);
-    const bool by_axis = path.turn_follows != TURN_FOLLOWS_VELOCITY && !vec3_is_zero(path.axis[0]);
-    return by_axis ? axis_motion_following(path.axis, 3)
-                   : axis_motion_prescribed(axis, path.angular_velocity, 3);
-}
-
 struct axis_motion flight_axis_motion(const struct scene_values *v, const struct scene_state *q,
                                       const struct body_turn *at, int body)
 {
-    const struct vec3 axis = quaternion_third_axis(at->orientation);
-    if (body_turn_is_prescribed(v, body)) {
-        return prescribed_axis(q, axis, body);
-    }
     if (path_rests(q->path[body].torque)) {
         const struct rotor rotor = rotor_of(v, q, body);
         struct axis_motion motion = axis_motion_of_rotor(&rotor);
@@ -87,7 +73,7 @@ struct axis_motion flight_axis_motion(const struct scene_values *v, const struct
     struct vec3 lambda[ROTOR_RATES];
     torque_from_now(v, q, body, torque);
     rotor_rates_under_torque(&now, inertia.transverse, inertia.axial, torque, lambda);
-    return axis_motion_prescribed(axis, lambda, ROTOR_RATES);
+    return axis_motion_prescribed(quaternion_third_axis(at->orientation), lambda, ROTOR_RATES);
 }
 
 /* Least discriminant as a fraction of the sum of its two terms' sizes. Below it the parabola may just touch

@@ -10,7 +10,8 @@
 #include "flight/relative_path.h"
 #include "scene/evaluate.h"
 
-/* Returns the axis motion of a body without contact forces from now on; `at` is the present rotation. */
+/* Returns the axis motion of a freely turning body without contact forces from now on; `at` is the present
+ * rotation. */
 struct axis_motion flight_axis_motion(const struct scene_values *v, const struct scene_state *q,
                                       const struct body_turn *at, int body);
 

@@ -1,4 +1,5 @@
 #include <float.h>
+#include <string.h>
 
 #include "flight/flight.h"
 #include "flight/relative_path.h"
@@ -47,9 +48,11 @@ struct separation_path separation_path_of(const struct scene_values *v, const st
     return path;
 }
 
-void relative_path_put_levers(const struct scene_values *v, const struct scene_state *q,
-                              const struct scene_instant *at, double clock, int contact,
-                              struct advancement_path *path)
+/* Sets the lever arms of the compound bodies of a contact, and takes them off c, which then leads from centre
+ * of mass to centre of mass. */
+static void put_levers(const struct scene_values *v, const struct scene_state *q,
+                       const struct scene_instant *at, double clock, int contact,
+                       struct advancement_path *path)
 {
     for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
         const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
@@ -75,6 +78,41 @@ void relative_path_put_levers(const struct scene_values *v, const struct scene_s
             path->lever[end] = axis_motion_prescribed(axis, follows.angular_velocity, 3);
         }
     }
+}
+
+static struct axis_motion prescribed_axis(const struct scene_state *q, const struct body_turn *turn,
+                                          double clock, int body)
+{
+    struct body_path path = q->path[body];
+    path_shift(path.angular_velocity, 3, clock);
+    path_shift(path.axis, 3, clock);
+    const bool by_axis = path.turn_follows != TURN_FOLLOWS_VELOCITY && !vec3_is_zero(path.axis[0]);
+    return by_axis
+               ? axis_motion_following(path.axis, 3)
+               : axis_motion_prescribed(quaternion_third_axis(turn->orientation), path.angular_velocity, 3);
+}
+
+struct advancement_path advancement_path_of(const struct scene_values *v, const struct scene_state *q,
+                                            const struct scene_instant *at, double clock, int contact)
+{
+    const struct separation_path separation = separation_path_of(v, q, at, clock, contact);
+    const int destination = contact_destination(contact);
+    struct advancement_path path = {.shape = scene_contact_shape_at(v, q, at, contact),
+                                    .rounding = rounding_of_gap(v, at, contact)};
+    memcpy(path.c, separation.c, sizeof path.c);
+    for (int i = 0; SCENE_ANY_PRESCRIBED && i < SEPARATION_DEGREE; ++i) {
+        path.mismatch[i] = vec3_axpy(separation.w[i], -(i + 1), separation.c[i + 1]);
+    }
+    put_levers(v, q, at, clock, contact, &path);
+    if (SCENE_ANY_AXIS) {
+        path.axis = axis_motion_fixed(path.shape.axis);
+    }
+    if (contact_tips(v, contact)) {
+        const struct body_turn *turn = &at->turning.body[destination];
+        path.axis = body_turns_freely(v, destination) ? flight_axis_motion(v, q, turn, destination)
+                                                      : prescribed_axis(q, turn, clock, destination);
+    }
+    return path;
 }
 
 bool relative_path_has_ends(const struct contact_shape *shape)

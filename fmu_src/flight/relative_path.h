@@ -47,15 +47,14 @@ static inline bool relative_path_is_flat(const struct relative_path *path)
     return SCENE_ANY_PLANE && (!SCENE_ANY_CURVED || path->flat);
 }
 
-/* Sets the lever arms of the compound bodies of a contact from a clock on, where `at` is the instant, and
- * takes them off c, which then leads from centre of mass to centre of mass. */
-void relative_path_put_levers(const struct scene_values *v, const struct scene_state *q,
-                              const struct scene_instant *at, double clock, int contact,
-                              struct advancement_path *path);
-
 /* Returns the separation path from the present instant `at`, whose clock is `clock`. */
 struct separation_path separation_path_of(const struct scene_values *v, const struct scene_state *q,
                                           const struct scene_instant *at, double clock, int contact);
+
+/* Returns the path for conservative advancement from the instant `at`, whose clock is `clock`: the present
+ * one where a body turns freely. */
+struct advancement_path advancement_path_of(const struct scene_values *v, const struct scene_state *q,
+                                            const struct scene_instant *at, double clock, int contact);
 
 /* `gap` is the gap at the start [m], which may have more digits than the positions. */
 struct relative_path relative_path_make(const struct contact_shape *shape,
