@@ -904,28 +904,6 @@ static void tidy_end(struct general *g, const struct scene_values *v, struct sce
     q->contact[step->contact].schedule.dead_band_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
 }
 
-/* Finds a contact that has already passed its event. Where two contacts end or begin at almost the same time,
- * or friction changes just before a contact ends, the first event ends the phase. The event function of the
- * second event may then already be below zero by more than its offset. */
-static bool has_passed_event(struct general *g, const struct scene_values *v, struct scene_state *q,
-                             struct advance *step)
-{
-    double events[ODE_EVENTS];
-    struct scene_instant at;
-    scene_now(v, q, &at);
-    ode_events(&g->ode, q->clock, g->step.y, events);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const bool leaves = (q->contact[j].regime == REGIME_APART) == (at.geometry[j].gap_rate < 0.0);
-        if (events[ODE_EVENTS_EACH * j] < 0.0 && leaves) {
-            step->contact = j;
-            step->event = ODE_EVENT_GAP;
-            step->regime = ode_regime_after(v, q, j, 0);
-            return true;
-        }
-    }
-    return false;
-}
-
 /* Returns the clock of the first release under Hertz's law that the polynomial shows within the step, or
  * INFINITY. The bend of the force there makes the step inaccurate, but hardly moves the release. */
 static double release_within(struct general *g)
@@ -996,12 +974,9 @@ static enum advance_result end_step(struct general *g, const struct scene_values
     const struct general_end *end = &g->end;
     general_move_scene(g, q, end->clock, end->y);
     if (end->event.event >= 0) {
-        step->contact = end->event.event / ODE_EVENTS_EACH;
-        step->event = end->event.event % ODE_EVENTS_EACH;
-        step->regime = step->event > ODE_EVENT_LAW ? (enum contact_regime)q->contact[step->contact].regime
-                                                   : ode_regime_after(v, q, step->contact, step->event);
+        const enum advance_result result = advance_to_event(step, v, q, end->event.event);
         tidy_end(g, v, q, step);
-        return ADVANCE_EVENT;
+        return result;
     }
     if (q->clock < step->clock_end) {
         end->y[g->ode.layout.dissipated + 1] = q->external_work; /* with that of fly_others */
@@ -1052,9 +1027,8 @@ CONTACT_NOINLINE enum advance_result general_advance(struct general *g, const st
         result = end_step(g, v, q, step);
     } else {
         general_start(g, v, q);
-        if ((SCENE_CONTACTS > 1 || scene_turns(v)) && has_passed_event(g, v, q, step)) {
-            result = ADVANCE_EVENT;
-        }
+        const int passed = SCENE_CONTACTS > 1 || scene_turns(v) ? ode_event_passed(&g->ode, g->step.y) : -1;
+        result = passed >= 0 ? advance_to_event(step, v, q, passed) : result;
     }
     q->integrator_fresh = 1;
     if (result == ADVANCE_REACHED) {
