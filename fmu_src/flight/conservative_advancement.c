@@ -108,7 +108,8 @@ static struct rotor_axis axis_motion_at(const struct axis_motion *motion, double
     }
 }
 
-void axis_motion_move_on(struct axis_motion *motion, double time)
+/* Moves the origin `from` to `time`. */
+static void axis_motion_move_on(struct axis_motion *motion, double time)
 {
     if (motion->kind == AXIS_PRESCRIBED && time > motion->from) {
         motion->axis = prescribed_axis_at(motion, time).axis;
@@ -147,6 +148,16 @@ static struct vector_sizes sizes_within(const struct vec3 coefficient[AXIS_TERMS
     return (struct vector_sizes){start - first * length, start + first * length, first, second};
 }
 
+/*
+ * Bounds over [time, time + length] for the frame that moves with the axis e and does not spin about e. The
+ * angular velocity of this frame is e x e', of size |e'|; the rate of the angular velocity is e x e''.
+ * INFINITY means that there is no bound.
+ */
+struct axis_bounds {
+    double speed; /* upper bound of |e'| [1/s] */
+    double turn;  /* upper bound of |e x e''| [1/s^2] */
+};
+
 /* Bounds for a tumbling body: |omega| <= |L| / I_least, and from I omega' = tau - omega x I omega follows
  * |omega'| <= |tau| / I_least + |omega|^2 max |I_j - I_k| / I_least. */
 static struct axis_bounds tumbling_bounds(const struct axis_motion *motion, double time, double length)
@@ -165,7 +176,7 @@ static struct axis_bounds tumbling_bounds(const struct axis_motion *motion, doub
     return (struct axis_bounds){speed, torque / least + (spread + 0.5) * speed * speed};
 }
 
-struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double time, double length)
+static struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double time, double length)
 {
     if (motion->kind == AXIS_PRECESSES) {
         /* precession: e' = P x e and e'' = P x (P x e) with a constant P at a constant angle to e */

@@ -252,8 +252,9 @@ struct vec3 flight_displacement(const struct vec3 *velocity, int terms, double t
     return vec3_scale(time, mean);
 }
 
-struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,
-                              const struct vec3 force[3], double time)
+/* Returns a free body's state `time` seconds after `start`, where the polynomial `force` has its origin. */
+static struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,
+                                     const struct vec3 force[3], double time)
 {
     struct vec3 velocity[FLIGHT_TERMS];
     const int terms = flight_velocity(v, body, start.velocity, force, velocity);
@@ -276,10 +277,15 @@ double flight_work_along(const struct vec3 *velocity, int terms, const struct ve
     return 0.5 * time * sum;
 }
 
-double flight_work(const struct scene_values *v, int body, struct body_state start,
-                   const struct vec3 force[3], double time)
+double flight_work(const struct scene_values *v, const struct scene_state *q, int body,
+                   struct body_state start, double clock, double time)
 {
+    struct vec3 force[3];
     struct vec3 velocity[FLIGHT_TERMS];
+    flight_force(q, body, clock, force);
+    if (path_rests(force)) {
+        return 0.0;
+    }
     const int terms = flight_velocity(v, body, start.velocity, force, velocity);
     return flight_work_along(velocity, terms, force, time);
 }
@@ -288,10 +294,8 @@ void flight_deviate(const struct scene_values *v, struct scene_state *q, int bod
                     struct vec3 moved, struct vec3 velocity)
 {
     struct vec3 force[3];
+    q->external_work += flight_work(v, q, body, q->body[body], q->clock, time);
     flight_force(q, body, q->clock, force);
-    if (!path_rests(force)) {
-        q->external_work += flight_work(v, body, q->body[body], force, time);
-    }
     const struct body_state flown = flight_from(v, body, q->body[body], force, time);
     q->body[body].moved = vec3_add(flown.moved, moved);
     q->body[body].velocity = vec3_add(flown.velocity, velocity);
@@ -317,11 +321,7 @@ void flight_advance(const struct scene_values *v, struct scene_state *q, double 
     const double stored = apart ? 0.0 : stored_now(v, q);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            if (!path_rests(q->path[i].force)) {
-                struct vec3 force[3];
-                flight_force(q, i, q->clock, force);
-                q->external_work += flight_work(v, i, q->body[i], force, clock - q->clock);
-            }
+            q->external_work += flight_work(v, q, i, q->body[i], q->clock, clock - q->clock);
             q->body[i] = flight_body_at(v, q, i, clock);
         }
     }

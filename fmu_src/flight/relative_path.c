@@ -208,14 +208,6 @@ struct polynomial relative_path_distance_squared(const struct relative_path *pat
     return dot_product(path->c, path->degree, path->c, path->degree);
 }
 
-struct polynomial relative_path_squared_deviation(const struct relative_path *path)
-{
-    struct polynomial squared_deviation = relative_path_distance_squared(path);
-    /* d^2 - reach^2 = (d - reach)(d + reach) */
-    squared_deviation.a[0] = path->side * path->gap * (path->start + path->reach);
-    return squared_deviation;
-}
-
 double relative_path_divisor(const struct relative_path *path, double gap)
 {
     return relative_path_is_flat(path) ? 1.0 : path->side * gap + path->reach;
@@ -303,8 +295,10 @@ static struct polynomial law_condition_nearby(const struct relative_path *path, 
     const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
     const double scaled_damping = full.c / path->horizon;
     const double unit = fmax(full.k, scaled_damping);
-    const struct polynomial squared_deviation = relative_path_squared_deviation(path);
+    struct polynomial squared_deviation = relative_path_distance_squared(path);
     struct polynomial sum = {{0.0}, 0};
+    /* d^2 - reach^2 = (d - reach)(d + reach) has the digits of the gap */
+    squared_deviation.a[0] = path->side * path->gap * (path->start + path->reach);
     sum = polynomial_add(&sum, full.k / unit, &squared_deviation);
     return polynomial_add(&sum, 2.0 * scaled_damping / unit, &path->half_rate);
 }

@@ -60,9 +60,8 @@ struct advancement_path advancement_path_of(const struct scene_values *v, const 
 struct relative_path relative_path_make(const struct contact_shape *shape,
                                         const struct separation_path *separation, double gap, double horizon);
 
-/* Return |c|^2, and |c|^2 - reach^2 with the digits of the gap [scale^2]. */
+/* Returns |c|^2 [scale^2]. */
 struct polynomial relative_path_distance_squared(const struct relative_path *path);
-struct polynomial relative_path_squared_deviation(const struct relative_path *path);
 
 /* Returns the divisor that turns half_rate into n.w at a gap of `gap` [scale]: d, or 1 for a plane. */
 double relative_path_divisor(const struct relative_path *path, double gap);

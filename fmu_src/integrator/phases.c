@@ -491,9 +491,7 @@ static void book_flights(const struct scene_values *v, struct scene_state *q, do
 {
     for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i) && !body_is_loaded(q, i, -1)) {
-            struct vec3 force[3];
-            flight_force(q, i, q->clock, force);
-            q->external_work += flight_work(v, i, q->body[i], force, time);
+            q->external_work += flight_work(v, q, i, q->body[i], q->clock, time);
         }
     }
 }
