@@ -498,14 +498,6 @@ static bool agrees(const struct island *s, double place)
 static const double SHORTENING = 0.8;
 enum { MOST_SHORTENINGS = 40 };
 
-static void island_series_at(const void *row, double place, double *value, double *slope)
-{
-    double of[3];
-    taylor_derivatives(row, TAYLOR_TERMS, place, of);
-    *value = of[0];
-    *slope = of[1];
-}
-
 /* Returns the first s up to `end` at which a series falls through zero; INFINITY: it does not. */
 static double series_first_fall(const double *row, double end)
 {
@@ -523,7 +515,7 @@ static double series_first_fall(const double *row, double end)
     bernstein_from_powers(of, TAYLOR_TERMS);
     const struct bernstein_fall fall = bernstein_first_fall(of, TAYLOR_TERMS, 0.0);
     return fall.low < (double)INFINITY
-               ? root_in_bracket(island_series_at, row, fall.low * end, fall.high * end)
+               ? root_in_bracket(taylor_root_function, row, fall.low * end, fall.high * end)
                : (double)INFINITY;
 }
 
@@ -694,7 +686,7 @@ static double place_of(const struct island *s, double time)
     }
     memcpy(of, s->power_of_time[1].row, sizeof of);
     of[0] = -time;
-    return time < s->time ? root_in_bracket(island_series_at, of, 0.0, s->end) : s->end;
+    return time < s->time ? root_in_bracket(taylor_root_function, of, 0.0, s->end) : s->end;
 }
 
 long island_work(const struct island *s)
@@ -769,7 +761,7 @@ static double largest_within(const double *row, double from, double to)
         const double end = i < ISLAND_PARTS ? from + (to - from) * i / ISLAND_PARTS : to - inside;
         const double slope = taylor_at(slopes, TAYLOR_TERMS, end);
         if (rises && !(slope > 0.0)) {
-            const double top = root_in_bracket(island_series_at, slopes, start, end);
+            const double top = root_in_bracket(taylor_root_function, slopes, start, end);
             largest = fmax(largest, taylor_at(row, TAYLOR_TERMS, top));
         }
         rises = slope > 0.0;
