@@ -522,27 +522,16 @@ double contact_dissipated_power(const struct contact_law *law, enum contact_regi
     return regime == REGIME_APART ? 0.0 : -(normal_force + contact_stored_slope(law, regime, gap)) * gap_rate;
 }
 
-/* Returns the Taylor coefficient `order` of -(F_n - k_h delta^(3/2)) g'. */
-static double hertz_dissipated_term(const struct contact_law *law, const double *normal_force,
-                                    const double *gap, const double *gap_rate, int order)
-{
-    double viscous[TAYLOR_TERMS];
-    for (int i = 0; i <= order; ++i) {
-        viscous[i] = normal_force[i] - hertz_spring_term(law->stiffness, gap, i);
-    }
-    return -taylor_multiply(viscous, gap_rate, order);
-}
-
 double contact_dissipated_term(const struct contact_law *law, enum contact_regime regime,
                                const double *normal_force, const double *gap, const double *gap_rate,
                                int order)
 {
-    if (contact_is_hertz(law)) {
-        return regime == REGIME_APART ? 0.0 : hertz_dissipated_term(law, normal_force, gap, gap_rate, order);
+    double viscous[TAYLOR_TERMS]; /* F_n + dE_c/dg */
+    for (int i = 0; i <= order; ++i) {
+        viscous[i] = normal_force[i] + (contact_is_hertz(law) ? -hertz_spring_term(law->stiffness, gap, i)
+                                                              : law->stiffness * gap[i]);
     }
-    return regime == REGIME_APART ? 0.0
-                                  : -(taylor_multiply(normal_force, gap_rate, order) +
-                                      law->stiffness * taylor_multiply(gap, gap_rate, order));
+    return regime == REGIME_APART ? 0.0 : -taylor_multiply(viscous, gap_rate, order);
 }
 
 /* Whether the law is Hertz's; a compile-time false in builds without Hertz's law. */
