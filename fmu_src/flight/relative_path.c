@@ -254,53 +254,43 @@ static struct polynomial hertz_condition(const struct relative_path *path, const
     return polynomial_add(&sum, -fmin(1.0 / (unit * unit), 1.0), &distance2);
 }
 
-/* Returns k g + c g' for a plane, which is a polynomial. */
-static struct polynomial law_condition_of_plane(const struct relative_path *path,
-                                                const struct contact_law *law)
+/* Returns `times` c c.w + k `spring`, both divided by `unit`, where k and c are those of compression. */
+static struct polynomial law_sum(const struct relative_path *path, const struct contact_coefficients *full,
+                                 double unit, const struct polynomial *spring, double times)
+{
+    struct polynomial sum = {{0.0}, 0};
+    sum = polynomial_add(&sum, full->k / unit, spring);
+    return polynomial_add(&sum, times * (full->c / path->horizon) / unit, &path->half_rate);
+}
+
+/* Adds the roots of the law's force to the candidates. For a plane k g + c g' is a polynomial. Else
+ * k (d - reach) + c d' = 0 has the roots of (k d^2 + c d d')^2 = k^2 reach^2 d^2, and, multiplied by
+ * d + reach with reach / d taken as 1, about those of another polynomial. The latter is the more exact the
+ * smaller the gap is, where the squares have lost the gap to rounding. */
+static int add_roots_of_law(const struct relative_path *path, const struct contact_law *law,
+                            double *candidates, int count)
 {
     const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
-    const double scaled_damping = full.c / path->horizon;
-    const double unit = fmax(full.k, scaled_damping);
-    struct polynomial gap = {{path->gap}, path->degree};
-    for (int i = 1; i <= path->degree; ++i) {
-        gap.a[i] = path->c[i].x;
+    const double unit = fmax(full.k, full.c / path->horizon);
+    if (relative_path_is_flat(path)) {
+        struct polynomial gap = {{path->gap}, path->degree};
+        for (int i = 1; i <= path->degree; ++i) {
+            gap.a[i] = path->c[i].x;
+        }
+        const struct polynomial force = law_sum(path, &full, unit, &gap, 1.0);
+        return polynomial_add_sign_changes(&force, candidates, count);
     }
-    struct polynomial sum = {{0.0}, 0};
-    sum = polynomial_add(&sum, full.k / unit, &gap);
-    return polynomial_add(&sum, scaled_damping / unit, &path->half_rate);
-}
-
-/* Returns a polynomial with the roots of k (d - reach) + c d' = 0, from (k d^2 + c d d')^2 = k^2 reach^2
- * d^2. */
-static struct polynomial law_condition(const struct relative_path *path, const struct contact_law *law)
-{
-    const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
-    const double scaled_damping = full.c / path->horizon;
-    const double unit = fmax(full.k, scaled_damping);
-    const double k = full.k / unit;
-    struct polynomial sum = {{0.0}, 0};
     const struct polynomial offset2 = relative_path_distance_squared(path);
-    sum = polynomial_add(&sum, k, &offset2);
-    sum = polynomial_add(&sum, scaled_damping / unit, &path->half_rate);
+    const double reach_term = full.k / unit * path->reach;
+    const struct polynomial sum = law_sum(path, &full, unit, &offset2, 1.0);
     const struct polynomial squared_sum = polynomial_multiply(&sum, &sum);
-    const double reach_term = k * path->reach;
-    return polynomial_add(&squared_sum, -reach_term * reach_term, &offset2);
-}
-
-/* Returns the polynomial of k (d - reach) + c d' = 0, multiplied by d + reach with reach / d taken as 1. The
- * polynomial is the more exact the smaller the gap is, where the squares of law_condition have lost the gap
- * to rounding. */
-static struct polynomial law_condition_nearby(const struct relative_path *path, const struct contact_law *law)
-{
-    const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
-    const double scaled_damping = full.c / path->horizon;
-    const double unit = fmax(full.k, scaled_damping);
-    struct polynomial squared_deviation = relative_path_distance_squared(path);
-    struct polynomial sum = {{0.0}, 0};
+    const struct polynomial condition = polynomial_add(&squared_sum, -reach_term * reach_term, &offset2);
+    struct polynomial squared_deviation = offset2;
     /* d^2 - reach^2 = (d - reach)(d + reach) has the digits of the gap */
     squared_deviation.a[0] = path->side * path->gap * (path->start + path->reach);
-    sum = polynomial_add(&sum, full.k / unit, &squared_deviation);
-    return polynomial_add(&sum, 2.0 * scaled_damping / unit, &path->half_rate);
+    const struct polynomial nearby = law_sum(path, &full, unit, &squared_deviation, 2.0);
+    count = polynomial_add_sign_changes(&condition, candidates, count);
+    return polynomial_add_sign_changes(&nearby, candidates, count);
 }
 
 struct extremes extremes_of(const struct relative_path *path)
@@ -371,14 +361,7 @@ int candidates_of_all(const struct relative_path *path, const struct extremes *e
             count = polynomial_add_sign_changes(&condition, candidates, count);
         } else if (contact_regime_after(law, REGIME_COMPRESSION) == REGIME_SEPARATING &&
                    contact_coefficients_of(law, REGIME_COMPRESSION).k > 0.0) {
-            if (relative_path_is_flat(path)) {
-                const struct polynomial of_plane = law_condition_of_plane(path, law);
-                return polynomial_add_sign_changes(&of_plane, candidates, count);
-            }
-            const struct polynomial condition = law_condition(path, law);
-            const struct polynomial nearby = law_condition_nearby(path, law);
-            count = polynomial_add_sign_changes(&condition, candidates, count);
-            count = polynomial_add_sign_changes(&nearby, candidates, count);
+            count = add_roots_of_law(path, law, candidates, count);
         }
     }
     return count;
