@@ -610,14 +610,6 @@ struct body_change {
     struct vec3 moved, velocity;
 };
 
-static void push_body(struct body_change *body, double sign, double mass, struct vec3 push, double impulse,
-                      double second)
-{
-    body->is_loaded = true;
-    body->velocity = vec3_axpy(body->velocity, sign * impulse / mass, push);
-    body->moved = vec3_axpy(body->moved, sign * second / mass, push);
-}
-
 void chain_advance(const struct chain *c, double from, double time, const struct scene_values *v,
                    struct scene_state *q)
 {
@@ -639,8 +631,11 @@ void chain_advance(const struct chain *c, double from, double time, const struct
         }
         for (int end = 0; end < 2; ++end) {
             if (body_is_free(v, ends[end])) {
-                push_body(&change[ends[end]], end == 0 ? -1.0 : 1.0, body_mass(v, ends[end]), c->push[i],
-                          impulse, second);
+                struct body_change *body = &change[ends[end]];
+                const double by_mass = (end == 0 ? -1.0 : 1.0) / body_mass(v, ends[end]);
+                body->is_loaded = true;
+                body->velocity = vec3_axpy(body->velocity, by_mass * impulse, c->push[i]);
+                body->moved = vec3_axpy(body->moved, by_mass * second, c->push[i]);
             }
         }
         state->physics.impulse = vec3_axpy(state->physics.impulse, -impulse, c->push[i]);
