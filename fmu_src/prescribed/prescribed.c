@@ -129,8 +129,7 @@ static double torque_rates(const struct prescribed_contact *c, const struct scen
             *arm += scene_friction_law(c->v, c->q, j, i).coefficient;
         }
     }
-    return *arm * (vec3_norm(turning->body[contact_source(j)].angular_velocity) +
-                   vec3_norm(turning->body[contact_destination(j)].angular_velocity));
+    return *arm * turning_spin_size(at, j);
 }
 
 /* Sets the integrands (`rate`), the size of their terms (`scale`) and d integrand / d force (`lever`).
