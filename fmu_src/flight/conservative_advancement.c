@@ -21,7 +21,7 @@ struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *r
 {
     if (path_is_steady(rate, count)) {
         /* a steady turn is the torque-free rotation of a sphere (equal moments of inertia) */
-        const struct rotor_state start = {quaternion_between(vec3_make(0.0, 0.0, 1.0), axis), rate[0]};
+        const struct body_turn start = {quaternion_between(vec3_make(0.0, 0.0, 1.0), axis), rate[0]};
         struct rotor rotor = rotor_from(start, 1.0, 1.0);
         rotor.axis = axis;
         return axis_motion_of_rotor(&rotor);
@@ -72,7 +72,7 @@ static struct rotor_axis prescribed_axis_at(const struct axis_motion *motion, do
     return (struct rotor_axis){axis, vec3_cross(at[0], axis)};
 }
 
-struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct rotor_state *body, struct vec3 inertia,
+struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct body_turn *body, struct vec3 inertia,
                                         const struct vec3 torque[ROTOR_TORQUES])
 {
     struct axis_motion motion = {.kind = AXIS_TUMBLES, .axis = axis, .body = *body, .inertia = inertia};
@@ -82,7 +82,7 @@ struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct rotor_sta
 
 static struct rotor_axis tumbling_axis_at(const struct axis_motion *motion, double time)
 {
-    const struct rotor_state then =
+    const struct body_turn then =
         rotor_of_three_after(&motion->body, motion->inertia, motion->coefficient, time - motion->from);
     const struct vec3 axis = quaternion_rotate(then.orientation, motion->axis);
     return (struct rotor_axis){axis, vec3_cross(then.angular_velocity, axis)};
@@ -165,7 +165,7 @@ static struct axis_bounds tumbling_bounds(const struct axis_motion *motion, doub
     const struct vec3 i = motion->inertia;
     const double least = fmin(i.x, fmin(i.y, i.z));
     const double spread = fmax(fabs(i.x - i.y), fmax(fabs(i.y - i.z), fabs(i.z - i.x))) / least;
-    const struct rotor_state *body = &motion->body;
+    const struct body_turn *body = &motion->body;
     const struct vec3 omega =
         quaternion_rotate(quaternion_inverse(body->orientation), body->angular_velocity);
     const double until = time + length - motion->from;

@@ -29,7 +29,7 @@ struct axis_motion {
     struct vec3 coefficient[AXIS_TERMS];
     /* for AXIS_TUMBLES: the body at `from`, in whose frame the axis is `axis`, and its moments of inertia;
      * `coefficient` has the torque by powers of the time since `from` */
-    struct rotor_state body;
+    struct body_turn body;
     struct vec3 inertia;
 };
 
@@ -42,7 +42,7 @@ struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *r
 struct axis_motion axis_motion_following(const struct vec3 *direction, int count);
 
 /* Returns the motion of a direction, given in the body's frame, of a body with three moments of inertia. */
-struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct rotor_state *body, struct vec3 inertia,
+struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct body_turn *body, struct vec3 inertia,
                                         const struct vec3 torque[ROTOR_TORQUES]);
 
 /*

@@ -7,9 +7,7 @@
 static struct rotor rotor_of(const struct scene_values *v, const struct scene_state *q, int body)
 {
     const struct body_inertia inertia = body_inertia_of(v, body);
-    const struct body_turn *origin = &q->turn_origin[body];
-    const struct rotor_state start = {origin->orientation, origin->angular_velocity};
-    return rotor_from(start, inertia.transverse, inertia.axial);
+    return rotor_from(q->turn_origin[body], inertia.transverse, inertia.axial);
 }
 
 /* Sets the external torque as a polynomial of the time since the present. */
@@ -27,25 +25,18 @@ static void torque_from_now(const struct scene_values *v, const struct scene_sta
 static struct body_turn flight_turn_at(const struct scene_values *v, const struct scene_state *q, int body,
                                        double clock)
 {
-    struct rotor_state then;
-    if (body_is_compound(body)) {
-        const struct body_turn *turn = &q->turning.body[body];
-        const struct rotor_state now = {turn->orientation, turn->angular_velocity};
-        struct vec3 torque[ROTOR_TORQUES];
-        torque_from_now(v, q, body, torque);
-        then = rotor_of_three_after(&now, body_principal_inertia(v, body), torque, clock - q->clock);
-    } else if (!path_rests(q->path[body].torque)) {
-        const struct body_inertia inertia = body_inertia_of(v, body);
-        const struct body_turn *turn = &q->turning.body[body];
-        const struct rotor_state now = {turn->orientation, turn->angular_velocity};
-        struct vec3 torque[ROTOR_TORQUES];
-        torque_from_now(v, q, body, torque);
-        then = rotor_under_torque(&now, inertia.transverse, inertia.axial, torque, clock - q->clock);
-    } else {
+    const struct body_turn *now = &q->turning.body[body];
+    struct vec3 torque[ROTOR_TORQUES];
+    if (!body_is_compound(body) && path_rests(q->path[body].torque)) {
         const struct rotor rotor = rotor_of(v, q, body);
-        then = rotor_at(&rotor, clock);
+        return rotor_at(&rotor, clock);
     }
-    return (struct body_turn){then.orientation, then.angular_velocity};
+    torque_from_now(v, q, body, torque);
+    if (body_is_compound(body)) {
+        return rotor_of_three_after(now, body_principal_inertia(v, body), torque, clock - q->clock);
+    }
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    return rotor_under_torque(now, inertia.transverse, inertia.axial, torque, clock - q->clock);
 }
 
 void flight_turn(const struct scene_values *v, struct scene_state *q, int body, double clock)
@@ -68,11 +59,10 @@ struct axis_motion flight_axis_motion(const struct scene_values *v, const struct
         return motion;
     }
     const struct body_inertia inertia = body_inertia_of(v, body);
-    const struct rotor_state now = {at->orientation, at->angular_velocity};
     struct vec3 torque[ROTOR_TORQUES];
     struct vec3 lambda[ROTOR_RATES];
     torque_from_now(v, q, body, torque);
-    rotor_rates_under_torque(&now, inertia.transverse, inertia.axial, torque, lambda);
+    rotor_rates_under_torque(at, inertia.transverse, inertia.axial, torque, lambda);
     return axis_motion_prescribed(quaternion_third_axis(at->orientation), lambda, ROTOR_RATES);
 }
 

@@ -71,8 +71,7 @@ static void put_levers(const struct scene_values *v, const struct scene_state *q
         path->lever[end] = axis_motion_fixed(axis);
         path->c[0] = vec3_axpy(path->c[0], end == 0 ? 1.0 : -1.0, lever); /* to the centres of mass */
         if (body_turns_freely(v, body)) {
-            const struct rotor_state now = {turn->orientation, turn->angular_velocity};
-            path->lever[end] = axis_motion_tumbling(vec3_scale(1.0 / length, part), &now,
+            path->lever[end] = axis_motion_tumbling(vec3_scale(1.0 / length, part), turn,
                                                     body_principal_inertia(v, body), follows.torque);
         } else if (body_turn_is_prescribed(v, body) && follows.turn_follows == TURN_FOLLOWS_VELOCITY) {
             path->lever[end] = axis_motion_prescribed(axis, follows.angular_velocity, 3);

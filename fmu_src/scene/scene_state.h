@@ -17,7 +17,7 @@
 #include "contact/friction.h"
 #include "contact/law.h"
 #include "math/node_tables.h"
-#include "math/quaternion.h"
+#include "math/rotor.h"
 #include "scene.h"
 
 /* Where a free body was at clock 0. */
@@ -31,12 +31,6 @@ struct body_origin {
 struct body_state {
     struct vec3 moved;    /* since clock 0 [m] */
     struct vec3 velocity; /* v [m/s] */
-};
-
-/* The orientation and the angular velocity of a body, in the world frame. */
-struct body_turn {
-    struct quaternion orientation; /* unit, from the body's frame to the world's */
-    struct vec3 angular_velocity;  /* omega [rad/s] */
 };
 
 /* The states that turning bodies and friction add to those of the bodies. The integrator advances them. */
