@@ -347,8 +347,7 @@ bool flight_stays_finite(const struct scene_values *v, const struct scene_state 
 {
     bool all = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const bool moves = body_is_free(v, i) || body_turns_freely(v, i);
-        all = all && (!moves || body_is_deferrable(v, q, i, clock));
+        all = all && (!body_moves_freely(v, i) || body_is_deferrable(v, q, i, clock));
     }
     return all;
 }

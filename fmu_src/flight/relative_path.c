@@ -141,15 +141,6 @@ static struct polynomial dot_product(const struct vec3 *a, int a_degree, const s
     return p;
 }
 
-/* Returns the degree without leading zero coefficients. */
-static int degree_of(const struct vec3 *a, int degree)
-{
-    while (degree > 0 && vec3_max_abs(a[degree]) == 0.0) {
-        --degree;
-    }
-    return degree;
-}
-
 struct relative_path relative_path_make(const struct contact_shape *shape,
                                         const struct separation_path *separation, double gap, double horizon)
 {
@@ -191,14 +182,14 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
         path.half_length = shape->half_length / path.scale;
         path.has_ends = true;
     }
-    path.degree = degree_of(path.c, SEPARATION_DEGREE);
+    path.degree = path_degree(path.c, SEPARATION_DEGREE + 1);
     path.start = vec3_norm(path.c[0]);
     path.gap = gap / path.scale;
     const struct vec3 unit = {1.0, 0.0, 0.0};
     const struct vec3 *by = relative_path_is_flat(&path) ? &unit : path.c;
     const int by_degree = relative_path_is_flat(&path) ? 0 : path.degree;
     path.closing = dot_product(by, by_degree, slope, path.degree > 0 ? path.degree - 1 : 0);
-    path.half_rate = dot_product(by, by_degree, w, degree_of(w, SEPARATION_DEGREE - 1));
+    path.half_rate = dot_product(by, by_degree, w, path_degree(w, SEPARATION_DEGREE));
     return path;
 }
 

@@ -145,6 +145,16 @@ static inline bool path_is_steady(const struct vec3 *coefficients, int count)
     return sum == 0.0;
 }
 
+/* Returns the degree without leading zero coefficients. */
+static inline int path_degree(const struct vec3 *coefficients, int count)
+{
+    int degree = count - 1;
+    while (degree > 0 && vec3_is_zero(coefficients[degree])) {
+        --degree;
+    }
+    return degree;
+}
+
 /* Whether a path of three coefficients is zero throughout. */
 static inline bool path_rests(const struct vec3 path[3])
 {

@@ -95,11 +95,7 @@ CONTACT_NOINLINE static void instant_at(const struct prescribed_contact *c, doub
     bool met[SCENE_CONTACTS] = {false};
     met[c->contact] = true;
     put_springs_of(c, springs);
-    if (SCENE_CONTACTS > 1) {
-        scene_evaluate_met(c->v, c->q, clock, c->q->body, &c->q->turning, met, at);
-    } else {
-        scene_evaluate(c->v, c->q, clock, c->q->body, at);
-    }
+    scene_evaluate_met(c->v, c->q, clock, c->q->body, &c->q->turning, met, at);
 }
 
 /* Sets the torques, the power that friction takes, and the sum of the lengths of both lever arms [m]. Returns

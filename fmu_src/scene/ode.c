@@ -17,11 +17,6 @@ static int take_states(bool wanted, int count, int *next)
     return wanted ? index : -1;
 }
 
-static bool body_moves(const struct scene_values *v, int body)
-{
-    return body_is_free(v, body) || body_turns_freely(v, body);
-}
-
 /* Whether the motion of a body without contact is a closed form of the clock, in which its orientation does
  * not matter to the contact. */
 static bool flies_unseen(const struct scene_values *v, const struct scene_state *q, int body, int contact)
@@ -39,16 +34,16 @@ static bool find_bodies(const struct scene_values *v, const struct scene_state *
 {
     bool all = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        has[i] = body_moves(v, i) && (SCENE_CONTACTS == 1 || q == NULL);
+        has[i] = body_moves_freely(v, i) && (SCENE_CONTACTS == 1 || q == NULL);
     }
     for (int k = 0; SCENE_CONTACTS > 1 && q != NULL && k < 2 * SCENE_CONTACTS; ++k) {
         const int j = k / 2;
         const int body = k % 2 == 0 ? contact_source(j) : contact_destination(j);
         const bool apart = q->contact[j].regime == (int32_t)REGIME_APART;
-        has[body] = has[body] || (body_moves(v, body) && !(apart && flies_unseen(v, q, body, j)));
+        has[body] = has[body] || (body_moves_freely(v, body) && !(apart && flies_unseen(v, q, body, j)));
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        all = all && (has[i] || !body_moves(v, i));
+        all = all && (has[i] || !body_moves_freely(v, i));
     }
     return all;
 }

@@ -47,8 +47,7 @@ bool body_turns_freely(const struct scene_values *v, int body)
     return SCENE_ANY_FREE_ROTATION && body_rotation(v, body) == ROTATION_FREE;
 }
 
-/* Whether forces or torques move a body. */
-static bool body_moves_freely(const struct scene_values *v, int body)
+bool body_moves_freely(const struct scene_values *v, int body)
 {
     return body_is_free(v, body) || body_turns_freely(v, body);
 }

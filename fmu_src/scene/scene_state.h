@@ -260,6 +260,9 @@ bool body_turns_freely(const struct scene_values *v, int body);
 bool body_turn_is_prescribed(const struct scene_values *v, int body);
 bool body_turns(const struct scene_values *v, int body);
 
+/* Whether forces or torques move a body. */
+bool body_moves_freely(const struct scene_values *v, int body);
+
 /* Whether a body turns and its axis may turn with it: the axis of a sphere has no meaning, and that of a
  * cylinder which touches a cylinder keeps its direction. */
 bool body_tips(const struct scene_values *v, int body);

@@ -155,15 +155,6 @@ static struct vec3 part_across(const struct island_row *r, struct vec3 a)
     return vec3_axpy(a, -vec3_dot(a, r->axis), r->axis);
 }
 
-static int flight_degree(const struct separation_path *flight)
-{
-    int degree = SEPARATION_DEGREE;
-    while (degree > 1 && vec3_is_zero(flight->c[degree])) {
-        --degree;
-    }
-    return degree;
-}
-
 /* Finds the axes of the world along which contact forces act, and the degree of the flights in time. Where
  * there is one axis, no normal turns. */
 static void find_axes(struct island *s)
@@ -185,7 +176,7 @@ static void find_axes(struct island *s)
         }
     }
     for (int i = 0; i < s->rows; ++i) {
-        const int degree = flight_degree(&s->row[i].flight);
+        const int degree = path_degree(s->row[i].flight.c, SEPARATION_DEGREE + 1);
         s->degree = degree > s->degree ? degree : s->degree;
         s->row[i].is_straight = s->row[i].is_straight || s->axes == 1;
     }
@@ -659,7 +650,7 @@ static bool find_touches(struct island *s, const struct scene_values *v, const s
         bool may_touch = !(separation_within(s, &flight, end) < g->gap);
         if (is_apart && may_touch && knows_shape(v, &shape, j)) {
             struct island_path path = {{{{0.0}, {0.0}}}};
-            add_powers(s, flight_degree(&flight));
+            add_powers(s, path_degree(flight.c, SEPARATION_DEGREE + 1));
             make_path(s, &flight, end, &path);
             note_change(s, touch_within(s, &shape, flight.c[0], g, offset, &path), j, REGIME_COMPRESSION);
             continue;
