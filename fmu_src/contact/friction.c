@@ -144,7 +144,8 @@ struct vec3 friction_force(const struct friction_law *law, enum friction_regime 
                                        : vec3_scale(-limit, direction_of(force).unit);
 }
 
-CONTACT_NOT_FUSED struct friction_slopes
+/* Returns the derivatives of F_t. */
+CONTACT_NOT_FUSED static struct friction_slopes
 friction_force_slopes(const struct friction_law *law, enum friction_regime regime, struct friction_state at)
 {
     struct friction_slopes slopes = {.by_slip = {{0.0}}, .by_spring = {{0.0}}};

@@ -109,13 +109,11 @@ enum friction_regime friction_sliding_regime(const struct friction_law *law, dou
 enum friction_regime friction_onset_regime(const struct friction_law *law, struct friction_state at,
                                            double normal_force_rate);
 
-/* Return F_t on the source [N], xi' [m/s] and their derivatives. */
+/* Return F_t on the source [N], xi' [m/s] and the derivatives of xi'. */
 struct vec3 friction_force(const struct friction_law *law, enum friction_regime regime,
                            struct friction_state at);
 struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
                                  struct friction_state at);
-struct friction_slopes friction_force_slopes(const struct friction_law *law, enum friction_regime regime,
-                                             struct friction_state at);
 struct friction_slopes friction_spring_rate_slopes(const struct friction_law *law,
                                                    enum friction_regime regime, struct friction_state at);
 

@@ -138,7 +138,8 @@ static bool is_too_oblong(double ratio, double curvature_ratio)
     return ratio * ratio * part < curvature_ratio * (1.0 - part);
 }
 
-double hertz_elliptic_stiffness(double modulus, double a, double b)
+/* Returns k_h [N/m^1.5] from E* [Pa] and the coefficients 0 < A <= B [1/m] of the surfaces' distance. */
+CONTACT_COLD static double hertz_elliptic_stiffness(double modulus, double a, double b)
 {
     if (!(a < b)) {
         return 4.0 / 3.0 * modulus / sqrt(2.0 * a);
@@ -190,7 +191,27 @@ bool hertz_is_conforming(const struct contact_shape *shape)
     return shape->side < 0 && shape->source_radius > CONFORMING * shape->other_radius;
 }
 
-/* Whether h(zeta) of restitution_damping_ratio (law.h) is below `loss`; h rises from 0 without bound. */
+/*
+ * The damping that gives a free head-on impact the coefficient of restitution e: the speed after the impact
+ * divided by the speed before. In a free impact no force but the contact force acts on the bodies. The
+ * damping is computed once, when the contact is prepared.
+ */
+
+/*
+ * The least coefficient of restitution of the linear law with a non-adhesive or an approach-only dashpot; a
+ * smaller one counts as this, because only an infinite dashpot would give 0. A ball that leaves with a
+ * millionth of its speed rises by 1e-12 of its drop height.
+ */
+#define RESTITUTION_LEAST 1e-6
+
+/*
+ * The least coefficient of restitution of Hertz's law; a smaller one counts as this. Near it chi v is about
+ * 1/e, or 2/e^2 with an approach-only dashpot, and an integration takes steps in proportion to chi v: some
+ * ten thousand at 2e6. The rebound then keeps a millionth of the kinetic energy.
+ */
+#define RESTITUTION_LEAST_HERTZ 1e-3
+
+/* Whether h(zeta) of restitution_damping_ratio is below `loss`; h rises from 0 without bound. */
 static bool loses_less(double ratio, double loss)
 {
     const double square = (1.0 - ratio) * (1.0 + ratio);
@@ -200,7 +221,21 @@ static bool loses_less(double ratio, double loss)
     return h < loss;
 }
 
-double restitution_damping_ratio(double restitution, enum dashpot dashpot)
+/*
+ * The damping ratio zeta = p_nv / (2 sqrt(p_n m_red)) of the linear law for e in [0, 1].
+ *
+ *   unclamped       contact ends at g = 0:      e = exp(-pi zeta / sqrt(1 - zeta^2)); e = 0: zeta = 1
+ *   non-adhesive    contact ends at F_n = 0:    e = exp(-2 h(zeta))
+ *   approach-only   the spring alone returns:   e = exp(-h(zeta))
+ *
+ *   h(cos t) = t cot t up to critical damping, h(cosh t) = t coth t beyond.
+ *
+ * Source: the oscillator x'' + 2 zeta x' + x = 0 starts at x = 0 with x' = 1. Its largest x is exp(-h); the
+ * spring alone turns this x into a return speed of exp(-h). With the dashpot the force ends where x + 2 zeta
+ * x' = 0, and the oscillator leaves there with x' = -exp(-2 h). Both branches of T. Schwager, T. Poeschel,
+ * Granular Matter 9 (2007) 465, are in this one formula.
+ */
+CONTACT_COLD static double restitution_damping_ratio(double restitution, enum dashpot dashpot)
 {
     if (dashpot == DASHPOT_UNCLAMPED) {
         const double loss = 0.0 - log(restitution); /* the subtraction from 0.0 avoids a negative zero */
@@ -246,7 +281,18 @@ static bool returns_too_fast(double y, double e)
     return e * e < 2.0 * (y - log1p(y)) / y / y;
 }
 
-double restitution_hunt_crossley(double restitution, enum dashpot dashpot)
+/*
+ * Returns the number y = chi v [1] of Hunt and Crossley's law for e in [0, 1], with the approach speed v at
+ * the onset of contact. The number depends neither on the spring's stiffness nor on its exponent.
+ *
+ *   full damping    y (1 + e) = ln((1 + y)/(1 - e y)); the force then never pulls: unclamped is non-adhesive
+ *   approach-only   e^2 = 2 (y - ln(1 + y))/y^2
+ *
+ * Source: the energy E of the spring and the approach speed v obey v dv/dE = -(1 + chi v)/m. This equation is
+ * integrated from the touch to the deepest point, which gives E = (m/chi^2)(y - ln(1 + y)), and back.
+ * Marhefka and Orin, IEEE Transactions on Systems, Man, and Cybernetics A 29 (1999) 566.
+ */
+CONTACT_COLD static double restitution_hunt_crossley(double restitution, enum dashpot dashpot)
 {
     const double e = fmax(restitution, RESTITUTION_LEAST_HERTZ);
     if (e >= 1.0) {
@@ -476,27 +522,16 @@ double contact_dissipated_power(const struct contact_law *law, enum contact_regi
     return regime == REGIME_APART ? 0.0 : -(normal_force + contact_stored_slope(law, regime, gap)) * gap_rate;
 }
 
-/* Returns the Taylor coefficient `order` of -(F_n - k_h delta^(3/2)) g'. */
-static double hertz_dissipated_term(const struct contact_law *law, const double *normal_force,
-                                    const double *gap, const double *gap_rate, int order)
-{
-    double viscous[TAYLOR_TERMS];
-    for (int i = 0; i <= order; ++i) {
-        viscous[i] = normal_force[i] - hertz_spring_term(law->stiffness, gap, i);
-    }
-    return -taylor_multiply(viscous, gap_rate, order);
-}
-
 double contact_dissipated_term(const struct contact_law *law, enum contact_regime regime,
                                const double *normal_force, const double *gap, const double *gap_rate,
                                int order)
 {
-    if (contact_is_hertz(law)) {
-        return regime == REGIME_APART ? 0.0 : hertz_dissipated_term(law, normal_force, gap, gap_rate, order);
+    double viscous[TAYLOR_TERMS]; /* F_n + dE_c/dg */
+    for (int i = 0; i <= order; ++i) {
+        viscous[i] = normal_force[i] + (contact_is_hertz(law) ? -hertz_spring_term(law->stiffness, gap, i)
+                                                              : law->stiffness * gap[i]);
     }
-    return regime == REGIME_APART ? 0.0
-                                  : -(taylor_multiply(normal_force, gap_rate, order) +
-                                      law->stiffness * taylor_multiply(gap, gap_rate, order));
+    return regime == REGIME_APART ? 0.0 : -taylor_multiply(viscous, gap_rate, order);
 }
 
 /* Whether the law is Hertz's; a compile-time false in builds without Hertz's law. */

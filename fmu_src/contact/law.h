@@ -34,64 +34,12 @@ CONTACT_COLD double hertz_modulus(struct contact_material source, struct contact
  * (1985), section 7.2. */
 CONTACT_COLD double mindlin_ratio(struct contact_material source, struct contact_material destination);
 
-/* Returns k_h [N/m^1.5] from E* [Pa] and the coefficients 0 < A <= B [1/m] of the surfaces' distance. */
-CONTACT_COLD double hertz_elliptic_stiffness(double modulus, double a, double b);
-
 /* Returns k_h [N/m^1.5] of a contact from E* [Pa]. A source inside must be smaller than the destination. */
 CONTACT_COLD double hertz_stiffness(const struct contact_shape *shape, double modulus);
 
 /* Whether the source is inside a destination that is hardly larger. Hertz's theory then fails, because it
  * assumes a contact area that is small compared with the bodies. */
 CONTACT_COLD bool hertz_is_conforming(const struct contact_shape *shape);
-
-/*
- * The damping that gives a free head-on impact the coefficient of restitution e: the speed after the impact
- * divided by the speed before. In a free impact no force but the contact force acts on the bodies. The
- * damping is computed once, when the contact is prepared.
- */
-
-/*
- * The least coefficient of restitution of the linear law with a non-adhesive or an approach-only dashpot; a
- * smaller one counts as this, because only an infinite dashpot would give 0. A ball that leaves with a
- * millionth of its speed rises by 1e-12 of its drop height.
- */
-#define RESTITUTION_LEAST 1e-6
-
-/*
- * The least coefficient of restitution of Hertz's law; a smaller one counts as this. Near it chi v is about
- * 1/e, or 2/e^2 with an approach-only dashpot, and an integration takes steps in proportion to chi v: some
- * ten thousand at 2e6. The rebound then keeps a millionth of the kinetic energy.
- */
-#define RESTITUTION_LEAST_HERTZ 1e-3
-
-/*
- * The damping ratio zeta = p_nv / (2 sqrt(p_n m_red)) of the linear law for e in [0, 1].
- *
- *   unclamped       contact ends at g = 0:      e = exp(-pi zeta / sqrt(1 - zeta^2)); e = 0: zeta = 1
- *   non-adhesive    contact ends at F_n = 0:    e = exp(-2 h(zeta))
- *   approach-only   the spring alone returns:   e = exp(-h(zeta))
- *
- *   h(cos t) = t cot t up to critical damping, h(cosh t) = t coth t beyond.
- *
- * Source: the oscillator x'' + 2 zeta x' + x = 0 starts at x = 0 with x' = 1. Its largest x is exp(-h); the
- * spring alone turns this x into a return speed of exp(-h). With the dashpot the force ends where x + 2 zeta
- * x' = 0, and the oscillator leaves there with x' = -exp(-2 h). Both branches of T. Schwager, T. Poeschel,
- * Granular Matter 9 (2007) 465, are in this one formula.
- */
-CONTACT_COLD double restitution_damping_ratio(double restitution, enum dashpot dashpot);
-
-/*
- * Returns the number y = chi v [1] of Hunt and Crossley's law for e in [0, 1], with the approach speed v at
- * the onset of contact. The number depends neither on the spring's stiffness nor on its exponent.
- *
- *   full damping    y (1 + e) = ln((1 + y)/(1 - e y)); the force then never pulls: unclamped is non-adhesive
- *   approach-only   e^2 = 2 (y - ln(1 + y))/y^2
- *
- * Source: the energy E of the spring and the approach speed v obey v dv/dE = -(1 + chi v)/m. This equation is
- * integrated from the touch to the deepest point, which gives E = (m/chi^2)(y - ln(1 + y)), and back.
- * Marhefka and Orin, IEEE Transactions on Systems, Man, and Cybernetics A 29 (1999) 566.
- */
-CONTACT_COLD double restitution_hunt_crossley(double restitution, enum dashpot dashpot);
 
 /*
  * The normal force law and its regimes.

@@ -403,14 +403,6 @@ struct solid_place contact_place_at(const struct contact_solid *solid, struct ve
     return (struct solid_place){rho - solid->radius, fabs(axial) - solid->half_height, axial > 0.0 ? -1 : 1};
 }
 
-int contact_zone_by(const struct solid_place *place)
-{
-    if (place->radial > 0.0 && place->axial > 0.0) {
-        return place->end * ZONE_RIM;
-    }
-    return place->radial >= place->axial ? ZONE_SIDE : place->end * ZONE_CAP;
-}
-
 struct contact_shape contact_shape_in(const struct contact_shape *shape, int zone)
 {
     struct contact_shape in = *shape;
@@ -482,7 +474,10 @@ int contact_zone_at(const struct contact_solid *solid, struct vec3 c)
 {
     if (!solid_is_skew(solid)) {
         const struct solid_place place = contact_place_at(solid, c);
-        return contact_zone_by(&place);
+        if (place.radial > 0.0 && place.axial > 0.0) {
+            return place.end * ZONE_RIM;
+        }
+        return place.radial >= place.axial ? ZONE_SIDE : place.end * ZONE_CAP;
     }
     const struct skew_frame *frame = skew_frame_of(solid);
     int nearest = -SKEW_FACE;

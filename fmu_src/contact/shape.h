@@ -207,9 +207,6 @@ struct solid_place {
 
 struct solid_place contact_place_at(const struct contact_solid *solid, struct vec3 c);
 
-/* Returns the nearest zone, with the sign of its end. */
-int contact_zone_by(const struct solid_place *place);
-
 /* Returns the shape in a zone, from the shape of the solid or of any of its zones; zone 0 gives the solid. */
 struct contact_shape contact_shape_in(const struct contact_shape *shape, int zone);
 

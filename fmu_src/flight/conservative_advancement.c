@@ -17,21 +17,11 @@ struct axis_motion axis_motion_of_rotor(const struct rotor *rotor)
         .kind = turns ? AXIS_PRECESSES : AXIS_FIXED, .axis = rotor->axis, .rotor = *rotor};
 }
 
-static bool is_steady_axis(const struct vec3 *coefficient, int count)
-{
-    for (int i = 1; i < count; ++i) {
-        if (!vec3_is_zero(coefficient[i])) {
-            return false;
-        }
-    }
-    return true;
-}
-
 struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *rate, int count)
 {
-    if (is_steady_axis(rate, count)) {
+    if (path_is_steady(rate, count)) {
         /* a steady turn is the torque-free rotation of a sphere (equal moments of inertia) */
-        const struct rotor_state start = {quaternion_between(vec3_make(0.0, 0.0, 1.0), axis), rate[0]};
+        const struct body_turn start = {quaternion_between(vec3_make(0.0, 0.0, 1.0), axis), rate[0]};
         struct rotor rotor = rotor_from(start, 1.0, 1.0);
         rotor.axis = axis;
         return axis_motion_of_rotor(&rotor);
@@ -43,7 +33,7 @@ struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *r
 
 struct axis_motion axis_motion_following(const struct vec3 *direction, int count)
 {
-    struct axis_motion motion = {.kind = is_steady_axis(direction, count) ? AXIS_FIXED : AXIS_FOLLOWS};
+    struct axis_motion motion = {.kind = path_is_steady(direction, count) ? AXIS_FIXED : AXIS_FOLLOWS};
     motion.axis = vec3_scale(1.0 / vec3_norm(direction[0]), direction[0]);
     memcpy(motion.coefficient, direction, (size_t)count * sizeof *direction);
     return motion;
@@ -82,7 +72,7 @@ static struct rotor_axis prescribed_axis_at(const struct axis_motion *motion, do
     return (struct rotor_axis){axis, vec3_cross(at[0], axis)};
 }
 
-struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct rotor_state *body, struct vec3 inertia,
+struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct body_turn *body, struct vec3 inertia,
                                         const struct vec3 torque[ROTOR_TORQUES])
 {
     struct axis_motion motion = {.kind = AXIS_TUMBLES, .axis = axis, .body = *body, .inertia = inertia};
@@ -92,7 +82,7 @@ struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct rotor_sta
 
 static struct rotor_axis tumbling_axis_at(const struct axis_motion *motion, double time)
 {
-    const struct rotor_state then =
+    const struct body_turn then =
         rotor_of_three_after(&motion->body, motion->inertia, motion->coefficient, time - motion->from);
     const struct vec3 axis = quaternion_rotate(then.orientation, motion->axis);
     return (struct rotor_axis){axis, vec3_cross(then.angular_velocity, axis)};
@@ -118,17 +108,18 @@ static struct rotor_axis axis_motion_at(const struct axis_motion *motion, double
     }
 }
 
-void axis_motion_move_on(struct axis_motion *motion, double time)
+/* Moves the origin `from` to `time`. */
+static void axis_motion_move_on(struct axis_motion *motion, double time)
 {
     if (motion->kind == AXIS_PRESCRIBED && time > motion->from) {
         motion->axis = prescribed_axis_at(motion, time).axis;
-        rotor_rates_shift(motion->coefficient, AXIS_TERMS, time - motion->from);
+        path_shift(motion->coefficient, AXIS_TERMS, time - motion->from);
         motion->from = time;
     }
     if (CONTACT_ANY_COMPOUND && motion->kind == AXIS_TUMBLES && time > motion->from) {
         motion->body =
             rotor_of_three_after(&motion->body, motion->inertia, motion->coefficient, time - motion->from);
-        rotor_rates_shift(motion->coefficient, ROTOR_TORQUES, time - motion->from);
+        path_shift(motion->coefficient, ROTOR_TORQUES, time - motion->from);
         motion->from = time;
     }
 }
@@ -157,6 +148,16 @@ static struct vector_sizes sizes_within(const struct vec3 coefficient[AXIS_TERMS
     return (struct vector_sizes){start - first * length, start + first * length, first, second};
 }
 
+/*
+ * Bounds over [time, time + length] for the frame that moves with the axis e and does not spin about e. The
+ * angular velocity of this frame is e x e', of size |e'|; the rate of the angular velocity is e x e''.
+ * INFINITY means that there is no bound.
+ */
+struct axis_bounds {
+    double speed; /* upper bound of |e'| [1/s] */
+    double turn;  /* upper bound of |e x e''| [1/s^2] */
+};
+
 /* Bounds for a tumbling body: |omega| <= |L| / I_least, and from I omega' = tau - omega x I omega follows
  * |omega'| <= |tau| / I_least + |omega|^2 max |I_j - I_k| / I_least. */
 static struct axis_bounds tumbling_bounds(const struct axis_motion *motion, double time, double length)
@@ -164,21 +165,18 @@ static struct axis_bounds tumbling_bounds(const struct axis_motion *motion, doub
     const struct vec3 i = motion->inertia;
     const double least = fmin(i.x, fmin(i.y, i.z));
     const double spread = fmax(fabs(i.x - i.y), fmax(fabs(i.y - i.z), fabs(i.z - i.x))) / least;
-    const struct rotor_state *body = &motion->body;
+    const struct body_turn *body = &motion->body;
     const struct vec3 omega =
         quaternion_rotate(quaternion_inverse(body->orientation), body->angular_velocity);
     const double until = time + length - motion->from;
-    double torque = 0.0;
-    for (int k = ROTOR_TORQUES - 1; k >= 0; --k) {
-        torque = vec3_norm(motion->coefficient[k]) + torque * until;
-    }
+    const double torque = path_size(motion->coefficient, ROTOR_TORQUES, until);
     const double momentum =
         vec3_norm(vec3_make(i.x * omega.x, i.y * omega.y, i.z * omega.z)) + torque * until;
     const double speed = momentum / least;
     return (struct axis_bounds){speed, torque / least + (spread + 0.5) * speed * speed};
 }
 
-struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double time, double length)
+static struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double time, double length)
 {
     if (motion->kind == AXIS_PRECESSES) {
         /* precession: e' = P x e and e'' = P x (P x e) with a constant P at a constant angle to e */

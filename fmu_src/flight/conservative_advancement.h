@@ -29,7 +29,7 @@ struct axis_motion {
     struct vec3 coefficient[AXIS_TERMS];
     /* for AXIS_TUMBLES: the body at `from`, in whose frame the axis is `axis`, and its moments of inertia;
      * `coefficient` has the torque by powers of the time since `from` */
-    struct rotor_state body;
+    struct body_turn body;
     struct vec3 inertia;
 };
 
@@ -42,22 +42,8 @@ struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *r
 struct axis_motion axis_motion_following(const struct vec3 *direction, int count);
 
 /* Returns the motion of a direction, given in the body's frame, of a body with three moments of inertia. */
-struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct rotor_state *body, struct vec3 inertia,
+struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct body_turn *body, struct vec3 inertia,
                                         const struct vec3 torque[ROTOR_TORQUES]);
-
-/* Moves the origin `from` to `time`; later calls with earlier times are then not allowed. */
-void axis_motion_move_on(struct axis_motion *motion, double time);
-
-/*
- * Bounds over [time, time + length] for the frame that moves with the axis e and does not spin about e. The
- * angular velocity of this frame is e x e', of size |e'|; the rate of the angular velocity is e x e''.
- * INFINITY means that there is no bound.
- */
-struct axis_bounds {
-    double speed; /* upper bound of |e'| [1/s] */
-    double turn;  /* upper bound of |e x e''| [1/s^2] */
-};
-struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double time, double length);
 
 /*
  * The gap and the distances from the end planes at one time. Each is a function of time whose second
@@ -84,7 +70,8 @@ struct advancement_path {
 /* Returns an upper bound of the angular velocity [rad/s] of the axis and the lever arms. */
 double advancement_turning(const struct advancement_path *path, double time, double length);
 
-/* Moves the origins of the axis and the lever arms to `time`, as axis_motion_move_on does. */
+/* Moves the origins of the axis and the lever arms to `time`; later calls with earlier times are then not
+ * allowed. */
 void advancement_move_on(struct advancement_path *path, double time);
 
 /* The change that the search looks for: the bodies come into contact, or contact ends. */

@@ -7,9 +7,7 @@
 static struct rotor rotor_of(const struct scene_values *v, const struct scene_state *q, int body)
 {
     const struct body_inertia inertia = body_inertia_of(v, body);
-    const struct body_turn *origin = &q->turn_origin[body];
-    const struct rotor_state start = {origin->orientation, origin->angular_velocity};
-    return rotor_from(start, inertia.transverse, inertia.axial);
+    return rotor_from(q->turn_origin[body], inertia.transverse, inertia.axial);
 }
 
 /* Sets the external torque as a polynomial of the time since the present. */
@@ -27,25 +25,18 @@ static void torque_from_now(const struct scene_values *v, const struct scene_sta
 static struct body_turn flight_turn_at(const struct scene_values *v, const struct scene_state *q, int body,
                                        double clock)
 {
-    struct rotor_state then;
-    if (body_is_compound(body)) {
-        const struct body_turn *turn = &q->turning.body[body];
-        const struct rotor_state now = {turn->orientation, turn->angular_velocity};
-        struct vec3 torque[ROTOR_TORQUES];
-        torque_from_now(v, q, body, torque);
-        then = rotor_of_three_after(&now, body_principal_inertia(v, body), torque, clock - q->clock);
-    } else if (!path_rests(q->path[body].torque)) {
-        const struct body_inertia inertia = body_inertia_of(v, body);
-        const struct body_turn *turn = &q->turning.body[body];
-        const struct rotor_state now = {turn->orientation, turn->angular_velocity};
-        struct vec3 torque[ROTOR_TORQUES];
-        torque_from_now(v, q, body, torque);
-        then = rotor_under_torque(&now, inertia.transverse, inertia.axial, torque, clock - q->clock);
-    } else {
+    const struct body_turn *now = &q->turning.body[body];
+    struct vec3 torque[ROTOR_TORQUES];
+    if (!body_is_compound(body) && path_rests(q->path[body].torque)) {
         const struct rotor rotor = rotor_of(v, q, body);
-        then = rotor_at(&rotor, clock);
+        return rotor_at(&rotor, clock);
     }
-    return (struct body_turn){then.orientation, then.angular_velocity};
+    torque_from_now(v, q, body, torque);
+    if (body_is_compound(body)) {
+        return rotor_of_three_after(now, body_principal_inertia(v, body), torque, clock - q->clock);
+    }
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    return rotor_under_torque(now, inertia.transverse, inertia.axial, torque, clock - q->clock);
 }
 
 void flight_turn(const struct scene_values *v, struct scene_state *q, int body, double clock)
@@ -58,23 +49,9 @@ void flight_turn(const struct scene_values *v, struct scene_state *q, int body, 
     q->turning.body[body] = then;
 }
 
-static struct axis_motion prescribed_axis(const struct scene_state *q, struct vec3 axis, int body)
-{
-    struct body_path path = q->path[body];
-    path_shift(path.angular_velocity, 3, q->clock);
-    path_shift(path.axis, 3, q->clock);
-    const bool by_axis = path.turn_follows != TURN_FOLLOWS_VELOCITY && !vec3_is_zero(path.axis[0]);
-    return by_axis ? axis_motion_following(path.axis, 3)
-                   : axis_motion_prescribed(axis, path.angular_velocity, 3);
-}
-
 struct axis_motion flight_axis_motion(const struct scene_values *v, const struct scene_state *q,
                                       const struct body_turn *at, int body)
 {
-    const struct vec3 axis = quaternion_third_axis(at->orientation);
-    if (body_turn_is_prescribed(v, body)) {
-        return prescribed_axis(q, axis, body);
-    }
     if (path_rests(q->path[body].torque)) {
         const struct rotor rotor = rotor_of(v, q, body);
         struct axis_motion motion = axis_motion_of_rotor(&rotor);
@@ -82,12 +59,11 @@ struct axis_motion flight_axis_motion(const struct scene_values *v, const struct
         return motion;
     }
     const struct body_inertia inertia = body_inertia_of(v, body);
-    const struct rotor_state now = {at->orientation, at->angular_velocity};
     struct vec3 torque[ROTOR_TORQUES];
     struct vec3 lambda[ROTOR_RATES];
     torque_from_now(v, q, body, torque);
-    rotor_rates_under_torque(&now, inertia.transverse, inertia.axial, torque, lambda);
-    return axis_motion_prescribed(axis, lambda, ROTOR_RATES);
+    rotor_rates_under_torque(at, inertia.transverse, inertia.axial, torque, lambda);
+    return axis_motion_prescribed(quaternion_third_axis(at->orientation), lambda, ROTOR_RATES);
 }
 
 /* Least discriminant as a fraction of the sum of its two terms' sizes. Below it the parabola may just touch
@@ -259,15 +235,16 @@ int flight_velocity(const struct scene_values *v, int body, struct vec3 start, c
 
 struct vec3 flight_displacement(const struct vec3 *velocity, int terms, double time)
 {
-    struct vec3 mean[FLIGHT_TERMS];
-    for (int i = 0; i < terms; ++i) {
-        mean[i] = vec3_scale(FLIGHT_MEAN[i], velocity[i]);
+    struct vec3 mean = {0.0, 0.0, 0.0};
+    for (int i = terms - 1; i >= 0; --i) {
+        mean = vec3_axpy(vec3_scale(FLIGHT_MEAN[i], velocity[i]), time, mean);
     }
-    return vec3_scale(time, path_at(mean, terms, time));
+    return vec3_scale(time, mean);
 }
 
-struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,
-                              const struct vec3 force[3], double time)
+/* Returns a free body's state `time` seconds after `start`, where the polynomial `force` has its origin. */
+static struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,
+                                     const struct vec3 force[3], double time)
 {
     struct vec3 velocity[FLIGHT_TERMS];
     const int terms = flight_velocity(v, body, start.velocity, force, velocity);
@@ -290,10 +267,15 @@ double flight_work_along(const struct vec3 *velocity, int terms, const struct ve
     return 0.5 * time * sum;
 }
 
-double flight_work(const struct scene_values *v, int body, struct body_state start,
-                   const struct vec3 force[3], double time)
+double flight_work(const struct scene_values *v, const struct scene_state *q, int body,
+                   struct body_state start, double clock, double time)
 {
+    struct vec3 force[3];
     struct vec3 velocity[FLIGHT_TERMS];
+    flight_force(q, body, clock, force);
+    if (path_rests(force)) {
+        return 0.0;
+    }
     const int terms = flight_velocity(v, body, start.velocity, force, velocity);
     return flight_work_along(velocity, terms, force, time);
 }
@@ -302,10 +284,8 @@ void flight_deviate(const struct scene_values *v, struct scene_state *q, int bod
                     struct vec3 moved, struct vec3 velocity)
 {
     struct vec3 force[3];
+    q->external_work += flight_work(v, q, body, q->body[body], q->clock, time);
     flight_force(q, body, q->clock, force);
-    if (!path_rests(force)) {
-        q->external_work += flight_work(v, body, q->body[body], force, time);
-    }
     const struct body_state flown = flight_from(v, body, q->body[body], force, time);
     q->body[body].moved = vec3_add(flown.moved, moved);
     q->body[body].velocity = vec3_add(flown.velocity, velocity);
@@ -331,11 +311,7 @@ void flight_advance(const struct scene_values *v, struct scene_state *q, double 
     const double stored = apart ? 0.0 : stored_now(v, q);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            if (!path_rests(q->path[i].force)) {
-                struct vec3 force[3];
-                flight_force(q, i, q->clock, force);
-                q->external_work += flight_work(v, i, q->body[i], force, clock - q->clock);
-            }
+            q->external_work += flight_work(v, q, i, q->body[i], q->clock, clock - q->clock);
             q->body[i] = flight_body_at(v, q, i, clock);
         }
     }
@@ -371,8 +347,7 @@ bool flight_stays_finite(const struct scene_values *v, const struct scene_state 
 {
     bool all = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const bool moves = body_is_free(v, i) || body_turns_freely(v, i);
-        all = all && (!moves || body_is_deferrable(v, q, i, clock));
+        all = all && (!body_moves_freely(v, i) || body_is_deferrable(v, q, i, clock));
     }
     return all;
 }

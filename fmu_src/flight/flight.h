@@ -10,7 +10,8 @@
 #include "flight/relative_path.h"
 #include "scene/evaluate.h"
 
-/* Returns the axis motion of a body without contact forces from now on; `at` is the present rotation. */
+/* Returns the axis motion of a freely turning body without contact forces from now on; `at` is the present
+ * rotation. */
 struct axis_motion flight_axis_motion(const struct scene_values *v, const struct scene_state *q,
                                       const struct body_turn *at, int body);
 
@@ -65,12 +66,10 @@ static const double FLIGHT_MEAN[FLIGHT_TERMS] = {1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 
 struct vec3 flight_displacement(const struct vec3 *velocity, int terms, double time);
 double flight_work_along(const struct vec3 *velocity, int terms, const struct vec3 force[3], double time);
 
-/* Return a free body's state `time` seconds after `start`, and the work of the external force until then [J].
- * The polynomial `force` has its time origin at `start`. */
-struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,
-                              const struct vec3 force[3], double time);
-double flight_work(const struct scene_values *v, int body, struct body_state start,
-                   const struct vec3 force[3], double time);
+/* Returns the work of the external force on a free body that flies for `time` seconds from `start`, its state
+ * at a clock [J]. */
+double flight_work(const struct scene_values *v, const struct scene_state *q, int body,
+                   struct body_state start, double clock, double time);
 
 /* Flies a free body for `time` seconds, and adds what contact forces change [m, m/s]. Books the work of the
  * external force along the flight alone. */

@@ -1,4 +1,5 @@
 #include <float.h>
+#include <string.h>
 
 #include "flight/flight.h"
 #include "flight/relative_path.h"
@@ -47,9 +48,11 @@ struct separation_path separation_path_of(const struct scene_values *v, const st
     return path;
 }
 
-void relative_path_put_levers(const struct scene_values *v, const struct scene_state *q,
-                              const struct scene_instant *at, double clock, int contact,
-                              struct advancement_path *path)
+/* Sets the lever arms of the compound bodies of a contact, and takes them off c, which then leads from centre
+ * of mass to centre of mass. */
+static void put_levers(const struct scene_values *v, const struct scene_state *q,
+                       const struct scene_instant *at, double clock, int contact,
+                       struct advancement_path *path)
 {
     for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
         const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
@@ -68,13 +71,47 @@ void relative_path_put_levers(const struct scene_values *v, const struct scene_s
         path->lever[end] = axis_motion_fixed(axis);
         path->c[0] = vec3_axpy(path->c[0], end == 0 ? 1.0 : -1.0, lever); /* to the centres of mass */
         if (body_turns_freely(v, body)) {
-            const struct rotor_state now = {turn->orientation, turn->angular_velocity};
-            path->lever[end] = axis_motion_tumbling(vec3_scale(1.0 / length, part), &now,
+            path->lever[end] = axis_motion_tumbling(vec3_scale(1.0 / length, part), turn,
                                                     body_principal_inertia(v, body), follows.torque);
         } else if (body_turn_is_prescribed(v, body) && follows.turn_follows == TURN_FOLLOWS_VELOCITY) {
             path->lever[end] = axis_motion_prescribed(axis, follows.angular_velocity, 3);
         }
     }
+}
+
+static struct axis_motion prescribed_axis(const struct scene_state *q, const struct body_turn *turn,
+                                          double clock, int body)
+{
+    struct body_path path = q->path[body];
+    path_shift(path.angular_velocity, 3, clock);
+    path_shift(path.axis, 3, clock);
+    const bool by_axis = path.turn_follows != TURN_FOLLOWS_VELOCITY && !vec3_is_zero(path.axis[0]);
+    return by_axis
+               ? axis_motion_following(path.axis, 3)
+               : axis_motion_prescribed(quaternion_third_axis(turn->orientation), path.angular_velocity, 3);
+}
+
+struct advancement_path advancement_path_of(const struct scene_values *v, const struct scene_state *q,
+                                            const struct scene_instant *at, double clock, int contact)
+{
+    const struct separation_path separation = separation_path_of(v, q, at, clock, contact);
+    const int destination = contact_destination(contact);
+    struct advancement_path path = {.shape = scene_contact_shape_at(v, q, at, contact),
+                                    .rounding = rounding_of_gap(v, at, contact)};
+    memcpy(path.c, separation.c, sizeof path.c);
+    for (int i = 0; SCENE_ANY_PRESCRIBED && i < SEPARATION_DEGREE; ++i) {
+        path.mismatch[i] = vec3_axpy(separation.w[i], -(i + 1), separation.c[i + 1]);
+    }
+    put_levers(v, q, at, clock, contact, &path);
+    if (SCENE_ANY_AXIS) {
+        path.axis = axis_motion_fixed(path.shape.axis);
+    }
+    if (contact_tips(v, contact)) {
+        const struct body_turn *turn = &at->turning.body[destination];
+        path.axis = body_turns_freely(v, destination) ? flight_axis_motion(v, q, turn, destination)
+                                                      : prescribed_axis(q, turn, clock, destination);
+    }
+    return path;
 }
 
 bool relative_path_has_ends(const struct contact_shape *shape)
@@ -102,15 +139,6 @@ static struct polynomial dot_product(const struct vec3 *a, int a_degree, const s
         }
     }
     return p;
-}
-
-/* Returns the degree without leading zero coefficients. */
-static int degree_of(const struct vec3 *a, int degree)
-{
-    while (degree > 0 && vec3_max_abs(a[degree]) == 0.0) {
-        --degree;
-    }
-    return degree;
 }
 
 struct relative_path relative_path_make(const struct contact_shape *shape,
@@ -154,28 +182,20 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
         path.half_length = shape->half_length / path.scale;
         path.has_ends = true;
     }
-    path.degree = degree_of(path.c, SEPARATION_DEGREE);
+    path.degree = path_degree(path.c, SEPARATION_DEGREE + 1);
     path.start = vec3_norm(path.c[0]);
     path.gap = gap / path.scale;
     const struct vec3 unit = {1.0, 0.0, 0.0};
     const struct vec3 *by = relative_path_is_flat(&path) ? &unit : path.c;
     const int by_degree = relative_path_is_flat(&path) ? 0 : path.degree;
     path.closing = dot_product(by, by_degree, slope, path.degree > 0 ? path.degree - 1 : 0);
-    path.half_rate = dot_product(by, by_degree, w, degree_of(w, SEPARATION_DEGREE - 1));
+    path.half_rate = dot_product(by, by_degree, w, path_degree(w, SEPARATION_DEGREE));
     return path;
 }
 
 struct polynomial relative_path_distance_squared(const struct relative_path *path)
 {
     return dot_product(path->c, path->degree, path->c, path->degree);
-}
-
-struct polynomial relative_path_squared_deviation(const struct relative_path *path)
-{
-    struct polynomial squared_deviation = relative_path_distance_squared(path);
-    /* d^2 - reach^2 = (d - reach)(d + reach) */
-    squared_deviation.a[0] = path->side * path->gap * (path->start + path->reach);
-    return squared_deviation;
 }
 
 double relative_path_divisor(const struct relative_path *path, double gap)
@@ -224,51 +244,43 @@ static struct polynomial hertz_condition(const struct relative_path *path, const
     return polynomial_add(&sum, -fmin(1.0 / (unit * unit), 1.0), &distance2);
 }
 
-/* Returns k g + c g' for a plane, which is a polynomial. */
-static struct polynomial law_condition_of_plane(const struct relative_path *path,
-                                                const struct contact_law *law)
+/* Returns `times` c c.w + k `spring`, both divided by `unit`, where k and c are those of compression. */
+static struct polynomial law_sum(const struct relative_path *path, const struct contact_coefficients *full,
+                                 double unit, const struct polynomial *spring, double times)
+{
+    struct polynomial sum = {{0.0}, 0};
+    sum = polynomial_add(&sum, full->k / unit, spring);
+    return polynomial_add(&sum, times * (full->c / path->horizon) / unit, &path->half_rate);
+}
+
+/* Adds the roots of the law's force to the candidates. For a plane k g + c g' is a polynomial. Else
+ * k (d - reach) + c d' = 0 has the roots of (k d^2 + c d d')^2 = k^2 reach^2 d^2, and, multiplied by
+ * d + reach with reach / d taken as 1, about those of another polynomial. The latter is the more exact the
+ * smaller the gap is, where the squares have lost the gap to rounding. */
+static int add_roots_of_law(const struct relative_path *path, const struct contact_law *law,
+                            double *candidates, int count)
 {
     const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
-    const double scaled_damping = full.c / path->horizon;
-    const double unit = fmax(full.k, scaled_damping);
-    struct polynomial gap = {{path->gap}, path->degree};
-    for (int i = 1; i <= path->degree; ++i) {
-        gap.a[i] = path->c[i].x;
+    const double unit = fmax(full.k, full.c / path->horizon);
+    if (relative_path_is_flat(path)) {
+        struct polynomial gap = {{path->gap}, path->degree};
+        for (int i = 1; i <= path->degree; ++i) {
+            gap.a[i] = path->c[i].x;
+        }
+        const struct polynomial force = law_sum(path, &full, unit, &gap, 1.0);
+        return polynomial_add_sign_changes(&force, candidates, count);
     }
-    struct polynomial sum = {{0.0}, 0};
-    sum = polynomial_add(&sum, full.k / unit, &gap);
-    return polynomial_add(&sum, scaled_damping / unit, &path->half_rate);
-}
-
-/* Returns a polynomial with the roots of k (d - reach) + c d' = 0, from (k d^2 + c d d')^2 = k^2 reach^2
- * d^2. */
-static struct polynomial law_condition(const struct relative_path *path, const struct contact_law *law)
-{
-    const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
-    const double scaled_damping = full.c / path->horizon;
-    const double unit = fmax(full.k, scaled_damping);
-    const double k = full.k / unit;
-    struct polynomial sum = {{0.0}, 0};
     const struct polynomial offset2 = relative_path_distance_squared(path);
-    sum = polynomial_add(&sum, k, &offset2);
-    sum = polynomial_add(&sum, scaled_damping / unit, &path->half_rate);
+    const double reach_term = full.k / unit * path->reach;
+    const struct polynomial sum = law_sum(path, &full, unit, &offset2, 1.0);
     const struct polynomial squared_sum = polynomial_multiply(&sum, &sum);
-    const double reach_term = k * path->reach;
-    return polynomial_add(&squared_sum, -reach_term * reach_term, &offset2);
-}
-
-/* Returns the polynomial of k (d - reach) + c d' = 0, multiplied by d + reach with reach / d taken as 1. The
- * polynomial is the more exact the smaller the gap is, where the squares of law_condition have lost the gap
- * to rounding. */
-static struct polynomial law_condition_nearby(const struct relative_path *path, const struct contact_law *law)
-{
-    const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
-    const double scaled_damping = full.c / path->horizon;
-    const double unit = fmax(full.k, scaled_damping);
-    const struct polynomial squared_deviation = relative_path_squared_deviation(path);
-    struct polynomial sum = {{0.0}, 0};
-    sum = polynomial_add(&sum, full.k / unit, &squared_deviation);
-    return polynomial_add(&sum, 2.0 * scaled_damping / unit, &path->half_rate);
+    const struct polynomial condition = polynomial_add(&squared_sum, -reach_term * reach_term, &offset2);
+    struct polynomial squared_deviation = offset2;
+    /* d^2 - reach^2 = (d - reach)(d + reach) has the digits of the gap */
+    squared_deviation.a[0] = path->side * path->gap * (path->start + path->reach);
+    const struct polynomial nearby = law_sum(path, &full, unit, &squared_deviation, 2.0);
+    count = polynomial_add_sign_changes(&condition, candidates, count);
+    return polynomial_add_sign_changes(&nearby, candidates, count);
 }
 
 struct extremes extremes_of(const struct relative_path *path)
@@ -339,14 +351,7 @@ int candidates_of_all(const struct relative_path *path, const struct extremes *e
             count = polynomial_add_sign_changes(&condition, candidates, count);
         } else if (contact_regime_after(law, REGIME_COMPRESSION) == REGIME_SEPARATING &&
                    contact_coefficients_of(law, REGIME_COMPRESSION).k > 0.0) {
-            if (relative_path_is_flat(path)) {
-                const struct polynomial of_plane = law_condition_of_plane(path, law);
-                return polynomial_add_sign_changes(&of_plane, candidates, count);
-            }
-            const struct polynomial condition = law_condition(path, law);
-            const struct polynomial nearby = law_condition_nearby(path, law);
-            count = polynomial_add_sign_changes(&condition, candidates, count);
-            count = polynomial_add_sign_changes(&nearby, candidates, count);
+            count = add_roots_of_law(path, law, candidates, count);
         }
     }
     return count;

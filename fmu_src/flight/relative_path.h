@@ -47,23 +47,21 @@ static inline bool relative_path_is_flat(const struct relative_path *path)
     return SCENE_ANY_PLANE && (!SCENE_ANY_CURVED || path->flat);
 }
 
-/* Sets the lever arms of the compound bodies of a contact from a clock on, where `at` is the instant, and
- * takes them off c, which then leads from centre of mass to centre of mass. */
-void relative_path_put_levers(const struct scene_values *v, const struct scene_state *q,
-                              const struct scene_instant *at, double clock, int contact,
-                              struct advancement_path *path);
-
 /* Returns the separation path from the present instant `at`, whose clock is `clock`. */
 struct separation_path separation_path_of(const struct scene_values *v, const struct scene_state *q,
                                           const struct scene_instant *at, double clock, int contact);
+
+/* Returns the path for conservative advancement from the instant `at`, whose clock is `clock`: the present
+ * one where a body turns freely. */
+struct advancement_path advancement_path_of(const struct scene_values *v, const struct scene_state *q,
+                                            const struct scene_instant *at, double clock, int contact);
 
 /* `gap` is the gap at the start [m], which may have more digits than the positions. */
 struct relative_path relative_path_make(const struct contact_shape *shape,
                                         const struct separation_path *separation, double gap, double horizon);
 
-/* Return |c|^2, and |c|^2 - reach^2 with the digits of the gap [scale^2]. */
+/* Returns |c|^2 [scale^2]. */
 struct polynomial relative_path_distance_squared(const struct relative_path *path);
-struct polynomial relative_path_squared_deviation(const struct relative_path *path);
 
 /* Returns the divisor that turns half_rate into n.w at a gap of `gap` [scale]: d, or 1 for a plane. */
 double relative_path_divisor(const struct relative_path *path, double gap);

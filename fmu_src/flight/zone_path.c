@@ -296,21 +296,6 @@ static double plane_touch(const struct separation_path *path, struct vec3 n, dou
     return polynomial_sign_changes(&along, roots) > 0 ? left * roots[0] : (double)INFINITY;
 }
 
-/* Returns plane_touch of a quadratic path, accurate however short the time is compared with the horizon. */
-static double steady_touch(const struct separation_path *path, struct vec3 n, double gap, double left)
-{
-    const double speed = vec3_dot(n, path->c[1]);
-    const double bend = vec3_dot(n, path->c[2]);
-    const double square = speed * speed - 4.0 * bend * gap;
-    double time = (double)INFINITY;
-    if (speed < 0.0 && square >= 0.0) {
-        time = 2.0 * gap / (-speed + sqrt(square));
-    } else if (bend < 0.0) {
-        time = (speed + sqrt(square)) / (-2.0 * bend);
-    }
-    return time <= left ? time : (double)INFINITY;
-}
-
 /* Largest number of steps. Near a graze the steps become as short as the rounding of the gap. */
 enum { TOUCH_STEPS = 10000, GRAZE_EVALUATIONS = 10000 };
 
@@ -320,7 +305,6 @@ static double zone_path_first_touch(const struct contact_shape *shape, const str
                                     double gap, double settled, double horizon)
 {
     const struct vec3 none = {0.0, 0.0, 0.0};
-    const bool is_steady = vec3_is_zero(path->c[3]) && vec3_is_zero(path->c[4]);
     const double better_by = gap - contact_geometry_at(shape, path->c[0], path->c[1], none).gap;
     double time = settled;
     for (int i = 0; i < TOUCH_STEPS && time <= horizon; ++i) {
@@ -330,9 +314,7 @@ static double zone_path_first_touch(const struct contact_shape *shape, const str
         if (!(above > 0.0)) {
             return time;
         }
-        const double left = horizon - time;
-        const double step = is_steady ? steady_touch(&from, at.normal, above, left)
-                                      : plane_touch(&from, at.normal, above, left);
+        const double step = plane_touch(&from, at.normal, above, horizon - time);
         if (!(step < (double)INFINITY)) {
             return (double)INFINITY;
         }

@@ -327,23 +327,16 @@ static double dead_band_clock(struct cvode *c, double clock)
     return clock + 400.0 * DBL_EPSILON * (clock + step);
 }
 
-/* Sets the contact whose event function has the root just found, the event and the next regime. */
-static void root_event(struct cvode *c, const struct scene_values *v, const struct scene_state *q,
-                       struct advance *step)
+/* Returns the index of the event function that has the root just found. */
+static int event_found(const struct cvode *c)
 {
     int found[ODE_EVENTS];
+    int event = 0;
     CVodeGetRootInfo(c->memory, found);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
-            if (found[ODE_EVENTS_EACH * j + i]) {
-                step->contact = j;
-                step->event = i;
-                step->regime = i > ODE_EVENT_LAW ? (enum contact_regime)q->contact[j].regime
-                                                 : ode_regime_after(v, q, j, i);
-                return;
-            }
-        }
+    while (event + 1 < ODE_EVENTS && !found[event]) {
+        event += 1;
     }
+    return event;
 }
 
 /* Closes the gap and restores the energy where a contact ends by its gap; sets the dead band. */
@@ -360,27 +353,6 @@ static void tidy_event(struct cvode *c, const struct scene_values *v, struct sce
         projection_restore_energy(v, q, step->contact, c->problem.relative * speed + c->problem.absolute);
     }
     q->contact[step->contact].schedule.dead_band_clock = dead_band_clock(c, q->clock);
-}
-
-/* Finds a contact that has already passed its event. Two contacts may end, or begin, at almost the same time:
- * when the first has ended the phase, the event function of the second may already be below zero by more than
- * its offset, and CVODE would not find that root any more. */
-static bool is_over_already(struct cvode *c, const struct scene_values *v, struct scene_state *q,
-                            struct advance *step)
-{
-    double roots[ODE_EVENTS];
-    struct scene_instant at;
-    scene_now(v, q, &at);
-    ode_events(&c->problem.ode, q->clock, NV_DATA_S(c->y), roots);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const bool leaves = (q->contact[j].regime == REGIME_APART) == (at.geometry[j].gap_rate < 0.0);
-        if (roots[ODE_EVENTS_EACH * j] < 0.0 && leaves) {
-            step->contact = j;
-            step->regime = ode_regime_after(v, q, j, 0);
-            return true;
-        }
-    }
-    return false;
 }
 
 /* Notes the peaks up to the clock `to`. A step of CVODE is short compared with the time of a contact, so that
@@ -445,8 +417,9 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
         if (!start_phase(c, v, q)) {
             return ADVANCE_FAILED;
         }
-        if (SCENE_CONTACTS > 1 && is_over_already(c, v, q, step)) {
-            return ADVANCE_EVENT;
+        const int passed = SCENE_CONTACTS > 1 ? ode_event_passed(&c->problem.ode, NV_DATA_S(c->y)) : -1;
+        if (passed >= 0) {
+            return advance_to_event(step, v, q, passed);
         }
     }
     CVodeSetStopTime(c->memory, stop);
@@ -463,9 +436,9 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
         q->clock = to;
         flight_restore(v, q);
         if (to == c->reached && c->flag == CV_ROOT_RETURN) {
-            root_event(c, v, q, step);
+            const enum advance_result result = advance_to_event(step, v, q, event_found(c));
             tidy_event(c, v, q, step);
-            return ADVANCE_EVENT;
+            return result;
         }
         if (to == c->reached && c->flag == CV_TSTOP_RETURN) {
             return ADVANCE_REACHED;

@@ -364,7 +364,8 @@ static double fall_within(struct general *g, int event, double limit)
     return g->step.problem.turns ? root_within(g, event, of, by_polynomial) : by_polynomial;
 }
 
-struct general_event general_first_event(struct general *g)
+/* Returns the first terminal event within g->step. */
+static struct general_event general_first_event(struct general *g)
 {
     struct general_event first = {(double)INFINITY, -1}; /* by its place until all are compared */
     sample_events(g);
@@ -447,13 +448,17 @@ static bool look_again(struct general *g, double length, struct general_event *f
     return true;
 }
 
-/* Where the polynomial is not accurate enough between its ends, a shorter step is made that ends at the
+/* Shortens the step so that it ends at the event `found`; `y` and `clock` become the state and the clock at
+ * its end. Where the shorter step shows that the event comes later, the step ends before the event and
+ * `found` becomes "no event". Returns false where no step is accurate enough.
+ *
+ * Where the polynomial is not accurate enough between its ends, a shorter step is made that ends at the
  * event. The event is located again on the shorter step's polynomial until both agree. A shorter step without
  * an event is made longer by what its end misses, because the next long step would only find the same event
  * and end before it again. Where no such step can be made, because friction has no direction where
  * the normal force ends, a step of half the length comes first. A stiff step is made again in any case,
  * because its polynomial may reach F_n < 0 and reverse the slip. */
-bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y)
+static bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y)
 {
     struct radau_step *p = &g->step;
     for (int i = 0; i < MOST_TRIALS && found->event >= 0; ++i) {
@@ -493,7 +498,8 @@ bool general_end_at(struct general *g, struct general_event *found, double *cloc
     return found->event < 0;
 }
 
-void general_set_peaks(struct general *g)
+/* Prepares the search for peaks, after general_first_event. */
+static void general_set_peaks(struct general *g)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         for (int i = 0; i < GENERAL_LOADS && g->state->contact[j].regime != REGIME_APART; ++i) {
@@ -632,9 +638,7 @@ static void fly_others(const struct general *g, struct scene_state *q, double cl
     const double start = g->step.start;
     for (int i = 0; !g->ode.layout.is_whole && i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i) && g->ode.layout.body[i] < 0) {
-            struct vec3 force[3];
-            flight_force(q, i, start, force);
-            q->external_work += flight_work(v, i, flight_body_at(v, q, i, start), force, clock - start);
+            q->external_work += flight_work(v, q, i, flight_body_at(v, q, i, start), start, clock - start);
         }
         if (SCENE_ANY_ROTATION && body_turns_freely(v, i) && g->ode.layout.spin[i] < 0) {
             flight_turn(v, q, i, clock);
@@ -642,7 +646,9 @@ static void fly_others(const struct general *g, struct scene_state *q, double cl
     }
 }
 
-void general_move_scene(struct general *g, struct scene_state *q, double clock, const double *y)
+/* Moves the scene to a clock within the step or at its end, and notes the peaks up to that clock and, where
+ * nothing turns, the impulses of torque. */
+static void general_move_scene(struct general *g, struct scene_state *q, double clock, const double *y)
 {
     const double from = q->clock;
     ode_unpack(&g->ode, q, y);
@@ -650,76 +656,6 @@ void general_move_scene(struct general *g, struct scene_state *q, double clock, 
     q->clock = clock;
     flight_restore(g->ode.values, q);
     note_peaks_within(g, q, from);
-}
-
-/* A step may go on beyond a communication point. The state of motion then stores the step's polynomial, which
- * gives the motion at that point. */
-
-void general_keep_step(const struct general *g, struct scene_state *q)
-{
-    const struct radau_step *p = &g->step;
-    struct unfinished_step *kept = &q->unfinished;
-    const size_t bytes = (size_t)g->size * sizeof(double);
-    kept->start = p->start;
-    kept->length = p->length;
-    kept->end = g->end.clock;
-    kept->solvable = g->solvable;
-    kept->release_clock = g->release_clock;
-    kept->release_rest = g->release_rest;
-    kept->steps_to_release = g->steps_to_release;
-    kept->stages = p->stages->stages;
-    kept->pace = (int32_t)p->stages->pace;
-    kept->event = g->end.event.event;
-    memcpy(kept->at_start, p->y, bytes);
-    memcpy(kept->at_end, g->end.y, bytes);
-    memcpy(kept->weight, p->weight, bytes);
-    memcpy(kept->peaks, g->peaks, sizeof kept->peaks);
-    for (int k = 0; k <= p->stages->stages; ++k) {
-        memcpy(kept->chebyshev[k], p->chebyshev + k * p->stride, bytes);
-    }
-    kept->present = q->clock;
-    q->integrator_fresh = 0;
-}
-
-bool general_take_up(struct general *g, const struct scene_values *v, struct scene_state *q)
-{
-    const struct unfinished_step *kept = &q->unfinished;
-    if (!scene_keeps_steps(v) || q->integrator_fresh || q->clock != kept->present) {
-        return false;
-    }
-    general_attach(g, v, q);
-    const size_t bytes = (size_t)g->size * sizeof(double);
-    g->solvable = kept->solvable;
-    g->release_clock = kept->release_clock;
-    g->release_rest = kept->release_rest;
-    g->steps_to_release = kept->steps_to_release;
-    g->end.clock = kept->end;
-    g->end.event = (struct general_event){1.0, kept->event};
-    memcpy(g->end.y, kept->at_end, bytes);
-    memcpy(g->step.weight, kept->weight, bytes);
-    memcpy(g->peaks, kept->peaks, sizeof g->peaks);
-    radau_step_take_over(&g->step, kept->start, kept->length, kept->at_start,
-                         radau_stages_of(kept->stages, (enum radau_pace)kept->pace), kept->chebyshev[0],
-                         ODE_MOST_STATES);
-    return true;
-}
-
-void general_follow(struct general *g, struct scene_state *q, double clock)
-{
-    radau_step_at(&g->step, (clock - g->step.start) / g->step.length, g->y);
-    general_move_scene(g, q, clock, g->y);
-    q->unfinished.present = clock;
-    q->integrator_fresh = 0;
-}
-
-void general_follow_kept(struct general *g, const struct scene_values *v, struct scene_state *q, double noted,
-                         double clock)
-{
-    q->clock = q->unfinished.present;
-    if (general_take_up(g, v, q)) {
-        q->clock = noted;
-        general_follow(g, q, clock);
-    }
 }
 
 /* The error allowed in a step is this part of the tolerances, because impacts multiply errors. The relative
@@ -817,7 +753,8 @@ static void move_along_step(void *memory, double clock, struct scene_state *q)
     ode_unpack(&g->ode, q, g->y);
 }
 
-void general_attach(struct general *g, const struct scene_values *v, struct scene_state *q)
+/* Makes the segment work on `v` and `q`. */
+static void general_attach(struct general *g, const struct scene_values *v, struct scene_state *q)
 {
     g->ode.values = v;
     g->ode.state = g->state = q;
@@ -845,14 +782,16 @@ void general_attach(struct general *g, const struct scene_values *v, struct scen
     }
 }
 
-void general_set_events(struct general *g, struct scene_instant *at)
+/* Sets the offsets of the event functions at the present instant `at`. */
+static void general_set_events(struct general *g, struct scene_instant *at)
 {
     ode_leave_centres(g->ode.values, g->state);
     scene_now(g->ode.values, g->state, at);
     ode_begin(&g->ode, at, g->relative, g->absolute);
 }
 
-void general_start(struct general *g, const struct scene_values *v, struct scene_state *q)
+/* Prepares a step that starts from `q`. */
+static void general_start(struct general *g, const struct scene_values *v, struct scene_state *q)
 {
     struct scene_instant at;
     general_attach(g, v, q);
@@ -864,6 +803,79 @@ void general_start(struct general *g, const struct scene_values *v, struct scene
     general_begin(g, q->clock, g->y);
     if (SCENE_ANY_HERTZ) {
         g->longest = fmin(g->longest, general_length_of_impacts(v, q, &at));
+    }
+}
+
+/* A step may go on beyond a communication point. The state of motion then stores the step's polynomial, which
+ * gives the motion at that point. */
+
+static void general_keep_step(const struct general *g, struct scene_state *q)
+{
+    const struct radau_step *p = &g->step;
+    struct unfinished_step *kept = &q->unfinished;
+    const size_t bytes = (size_t)g->size * sizeof(double);
+    kept->start = p->start;
+    kept->length = p->length;
+    kept->end = g->end.clock;
+    kept->solvable = g->solvable;
+    kept->release_clock = g->release_clock;
+    kept->release_rest = g->release_rest;
+    kept->steps_to_release = g->steps_to_release;
+    kept->stages = p->stages->stages;
+    kept->pace = (int32_t)p->stages->pace;
+    kept->event = g->end.event.event;
+    memcpy(kept->at_start, p->y, bytes);
+    memcpy(kept->at_end, g->end.y, bytes);
+    memcpy(kept->weight, p->weight, bytes);
+    memcpy(kept->peaks, g->peaks, sizeof kept->peaks);
+    for (int k = 0; k <= p->stages->stages; ++k) {
+        memcpy(kept->chebyshev[k], p->chebyshev + k * p->stride, bytes);
+    }
+    kept->present = q->clock;
+    q->integrator_fresh = 0;
+}
+
+/* Goes on with the step that `q` stores. Returns false where `q` stores none, as where nothing turns or
+ * rubs. */
+static bool general_take_up(struct general *g, const struct scene_values *v, struct scene_state *q)
+{
+    const struct unfinished_step *kept = &q->unfinished;
+    if (!scene_keeps_steps(v) || q->integrator_fresh || q->clock != kept->present) {
+        return false;
+    }
+    general_attach(g, v, q);
+    const size_t bytes = (size_t)g->size * sizeof(double);
+    g->solvable = kept->solvable;
+    g->release_clock = kept->release_clock;
+    g->release_rest = kept->release_rest;
+    g->steps_to_release = kept->steps_to_release;
+    g->end.clock = kept->end;
+    g->end.event = (struct general_event){1.0, kept->event};
+    memcpy(g->end.y, kept->at_end, bytes);
+    memcpy(g->step.weight, kept->weight, bytes);
+    memcpy(g->peaks, kept->peaks, sizeof g->peaks);
+    radau_step_take_over(&g->step, kept->start, kept->length, kept->at_start,
+                         radau_stages_of(kept->stages, (enum radau_pace)kept->pace), kept->chebyshev[0],
+                         ODE_MOST_STATES);
+    return true;
+}
+
+/* Moves the scene along the step to a clock within it. */
+static void general_follow(struct general *g, struct scene_state *q, double clock)
+{
+    radau_step_at(&g->step, (clock - g->step.start) / g->step.length, g->y);
+    general_move_scene(g, q, clock, g->y);
+    q->unfinished.present = clock;
+    q->integrator_fresh = 0;
+}
+
+void general_follow_kept(struct general *g, const struct scene_values *v, struct scene_state *q, double noted,
+                         double clock)
+{
+    q->clock = q->unfinished.present;
+    if (general_take_up(g, v, q)) {
+        q->clock = noted;
+        general_follow(g, q, clock);
     }
 }
 
@@ -911,28 +923,6 @@ static void tidy_end(struct general *g, const struct scene_values *v, struct sce
         projection_restore_energy(v, q, step->contact, g->relative * speed + g->absolute);
     }
     q->contact[step->contact].schedule.dead_band_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
-}
-
-/* Finds a contact that has already passed its event. Where two contacts end or begin at almost the same time,
- * or friction changes just before a contact ends, the first event ends the phase. The event function of the
- * second event may then already be below zero by more than its offset. */
-static bool has_passed_event(struct general *g, const struct scene_values *v, struct scene_state *q,
-                             struct advance *step)
-{
-    double events[ODE_EVENTS];
-    struct scene_instant at;
-    scene_now(v, q, &at);
-    ode_events(&g->ode, q->clock, g->step.y, events);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const bool leaves = (q->contact[j].regime == REGIME_APART) == (at.geometry[j].gap_rate < 0.0);
-        if (events[ODE_EVENTS_EACH * j] < 0.0 && leaves) {
-            step->contact = j;
-            step->event = ODE_EVENT_GAP;
-            step->regime = ode_regime_after(v, q, j, 0);
-            return true;
-        }
-    }
-    return false;
 }
 
 /* Returns the clock of the first release under Hertz's law that the polynomial shows within the step, or
@@ -1005,12 +995,9 @@ static enum advance_result end_step(struct general *g, const struct scene_values
     const struct general_end *end = &g->end;
     general_move_scene(g, q, end->clock, end->y);
     if (end->event.event >= 0) {
-        step->contact = end->event.event / ODE_EVENTS_EACH;
-        step->event = end->event.event % ODE_EVENTS_EACH;
-        step->regime = step->event > ODE_EVENT_LAW ? (enum contact_regime)q->contact[step->contact].regime
-                                                   : ode_regime_after(v, q, step->contact, step->event);
+        const enum advance_result result = advance_to_event(step, v, q, end->event.event);
         tidy_end(g, v, q, step);
-        return ADVANCE_EVENT;
+        return result;
     }
     if (q->clock < step->clock_end) {
         end->y[g->ode.layout.dissipated + 1] = q->external_work; /* with that of fly_others */
@@ -1061,9 +1048,8 @@ CONTACT_NOINLINE enum advance_result general_advance(struct general *g, const st
         result = end_step(g, v, q, step);
     } else {
         general_start(g, v, q);
-        if ((SCENE_CONTACTS > 1 || scene_turns(v)) && has_passed_event(g, v, q, step)) {
-            result = ADVANCE_EVENT;
-        }
+        const int passed = SCENE_CONTACTS > 1 || scene_turns(v) ? ode_event_passed(&g->ode, g->step.y) : -1;
+        result = passed >= 0 ? advance_to_event(step, v, q, passed) : result;
     }
     q->integrator_fresh = 1;
     if (result == ADVANCE_REACHED) {

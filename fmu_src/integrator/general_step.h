@@ -92,12 +92,6 @@ static inline double general_newton_share(const struct general *g)
     return g->step.problem.turns ? GENERAL_TURNING_NEWTON_SHARE : GENERAL_NEWTON_SHARE;
 }
 
-/* general_attach makes the segment work on `v` and `q`. general_set_events sets the offsets of the event
- * functions at the present instant `at`. general_start does both and prepares a step that starts from `q`. */
-void general_attach(struct general *g, const struct scene_values *v, struct scene_state *q);
-void general_set_events(struct general *g, struct scene_instant *at);
-void general_start(struct general *g, const struct scene_values *v, struct scene_state *q);
-
 /* general_begin begins steps at the state `y`. general_step_make makes one accurate step of at most `limit`
  * [s] in g->step. It returns false with a message where no step is accurate enough, and false where the
  * `budget` of steps is used up. A step longer than `left` [s] is accurate within as well, because outputs are
@@ -107,19 +101,6 @@ void general_begin(struct general *g, double clock, const double *y);
 bool general_step_make(struct general *g, double limit, double left, long *budget,
                        double (*release_within)(struct general *g));
 bool general_force_bends(const struct general *g, int contact);
-
-/* general_set_peaks prepares the search for peaks; it is called after general_first_event. general_move_scene
- * moves the scene to a clock within the step or at its end, and notes the peaks up to that clock and, where
- * nothing turns, the impulses of torque. */
-void general_set_peaks(struct general *g);
-void general_move_scene(struct general *g, struct scene_state *q, double clock, const double *y);
-
-/* general_keep_step stores the step in `q`. general_take_up goes on with the step that `q` stores, and
- * returns false where `q` stores none: no step is stored where nothing turns or rubs. general_follow moves
- * the scene along the step to a clock within it. */
-void general_keep_step(const struct general *g, struct scene_state *q);
-bool general_take_up(struct general *g, const struct scene_values *v, struct scene_state *q);
-void general_follow(struct general *g, struct scene_state *q, double clock);
 
 /* Each function returns a limit of a step's length [s]; INFINITY: no limit. The springs at the start of
  * g->step and impacts that begin under Hertz's law limit the first step. Regularized friction whose slip is
@@ -137,13 +118,5 @@ bool general_is_stiff(const struct general *g);
 
 /* Completes a step whose stages are solved. Returns its largest error, divided by the error allowed. */
 double general_finish_step(struct general *g);
-
-/* Returns the first terminal event within g->step. */
-struct general_event general_first_event(struct general *g);
-
-/* Shortens the step so that it ends at the event `found`; `y` and `clock` become the state and the clock at
- * its end. Where the shorter step shows that the event comes later, the step ends before the event and
- * `found` becomes "no event". The function returns false where no step is accurate enough. */
-bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y);
 
 #endif

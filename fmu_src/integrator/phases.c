@@ -491,9 +491,7 @@ static void book_flights(const struct scene_values *v, struct scene_state *q, do
 {
     for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i) && !body_is_loaded(q, i, -1)) {
-            struct vec3 force[3];
-            flight_force(q, i, q->clock, force);
-            q->external_work += flight_work(v, i, q->body[i], force, time);
+            q->external_work += flight_work(v, q, i, q->body[i], q->clock, time);
         }
     }
 }
@@ -761,32 +759,16 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
     return ADVANCE_REACHED;
 }
 
-#if SCENE_ANY_PRESCRIBED_CONTACT
-static bool is_prescribed(const struct scene_values *v, const struct scene_state *q)
+static enum advance_result advance_prescribed(const struct scene_values *v, struct scene_state *q,
+                                              struct advance *step)
 {
-    (void)q;
-    return scene_is_force_element(v) && !scene_turns(v);
-}
-
-static enum advance_result advance_prescribed(struct integrator *s, const struct scene_values *v,
-                                              struct scene_state *q, struct advance *step)
-{
-    (void)s;
     q->clock = integrate_prescribed(v, q, step->clock_end, step);
     return q->clock < step->clock_end ? ADVANCE_STEP_LIMIT : ADVANCE_REACHED;
 }
-#endif
 
-static bool is_flight(const struct scene_values *v, const struct scene_state *q)
+static enum advance_result advance_flight(const struct scene_values *v, struct scene_state *q,
+                                          struct advance *step)
 {
-    (void)v;
-    return flight_is_free(q);
-}
-
-static enum advance_result advance_flight(struct integrator *s, const struct scene_values *v,
-                                          struct scene_state *q, struct advance *step)
-{
-    (void)s;
     if (SCENE_CONTACTS > 1 && !scene_turns(v)) {
         q->integrator_fresh = 1; /* no step of the general segment goes on */
     }
@@ -795,74 +777,41 @@ static enum advance_result advance_flight(struct integrator *s, const struct sce
     return ADVANCE_REACHED;
 }
 
-#if SCENE_HAS_GENERAL
-static bool is_general(const struct scene_values *v, const struct scene_state *q)
-{
-    (void)q;
-    return solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && scene_uses_ode(v);
-}
-
-static enum advance_result advance_general(struct integrator *s, const struct scene_values *v,
-                                           struct scene_state *q, struct advance *step)
-{
-    counter_add(&q->counters.fallbacks, 1);
-    step->clock_limit = fmax(step->clock_end, unforeseen_until(v, q, step));
-    return general_advance(s->general, v, q, step);
-}
-#endif
-
-#ifdef CONTACT_WITH_CVODE
-static bool is_cvode(const struct scene_values *v, const struct scene_state *q)
-{
-    (void)q;
-    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN;
-}
-
-static enum advance_result advance_cvode(struct integrator *s, const struct scene_values *v,
-                                         struct scene_state *q, struct advance *step)
-{
-    return cvode_advance(s->cvode, v, q, step);
-}
-#endif
-
-/* The phases of motion stand in order of preference. A phase that applies may give up where the motion is too
- * hard for it (ADVANCE_FAILED). The next phase that applies then goes on from there. */
-static const struct motion_phase {
-    bool (*applies)(const struct scene_values *v, const struct scene_state *q);
-    enum advance_result (*advance)(struct integrator *s, const struct scene_values *v, struct scene_state *q,
-                                   struct advance *step);
-} PHASES[] = {
-#if SCENE_ANY_PRESCRIBED_CONTACT
-    {is_prescribed, advance_prescribed},
-#endif
-    {is_flight, advance_flight},         {is_in_closed_form, advance_pairs},
-#if SCENE_HAS_GENERAL
-    {is_general, advance_general},
-#endif
-#ifdef CONTACT_WITH_CVODE
-    {is_cvode, advance_cvode},
-#endif
-};
-
+/* The phases of motion stand in order of preference. One that applies may give up where the motion is too
+ * hard for it (ADVANCE_FAILED). The next one that applies then goes on from there. */
 static enum advance_result advance_phase(struct integrator *s, const struct scene_values *v,
                                          struct scene_state *q, struct advance *step)
 {
+    enum advance_result result = ADVANCE_FAILED;
     if (!(step->clock_end > q->clock)) {
         return ADVANCE_REACHED;
     }
     s->message[0] = '\0';
-    for (size_t i = 0; i < sizeof PHASES / sizeof *PHASES; ++i) {
-        if (PHASES[i].applies(v, q)) {
-            const enum advance_result result = PHASES[i].advance(s, v, q, step);
-            if (result != ADVANCE_FAILED) {
-                return result;
-            }
-        }
+    if (SCENE_ANY_PRESCRIBED_CONTACT && scene_is_force_element(v) && !scene_turns(v)) {
+        return advance_prescribed(v, q, step);
     }
-    if (s->message[0] == '\0') {
+    if (flight_is_free(q)) {
+        return advance_flight(v, q, step);
+    }
+    if (is_in_closed_form(v, q)) {
+        result = advance_pairs(s, v, q, step);
+    }
+#if SCENE_HAS_GENERAL
+    if (result == ADVANCE_FAILED && solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && scene_uses_ode(v)) {
+        counter_add(&q->counters.fallbacks, 1);
+        step->clock_limit = fmax(step->clock_end, unforeseen_until(v, q, step));
+        result = general_advance(s->general, v, q, step);
+    }
+#endif
+#ifdef CONTACT_WITH_CVODE
+    if (result == ADVANCE_FAILED && solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN) {
+        result = cvode_advance(s->cvode, v, q, step);
+    }
+#endif
+    if (result == ADVANCE_FAILED && s->message[0] == '\0') {
         snprintf(s->message, sizeof s->message, "no segment of the motion can be made from here");
     }
-    return ADVANCE_FAILED;
+    return result;
 }
 
 /* Puts a contact into its next regime; returns whether the contact begins or ends by this change. */

@@ -51,6 +51,16 @@ static inline void advance_spend(struct advance *step, long steps, long work)
     step->work -= work;
 }
 
+/* Ends an advance by the event function with this index (scene/ode.h). */
+static inline enum advance_result advance_to_event(struct advance *step, const struct scene_values *v,
+                                                   const struct scene_state *q, int event)
+{
+    step->contact = event / ODE_EVENTS_EACH;
+    step->event = event % ODE_EVENTS_EACH;
+    step->regime = ode_regime_after(v, q, step->contact, step->event);
+    return ADVANCE_EVENT;
+}
+
 static inline bool advance_is_spent(const struct advance *step)
 {
     return step->budget <= 0 || step->work <= 0;

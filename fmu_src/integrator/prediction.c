@@ -181,10 +181,7 @@ static bool path_passes_centre(const struct relative_path *path, const struct ex
 static bool path_keeps_away(const struct relative_path *path)
 {
     const double start = relative_path_is_flat(path) ? path->c[0].x : vec3_norm(path->c[0]);
-    double length = 0.0;
-    for (int i = 1; i <= path->degree; ++i) {
-        length += vec3_norm(path->c[i]);
-    }
+    const double length = path_size(path->c + 1, path->degree, 1.0);
     if (path->side > 0) {
         return start - length > path->reach + NO_DISTANCE;
     }
@@ -475,26 +472,6 @@ static const double MOST_LAW_INSTANTS = 1e6;
 /* The last instant is right before the bodies part, where a dashpot may have been clipped shortly before. */
 static const double JUST_BEFORE = 1.0 - 1e-9;
 
-static struct advancement_path advancement_path_of(const struct scene_values *v, const struct scene_state *q,
-                                                   const struct scene_instant *at, int contact)
-{
-    const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
-    const int destination = contact_destination(contact);
-    struct advancement_path path = {.shape = scene_contact_shape_at(v, q, at, contact),
-                                    .rounding = rounding_of_gap(v, at, contact)};
-    for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
-        path.c[i] = separation.c[i];
-    }
-    for (int i = 0; SCENE_ANY_PRESCRIBED && i < SEPARATION_DEGREE; ++i) {
-        path.mismatch[i] = vec3_axpy(separation.w[i], -(i + 1), separation.c[i + 1]);
-    }
-    relative_path_put_levers(v, q, at, q->clock, contact, &path);
-    path.axis = contact_tips(v, contact)
-                    ? flight_axis_motion(v, q, &at->turning.body[destination], destination)
-                    : axis_motion_fixed(path.shape.axis);
-    return path;
-}
-
 /* Returns g' for the law [m/s]. */
 static double law_rate_at(const struct advancement_path *path, const struct advancement_instant *at,
                           double time)
@@ -565,7 +542,7 @@ static struct prediction advancement_prediction(const struct scene_values *v, co
 {
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
     const struct contact_law law = scene_contact_law(v, q, contact);
-    const struct advancement_path path = advancement_path_of(v, q, at, contact);
+    const struct advancement_path path = advancement_path_of(v, q, at, q->clock, contact);
     const bool apart = present == REGIME_APART;
     const struct advancement_result change =
         advancement_first(&path, apart ? ADVANCEMENT_TOUCH : ADVANCEMENT_PARTING, horizon, budget);

@@ -74,7 +74,7 @@ static double power_of_two_near(double a)
     return a > 0.0 && isfinite(a) ? ldexp(1.0, exponent) : 1.0;
 }
 
-struct rotor rotor_from(struct rotor_state start, double transverse_inertia, double axial_inertia)
+struct rotor rotor_from(struct body_turn start, double transverse_inertia, double axial_inertia)
 {
     struct rotor rotor = {.start = start, .direction = {0.0, 0.0, 1.0}};
     const double size = power_of_two_near(vec3_max_abs(start.angular_velocity));
@@ -120,7 +120,7 @@ static struct vec3 turned_about(struct vec3 u, struct sine_cosine by, struct vec
     return vec3_axpy(vec3_axpy(a, by.sine, once), versine, vec3_cross(u, once));
 }
 
-struct rotor_state rotor_at(const struct rotor *rotor, double time)
+struct body_turn rotor_at(const struct rotor *rotor, double time)
 {
     /* half angles, reduced by whole turns of their own: the sign of the quaternion follows */
     const struct sine_cosine round = sine_cosine_after(rotor, rotor->precession, 0.5, time);
@@ -129,8 +129,8 @@ struct rotor_state rotor_at(const struct rotor *rotor, double time)
     const struct quaternion last = quaternion_make(round.cosine, vec3_scale(round.sine, rotor->direction));
     const struct quaternion middle = quaternion_product(rotor->start.orientation, first);
     const struct sine_cosine whole = {2.0 * round.sine * round.cosine, 1.0 - 2.0 * round.sine * round.sine};
-    return (struct rotor_state){quaternion_unit(quaternion_product(last, middle)),
-                                turned_about(rotor->direction, whole, rotor->start.angular_velocity)};
+    return (struct body_turn){quaternion_unit(quaternion_product(last, middle)),
+                              turned_about(rotor->direction, whole, rotor->start.angular_velocity)};
 }
 
 struct rotor_axis rotor_axis_at(const struct rotor *rotor, double time)
@@ -158,29 +158,13 @@ double rotor_axis_speed(const struct rotor *rotor)
 enum { ROTOR_TERMS = 21 };
 static const double ROTOR_REACH = 8.0;
 
-void rotor_rates_shift(struct vec3 *coefficient, int count, double time)
-{
-    for (int first = 0; first < count - 1; ++first) {
-        for (int i = count - 2; i >= first; --i) {
-            coefficient[i] = vec3_axpy(coefficient[i], time, coefficient[i + 1]);
-        }
-    }
-}
-
-/* Returns L divided by I_1, where L = I_1 omega + (I_3 - I_1) omega_3 e_3. */
-static struct vec3 rate_of_momentum(const struct rotor_state *start, double transverse_inertia,
-                                    double axial_inertia)
+void rotor_rates_under_torque(const struct body_turn *start, double transverse_inertia, double axial_inertia,
+                              const struct vec3 torque[ROTOR_TORQUES], struct vec3 lambda[ROTOR_RATES])
 {
     const struct vec3 axis = quaternion_third_axis(start->orientation);
     const double ratio = (axial_inertia - transverse_inertia) / transverse_inertia;
-    return vec3_axpy(start->angular_velocity, ratio * vec3_dot(start->angular_velocity, axis), axis);
-}
-
-void rotor_rates_under_torque(const struct rotor_state *start, double transverse_inertia,
-                              double axial_inertia, const struct vec3 torque[ROTOR_TORQUES],
-                              struct vec3 lambda[ROTOR_RATES])
-{
-    lambda[0] = rate_of_momentum(start, transverse_inertia, axial_inertia);
+    /* L / I_1, where L = I_1 omega + (I_3 - I_1) omega_3 e_3 */
+    lambda[0] = vec3_axpy(start->angular_velocity, ratio * vec3_dot(start->angular_velocity, axis), axis);
     for (int i = 0; i < ROTOR_TORQUES; ++i) {
         lambda[i + 1] = vec3_scale(1.0 / ((i + 1) * transverse_inertia), torque[i]);
     }
@@ -231,7 +215,7 @@ struct vec3 rotor_axis_after(const struct vec3 lambda[ROTOR_RATES], struct vec3 
         const double step = step_of(rate, left);
         struct vec3 term[ROTOR_TERMS + 1] = {axis};
         axis = axis_terms(rate, step, term);
-        rotor_rates_shift(rate, ROTOR_RATES, step);
+        path_shift(rate, ROTOR_RATES, step);
         left -= step;
     }
     return axis;
@@ -262,7 +246,7 @@ struct quaternion rotor_turned_after(const struct vec3 lambda[ROTOR_RATES], stru
     for (double left = time; left > 0.0 && left < before;) { /* where a step is rounding beside the rest */
         const double step = step_of(rate, left);
         q = turned_by_series(rate, step, q);
-        rotor_rates_shift(rate, ROTOR_RATES, step);
+        path_shift(rate, ROTOR_RATES, step);
         before = left;
         left -= step;
     }
@@ -287,11 +271,11 @@ static double spin_grown(const struct vec3 torque[ROTOR_TORQUES], double axial_i
     return grown;
 }
 
-struct rotor_state rotor_under_torque(const struct rotor_state *start, double transverse_inertia,
-                                      double axial_inertia, const struct vec3 torque[ROTOR_TORQUES],
-                                      double time)
+struct body_turn rotor_under_torque(const struct body_turn *start, double transverse_inertia,
+                                    double axial_inertia, const struct vec3 torque[ROTOR_TORQUES],
+                                    double time)
 {
-    struct rotor_state now = *start;
+    struct body_turn now = *start;
     struct vec3 lambda[ROTOR_RATES];
     struct vec3 moment[ROTOR_TORQUES] = {torque[0], torque[1], torque[2]};
     rotor_rates_under_torque(start, transverse_inertia, axial_inertia, torque, lambda);
@@ -307,8 +291,8 @@ struct rotor_state rotor_under_torque(const struct rotor_state *start, double tr
         const struct quaternion about = quaternion_of_rotation(vec3_make(0.0, 0.0, ratio * turned));
         now.orientation = quaternion_product(turned_by_series(lambda, step, now.orientation), about);
         axis = quaternion_third_axis(now.orientation);
-        rotor_rates_shift(lambda, ROTOR_RATES, step);
-        rotor_rates_shift(moment, ROTOR_TORQUES, step);
+        path_shift(lambda, ROTOR_RATES, step);
+        path_shift(moment, ROTOR_TORQUES, step);
         left -= step;
     }
     /* omega = L/I_1 + (1 - I_3/I_1) omega_3 e_3 */
@@ -367,8 +351,8 @@ static double three_step(const struct three_terms *t, double unit, double left)
     return step;
 }
 
-struct rotor_state rotor_of_three_after(const struct rotor_state *start, struct vec3 inertia,
-                                        const struct vec3 torque[ROTOR_TORQUES], double time)
+struct body_turn rotor_of_three_after(const struct body_turn *start, struct vec3 inertia,
+                                      const struct vec3 torque[ROTOR_TORQUES], double time)
 {
     struct quaternion q = start->orientation;
     struct vec3 moment[ROTOR_TORQUES] = {torque[0], torque[1], torque[2]};
@@ -393,9 +377,9 @@ struct rotor_state rotor_of_three_after(const struct rotor_state *start, struct 
         for (int i = ROTOR_TORQUES - 1; i >= 0; --i) {
             momentum = vec3_axpy(momentum, pow(step, i + 1) / (i + 1), moment[i]);
         }
-        rotor_rates_shift(moment, ROTOR_TORQUES, step);
+        path_shift(moment, ROTOR_TORQUES, step);
         left -= step;
     }
     omega = quotient(quaternion_rotate(quaternion_inverse(q), momentum), inertia);
-    return (struct rotor_state){q, quaternion_rotate(q, omega)};
+    return (struct body_turn){q, quaternion_rotate(q, omega)};
 }

@@ -16,14 +16,14 @@
 #include "math/quaternion.h"
 
 /* Orientation and angular velocity of a body. */
-struct rotor_state {
+struct body_turn {
     struct quaternion orientation; /* unit, body to world */
     struct vec3 angular_velocity;  /* omega, in the world's frame [rad/s] */
 };
 
 /* Torque-free motion from a start, all of it. */
 struct rotor {
-    struct rotor_state start;
+    struct body_turn start;
     struct vec3 axis;                /* e_3 at the start, unit */
     struct vec3 direction;           /* L/|L|, unit; any where the body does not turn */
     double unit;                     /* a power of two [1/s], by which precession and spin are divided */
@@ -32,10 +32,10 @@ struct rotor {
 };
 
 /* Moments of inertia in any unit, both positive and finite. */
-struct rotor rotor_from(struct rotor_state start, double transverse_inertia, double axial_inertia);
+struct rotor rotor_from(struct body_turn start, double transverse_inertia, double axial_inertia);
 
 /* Returns the state after a time [s] of either sign. The quaternion's sign is continuous in time. */
-struct rotor_state rotor_at(const struct rotor *rotor, double time);
+struct body_turn rotor_at(const struct rotor *rotor, double time);
 
 /* The axis e_3 alone, and its rate omega x e_3. */
 struct rotor_axis {
@@ -62,9 +62,8 @@ double rotor_axis_speed(const struct rotor *rotor);
 enum { ROTOR_RATES = 4, ROTOR_TORQUES = 3 };
 
 /* Sets the coefficients of lambda for a body under a torque, with time zero at the state `start`. */
-void rotor_rates_under_torque(const struct rotor_state *start, double transverse_inertia,
-                              double axial_inertia, const struct vec3 torque[ROTOR_TORQUES],
-                              struct vec3 lambda[ROTOR_RATES]);
+void rotor_rates_under_torque(const struct body_turn *start, double transverse_inertia, double axial_inertia,
+                              const struct vec3 torque[ROTOR_TORQUES], struct vec3 lambda[ROTOR_RATES]);
 
 /* Return the direction of an axis, and an orientation, after time >= 0 [s]. The orientation stays as it is
  * where steps become less than a rounding of the time. */
@@ -72,9 +71,9 @@ struct vec3 rotor_axis_after(const struct vec3 lambda[ROTOR_RATES], struct vec3 
 struct quaternion rotor_turned_after(const struct vec3 lambda[ROTOR_RATES], struct quaternion q, double time);
 
 /* Returns the state after time >= 0 [s] under a torque. */
-struct rotor_state rotor_under_torque(const struct rotor_state *start, double transverse_inertia,
-                                      double axial_inertia, const struct vec3 torque[ROTOR_TORQUES],
-                                      double time);
+struct body_turn rotor_under_torque(const struct body_turn *start, double transverse_inertia,
+                                    double axial_inertia, const struct vec3 torque[ROTOR_TORQUES],
+                                    double time);
 
 /*
  * The rigid body with three moments of inertia I under a torque tau, by power series of time. The quaternion
@@ -86,10 +85,7 @@ struct rotor_state rotor_under_torque(const struct rotor_state *start, double tr
  *
  * Each step keeps L, so that errors are those of rounding only; the cost is in proportion to the turns.
  */
-struct rotor_state rotor_of_three_after(const struct rotor_state *start, struct vec3 inertia,
-                                        const struct vec3 torque[ROTOR_TORQUES], double time);
-
-/* Moves the origin of a polynomial of time on by `time` [s], in place. */
-void rotor_rates_shift(struct vec3 *coefficient, int count, double time);
+struct body_turn rotor_of_three_after(const struct body_turn *start, struct vec3 inertia,
+                                      const struct vec3 torque[ROTOR_TORQUES], double time);
 
 #endif

@@ -68,6 +68,14 @@ void taylor_derivatives(const double *a, int terms, double s, double out[3])
     }
 }
 
+void taylor_root_function(const void *a, double s, double *value, double *slope)
+{
+    double of[3];
+    taylor_derivatives(a, TAYLOR_TERMS, s, of);
+    *value = of[0];
+    *slope = of[1];
+}
+
 double taylor_integral(const double *a, int terms, double s)
 {
     double sum = 0.0;

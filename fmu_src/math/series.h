@@ -28,6 +28,9 @@ double taylor_at(const double *a, int terms, double s);
 /* Writes the value of the series at s and its first two derivatives. */
 void taylor_derivatives(const double *a, int terms, double s, double out[3]);
 
+/* Serves as a root_function of a series of TAYLOR_TERMS coefficients. */
+void taylor_root_function(const void *a, double s, double *value, double *slope);
+
 /* Returns the integral of the series from 0 to s. */
 double taylor_integral(const double *a, int terms, double s);
 

@@ -108,6 +108,72 @@ static inline double vec3_norm(struct vec3 a)
     return scale * sqrt(vec3_dot(s, s));
 }
 
+/* A path is a polynomial of time: the sum of coefficient[i] time^i. */
+
+static inline struct vec3 path_at(const struct vec3 *coefficients, int count, double time)
+{
+    struct vec3 value = coefficients[count - 1];
+    for (int i = count - 2; i >= 0; --i) {
+        value = vec3_axpy(coefficients[i], time, value);
+    }
+    return value;
+}
+
+/* Returns the sum of the sizes of the terms, which bounds the path up to `time` >= 0. */
+static inline double path_size(const struct vec3 *coefficients, int count, double time)
+{
+    double size = 0.0;
+    for (int i = count - 1; i >= 0; --i) {
+        size = size * time + vec3_norm(coefficients[i]);
+    }
+    return size;
+}
+
+/* Returns the derivative of a path of three coefficients. */
+static inline struct vec3 path_slope(const struct vec3 path[3], double time)
+{
+    return vec3_axpy(path[1], 2.0 * time, path[2]);
+}
+
+/* Whether all coefficients but the first are zero, as in most paths. */
+static inline bool path_is_steady(const struct vec3 *coefficients, int count)
+{
+    double sum = 0.0;
+    for (int i = 1; i < count; ++i) {
+        sum += fabs(coefficients[i].x) + fabs(coefficients[i].y) + fabs(coefficients[i].z);
+    }
+    return sum == 0.0;
+}
+
+/* Returns the degree without leading zero coefficients. */
+static inline int path_degree(const struct vec3 *coefficients, int count)
+{
+    int degree = count - 1;
+    while (degree > 0 && vec3_is_zero(coefficients[degree])) {
+        --degree;
+    }
+    return degree;
+}
+
+/* Whether a path of three coefficients is zero throughout. */
+static inline bool path_rests(const struct vec3 path[3])
+{
+    return path_is_steady(path, 3) && vec3_is_zero(path[0]);
+}
+
+/* Changes the coefficients of a path so that its origin moves to `time`. */
+static inline void path_shift(struct vec3 *coefficients, int count, double time)
+{
+    if (path_is_steady(coefficients, count)) {
+        return;
+    }
+    for (int done = 0; done < count - 1; ++done) {
+        for (int i = count - 2; i >= done; --i) {
+            coefficients[i] = vec3_axpy(coefficients[i], time, coefficients[i + 1]);
+        }
+    }
+}
+
 /* 3 x 3 matrices, m[row][column]. */
 
 /* m += factor a b^T */

@@ -12,34 +12,36 @@
  * integrates (Model Exchange) sets inputs at each instant; in between they stay constant.
  */
 
-/* Sets the coefficients 0..2 of one scalar path by a signal that was set at this communication point. A new
- * value or derivative ends the derivatives of higher order that are not set with it. Lower orders keep their
- * present values. */
-static void put_signal(struct vec3 *path, int k, double value, const struct input_signal *signal,
-                       uint8_t marks)
+/* Sets the coefficients 0..2 of a path by signals of its components that were set at this communication
+ * point. A new value or derivative ends the derivatives of higher order that are not set with it. Lower
+ * orders keep their present values. */
+static void put_signals(struct vec3 *path, struct vec3 value, const struct input_signal *signals,
+                        const uint8_t *marks)
 {
-    if (marks & SIGNAL_VALUE) {
-        *vec3_part(&path[0], k) = value;
-    }
-    if (marks & (SIGNAL_VALUE | SIGNAL_RATE)) {
-        *vec3_part(&path[1], k) = marks & SIGNAL_RATE ? signal->rate : 0.0;
-    }
-    if (marks & (SIGNAL_VALUE | SIGNAL_RATE | SIGNAL_CURVATURE)) {
-        *vec3_part(&path[2], k) = marks & SIGNAL_CURVATURE ? 0.5 * signal->curvature : 0.0;
+    for (int k = 0; k < 3; ++k) {
+        if (marks[k] & SIGNAL_VALUE) {
+            vec3_set(&path[0], k, vec3_get(value, k));
+        }
+        if (marks[k] & (SIGNAL_VALUE | SIGNAL_RATE)) {
+            vec3_set(&path[1], k, marks[k] & SIGNAL_RATE ? signals[k].rate : 0.0);
+        }
+        if (marks[k] & (SIGNAL_VALUE | SIGNAL_RATE | SIGNAL_CURVATURE)) {
+            vec3_set(&path[2], k, marks[k] & SIGNAL_CURVATURE ? 0.5 * signals[k].curvature : 0.0);
+        }
     }
 }
 
-static void put_displacement(struct body_path *path, int k, double value, const struct input_signal *signal,
-                             uint8_t marks, bool follows_velocity)
+static void put_displacement(struct body_path *path, struct vec3 value, const struct input_signal *signals,
+                             const uint8_t *marks, bool follows_velocity)
 {
-    put_signal(path->displacement, k, value, signal, marks);
-    if (marks & (SIGNAL_VALUE | SIGNAL_RATE | SIGNAL_CURVATURE)) {
-        *vec3_part(&path->displacement[3], k) = 0.0;
-    }
-    if (follows_velocity && !(marks & SIGNAL_EXPLICIT)) {
-        *vec3_part(&path->displacement[1], k) = vec3_get(path->velocity[0], k);
-        *vec3_part(&path->displacement[2], k) = vec3_get(path->velocity[1], k) / 2.0;
-        *vec3_part(&path->displacement[3], k) = vec3_get(path->velocity[2], k) / 3.0;
+    put_signals(path->displacement, value, signals, marks);
+    for (int k = 0; k < 3; ++k) {
+        if (marks[k] & (SIGNAL_VALUE | SIGNAL_RATE | SIGNAL_CURVATURE)) {
+            vec3_set(&path->displacement[3], k, 0.0);
+        }
+        for (int i = 0; i < 3 && follows_velocity && !(marks[k] & SIGNAL_EXPLICIT); ++i) {
+            vec3_set(&path->displacement[i + 1], k, vec3_get(path->velocity[i], k) / (i + 1));
+        }
     }
 }
 
@@ -59,18 +61,14 @@ static void renew_turn(const struct model *m, int body, const uint8_t *marks, st
 {
     const struct scene_values *v = &m->state.values;
     const struct input_signal *signals = m->state.signals[body];
-    const struct vec3 omega = body_prescribed_angular_velocity(v, body);
-    const struct vec3 axis = body_prescribed_axis(v, body);
-    const struct vec3 torque = body_external_torque(v, body);
     const bool prescribed = body_turn_is_prescribed(v, body);
-    for (int k = 0; k < 3; ++k) {
-        if (prescribed) {
-            put_signal(path->angular_velocity, k, vec3_get(omega, k), &signals[9 + k], marks[9 + k]);
-            put_signal(path->axis, k, vec3_get(axis, k), &signals[12 + k], marks[12 + k]);
-        }
-        if (body_turns_freely(v, body)) {
-            put_signal(path->torque, k, vec3_get(torque, k), &signals[15 + k], marks[15 + k]);
-        }
+    if (prescribed) {
+        put_signals(path->angular_velocity, body_prescribed_angular_velocity(v, body), signals + 9,
+                    marks + 9);
+        put_signals(path->axis, body_prescribed_axis(v, body), signals + 12, marks + 12);
+    }
+    if (body_turns_freely(v, body)) {
+        put_signals(path->torque, body_external_torque(v, body), signals + 15, marks + 15);
     }
     if (SCENE_ANY_COMPOUND && prescribed) {
         const struct quaternion given = body_prescribed_orientation(v, body);
@@ -89,18 +87,13 @@ static void input_path_renew(const struct model *m, int body, const uint8_t *mar
 {
     const struct scene_values *v = &m->state.values;
     const struct input_signal *signals = m->state.signals[body];
-    const struct vec3 displacement = body_prescribed_displacement(v, body);
-    const struct vec3 velocity = body_prescribed_velocity(v, body);
-    const struct vec3 force = body_external_force(v, body);
     const bool follows_velocity = !m->host.exchange && !inputs_prescribe_all(v);
-    for (int k = 0; k < 3; ++k) {
-        if (body_is_prescribed(v, body)) {
-            put_signal(path->velocity, k, vec3_get(velocity, k), &signals[3 + k], marks[3 + k]);
-            put_displacement(path, k, vec3_get(displacement, k), &signals[k], marks[k], follows_velocity);
-        }
-        if (body_is_free(v, body)) {
-            put_signal(path->force, k, vec3_get(force, k), &signals[6 + k], marks[6 + k]);
-        }
+    if (body_is_prescribed(v, body)) {
+        put_signals(path->velocity, body_prescribed_velocity(v, body), signals + 3, marks + 3);
+        put_displacement(path, body_prescribed_displacement(v, body), signals, marks, follows_velocity);
+    }
+    if (body_is_free(v, body)) {
+        put_signals(path->force, body_external_force(v, body), signals + 6, marks + 6);
     }
     if (SCENE_ANY_ROTATION) {
         renew_turn(m, body, marks, path);

@@ -95,11 +95,7 @@ CONTACT_NOINLINE static void instant_at(const struct prescribed_contact *c, doub
     bool met[SCENE_CONTACTS] = {false};
     met[c->contact] = true;
     put_springs_of(c, springs);
-    if (SCENE_CONTACTS > 1) {
-        scene_evaluate_met(c->v, c->q, clock, c->q->body, &c->q->turning, met, at);
-    } else {
-        scene_evaluate(c->v, c->q, clock, c->q->body, at);
-    }
+    scene_evaluate_met(c->v, c->q, clock, c->q->body, &c->q->turning, met, at);
 }
 
 /* Sets the torques, the power that friction takes, and the sum of the lengths of both lever arms [m]. Returns
@@ -129,8 +125,7 @@ static double torque_rates(const struct prescribed_contact *c, const struct scen
             *arm += scene_friction_law(c->v, c->q, j, i).coefficient;
         }
     }
-    return *arm * (vec3_norm(turning->body[contact_source(j)].angular_velocity) +
-                   vec3_norm(turning->body[contact_destination(j)].angular_velocity));
+    return *arm * turning_spin_size(at, j);
 }
 
 /* Sets the integrands (`rate`), the size of their terms (`scale`) and d integrand / d force (`lever`).
@@ -1138,36 +1133,6 @@ double prescribed_integrate(const struct scene_values *v, struct scene_state *q,
 
 #endif
 
-/* Returns the motion of the destination's axis from a clock on, where `axis` is its direction then. */
-static struct axis_motion axis_from(const struct span *s, struct vec3 axis, double clock)
-{
-    const int destination = contact_destination(s->c.contact);
-    if (!body_turn_is_prescribed(s->c.v, destination) || !contact_tips(s->c.v, s->c.contact)) {
-        return axis_motion_fixed(axis);
-    }
-    struct body_path path = s->c.q->path[destination];
-    path_shift(path.angular_velocity, 3, clock);
-    path_shift(path.axis, 3, clock);
-    return path.turn_follows == TURN_FOLLOWS_VELOCITY ? axis_motion_prescribed(axis, path.angular_velocity, 3)
-                                                      : axis_motion_following(path.axis, 3);
-}
-
-/* Returns the path of the separation from a clock on, for conservative advancement. */
-static struct advancement_path path_from(const struct span *s, double clock)
-{
-    struct scene_instant at;
-    kinematics_at(&s->c, clock, &at);
-    const struct separation_path separation = separation_path_of(s->c.v, s->c.q, &at, clock, s->c.contact);
-    struct advancement_path path = {.shape = scene_contact_shape_at(s->c.v, s->c.q, &at, s->c.contact),
-                                    .rounding = rounding_of_gap(s->c.v, &at, s->c.contact)};
-    path.axis = axis_from(s, path.shape.axis, clock);
-    for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
-        path.c[i] = separation.c[i];
-    }
-    relative_path_put_levers(s->c.v, s->c.q, &at, clock, s->c.contact, &path);
-    return path;
-}
-
 /* Most evaluations of the gap in the search for touches and partings of a step. Some dozens are usual; so
  * many take some tenths of a second of computing. */
 static const long SEARCH_BUDGET = 1000000;
@@ -1176,10 +1141,12 @@ static const long SEARCH_BUDGET = 1000000;
 static bool finds_change(const struct span *s, double clock, double end, enum advancement_change change,
                          double *next)
 {
-    const struct advancement_path path = path_from(s, clock);
+    struct scene_instant at;
     if (*s->evaluations <= 0) {
         return false;
     }
+    kinematics_at(&s->c, clock, &at);
+    const struct advancement_path path = advancement_path_of(s->c.v, s->c.q, &at, clock, s->c.contact);
     const struct advancement_result found = advancement_first(&path, change, end - clock, *s->evaluations);
     *s->evaluations -= found.evaluations;
     *next = found.after < end - clock ? clock + found.after : end;

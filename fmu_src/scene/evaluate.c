@@ -786,9 +786,7 @@ double rounding_of_rate(const struct scene_instant *at, int contact)
     const double source = vec3_norm(at->velocity[contact_source(contact)]);
     const double destination = vec3_norm(at->velocity[contact_destination(contact)]);
     if (SCENE_ANY_COMPOUND) {
-        const struct body_turn *turn = at->turning.body;
-        const double turning = vec3_norm(turn[contact_source(contact)].angular_velocity) +
-                               vec3_norm(turn[contact_destination(contact)].angular_velocity);
+        const double turning = turning_spin_size(at, contact);
         return 8.0 * DBL_EPSILON * (source + destination + size_of_levers(contact) * turning);
     }
     return 8.0 * DBL_EPSILON * fmax(vec3_norm(at->rate[contact]), fmax(source, destination));

@@ -17,11 +17,6 @@ static int take_states(bool wanted, int count, int *next)
     return wanted ? index : -1;
 }
 
-static bool body_moves(const struct scene_values *v, int body)
-{
-    return body_is_free(v, body) || body_turns_freely(v, body);
-}
-
 /* Whether the motion of a body without contact is a closed form of the clock, in which its orientation does
  * not matter to the contact. */
 static bool flies_unseen(const struct scene_values *v, const struct scene_state *q, int body, int contact)
@@ -39,16 +34,16 @@ static bool find_bodies(const struct scene_values *v, const struct scene_state *
 {
     bool all = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        has[i] = body_moves(v, i) && (SCENE_CONTACTS == 1 || q == NULL);
+        has[i] = body_moves_freely(v, i) && (SCENE_CONTACTS == 1 || q == NULL);
     }
     for (int k = 0; SCENE_CONTACTS > 1 && q != NULL && k < 2 * SCENE_CONTACTS; ++k) {
         const int j = k / 2;
         const int body = k % 2 == 0 ? contact_source(j) : contact_destination(j);
         const bool apart = q->contact[j].regime == (int32_t)REGIME_APART;
-        has[body] = has[body] || (body_moves(v, body) && !(apart && flies_unseen(v, q, body, j)));
+        has[body] = has[body] || (body_moves_freely(v, body) && !(apart && flies_unseen(v, q, body, j)));
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        all = all && (has[i] || !body_moves(v, i));
+        all = all && (has[i] || !body_moves_freely(v, i));
     }
     return all;
 }
@@ -956,12 +951,12 @@ double ode_event(const struct scene_ode *ode, double clock, const double *y, int
 enum contact_regime ode_regime_after(const struct scene_values *v, const struct scene_state *q, int contact,
                                      int event)
 {
-    const struct contact_law law = scene_contact_law(v, q, contact);
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
-    if (event == ODE_EVENT_ZONE) {
-        return regime; /* the contact goes on in the next zone */
+    if (event > ODE_EVENT_LAW) {
+        return regime; /* friction changes, or the contact goes on in the next zone */
     }
-    if (event == 1) {
+    if (event == ODE_EVENT_LAW) {
+        const struct contact_law law = scene_contact_law(v, q, contact);
         return contact_regime_after(&law, regime);
     }
     if (regime != REGIME_APART) {
@@ -969,8 +964,23 @@ enum contact_regime ode_regime_after(const struct scene_values *v, const struct 
     }
     struct scene_instant at;
     scene_now(v, q, &at);
-    const double gap = fmin(at.geometry[contact].gap, -DBL_MIN);
-    return contact_regime_of(&law, gap, at.geometry[contact].gap_rate, true);
+    return scene_regime_of_touching(v, q, &at, contact);
+}
+
+int ode_event_passed(const struct scene_ode *ode, const double *y)
+{
+    const struct scene_state *q = ode->state;
+    double events[ODE_EVENTS];
+    struct scene_instant at;
+    scene_now(ode->values, q, &at);
+    ode_events(ode, q->clock, y, events);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const bool leaves = (q->contact[j].regime == REGIME_APART) == (at.geometry[j].gap_rate < 0.0);
+        if (events[ODE_EVENTS_EACH * j] < 0.0 && leaves) {
+            return ODE_EVENTS_EACH * j;
+        }
+    }
+    return -1;
 }
 
 /* Whether only gravity and contacts do work on a body. A prescribed body must rest by both of its inputs,

@@ -137,6 +137,12 @@ void ode_events_at(const struct scene_ode *ode, double clock, const double *y, c
 enum contact_regime ode_regime_after(const struct scene_values *v, const struct scene_state *q, int contact,
                                      int event);
 
+/* Returns an event by the gap that a contact has already passed at the present state y; -1: there is none.
+ * Where two contacts end or begin at almost the same time, or friction changes just before a contact ends,
+ * the first event ends the phase. The event function of the second event may then already be below zero by
+ * more than its offset, and an integrator would not find that root any more. */
+int ode_event_passed(const struct scene_ode *ode, const double *y);
+
 /* Sets the size of each state, for relative errors. The components of a vector all get its length, so that
  * results do not depend on the direction of the axes. A displacement counts from the clock's origin, so that
  * results do not depend on the place. An energy or impulse counts as at least that of the free bodies. */

@@ -16,15 +16,6 @@ void scene_state_look(const struct scene_state *from, struct scene_state *to)
     memcpy(to, from, offsetof(struct scene_state, unfinished));
 }
 
-bool path_is_steady(const struct vec3 *coefficients, int count)
-{
-    double sum = 0.0;
-    for (int i = 1; i < count; ++i) {
-        sum += fabs(coefficients[i].x) + fabs(coefficients[i].y) + fabs(coefficients[i].z);
-    }
-    return sum == 0.0;
-}
-
 void counter_add(int32_t *counter, long more)
 {
     const long room = (long)INT32_MAX - *counter;
@@ -39,46 +30,6 @@ double scene_time(const struct scene_state *q)
 double scene_remaining(const struct scene_state *q, double end_time)
 {
     return (end_time - q->base) - q->base_tail - q->clock;
-}
-
-bool path_rests(const struct vec3 path[3])
-{
-    return path_is_steady(path, 3) && vec3_is_zero(path[0]);
-}
-
-struct vec3 path_slope(const struct vec3 path[3], double clock)
-{
-    return vec3_axpy(path[1], 2.0 * clock, path[2]);
-}
-
-struct vec3 path_at(const struct vec3 *coefficients, int count, double clock)
-{
-    struct vec3 value = coefficients[count - 1];
-    for (int i = count - 2; i >= 0; --i) {
-        value = vec3_axpy(coefficients[i], clock, value);
-    }
-    return value;
-}
-
-double path_size(const struct vec3 *coefficients, int count, double clock)
-{
-    double size = 0.0;
-    for (int i = count - 1; i >= 0; --i) {
-        size = size * clock + vec3_norm(coefficients[i]);
-    }
-    return size;
-}
-
-void path_shift(struct vec3 *coefficients, int count, double clock)
-{
-    if (path_is_steady(coefficients, count)) {
-        return;
-    }
-    for (int done = 0; done < count - 1; ++done) {
-        for (int i = count - 2; i >= done; --i) {
-            coefficients[i] = vec3_axpy(coefficients[i], clock, coefficients[i + 1]);
-        }
-    }
 }
 
 bool body_is_free(const struct scene_values *v, int body)
@@ -96,8 +47,7 @@ bool body_turns_freely(const struct scene_values *v, int body)
     return SCENE_ANY_FREE_ROTATION && body_rotation(v, body) == ROTATION_FREE;
 }
 
-/* Whether forces or torques move a body. */
-static bool body_moves_freely(const struct scene_values *v, int body)
+bool body_moves_freely(const struct scene_values *v, int body)
 {
     return body_is_free(v, body) || body_turns_freely(v, body);
 }

@@ -17,7 +17,7 @@
 #include "contact/friction.h"
 #include "contact/law.h"
 #include "math/node_tables.h"
-#include "math/quaternion.h"
+#include "math/rotor.h"
 #include "scene.h"
 
 /* Where a free body was at clock 0. */
@@ -31,12 +31,6 @@ struct body_origin {
 struct body_state {
     struct vec3 moved;    /* since clock 0 [m] */
     struct vec3 velocity; /* v [m/s] */
-};
-
-/* The orientation and the angular velocity of a body, in the world frame. */
-struct body_turn {
-    struct quaternion orientation; /* unit, from the body's frame to the world's */
-    struct vec3 angular_velocity;  /* omega [rad/s] */
 };
 
 /* The states that turning bodies and friction add to those of the bodies. The integrator advances them. */
@@ -256,24 +250,6 @@ double scene_remaining(const struct scene_state *q, double end_time);
  * deferred flight (flight/flight.h). */
 void scene_rebase(const struct scene_values *v, struct scene_state *q);
 
-/* Returns the value of a path of `count` coefficients at a clock. */
-struct vec3 path_at(const struct vec3 *coefficients, int count, double clock);
-
-/* Returns the sum of the sizes of the terms, which bounds the polynomial up to `clock` >= 0. */
-double path_size(const struct vec3 *coefficients, int count, double clock);
-
-/* Returns the derivative of a path of three coefficients at a clock. */
-struct vec3 path_slope(const struct vec3 path[3], double clock);
-
-/* Whether all coefficients but the first are zero, as in most paths. */
-bool path_is_steady(const struct vec3 *coefficients, int count);
-
-/* Whether a path of three coefficients is zero throughout. */
-bool path_rests(const struct vec3 path[3]);
-
-/* Changes the coefficients of a path so that its origin moves to `clock`. */
-void path_shift(struct vec3 *coefficients, int count, double clock);
-
 /* Whether a body moves freely, by Newton's law; whether its motion is prescribed. The answers are
  * compile-time constants where the scene pins the choice. */
 bool body_is_free(const struct scene_values *v, int body);
@@ -284,6 +260,9 @@ bool body_is_prescribed(const struct scene_values *v, int body);
 bool body_turns_freely(const struct scene_values *v, int body);
 bool body_turn_is_prescribed(const struct scene_values *v, int body);
 bool body_turns(const struct scene_values *v, int body);
+
+/* Whether forces or torques move a body. */
+bool body_moves_freely(const struct scene_values *v, int body);
 
 /* Whether a body turns and its axis may turn with it: the axis of a sphere has no meaning, and that of a
  * cylinder which touches a cylinder keeps its direction. */

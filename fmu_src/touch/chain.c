@@ -5,6 +5,7 @@
 
 #include "flight/flight.h"
 #include "math/polynomial.h"
+#include "math/series.h"
 #include "scene/evaluate.h"
 
 #if SCENE_HAS_CHAINS
@@ -376,21 +377,16 @@ static void make_piece(const struct chain *c, double from, double to, struct cha
     }
 }
 
-/* The event function of a contact in a piece, as a polynomial of x in [-1, 1]. It falls through zero where
- * the contact begins or ends. */
-struct chain_event {
-    double of[CHAIN_TERMS];
-};
-
+/* Sets the event function of a contact in a piece, as a polynomial of x in [-1, 1]. It falls through zero
+ * where the contact begins or ends. */
 static void make_event(const struct chain *c, int row, const struct chain_piece *piece, struct gap_at g,
-                       struct chain_event *event)
+                       double of[CHAIN_TERMS])
 {
     const bool touches = row < c->touching;
     const double sign = touches ? -1.0 : 1.0;
     const double square = piece->half * piece->half;
     const int back = touches ? 0 : 2; /* orders of the second integral of z */
-    double *of = event->of;
-    memset(of, 0, sizeof event->of);
+    memset(of, 0, CHAIN_TERMS * sizeof *of);
     for (int k = 0; k < c->touching; ++k) {
         const double part = sign * c->mode[row][k];
         for (int n = 3; n < CHAIN_TERMS; ++n) {
@@ -406,49 +402,44 @@ static void make_event(const struct chain *c, int row, const struct chain_piece 
 }
 
 /* Whether the function stays positive by the size of its terms. */
-static bool is_clear(const struct chain_event *event)
+static bool is_clear(const double event[CHAIN_TERMS])
 {
     double size = 0.0;
     for (int n = 1; n < CHAIN_TERMS; ++n) {
-        size += fabs(event->of[n]);
+        size += fabs(event[n]);
     }
-    return event->of[0] > size;
+    return event[0] > size;
 }
 
-static void chain_event_at(const void *data, double place, double *value, double *slope)
+static void chain_event_at(const void *event, double place, double *value, double *slope)
 {
-    const struct chain_event *event = data;
-    const double x = 2.0 * place - 1.0;
-    *value = event->of[CHAIN_TERMS - 1];
-    *slope = 0.0;
-    for (int n = CHAIN_TERMS - 2; n >= 0; --n) {
-        *slope = *slope * x + *value;
-        *value = *value * x + event->of[n];
-    }
-    *slope *= 2.0;
+    double of[3];
+    taylor_derivatives(event, CHAIN_TERMS, 2.0 * place - 1.0, of);
+    *value = of[0];
+    *slope = 2.0 * of[1];
 }
 
 /* Returns where a contact begins or ends within a piece that begins at `from`, INFINITY: it does not. */
 static double change_within(const struct chain *c, int row, const struct chain_piece *piece, double from)
 {
-    struct chain_event event;
+    double event[CHAIN_TERMS];
     double of[CHAIN_TERMS];
     const struct gap_at g = chain_gap_at(c, row, &piece->middle);
     if (row < c->touching && -g.gap > piece->half * (fabs(g.rate) + 0.5 * piece->half * c->bend[row])) {
         return (double)INFINITY;
     }
-    make_event(c, row, piece, g, &event);
-    if (is_clear(&event)) {
+    make_event(c, row, piece, g, event);
+    if (is_clear(event)) {
         return (double)INFINITY;
     }
-    memcpy(of, event.of, sizeof of);
+    memcpy(of, event, sizeof of);
     bernstein_from_taylor(of, CHAIN_TERMS);
     if (from > 0.0 && of[0] <= 0.0) { /* it changes between two pieces */
         return from;
     }
     const struct bernstein_fall fall = bernstein_first_fall(of, CHAIN_TERMS, 0.0);
     return fall.low < (double)INFINITY
-               ? from + 2.0 * piece->half * root_in_bracket(chain_event_at, &event, fall.low, fall.high)
+               ? from + 2.0 * piece->half * root_in_bracket(chain_event_at, event, fall.low, fall.high)
                : (double)INFINITY;
 }
 
@@ -619,14 +610,6 @@ struct body_change {
     struct vec3 moved, velocity;
 };
 
-static void push_body(struct body_change *body, double sign, double mass, struct vec3 push, double impulse,
-                      double second)
-{
-    body->is_loaded = true;
-    body->velocity = vec3_axpy(body->velocity, sign * impulse / mass, push);
-    body->moved = vec3_axpy(body->moved, sign * second / mass, push);
-}
-
 void chain_advance(const struct chain *c, double from, double time, const struct scene_values *v,
                    struct scene_state *q)
 {
@@ -648,8 +631,11 @@ void chain_advance(const struct chain *c, double from, double time, const struct
         }
         for (int end = 0; end < 2; ++end) {
             if (body_is_free(v, ends[end])) {
-                push_body(&change[ends[end]], end == 0 ? -1.0 : 1.0, body_mass(v, ends[end]), c->push[i],
-                          impulse, second);
+                struct body_change *body = &change[ends[end]];
+                const double by_mass = (end == 0 ? -1.0 : 1.0) / body_mass(v, ends[end]);
+                body->is_loaded = true;
+                body->velocity = vec3_axpy(body->velocity, by_mass * impulse, c->push[i]);
+                body->moved = vec3_axpy(body->moved, by_mass * second, c->push[i]);
             }
         }
         state->physics.impulse = vec3_axpy(state->physics.impulse, -impulse, c->push[i]);

@@ -37,15 +37,6 @@ static inline struct vec3 collocation_in_world(const struct collocation *p, stru
                      p->local.frame[2]);
 }
 
-static struct vec3 polynomial_of_time(const struct vec3 *a, int terms, double t)
-{
-    struct vec3 sum = a[terms - 1];
-    for (int i = terms - 2; i >= 0; --i) {
-        sum = vec3_axpy(a[i], t, sum);
-    }
-    return sum;
-}
-
 static struct vec3 at_row(const struct nodal_vec3 *row, int i)
 {
     return vec3_make(row->x[i], row->y[i], row->z[i]);
@@ -54,7 +45,7 @@ static struct vec3 at_row(const struct nodal_vec3 *row, int i)
 /* Returns A in the frame at s [m/s^2]. */
 static struct vec3 acceleration_then(const struct collocation *p, double s)
 {
-    return polynomial_of_time(p->local.acceleration, COLLOCATION_ACCELERATION_TERMS, p->half * s);
+    return path_at(p->local.acceleration, COLLOCATION_ACCELERATION_TERMS, p->half * s);
 }
 
 /* Returns the integral of y over time, expressed by the present y and y' [m s]. */
@@ -948,8 +939,7 @@ void collocation_begin(struct collocation *p, const struct collocation_problem *
         const struct vec3 acceleration = acceleration_then(p, s);
         struct vec3 drive = acceleration;
         if (has_mismatch(p)) {
-            const struct vec3 mismatch =
-                polynomial_of_time(p->local.mismatch, COLLOCATION_MISMATCH_TERMS, p->half * s);
+            const struct vec3 mismatch = path_at(p->local.mismatch, COLLOCATION_MISMATCH_TERMS, p->half * s);
             nodal_put_vec3(&p->work.mismatch_at, i, vec3_scale(p->half, mismatch));
             drive = vec3_axpy(acceleration, -p->from.damping_rate, mismatch);
         }

@@ -155,15 +155,6 @@ static struct vec3 part_across(const struct island_row *r, struct vec3 a)
     return vec3_axpy(a, -vec3_dot(a, r->axis), r->axis);
 }
 
-static int flight_degree(const struct separation_path *flight)
-{
-    int degree = SEPARATION_DEGREE;
-    while (degree > 1 && vec3_is_zero(flight->c[degree])) {
-        --degree;
-    }
-    return degree;
-}
-
 /* Finds the axes of the world along which contact forces act, and the degree of the flights in time. Where
  * there is one axis, no normal turns. */
 static void find_axes(struct island *s)
@@ -185,7 +176,7 @@ static void find_axes(struct island *s)
         }
     }
     for (int i = 0; i < s->rows; ++i) {
-        const int degree = flight_degree(&s->row[i].flight);
+        const int degree = path_degree(s->row[i].flight.c, SEPARATION_DEGREE + 1);
         s->degree = degree > s->degree ? degree : s->degree;
         s->row[i].is_straight = s->row[i].is_straight || s->axes == 1;
     }
@@ -498,14 +489,6 @@ static bool agrees(const struct island *s, double place)
 static const double SHORTENING = 0.8;
 enum { MOST_SHORTENINGS = 40 };
 
-static void island_series_at(const void *row, double place, double *value, double *slope)
-{
-    double of[3];
-    taylor_derivatives(row, TAYLOR_TERMS, place, of);
-    *value = of[0];
-    *slope = of[1];
-}
-
 /* Returns the first s up to `end` at which a series falls through zero; INFINITY: it does not. */
 static double series_first_fall(const double *row, double end)
 {
@@ -523,7 +506,7 @@ static double series_first_fall(const double *row, double end)
     bernstein_from_powers(of, TAYLOR_TERMS);
     const struct bernstein_fall fall = bernstein_first_fall(of, TAYLOR_TERMS, 0.0);
     return fall.low < (double)INFINITY
-               ? root_in_bracket(island_series_at, row, fall.low * end, fall.high * end)
+               ? root_in_bracket(taylor_root_function, row, fall.low * end, fall.high * end)
                : (double)INFINITY;
 }
 
@@ -667,7 +650,7 @@ static bool find_touches(struct island *s, const struct scene_values *v, const s
         bool may_touch = !(separation_within(s, &flight, end) < g->gap);
         if (is_apart && may_touch && knows_shape(v, &shape, j)) {
             struct island_path path = {{{{0.0}, {0.0}}}};
-            add_powers(s, flight_degree(&flight));
+            add_powers(s, path_degree(flight.c, SEPARATION_DEGREE + 1));
             make_path(s, &flight, end, &path);
             note_change(s, touch_within(s, &shape, flight.c[0], g, offset, &path), j, REGIME_COMPRESSION);
             continue;
@@ -694,7 +677,7 @@ static double place_of(const struct island *s, double time)
     }
     memcpy(of, s->power_of_time[1].row, sizeof of);
     of[0] = -time;
-    return time < s->time ? root_in_bracket(island_series_at, of, 0.0, s->end) : s->end;
+    return time < s->time ? root_in_bracket(taylor_root_function, of, 0.0, s->end) : s->end;
 }
 
 long island_work(const struct island *s)
@@ -769,7 +752,7 @@ static double largest_within(const double *row, double from, double to)
         const double end = i < ISLAND_PARTS ? from + (to - from) * i / ISLAND_PARTS : to - inside;
         const double slope = taylor_at(slopes, TAYLOR_TERMS, end);
         if (rises && !(slope > 0.0)) {
-            const double top = root_in_bracket(island_series_at, slopes, start, end);
+            const double top = root_in_bracket(taylor_root_function, slopes, start, end);
             largest = fmax(largest, taylor_at(row, TAYLOR_TERMS, top));
         }
         rises = slope > 0.0;

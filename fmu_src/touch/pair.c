@@ -37,7 +37,7 @@ static bool is_constant(const struct contact_pair *p, const struct pair_work *wo
     return work->order == 0 || (vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
 }
 
-bool pair_is_head_on(const struct contact_pair *p)
+static bool pair_is_head_on(const struct contact_pair *p)
 {
     return is_constant(p, &p->work[0]) && is_constant(p, &p->work[1]) &&
            flight_is_head_on(&p->shape, &p->flight, p->normal);
@@ -168,7 +168,9 @@ double pair_gap_derivative(const struct contact_pair *p)
     return p->carried_rate - p->shape.side * vec3_dot(p->normal, pair_across(p, mismatch));
 }
 
-double pair_turning(const struct contact_pair *p, double distance)
+/* Returns the part of g'' that the turning of n makes at a distance d [m/s^2]: |w_t|^2 / d, and less at a
+ * rim. */
+static double pair_turning(const struct contact_pair *p, double distance)
 {
     if (contact_is_circle(&p->shape)) {
         const struct contact_geometry at =
@@ -179,7 +181,8 @@ double pair_turning(const struct contact_pair *p, double distance)
     return vec3_dot(across, across) / distance;
 }
 
-struct rim_start pair_rim_start(const struct contact_pair *p)
+/* Returns the start of the motion in the coordinates of a rim. */
+static struct rim_start pair_rim_start(const struct contact_pair *p)
 {
     const struct contact_solid *solid = &p->shape.solid;
     return rim_start_of(p->shape.axis, solid->radius, solid->half_height, p->flight.c[0],

@@ -50,9 +50,11 @@ struct contact_pair {
     double carried_rate;      /* g' with more digits than side n.w has; NaN: side n.w suffices [m/s] */
     bool rate_is_known;       /* g' is carried or exactly zero: no rounding of velocities */
     bool has_mismatch;        /* W differs from C' by more than rounding */
-    bool is_head_on;          /* pair_is_head_on */
-    double reduced_mass;      /* m_red [kg] */
-    double rate_rounding;     /* rounding bound of g' [m/s] */
+    /* the motion goes along n alone, under a constant acceleration along n; motion along a plane or a
+     * cylinder's axis does not count */
+    bool is_head_on;
+    double reduced_mass;  /* m_red [kg] */
+    double rate_rounding; /* rounding bound of g' [m/s] */
     struct pair_work work[PAIR_BODIES];
 };
 
@@ -67,10 +69,6 @@ struct pair_change {
     double work[PAIR_BODIES]; /* the integrals of pair_work [J] */
 };
 
-/* Whether the motion goes along n alone, under a constant acceleration along n. Motion along a plane or a
- * cylinder's axis does not count. */
-bool pair_is_head_on(const struct contact_pair *p);
-
 /* Makes the pair from the present instant `at`, taken at q->clock, for a contact in compression or
  * restitution. */
 void pair_make(struct contact_pair *p, const struct scene_values *v, const struct scene_state *q,
@@ -80,19 +78,12 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
  * the prescribed displacement. */
 double pair_gap_derivative(const struct contact_pair *p);
 
-/* Returns the part of g'' that the turning of n makes at a distance d [m/s^2]: |w_t|^2 / d, and less at a
- * rim. */
-double pair_turning(const struct contact_pair *p, double distance);
-
 /* Returns the force that would keep the bodies at their present distance, |m_red (|w_t|^2 / d + n.A)| [N].
  * Near the centre half the reach replaces d, since the bodies only pass the centre. */
 double pair_load(const struct contact_pair *p);
 
 /* Returns L, the acceleration that presses the bodies together [m/s^2]. */
 double pair_pressing_load(const struct contact_pair *p);
-
-/* Returns the start of the motion in the coordinates of a rim. */
-struct rim_start pair_rim_start(const struct contact_pair *p);
 
 /* Returns the part of c perpendicular to a cylinder's axis. */
 struct vec3 pair_across(const struct contact_pair *p, struct vec3 c);

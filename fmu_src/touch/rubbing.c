@@ -206,7 +206,7 @@ enum { MOMENTS = 4 };
 struct travel {
     double time; /* the way is known up to this time [s] */
     double lost[MOMENTS];
-    struct rotor_state turn;
+    struct body_turn turn;
 };
 
 /* Rotates without friction, by the angular velocity of way->turn. A rotor reduces a large angle with twice
@@ -414,7 +414,7 @@ static void slide_fully(const struct slide *f, double to, double length, bool tu
 
 /* Returns the way up to s. */
 static struct travel travel_to(const struct slide *f, double s, const struct pair_change *end, double lost,
-                               struct rotor_state turn)
+                               struct body_turn turn)
 {
     struct travel way = {.turn = turn};
     const bool turning = axis_turns(f, lost, end->time);
@@ -510,14 +510,14 @@ void rubbing_advance(struct segment *p, double from, double s, const struct scen
     struct pair_change end;
     double slip;
     const double lost = speed_lost(&f, impulse_at(&f, s, &end), &slip);
-    const struct rotor_state start = {turn->orientation, f.rotation};
+    const struct body_turn start = {turn->orientation, f.rotation};
     segment_advance(p, from, s, v, q, contact);
     const struct travel way = travel_to(&f, s, &end, lost, start);
     if (f.slip > 0.0) {
         apply(&f, &way, &end, lost, slip, v, q, contact);
     }
     if (body_turns_freely(v, source)) {
-        *turn = (struct body_turn){way.turn.orientation, way.turn.angular_velocity};
+        *turn = way.turn;
     }
 }
 

@@ -1215,21 +1215,7 @@ static void depth_margin(const void *data, double s, double *value, double *slop
     const double margin = solid->zone == ZONE_SIDE ? depth - place.axial
                                                    : fmin(depth - place.radial, solid->half_height + depth);
     *value = path->raised + (depth > 0.0 ? depth : margin);
-    *slope = (double)NAN; /* not needed */
-}
-
-/* Bisects to the last digit between two places. The margin is below zero at the second place. */
-static double halve_to_depth(const struct face_path *path, double low, double high)
-{
-    for (;;) {
-        const double middle = 0.5 * (low + high);
-        double value, slope;
-        if (!(middle > low && middle < high)) {
-            return high;
-        }
-        depth_margin(path, middle, &value, &slope);
-        *(value < 0.0 ? &high : &low) = middle;
-    }
+    *slope = (double)NAN; /* root_in_bracket then bisects */
 }
 
 /* The number of places at which the margin is evaluated; between two places the margin is no more curved than
@@ -1249,14 +1235,14 @@ static double end_by_depth(struct face_path *path, double end)
         place[2].s = end * i / DEPTHS;
         depth_margin(path, place[2].s, &place[2].value, &slope);
         if (place[2].value < 0.0) {
-            return halve_to_depth(path, place[1].s, place[2].s);
+            return root_in_bracket(depth_margin, path, place[1].s, place[2].s);
         }
         if (i > 1 && root_may_dip(place)) {
             const double lowest = root_lowest(depth_margin, path, place);
             double value;
             depth_margin(path, lowest, &value, &slope);
             if (value < 0.0) {
-                return halve_to_depth(path, place[0].s, lowest);
+                return root_in_bracket(depth_margin, path, place[0].s, lowest);
             }
         }
     }

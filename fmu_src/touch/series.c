@@ -505,14 +505,6 @@ static double series_time_at(const struct pair_series *p, double s)
     return SCENE_ANY_HERTZ && p->by_root ? taylor_at(p->time, TAYLOR_TERMS, s) : p->unit * s;
 }
 
-static void series_value_at(const void *row, double s, double *value, double *slope)
-{
-    double u[3];
-    taylor_derivatives(row, TAYLOR_TERMS, s, u);
-    *value = u[0];
-    *slope = u[1];
-}
-
 static void series_slope_at(const void *row, double s, double *value, double *slope)
 {
     double u[3];
@@ -531,20 +523,20 @@ static double series_parting(const struct pair_series *p, double end)
     if (low.value == 0.0 && !(low.slope > 0.0)) {
         return 0.0;
     }
-    series_value_at(u, end, &high.value, &high.slope);
+    taylor_root_function(u, end, &high.value, &high.slope);
     if (high.value > 0.0 && low.value > 0.0 && low.slope < 0.0 && high.slope > 0.0) {
         struct root_bracket_end dip = {.s = root_in_bracket(series_slope_at, u, low.s, high.s)};
-        series_value_at(u, dip.s, &dip.value, &dip.slope);
+        taylor_root_function(u, dip.s, &dip.value, &dip.slope);
         high = dip.value <= 0.0 ? dip : high;
     }
     if (high.value > 0.0) {
         return (double)INFINITY;
     }
     if (low.value > 0.0) {
-        return root_between(series_value_at, u, low, high);
+        return root_between(taylor_root_function, u, low, high);
     }
     /* u rises from zero, so its root lies beyond its maximum */
-    return root_in_bracket(series_value_at, u, root_in_bracket(series_slope_at, u, 0.0, end), end);
+    return root_in_bracket(taylor_root_function, u, root_in_bracket(series_slope_at, u, 0.0, end), end);
 }
 
 /* F_n = k_h u^3 q with q = 1 - chi g', and its derivatives with respect to s, from the derivatives of u and
