@@ -39,7 +39,7 @@ struct separation_path separation_path_of(const struct scene_values *v, const st
     struct separation_path path = {.c = {at->separation[contact]}, .offset = at->geometry[contact].offset};
     for (int i = 0; i < 2; ++i) {
         const double sign = i == 0 ? 1.0 : -1.0;
-        if (body_is_free(v, ends[i])) {
+        if (SCENE_ANY_FREE && body_is_free(v, ends[i])) {
             add_free(v, q, at, clock, ends[i], sign, &path);
         } else if (body_is_prescribed(v, ends[i])) {
             add_prescribed(q, clock, ends[i], sign, &path);
@@ -108,8 +108,9 @@ struct advancement_path advancement_path_of(const struct scene_values *v, const 
     }
     if (contact_tips(v, contact)) {
         const struct body_turn *turn = &at->turning.body[destination];
-        path.axis = body_turns_freely(v, destination) ? flight_axis_motion(v, q, turn, destination)
-                                                      : prescribed_axis(q, turn, clock, destination);
+        path.axis = SCENE_ANY_FREE && body_turns_freely(v, destination)
+                        ? flight_axis_motion(v, q, turn, destination)
+                        : prescribed_axis(q, turn, clock, destination);
     }
     return path;
 }

@@ -1435,7 +1435,7 @@ static bool make_collocated(struct segment *p)
 static void make_up_to(struct segment *p, double longest)
 {
     p->longest = p->pair.is_head_on ? longest : fmin(longest, longest_by_flight(p));
-    if (contact_is_hertz(&p->pair.law)) {
+    if (SCENE_ANY_HERTZ && contact_is_hertz(&p->pair.law)) {
         make_hertz(p);
     } else if (!make_kind(p, SEGMENT_CLOSED_FORM) && !make_collocated(p)) {
         (void)make_kind(p, SEGMENT_SERIES);
