@@ -322,8 +322,8 @@ static double reach_of(const struct radau_stages *stages)
 static const double SATURATED_SLIP = 40.0;
 
 /* Returns the error [N] that rounding of the slip leaves in the rate of an integral of regularized friction.
- * The forces are unknowns of the iterations, and the part linear in the rounding does not reach them. The square
- * of the rounding divided by v_0 remains. */
+ * The forces are unknowns of the iterations, and the part linear in the rounding does not reach them. The
+ * square of the rounding divided by v_0 remains. */
 static double rounding_of_friction(const struct friction_law *law, double limit, double speeds)
 {
     const double part = fmin(ROUNDING_OF_STATES * speeds / law->slip_velocity, 1.0);
@@ -750,11 +750,12 @@ static void shorten(struct general *g, const struct attempt *before, const struc
 static const double AFTER_TOUCH = 2.0;
 
 /* Returns the factor of the next length if the ratio of the length to the accurate length goes on as from the
- * last step to this one (the predictive controller of Gustafsson, 1994). Steps towards a singularity, such as
- * the end of a slip or of a normal force, become shorter by the same ratio again and again. */
+ * last step to this one (the predictive controller of Gustafsson, 1994). Where bodies rub, steps towards a
+ * singularity, such as the end of a slip, become shorter by the same ratio again and again. Elsewhere the
+ * errors of bodies that come to rest are rounding, and their ratio says nothing. */
 static double factor_of_trend(const struct general *g, const struct attempt *now)
 {
-    if (!(g->last_length > 0.0)) {
+    if (!general_rubs(g) || !(g->last_length > 0.0)) {
         return (double)INFINITY;
     }
     const double worse = now->error * now->error / g->last_error;

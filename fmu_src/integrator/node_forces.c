@@ -1367,8 +1367,8 @@ static void add_columns_of_turning(struct iteration *it, int body, double *by_ot
     }
 }
 
-/* In so short a step [s] no friction rolls (friction_rolls). The slopes of the responses by the forces are then
- * of one size, and solve_three loses no digits. */
+/* In so short a step [s] no friction rolls (friction_rolls). The slopes of the responses by the forces are
+ * then of one size, and solve_three loses no digits. */
 static const double NO_STEP = 1e-60;
 
 /* Evaluates the contacts at the first node, with the forces that the law gives there. */
@@ -1385,10 +1385,12 @@ static void evaluate_instant(struct iteration *it, double clock, const double *y
         if (contact_transmits(g->state, j)) {
             struct node *node = &it->node[0][it->contacts];
             node->force = at->source_force[j];
-            node->torque = at->turning.resistance[j];
             node->arm[0] = at->turning.source_arm[j];
             node->arm[1] = at->turning.destination_arm[j];
             note_node_contact(it, j, NO_STEP);
+            if (SCENE_ANY_ROLLING) {
+                node->torque = at->turning.resistance[j];
+            }
             if (SCENE_ANY_FRICTION && contact_rubs(v, j)) {
                 respond_with_friction(it, 0, it->contacts - 1, at, true);
             } else {
