@@ -751,11 +751,11 @@ static const double AFTER_TOUCH = 2.0;
 
 /* Returns the factor of the next length if the ratio of the length to the accurate length goes on as from the
  * last step to this one (the predictive controller of Gustafsson, 1994). Where bodies rub, steps towards a
- * singularity, such as the end of a slip, become shorter by the same ratio again and again. Elsewhere the
- * errors of bodies that come to rest are rounding, and their ratio says nothing. */
+ * singularity, such as the end of a slip, become shorter by the same ratio again and again. INFINITY: the
+ * steps do not become shorter, and the ratio of their errors may be that of rounding. */
 static double factor_of_trend(const struct general *g, const struct attempt *now)
 {
-    if (!general_rubs(g) || !(g->last_length > 0.0)) {
+    if (!general_rubs(g) || !(now->length < g->last_length)) {
         return (double)INFINITY;
     }
     const double worse = now->error * now->error / g->last_error;
