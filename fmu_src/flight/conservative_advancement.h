@@ -70,8 +70,8 @@ struct advancement_path {
 /* Returns an upper bound of the angular velocity [rad/s] of the axis and the lever arms. */
 double advancement_turning(const struct advancement_path *path, double time, double length);
 
-/* Moves the origins of the axis and the lever arms to `time`; later calls with earlier times are then not
- * allowed. */
+/* Moves the origins of the axis and the lever arms to `time`. After that no function may be called for an
+ * earlier time on this path. */
 void advancement_move_on(struct advancement_path *path, double time);
 
 /* The change that the search looks for: the bodies come into contact, or contact ends. */

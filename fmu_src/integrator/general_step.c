@@ -525,7 +525,7 @@ double general_finish_step(struct general *g)
     const struct radau_error error = radau_step_error(p);
     g->error_within = error.within;
     g->error_at_end = fmax(error.at_end, g->within_share * error.within);
-    /* this also sets end_others */
+    /* radau_step_start_error also sets end_others, the slopes at the end of the step */
     const double of_start = general_rubs(g) ? g->within_share * radau_step_start_error(p) : 0.0;
     g->error_of_start = p->length * g->fastest_decay > LEAST_DECAY ? of_start : 0.0;
     const bool ends =

@@ -1243,17 +1243,19 @@ static void finish_nodes(struct iteration *it)
     p->evaluations += p->stages->stages;
 }
 
-/* These functions linearize the motion at one instant, at the first node, by the slopes of the
- * responses. They leave out what the methods of a step's length and error do not ask for: how lever arms turn
- * with the bodies, and how the angular velocity of a body changes as it tips under a constant L. */
+/* The functions from here to node_forces_slopes linearize the motion at one instant, by the slopes of the
+ * responses. They use the first node as memory. Two small effects are left out, because the slopes serve only
+ * to choose the length of a step and to estimate its error: lever arms turn with the bodies, and the angular
+ * velocity of a body changes as it tips under a constant L. */
 
-/* A change of the motion of a contact: of U, X and omega, and of the spring of one of its parts. */
+/* A change of the motion of a contact: of U, X and omega, and of the spring of one opposed motion, `part`
+ * (enum opposed). */
 struct node_change {
     struct vec3 velocity, place, spin, spring;
     int part;
 };
 
-/* Returns the solution of a system of three equations, given its rows. */
+/* Returns the solution of three linear equations with these rows, by Cramer's rule. */
 static struct vec3 solve_three(const struct vec3 rows[ROWS], struct vec3 side)
 {
     const struct vec3 first = vec3_cross(rows[1], rows[2]);
@@ -1289,7 +1291,8 @@ static void follow_change(const struct iteration *it, int contact, const struct 
     }
 }
 
-/* Adds to it->rates what a change of the motion of a contact does to its bodies and springs. */
+/* Adds to it->rates, a column of the slopes, what a change of the motion of a contact does to the rates of
+ * its bodies and springs. */
 static void add_change(struct iteration *it, int contact, const struct node_change *by)
 {
     struct vec3 force, torque;

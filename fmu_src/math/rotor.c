@@ -163,7 +163,7 @@ void rotor_rates_under_torque(const struct body_turn *start, double transverse_i
 {
     const struct vec3 axis = quaternion_third_axis(start->orientation);
     const double ratio = (axial_inertia - transverse_inertia) / transverse_inertia;
-    /* L / I_1, where L = I_1 omega + (I_3 - I_1) omega_3 e_3 */
+    /* lambda is L / I_1, and the angular momentum L is I_1 omega + (I_3 - I_1) omega_3 e_3 */
     lambda[0] = vec3_axpy(start->angular_velocity, ratio * vec3_dot(start->angular_velocity, axis), axis);
     for (int i = 0; i < ROTOR_TORQUES; ++i) {
         lambda[i + 1] = vec3_scale(1.0 / ((i + 1) * transverse_inertia), torque[i]);

@@ -218,7 +218,7 @@ struct scene_state {
     double friction_energy;           /* taken by friction and its springs since initialization [J] */
     double step_length;     /* length of the part of the last communication step that was completed [s] */
     double general_length;  /* length of the step that the general segment may try next [s]; 0: not known */
-    double general_last[2]; /* length [s] and error of the last one, see struct general; 0: there is none */
+    double general_last[2]; /* length [s] and error of the last step of the general segment; 0: none yet */
     struct body_path path[SCENE_BODIES];
     struct solver_counters counters;
     /* 1: integrators start from this state: neither CVODE's history nor `unfinished` matters */

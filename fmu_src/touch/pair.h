@@ -50,8 +50,8 @@ struct contact_pair {
     double carried_rate;      /* g' with more digits than side n.w has; NaN: side n.w suffices [m/s] */
     bool rate_is_known;       /* g' is carried or exactly zero: no rounding of velocities */
     bool has_mismatch;        /* W differs from C' by more than rounding */
-    /* the motion goes along n alone, under a constant acceleration along n; motion along a plane or a
-     * cylinder's axis does not count */
+    /* Whether the motion goes along n alone, under a constant acceleration along n. A motion along a plane or
+     * along a cylinder's axis may come in addition, because it does not change the gap. */
     bool is_head_on;
     double reduced_mass;  /* m_red [kg] */
     double rate_rounding; /* rounding bound of g' [m/s] */
