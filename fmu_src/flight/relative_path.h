@@ -51,8 +51,8 @@ static inline bool relative_path_is_flat(const struct relative_path *path)
 struct separation_path separation_path_of(const struct scene_values *v, const struct scene_state *q,
                                           const struct scene_instant *at, double clock, int contact);
 
-/* Returns the path for conservative advancement from the instant `at`, whose clock is `clock`. If a body turns
- * freely, `clock` must be the present clock of q. */
+/* Returns the path for conservative advancement from the instant `at`, whose clock is `clock`. If a body
+ * turns freely, `clock` must be the present clock of q. */
 struct advancement_path advancement_path_of(const struct scene_values *v, const struct scene_state *q,
                                             const struct scene_instant *at, double clock, int contact);
 
