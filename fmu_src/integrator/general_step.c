@@ -524,6 +524,7 @@ double general_finish_step(struct general *g)
     radau_step_finish(p);
     const struct radau_error error = radau_step_error(p);
     g->error_within = error.within;
+    g->error_is_noise = p->problem.turns && !(error.at_end < NOISE_OF_DECREASE * error.within);
     g->error_at_end = fmax(error.at_end, g->within_share * error.within);
     /* radau_step_start_error also sets end_others, the slopes at the end of the step */
     const double of_start = general_rubs(g) ? g->within_share * radau_step_start_error(p) : 0.0;
@@ -546,10 +547,8 @@ static double factor_of(const struct general *g, double error, const struct rada
     const double power = 1.0 / (2.0 * stages->stages - 1.0);
     const double at_end = g->error_at_end;
     const double of_rolling = SAFETY * pow(fmax(g->error_of_rolling, 1e-100), -1.0 / stages->stages);
-    if (g->step.problem.turns && !(at_end < NOISE_OF_DECREASE * g->error_within)) {
-        if (at_end < NOISE_OF_ERROR || at_end > 1.0) {
-            return fmin(at_end > 1.0 ? SHRINKAGE : of_rolling, longest);
-        }
+    if (g->error_is_noise && (at_end < NOISE_OF_ERROR || at_end > 1.0)) {
+        return fmin(at_end > 1.0 ? SHRINKAGE : of_rolling, longest);
     }
     const double factor = fmin(SAFETY * pow(fmax(at_end, 1e-100), -power), of_rolling);
     return fmin(fmax(factor, SHRINKAGE), longest);

@@ -49,6 +49,7 @@ struct general {
     double error_of_rolling; /* error where rolling ends within the step, divided by the error allowed */
     double error_within;     /* largest error within the last step, divided by the error allowed */
     double error_at_end;     /* error at the end of the last step, divided by the error allowed */
+    bool error_is_noise;     /* whether rounding decides error_at_end */
     double error_of_start;   /* error by decay before the first stage, divided by the error allowed */
     double longest;          /* estimate of the longest accurate step of twelve stages [s] */
     double last_length, last_error; /* of the last accepted step of this phase; a length of 0: none yet */
@@ -60,7 +61,7 @@ struct general {
     struct vec3 slip[SCENE_CONTACTS][OPPOSED]; /* the last sample of the slips in the step [m/s, rad/s] */
     double bend;         /* part of the step at which friction bends first and matters; INFINITY: nowhere */
     double within_share; /* factor of error_within when it is compared with error_at_end */
-    double read_share;   /* within_share where outputs are read within the step; above 1: none is read */
+    double read_share;   /* within_share where outputs are read within the step */
     bool is_sampled;     /* whether `events` and `loads` are those of the solved step */
     double *y, *size_of, *end_size; /* [size]: a state; sizes of the states at both ends of the step */
     /* [size], noted at the start of the step: change of integrals by an impulse of a contact, divided by that
