@@ -762,22 +762,26 @@ static double factor_of_trend(const struct general *g, const struct attempt *now
     return fmax(factor * pow(worse, -1.0 / (2.0 * now->stages->stages - 1.0)), SHRINKAGE);
 }
 
-/* Sets g->longest for the next step after the attempt `now` has been accepted. */
+/* Sets g->longest for the next step after the attempt `now` has been accepted. A step that an event, the end of
+ * the motion, a touch or a release has shortened says little about the longest step. */
 static void lengthen(struct general *g, const struct attempt *now)
 {
     const double paced = now->stages->pace == RADAU_FROM_TOUCH ? AFTER_TOUCH : 1.0;
-    const double factor = fmin(factor_of(g, now->error, now->stages), factor_of_trend(g, now));
+    const double of_error = factor_of(g, now->error, now->stages);
+    const bool is_shortened = now->length < g->longest && (any_force_bends(g) || !(of_error < GROWTH));
+    const double factor = is_shortened ? of_error : fmin(of_error, factor_of_trend(g, now));
     const double next = now->length / reach_of(now->stages) * paced * factor;
     g->last_length = now->length;
     g->last_error = fmax(now->error, 1e-100);
-    /* a step that a touch or a release has shortened says little about the longest step */
-    g->longest = now->length < g->longest && any_force_bends(g)
-                     ? fmax(next, g->longest)
-                     : fmin(next, GROWTH * fmax(g->longest, now->length));
-    g->longest = fmin(g->longest, fmax(g->solvable, now->length));
-    if (general_rubs(g)) {
-        g->longest = fmin(g->longest, growth_by_iterations(g->step.iterations) * now->length);
+    if (is_shortened) {
+        g->longest = fmax(next, g->longest);
+    } else {
+        g->longest = fmin(next, GROWTH * fmax(g->longest, now->length));
+        if (general_rubs(g)) {
+            g->longest = fmin(g->longest, growth_by_iterations(g->step.iterations) * now->length);
+        }
     }
+    g->longest = fmin(g->longest, fmax(g->solvable, now->length));
     g->solvable *= g->step.iterations <= EASY_ITERATIONS ? EASY_GROWTH : SOLVABLE_GROWTH;
 }
 
