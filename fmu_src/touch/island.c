@@ -36,9 +36,9 @@ static inline double product(const double *a, const struct two_way *b, int i)
 }
 
 /* Returns coefficient i of the series times the pace. */
-static inline double paced(const struct island *s, const struct two_way *a, int i)
+static inline double paced(const struct island *s, const double *a, int i)
 {
-    return s->paced_by < 0 ? a->row[i] : product(s->pace.row, a, i);
+    return s->paced_by < 0 ? a[i] : product(a, &s->pace, i);
 }
 
 bool island_may_be(const struct scene_values *v, const struct scene_state *q)
@@ -64,28 +64,26 @@ static bool knows_shape(const struct scene_values *v, const struct contact_shape
 /* A dashpot faster than the spring by this factor makes decays that are much faster than the motion. */
 static const double MOST_DAMPED = 4.0;
 
-/* The rates of a contact in touch at the start [1/s], and the depth to which it leads [m]. */
-struct island_pace {
-    double spring, dashpot, depth;
-};
-
-/* An impact without damping under Hertz's law reaches delta^(5/2) = 5/4 v^2 m / k. */
-static struct island_pace pace_of(const struct island_row *r, double by_mass)
+/* Sets the rates of a contact in touch at the start, and the depth to which they lead. An impact without
+ * damping under Hertz's law reaches delta^(5/2) = 5/4 v^2 m / k. */
+static void put_timescales(struct island_row *r, double by_mass)
 {
-    const double depth = fmax(-r->gap.row[0], 0.0);
     const double k = r->k * by_mass;
+    const double rate = r->rate[0];
+    r->deepest = fmax(-r->gap[0], 0.0);
     if (!r->is_hertz) {
-        return (struct island_pace){sqrt(k), r->c * by_mass, depth};
+        r->spring = sqrt(k);
+        r->dashpot = r->c * by_mass;
+        return;
     }
-    const double rate = r->rate.row[0];
-    const double deepest = fmax(depth, pow(1.25 * rate * rate / k, 0.4));
-    const double root = sqrt(deepest);
-    return (struct island_pace){sqrt(1.5 * k * root), k * r->c * deepest * root, deepest};
+    r->deepest = fmax(r->deepest, pow(1.25 * rate * rate / k, 0.4));
+    r->spring = sqrt(1.5 * k * sqrt(r->deepest));
+    r->dashpot = k * r->c * r->deepest * sqrt(r->deepest);
 }
 
 static int add_body(struct island *s, const struct scene_values *v, int body)
 {
-    if (s->index[body] < 0) {
+    if (s->index[body] == 0 && body_is_free(v, body)) {
         s->index[body] = s->bodies;
         memset(&s->body[s->bodies], 0, sizeof s->body[0]);
         s->body[s->bodies].body = body;
@@ -132,18 +130,23 @@ static bool add_touching(struct island *s, const struct scene_values *v, const s
     r->side = shape.side;
     r->is_straight = contact_is_plane(&shape);
     r->axis = contact_is_cylinder(&shape) ? shape.axis : vec3_make(0.0, 0.0, 0.0);
-    r->flight = separation_path_of(v, q, at, q->clock, contact);
+    const struct separation_path flight = separation_path_of(v, q, at, q->clock, contact);
+    const int degree = path_degree(flight.c, SEPARATION_DEGREE + 1);
+    s->degree = degree > s->degree ? degree : s->degree;
+    memcpy(r->flown, flight.c, sizeof r->flown);
+    memcpy(r->flown_rate, flight.w, sizeof flight.w);
     put_law(r, v, q, at, ACCURACY * vec3_norm(at->rate[contact]));
-    put(&r->gap, 0, g->gap);
+    r->gap[0] = g->gap;
     r->by_distance = 1.0 / g->distance;
     r->passage = r->is_straight ? 0.0 : vec3_norm(at->rate[contact]) * r->by_distance;
-    put(&r->rate, 0, g->gap_rate);
+    r->rate[0] = g->gap_rate;
+    put_timescales(r, scene_inverse_mass(v, contact));
     for (int k = 0; k < ISLAND_AXES; ++k) {
         put(&r->n[k], 0, vec3_get(g->normal, k));
     }
     r->offset = fmax(g->gap, 0.0) + rounding_of_gap(v, at, contact);
     for (int end = 0; end < 2; ++end) {
-        r->end[end] = body_is_free(v, bodies[end]) ? add_body(s, v, bodies[end]) : -1;
+        r->end[end] = add_body(s, v, bodies[end]);
     }
     s->rows += 1;
     return true;
@@ -155,19 +158,17 @@ static struct vec3 part_across(const struct island_row *r, struct vec3 a)
     return vec3_axpy(a, -vec3_dot(a, r->axis), r->axis);
 }
 
-/* Finds the axes of the world along which contact forces act, and the degree of the flights in time. Where
- * there is one axis, no normal turns. */
+/* Finds the axes of the world along which contact forces act. Where there is one axis, no normal turns. */
 static void find_axes(struct island *s)
 {
     s->axes = 0;
-    s->degree = 1;
     for (int k = 0; k < ISLAND_AXES; ++k) {
         bool lives = false;
         for (int i = 0; i < s->rows; ++i) {
             const struct island_row *r = &s->row[i];
             lives = lives || r->n[k].row[0] != 0.0;
             for (int p = 1; p <= SEPARATION_DEGREE; ++p) {
-                const double flown = vec3_get(part_across(r, r->flight.c[p]), k);
+                const double flown = vec3_get(part_across(r, vec3_from(r->flown + ISLAND_AXES * p)), k);
                 lives = lives || (!r->is_straight && flown != 0.0);
             }
         }
@@ -176,8 +177,6 @@ static void find_axes(struct island *s)
         }
     }
     for (int i = 0; i < s->rows; ++i) {
-        const int degree = path_degree(s->row[i].flight.c, SEPARATION_DEGREE + 1);
-        s->degree = degree > s->degree ? degree : s->degree;
         s->row[i].is_straight = s->row[i].is_straight || s->axes == 1;
     }
 }
@@ -204,8 +203,8 @@ static void find_bends(struct island *s, const struct scene_values *v, const str
  * delta''. */
 static double time_from_zero(const struct island_row *r)
 {
-    const double depth = fmax(-r->gap.row[0], 0.0);
-    const double rate = r->rate.row[0];
+    const double depth = fmax(-r->gap[0], 0.0);
+    const double rate = r->rate[0];
     const double square = rate * rate + 2.0 * depth * r->bend;
     return square >= 0.0 ? 2.0 * depth / (fabs(rate) + sqrt(square)) : sqrt(2.0 * depth / -r->bend);
 }
@@ -216,7 +215,7 @@ static const double NEARLY_LINEAR = 0.4;
 
 /* Chooses the row whose u is the pace, and the unit of s. Returns false where a dashpot is too fast, or where
  * a contact under Hertz's law starts at the touch at rest: time does not go on with s there. */
-static bool choose_pace(struct island *s, const struct scene_values *v)
+static bool choose_pace(struct island *s)
 {
     double fastest = 0.0;
     double least = (double)INFINITY;
@@ -224,19 +223,18 @@ static bool choose_pace(struct island *s, const struct scene_values *v)
     s->paced_by = -1;
     for (int i = 0; i < s->rows; ++i) {
         const struct island_row *r = &s->row[i];
-        const struct island_pace of = pace_of(r, scene_inverse_mass(v, r->contact));
-        const double depth = fmax(-r->gap.row[0], 0.0);
-        const double rate = r->rate.row[0];
-        if (of.dashpot > MOST_DAMPED * of.spring || (r->is_hertz && depth == 0.0 && rate == 0.0)) {
+        const double depth = fmax(-r->gap[0], 0.0);
+        const double rate = r->rate[0];
+        if (r->dashpot > MOST_DAMPED * r->spring || (r->is_hertz && depth == 0.0 && rate == 0.0)) {
             return false;
         }
-        fastest = fmax(fmax(fastest, r->passage), fmax(of.spring, of.dashpot));
+        fastest = fmax(fmax(fastest, r->passage), fmax(r->spring, r->dashpot));
         const bool may_pace =
             SCENE_ANY_HERTZ && r->is_hertz && -r->bend * depth <= NEARLY_LINEAR * rate * rate;
         if (may_pace && time_from_zero(r) < least) {
             least = time_from_zero(r);
             s->paced_by = i;
-            root = sqrt(of.depth);
+            root = sqrt(r->deepest);
         }
     }
     s->unit = 1.0 / (fastest * root);
@@ -253,28 +251,21 @@ static void put_time(struct island *s, int i)
     }
 }
 
-/* Returns coefficient i of a polynomial of time with `count` coefficients along an axis of the world. */
-static inline double term_of_path(const struct island *s, const struct vec3 *of, int count, int k, int i)
+/* Returns coefficient i of a polynomial of time along an axis of the world, without its value at the start. */
+static inline double flown_term(const struct island *s, const double *of, int degree, int k, int i)
 {
-    double sum = i == 0 ? vec3_get(of[0], k) : 0.0;
-    for (int p = 1; p < count; ++p) {
-        sum += vec3_get(of[p], k) * s->power_of_time[p].row[i];
+    double sum = 0.0;
+    for (int p = 1; p <= degree; ++p) {
+        sum += of[ISLAND_AXES * p + k] * s->power_of_time[p].row[i];
     }
     return sum;
 }
 
-/* Returns coefficient i of r_d - r_s, or with `rates` of its rate, along an axis. */
-static inline double deviation(const struct island *s, const int end[2], int k, int i, bool rates)
+/* Returns coefficient i of a separation along an axis, i > 0. */
+static inline double separation_term(const struct island *s, const double *flown, const int end[2], int k,
+                                     int i)
 {
-    double sum = 0.0;
-    for (int e = 0; e < 2; ++e) {
-        if (end[e] >= 0) {
-            const struct island_body *body = &s->body[end[e]];
-            const double of = rates ? body->rate[k].row[i] : body->moved[k][i];
-            sum += e == 0 ? -of : of;
-        }
-    }
-    return sum;
+    return flown_term(s, flown, s->degree, k, i) + s->body[end[1]].moved[k][i] - s->body[end[0]].moved[k][i];
 }
 
 /* Sets coefficient i of the separation and its rate, of n and of g'. Notes the part of the push that lower
@@ -285,111 +276,118 @@ static void put_motion(const struct island *s, struct island_row *r, int i)
     double speed = 0.0;
     for (int a = 0; a < s->axes; ++a) {
         const int k = s->axis[a];
-        const double rate = term_of_path(s, r->flight.w, s->degree, k, i) + deviation(s, r->end, k, i, true);
-        r->rate_of_c[k][i] = rate;
-        if (r->is_straight) {
-            speed += r->n[k].row[0] * rate;
-        } else {
-            c[k] = term_of_path(s, r->flight.c, s->degree + 1, k, i) + deviation(s, r->end, k, i, false);
+        const double rate = flown_term(s, r->flown_rate, s->degree - 1, k, i) +
+                            s->body[r->end[1]].rate[k][i] - s->body[r->end[0]].rate[k][i];
+        r->rate_of_c[k][i] = rate + (i == 0 ? r->flown_rate[k] : 0.0);
+        speed += r->n[k].row[0] * rate;
+    }
+    if (i > 0 && !r->is_straight) {
+        for (int a = 0; a < s->axes; ++a) {
+            c[s->axis[a]] = separation_term(s, r->flown, r->end, s->axis[a], i);
+        }
+        const struct vec3 across = part_across(r, vec3_from(c));
+        r->d[i] = r->side * r->gap[i];
+        speed = 0.0;
+        for (int a = 0; a < s->axes; ++a) {
+            const int k = s->axis[a];
+            const double n = (vec3_get(across, k) - product(r->d, &r->n[k], i)) * r->by_distance;
+            put(&r->n[k], i, n);
+            speed += product(r->rate_of_c[k], &r->n[k], i);
+            r->lower_push[k] = product(r->impulse, &r->n[k], i);
         }
     }
-    if (i == 0) {
-        return; /* the start is known */
-    }
-    const struct vec3 across = part_across(r, vec3_from(c));
-    r->d[i] = r->side * r->gap.row[i];
-    for (int a = 0; a < s->axes && !r->is_straight; ++a) {
-        const int k = s->axis[a];
-        const double n = (vec3_get(across, k) - product(r->d, &r->n[k], i)) * r->by_distance;
-        put(&r->n[k], i, n);
-        speed += product(r->rate_of_c[k], &r->n[k], i);
-        r->lower_push[k] = product(r->impulse.row, &r->n[k], i);
-    }
-    put(&r->rate, i, r->side * speed);
+    r->rate[i] = i > 0 ? r->side * speed : r->rate[0]; /* the start is known */
 }
 
-/* Sets coefficient i of g and g'. The pace's own gap is -u^2; the other gaps are integrals. */
-static void put_gap(const struct island *s, struct island_row *r, bool is_pace, int i)
+/* Sets coefficient i of the depth. The pace's own gap is -u^2. */
+static void put_depth(const struct island *s, struct island_row *r, bool is_pace, int i)
 {
     if (is_pace) {
-        put(&r->depth, i, product(s->pace.row, &s->pace, i));
-        put(&r->gap, i, i == 0 ? r->gap.row[0] : -r->depth.row[i]);
+        r->depth[i] = product(s->pace.row, &s->pace, i);
+        r->gap[i] = i == 0 ? r->gap[0] : -r->depth[i];
     } else if (r->is_hertz) {
-        put(&r->depth, i, i == 0 ? fmax(-r->gap.row[0], 0.0) : -r->gap.row[i]);
+        r->depth[i] = i == 0 ? fmax(-r->gap[0], 0.0) : -r->gap[i];
     }
 }
 
 /* Returns coefficient i of p = a^(3/2), by a p' = 3/2 a' p; `slope` is the series of i a_i. */
-static double term_of_three_halves(const struct two_way *a, const double *slope, const struct two_way *p,
-                                   int i)
+static double term_of_three_halves(const double *a, const double *slope, const struct two_way *p, int i)
 {
     if (i == 0) {
-        return a->row[0] * sqrt(a->row[0]);
+        return a[0] * sqrt(a[0]);
     }
-    return (2.5 * product(slope, p, i) - i * product(a->row, p, i)) / (i * a->row[0]);
+    return (2.5 * product(slope, p, i) - i * product(a, p, i)) / (i * a[0]);
 }
 
 /* Returns coefficient i of delta^(3/2). Where a contact begins as the pace does, delta goes with s^2. */
 static double power_term(const struct island *s, const struct island_row *r, bool is_pace, int i)
 {
     if (is_pace) {
-        return product(s->pace.row, &r->depth, i);
+        return product(r->depth, &s->pace, i);
     }
-    if (r->depth.row[0] > 0.0) {
-        return term_of_three_halves(&r->depth, r->slope, &r->power, i);
+    if (r->depth[0] > 0.0) {
+        return term_of_three_halves(r->depth, r->slope, &r->power, i);
     }
-    return i < 3 ? 0.0 : taylor_power(r->depth.row + 2, 1.5, r->power.row + 3, i - 3);
+    return i < 3 ? 0.0 : taylor_power(r->depth + 2, 1.5, r->power.row + 3, i - 3);
 }
 
 static void put_force(const struct island *s, struct island_row *r, bool is_pace, int i)
 {
     if (SCENE_ANY_HERTZ && r->is_hertz) {
-        r->slope[i] = i * r->depth.row[i];
+        r->slope[i] = i * r->depth[i];
         put(&r->power, i, power_term(s, r, is_pace, i));
-        put(&r->drag, i, r->c > 0.0 ? r->k * r->c * product(r->power.row, &r->rate, i) : 0.0);
-        put(&r->force, i, r->k * r->power.row[i] - r->drag.row[i]);
+        r->drag[i] = r->c > 0.0 ? r->k * r->c * product(r->rate, &r->power, i) : 0.0;
+        r->force[i] = r->k * r->power.row[i] - r->drag[i];
     } else {
-        put(&r->drag, i, r->c * r->rate.row[i]);
-        put(&r->force, i, -r->k * r->gap.row[i] - r->drag.row[i]);
+        r->drag[i] = r->c * r->rate[i];
+        r->force[i] = -r->k * r->gap[i] - r->drag[i];
     }
-    put(&r->impulse, i, paced(s, &r->force, i));
+    r->impulse[i] = paced(s, r->force, i);
 }
 
 /* Sets coefficient i + 1 of what a contact integrates, and its part of the rates of its bodies. */
 static void push_bodies(struct island *s, struct island_row *r, int i)
 {
-    const double unit = s->unit / (i + 1);
+    struct island_body *source = &s->body[r->end[0]];
+    struct island_body *destination = &s->body[r->end[1]];
+    const double unit = s->unit / (i + 1) * r->side;
     for (int a = 0; a < s->axes; ++a) {
         const int k = s->axis[a];
-        const bool turns = !r->is_straight && i > 0;
-        const double push = r->impulse.row[i] * r->n[k].row[0] + (turns ? r->lower_push[k] : 0.0);
-        r->pushed[k][i + 1] = unit * r->side * push;
-        for (int e = 0; e < 2; ++e) {
-            if (r->end[e] >= 0) {
-                struct island_body *body = &s->body[r->end[e]];
-                const double by = r->pushed[k][i + 1] * body->by_mass;
-                put(&body->rate[k], i + 1, body->rate[k].row[i + 1] + (e == 0 ? -by : by));
-            }
-        }
+        const double pushed = unit * (r->impulse[i] * r->n[k].row[0] + r->lower_push[k]);
+        r->pushed[k][i + 1] = pushed;
+        source->rate[k][i + 1] -= pushed * source->by_mass;
+        destination->rate[k][i + 1] += pushed * destination->by_mass;
     }
 }
 
+/* Sets coefficient i + 1 of time, bodies and gaps. A gap whose normal does not turn follows from the places
+ * of its bodies, where the pace makes its integral a product. */
 static void put_integrals(struct island *s, int i)
 {
     const double unit = s->unit / (i + 1);
     put(&s->power_of_time[1], i + 1, unit * s->pace.row[i]);
+    put_time(s, i + 1);
+    for (int n = 0; n < s->rows; ++n) {
+        push_bodies(s, &s->row[n], i);
+    }
+    for (int b = 1; b < s->bodies; ++b) {
+        for (int a = 0; a < s->axes; ++a) {
+            s->body[b].moved[s->axis[a]][i + 1] = unit * paced(s, s->body[b].rate[s->axis[a]], i);
+        }
+    }
     for (int n = 0; n < s->rows; ++n) {
         struct island_row *r = &s->row[n];
         if (n == s->paced_by) {
-            put(&s->pace, i + 1, -0.5 * unit * r->rate.row[i]);
+            put(&s->pace, i + 1, -0.5 * unit * r->rate[i]);
+        } else if (s->paced_by < 0 || !r->is_straight) {
+            r->gap[i + 1] = unit * paced(s, r->rate, i);
         } else {
-            put(&r->gap, i + 1, unit * paced(s, &r->rate, i));
-        }
-        push_bodies(s, r, i);
-    }
-    for (int b = 0; b < s->bodies; ++b) {
-        for (int a = 0; a < s->axes; ++a) {
-            s->body[b].moved[s->axis[a]][i + 1] = unit * paced(s, &s->body[b].rate[s->axis[a]], i);
+            double moved = 0.0;
+            for (int a = 0; a < s->axes; ++a) {
+                const int k = s->axis[a];
+                moved += r->n[k].row[0] * separation_term(s, r->flown, r->end, k, i + 1);
+            }
+            r->gap[i + 1] = r->side * moved;
         }
     }
 }
@@ -397,16 +395,14 @@ static void put_integrals(struct island *s, int i)
 static void make_terms(struct island *s)
 {
     for (int i = 0; i < TAYLOR_ORDER; ++i) {
-        put_time(s, i);
         for (int n = 0; n < s->rows; ++n) {
             struct island_row *r = &s->row[n];
-            put_gap(s, r, n == s->paced_by, i);
+            put_depth(s, r, n == s->paced_by, i);
             put_motion(s, r, i);
             put_force(s, r, n == s->paced_by, i);
         }
         put_integrals(s, i);
     }
-    put_time(s, TAYLOR_ORDER);
 }
 
 /* An oscillation smaller than this part of the largest depth is left to the general segment. A step of that
@@ -416,16 +412,15 @@ static const double SMALL_OSCILLATION = 2e-3;
 
 /* Whether no contact oscillates by more than `quiet` [m] or SMALL_OSCILLATION. The amplitude is that which
  * the spring, or the dashpot where it is faster, gives to the present g' and g''. */
-static bool is_quiet(const struct island *s, const struct scene_values *v, double quiet)
+static bool is_quiet(const struct island *s, double quiet)
 {
     double amplitude = 0.0;
     double deepest = 0.0;
     for (int i = 0; i < s->rows; ++i) {
         const struct island_row *r = &s->row[i];
-        const struct island_pace of = pace_of(r, scene_inverse_mass(v, r->contact));
-        const double fast = fmax(of.spring, of.dashpot);
-        amplitude = fmax(amplitude, fabs(r->bend) / (fast * fast) + fabs(r->rate.row[0]) / fast);
-        deepest = fmax(deepest, -r->gap.row[0]);
+        const double fast = fmax(r->spring, r->dashpot);
+        amplitude = fmax(amplitude, fabs(r->bend) / (fast * fast) + fabs(r->rate[0]) / fast);
+        deepest = fmax(deepest, -r->gap[0]);
     }
     return amplitude <= fmax(quiet, SMALL_OSCILLATION * deepest);
 }
@@ -444,20 +439,21 @@ static double reliable_end(const struct island *s)
     for (int n = 0; n < s->rows; ++n) {
         for (int i = 0; i < SCALE_TERMS; ++i) {
             pace = larger(fabs(s->pace.row[i]), pace);
-            opened = larger(fabs(s->row[n].gap.row[i]), opened);
+            opened = larger(fabs(s->row[n].gap[i]), opened);
             for (int k = 0; k < ISLAND_AXES; ++k) {
                 pushed = larger(fabs(s->row[n].pushed[k][i]), pushed);
             }
         }
     }
-    for (int n = 0; n < s->rows; ++n) {
-        for (int i = TAYLOR_ORDER - 3; i < TAYLOR_TERMS; ++i) {
-            double part = larger(fabs(s->row[n].gap.row[i]) / opened, fabs(s->pace.row[i]) / pace);
+    for (int i = TAYLOR_ORDER - 3; i < TAYLOR_TERMS; ++i) {
+        double part = fabs(s->pace.row[i]) / pace;
+        for (int n = 0; n < s->rows; ++n) {
+            part = larger(fabs(s->row[n].gap[i]) / opened, part);
             for (int k = 0; k < ISLAND_AXES; ++k) {
                 part = larger(fabs(s->row[n].pushed[k][i]) / pushed, part);
             }
-            growth = larger(log2(part) / i, growth);
         }
+        growth = larger(log2(part) / i, growth);
     }
     return exp2(log2(ACCURACY) / TAYLOR_TERMS - growth);
 }
@@ -474,10 +470,9 @@ static bool agrees(const struct island *s, double place)
     double worst = 0.0;
     for (int n = 0; n < s->rows; ++n) {
         const struct island_row *r = &s->row[n];
-        largest =
-            fmax(largest, fmax(fabs(r->force.row[0]), fabs(taylor_at(r->force.row, TAYLOR_TERMS, place))));
+        largest = fmax(largest, fmax(fabs(r->force[0]), fabs(taylor_at(r->force, TAYLOR_TERMS, place))));
         if (SCENE_ANY_HERTZ && r->is_hertz && n != s->paced_by) {
-            const double depth = fmax(taylor_at(r->depth.row, TAYLOR_TERMS, place), 0.0);
+            const double depth = fmax(taylor_at(r->depth, TAYLOR_TERMS, place), 0.0);
             const double power = taylor_at(r->power.row, TAYLOR_TERMS, place);
             worst = fmax(worst, r->k * fabs(power - depth * sqrt(depth)));
         }
@@ -489,19 +484,22 @@ static bool agrees(const struct island *s, double place)
 static const double SHORTENING = 0.8;
 enum { MOST_SHORTENINGS = 40 };
 
-/* Returns the first s up to `end` at which a series falls through zero; INFINITY: it does not. */
+/* Returns the first s up to `end` at which a series falls through zero; INFINITY: it does not. No term of
+ * Horner's scheme takes more off the sum than it does at the end. */
 static double series_first_fall(const double *row, double end)
 {
     double of[TAYLOR_TERMS];
     double power = 1.0;
-    double size = 0.0;
+    double least = 0.0;
+    for (int i = TAYLOR_ORDER; i >= 0; --i) {
+        least = row[i] + end * (least > 0.0 ? 0.0 : least);
+    }
+    if (least >= 0.0) {
+        return (double)INFINITY;
+    }
     for (int i = 0; i < TAYLOR_TERMS; ++i) {
         of[i] = row[i] * power;
-        size += i > 0 ? fabs(of[i]) : 0.0;
         power *= end;
-    }
-    if (of[0] > size) {
-        return (double)INFINITY;
     }
     bernstein_from_powers(of, TAYLOR_TERMS);
     const struct bernstein_fall fall = bernstein_first_fall(of, TAYLOR_TERMS, 0.0);
@@ -527,25 +525,20 @@ static void find_changes(struct island *s, const struct scene_values *v, const s
     for (int n = 0; n < s->rows; ++n) {
         const struct island_row *r = &s->row[n];
         for (int i = 0; i < TAYLOR_TERMS; ++i) {
-            of[i] = n == s->paced_by ? s->pace.row[i] : (i == 0 ? r->offset : 0.0) - r->gap.row[i];
+            of[i] = n == s->paced_by ? s->pace.row[i] : (i == 0 ? r->offset : 0.0) - r->gap[i];
         }
-        const bool parts_now = n == s->paced_by && of[0] == 0.0 && r->rate.row[0] > 0.0;
+        const bool parts_now = n == s->paced_by && of[0] == 0.0 && r->rate[0] > 0.0;
         note_change(s, parts_now ? 0.0 : series_first_fall(of, s->end), r->contact, REGIME_APART);
         if (r->margin > 0.0) {
             const struct contact_law law = scene_contact_law(v, q, r->contact);
             for (int i = 0; i < TAYLOR_TERMS; ++i) {
-                of[i] = i == 0 ? r->margin : r->by_gap * r->gap.row[i] + r->by_rate * r->rate.row[i];
+                of[i] = i == 0 ? r->margin : r->by_gap * r->gap[i] + r->by_rate * r->rate[i];
             }
             note_change(s, series_first_fall(of, s->end), r->contact,
                         contact_regime_after(&law, (enum contact_regime)q->contact[r->contact].regime));
         }
     }
 }
-
-/* The separation of bodies that are apart, less its value at the start. */
-struct island_path {
-    struct two_way c[ISLAND_AXES];
-};
 
 static inline double island_time_at(const struct island *s, double place)
 {
@@ -563,31 +556,18 @@ static void add_powers(struct island *s, int degree)
     }
 }
 
-static void make_path(const struct island *s, const struct separation_path *flight, const int end[2],
-                      struct island_path *path)
+/* Returns a bound of how far the contacts take a body off its flight within the series. */
+static double farthest(const struct island *s, const struct island_body *body)
 {
-    for (int k = 0; k < ISLAND_AXES; ++k) {
-        for (int i = 1; i < TAYLOR_TERMS; ++i) {
-            put(&path->c[k], i,
-                term_of_path(s, flight->c, SEPARATION_DEGREE + 1, k, i) + deviation(s, end, k, i, false));
+    double sum = 0.0;
+    for (int a = 0; a < s->axes; ++a) {
+        double length = 0.0;
+        for (int i = TAYLOR_ORDER; i > 0; --i) {
+            length = s->end * (length + fabs(body->moved[s->axis[a]][i]));
         }
+        sum += length;
     }
-}
-
-/* Sets how far the contacts take each body off its flight within the series, at most. */
-static void bound_deviations(struct island *s)
-{
-    for (int b = 0; b < s->bodies; ++b) {
-        struct island_body *body = &s->body[b];
-        double power = 1.0;
-        body->farthest = 0.0;
-        for (int i = 1; i < TAYLOR_TERMS; ++i) {
-            power *= s->end;
-            for (int a = 0; a < s->axes; ++a) {
-                body->farthest += power * fabs(body->moved[s->axis[a]][i]);
-            }
-        }
-    }
+    return sum;
 }
 
 /* Returns a bound of the change of a separation within the series. */
@@ -595,33 +575,49 @@ static double separation_within(const struct island *s, const struct separation_
                                 const int end[2])
 {
     const double time = island_time_at(s, s->end);
-    double length = time * path_size(flight->c + 1, SEPARATION_DEGREE, time);
-    for (int e = 0; e < 2; ++e) {
-        length += end[e] >= 0 ? s->body[end[e]].farthest : 0.0;
+    return time * path_size(flight->c + 1, SEPARATION_DEGREE, time) + farthest(s, &s->body[end[0]]) +
+           farthest(s, &s->body[end[1]]);
+}
+
+/* Whether bodies meet along the one axis along which all forces act: the gap then is a series itself. */
+static bool meets_head_on(const struct island *s, const struct contact_shape *shape, struct vec3 normal,
+                          const struct separation_path *flight)
+{
+    bool along = s->axes == 1 && shape->side > 0.0 && fabs(vec3_get(normal, s->axis[0])) == 1.0;
+    for (int p = 1; along && p <= s->degree; ++p) {
+        along = vec3_norm(flight->c[p]) == fabs(vec3_get(flight->c[p], s->axis[0]));
     }
-    return length;
+    return along;
 }
 
 /* Returns where bodies that are apart touch within the series. The function whose root is sought has the sign
- * of the gap and is a polynomial of the path: it is the gap itself at a plane, and at other shapes it is
- * side (d^2 - reach^2) = g (2 reach + side g). */
-static double touch_within(const struct island *s, const struct contact_shape *shape, struct vec3 c,
-                           const struct contact_geometry *g, double offset, struct island_path *path)
+ * of the gap and is a polynomial of the path: it is the gap itself at a plane and head-on, and elsewhere it
+ * is side (d^2 - reach^2) = g (2 reach + side g). */
+static double touch_within(const struct island *s, const struct contact_shape *shape,
+                           const struct separation_path *flight, const struct contact_geometry *g,
+                           double offset, const int end[2])
 {
     double of[TAYLOR_TERMS];
-    const bool is_flat = contact_is_plane(shape);
+    double flown[ISLAND_FLOWN];
+    struct two_way path[ISLAND_AXES] = {{{0.0}, {0.0}}};
+    const bool is_flat = contact_is_plane(shape) || meets_head_on(s, shape, g->normal, flight);
     const double reach = contact_reach(shape);
     const struct vec3 axis = contact_is_cylinder(shape) ? shape->axis : vec3_make(0.0, 0.0, 0.0);
-    const struct vec3 start = vec3_axpy(c, -vec3_dot(c, axis), axis);
-    for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        const double axial =
-            path->c[0].row[i] * axis.x + path->c[1].row[i] * axis.y + path->c[2].row[i] * axis.z;
+    const struct vec3 start = vec3_axpy(flight->c[0], -vec3_dot(flight->c[0], axis), axis);
+    memcpy(flown, flight->c, sizeof flown);
+    for (int i = 1; i < TAYLOR_TERMS; ++i) {
+        double c[ISLAND_AXES] = {0.0};
         of[i] = 0.0;
         for (int k = 0; k < ISLAND_AXES; ++k) {
-            put(&path->c[k], i, path->c[k].row[i] - axial * vec3_get(axis, k));
-            of[i] += is_flat ? shape->side * vec3_get(g->normal, k) * path->c[k].row[i]
-                             : shape->side * (2.0 * vec3_get(start, k) * path->c[k].row[i] +
-                                              product(path->c[k].row, &path->c[k], i));
+            const double n = vec3_get(g->normal, k);
+            c[k] = is_flat && n == 0.0 ? 0.0 : separation_term(s, flown, end, k, i);
+            of[i] += is_flat ? shape->side * n * c[k] : 0.0;
+        }
+        const struct vec3 across = vec3_axpy(vec3_from(c), -vec3_dot(vec3_from(c), axis), axis);
+        for (int k = 0; k < ISLAND_AXES && !is_flat; ++k) {
+            put(&path[k], i, vec3_get(across, k));
+            of[i] +=
+                shape->side * (2.0 * vec3_get(start, k) * path[k].row[i] + product(path[k].row, &path[k], i));
         }
     }
     const double gap = g->gap + offset;
@@ -636,10 +632,9 @@ enum { MOST_HALVINGS = 6 };
 static bool find_touches(struct island *s, const struct scene_values *v, const struct scene_state *q,
                          const struct scene_instant *at)
 {
-    bound_deviations(s);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const int end[2] = {s->index[contact_source(j)], s->index[contact_destination(j)]};
-        if (contact_transmits(q, j) || !contact_is_coupled(v, q, j) || (end[0] < 0 && end[1] < 0)) {
+        if (contact_transmits(q, j) || !contact_is_coupled(v, q, j) || end[0] + end[1] == 0) {
             continue;
         }
         const struct contact_geometry *g = &at->geometry[j];
@@ -649,16 +644,13 @@ static bool find_touches(struct island *s, const struct scene_values *v, const s
         const bool is_apart = q->contact[j].regime == (int32_t)REGIME_APART;
         bool may_touch = !(separation_within(s, &flight, end) < g->gap);
         if (is_apart && may_touch && knows_shape(v, &shape, j)) {
-            struct island_path path = {{{{0.0}, {0.0}}}};
             add_powers(s, path_degree(flight.c, SEPARATION_DEGREE + 1));
-            make_path(s, &flight, end, &path);
-            note_change(s, touch_within(s, &shape, flight.c[0], g, offset, &path), j, REGIME_COMPRESSION);
+            note_change(s, touch_within(s, &shape, &flight, g, offset, end), j, REGIME_COMPRESSION);
             continue;
         }
         for (int i = 0; may_touch && i < MOST_HALVINGS; ++i) {
             s->end *= 0.5;
             s->terminal = -1;
-            bound_deviations(s);
             may_touch = !(separation_within(s, &flight, end) < g->gap);
         }
         if (may_touch) {
@@ -688,8 +680,10 @@ long island_work(const struct island *s)
 bool island_make(struct island *s, const struct scene_values *v, const struct scene_state *q,
                  const struct scene_instant *at, double longest, double quiet)
 {
-    s->rows = s->bodies = 0;
-    memset(s->index, -1, sizeof s->index);
+    s->rows = 0;
+    s->bodies = s->degree = 1;
+    memset(s->index, 0, sizeof s->index);
+    memset(&s->body[0], 0, sizeof s->body[0]);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_pushes(v, q, j) && !add_touching(s, v, q, at, j)) {
             return false;
@@ -697,12 +691,12 @@ bool island_make(struct island *s, const struct scene_values *v, const struct sc
     }
     find_axes(s);
     find_bends(s, v, q, at);
-    if (is_quiet(s, v, quiet) || !choose_pace(s, v)) {
+    if (is_quiet(s, quiet) || !choose_pace(s)) {
         return false;
     }
     memset(&s->pace, 0, sizeof s->pace);
     memset(s->power_of_time, 0, sizeof s->power_of_time);
-    put(&s->pace, 0, s->paced_by < 0 ? 1.0 : sqrt(fmax(-s->row[s->paced_by].gap.row[0], 0.0)));
+    put(&s->pace, 0, s->paced_by < 0 ? 1.0 : sqrt(fmax(-s->row[s->paced_by].gap[0], 0.0)));
     make_terms(s);
     s->end = reliable_end(s);
     s->terminal = -1;
@@ -761,23 +755,30 @@ static double largest_within(const double *row, double from, double to)
     return largest;
 }
 
+/* Without a dashpot the force is largest where the contact is deepest. */
 static void note_peaks_of_island(const struct island *s, double from, double to, struct scene_state *q)
 {
     double depth[TAYLOR_TERMS];
     for (int n = 0; n < s->rows; ++n) {
         const struct island_row *r = &s->row[n];
         for (int i = 0; i < TAYLOR_TERMS; ++i) {
-            depth[i] = -r->gap.row[i];
+            depth[i] = -r->gap[i];
         }
-        contact_peaks_note(&q->contact[r->contact].peaks, largest_within(r->force.row, from, to),
-                           largest_within(depth, from, to));
+        const double deepest = largest_within(depth, from, to);
+        const double force = r->k * deepest * (r->is_hertz ? sqrt(fmax(deepest, 0.0)) : 1.0);
+        contact_peaks_note(&q->contact[r->contact].peaks,
+                           r->c > 0.0 ? largest_within(r->force, from, to) : force, deepest);
     }
 }
 
-static struct vec3 three_at(const double (*rows)[TAYLOR_TERMS], double place)
+/* Returns the vector of three series, of which only those along the axes of the island are not zero. */
+static struct vec3 three_at(const struct island *s, const double (*rows)[TAYLOR_TERMS], double place)
 {
-    return vec3_make(taylor_at(rows[0], TAYLOR_TERMS, place), taylor_at(rows[1], TAYLOR_TERMS, place),
-                     taylor_at(rows[2], TAYLOR_TERMS, place));
+    double of[ISLAND_AXES] = {0.0};
+    for (int a = 0; a < s->axes; ++a) {
+        of[s->axis[a]] = taylor_at(rows[s->axis[a]], TAYLOR_TERMS, place);
+    }
+    return vec3_from(of);
 }
 
 /* What a contact sums up over a series: the impulse of the torque on the destination about its centre, which
@@ -787,14 +788,14 @@ struct island_sums {
     double dissipated;
 };
 
-/* Adds the integrand at a place, times `weight`. */
-static void add_to_sums(const struct island *s, const struct island_row *r, const struct island_path *path,
+/* Adds the integrand at a place, times `weight`. Without a path the force has no lever. */
+static void add_to_sums(const struct island *s, const struct island_row *r, double (*path)[TAYLOR_TERMS],
                         double place, double weight, struct island_sums *sums)
 {
     if (r->c > 0.0) {
         const double pace = s->unit * (s->paced_by < 0 ? 1.0 : taylor_at(s->pace.row, TAYLOR_TERMS, place));
-        sums->dissipated += weight * pace * taylor_at(r->drag.row, TAYLOR_TERMS, place) *
-                            taylor_at(r->rate.row, TAYLOR_TERMS, place);
+        sums->dissipated +=
+            weight * pace * taylor_at(r->drag, TAYLOR_TERMS, place) * taylor_at(r->rate, TAYLOR_TERMS, place);
     }
     if (path) {
         double c[ISLAND_AXES];
@@ -803,29 +804,43 @@ static void add_to_sums(const struct island *s, const struct island_row *r, cons
             double of[3];
             taylor_derivatives(r->pushed[k], TAYLOR_TERMS, place, of);
             push[k] = -of[1];
-            c[k] = taylor_at(path->c[k].row, TAYLOR_TERMS, place);
+            c[k] = taylor_at(path[k], TAYLOR_TERMS, place);
         }
         sums->twist = vec3_axpy(sums->twist, weight, vec3_cross(vec3_from(c), vec3_from(push)));
     }
+}
+
+/* Whether a contact may exert a torque about its destination's centre. A cylinder's contact does not, while
+ * the source's centre is in the plane across the axis through the destination's. */
+static bool has_lever(const struct island *s, const struct island_row *r)
+{
+    bool has = vec3_is_zero(r->axis);
+    for (int p = 0; p <= SEPARATION_DEGREE; ++p) {
+        has = has || vec3_dot(r->axis, vec3_from(r->flown + ISLAND_AXES * p)) != 0.0;
+    }
+    for (int a = 0; a < s->axes; ++a) {
+        has = has || vec3_get(r->axis, s->axis[a]) != 0.0;
+    }
+    return has;
 }
 
 static struct island_sums sums_of(const struct island *s, const struct island_row *r, double place)
 {
     const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
     const int n = nodes->points;
-    const bool twists = SCENE_HAS_TORQUES && body_has_axis(contact_destination(r->contact));
+    const bool twists =
+        SCENE_HAS_TORQUES && body_has_axis(contact_destination(r->contact)) && has_lever(s, r);
     struct island_sums sums = {.dissipated = 0.0};
-    struct island_path path = {{{{0.0}, {0.0}}}};
-    if (twists) {
-        make_path(s, &r->flight, r->end, &path);
-        for (int k = 0; k < ISLAND_AXES; ++k) {
-            path.c[k].row[0] = vec3_get(r->flight.c[0], k);
+    double path[ISLAND_AXES][TAYLOR_TERMS];
+    for (int k = 0; k < ISLAND_AXES && twists; ++k) {
+        for (int i = 0; i < TAYLOR_TERMS; ++i) {
+            path[k][i] = i == 0 ? r->flown[k] : separation_term(s, r->flown, r->end, k, i);
         }
     }
     /* Products of series have coefficients beyond the last one. Twelve nodes integrate them to rounding,
      * because a series ends at a fourth of its radius of convergence. */
     for (int i = 0; i < n && (twists || r->c > 0.0); ++i) {
-        add_to_sums(s, r, twists ? &path : NULL, 0.5 * place * (1.0 + nodes->node[i]),
+        add_to_sums(s, r, twists ? path : NULL, 0.5 * place * (1.0 + nodes->node[i]),
                     0.5 * place * nodes->integral[i * n + n - 1], &sums);
     }
     return sums;
@@ -841,23 +856,22 @@ void island_advance(const struct island *s, double from, double time, const stru
     for (int n = 0; n < s->rows; ++n) {
         const struct island_row *r = &s->row[n];
         struct contact_state *state = &q->contact[r->contact];
-        state->physics.impulse = vec3_sub(state->physics.impulse, three_at(r->pushed, place));
+        state->physics.impulse = vec3_sub(state->physics.impulse, three_at(s, r->pushed, place));
         const struct island_sums sums = sums_of(s, r, place);
         state->torques.destination_impulse = vec3_add(state->torques.destination_impulse, sums.twist);
         q->dissipated += sums.dissipated;
-        state->physics.accumulated_gap = taylor_at(r->gap.row, TAYLOR_TERMS, place);
+        state->physics.accumulated_gap = taylor_at(r->gap, TAYLOR_TERMS, place);
         state->physics.rate_rounding = 0.0;
     }
-    for (int b = 0; b < s->bodies; ++b) {
+    for (int b = 1; b < s->bodies; ++b) {
         const struct island_body *body = &s->body[b];
-        struct vec3 rate;
-        double *of[ISLAND_AXES] = {&rate.x, &rate.y, &rate.z};
-        for (int k = 0; k < ISLAND_AXES; ++k) {
-            *of[k] = taylor_at(body->rate[k].row, TAYLOR_TERMS, place);
+        double rate[ISLAND_AXES] = {0.0};
+        for (int a = 0; a < s->axes; ++a) {
+            rate[s->axis[a]] = taylor_at(body->rate[s->axis[a]], TAYLOR_TERMS, place);
         }
-        const struct vec3 moved = three_at(body->moved, place);
+        const struct vec3 moved = three_at(s, body->moved, place);
         q->external_work += vec3_dot(q->path[body->body].force[0], moved);
-        flight_deviate(v, q, body->body, time, moved, rate);
+        flight_deviate(v, q, body->body, time, moved, vec3_from(rate));
     }
 }
 
