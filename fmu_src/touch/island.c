@@ -251,7 +251,7 @@ static void put_time(struct island *s, int i)
     }
 }
 
-/* Returns coefficient i of a polynomial of time along an axis of the world, without its value at the start. */
+/* Returns coefficient i of a polynomial of time along an axis of the world, less its value at the start. */
 static inline double flown_term(const struct island *s, const double *of, int degree, int k, int i)
 {
     double sum = 0.0;
@@ -484,30 +484,6 @@ static bool agrees(const struct island *s, double place)
 static const double SHORTENING = 0.8;
 enum { MOST_SHORTENINGS = 40 };
 
-/* Returns the first s up to `end` at which a series falls through zero; INFINITY: it does not. No term of
- * Horner's scheme takes more off the sum than it does at the end. */
-static double series_first_fall(const double *row, double end)
-{
-    double of[TAYLOR_TERMS];
-    double power = 1.0;
-    double least = 0.0;
-    for (int i = TAYLOR_ORDER; i >= 0; --i) {
-        least = row[i] + end * (least > 0.0 ? 0.0 : least);
-    }
-    if (least >= 0.0) {
-        return (double)INFINITY;
-    }
-    for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        of[i] = row[i] * power;
-        power *= end;
-    }
-    bernstein_from_powers(of, TAYLOR_TERMS);
-    const struct bernstein_fall fall = bernstein_first_fall(of, TAYLOR_TERMS, 0.0);
-    return fall.low < (double)INFINITY
-               ? root_in_bracket(taylor_root_function, row, fall.low * end, fall.high * end)
-               : (double)INFINITY;
-}
-
 /* Ends the series at s where a contact changes its regime there and before the present end. */
 static void note_change(struct island *s, double at, int contact, enum contact_regime next)
 {
@@ -528,13 +504,14 @@ static void find_changes(struct island *s, const struct scene_values *v, const s
             of[i] = n == s->paced_by ? s->pace.row[i] : (i == 0 ? r->offset : 0.0) - r->gap[i];
         }
         const bool parts_now = n == s->paced_by && of[0] == 0.0 && r->rate[0] > 0.0;
-        note_change(s, parts_now ? 0.0 : series_first_fall(of, s->end), r->contact, REGIME_APART);
+        note_change(s, parts_now ? 0.0 : taylor_first_fall(of, TAYLOR_TERMS, s->end), r->contact,
+                    REGIME_APART);
         if (r->margin > 0.0) {
             const struct contact_law law = scene_contact_law(v, q, r->contact);
             for (int i = 0; i < TAYLOR_TERMS; ++i) {
                 of[i] = i == 0 ? r->margin : r->by_gap * r->gap[i] + r->by_rate * r->rate[i];
             }
-            note_change(s, series_first_fall(of, s->end), r->contact,
+            note_change(s, taylor_first_fall(of, TAYLOR_TERMS, s->end), r->contact,
                         contact_regime_after(&law, (enum contact_regime)q->contact[r->contact].regime));
         }
     }
@@ -622,7 +599,7 @@ static double touch_within(const struct island *s, const struct contact_shape *s
     }
     const double gap = g->gap + offset;
     of[0] = is_flat ? gap : gap * (2.0 * reach + shape->side * gap);
-    return series_first_fall(of, s->end);
+    return taylor_first_fall(of, TAYLOR_TERMS, s->end);
 }
 
 /* The end is halved at most so often for a contact that might begin and whose shape is not known. */
