@@ -35,6 +35,28 @@ static inline double product(const double *a, const struct two_way *b, int i)
     return parts_together(sum);
 }
 
+/* Sets coefficients i of the products of three series with another one, which cost less together. */
+static inline void three_products(const double *a, const double *b, const double *c,
+                                  const struct two_way *with, int i, double of[3])
+{
+    const double *back = with->back + (TAYLOR_ORDER - i);
+    double2 first[PARTS];
+    double2 second[PARTS];
+    double2 third[PARTS];
+    memset(first, 0, sizeof first);
+    memset(second, 0, sizeof second);
+    memset(third, 0, sizeof third);
+    for (int k = 0; k <= i; k += LANES) {
+        const double2 factor = double2_at(back, k);
+        first[part(k)] += double2_at(a, k) * factor;
+        second[part(k)] += double2_at(b, k) * factor;
+        third[part(k)] += double2_at(c, k) * factor;
+    }
+    of[0] = parts_together(first);
+    of[1] = parts_together(second);
+    of[2] = parts_together(third);
+}
+
 /* Returns coefficient i of the series times the pace. */
 static inline double paced(const struct island *s, const double *a, int i)
 {
@@ -129,7 +151,7 @@ static bool add_touching(struct island *s, const struct scene_values *v, const s
     r->contact = contact;
     r->side = shape.side;
     r->is_straight = contact_is_plane(&shape);
-    r->axis = contact_is_cylinder(&shape) ? shape.axis : vec3_make(0.0, 0.0, 0.0);
+    vec3_to(contact_is_cylinder(&shape) ? shape.axis : vec3_make(0.0, 0.0, 0.0), r->axis);
     const struct separation_path flight = separation_path_of(v, q, at, q->clock, contact);
     const int degree = path_degree(flight.c, SEPARATION_DEGREE + 1);
     s->degree = degree > s->degree ? degree : s->degree;
@@ -155,7 +177,13 @@ static bool add_touching(struct island *s, const struct scene_values *v, const s
 /* Returns the part of a vector across the axis of a cylinder; the vector itself for other shapes. */
 static struct vec3 part_across(const struct island_row *r, struct vec3 a)
 {
-    return vec3_axpy(a, -vec3_dot(a, r->axis), r->axis);
+    return vec3_axpy(a, -vec3_dot(a, vec3_from(r->axis)), vec3_from(r->axis));
+}
+
+/* Whether a contact may exert a torque about its destination's centre. */
+static bool has_lever(const struct island_row *r)
+{
+    return SCENE_HAS_TORQUES && body_has_axis(contact_destination(r->contact));
 }
 
 /* Finds the axes of the world along which contact forces act. Where there is one axis, no normal turns. */
@@ -251,11 +279,13 @@ static void put_time(struct island *s, int i)
     }
 }
 
-/* Returns coefficient i of a polynomial of time along an axis of the world, less its value at the start. */
+/* Returns coefficient i of a polynomial of time along an axis of the world, less its value at the start. Most
+ * are of degree two at most. */
 static inline double flown_term(const struct island *s, const double *of, int degree, int k, int i)
 {
-    double sum = 0.0;
-    for (int p = 1; p <= degree; ++p) {
+    double sum = of[ISLAND_AXES + k] * s->power_of_time[1].row[i] +
+                 of[2 * ISLAND_AXES + k] * s->power_of_time[2].row[i];
+    for (int p = 3; p <= degree; ++p) {
         sum += of[ISLAND_AXES * p + k] * s->power_of_time[p].row[i];
     }
     return sum;
@@ -272,7 +302,7 @@ static inline double separation_term(const struct island *s, const double *flown
  * coefficients make. */
 static void put_motion(const struct island *s, struct island_row *r, int i)
 {
-    double c[ISLAND_AXES] = {0.0};
+    double c[ISLAND_AXES];
     double speed = 0.0;
     for (int a = 0; a < s->axes; ++a) {
         const int k = s->axis[a];
@@ -282,18 +312,22 @@ static void put_motion(const struct island *s, struct island_row *r, int i)
         speed += r->n[k].row[0] * rate;
     }
     if (i > 0 && !r->is_straight) {
+        double along = 0.0;
         for (int a = 0; a < s->axes; ++a) {
-            c[s->axis[a]] = separation_term(s, r->flown, r->end, s->axis[a], i);
+            const int k = s->axis[a];
+            c[k] = separation_term(s, r->flown, r->end, k, i);
+            along += c[k] * r->axis[k];
         }
-        const struct vec3 across = part_across(r, vec3_from(c));
         r->d[i] = r->side * r->gap[i];
         speed = 0.0;
         for (int a = 0; a < s->axes; ++a) {
             const int k = s->axis[a];
-            const double n = (vec3_get(across, k) - product(r->d, &r->n[k], i)) * r->by_distance;
+            double lower[3]; /* the products' parts by lower coefficients of n */
+            three_products(r->d, r->rate_of_c[k], r->impulse, &r->n[k], i, lower);
+            const double n = (c[k] - along * r->axis[k] - lower[0]) * r->by_distance;
             put(&r->n[k], i, n);
-            speed += product(r->rate_of_c[k], &r->n[k], i);
-            r->lower_push[k] = product(r->impulse, &r->n[k], i);
+            speed += lower[1] + r->rate_of_c[k][0] * n;
+            r->lower_push[k] = lower[2] + r->impulse[0] * n;
         }
     }
     r->rate[i] = i > 0 ? r->side * speed : r->rate[0]; /* the start is known */
@@ -310,33 +344,38 @@ static void put_depth(const struct island *s, struct island_row *r, bool is_pace
     }
 }
 
-/* Returns coefficient i of p = a^(3/2), by a p' = 3/2 a' p; `slope` is the series of i a_i. */
-static double term_of_three_halves(const double *a, const double *slope, const struct two_way *p, int i)
+/* Sets coefficient i of p = delta^(3/2) and of the dashpot's part of the force under Hertz's law. A contact
+ * in touch has delta p' = 3/2 delta' p; where one begins as the pace does, delta goes with s^2. */
+static void put_power(const struct island *s, struct island_row *r, bool is_pace, int i)
 {
-    if (i == 0) {
-        return a[0] * sqrt(a[0]);
+    double lower[3] = {0.0}; /* the products' parts by lower coefficients of p */
+    double power = i == 0 ? r->depth[0] * sqrt(r->depth[0]) : 0.0;
+    const bool follows = !is_pace && r->depth[0] > 0.0 && i > 0;
+    r->slope[i] = i * r->depth[i];
+    if (follows && r->c > 0.0) {
+        three_products(r->slope, r->depth, r->rate, &r->power, i, lower);
+    } else if (follows) {
+        lower[0] = product(r->slope, &r->power, i);
+        lower[1] = product(r->depth, &r->power, i);
     }
-    return (2.5 * product(slope, p, i) - i * product(a, p, i)) / (i * a[0]);
-}
-
-/* Returns coefficient i of delta^(3/2). Where a contact begins as the pace does, delta goes with s^2. */
-static double power_term(const struct island *s, const struct island_row *r, bool is_pace, int i)
-{
-    if (is_pace) {
-        return product(r->depth, &s->pace, i);
+    if (follows) {
+        power = (2.5 * lower[0] - i * lower[1]) / (i * r->depth[0]);
+    } else if (is_pace) {
+        power = product(r->depth, &s->pace, i);
+    } else if (i >= 3) {
+        power = taylor_power(r->depth + 2, 1.5, r->power.row + 3, i - 3);
     }
-    if (r->depth[0] > 0.0) {
-        return term_of_three_halves(r->depth, r->slope, &r->power, i);
+    put(&r->power, i, power);
+    if (r->c > 0.0) {
+        const double dragged = follows ? lower[2] + r->rate[0] * power : product(r->rate, &r->power, i);
+        r->drag[i] = r->k * r->c * dragged;
     }
-    return i < 3 ? 0.0 : taylor_power(r->depth + 2, 1.5, r->power.row + 3, i - 3);
 }
 
 static void put_force(const struct island *s, struct island_row *r, bool is_pace, int i)
 {
     if (SCENE_ANY_HERTZ && r->is_hertz) {
-        r->slope[i] = i * r->depth[i];
-        put(&r->power, i, power_term(s, r, is_pace, i));
-        r->drag[i] = r->c > 0.0 ? r->k * r->c * product(r->rate, &r->power, i) : 0.0;
+        put_power(s, r, is_pace, i);
         r->force[i] = r->k * r->power.row[i] - r->drag[i];
     } else {
         r->drag[i] = r->c * r->rate[i];
@@ -481,8 +520,8 @@ static bool agrees(const struct island *s, double place)
 }
 
 /* A series that does not converge at its end is shortened by this factor. */
-static const double SHORTENING = 0.8;
-enum { MOST_SHORTENINGS = 40 };
+static const double SHORTENING = 0.9;
+enum { MOST_SHORTENINGS = 80 };
 
 /* Ends the series at s where a contact changes its regime there and before the present end. */
 static void note_change(struct island *s, double at, int contact, enum contact_regime next)
@@ -556,49 +595,45 @@ static double separation_within(const struct island *s, const struct separation_
            farthest(s, &s->body[end[1]]);
 }
 
-/* Whether bodies meet along the one axis along which all forces act: the gap then is a series itself. */
-static bool meets_head_on(const struct island *s, const struct contact_shape *shape, struct vec3 normal,
-                          const struct separation_path *flight)
-{
-    bool along = s->axes == 1 && shape->side > 0.0 && fabs(vec3_get(normal, s->axis[0])) == 1.0;
-    for (int p = 1; along && p <= s->degree; ++p) {
-        along = vec3_norm(flight->c[p]) == fabs(vec3_get(flight->c[p], s->axis[0]));
-    }
-    return along;
-}
-
-/* Returns where bodies that are apart touch within the series. The function whose root is sought has the sign
- * of the gap and is a polynomial of the path: it is the gap itself at a plane and head-on, and elsewhere it
- * is side (d^2 - reach^2) = g (2 reach + side g). */
+/* Returns where bodies that are apart touch within the series. The path along the normal at the start gives
+ * the gap of a plane, and a lower bound of it outside other shapes. Their series whose root is sought is
+ * side (d^2 - reach^2) = g (2 reach + side g). */
 static double touch_within(const struct island *s, const struct contact_shape *shape,
                            const struct separation_path *flight, const struct contact_geometry *g,
                            double offset, const int end[2])
 {
-    double of[TAYLOR_TERMS];
+    double of[TAYLOR_TERMS] = {g->gap + offset};
     double flown[ISLAND_FLOWN];
     struct two_way path[ISLAND_AXES] = {{{0.0}, {0.0}}};
-    const bool is_flat = contact_is_plane(shape) || meets_head_on(s, shape, g->normal, flight);
-    const double reach = contact_reach(shape);
+    bool moves[ISLAND_AXES] = {false};
+    const bool is_flat = contact_is_plane(shape);
     const struct vec3 axis = contact_is_cylinder(shape) ? shape->axis : vec3_make(0.0, 0.0, 0.0);
     const struct vec3 start = vec3_axpy(flight->c[0], -vec3_dot(flight->c[0], axis), axis);
     memcpy(flown, flight->c, sizeof flown);
     for (int i = 1; i < TAYLOR_TERMS; ++i) {
-        double c[ISLAND_AXES] = {0.0};
-        of[i] = 0.0;
+        double c[ISLAND_AXES];
         for (int k = 0; k < ISLAND_AXES; ++k) {
-            const double n = vec3_get(g->normal, k);
-            c[k] = is_flat && n == 0.0 ? 0.0 : separation_term(s, flown, end, k, i);
-            of[i] += is_flat ? shape->side * n * c[k] : 0.0;
+            c[k] = separation_term(s, flown, end, k, i);
         }
         const struct vec3 across = vec3_axpy(vec3_from(c), -vec3_dot(vec3_from(c), axis), axis);
+        of[i] = shape->side * vec3_dot(g->normal, across);
         for (int k = 0; k < ISLAND_AXES && !is_flat; ++k) {
             put(&path[k], i, vec3_get(across, k));
-            of[i] +=
-                shape->side * (2.0 * vec3_get(start, k) * path[k].row[i] + product(path[k].row, &path[k], i));
+            moves[k] = moves[k] || path[k].row[i] != 0.0;
         }
     }
-    const double gap = g->gap + offset;
-    of[0] = is_flat ? gap : gap * (2.0 * reach + shape->side * gap);
+    const double linear = is_flat || shape->side > 0.0 ? taylor_first_fall(of, TAYLOR_TERMS, s->end) : 0.0;
+    if (is_flat || linear == (double)INFINITY) {
+        return linear;
+    }
+    of[0] *= 2.0 * contact_reach(shape) + shape->side * of[0];
+    for (int i = 1; i < TAYLOR_TERMS; ++i) {
+        of[i] = 0.0;
+        for (int k = 0; k < ISLAND_AXES; ++k) {
+            const double square = moves[k] ? product(path[k].row, &path[k], i) : 0.0;
+            of[i] += shape->side * (2.0 * vec3_get(start, k) * path[k].row[i] + square);
+        }
+    }
     return taylor_first_fall(of, TAYLOR_TERMS, s->end);
 }
 
@@ -758,69 +793,56 @@ static struct vec3 three_at(const struct island *s, const double (*rows)[TAYLOR_
     return vec3_from(of);
 }
 
-/* What a contact sums up over a series: the impulse of the torque on the destination about its centre, which
- * is the integral of c x F, where F acts on the source [N m s], and the energy that the dashpot takes [J]. */
-struct island_sums {
-    struct vec3 twist;
-    double dissipated;
-};
-
-/* Adds the integrand at a place, times `weight`. Without a path the force has no lever. */
-static void add_to_sums(const struct island *s, const struct island_row *r, double (*path)[TAYLOR_TERMS],
-                        double place, double weight, struct island_sums *sums)
+/* Returns c, which leads from the source to the destination, at a place. */
+static struct vec3 island_separation_at(const struct island *s, const struct island_row *r, double place)
 {
-    if (r->c > 0.0) {
-        const double pace = s->unit * (s->paced_by < 0 ? 1.0 : taylor_at(s->pace.row, TAYLOR_TERMS, place));
-        sums->dissipated +=
-            weight * pace * taylor_at(r->drag, TAYLOR_TERMS, place) * taylor_at(r->rate, TAYLOR_TERMS, place);
+    const double time = island_time_at(s, place);
+    struct vec3 c =
+        vec3_sub(three_at(s, s->body[r->end[1]].moved, place), three_at(s, s->body[r->end[0]].moved, place));
+    double power = 1.0;
+    for (int p = 0; p <= s->degree; ++p) {
+        c = vec3_axpy(c, power, vec3_from(r->flown + ISLAND_AXES * p));
+        power *= time;
     }
-    if (path) {
-        double c[ISLAND_AXES];
-        double push[ISLAND_AXES];
-        for (int k = 0; k < ISLAND_AXES; ++k) {
-            double of[3];
-            taylor_derivatives(r->pushed[k], TAYLOR_TERMS, place, of);
-            push[k] = -of[1];
-            c[k] = taylor_at(path[k], TAYLOR_TERMS, place);
-        }
-        sums->twist = vec3_axpy(sums->twist, weight, vec3_cross(vec3_from(c), vec3_from(push)));
-    }
+    return c;
 }
 
-/* Whether a contact may exert a torque about its destination's centre. A cylinder's contact does not, while
- * the source's centre is in the plane across the axis through the destination's. */
-static bool has_lever(const struct island *s, const struct island_row *r)
-{
-    bool has = vec3_is_zero(r->axis);
-    for (int p = 0; p <= SEPARATION_DEGREE; ++p) {
-        has = has || vec3_dot(r->axis, vec3_from(r->flown + ISLAND_AXES * p)) != 0.0;
-    }
-    for (int a = 0; a < s->axes; ++a) {
-        has = has || vec3_get(r->axis, s->axis[a]) != 0.0;
-    }
-    return has;
-}
-
-static struct island_sums sums_of(const struct island *s, const struct island_row *r, double place)
+/* Adds what contacts sum up over a series: the energy that dashpots take [J], and the impulse of the torque
+ * on a destination about its centre, the integral of c x F, where F acts on the source [N m s]. Products of
+ * series have coefficients beyond the last one. Twelve nodes integrate them to rounding, because a series
+ * ends at a fourth of its radius of convergence. */
+static void island_sum_up(const struct island *s, double place, struct scene_state *q)
 {
     const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
-    const int n = nodes->points;
-    const bool twists =
-        SCENE_HAS_TORQUES && body_has_axis(contact_destination(r->contact)) && has_lever(s, r);
-    struct island_sums sums = {.dissipated = 0.0};
-    double path[ISLAND_AXES][TAYLOR_TERMS];
-    for (int k = 0; k < ISLAND_AXES && twists; ++k) {
-        for (int i = 0; i < TAYLOR_TERMS; ++i) {
-            path[k][i] = i == 0 ? r->flown[k] : separation_term(s, r->flown, r->end, k, i);
+    const int points = nodes->points;
+    double dissipated = 0.0;
+    bool any = false;
+    for (int n = 0; n < s->rows; ++n) {
+        any = any || s->row[n].c > 0.0 || has_lever(&s->row[n]);
+    }
+    for (int i = 0; any && i < points; ++i) {
+        const double at = 0.5 * place * (1.0 + nodes->node[i]);
+        const double weight = 0.5 * place * nodes->integral[i * points + points - 1];
+        const double pace = s->unit * (s->paced_by < 0 ? 1.0 : taylor_at(s->pace.row, TAYLOR_TERMS, at));
+        for (int n = 0; n < s->rows; ++n) {
+            const struct island_row *r = &s->row[n];
+            if (r->c > 0.0) {
+                dissipated += weight * pace * taylor_at(r->drag, TAYLOR_TERMS, at) *
+                              taylor_at(r->rate, TAYLOR_TERMS, at);
+            }
+            if (has_lever(r)) {
+                double push[ISLAND_AXES] = {0.0};
+                for (int a = 0; a < s->axes; ++a) {
+                    double of[3];
+                    taylor_derivatives(r->pushed[s->axis[a]], TAYLOR_TERMS, at, of);
+                    push[s->axis[a]] = -of[1];
+                }
+                struct vec3 *sum = &q->contact[r->contact].torques.destination_impulse;
+                *sum = vec3_axpy(*sum, weight, vec3_cross(island_separation_at(s, r, at), vec3_from(push)));
+            }
         }
     }
-    /* Products of series have coefficients beyond the last one. Twelve nodes integrate them to rounding,
-     * because a series ends at a fourth of its radius of convergence. */
-    for (int i = 0; i < n && (twists || r->c > 0.0); ++i) {
-        add_to_sums(s, r, twists ? path : NULL, 0.5 * place * (1.0 + nodes->node[i]),
-                    0.5 * place * nodes->integral[i * n + n - 1], &sums);
-    }
-    return sums;
+    q->dissipated += dissipated;
 }
 
 void island_advance(const struct island *s, double from, double time, const struct scene_values *v,
@@ -834,12 +856,10 @@ void island_advance(const struct island *s, double from, double time, const stru
         const struct island_row *r = &s->row[n];
         struct contact_state *state = &q->contact[r->contact];
         state->physics.impulse = vec3_sub(state->physics.impulse, three_at(s, r->pushed, place));
-        const struct island_sums sums = sums_of(s, r, place);
-        state->torques.destination_impulse = vec3_add(state->torques.destination_impulse, sums.twist);
-        q->dissipated += sums.dissipated;
         state->physics.accumulated_gap = taylor_at(r->gap, TAYLOR_TERMS, place);
         state->physics.rate_rounding = 0.0;
     }
+    island_sum_up(s, place, q);
     for (int b = 1; b < s->bodies; ++b) {
         const struct island_body *body = &s->body[b];
         double rate[ISLAND_AXES] = {0.0};

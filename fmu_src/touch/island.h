@@ -47,7 +47,7 @@ struct island_row {
     double by_distance, bend; /* 1/d [1/m] and g'' [m/s^2] at the start */
     double spring, dashpot;   /* rates of the contact at the start [1/s] */
     double deepest;           /* the depth to which they lead [m] */
-    struct vec3 axis;         /* of a cylinder; else zero */
+    double axis[ISLAND_AXES]; /* of a cylinder; else zero */
     double flown[ISLAND_FLOWN], flown_rate[ISLAND_FLOWN];        /* coefficients of C and C' in time */
     double gap[ISLAND_ROW], rate[ISLAND_ROW], force[ISLAND_ROW]; /* g [m], g' [m/s], F [N] */
     double impulse[ISLAND_ROW], drag[ISLAND_ROW]; /* F pace, and the dashpot's part of -F [N] */
