@@ -390,6 +390,9 @@ static struct regime_change flight_regime_change(const struct foresight *f, stru
 static struct regime_change smooth_regime_change(const struct scene_values *v, const struct scene_state *q,
                                                  const struct scene_instant *at, int contact, double horizon)
 {
+    if (contact_is_coupled(v, q, contact)) {
+        return no_change((enum contact_regime)q->contact[contact].regime, true);
+    }
     struct foresight f; /* whose other members are set where they are needed: to clear them all takes time */
     f.shape = scene_contact_shape(v, q, contact);
     f.law = scene_contact_law(v, q, contact);
@@ -400,7 +403,7 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     const bool has_ends = relative_path_has_ends(&f.shape);
     const bool in_flight = f.present == REGIME_APART || f.present == REGIME_SEPARATING;
     const bool ends_only = !in_flight && !is_prescribed;
-    if ((ends_only && !has_ends) || contact_is_coupled(v, q, contact)) {
+    if (ends_only && !has_ends) {
         return no_change(f.present, true);
     }
     f.separation = separation_path_of(v, q, at, q->clock, contact);

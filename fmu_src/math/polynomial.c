@@ -460,20 +460,3 @@ void bernstein_from_powers(double *coefficients, int count)
         }
     }
 }
-
-/* The powers of x = 2 s - 1 become those of s, by Horner's scheme at x = -1. */
-void bernstein_from_taylor(double *coefficients, int count)
-{
-    const int n = count - 1;
-    double scale = 1.0;
-    for (int k = 0; k < n; ++k) {
-        for (int i = n - 1; i >= k; --i) {
-            coefficients[i] -= coefficients[i + 1];
-        }
-    }
-    for (int k = 1; k < count; ++k) {
-        scale *= 2.0;
-        coefficients[k] *= scale;
-    }
-    bernstein_from_powers(coefficients, count);
-}

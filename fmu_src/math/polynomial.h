@@ -89,10 +89,6 @@ void bernstein_restrict(double *coefficients, int count, double from, double to)
 
 double bernstein_at(const double *coefficients, int count, double place);
 
-/* Replaces the coefficients a[k] of the polynomial's sum of a[k] x^k, x in [-1, 1], by its Bernstein
- * coefficients on [0, 1], where x = 2 s - 1. */
-void bernstein_from_taylor(double *coefficients, int count);
-
 /* Replaces the coefficients a[k] of the polynomial's sum of a[k] s^k by its Bernstein coefficients. */
 void bernstein_from_powers(double *coefficients, int count);
 

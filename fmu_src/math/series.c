@@ -1,5 +1,6 @@
 #include <math.h>
 
+#include "math/polynomial.h"
 #include "math/series.h"
 
 double taylor_multiply(const double *a, const double *b, int order)
@@ -68,12 +69,64 @@ void taylor_derivatives(const double *a, int terms, double s, double out[3])
     }
 }
 
+/* A series as the context of a root_function. */
+struct taylor_terms {
+    const double *a;
+    int terms;
+};
+
+static void taylor_and_slope(const void *series, double s, double *value, double *slope)
+{
+    const struct taylor_terms *of = series;
+    double sum = 0.0;
+    double rise = 0.0;
+    for (int i = of->terms - 1; i >= 0; --i) {
+        rise = rise * s + sum;
+        sum = sum * s + of->a[i];
+    }
+    *value = sum;
+    *slope = rise;
+}
+
 void taylor_root_function(const void *a, double s, double *value, double *slope)
 {
-    double of[3];
-    taylor_derivatives(a, TAYLOR_TERMS, s, of);
-    *value = of[0];
-    *slope = of[1];
+    taylor_and_slope(&(struct taylor_terms){a, TAYLOR_TERMS}, s, value, slope);
+}
+
+/* Bounds of the series and of its slope, by Horner's scheme with each product at its worst, show most series
+ * that do not fall and most that fall all the way. */
+double taylor_first_fall(const double *a, int terms, double end)
+{
+    const struct taylor_terms series = {a, terms};
+    double least = 0.0;
+    for (int i = terms - 1; i >= 0; --i) {
+        least = a[i] + end * (least > 0.0 ? 0.0 : least);
+    }
+    if (least >= 0.0) {
+        return (double)INFINITY;
+    }
+    double steepest = 0.0;
+    for (int i = terms - 1; i > 0; --i) {
+        steepest = i * a[i] + end * (steepest < 0.0 ? 0.0 : steepest);
+    }
+    if (a[0] > 0.0 && steepest < 0.0) {
+        struct root_bracket_end high = {.s = end};
+        taylor_and_slope(&series, end, &high.value, &high.slope);
+        return high.value > 0.0 ? (double)INFINITY
+                                : root_between(taylor_and_slope, &series,
+                                               (struct root_bracket_end){0.0, a[0], a[1]}, high);
+    }
+    double of[TAYLOR_TERMS];
+    double power = 1.0;
+    for (int i = 0; i < terms; ++i) {
+        of[i] = a[i] * power;
+        power *= end;
+    }
+    bernstein_from_powers(of, terms);
+    const struct bernstein_fall fall = bernstein_first_fall(of, terms, 0.0);
+    return fall.low < (double)INFINITY
+               ? root_in_bracket(taylor_and_slope, &series, fall.low * end, fall.high * end)
+               : (double)INFINITY;
 }
 
 double taylor_integral(const double *a, int terms, double s)

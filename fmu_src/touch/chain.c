@@ -110,18 +110,17 @@ static bool chain_add(struct chain *c, const struct scene_values *v, const struc
     return true;
 }
 
-/* Whether the forces of all contacts in touch leave the normal of a contact as it is. */
-static bool keeps_normal(const struct chain *c, int row, const struct scene_values *v,
-                         const struct scene_state *q)
+/* Notes what inverse masses a contact shares with those in touch. Returns whether their forces leave its
+ * normal as it is. */
+static bool keeps_normal(struct chain *c, int row, const struct scene_values *v, const struct scene_state *q)
 {
     const struct contact_shape shape = scene_contact_shape(v, q, c->contact[row]);
-    for (int j = 0; j < c->touching; ++j) {
-        if (shared_inverse_mass(v, c->contact[row], c->contact[j]) != 0.0 &&
-            !goes_along(&shape, c->push[row], c->push[j], 1.0)) {
-            return false;
-        }
+    bool keeps = true;
+    for (int j = 0; keeps && j < c->touching; ++j) {
+        c->shared[row][j] = shared_inverse_mass(v, c->contact[row], c->contact[j]);
+        keeps = c->shared[row][j] == 0.0 || goes_along(&shape, c->push[row], c->push[j], 1.0);
     }
-    return true;
+    return keeps;
 }
 
 bool chain_has(const struct chain *c, int contact)
@@ -190,15 +189,14 @@ static void diagonalize(double (*s)[CHAIN_MOST], double (*q)[CHAIN_MOST], int n)
 static const double MOST_RATIO = 1e10;
 
 /* Sets the frequencies, and the modes as they begin. Returns false where the contacts differ too much. */
-static bool make_modes(struct chain *c, const struct scene_values *v)
+static bool make_modes(struct chain *c)
 {
     double s[CHAIN_MOST][CHAIN_MOST];
     double q[CHAIN_MOST][CHAIN_MOST];
     const int n = c->touching;
     for (int i = 0; i < n; ++i) {
         for (int j = i; j < n; ++j) {
-            s[i][j] = c->root[i] * c->root[j] * vec3_dot(c->push[i], c->push[j]) *
-                      shared_inverse_mass(v, c->contact[i], c->contact[j]);
+            s[i][j] = c->root[i] * c->root[j] * vec3_dot(c->push[i], c->push[j]) * c->shared[i][j];
         }
     }
     double largest = 0.0;
@@ -235,54 +233,71 @@ static bool make_modes(struct chain *c, const struct scene_values *v)
         for (int k = 0; k < n; ++k) {
             c->mode[i][k] = 0.0;
             for (int j = 0; j < n; ++j) {
-                const double shared = shared_inverse_mass(v, c->contact[i], c->contact[j]);
-                c->mode[i][k] -=
-                    shared * vec3_dot(c->push[i], c->push[j]) * c->root[j] * c->root[j] * c->mode[j][k];
+                c->mode[i][k] -= c->shared[i][j] * vec3_dot(c->push[i], c->push[j]) * c->root[j] *
+                                 c->root[j] * c->mode[j][k];
             }
         }
     }
     return true;
 }
 
-/* The change of a mode since the start, z', and the first and second integral of z. */
+/* The change of a mode since the start, z', z'', and the first and second integral of z. */
 struct mode_at {
-    double change, rate, integral, second;
+    double change, rate, bend, integral, second;
 };
 
 #define RECIPROCALS_OF(i) 1.0 / (i), 1.0 / ((i) + 1), 1.0 / ((i) + 2), 1.0 / ((i) + 3), 1.0 / ((i) + 4)
 static const double RECIPROCAL[] = {0.0, RECIPROCALS_OF(1), RECIPROCALS_OF(6), RECIPROCALS_OF(11),
                                     RECIPROCALS_OF(16)};
 
-/* Returns (x - sin x)/x^3, or with `next` (x^2/2 - 1 + cos x)/x^4: the series 1/p! - x^2/(p+2)! + ... */
+/* Returns (x - sin x)/x^3, or with `next` (x^2/2 - 1 + cos x)/x^4, for x < 1: 1/p! - x^2/(p+2)! + ... */
 static double sine_remainder(double x, bool next)
 {
     const double square = x * x;
-    if (x < 1.0) {
-        double sum = 0.0;
-        for (int p = next ? 20 : 19; p > 4; p -= 2) {
-            sum = (1.0 - square * sum) * (RECIPROCAL[p] * RECIPROCAL[p - 1]);
-        }
-        return (1.0 - square * sum) / (next ? 24.0 : 6.0);
+    double sum = 0.0;
+    for (int p = next ? 20 : 19; p > 4; p -= 2) {
+        sum = (1.0 - square * sum) * (RECIPROCAL[p] * RECIPROCAL[p - 1]);
     }
-    const double half = sin(0.5 * x);
-    return next ? (0.5 * square - 2.0 * half * half) / (square * square) : (x - sin(x)) / (square * x);
+    return (1.0 - square * sum) / (next ? 24.0 : 6.0);
+}
+
+/* How modes go on within a time: sin(x) / omega, its integral, and cos(x). */
+struct mode_step {
+    double first, second, cosine;
+};
+
+static struct mode_step mode_step_of(double omega, double t)
+{
+    const double x = omega * t;
+    const double sine = sin(0.5 * x);
+    const double square = 2.0 * sine * sine;
+    return (struct mode_step){.first = x > 0.0 ? 2.0 * sine * cos(0.5 * x) / omega : t,
+                              .second = x > 0.0 ? square / (omega * omega) : 0.5 * t * t,
+                              .cosine = 1.0 - square};
+}
+
+/* Moves a mode on, but not its integrals. */
+static void mode_go_on(const struct chain *c, int k, const struct mode_step *by, struct mode_at *mode)
+{
+    mode->change += mode->rate * by->first + mode->bend * by->second;
+    mode->rate = mode->rate * by->cosine + mode->bend * by->first;
+    mode->bend = c->start_bend[k] - c->frequency[k] * c->frequency[k] * mode->change;
 }
 
 static struct mode_at mode_at(const struct chain *c, int k, double t, bool with_integrals)
 {
     const double omega = c->frequency[k];
-    const double x = omega * t;
-    const double sine = sin(0.5 * x);
-    const double cosine = cos(0.5 * x);
-    const double first = x > 0.0 ? 2.0 * sine * cosine / omega : t; /* sin(x) / omega, and its integral */
-    const double second = x > 0.0 ? 2.0 * sine * sine / (omega * omega) : 0.5 * t * t;
-    struct mode_at mode = {.change = c->start_rate[k] * first + c->start_bend[k] * second,
-                           .rate = c->start_rate[k] * (1.0 - 2.0 * sine * sine) + c->start_bend[k] * first};
-    if (with_integrals) {
+    const struct mode_step by = mode_step_of(omega, t);
+    struct mode_at mode = {.rate = c->start_rate[k], .bend = c->start_bend[k]};
+    mode_go_on(c, k, &by, &mode);
+    if (with_integrals && t > 0.0) {
+        const double x = omega * t;
+        const double square = omega * omega;
         const double cube = t * t * t;
-        const double third = cube * sine_remainder(x, false);
-        const double fourth = cube * t * sine_remainder(x, true);
-        mode.integral = c->start[k] * t + c->start_rate[k] * second + c->start_bend[k] * third;
+        const double third = x < 1.0 ? cube * sine_remainder(x, false) : (t - by.first) / square;
+        const double fourth =
+            x < 1.0 ? cube * t * sine_remainder(x, true) : (0.5 * t * t - by.second) / square;
+        mode.integral = c->start[k] * t + c->start_rate[k] * by.second + c->start_bend[k] * third;
         mode.second = 0.5 * c->start[k] * t * t + c->start_rate[k] * third + c->start_bend[k] * fourth;
     }
     return mode;
@@ -317,10 +332,9 @@ static struct gap_at chain_gap_at(const struct chain *c, int row, const struct c
     for (int k = 0; k < c->touching; ++k) {
         const struct mode_at *mode = &at->mode[k];
         const double part = c->mode[row][k];
-        const double bend = c->start_bend[k] - c->frequency[k] * c->frequency[k] * mode->change;
         g.gap += part * (touches ? mode->change : mode->second);
         g.rate += part * (touches ? mode->rate : mode->integral);
-        g.bend += part * (touches ? bend : c->start[k] + mode->change);
+        g.bend += part * (touches ? mode->bend : c->start[k] + mode->change);
     }
     return g;
 }
@@ -348,43 +362,43 @@ static void bound_gaps(struct chain *c)
     }
 }
 
-/* A piece of the motion lasts a radian of the fastest mode. There a Taylor polynomial of degree 12 about the
- * middle has an error of 0.5^13/13! = 2e-14 of the modes. */
-enum { CHAIN_TERMS = 13 };
+/* A piece of the motion lasts a radian of the fastest mode. There a Taylor polynomial of degree 16 about its
+ * start has an error of 1/17! = 3e-15 of the modes. */
+enum { CHAIN_TERMS = 17 };
 
-/* The Taylor coefficients of all modes about the middle of a piece, by the time divided by half the piece. */
+/* The Taylor coefficients of all modes about the start of a piece, by the time divided by its length. */
 struct chain_piece {
-    struct chain_instant middle;
-    double half; /* [s] */
+    struct chain_instant start;
+    double length; /* [s] */
     double z[CHAIN_MOST][CHAIN_TERMS];
 };
 
 static void make_piece(const struct chain *c, double from, double to, struct chain_piece *piece)
 {
-    const double half = 0.5 * (to - from);
-    piece->half = half;
-    chain_at(c, from + half, &piece->middle, c->rows > c->touching);
+    const double square = (to - from) * (to - from);
+    piece->length = to - from;
+    chain_at(c, from, &piece->start, c->rows > c->touching);
     for (int k = 0; k < c->touching; ++k) {
-        const struct mode_at *mode = &piece->middle.mode[k];
-        const double square = c->frequency[k] * c->frequency[k];
+        const struct mode_at *mode = &piece->start.mode[k];
+        const double stiffness = c->frequency[k] * c->frequency[k];
         double *z = piece->z[k];
         z[0] = c->start[k] + mode->change;
-        z[1] = half * mode->rate;
-        z[2] = 0.5 * half * half * (c->start_bend[k] - square * mode->change);
+        z[1] = piece->length * mode->rate;
+        z[2] = 0.5 * square * mode->bend;
         for (int n = 3; n < CHAIN_TERMS; ++n) {
-            z[n] = -square * half * half * z[n - 2] * RECIPROCAL[n] * RECIPROCAL[n - 1];
+            z[n] = -stiffness * square * z[n - 2] * (RECIPROCAL[n] * RECIPROCAL[n - 1]);
         }
     }
 }
 
-/* Sets the event function of a contact in a piece, as a polynomial of x in [-1, 1]. It falls through zero
+/* Sets the event function of a contact in a piece, as a polynomial of x in [0, 1]. It falls through zero
  * where the contact begins or ends. */
 static void make_event(const struct chain *c, int row, const struct chain_piece *piece, struct gap_at g,
                        double of[CHAIN_TERMS])
 {
     const bool touches = row < c->touching;
     const double sign = touches ? -1.0 : 1.0;
-    const double square = piece->half * piece->half;
+    const double square = piece->length * piece->length;
     const int back = touches ? 0 : 2; /* orders of the second integral of z */
     memset(of, 0, CHAIN_TERMS * sizeof *of);
     for (int k = 0; k < c->touching; ++k) {
@@ -397,50 +411,23 @@ static void make_event(const struct chain *c, int row, const struct chain_piece 
         of[n] *= square * RECIPROCAL[n] * RECIPROCAL[n - 1];
     }
     of[0] = sign * g.gap + c->offset[row];
-    of[1] = sign * piece->half * g.rate;
+    of[1] = sign * piece->length * g.rate;
     of[2] = sign * 0.5 * square * g.bend;
-}
-
-/* Whether the function stays positive by the size of its terms. */
-static bool is_clear(const double event[CHAIN_TERMS])
-{
-    double size = 0.0;
-    for (int n = 1; n < CHAIN_TERMS; ++n) {
-        size += fabs(event[n]);
-    }
-    return event[0] > size;
-}
-
-static void chain_event_at(const void *event, double place, double *value, double *slope)
-{
-    double of[3];
-    taylor_derivatives(event, CHAIN_TERMS, 2.0 * place - 1.0, of);
-    *value = of[0];
-    *slope = 2.0 * of[1];
 }
 
 /* Returns where a contact begins or ends within a piece that begins at `from`, INFINITY: it does not. */
 static double change_within(const struct chain *c, int row, const struct chain_piece *piece, double from)
 {
     double event[CHAIN_TERMS];
-    double of[CHAIN_TERMS];
-    const struct gap_at g = chain_gap_at(c, row, &piece->middle);
-    if (row < c->touching && -g.gap > piece->half * (fabs(g.rate) + 0.5 * piece->half * c->bend[row])) {
+    const double length = piece->length;
+    const struct gap_at g = chain_gap_at(c, row, &piece->start);
+    const double deepest = g.gap + length * (g.rate + 0.5 * length * c->bend[row]); /* at the end, at least */
+    if (row < c->touching && g.gap < 0.0 && deepest < 0.0) {
         return (double)INFINITY;
     }
     make_event(c, row, piece, g, event);
-    if (is_clear(event)) {
-        return (double)INFINITY;
-    }
-    memcpy(of, event, sizeof of);
-    bernstein_from_taylor(of, CHAIN_TERMS);
-    if (from > 0.0 && of[0] <= 0.0) { /* it changes between two pieces */
-        return from;
-    }
-    const struct bernstein_fall fall = bernstein_first_fall(of, CHAIN_TERMS, 0.0);
-    return fall.low < (double)INFINITY
-               ? from + 2.0 * piece->half * root_in_bracket(chain_event_at, event, fall.low, fall.high)
-               : (double)INFINITY;
+    return from > 0.0 && event[0] <= 0.0 ? from /* it changes between two pieces */
+                                         : from + length * taylor_first_fall(event, CHAIN_TERMS, 1.0);
 }
 
 void chain_find_end(struct chain *c, double longest)
@@ -511,7 +498,7 @@ bool chain_make(struct chain *c, const struct scene_values *v, const struct scen
             return false;
         }
     }
-    if (!make_modes(c, v)) {
+    if (!make_modes(c)) {
         return false;
     }
     bound_gaps(c);
@@ -522,22 +509,6 @@ bool chain_make(struct chain *c, const struct scene_values *v, const struct scen
         }
     }
     return true;
-}
-
-/* The gap of a contact in touch, as the context of a root_function. */
-struct chain_gap {
-    const struct chain *chain;
-    int row;
-};
-
-static void chain_rate_at(const void *data, double time, double *value, double *slope)
-{
-    const struct chain_gap *of = data;
-    struct chain_instant at;
-    chain_at(of->chain, time, &at, false);
-    const struct gap_at g = chain_gap_at(of->chain, of->row, &at);
-    *value = g.rate;
-    *slope = g.bend;
 }
 
 /* A peak is looked for where it may exceed the one known by this part. */
@@ -563,12 +534,12 @@ static void raise_peak(struct chain_peak *peak, const struct chain *c, int row,
     peak->before = after;
     peak->depth = fmax(peak->depth, -after.gap);
     if (before.rate < 0.0 && after.rate > 0.0 && most > peak->depth * (1.0 + CHAIN_WORTH)) {
-        const struct chain_gap of = {c, row};
         const struct root_bracket_end low = {end->time - length, before.rate, before.bend};
         const struct root_bracket_end high = {end->time, after.rate, after.bend};
         struct chain_instant at;
-        chain_at(c, root_between(chain_rate_at, &of, low, high), &at, false);
-        peak->depth = fmax(peak->depth, -chain_gap_at(c, row, &at).gap);
+        chain_at(c, root_guess(low, high), &at, false);
+        const struct gap_at top = chain_gap_at(c, row, &at); /* but for a step of Newton's method */
+        peak->depth = fmax(peak->depth, 0.5 * top.rate * top.rate / top.bend - top.gap);
     }
 }
 
@@ -577,18 +548,30 @@ static void note_peaks_of_chain(const struct chain *c, double from, double to, c
                                 struct scene_state *q)
 {
     struct chain_peak peak[CHAIN_MOST];
+    struct mode_step step[CHAIN_MOST];
     struct chain_instant at;
     bool any = true;
+    const double part = CHAIN_PART / c->fastest;
     chain_at(c, from, &at, false);
+    for (int k = 0; k < c->touching && from + part < to; ++k) {
+        step[k] = mode_step_of(c->frequency[k], part);
+    }
     for (int i = 0; i < c->touching; ++i) {
         peak[i].before = chain_gap_at(c, i, &at);
         peak[i].depth = fmax(q->contact[c->contact[i]].peaks.penetration, -peak[i].before.gap);
         peak[i].deepest = -c->least[i];
     }
     for (double time = from; time < to && any;) {
-        const double next = fmin(time + CHAIN_PART / c->fastest, to);
-        chain_at(c, next, &at, false);
+        const double next = fmin(time + part, to);
         any = false;
+        for (int k = 0; k < c->touching && next < to; ++k) {
+            mode_go_on(c, k, &step[k], &at.mode[k]);
+        }
+        if (next < to) {
+            at.time = next;
+        } else {
+            chain_at(c, to, &at, false);
+        }
         for (int i = 0; i < c->touching; ++i) {
             if (peak[i].deepest > peak[i].depth * (1.0 + CHAIN_WORTH)) {
                 any = true;

@@ -37,6 +37,7 @@ struct chain {
     double rate[CHAIN_MOST];         /* g' at the start [m/s] */
     double acceleration[CHAIN_MOST]; /* a [m/s^2] */
     double root[CHAIN_MOST];         /* sqrt(k) of a contact in touch [sqrt(N/m)] */
+    double shared[CHAIN_MOST][CHAIN_MOST]; /* W_ij without the factor u_i.u_j, of j in touch [1/kg] */
     /* row i: how modes add to the gap of a contact in touch, or how their second integrals add to that of a
      * contact apart */
     double mode[CHAIN_MOST][CHAIN_MOST];

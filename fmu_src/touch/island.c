@@ -35,10 +35,32 @@ static inline double product(const double *a, const struct two_way *b, int i)
     return parts_together(sum);
 }
 
-/* Returns coefficient i of the series times the pace. */
-static inline double paced(const struct island *s, const struct two_way *a, int i)
+/* Sets coefficients i of the products of three series with another one, which cost less together. */
+static inline void three_products(const double *a, const double *b, const double *c,
+                                  const struct two_way *with, int i, double of[3])
 {
-    return s->paced_by < 0 ? a->row[i] : product(s->pace.row, a, i);
+    const double *back = with->back + (TAYLOR_ORDER - i);
+    double2 first[PARTS];
+    double2 second[PARTS];
+    double2 third[PARTS];
+    memset(first, 0, sizeof first);
+    memset(second, 0, sizeof second);
+    memset(third, 0, sizeof third);
+    for (int k = 0; k <= i; k += LANES) {
+        const double2 factor = double2_at(back, k);
+        first[part(k)] += double2_at(a, k) * factor;
+        second[part(k)] += double2_at(b, k) * factor;
+        third[part(k)] += double2_at(c, k) * factor;
+    }
+    of[0] = parts_together(first);
+    of[1] = parts_together(second);
+    of[2] = parts_together(third);
+}
+
+/* Returns coefficient i of the series times the pace. */
+static inline double paced(const struct island *s, const double *a, int i)
+{
+    return s->paced_by < 0 ? a[i] : product(a, &s->pace, i);
 }
 
 bool island_may_be(const struct scene_values *v, const struct scene_state *q)
@@ -64,28 +86,26 @@ static bool knows_shape(const struct scene_values *v, const struct contact_shape
 /* A dashpot faster than the spring by this factor makes decays that are much faster than the motion. */
 static const double MOST_DAMPED = 4.0;
 
-/* The rates of a contact in touch at the start [1/s], and the depth to which it leads [m]. */
-struct island_pace {
-    double spring, dashpot, depth;
-};
-
-/* An impact without damping under Hertz's law reaches delta^(5/2) = 5/4 v^2 m / k. */
-static struct island_pace pace_of(const struct island_row *r, double by_mass)
+/* Sets the rates of a contact in touch at the start, and the depth to which they lead. An impact without
+ * damping under Hertz's law reaches delta^(5/2) = 5/4 v^2 m / k. */
+static void put_timescales(struct island_row *r, double by_mass)
 {
-    const double depth = fmax(-r->gap.row[0], 0.0);
     const double k = r->k * by_mass;
+    const double rate = r->rate[0];
+    r->deepest = fmax(-r->gap[0], 0.0);
     if (!r->is_hertz) {
-        return (struct island_pace){sqrt(k), r->c * by_mass, depth};
+        r->spring = sqrt(k);
+        r->dashpot = r->c * by_mass;
+        return;
     }
-    const double rate = r->rate.row[0];
-    const double deepest = fmax(depth, pow(1.25 * rate * rate / k, 0.4));
-    const double root = sqrt(deepest);
-    return (struct island_pace){sqrt(1.5 * k * root), k * r->c * deepest * root, deepest};
+    r->deepest = fmax(r->deepest, pow(1.25 * rate * rate / k, 0.4));
+    r->spring = sqrt(1.5 * k * sqrt(r->deepest));
+    r->dashpot = k * r->c * r->deepest * sqrt(r->deepest);
 }
 
 static int add_body(struct island *s, const struct scene_values *v, int body)
 {
-    if (s->index[body] < 0) {
+    if (s->index[body] == 0 && body_is_free(v, body)) {
         s->index[body] = s->bodies;
         memset(&s->body[s->bodies], 0, sizeof s->body[0]);
         s->body[s->bodies].body = body;
@@ -131,19 +151,24 @@ static bool add_touching(struct island *s, const struct scene_values *v, const s
     r->contact = contact;
     r->side = shape.side;
     r->is_straight = contact_is_plane(&shape);
-    r->axis = contact_is_cylinder(&shape) ? shape.axis : vec3_make(0.0, 0.0, 0.0);
-    r->flight = separation_path_of(v, q, at, q->clock, contact);
+    vec3_to(contact_is_cylinder(&shape) ? shape.axis : vec3_make(0.0, 0.0, 0.0), r->axis);
+    const struct separation_path flight = separation_path_of(v, q, at, q->clock, contact);
+    const int degree = path_degree(flight.c, SEPARATION_DEGREE + 1);
+    s->degree = degree > s->degree ? degree : s->degree;
+    memcpy(r->flown, flight.c, sizeof r->flown);
+    memcpy(r->flown_rate, flight.w, sizeof flight.w);
     put_law(r, v, q, at, ACCURACY * vec3_norm(at->rate[contact]));
-    put(&r->gap, 0, g->gap);
+    r->gap[0] = g->gap;
     r->by_distance = 1.0 / g->distance;
     r->passage = r->is_straight ? 0.0 : vec3_norm(at->rate[contact]) * r->by_distance;
-    put(&r->rate, 0, g->gap_rate);
+    r->rate[0] = g->gap_rate;
+    put_timescales(r, scene_inverse_mass(v, contact));
     for (int k = 0; k < ISLAND_AXES; ++k) {
         put(&r->n[k], 0, vec3_get(g->normal, k));
     }
     r->offset = fmax(g->gap, 0.0) + rounding_of_gap(v, at, contact);
     for (int end = 0; end < 2; ++end) {
-        r->end[end] = body_is_free(v, bodies[end]) ? add_body(s, v, bodies[end]) : -1;
+        r->end[end] = add_body(s, v, bodies[end]);
     }
     s->rows += 1;
     return true;
@@ -152,22 +177,26 @@ static bool add_touching(struct island *s, const struct scene_values *v, const s
 /* Returns the part of a vector across the axis of a cylinder; the vector itself for other shapes. */
 static struct vec3 part_across(const struct island_row *r, struct vec3 a)
 {
-    return vec3_axpy(a, -vec3_dot(a, r->axis), r->axis);
+    return vec3_axpy(a, -vec3_dot(a, vec3_from(r->axis)), vec3_from(r->axis));
 }
 
-/* Finds the axes of the world along which contact forces act, and the degree of the flights in time. Where
- * there is one axis, no normal turns. */
+/* Whether a contact may exert a torque about its destination's centre. */
+static bool has_lever(const struct island_row *r)
+{
+    return SCENE_HAS_TORQUES && body_has_axis(contact_destination(r->contact));
+}
+
+/* Finds the axes of the world along which contact forces act. Where there is one axis, no normal turns. */
 static void find_axes(struct island *s)
 {
     s->axes = 0;
-    s->degree = 1;
     for (int k = 0; k < ISLAND_AXES; ++k) {
         bool lives = false;
         for (int i = 0; i < s->rows; ++i) {
             const struct island_row *r = &s->row[i];
             lives = lives || r->n[k].row[0] != 0.0;
             for (int p = 1; p <= SEPARATION_DEGREE; ++p) {
-                const double flown = vec3_get(part_across(r, r->flight.c[p]), k);
+                const double flown = vec3_get(part_across(r, vec3_from(r->flown + ISLAND_AXES * p)), k);
                 lives = lives || (!r->is_straight && flown != 0.0);
             }
         }
@@ -176,8 +205,6 @@ static void find_axes(struct island *s)
         }
     }
     for (int i = 0; i < s->rows; ++i) {
-        const int degree = path_degree(s->row[i].flight.c, SEPARATION_DEGREE + 1);
-        s->degree = degree > s->degree ? degree : s->degree;
         s->row[i].is_straight = s->row[i].is_straight || s->axes == 1;
     }
 }
@@ -204,8 +231,8 @@ static void find_bends(struct island *s, const struct scene_values *v, const str
  * delta''. */
 static double time_from_zero(const struct island_row *r)
 {
-    const double depth = fmax(-r->gap.row[0], 0.0);
-    const double rate = r->rate.row[0];
+    const double depth = fmax(-r->gap[0], 0.0);
+    const double rate = r->rate[0];
     const double square = rate * rate + 2.0 * depth * r->bend;
     return square >= 0.0 ? 2.0 * depth / (fabs(rate) + sqrt(square)) : sqrt(2.0 * depth / -r->bend);
 }
@@ -216,7 +243,7 @@ static const double NEARLY_LINEAR = 0.4;
 
 /* Chooses the row whose u is the pace, and the unit of s. Returns false where a dashpot is too fast, or where
  * a contact under Hertz's law starts at the touch at rest: time does not go on with s there. */
-static bool choose_pace(struct island *s, const struct scene_values *v)
+static bool choose_pace(struct island *s)
 {
     double fastest = 0.0;
     double least = (double)INFINITY;
@@ -224,19 +251,18 @@ static bool choose_pace(struct island *s, const struct scene_values *v)
     s->paced_by = -1;
     for (int i = 0; i < s->rows; ++i) {
         const struct island_row *r = &s->row[i];
-        const struct island_pace of = pace_of(r, scene_inverse_mass(v, r->contact));
-        const double depth = fmax(-r->gap.row[0], 0.0);
-        const double rate = r->rate.row[0];
-        if (of.dashpot > MOST_DAMPED * of.spring || (r->is_hertz && depth == 0.0 && rate == 0.0)) {
+        const double depth = fmax(-r->gap[0], 0.0);
+        const double rate = r->rate[0];
+        if (r->dashpot > MOST_DAMPED * r->spring || (r->is_hertz && depth == 0.0 && rate == 0.0)) {
             return false;
         }
-        fastest = fmax(fmax(fastest, r->passage), fmax(of.spring, of.dashpot));
+        fastest = fmax(fmax(fastest, r->passage), fmax(r->spring, r->dashpot));
         const bool may_pace =
             SCENE_ANY_HERTZ && r->is_hertz && -r->bend * depth <= NEARLY_LINEAR * rate * rate;
         if (may_pace && time_from_zero(r) < least) {
             least = time_from_zero(r);
             s->paced_by = i;
-            root = sqrt(of.depth);
+            root = sqrt(r->deepest);
         }
     }
     s->unit = 1.0 / (fastest * root);
@@ -253,143 +279,154 @@ static void put_time(struct island *s, int i)
     }
 }
 
-/* Returns coefficient i of a polynomial of time with `count` coefficients along an axis of the world. */
-static inline double term_of_path(const struct island *s, const struct vec3 *of, int count, int k, int i)
+/* Returns coefficient i of a polynomial of time along an axis of the world, less its value at the start. Most
+ * are of degree two at most. */
+static inline double flown_term(const struct island *s, const double *of, int degree, int k, int i)
 {
-    double sum = i == 0 ? vec3_get(of[0], k) : 0.0;
-    for (int p = 1; p < count; ++p) {
-        sum += vec3_get(of[p], k) * s->power_of_time[p].row[i];
+    double sum = of[ISLAND_AXES + k] * s->power_of_time[1].row[i] +
+                 of[2 * ISLAND_AXES + k] * s->power_of_time[2].row[i];
+    for (int p = 3; p <= degree; ++p) {
+        sum += of[ISLAND_AXES * p + k] * s->power_of_time[p].row[i];
     }
     return sum;
 }
 
-/* Returns coefficient i of r_d - r_s, or with `rates` of its rate, along an axis. */
-static inline double deviation(const struct island *s, const int end[2], int k, int i, bool rates)
+/* Returns coefficient i of a separation along an axis, i > 0. */
+static inline double separation_term(const struct island *s, const double *flown, const int end[2], int k,
+                                     int i)
 {
-    double sum = 0.0;
-    for (int e = 0; e < 2; ++e) {
-        if (end[e] >= 0) {
-            const struct island_body *body = &s->body[end[e]];
-            const double of = rates ? body->rate[k].row[i] : body->moved[k][i];
-            sum += e == 0 ? -of : of;
-        }
-    }
-    return sum;
+    return flown_term(s, flown, s->degree, k, i) + s->body[end[1]].moved[k][i] - s->body[end[0]].moved[k][i];
 }
 
 /* Sets coefficient i of the separation and its rate, of n and of g'. Notes the part of the push that lower
  * coefficients make. */
 static void put_motion(const struct island *s, struct island_row *r, int i)
 {
-    double c[ISLAND_AXES] = {0.0};
+    double c[ISLAND_AXES];
     double speed = 0.0;
     for (int a = 0; a < s->axes; ++a) {
         const int k = s->axis[a];
-        const double rate = term_of_path(s, r->flight.w, s->degree, k, i) + deviation(s, r->end, k, i, true);
-        r->rate_of_c[k][i] = rate;
-        if (r->is_straight) {
-            speed += r->n[k].row[0] * rate;
-        } else {
-            c[k] = term_of_path(s, r->flight.c, s->degree + 1, k, i) + deviation(s, r->end, k, i, false);
+        const double rate = flown_term(s, r->flown_rate, s->degree - 1, k, i) +
+                            s->body[r->end[1]].rate[k][i] - s->body[r->end[0]].rate[k][i];
+        r->rate_of_c[k][i] = rate + (i == 0 ? r->flown_rate[k] : 0.0);
+        speed += r->n[k].row[0] * rate;
+    }
+    if (i > 0 && !r->is_straight) {
+        double along = 0.0;
+        for (int a = 0; a < s->axes; ++a) {
+            const int k = s->axis[a];
+            c[k] = separation_term(s, r->flown, r->end, k, i);
+            along += c[k] * r->axis[k];
+        }
+        r->d[i] = r->side * r->gap[i];
+        speed = 0.0;
+        for (int a = 0; a < s->axes; ++a) {
+            const int k = s->axis[a];
+            double lower[3]; /* the products' parts by lower coefficients of n */
+            three_products(r->d, r->rate_of_c[k], r->impulse, &r->n[k], i, lower);
+            const double n = (c[k] - along * r->axis[k] - lower[0]) * r->by_distance;
+            put(&r->n[k], i, n);
+            speed += lower[1] + r->rate_of_c[k][0] * n;
+            r->lower_push[k] = lower[2] + r->impulse[0] * n;
         }
     }
-    if (i == 0) {
-        return; /* the start is known */
-    }
-    const struct vec3 across = part_across(r, vec3_from(c));
-    r->d[i] = r->side * r->gap.row[i];
-    for (int a = 0; a < s->axes && !r->is_straight; ++a) {
-        const int k = s->axis[a];
-        const double n = (vec3_get(across, k) - product(r->d, &r->n[k], i)) * r->by_distance;
-        put(&r->n[k], i, n);
-        speed += product(r->rate_of_c[k], &r->n[k], i);
-        r->lower_push[k] = product(r->impulse.row, &r->n[k], i);
-    }
-    put(&r->rate, i, r->side * speed);
+    r->rate[i] = i > 0 ? r->side * speed : r->rate[0]; /* the start is known */
 }
 
-/* Sets coefficient i of g and g'. The pace's own gap is -u^2; the other gaps are integrals. */
-static void put_gap(const struct island *s, struct island_row *r, bool is_pace, int i)
+/* Sets coefficient i of the depth. The pace's own gap is -u^2. */
+static void put_depth(const struct island *s, struct island_row *r, bool is_pace, int i)
 {
     if (is_pace) {
-        put(&r->depth, i, product(s->pace.row, &s->pace, i));
-        put(&r->gap, i, i == 0 ? r->gap.row[0] : -r->depth.row[i]);
+        r->depth[i] = product(s->pace.row, &s->pace, i);
+        r->gap[i] = i == 0 ? r->gap[0] : -r->depth[i];
     } else if (r->is_hertz) {
-        put(&r->depth, i, i == 0 ? fmax(-r->gap.row[0], 0.0) : -r->gap.row[i]);
+        r->depth[i] = i == 0 ? fmax(-r->gap[0], 0.0) : -r->gap[i];
     }
 }
 
-/* Returns coefficient i of p = a^(3/2), by a p' = 3/2 a' p; `slope` is the series of i a_i. */
-static double term_of_three_halves(const struct two_way *a, const double *slope, const struct two_way *p,
-                                   int i)
+/* Sets coefficient i of p = delta^(3/2) and of the dashpot's part of the force under Hertz's law. A contact
+ * in touch has delta p' = 3/2 delta' p; where one begins as the pace does, delta goes with s^2. */
+static void put_power(const struct island *s, struct island_row *r, bool is_pace, int i)
 {
-    if (i == 0) {
-        return a->row[0] * sqrt(a->row[0]);
+    double lower[3] = {0.0}; /* the products' parts by lower coefficients of p */
+    double power = i == 0 ? r->depth[0] * sqrt(r->depth[0]) : 0.0;
+    const bool follows = !is_pace && r->depth[0] > 0.0 && i > 0;
+    r->slope[i] = i * r->depth[i];
+    if (follows && r->c > 0.0) {
+        three_products(r->slope, r->depth, r->rate, &r->power, i, lower);
+    } else if (follows) {
+        lower[0] = product(r->slope, &r->power, i);
+        lower[1] = product(r->depth, &r->power, i);
     }
-    return (2.5 * product(slope, p, i) - i * product(a->row, p, i)) / (i * a->row[0]);
-}
-
-/* Returns coefficient i of delta^(3/2). Where a contact begins as the pace does, delta goes with s^2. */
-static double power_term(const struct island *s, const struct island_row *r, bool is_pace, int i)
-{
-    if (is_pace) {
-        return product(s->pace.row, &r->depth, i);
+    if (follows) {
+        power = (2.5 * lower[0] - i * lower[1]) / (i * r->depth[0]);
+    } else if (is_pace) {
+        power = product(r->depth, &s->pace, i);
+    } else if (i >= 3) {
+        power = taylor_power(r->depth + 2, 1.5, r->power.row + 3, i - 3);
     }
-    if (r->depth.row[0] > 0.0) {
-        return term_of_three_halves(&r->depth, r->slope, &r->power, i);
+    put(&r->power, i, power);
+    if (r->c > 0.0) {
+        const double dragged = follows ? lower[2] + r->rate[0] * power : product(r->rate, &r->power, i);
+        r->drag[i] = r->k * r->c * dragged;
     }
-    return i < 3 ? 0.0 : taylor_power(r->depth.row + 2, 1.5, r->power.row + 3, i - 3);
 }
 
 static void put_force(const struct island *s, struct island_row *r, bool is_pace, int i)
 {
     if (SCENE_ANY_HERTZ && r->is_hertz) {
-        r->slope[i] = i * r->depth.row[i];
-        put(&r->power, i, power_term(s, r, is_pace, i));
-        put(&r->drag, i, r->c > 0.0 ? r->k * r->c * product(r->power.row, &r->rate, i) : 0.0);
-        put(&r->force, i, r->k * r->power.row[i] - r->drag.row[i]);
+        put_power(s, r, is_pace, i);
+        r->force[i] = r->k * r->power.row[i] - r->drag[i];
     } else {
-        put(&r->drag, i, r->c * r->rate.row[i]);
-        put(&r->force, i, -r->k * r->gap.row[i] - r->drag.row[i]);
+        r->drag[i] = r->c * r->rate[i];
+        r->force[i] = -r->k * r->gap[i] - r->drag[i];
     }
-    put(&r->impulse, i, paced(s, &r->force, i));
+    r->impulse[i] = paced(s, r->force, i);
 }
 
 /* Sets coefficient i + 1 of what a contact integrates, and its part of the rates of its bodies. */
 static void push_bodies(struct island *s, struct island_row *r, int i)
 {
-    const double unit = s->unit / (i + 1);
+    struct island_body *source = &s->body[r->end[0]];
+    struct island_body *destination = &s->body[r->end[1]];
+    const double unit = s->unit / (i + 1) * r->side;
     for (int a = 0; a < s->axes; ++a) {
         const int k = s->axis[a];
-        const bool turns = !r->is_straight && i > 0;
-        const double push = r->impulse.row[i] * r->n[k].row[0] + (turns ? r->lower_push[k] : 0.0);
-        r->pushed[k][i + 1] = unit * r->side * push;
-        for (int e = 0; e < 2; ++e) {
-            if (r->end[e] >= 0) {
-                struct island_body *body = &s->body[r->end[e]];
-                const double by = r->pushed[k][i + 1] * body->by_mass;
-                put(&body->rate[k], i + 1, body->rate[k].row[i + 1] + (e == 0 ? -by : by));
-            }
-        }
+        const double pushed = unit * (r->impulse[i] * r->n[k].row[0] + r->lower_push[k]);
+        r->pushed[k][i + 1] = pushed;
+        source->rate[k][i + 1] -= pushed * source->by_mass;
+        destination->rate[k][i + 1] += pushed * destination->by_mass;
     }
 }
 
+/* Sets coefficient i + 1 of time, bodies and gaps. A gap whose normal does not turn follows from the places
+ * of its bodies, where the pace makes its integral a product. */
 static void put_integrals(struct island *s, int i)
 {
     const double unit = s->unit / (i + 1);
     put(&s->power_of_time[1], i + 1, unit * s->pace.row[i]);
+    put_time(s, i + 1);
+    for (int n = 0; n < s->rows; ++n) {
+        push_bodies(s, &s->row[n], i);
+    }
+    for (int b = 1; b < s->bodies; ++b) {
+        for (int a = 0; a < s->axes; ++a) {
+            s->body[b].moved[s->axis[a]][i + 1] = unit * paced(s, s->body[b].rate[s->axis[a]], i);
+        }
+    }
     for (int n = 0; n < s->rows; ++n) {
         struct island_row *r = &s->row[n];
         if (n == s->paced_by) {
-            put(&s->pace, i + 1, -0.5 * unit * r->rate.row[i]);
+            put(&s->pace, i + 1, -0.5 * unit * r->rate[i]);
+        } else if (s->paced_by < 0 || !r->is_straight) {
+            r->gap[i + 1] = unit * paced(s, r->rate, i);
         } else {
-            put(&r->gap, i + 1, unit * paced(s, &r->rate, i));
-        }
-        push_bodies(s, r, i);
-    }
-    for (int b = 0; b < s->bodies; ++b) {
-        for (int a = 0; a < s->axes; ++a) {
-            s->body[b].moved[s->axis[a]][i + 1] = unit * paced(s, &s->body[b].rate[s->axis[a]], i);
+            double moved = 0.0;
+            for (int a = 0; a < s->axes; ++a) {
+                const int k = s->axis[a];
+                moved += r->n[k].row[0] * separation_term(s, r->flown, r->end, k, i + 1);
+            }
+            r->gap[i + 1] = r->side * moved;
         }
     }
 }
@@ -397,16 +434,14 @@ static void put_integrals(struct island *s, int i)
 static void make_terms(struct island *s)
 {
     for (int i = 0; i < TAYLOR_ORDER; ++i) {
-        put_time(s, i);
         for (int n = 0; n < s->rows; ++n) {
             struct island_row *r = &s->row[n];
-            put_gap(s, r, n == s->paced_by, i);
+            put_depth(s, r, n == s->paced_by, i);
             put_motion(s, r, i);
             put_force(s, r, n == s->paced_by, i);
         }
         put_integrals(s, i);
     }
-    put_time(s, TAYLOR_ORDER);
 }
 
 /* An oscillation smaller than this part of the largest depth is left to the general segment. A step of that
@@ -416,16 +451,15 @@ static const double SMALL_OSCILLATION = 2e-3;
 
 /* Whether no contact oscillates by more than `quiet` [m] or SMALL_OSCILLATION. The amplitude is that which
  * the spring, or the dashpot where it is faster, gives to the present g' and g''. */
-static bool is_quiet(const struct island *s, const struct scene_values *v, double quiet)
+static bool is_quiet(const struct island *s, double quiet)
 {
     double amplitude = 0.0;
     double deepest = 0.0;
     for (int i = 0; i < s->rows; ++i) {
         const struct island_row *r = &s->row[i];
-        const struct island_pace of = pace_of(r, scene_inverse_mass(v, r->contact));
-        const double fast = fmax(of.spring, of.dashpot);
-        amplitude = fmax(amplitude, fabs(r->bend) / (fast * fast) + fabs(r->rate.row[0]) / fast);
-        deepest = fmax(deepest, -r->gap.row[0]);
+        const double fast = fmax(r->spring, r->dashpot);
+        amplitude = fmax(amplitude, fabs(r->bend) / (fast * fast) + fabs(r->rate[0]) / fast);
+        deepest = fmax(deepest, -r->gap[0]);
     }
     return amplitude <= fmax(quiet, SMALL_OSCILLATION * deepest);
 }
@@ -444,20 +478,21 @@ static double reliable_end(const struct island *s)
     for (int n = 0; n < s->rows; ++n) {
         for (int i = 0; i < SCALE_TERMS; ++i) {
             pace = larger(fabs(s->pace.row[i]), pace);
-            opened = larger(fabs(s->row[n].gap.row[i]), opened);
+            opened = larger(fabs(s->row[n].gap[i]), opened);
             for (int k = 0; k < ISLAND_AXES; ++k) {
                 pushed = larger(fabs(s->row[n].pushed[k][i]), pushed);
             }
         }
     }
-    for (int n = 0; n < s->rows; ++n) {
-        for (int i = TAYLOR_ORDER - 3; i < TAYLOR_TERMS; ++i) {
-            double part = larger(fabs(s->row[n].gap.row[i]) / opened, fabs(s->pace.row[i]) / pace);
+    for (int i = TAYLOR_ORDER - 3; i < TAYLOR_TERMS; ++i) {
+        double part = fabs(s->pace.row[i]) / pace;
+        for (int n = 0; n < s->rows; ++n) {
+            part = larger(fabs(s->row[n].gap[i]) / opened, part);
             for (int k = 0; k < ISLAND_AXES; ++k) {
                 part = larger(fabs(s->row[n].pushed[k][i]) / pushed, part);
             }
-            growth = larger(log2(part) / i, growth);
         }
+        growth = larger(log2(part) / i, growth);
     }
     return exp2(log2(ACCURACY) / TAYLOR_TERMS - growth);
 }
@@ -474,10 +509,9 @@ static bool agrees(const struct island *s, double place)
     double worst = 0.0;
     for (int n = 0; n < s->rows; ++n) {
         const struct island_row *r = &s->row[n];
-        largest =
-            fmax(largest, fmax(fabs(r->force.row[0]), fabs(taylor_at(r->force.row, TAYLOR_TERMS, place))));
+        largest = fmax(largest, fmax(fabs(r->force[0]), fabs(taylor_at(r->force, TAYLOR_TERMS, place))));
         if (SCENE_ANY_HERTZ && r->is_hertz && n != s->paced_by) {
-            const double depth = fmax(taylor_at(r->depth.row, TAYLOR_TERMS, place), 0.0);
+            const double depth = fmax(taylor_at(r->depth, TAYLOR_TERMS, place), 0.0);
             const double power = taylor_at(r->power.row, TAYLOR_TERMS, place);
             worst = fmax(worst, r->k * fabs(power - depth * sqrt(depth)));
         }
@@ -486,29 +520,8 @@ static bool agrees(const struct island *s, double place)
 }
 
 /* A series that does not converge at its end is shortened by this factor. */
-static const double SHORTENING = 0.8;
-enum { MOST_SHORTENINGS = 40 };
-
-/* Returns the first s up to `end` at which a series falls through zero; INFINITY: it does not. */
-static double series_first_fall(const double *row, double end)
-{
-    double of[TAYLOR_TERMS];
-    double power = 1.0;
-    double size = 0.0;
-    for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        of[i] = row[i] * power;
-        size += i > 0 ? fabs(of[i]) : 0.0;
-        power *= end;
-    }
-    if (of[0] > size) {
-        return (double)INFINITY;
-    }
-    bernstein_from_powers(of, TAYLOR_TERMS);
-    const struct bernstein_fall fall = bernstein_first_fall(of, TAYLOR_TERMS, 0.0);
-    return fall.low < (double)INFINITY
-               ? root_in_bracket(taylor_root_function, row, fall.low * end, fall.high * end)
-               : (double)INFINITY;
-}
+static const double SHORTENING = 0.9;
+enum { MOST_SHORTENINGS = 80 };
 
 /* Ends the series at s where a contact changes its regime there and before the present end. */
 static void note_change(struct island *s, double at, int contact, enum contact_regime next)
@@ -527,25 +540,21 @@ static void find_changes(struct island *s, const struct scene_values *v, const s
     for (int n = 0; n < s->rows; ++n) {
         const struct island_row *r = &s->row[n];
         for (int i = 0; i < TAYLOR_TERMS; ++i) {
-            of[i] = n == s->paced_by ? s->pace.row[i] : (i == 0 ? r->offset : 0.0) - r->gap.row[i];
+            of[i] = n == s->paced_by ? s->pace.row[i] : (i == 0 ? r->offset : 0.0) - r->gap[i];
         }
-        const bool parts_now = n == s->paced_by && of[0] == 0.0 && r->rate.row[0] > 0.0;
-        note_change(s, parts_now ? 0.0 : series_first_fall(of, s->end), r->contact, REGIME_APART);
+        const bool parts_now = n == s->paced_by && of[0] == 0.0 && r->rate[0] > 0.0;
+        note_change(s, parts_now ? 0.0 : taylor_first_fall(of, TAYLOR_TERMS, s->end), r->contact,
+                    REGIME_APART);
         if (r->margin > 0.0) {
             const struct contact_law law = scene_contact_law(v, q, r->contact);
             for (int i = 0; i < TAYLOR_TERMS; ++i) {
-                of[i] = i == 0 ? r->margin : r->by_gap * r->gap.row[i] + r->by_rate * r->rate.row[i];
+                of[i] = i == 0 ? r->margin : r->by_gap * r->gap[i] + r->by_rate * r->rate[i];
             }
-            note_change(s, series_first_fall(of, s->end), r->contact,
+            note_change(s, taylor_first_fall(of, TAYLOR_TERMS, s->end), r->contact,
                         contact_regime_after(&law, (enum contact_regime)q->contact[r->contact].regime));
         }
     }
 }
-
-/* The separation of bodies that are apart, less its value at the start. */
-struct island_path {
-    struct two_way c[ISLAND_AXES];
-};
 
 static inline double island_time_at(const struct island *s, double place)
 {
@@ -563,31 +572,18 @@ static void add_powers(struct island *s, int degree)
     }
 }
 
-static void make_path(const struct island *s, const struct separation_path *flight, const int end[2],
-                      struct island_path *path)
+/* Returns a bound of how far the contacts take a body off its flight within the series. */
+static double farthest(const struct island *s, const struct island_body *body)
 {
-    for (int k = 0; k < ISLAND_AXES; ++k) {
-        for (int i = 1; i < TAYLOR_TERMS; ++i) {
-            put(&path->c[k], i,
-                term_of_path(s, flight->c, SEPARATION_DEGREE + 1, k, i) + deviation(s, end, k, i, false));
+    double sum = 0.0;
+    for (int a = 0; a < s->axes; ++a) {
+        double length = 0.0;
+        for (int i = TAYLOR_ORDER; i > 0; --i) {
+            length = s->end * (length + fabs(body->moved[s->axis[a]][i]));
         }
+        sum += length;
     }
-}
-
-/* Sets how far the contacts take each body off its flight within the series, at most. */
-static void bound_deviations(struct island *s)
-{
-    for (int b = 0; b < s->bodies; ++b) {
-        struct island_body *body = &s->body[b];
-        double power = 1.0;
-        body->farthest = 0.0;
-        for (int i = 1; i < TAYLOR_TERMS; ++i) {
-            power *= s->end;
-            for (int a = 0; a < s->axes; ++a) {
-                body->farthest += power * fabs(body->moved[s->axis[a]][i]);
-            }
-        }
-    }
+    return sum;
 }
 
 /* Returns a bound of the change of a separation within the series. */
@@ -595,38 +591,50 @@ static double separation_within(const struct island *s, const struct separation_
                                 const int end[2])
 {
     const double time = island_time_at(s, s->end);
-    double length = time * path_size(flight->c + 1, SEPARATION_DEGREE, time);
-    for (int e = 0; e < 2; ++e) {
-        length += end[e] >= 0 ? s->body[end[e]].farthest : 0.0;
-    }
-    return length;
+    return time * path_size(flight->c + 1, SEPARATION_DEGREE, time) + farthest(s, &s->body[end[0]]) +
+           farthest(s, &s->body[end[1]]);
 }
 
-/* Returns where bodies that are apart touch within the series. The function whose root is sought has the sign
- * of the gap and is a polynomial of the path: it is the gap itself at a plane, and at other shapes it is
+/* Returns where bodies that are apart touch within the series. The path along the normal at the start gives
+ * the gap of a plane, and a lower bound of it outside other shapes. Their series whose root is sought is
  * side (d^2 - reach^2) = g (2 reach + side g). */
-static double touch_within(const struct island *s, const struct contact_shape *shape, struct vec3 c,
-                           const struct contact_geometry *g, double offset, struct island_path *path)
+static double touch_within(const struct island *s, const struct contact_shape *shape,
+                           const struct separation_path *flight, const struct contact_geometry *g,
+                           double offset, const int end[2])
 {
-    double of[TAYLOR_TERMS];
+    double of[TAYLOR_TERMS] = {g->gap + offset};
+    double flown[ISLAND_FLOWN];
+    struct two_way path[ISLAND_AXES] = {{{0.0}, {0.0}}};
+    bool moves[ISLAND_AXES] = {false};
     const bool is_flat = contact_is_plane(shape);
-    const double reach = contact_reach(shape);
     const struct vec3 axis = contact_is_cylinder(shape) ? shape->axis : vec3_make(0.0, 0.0, 0.0);
-    const struct vec3 start = vec3_axpy(c, -vec3_dot(c, axis), axis);
-    for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        const double axial =
-            path->c[0].row[i] * axis.x + path->c[1].row[i] * axis.y + path->c[2].row[i] * axis.z;
-        of[i] = 0.0;
+    const struct vec3 start = vec3_axpy(flight->c[0], -vec3_dot(flight->c[0], axis), axis);
+    memcpy(flown, flight->c, sizeof flown);
+    for (int i = 1; i < TAYLOR_TERMS; ++i) {
+        double c[ISLAND_AXES];
         for (int k = 0; k < ISLAND_AXES; ++k) {
-            put(&path->c[k], i, path->c[k].row[i] - axial * vec3_get(axis, k));
-            of[i] += is_flat ? shape->side * vec3_get(g->normal, k) * path->c[k].row[i]
-                             : shape->side * (2.0 * vec3_get(start, k) * path->c[k].row[i] +
-                                              product(path->c[k].row, &path->c[k], i));
+            c[k] = separation_term(s, flown, end, k, i);
+        }
+        const struct vec3 across = vec3_axpy(vec3_from(c), -vec3_dot(vec3_from(c), axis), axis);
+        of[i] = shape->side * vec3_dot(g->normal, across);
+        for (int k = 0; k < ISLAND_AXES && !is_flat; ++k) {
+            put(&path[k], i, vec3_get(across, k));
+            moves[k] = moves[k] || path[k].row[i] != 0.0;
         }
     }
-    const double gap = g->gap + offset;
-    of[0] = is_flat ? gap : gap * (2.0 * reach + shape->side * gap);
-    return series_first_fall(of, s->end);
+    const double linear = is_flat || shape->side > 0.0 ? taylor_first_fall(of, TAYLOR_TERMS, s->end) : 0.0;
+    if (is_flat || linear == (double)INFINITY) {
+        return linear;
+    }
+    of[0] *= 2.0 * contact_reach(shape) + shape->side * of[0];
+    for (int i = 1; i < TAYLOR_TERMS; ++i) {
+        of[i] = 0.0;
+        for (int k = 0; k < ISLAND_AXES; ++k) {
+            const double square = moves[k] ? product(path[k].row, &path[k], i) : 0.0;
+            of[i] += shape->side * (2.0 * vec3_get(start, k) * path[k].row[i] + square);
+        }
+    }
+    return taylor_first_fall(of, TAYLOR_TERMS, s->end);
 }
 
 /* The end is halved at most so often for a contact that might begin and whose shape is not known. */
@@ -636,10 +644,9 @@ enum { MOST_HALVINGS = 6 };
 static bool find_touches(struct island *s, const struct scene_values *v, const struct scene_state *q,
                          const struct scene_instant *at)
 {
-    bound_deviations(s);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const int end[2] = {s->index[contact_source(j)], s->index[contact_destination(j)]};
-        if (contact_transmits(q, j) || !contact_is_coupled(v, q, j) || (end[0] < 0 && end[1] < 0)) {
+        if (contact_transmits(q, j) || !contact_is_coupled(v, q, j) || end[0] + end[1] == 0) {
             continue;
         }
         const struct contact_geometry *g = &at->geometry[j];
@@ -649,16 +656,13 @@ static bool find_touches(struct island *s, const struct scene_values *v, const s
         const bool is_apart = q->contact[j].regime == (int32_t)REGIME_APART;
         bool may_touch = !(separation_within(s, &flight, end) < g->gap);
         if (is_apart && may_touch && knows_shape(v, &shape, j)) {
-            struct island_path path = {{{{0.0}, {0.0}}}};
             add_powers(s, path_degree(flight.c, SEPARATION_DEGREE + 1));
-            make_path(s, &flight, end, &path);
-            note_change(s, touch_within(s, &shape, flight.c[0], g, offset, &path), j, REGIME_COMPRESSION);
+            note_change(s, touch_within(s, &shape, &flight, g, offset, end), j, REGIME_COMPRESSION);
             continue;
         }
         for (int i = 0; may_touch && i < MOST_HALVINGS; ++i) {
             s->end *= 0.5;
             s->terminal = -1;
-            bound_deviations(s);
             may_touch = !(separation_within(s, &flight, end) < g->gap);
         }
         if (may_touch) {
@@ -688,8 +692,10 @@ long island_work(const struct island *s)
 bool island_make(struct island *s, const struct scene_values *v, const struct scene_state *q,
                  const struct scene_instant *at, double longest, double quiet)
 {
-    s->rows = s->bodies = 0;
-    memset(s->index, -1, sizeof s->index);
+    s->rows = 0;
+    s->bodies = s->degree = 1;
+    memset(s->index, 0, sizeof s->index);
+    memset(&s->body[0], 0, sizeof s->body[0]);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_pushes(v, q, j) && !add_touching(s, v, q, at, j)) {
             return false;
@@ -697,12 +703,12 @@ bool island_make(struct island *s, const struct scene_values *v, const struct sc
     }
     find_axes(s);
     find_bends(s, v, q, at);
-    if (is_quiet(s, v, quiet) || !choose_pace(s, v)) {
+    if (is_quiet(s, quiet) || !choose_pace(s)) {
         return false;
     }
     memset(&s->pace, 0, sizeof s->pace);
     memset(s->power_of_time, 0, sizeof s->power_of_time);
-    put(&s->pace, 0, s->paced_by < 0 ? 1.0 : sqrt(fmax(-s->row[s->paced_by].gap.row[0], 0.0)));
+    put(&s->pace, 0, s->paced_by < 0 ? 1.0 : sqrt(fmax(-s->row[s->paced_by].gap[0], 0.0)));
     make_terms(s);
     s->end = reliable_end(s);
     s->terminal = -1;
@@ -761,74 +767,82 @@ static double largest_within(const double *row, double from, double to)
     return largest;
 }
 
+/* Without a dashpot the force is largest where the contact is deepest. */
 static void note_peaks_of_island(const struct island *s, double from, double to, struct scene_state *q)
 {
     double depth[TAYLOR_TERMS];
     for (int n = 0; n < s->rows; ++n) {
         const struct island_row *r = &s->row[n];
         for (int i = 0; i < TAYLOR_TERMS; ++i) {
-            depth[i] = -r->gap.row[i];
+            depth[i] = -r->gap[i];
         }
-        contact_peaks_note(&q->contact[r->contact].peaks, largest_within(r->force.row, from, to),
-                           largest_within(depth, from, to));
+        const double deepest = largest_within(depth, from, to);
+        const double force = r->k * deepest * (r->is_hertz ? sqrt(fmax(deepest, 0.0)) : 1.0);
+        contact_peaks_note(&q->contact[r->contact].peaks,
+                           r->c > 0.0 ? largest_within(r->force, from, to) : force, deepest);
     }
 }
 
-static struct vec3 three_at(const double (*rows)[TAYLOR_TERMS], double place)
+/* Returns the vector of three series, of which only those along the axes of the island are not zero. */
+static struct vec3 three_at(const struct island *s, const double (*rows)[TAYLOR_TERMS], double place)
 {
-    return vec3_make(taylor_at(rows[0], TAYLOR_TERMS, place), taylor_at(rows[1], TAYLOR_TERMS, place),
-                     taylor_at(rows[2], TAYLOR_TERMS, place));
+    double of[ISLAND_AXES] = {0.0};
+    for (int a = 0; a < s->axes; ++a) {
+        of[s->axis[a]] = taylor_at(rows[s->axis[a]], TAYLOR_TERMS, place);
+    }
+    return vec3_from(of);
 }
 
-/* What a contact sums up over a series: the impulse of the torque on the destination about its centre, which
- * is the integral of c x F, where F acts on the source [N m s], and the energy that the dashpot takes [J]. */
-struct island_sums {
-    struct vec3 twist;
-    double dissipated;
-};
-
-/* Adds the integrand at a place, times `weight`. */
-static void add_to_sums(const struct island *s, const struct island_row *r, const struct island_path *path,
-                        double place, double weight, struct island_sums *sums)
+/* Returns c, which leads from the source to the destination, at a place. */
+static struct vec3 island_separation_at(const struct island *s, const struct island_row *r, double place)
 {
-    if (r->c > 0.0) {
-        const double pace = s->unit * (s->paced_by < 0 ? 1.0 : taylor_at(s->pace.row, TAYLOR_TERMS, place));
-        sums->dissipated += weight * pace * taylor_at(r->drag.row, TAYLOR_TERMS, place) *
-                            taylor_at(r->rate.row, TAYLOR_TERMS, place);
+    const double time = island_time_at(s, place);
+    struct vec3 c =
+        vec3_sub(three_at(s, s->body[r->end[1]].moved, place), three_at(s, s->body[r->end[0]].moved, place));
+    double power = 1.0;
+    for (int p = 0; p <= s->degree; ++p) {
+        c = vec3_axpy(c, power, vec3_from(r->flown + ISLAND_AXES * p));
+        power *= time;
     }
-    if (path) {
-        double c[ISLAND_AXES];
-        double push[ISLAND_AXES];
-        for (int k = 0; k < ISLAND_AXES; ++k) {
-            double of[3];
-            taylor_derivatives(r->pushed[k], TAYLOR_TERMS, place, of);
-            push[k] = -of[1];
-            c[k] = taylor_at(path->c[k].row, TAYLOR_TERMS, place);
-        }
-        sums->twist = vec3_axpy(sums->twist, weight, vec3_cross(vec3_from(c), vec3_from(push)));
-    }
+    return c;
 }
 
-static struct island_sums sums_of(const struct island *s, const struct island_row *r, double place)
+/* Adds what contacts sum up over a series: the energy that dashpots take [J], and the impulse of the torque
+ * on a destination about its centre, the integral of c x F, where F acts on the source [N m s]. Products of
+ * series have coefficients beyond the last one. Twelve nodes integrate them to rounding, because a series
+ * ends at a fourth of its radius of convergence. */
+static void island_sum_up(const struct island *s, double place, struct scene_state *q)
 {
     const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
-    const int n = nodes->points;
-    const bool twists = SCENE_HAS_TORQUES && body_has_axis(contact_destination(r->contact));
-    struct island_sums sums = {.dissipated = 0.0};
-    struct island_path path = {{{{0.0}, {0.0}}}};
-    if (twists) {
-        make_path(s, &r->flight, r->end, &path);
-        for (int k = 0; k < ISLAND_AXES; ++k) {
-            path.c[k].row[0] = vec3_get(r->flight.c[0], k);
+    const int points = nodes->points;
+    double dissipated = 0.0;
+    bool any = false;
+    for (int n = 0; n < s->rows; ++n) {
+        any = any || s->row[n].c > 0.0 || has_lever(&s->row[n]);
+    }
+    for (int i = 0; any && i < points; ++i) {
+        const double at = 0.5 * place * (1.0 + nodes->node[i]);
+        const double weight = 0.5 * place * nodes->integral[i * points + points - 1];
+        const double pace = s->unit * (s->paced_by < 0 ? 1.0 : taylor_at(s->pace.row, TAYLOR_TERMS, at));
+        for (int n = 0; n < s->rows; ++n) {
+            const struct island_row *r = &s->row[n];
+            if (r->c > 0.0) {
+                dissipated += weight * pace * taylor_at(r->drag, TAYLOR_TERMS, at) *
+                              taylor_at(r->rate, TAYLOR_TERMS, at);
+            }
+            if (has_lever(r)) {
+                double push[ISLAND_AXES] = {0.0};
+                for (int a = 0; a < s->axes; ++a) {
+                    double of[3];
+                    taylor_derivatives(r->pushed[s->axis[a]], TAYLOR_TERMS, at, of);
+                    push[s->axis[a]] = -of[1];
+                }
+                struct vec3 *sum = &q->contact[r->contact].torques.destination_impulse;
+                *sum = vec3_axpy(*sum, weight, vec3_cross(island_separation_at(s, r, at), vec3_from(push)));
+            }
         }
     }
-    /* Products of series have coefficients beyond the last one. Twelve nodes integrate them to rounding,
-     * because a series ends at a fourth of its radius of convergence. */
-    for (int i = 0; i < n && (twists || r->c > 0.0); ++i) {
-        add_to_sums(s, r, twists ? &path : NULL, 0.5 * place * (1.0 + nodes->node[i]),
-                    0.5 * place * nodes->integral[i * n + n - 1], &sums);
-    }
-    return sums;
+    q->dissipated += dissipated;
 }
 
 void island_advance(const struct island *s, double from, double time, const struct scene_values *v,
@@ -841,23 +855,20 @@ void island_advance(const struct island *s, double from, double time, const stru
     for (int n = 0; n < s->rows; ++n) {
         const struct island_row *r = &s->row[n];
         struct contact_state *state = &q->contact[r->contact];
-        state->physics.impulse = vec3_sub(state->physics.impulse, three_at(r->pushed, place));
-        const struct island_sums sums = sums_of(s, r, place);
-        state->torques.destination_impulse = vec3_add(state->torques.destination_impulse, sums.twist);
-        q->dissipated += sums.dissipated;
-        state->physics.accumulated_gap = taylor_at(r->gap.row, TAYLOR_TERMS, place);
+        state->physics.impulse = vec3_sub(state->physics.impulse, three_at(s, r->pushed, place));
+        state->physics.accumulated_gap = taylor_at(r->gap, TAYLOR_TERMS, place);
         state->physics.rate_rounding = 0.0;
     }
-    for (int b = 0; b < s->bodies; ++b) {
+    island_sum_up(s, place, q);
+    for (int b = 1; b < s->bodies; ++b) {
         const struct island_body *body = &s->body[b];
-        struct vec3 rate;
-        double *of[ISLAND_AXES] = {&rate.x, &rate.y, &rate.z};
-        for (int k = 0; k < ISLAND_AXES; ++k) {
-            *of[k] = taylor_at(body->rate[k].row, TAYLOR_TERMS, place);
+        double rate[ISLAND_AXES] = {0.0};
+        for (int a = 0; a < s->axes; ++a) {
+            rate[s->axis[a]] = taylor_at(body->rate[s->axis[a]], TAYLOR_TERMS, place);
         }
-        const struct vec3 moved = three_at(body->moved, place);
+        const struct vec3 moved = three_at(s, body->moved, place);
         q->external_work += vec3_dot(q->path[body->body].force[0], moved);
-        flight_deviate(v, q, body->body, time, moved, rate);
+        flight_deviate(v, q, body->body, time, moved, vec3_from(rate));
     }
 }
 

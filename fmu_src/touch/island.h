@@ -25,7 +25,7 @@
 enum { ISLAND_MOST = SCENE_CONTACTS < 48 ? SCENE_CONTACTS : 48, ISLAND_AXES = 3 };
 
 /* Rows of coefficients end with zeros, because products take four terms at a time. */
-enum { ISLAND_ROW = TAYLOR_TERMS + 3 };
+enum { ISLAND_ROW = TAYLOR_TERMS + 3, ISLAND_FLOWN = (SEPARATION_DEGREE + 1) * ISLAND_AXES };
 
 /* A series, and in `back` the same in reversed order: coefficient j at [TAYLOR_ORDER - j]. Products read both
  * of their factors forwards, two terms in one instruction. */
@@ -36,7 +36,7 @@ struct two_way {
 
 /* A contact in touch. */
 struct island_row {
-    int contact, end[2]; /* the contact, and its source and destination among the bodies; -1: not free */
+    int contact, end[2]; /* the contact, and its source and destination among the bodies of the island */
     double side;
     bool is_hertz, is_straight; /* straight: n never turns */
     double k, c;                /* k and c of the linear law, k_h and chi of Hertz's, in the regime */
@@ -45,30 +45,32 @@ struct island_row {
     double offset;            /* the contact ends where its gap exceeds this [m] */
     double passage;           /* rate at which c turns at the start [1/s] */
     double by_distance, bend; /* 1/d [1/m] and g'' [m/s^2] at the start */
-    struct vec3 axis;         /* of a cylinder; else zero */
-    struct separation_path flight;   /* C */
-    struct two_way gap, rate, force; /* g [m], g' [m/s], F [N] */
-    struct two_way impulse, drag;    /* F pace, and the dashpot's part of -F [N] */
+    double spring, dashpot;   /* rates of the contact at the start [1/s] */
+    double deepest;           /* the depth to which they lead [m] */
+    double axis[ISLAND_AXES]; /* of a cylinder; else zero */
+    double flown[ISLAND_FLOWN], flown_rate[ISLAND_FLOWN];        /* coefficients of C and C' in time */
+    double gap[ISLAND_ROW], rate[ISLAND_ROW], force[ISLAND_ROW]; /* g [m], g' [m/s], F [N] */
+    double impulse[ISLAND_ROW], drag[ISLAND_ROW]; /* F pace, and the dashpot's part of -F [N] */
+    double depth[ISLAND_ROW], slope[ISLAND_ROW];  /* delta under Hertz's law, i times its coefficient i */
+    struct two_way power;                         /* delta^(3/2) */
+    double pushed[ISLAND_AXES][TAYLOR_TERMS];     /* momentum given to the destination [N s] */
+    double lower_push[ISLAND_AXES];               /* the part of the next push by lower coefficients */
     struct two_way n[ISLAND_AXES];
-    struct two_way depth, power;               /* delta and delta^(3/2) under Hertz's law */
-    double slope[ISLAND_ROW];                  /* i times coefficient i of delta */
     double d[ISLAND_ROW];                      /* from coefficient 1 on [m] */
     double rate_of_c[ISLAND_AXES][ISLAND_ROW]; /* [m/s] */
-    double lower_push[ISLAND_AXES];            /* the part of the next push by lower coefficients */
-    double pushed[ISLAND_AXES][TAYLOR_TERMS];  /* momentum given to the destination [N s] */
 };
 
 /* A free body on which contacts of the island act. */
 struct island_body {
     int body;
-    double by_mass, farthest;                /* 1/m [1/kg], the longest deviation within the series [m] */
-    struct two_way rate[ISLAND_AXES];        /* r_b' [m/s] */
+    double by_mass;                          /* 1/m [1/kg] */
+    double rate[ISLAND_AXES][ISLAND_ROW];    /* r_b' [m/s] */
     double moved[ISLAND_AXES][TAYLOR_TERMS]; /* r_b [m] */
 };
 
 struct island {
-    int rows, bodies;
-    int index[SCENE_BODIES];     /* of a body among the bodies; -1: no contact of the island acts on it */
+    int rows, bodies;            /* body 0 stands for all on which no contact of the island acts */
+    int index[SCENE_BODIES];     /* of a body of the scene among these bodies */
     int axes, axis[ISLAND_AXES]; /* the axes of the world along which contact forces act */
     int degree;                  /* of the flights in time */
     int paced_by;                /* the row whose u is the pace; -1: the pace is one */
@@ -79,7 +81,7 @@ struct island {
     enum contact_regime next;
     struct two_way pace, power_of_time[SEPARATION_DEGREE + 1]; /* powers from the first one on [s, s^2...] */
     struct island_row row[ISLAND_MOST];
-    struct island_body body[2 * ISLAND_MOST];
+    struct island_body body[1 + 2 * ISLAND_MOST];
 };
 
 /* Whether the contacts in touch may be an island by power series, by their laws; island_make tells by their

@@ -366,9 +366,9 @@ TEST(roots_of_time_are_polynomials_of_a_paced_step)
 /* A cubic by its Bernstein coefficients. */
 TEST(a_fall_is_the_first_change_from_above_to_below)
 {
-    /* (0.2 - s)(0.7 - s)(0.9 - s): falls at 0.2, rises at 0.7, falls at 0.9; by x = 2 s - 1 */
-    double of[4] = {-0.024, 0.05, 0.075, -0.125};
-    bernstein_from_taylor(of, 4);
+    /* (0.2 - s)(0.7 - s)(0.9 - s): falls at 0.2, rises at 0.7, falls at 0.9 */
+    double of[4] = {0.126, -0.95, 1.8, -1.0};
+    bernstein_from_powers(of, 4);
     const struct bernstein_fall fall = bernstein_first_fall(of, 4, 0.0);
     CHECK_CLOSE("first fall", bernstein_root(of, 4, fall), 0.2, 1e-14);
     double turned[4];
