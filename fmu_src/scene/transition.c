@@ -437,13 +437,14 @@ static void set_regime(const struct scene_values *v, struct scene_state *q, int 
     }
 }
 
-/* Returns the rounding error of the gap after a contact that has `lasted` so many seconds [m]: 32 roundings
- * of the distance that the bodies have covered relative to each other. */
+/* Returns the rounding error of the gap after a phase that has `lasted` so many seconds [m]: 64 roundings of
+ * the distance that the bodies have covered relative to each other. The phases of a contact before it count
+ * by the penetration. */
 static double way_rounding(const struct scene_state *q, const struct scene_instant *at, int contact,
                            double lasted)
 {
     const double way = vec3_norm(at->rate[contact]) * lasted + q->contact[contact].peaks.penetration;
-    return 32.0 * DBL_EPSILON * way;
+    return 64.0 * DBL_EPSILON * way;
 }
 
 /* Returns the gap at a change of regime [m]. Where contact ends by the gap, the gap is at least zero. Where
