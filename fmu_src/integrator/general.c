@@ -276,9 +276,6 @@ static bool enclose_root(const struct general *g, int event, double ends[2])
     return false;
 }
 
-/* Number of places at which an event function's polynomial is searched for its lowest value. */
-enum { DIP_PLACES = 16 };
-
 /* Encloses a root between two samples that are both above zero, where the polynomial falls through zero at
  * `from`. The event function itself is evaluated where the polynomial is lowest before the next sample. If it
  * is above zero there, the dip is an error of the polynomial, and false is returned. */
@@ -286,19 +283,20 @@ static bool enclose_dip(struct general *g, int event, const double *of, double f
 {
     const struct radau_stages *stages = g->step.stages;
     const int count = stages->stages + 1;
+    double dip[RADAU_MOST_STAGES + 1];
     int after = 0;
     while (after + 1 < stages->stages && stages->place[after] <= from) {
         after += 1;
     }
-    double least = (double)INFINITY;
-    ends[1] = from;
-    for (int i = 0; i < DIP_PLACES; ++i) {
-        const double place = from + (stages->place[after] - from) * i / DIP_PLACES;
-        const double value = bernstein_at(of, count, place);
-        ends[1] = value < least ? place : ends[1];
-        least = fmin(value, least);
+    memcpy(dip, of, (size_t)count * sizeof *dip);
+    bernstein_restrict(dip, count, from, stages->place[after]);
+    for (int i = 0; i + 1 < count; ++i) {
+        dip[i] -= dip[i + 1]; /* now the polynomial of the slope down, which is zero at the lowest place */
     }
+    const struct bernstein_fall fall = bernstein_first_fall(dip, count - 1, 0.0);
+    const double lowest = fall.low < (double)INFINITY ? bernstein_root(dip, count - 1, fall) : 1.0;
     ends[0] = after > 0 ? stages->place[after - 1] : 0.0;
+    ends[1] = from + lowest * (stages->place[after] - from);
     return !(event_within(g, event, ends[1]) > 0.0);
 }
 

@@ -271,10 +271,11 @@ static const double LEAST_STIFF = 5.0;
 static const double ROUNDING_OF_GAP = 0.5;
 
 /* Factor of the error within a step: the error at its end may be a thousandth of the tolerance (general.c),
- * the error before the end may be all of the tolerance where bodies turn. Elsewhere it may be a tenth: that
- * costs 2 % more steps and brings the peaks of forces a digit. */
+ * the error before the end may be all of the tolerance where bodies turn, ten times that where outputs are
+ * read (read_share). Elsewhere it may be a tenth: that costs 2 % more steps and brings the peaks of forces a
+ * digit. A tolerance near rounding allows an error at the end of LEAST_TOLERANCE, and within the step nowhere
+ * more than a hundred times as much. */
 static const double WITHIN_SHARE = 1e-2;
-static const double TURNING_WITHIN_SHARE = 1e-3;
 
 /* Length of a step of four stages, divided by the length of an equally accurate step of eight. The
  * oscillation y'' = -y has an error of 1e-12 after steps of 0.18 and 2 radians (measured). */
@@ -798,7 +799,7 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
         }
         struct attempt now = fit_attempt(g, plan_attempt(g, limit));
         g->within_share = now.length > left       ? g->read_share
-                          : g->step.problem.turns ? TURNING_WITHIN_SHARE
+                          : g->step.problem.turns ? fmin(0.1 * g->read_share, WITHIN_SHARE)
                                                   : WITHIN_SHARE;
         const bool solved = try_to_solve(g, now.stages, now.length);
         if (solved) {

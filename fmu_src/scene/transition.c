@@ -197,9 +197,10 @@ static void lift_friction(const struct rubbed *r)
 }
 
 /*
- * Returns the depth [m] where the normal spring has stored the energy of the approach, as at the deepest
- * point of an impact. The stored energy is proportional to the depth squared, under Hertz's law to the depth
- * to the power 5/2. Zero where neither body is free or nothing is stored.
+ * Returns the larger of two depths [m]: where the normal spring has stored the energy of the approach, as at
+ * the deepest point of an impact, and where it has stored half the work of the load, as in a ball set down.
+ * The stored energy is proportional to the depth squared, under Hertz's law to the depth to the power 5/2.
+ * Zero where neither body is free or nothing is stored.
  */
 static double impact_depth(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at, int contact)
@@ -212,7 +213,9 @@ static double impact_depth(const struct scene_values *v, const struct scene_stat
         return 0.0;
     }
     const double part = 0.5 * rate * rate / (per_mass * at_one_metre);
-    return pow(part, contact_is_hertz(&law) ? 0.4 : 0.5);
+    const double load = scene_pressing_acceleration(v, q, q->clock, at, contact) / (per_mass * at_one_metre);
+    const double power = contact_is_hertz(&law) ? 2.5 : 2.0;
+    return fmax(pow(part, 1.0 / power), pow(0.5 * load, 1.0 / (power - 1.0)));
 }
 
 /* Lifts all opposed motions of a contact, since the normal force lifts them together. */
@@ -434,13 +437,14 @@ static void set_regime(const struct scene_values *v, struct scene_state *q, int 
     }
 }
 
-/* Returns the rounding error of the gap after a contact that has `lasted` so many seconds [m]: 32 roundings
- * of the distance that the bodies have covered relative to each other. */
+/* Returns the rounding error of the gap after a phase that has `lasted` so many seconds [m]: 64 roundings of
+ * the distance that the bodies have covered relative to each other. The phases of a contact before it count
+ * by the penetration. */
 static double way_rounding(const struct scene_state *q, const struct scene_instant *at, int contact,
                            double lasted)
 {
     const double way = vec3_norm(at->rate[contact]) * lasted + q->contact[contact].peaks.penetration;
-    return 32.0 * DBL_EPSILON * way;
+    return 64.0 * DBL_EPSILON * way;
 }
 
 /* Returns the gap at a change of regime [m]. Where contact ends by the gap, the gap is at least zero. Where

@@ -116,7 +116,7 @@ def elastic(random):
     return Scene(fmu, values, end=float(random.choice([0.07, 0.13])))
 
 
-@pytest.mark.parametrize("seed", seeds())
+@pytest.mark.parametrize("seed", [*seeds(), 5149, 70022])
 def test_so_does_a_tangential_stiffness_that_follows_the_normal_one(opened, seed):
     """Impacts: what lasts under Hertz's law has errors of its own, whatever the friction."""
     random = np.random.default_rng(seed)
@@ -139,7 +139,7 @@ def yielding(random):
     return Scene(scene.fmu, values, end=scene.end)
 
 
-@pytest.mark.parametrize("seed", seeds())
+@pytest.mark.parametrize("seed", [*seeds(), 60007])  # in the last one friction slides for microseconds
 @pytest.mark.parametrize("family", [elastic, yielding], ids=["friction", "resistance"])
 def test_elastic_friction_and_resistance_stick_and_slide_the_same_at_every_tolerance(opened, family, seed):
     check_agreement(opened, family(np.random.default_rng(seed)), seed)
@@ -202,7 +202,7 @@ def test_an_importer_that_locates_the_end_of_sticking_at_exactly_zero_sees_it_sl
         check_close("F_t", instance.get("contact.friction_force[1]"), -8.0, 1e-9)
 
 
-@pytest.mark.parametrize("seed", seeds(12))
+@pytest.mark.parametrize("seed", [*seeds(12), 60073])  # in the last one a ball is set down
 @pytest.mark.parametrize("family", [elastic, yielding])
 def test_elastic_friction_is_the_same_in_model_exchange(seed, family):
     """What fmpy's CVODE leaves of events is below 1e-3; a change that is missed costs 0.1 to 1."""
