@@ -401,7 +401,7 @@ static double hertz_term(const struct contact_law *law, const struct contact_law
     }
     const double chi = hertz_damping_in(law, regime);
     const double force = hertz_force_term(law->stiffness, chi, gap, gap_rate, order);
-    if (!change || order == 0) {
+    if (order == 0) {
         return force;
     }
     const double more_chi = hertz_damping_in(change, regime);
@@ -417,12 +417,9 @@ double contact_force_term(const struct contact_law *law, const struct contact_la
         return hertz_term(law, change, regime, gap, gap_rate, order);
     }
     const struct contact_coefficients linear = contact_coefficients_of(law, regime);
-    const double force = contact_linear_force(linear, gap[order], gap_rate[order]);
-    if (!change || order == 0) {
-        return force;
-    }
     const struct contact_coefficients slope = contact_coefficients_of(change, regime);
-    return force + contact_linear_force(slope, gap[order - 1], gap_rate[order - 1]);
+    const double force = contact_linear_force(linear, gap[order], gap_rate[order]);
+    return order > 0 ? force + contact_linear_force(slope, gap[order - 1], gap_rate[order - 1]) : force;
 }
 
 bool contact_has_events(const struct contact_law *law)
@@ -509,11 +506,10 @@ double contact_stored_term(const struct contact_law *law, const struct contact_l
     }
     if (contact_is_hertz(law)) {
         const double energy = hertz_energy_term(law->stiffness, gap, order);
-        return change && order > 0 ? energy + hertz_energy_term(change->stiffness, gap, order - 1) : energy;
+        return order > 0 ? energy + hertz_energy_term(change->stiffness, gap, order - 1) : energy;
     }
     const double energy = 0.5 * law->stiffness * taylor_multiply(gap, gap, order);
-    return change && order > 0 ? energy + 0.5 * change->stiffness * taylor_multiply(gap, gap, order - 1)
-                               : energy;
+    return order > 0 ? energy + 0.5 * change->stiffness * taylor_multiply(gap, gap, order - 1) : energy;
 }
 
 double contact_dissipated_power(const struct contact_law *law, enum contact_regime regime,

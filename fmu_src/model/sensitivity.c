@@ -169,8 +169,10 @@ static double input_derivative(const struct model *m, const struct scene_state *
                                const struct variable *variable)
 {
     const int j = variable->element;
-    if (variable_is_local(variable)) {
-        return model_exchange_slope(&m->state.values, q, at, along, variable);
+    if (variable_is_local(variable)) { /* a rate, or a state: no input changes a state at once */
+        return variable->causality == VARIABLE_RATE
+                   ? model_exchange_rate(&m->state.values, q, at, along, variable)
+                   : 0.0;
     }
     switch (variable->row) {
     case ROW_contact_effective_slip_velocity:

@@ -7,7 +7,8 @@
 
 enum { BODY_STATES = 6 };
 
-/* Takes `count` states at *next, unless they are not wanted. */
+/* Returns the index in y of the next `count` states and moves *next past them; returns -1 where they are not
+ * wanted. */
 static int take_states(bool wanted, int count, int *next)
 {
     const int index = *next;
@@ -15,8 +16,8 @@ static int take_states(bool wanted, int count, int *next)
     return wanted ? index : -1;
 }
 
-/* Whether the motion of a body without contact is a closed form of the clock, in which its orientation does
- * not matter to the contact. */
+/* Whether a body that touches nothing flies by a closed form of the clock, and a contact that is apart does
+ * not see how the body is turned. */
 static bool flies_unseen(const struct scene_values *v, const struct scene_state *q, int body, int contact)
 {
     if (!body_turns_freely(v, body)) {
@@ -72,7 +73,7 @@ static void find_groups(const struct scene_values *v, const struct scene_state *
     }
 }
 
-/* Adds the states of one group on which rates of others depend. */
+/* Lays out those states of one group on which the rates of other states depend. */
 static void lay_out_group(const struct scene_values *v, const bool has[SCENE_BODIES],
                           const struct groups *groups, int group, struct ode_layout *layout, int *next)
 {
@@ -152,33 +153,6 @@ static void four_to(struct quaternion a, double *data)
     data[3] = a.z;
 }
 
-/* Writes the states that turning and rubbing add into y. */
-static void turning_pack(const struct scene_ode *ode, double *y)
-{
-    const struct scene_values *v = ode->values;
-    const struct ode_layout *layout = &ode->layout;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (layout->spin[i] >= 0) {
-            const struct body_turn *turn = &ode->state->turning.body[i];
-            vec3_to(body_spin_of(v, i, turn), y + layout->spin[i]);
-            four_to(turn->orientation, y + layout->orientation[i]);
-        }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_torques *torques = &ode->state->contact[j].torques;
-        for (int i = 0; i < OPPOSED; ++i) {
-            if (layout->spring[j][i] >= 0) {
-                vec3_to(ode->state->turning.spring[j][i], y + layout->spring[j][i]);
-            }
-        }
-        if (layout->met[j]) {
-            vec3_to(torques->source_impulse, y + layout->impulse[j] + 3);
-            vec3_to(torques->destination_impulse, y + layout->impulse[j] + 6);
-        }
-    }
-    y[layout->dissipated + 2] = ode->state->friction_energy;
-}
-
 /* Reads the springs of a contact from y. */
 static void unpack_springs(const struct scene_ode *ode, const double *y, int contact,
                            struct turning_state *turning)
@@ -209,67 +183,9 @@ static void turning_unpack(const struct scene_ode *ode, const double *y, struct 
     }
 }
 
-static void turning_rates(const struct scene_ode *ode, double clock, const double *y,
-                          const struct scene_instant *at, double *rates)
-{
-    const struct scene_values *v = ode->values;
-    const struct ode_layout *layout = &ode->layout;
-    struct turning_state turning;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (layout->spin[i] >= 0) {
-            const struct vec3 torque = turning_torque_on(v, ode->state, clock, at, i);
-            const struct quaternion orientation = four_from(y + layout->orientation[i]);
-            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), rates + layout->spin[i]);
-            four_to(quaternion_rate(orientation, at->turning.body[i].angular_velocity),
-                    rates + layout->orientation[i]);
-        }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (SCENE_ANY_SPRINGS && layout->met[j]) {
-            unpack_springs(ode, y, j, &turning);
-        }
-        for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
-            if (layout->spring[j][i] >= 0) {
-                vec3_to(turning_spring_rate(v, ode->state, &turning, at, j, i), rates + layout->spring[j][i]);
-            }
-        }
-        if (layout->met[j]) {
-            vec3_to(at->turning.source_torque[j], rates + layout->impulse[j] + 3);
-            vec3_to(at->turning.destination_torque[j], rates + layout->impulse[j] + 6);
-        }
-    }
-    rates[layout->dissipated + 2] = turning_friction_power(v, at);
-}
-
 static void set_three(double *sizes, double size)
 {
     sizes[0] = sizes[1] = sizes[2] = size;
-}
-
-/* Does the work of ode_nominal for the states that turning and rubbing add. An orientation has the size 1. */
-static void turning_nominal(const struct scene_ode *ode, const double *y, double *sizes)
-{
-    const struct scene_values *v = ode->values;
-    const struct ode_layout *layout = &ode->layout;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (layout->spin[i] >= 0) {
-            set_three(sizes + layout->spin[i], vec3_norm(vec3_from(y + layout->spin[i])));
-            four_to((struct quaternion){1.0, 1.0, 1.0, 1.0}, sizes + layout->orientation[i]);
-        }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        for (int i = 0; i < OPPOSED; ++i) {
-            const int spring = layout->spring[j][i];
-            if (spring >= 0) {
-                set_three(sizes + spring, vec3_norm(vec3_from(y + spring)));
-            }
-        }
-        const double lever = contact_source_radius(v, j) + vec3_norm(contact_source_part(j));
-        for (int k = 3; layout->met[j] && k < TURNING_IMPULSES; k += 3) {
-            const int index = layout->impulse[j] + k;
-            set_three(sizes + index, fmax(vec3_norm(vec3_from(y + index)), lever * ode->momentum_scale));
-        }
-    }
 }
 
 /* Returns the depth [m], which falls through zero where contact ends. Between the ends of a cylinder, at the
@@ -493,21 +409,36 @@ void ode_pack(const struct scene_ode *ode, double *y)
 {
     const struct ode_layout *layout = &ode->layout;
     const struct scene_state *q = ode->state;
+    const bool turns = scene_turns(ode->values);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout->body[i] >= 0) {
             vec3_to(q->body[i].moved, y + layout->body[i]);
             vec3_to(q->body[i].velocity, y + layout->body[i] + 3);
         }
+        if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
+            const struct body_turn *turn = &q->turning.body[i];
+            vec3_to(body_spin_of(ode->values, i, turn), y + layout->spin[i]);
+            four_to(turn->orientation, y + layout->orientation[i]);
+        }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        for (int i = 0; i < OPPOSED; ++i) {
+            if (layout->spring[j][i] >= 0) {
+                vec3_to(q->turning.spring[j][i], y + layout->spring[j][i]);
+            }
+        }
         if (layout->met[j]) {
             vec3_to(q->contact[j].physics.impulse, y + layout->impulse[j]);
+        }
+        if (layout->met[j] && turns) {
+            vec3_to(q->contact[j].torques.source_impulse, y + layout->impulse[j] + 3);
+            vec3_to(q->contact[j].torques.destination_impulse, y + layout->impulse[j] + 6);
         }
     }
     y[layout->dissipated] = q->dissipated;
     y[layout->dissipated + 1] = q->external_work;
-    if (scene_turns(ode->values)) {
-        turning_pack(ode, y);
+    if (turns) {
+        y[layout->dissipated + 2] = q->friction_energy;
     }
 }
 
@@ -542,14 +473,13 @@ void ode_unpack(const struct scene_ode *ode, struct scene_state *q, const double
 void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at)
 {
     struct body_state bodies[SCENE_BODIES];
+    struct turning_state turning;
     unpack_bodies(ode, clock, y, bodies);
     if (scene_turns(ode->values)) {
-        struct turning_state turning = ode->state->turning;
+        turning = ode->state->turning;
         turning_unpack(ode, y, &turning);
-        scene_evaluate_met(ode->values, ode->state, clock, bodies, &turning, met_of(ode), at);
-        return;
     }
-    scene_evaluate_met(ode->values, ode->state, clock, bodies, NULL, met_of(ode), at);
+    scene_evaluate_met(ode->values, ode->state, clock, bodies, &turning, met_of(ode), at);
 }
 
 void ode_other_motion(const struct scene_ode *ode, double clock, struct scene_instant *at)
@@ -609,8 +539,7 @@ void ode_rates_without_contact(const struct scene_ode *ode, double clock, double
     }
 }
 
-/* Returns the power of the loads on the bodies of y, and of the drives. */
-static double external_power(const struct scene_ode *ode, double clock, const struct scene_instant *at)
+double ode_external_power(const struct scene_ode *ode, double clock, const struct scene_instant *at)
 {
     double power = 0.0;
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -634,21 +563,44 @@ static void put_scene_rates(const struct scene_ode *ode, double clock, const dou
 {
     const struct scene_values *v = ode->values;
     const struct ode_layout *layout = &ode->layout;
+    const bool turns = scene_turns(v);
+    struct turning_state turning;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout->body[i] >= 0) {
             vec3_to(at->velocity[i], rates + layout->body[i]);
             vec3_to(at->acceleration[i], rates + layout->body[i] + 3);
         }
+        if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
+            const struct vec3 torque = turning_torque_on(v, ode->state, clock, at, i);
+            const struct quaternion orientation = four_from(y + layout->orientation[i]);
+            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), rates + layout->spin[i]);
+            four_to(quaternion_rate(orientation, at->turning.body[i].angular_velocity),
+                    rates + layout->orientation[i]);
+        }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (layout->met[j]) {
-            vec3_to(at->source_force[j], rates + layout->impulse[j]);
+        if (!layout->met[j]) {
+            continue;
+        }
+        double *impulse = rates + layout->impulse[j];
+        vec3_to(at->source_force[j], impulse);
+        if (turns) {
+            vec3_to(at->turning.source_torque[j], impulse + 3);
+            vec3_to(at->turning.destination_torque[j], impulse + 6);
+        }
+        if (SCENE_ANY_SPRINGS) {
+            unpack_springs(ode, y, j, &turning);
+        }
+        for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
+            if (layout->spring[j][i] >= 0) {
+                vec3_to(turning_spring_rate(v, ode->state, &turning, at, j, i), rates + layout->spring[j][i]);
+            }
         }
     }
     rates[layout->dissipated] = energy_dissipated_power(v, ode->state, at);
-    rates[layout->dissipated + 1] = external_power(ode, clock, at);
-    if (scene_turns(v)) {
-        turning_rates(ode, clock, y, at, rates);
+    rates[layout->dissipated + 1] = ode_external_power(ode, clock, at);
+    if (turns) {
+        rates[layout->dissipated + 2] = turning_friction_power(v, at);
     }
 }
 
@@ -666,27 +618,39 @@ void ode_rates_under(const struct scene_ode *ode, double clock, const double *y,
     put_scene_rates(ode, clock, y, at, rates);
 }
 
+/* An orientation has the size 1. An impulse of torque has at least the size of momentum_scale at the lever
+ * arm of the source. */
 void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
 {
     const struct ode_layout *layout = &ode->layout;
+    const int impulses = scene_turns(ode->values) ? TURNING_IMPULSES : 3;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         const int index = layout->body[i];
         if (index >= 0) {
             set_three(sizes + index, vec3_norm(vec3_from(y + index)));
             set_three(sizes + index + 3, vec3_norm(vec3_from(y + index + 3)));
         }
+        if (layout->spin[i] >= 0) {
+            set_three(sizes + layout->spin[i], vec3_norm(vec3_from(y + layout->spin[i])));
+            four_to((struct quaternion){1.0, 1.0, 1.0, 1.0}, sizes + layout->orientation[i]);
+        }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const int index = layout->impulse[j];
-        if (index >= 0) {
-            set_three(sizes + index, fmax(vec3_norm(vec3_from(y + index)), ode->momentum_scale));
+        const double lever = contact_source_radius(ode->values, j) + vec3_norm(contact_source_part(j));
+        for (int i = 0; i < OPPOSED; ++i) {
+            const int spring = layout->spring[j][i];
+            if (spring >= 0) {
+                set_three(sizes + spring, vec3_norm(vec3_from(y + spring)));
+            }
+        }
+        for (int k = 0; layout->met[j] && k < impulses; k += 3) {
+            const int index = layout->impulse[j] + k;
+            const double least = k == 0 ? ode->momentum_scale : lever * ode->momentum_scale;
+            set_three(sizes + index, fmax(vec3_norm(vec3_from(y + index)), least));
         }
     }
     for (int i = layout->dissipated; i < layout->size; ++i) {
         sizes[i] = fmax(fabs(y[i]), ode->energy_scale);
-    }
-    if (scene_turns(ode->values)) {
-        turning_nominal(ode, y, sizes);
     }
 }
 

@@ -384,14 +384,10 @@ struct contact_shape scene_whole_shape(const struct scene_values *v, const struc
                                   .half_length = half_length_of(v, contact),
                                   .side = scene_contact_side(v, q, contact),
                                   .destination = contact_destination_shape(contact)};
-    if (SCENE_ANY_CYLINDER && shape.destination == SHAPE_CYLINDER) {
-        shape.axis = q->contact[contact].parameters.axis;
-    }
-    if (SCENE_ANY_PLANE && shape.destination == SHAPE_PLANE) {
+    if (SCENE_ANY_AXIS) {
         shape.axis = q->contact[contact].parameters.axis;
     }
     if (SCENE_ANY_TORUS && shape.destination == SHAPE_TORUS) {
-        shape.axis = q->contact[contact].parameters.axis;
         shape.solid.radius = body_ring_radius(v, destination);
         shape.solid.race = race_of(v, destination);
     }

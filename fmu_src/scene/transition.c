@@ -408,27 +408,21 @@ void turning_take_event(const struct scene_values *v, struct scene_state *q, int
     }
 }
 
-static void note_regime(struct scene_state *q, int contact, enum contact_regime regime)
+/* Sets the regime of a contact and of its friction, and notes an onset or the end of the contact. */
+static void set_regime(const struct scene_values *v, struct scene_state *q, int contact,
+                       enum contact_regime regime)
 {
     struct contact_state *state = &q->contact[contact];
-    const bool touched = state->regime != REGIME_APART;
-    const bool touches = regime != REGIME_APART;
-    if (touches && !touched) {
+    const enum contact_regime before = (enum contact_regime)state->regime;
+    state->regime = (int32_t)regime;
+    if (before == REGIME_APART && regime != REGIME_APART) {
         counter_add(&state->record.onsets, 1);
         state->record.onset_time = scene_time(q);
         state->record.touch_clock = q->clock;
         state->record.force_error = 0.0;
-    } else if (touched && !touches) {
+    } else if (before != REGIME_APART && regime == REGIME_APART) {
         state->record.last_duration = q->clock - state->record.touch_clock;
     }
-    state->regime = (int32_t)regime;
-}
-
-static void set_regime(const struct scene_values *v, struct scene_state *q, int contact,
-                       enum contact_regime regime)
-{
-    const enum contact_regime before = (enum contact_regime)q->contact[contact].regime;
-    note_regime(q, contact, regime);
     if (SCENE_ANY_FRICTION) {
         turning_take_regime(v, q, contact, before);
     }
