@@ -66,16 +66,12 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
 static double put_turning_energies(struct scene_values *v, const struct scene_state *q,
                                    const struct scene_instant *at)
 {
-    if (scene_turns(v)) {
-        const double rotational = energy_rotational_of(v, at);
-        const double tangential = energy_tangential_of(v, q, at);
-        put_energy_rotational(v, rotational);
-        put_energy_tangential(v, tangential);
-        put_energy_friction(v, q->friction_energy - tangential);
-        return rotational + q->friction_energy;
-    }
-    put_energy_friction(v, q->friction_energy); /* zero, unless an importer's integrator has set it */
-    return q->friction_energy;
+    const double rotational = scene_turns(v) ? energy_rotational_of(v, at) : 0.0;
+    const double tangential = scene_turns(v) ? energy_tangential_of(v, q, at) : 0.0;
+    put_energy_rotational(v, rotational);
+    put_energy_tangential(v, tangential);
+    put_energy_friction(v, q->friction_energy - tangential);
+    return rotational + q->friction_energy;
 }
 
 static double put_energies(struct scene_values *v, const struct scene_state *q,
@@ -167,15 +163,11 @@ static double energy_term(const struct model *m, const struct scene_jet *along, 
 static void put_turn(struct scene_values *v, const struct turning_instant *turning, int body)
 {
     const struct body_turn *turn = &turning->body[body];
-    struct quaternion orientation = turn->orientation;
-    struct vec3 axis = quaternion_third_axis(orientation);
-    if (SCENE_ANY_ROTATION && !body_turns(v, body)) {
-        orientation = turning_start_orientation(v, body);
-        axis = quaternion_third_axis(orientation);
-    }
+    const bool rests = SCENE_ANY_ROTATION && !body_turns(v, body);
+    const struct quaternion orientation = rests ? turning_start_orientation(v, body) : turn->orientation;
     put_body_angular_velocity(v, body, turn->angular_velocity);
     put_body_orientation(v, body, orientation);
-    put_body_current_axis(v, body, axis);
+    put_body_current_axis(v, body, quaternion_third_axis(orientation));
 }
 
 static bool sticks(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,

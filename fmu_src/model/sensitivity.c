@@ -132,10 +132,7 @@ static double diagonal_slope(const struct model *m, const struct scene_jet *alon
 static void vary_factors(const struct model *m, struct scene_jet *along)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_penalty_control(&m->state.values, j) != PENALTY_CONTROL_USER_DEFINED ||
-            contact_viscous_control(&m->state.values, j) != VISCOUS_CONTROL_USER_DEFINED) {
-            along->law_slope[j] = model_law_slope(m, j, diagonal_slope(m, along, j));
-        }
+        along->law_slope[j] = model_law_slope(m, j, diagonal_slope(m, along, j));
         if (SCENE_ANY_FRICTION &&
             contact_slip_velocity_control(&m->state.values, j) == SLIP_VELOCITY_CONTROL_AUTOMATIC) {
             along->slip_velocity_slope[j] =

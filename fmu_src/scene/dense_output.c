@@ -239,7 +239,8 @@ static void put_terms(double of[3], const double term[JET_TERMS])
 static void scene_at(const struct scene_output *o, double clock, const bool *met, struct scene_state *q,
                      struct scene_instant *at)
 {
-    scene_state_look(o->state, q);
+    memcpy(q, o->state,
+           offsetof(struct scene_state, unfinished)); /* without the step, which is not looked at */
     q->clock = clock;
     if (o->move) {
         o->move(o->mover, clock, q);

@@ -453,19 +453,12 @@ struct body_instant scene_body_now(const struct scene_values *v, const struct sc
     return body_at(v, q, q->clock, q->body, body);
 }
 
-/* Whether the shape of the contact turns with the destination. That of skew cylinders does not, because both
- * turn about their own axes only. */
-static bool shape_turns(const struct scene_values *v, int contact)
-{
-    return body_turns(v, contact_destination(contact)) && !contact_has_skew_axes(v, contact);
-}
-
-/* Returns the rate of the separation c in the frame of the contact's shape, which may turn with the
- * destination [m/s]. */
+/* Returns the rate of the separation c in the frame of the contact's shape [m/s], which turns with the
+ * destination. The shape of skew cylinders does not turn, because both turn about their own axes only. */
 static struct vec3 rate_in_destination(const struct scene_values *v, const struct scene_instant *at,
                                        int contact)
 {
-    if (shape_turns(v, contact)) {
+    if (body_turns(v, contact_destination(contact)) && !contact_has_skew_axes(v, contact)) {
         const struct vec3 omega = at->turning.body[contact_destination(contact)].angular_velocity;
         return vec3_sub(at->rate[contact], vec3_cross(omega, at->separation[contact]));
     }

@@ -11,11 +11,6 @@ void contact_peaks_note(struct contact_peaks *peaks, double force, double penetr
     peaks->penetration = penetration > peaks->penetration ? penetration : peaks->penetration;
 }
 
-void scene_state_look(const struct scene_state *from, struct scene_state *to)
-{
-    memcpy(to, from, offsetof(struct scene_state, unfinished));
-}
-
 void counter_add(int32_t *counter, long more)
 {
     const long room = (long)INT32_MAX - *counter;
@@ -189,10 +184,7 @@ void scene_state_copy(const struct scene_values *v, const struct scene_state *fr
 
 bool contact_is_prescribed(const struct scene_values *v, int contact)
 {
-    if (!SCENE_ANY_PRESCRIBED_CONTACT) {
-        return false;
-    }
-    return !body_moves_freely(v, contact_source(contact)) &&
+    return SCENE_ANY_PRESCRIBED_CONTACT && !body_moves_freely(v, contact_source(contact)) &&
            !body_moves_freely(v, contact_destination(contact));
 }
 

@@ -310,13 +310,6 @@ static void break_away(const struct rubbed *r)
     }
 }
 
-static void stop_sliding(const struct rubbed *r)
-{
-    struct scene_instant at;
-    scene_now(r->v, r->q, &at);
-    stick(r, friction_regime_of(r->q, r->contact, r->part), rubbing_now(r, &at));
-}
-
 /* Lets a contact go on sliding unless it sticks. The slip may no longer stretch the spring after a corner of
  * the law, from where on the force falls more slowly or rises, and after a prescribed velocity has jumped. */
 static void keep_sliding(const struct rubbed *r)
@@ -398,7 +391,9 @@ void turning_take_event(const struct scene_values *v, struct scene_state *q, int
     if (regime == FRICTION_STICKING && (sticks || event == ODE_EVENT_CAP)) {
         break_away(&r);
     } else if (sticks) {
-        stop_sliding(&r);
+        struct scene_instant at;
+        scene_now(v, q, &at);
+        stick(&r, regime, rubbing_now(&r, &at));
     } else if (event == ODE_EVENT_CAP) {
         set_friction_regime(&r, regime == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED);
     } else if (regime == FRICTION_LIFTED) {
