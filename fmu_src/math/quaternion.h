@@ -30,7 +30,7 @@ static inline struct vec3 quaternion_vector(struct quaternion q)
     return vec3_make(q.x, q.y, q.z);
 }
 
-/* w, x, y or z, by its index 0 to 3 */
+/* Returns the place of a part of q: of w, x, y or z by the index 0 to 3. */
 static inline double *quaternion_part(struct quaternion *q, int index)
 {
     double *const parts[] = {&q->w, &q->x, &q->y, &q->z};

@@ -250,7 +250,8 @@ bool body_is_loaded(const struct scene_state *q, int body, int except)
 #endif
 }
 
-/* Returns the contact that stands for the island of a contact: a forest, in which `above` leads to a root. */
+/* Returns the contact that stands for the island of a contact. Contacts form a forest, in which `above` leads
+ * from each towards its root. */
 static int island_of(int16_t *above, int contact)
 {
     while (above[contact] != contact) {
@@ -265,7 +266,7 @@ struct islands scene_islands(const struct scene_values *v, const struct scene_st
     struct islands found = {0};
     int16_t above[SCENE_CONTACTS];
     int number[SCENE_CONTACTS];
-    int latest[SCENE_BODIES]; /* contact of the body in touch */
+    int latest[SCENE_BODIES]; /* the latest contact in touch of each body */
     int size[SCENE_CONTACTS] = {0};
     memset(latest, -1, sizeof latest);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {

@@ -161,8 +161,8 @@ static double normal_force_rate(const struct rubbed *r, const struct scene_insta
     return turning_normal_force_rate(r->v, r->q, r->q->clock, at, r->contact);
 }
 
-/* Whether the dashpot pulls. The push decides, as in the lift event, so that friction which is lifted has an
- * event that ends this regime. */
+/* Whether the dashpot pulls. The sign of contact_push decides this, as it decides the lift event, so that
+ * friction which is lifted has an event that ends its regime. */
 static bool is_lifted(const struct rubbed *r, const struct scene_instant *at)
 {
     const struct contact_law law = scene_contact_law(r->v, r->q, r->contact);
@@ -301,7 +301,7 @@ static void break_away(const struct rubbed *r)
     scene_now(r->v, r->q, &at);
     const struct friction_state rubbing = rubbing_now(r, &at);
     const bool jumps = law->static_coefficient > law->coefficient;
-    /* a value below this is no error */
+    /* the error of the motion does not explain a stick event below this */
     const double least = jumps ? 0.0 : -tolerated_motion(r->v, &at, r->contact, r->part);
     if (law->damping == 0.0 && friction_stick_event(law, next, rubbing, normal_force_rate(r, &at)) < least) {
         stick(r, next, rubbing);
