@@ -136,12 +136,12 @@ def amalgamated(units, source, scene, fmi):
         body += f"\n#ifdef CONTACT_WITH_CVODE\n{with_it}\n#endif\n"
     # What the contact folder, which knows no scene, hears of it.
     parts = "CYLINDER SKEW CAPS PLANE TORUS COMPOUND CURVED HERTZ PRESCRIBED RESTITUTION ROLLING MINDLIN"
-    left_out = [f"CONTACT_NO_{part}" for part in parts.split() if f"set(SCENE_HAS_{part} OFF)" in about]
+    left_out = [f"CONTACT_ANY_{part}" for part in parts.split() if f"set(SCENE_HAS_{part} OFF)" in about]
     name = re.search(r'SCENE_NAME "(\w+)"', about)[1]
     head = HEAD.format(
         name=name,
         fmi=fmi,
-        definitions="".join(f"#define {macro}\n" for macro in left_out),
+        definitions="".join(f"#define {macro} 0\n" for macro in left_out),
         libraries="".join(f"#include <{library}>\n" for library in sorted(one.libraries)),
     )
     header = (scene / "scene.h").read_text(encoding="utf-8")

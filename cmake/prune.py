@@ -36,12 +36,12 @@ CONSTANT = re.compile(r"(?:static )?const [\w ]*?[ *](\w+)(?:\[[^=]*)? =")
 
 
 def pruned(text, scene_header, left_out):
-    """The text of C as the macros of scene.h have it; left_out: all macros CONTACT_NO_... that are defined"""
+    """The text of C as the macros of scene.h have it; left_out: all macros CONTACT_ANY_... that are 0"""
     values = {name: int(value) for name, value in DEFINED.findall(scene_header)}
     lines, rest = _chosen(text.split("\n"), 0, Conditions(values, left_out))
     assert rest == len(text.split("\n"))
     text = "\n".join(lines)
-    values |= {name: int(value) for name, value in DEFINED.findall(text)}
+    values |= {name: int(value) for name, value in DEFINED.findall(text)} | dict.fromkeys(left_out, 0)
     known = Known(values | _enumerators(text))
     for name, word in PINNED.findall(scene_header):
         number = known.number(word)
@@ -99,7 +99,7 @@ class Conditions:
         """True or false, or None where a compiler decides"""
         condition = condition.strip()
         if kind in ("ifdef", "ifndef"):
-            if not condition.startswith("CONTACT_NO_"):
+            if not condition.startswith("CONTACT_ANY_"):
                 return None
             return (condition in self.left_out) == (kind == "ifdef")
         names = NAME.findall(condition)

@@ -3,68 +3,44 @@
 #ifndef CONTACT_CONTACT_CHOICES_H
 #define CONTACT_CONTACT_CHOICES_H
 
-/* CONTACT_ANY_X is 1 where a scene of the build may contain X. CONTACT_ANY_X is 0 where the build defines
- * CONTACT_NO_X for a scene without X (ContactFmu.cmake); the compiler then drops the code for X. */
-#ifdef CONTACT_NO_CYLINDER
-#define CONTACT_ANY_CYLINDER 0
-#else
+/* CONTACT_ANY_X is 1 where a scene of the build may contain X. The build of a scene without X defines it as 0
+ * (ContactFmu.cmake); the compiler then drops the code for X. */
+#ifndef CONTACT_ANY_CYLINDER
 #define CONTACT_ANY_CYLINDER 1
 #endif
-#ifdef CONTACT_NO_CAPS
-#define CONTACT_ANY_CAPS 0
-#else
+#ifndef CONTACT_ANY_CAPS
 #define CONTACT_ANY_CAPS 1
 #endif
-#ifdef CONTACT_NO_PLANE
-#define CONTACT_ANY_PLANE 0
-#else
+#ifndef CONTACT_ANY_PLANE
 #define CONTACT_ANY_PLANE 1
 #endif
-#ifdef CONTACT_NO_TORUS
-#define CONTACT_ANY_TORUS 0
-#else
+#ifndef CONTACT_ANY_TORUS
 #define CONTACT_ANY_TORUS 1
 #endif
 /* Whether a shape may be a rim or a torus, whose nearest point is on a circle. */
 #define CONTACT_ANY_CIRCLE (CONTACT_ANY_CAPS || CONTACT_ANY_TORUS)
-#ifdef CONTACT_NO_SKEW /* no cylinders touch with skew axes */
-#define CONTACT_ANY_SKEW 0
-#else
+#ifndef CONTACT_ANY_SKEW /* whether cylinders may touch with skew axes */
 #define CONTACT_ANY_SKEW 1
 #endif
-#ifdef CONTACT_NO_COMPOUND
-#define CONTACT_ANY_COMPOUND 0
-#else
+#ifndef CONTACT_ANY_COMPOUND
 #define CONTACT_ANY_COMPOUND 1
 #endif
-#ifdef CONTACT_NO_CURVED /* every destination is a plane */
-#define CONTACT_ANY_CURVED 0
-#else
+#ifndef CONTACT_ANY_CURVED /* whether a destination may be other than a plane */
 #define CONTACT_ANY_CURVED 1
 #endif
-#ifdef CONTACT_NO_HERTZ
-#define CONTACT_ANY_HERTZ 0
-#else
+#ifndef CONTACT_ANY_HERTZ
 #define CONTACT_ANY_HERTZ 1
 #endif
-#ifdef CONTACT_NO_PRESCRIBED /* the importer moves no body */
-#define CONTACT_ANY_PRESCRIBED 0
-#else
+#ifndef CONTACT_ANY_PRESCRIBED /* whether the importer may move a body */
 #define CONTACT_ANY_PRESCRIBED 1
 #endif
-#ifdef CONTACT_NO_RESTITUTION
-#define CONTACT_ANY_RESTITUTION 0
-#else
+#ifndef CONTACT_ANY_RESTITUTION
 #define CONTACT_ANY_RESTITUTION 1
 #endif
-#ifdef CONTACT_NO_ROLLING /* no contact resists rolling or spinning */
-#define CONTACT_ANY_ROLLING 0
-#else
+#ifndef CONTACT_ANY_ROLLING /* whether a contact may resist rolling or spinning */
 #define CONTACT_ANY_ROLLING 1
 #endif
-#ifdef CONTACT_NO_MINDLIN /* no tangential stiffness follows the normal one */
-#define CONTACT_ANY_MINDLIN 0
-#else
+#ifndef CONTACT_ANY_MINDLIN /* whether a tangential stiffness may follow the normal one */
 #define CONTACT_ANY_MINDLIN 1
 #endif
 

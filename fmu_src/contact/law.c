@@ -36,25 +36,14 @@ static double three_halves(double gap)
 static void power_of_depth(const double *gap, double exponent, int order, double power[TAYLOR_TERMS])
 {
     double depth[TAYLOR_TERMS];
-    depth[0] = -gap[0];
-    power[0] = depth[0] > 0.0 ? taylor_power(depth, exponent, power, 0)
-                              : 0.0; /* taylor_power needs it at every order */
-    for (int i = 1; i <= order; ++i) {
+    for (int i = 0; i <= order; ++i) {
         depth[i] = -gap[i];
         power[i] = depth[0] > 0.0 ? taylor_power(depth, exponent, power, i) : 0.0;
     }
 }
 
-/* Return the Taylor coefficient `order` of F_n, of the stored energy and of the spring's part of F_n along a
- * path, from the coefficients 0..order of g and g'; zero where the path begins at g >= 0. */
-static double hertz_force_term(double stiffness, double damping, const double *gap, const double *gap_rate,
-                               int order)
-{
-    double power[TAYLOR_TERMS];
-    power_of_depth(gap, 1.5, order, power);
-    return stiffness * (power[order] - damping * taylor_multiply(power, gap_rate, order));
-}
-
+/* Return the Taylor coefficient `order` of the stored energy and of the spring's part of F_n along a path,
+ * from the coefficients 0..order of g. Both are zero where the path begins at g >= 0. */
 static double hertz_energy_term(double stiffness, const double *gap, int order)
 {
     double power[TAYLOR_TERMS];
@@ -64,7 +53,9 @@ static double hertz_energy_term(double stiffness, const double *gap, int order)
 
 static double hertz_spring_term(double stiffness, const double *gap, int order)
 {
-    return hertz_force_term(stiffness, 0.0, gap, gap, order);
+    double power[TAYLOR_TERMS];
+    power_of_depth(gap, 1.5, order, power);
+    return stiffness * power[order];
 }
 
 double hertz_modulus(struct contact_material source, struct contact_material destination)
@@ -335,20 +326,13 @@ static double hertz_damping_in(const struct contact_law *law, enum contact_regim
     return regime == REGIME_COMPRESSION ? law->damping : 0.0;
 }
 
-/* Whether the formula of compression gives no push, so that a non-adhesive dashpot clips the force. */
-static bool pulls(const struct contact_law *law, double gap, double gap_rate)
-{
-    return contact_is_hertz(law) ? contact_event(law, REGIME_COMPRESSION, gap, gap_rate) <= 0.0
-                                 : contact_force(law, REGIME_COMPRESSION, gap, gap_rate) <= 0.0;
-}
-
 enum contact_regime contact_regime_of(const struct contact_law *law, double gap, double gap_rate, bool within)
 {
     if (!(gap < 0.0) || !within) {
         return REGIME_APART;
     }
     if (law->damping > 0.0) {
-        if (law->dashpot == DASHPOT_NON_ADHESIVE && pulls(law, gap, gap_rate)) {
+        if (law->dashpot == DASHPOT_NON_ADHESIVE && contact_push(law, gap, gap_rate) <= 0.0) {
             return REGIME_SEPARATING;
         }
         if (law->dashpot == DASHPOT_APPROACH_ONLY && gap_rate >= 0.0) {
@@ -396,18 +380,19 @@ struct contact_slopes contact_force_slopes(const struct contact_law *law, enum c
 static double hertz_term(const struct contact_law *law, const struct contact_law *change,
                          enum contact_regime regime, const double *gap, const double *gap_rate, int order)
 {
+    double power[TAYLOR_TERMS];
+    const double chi = hertz_damping_in(law, regime);
     if (!regime_pushes(regime)) {
         return 0.0;
     }
-    const double chi = hertz_damping_in(law, regime);
-    const double force = hertz_force_term(law->stiffness, chi, gap, gap_rate, order);
-    if (!change || order == 0) {
-        return force;
+    power_of_depth(gap, 1.5, order, power);
+    double force = law->stiffness * (power[order] - chi * taylor_multiply(power, gap_rate, order));
+    if (order > 0) {
+        const double viscous = taylor_multiply(power, gap_rate, order - 1);
+        force += change->stiffness * (power[order - 1] - chi * viscous) -
+                 law->stiffness * hertz_damping_in(change, regime) * viscous;
     }
-    const double more_chi = hertz_damping_in(change, regime);
-    return force + hertz_force_term(change->stiffness, chi, gap, gap_rate, order - 1) +
-           (hertz_force_term(law->stiffness, more_chi, gap, gap_rate, order - 1) -
-            hertz_spring_term(law->stiffness, gap, order - 1));
+    return force;
 }
 
 double contact_force_term(const struct contact_law *law, const struct contact_law *change,
@@ -417,12 +402,9 @@ double contact_force_term(const struct contact_law *law, const struct contact_la
         return hertz_term(law, change, regime, gap, gap_rate, order);
     }
     const struct contact_coefficients linear = contact_coefficients_of(law, regime);
-    const double force = contact_linear_force(linear, gap[order], gap_rate[order]);
-    if (!change || order == 0) {
-        return force;
-    }
     const struct contact_coefficients slope = contact_coefficients_of(change, regime);
-    return force + contact_linear_force(slope, gap[order - 1], gap_rate[order - 1]);
+    const double force = contact_linear_force(linear, gap[order], gap_rate[order]);
+    return order > 0 ? force + contact_linear_force(slope, gap[order - 1], gap_rate[order - 1]) : force;
 }
 
 bool contact_has_events(const struct contact_law *law)
@@ -509,11 +491,10 @@ double contact_stored_term(const struct contact_law *law, const struct contact_l
     }
     if (contact_is_hertz(law)) {
         const double energy = hertz_energy_term(law->stiffness, gap, order);
-        return change && order > 0 ? energy + hertz_energy_term(change->stiffness, gap, order - 1) : energy;
+        return order > 0 ? energy + hertz_energy_term(change->stiffness, gap, order - 1) : energy;
     }
     const double energy = 0.5 * law->stiffness * taylor_multiply(gap, gap, order);
-    return change && order > 0 ? energy + 0.5 * change->stiffness * taylor_multiply(gap, gap, order - 1)
-                               : energy;
+    return order > 0 ? energy + 0.5 * change->stiffness * taylor_multiply(gap, gap, order - 1) : energy;
 }
 
 double contact_dissipated_power(const struct contact_law *law, enum contact_regime regime,

@@ -113,7 +113,7 @@ struct contact_slopes contact_force_slopes(const struct contact_law *law, enum c
                                            double gap, double gap_rate);
 
 /* Returns the Taylor coefficient `order` of F_n along a path from the coefficients 0..order of g and g'.
- * `change` holds the derivatives of the law's factors along the path; NULL: constant factors. */
+ * `change` holds the derivatives of the law's factors along the path. */
 double contact_force_term(const struct contact_law *law, const struct contact_law *change,
                           enum contact_regime regime, const double *gap, const double *gap_rate, int order);
 

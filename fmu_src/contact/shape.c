@@ -344,45 +344,35 @@ struct vec3 contact_direction_of(const struct contact_shape *shape, const struct
     return flipped ? vec3_scale(-1.0, at->normal) : at->normal;
 }
 
-/* Returns the part of w that rotates n [m/s]: w without its components along n and along a cylinder's axis;
- * zero for a plane. */
-static struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 normal, struct vec3 w)
+struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
+                                 struct vec3 w)
 {
     if (contact_is_plane(shape)) {
         return vec3_make(0.0, 0.0, 0.0);
     }
-    struct vec3 across = vec3_axpy(w, -vec3_dot(normal, w), normal);
+    struct vec3 across = vec3_axpy(w, -vec3_dot(at->normal, w), at->normal);
     if (contact_is_cylinder(shape)) {
         across = vec3_axpy(across, -vec3_dot(shape->axis, w), shape->axis);
     }
-    return across;
-}
-
-struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
-                                 struct vec3 w)
-{
     if (contact_is_circle(shape)) {
-        const struct vec3 across = vec3_axpy(w, -vec3_dot(at->normal, w), at->normal);
-        return vec3_axpy(across, -at->circumferential_part * vec3_dot(at->circumferential, w),
-                         at->circumferential);
+        across = vec3_axpy(across, -at->circumferential_part * vec3_dot(at->circumferential, w),
+                           at->circumferential);
     }
-    return contact_tangential(shape, at->normal, w);
+    return across;
 }
 
 double contact_turning_rate(const struct contact_shape *shape, const struct contact_geometry *at,
                             struct vec3 w, struct vec3 moved)
 {
     const struct vec3 turned = contact_turning_part(shape, at, moved);
-    return vec3_dot(contact_is_circle(shape) ? w : contact_tangential(shape, at->normal, w), turned);
+    return vec3_dot(contact_is_circle(shape) ? w : contact_turning_part(shape, at, w), turned);
 }
 
 struct vec3 contact_escape_direction(const struct contact_shape *shape, struct vec3 w, struct vec3 fallback)
 {
-    if (contact_is_cylinder(shape)) {
-        w = contact_across_axis(shape, w, vec3_dot(w, shape->axis));
-    }
-    const double speed = vec3_norm(w);
-    return speed > 0.0 ? vec3_make(w.x / speed, w.y / speed, w.z / speed) : fallback;
+    const struct vec3 across = contact_across(shape, w);
+    const double speed = vec3_norm(across);
+    return speed > 0.0 ? vec3_make(across.x / speed, across.y / speed, across.z / speed) : fallback;
 }
 
 struct vec3 contact_default_normal(const struct contact_shape *shape)

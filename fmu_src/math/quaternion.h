@@ -30,6 +30,13 @@ static inline struct vec3 quaternion_vector(struct quaternion q)
     return vec3_make(q.x, q.y, q.z);
 }
 
+/* Returns the place of a part of q: of w, x, y or z by the index 0 to 3. */
+static inline double *quaternion_part(struct quaternion *q, int index)
+{
+    double *const parts[] = {&q->w, &q->x, &q->y, &q->z};
+    return parts[index];
+}
+
 /* a b: first b's rotation, then a's. */
 CONTACT_NOT_FUSED static inline struct quaternion quaternion_product(struct quaternion a, struct quaternion b)
 {

@@ -357,11 +357,6 @@ enum model_status model_set_input_derivative(struct model *m, const struct varia
                                              double value)
 {
     const int index = signal_of(variable);
-    if (index < 0 || order < 1 || order > 2) {
-        return model_report(m, MODEL_ERROR,
-                            "Derivative %d of %s cannot be set (allowed: orders 1 and 2 of inputs).", order,
-                            variable->name);
-    }
     if (!(value >= variable->min && value <= variable->max)) {
         return model_report(m, MODEL_DISCARD, "Derivative %d of %s = %s refused (allowed: %g .. %g).", order,
                             variable->name, shortest_digits(value).text, variable->min, variable->max);

@@ -9,28 +9,15 @@
 #include "scene/evaluate.h"
 #include "scene/transition.h"
 
-static double *orientation_part(struct quaternion *q, int component)
-{
-    double *const parts[] = {&q->w, &q->x, &q->y, &q->z};
-    return parts[component];
-}
-
 /* Returns the opposed motion (contact/friction.h) of a row of its spring, the spring's rate or its event
  * indicator. */
 static int part_of(int row)
 {
-    switch (row) {
-    case ROW_contact_rolling_spring_state:
-    case ROW_contact_rolling_spring_rate:
-    case ROW_contact_rolling_stick_indicator:
-        return OPPOSED_ROLLING;
-    case ROW_contact_spinning_spring_state:
-    case ROW_contact_spinning_spring_rate:
-    case ROW_contact_spinning_stick_indicator:
-        return OPPOSED_SPINNING;
-    default:
-        return OPPOSED_SLIP;
-    }
+    const bool rolls = row == ROW_contact_rolling_spring_state || row == ROW_contact_rolling_spring_rate ||
+                       row == ROW_contact_rolling_stick_indicator;
+    const bool spins = row == ROW_contact_spinning_spring_state || row == ROW_contact_spinning_spring_rate ||
+                       row == ROW_contact_spinning_stick_indicator;
+    return rolls ? OPPOSED_ROLLING : spins ? OPPOSED_SPINNING : OPPOSED_SLIP;
 }
 
 /* Returns the place of a state in the scene. The scene holds a displacement relative to its body's origin. */
@@ -40,7 +27,7 @@ static double *state_at(struct scene_state *q, const struct variable *state)
     const int k = state->component;
     switch (state->row) {
     case ROW_body_orientation_state:
-        return orientation_part(&q->turning.body[i].orientation, k);
+        return quaternion_part(&q->turning.body[i].orientation, k);
     case ROW_body_angular_velocity_state:
         return vec3_part(&q->turning.body[i].angular_velocity, k);
     case ROW_contact_spring_state:
@@ -111,7 +98,7 @@ static void move_orientation(const struct scene_state *q, const struct variable 
     const int body = state->element;
     const struct quaternion raw = q->turning.body[body].orientation;
     struct quaternion by = {0.0, 0.0, 0.0, 0.0};
-    *orientation_part(&by, state->component) = change;
+    *quaternion_part(&by, state->component) = change;
     along->given_orientation[body] = quaternion_axpy(along->given_orientation[body], 1.0, by);
     turning_jet_move_orientation(body, quaternion_unit(raw), sqrt(quaternion_dot(raw, raw)), state->component,
                                  change, along);
@@ -197,34 +184,28 @@ static struct vec3 vector_rate(const struct scene_values *v, const struct scene_
     }
 }
 
-/* Returns the rate of a state, or its change along a path; NULL: no path. */
-static double rate_of(const struct scene_values *v, const struct scene_state *q,
-                      const struct scene_instant *at, const struct scene_jet *along,
-                      const struct variable *rate)
+double model_exchange_rate(const struct scene_values *v, const struct scene_state *q,
+                           const struct scene_instant *at, const struct scene_jet *along,
+                           const struct variable *rate)
 {
     struct quaternion turned;
     switch (rate->row) {
     case ROW_body_orientation_rate:
         turned = orientation_rate(q, along, rate->element);
-        return body_turns_freely(v, rate->element) ? *orientation_part(&turned, rate->component) : 0.0;
+        return body_turns_freely(v, rate->element) ? *quaternion_part(&turned, rate->component) : 0.0;
     case ROW_energy_friction_power:
         return !scene_turns(v) ? 0.0
                : along         ? turning_jet_friction_power(v, along, 1)
                                : turning_friction_power(v, at);
     case ROW_energy_dissipated_power:
         return along ? free_bodies_dissipated_power(v, q, along, 1) : energy_dissipated_power(v, q, at);
-    case ROW_energy_external_power:
-        return along ? free_bodies_external_power(v, q, along, 1) : scene_external_power(v, q, q->clock, at);
+    case ROW_energy_external_power: {
+        const struct scene_ode ode = {.values = v, .state = q, .layout = ode_layout_of(v, NULL)};
+        return along ? free_bodies_external_power(v, q, along, 1) : ode_external_power(&ode, q->clock, at);
+    }
     default:
         return vec3_get(vector_rate(v, q, at, along, rate), rate->component);
     }
-}
-
-double model_exchange_slope(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at, const struct scene_jet *along,
-                            const struct variable *variable)
-{
-    return variable->causality == VARIABLE_RATE ? rate_of(v, q, at, along, variable) : 0.0;
 }
 
 double model_exchange_value(const struct scene_values *v, const struct scene_state *q,
@@ -237,7 +218,7 @@ double model_exchange_value(const struct scene_values *v, const struct scene_sta
         const double kept = *state_at((struct scene_state *)q, variable);
         return variable->row == ROW_body_displacement_state ? state_origin(q, variable) + kept : kept;
     }
-    return variable->causality == VARIABLE_RATE ? rate_of(v, q, at, NULL, variable)
+    return variable->causality == VARIABLE_RATE ? model_exchange_rate(v, q, at, NULL, variable)
                                                 : indicator_of(v, q, at, variable);
 }
 

@@ -293,12 +293,10 @@ bool motion_defer(struct model *m, double end_time)
     if (!SCENE_ANY_FREE || !flight_defer(q, end_time)) {
         return false;
     }
-    if (m->outputs > OUTPUTS_FIXED) {
-        if (q->only_flies) {
-            foresee_reading(m, m->state.motion.clock);
-        } else {
-            m->outputs = OUTPUTS_FIXED;
-        }
+    if (m->outputs > OUTPUTS_FIXED && q->only_flies) {
+        foresee_reading(m, m->state.motion.clock);
+    } else {
+        model_forget_outputs(m);
     }
     return true;
 }

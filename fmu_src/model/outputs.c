@@ -66,16 +66,12 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
 static double put_turning_energies(struct scene_values *v, const struct scene_state *q,
                                    const struct scene_instant *at)
 {
-    if (scene_turns(v)) {
-        const double rotational = energy_rotational_of(v, at);
-        const double tangential = energy_tangential_of(v, q, at);
-        put_energy_rotational(v, rotational);
-        put_energy_tangential(v, tangential);
-        put_energy_friction(v, q->friction_energy - tangential);
-        return rotational + q->friction_energy;
-    }
-    put_energy_friction(v, q->friction_energy); /* zero, unless an importer's integrator has set it */
-    return q->friction_energy;
+    const double rotational = scene_turns(v) ? energy_rotational_of(v, at) : 0.0;
+    const double tangential = scene_turns(v) ? energy_tangential_of(v, q, at) : 0.0;
+    put_energy_rotational(v, rotational);
+    put_energy_tangential(v, tangential);
+    put_energy_friction(v, q->friction_energy - tangential);
+    return rotational + q->friction_energy;
 }
 
 static double put_energies(struct scene_values *v, const struct scene_state *q,
@@ -167,15 +163,11 @@ static double energy_term(const struct model *m, const struct scene_jet *along, 
 static void put_turn(struct scene_values *v, const struct turning_instant *turning, int body)
 {
     const struct body_turn *turn = &turning->body[body];
-    struct quaternion orientation = turn->orientation;
-    struct vec3 axis = quaternion_third_axis(orientation);
-    if (SCENE_ANY_ROTATION && !body_turns(v, body)) {
-        orientation = turning_start_orientation(v, body);
-        axis = quaternion_third_axis(orientation);
-    }
+    const bool rests = SCENE_ANY_ROTATION && !body_turns(v, body);
+    const struct quaternion orientation = rests ? turning_start_orientation(v, body) : turn->orientation;
     put_body_angular_velocity(v, body, turn->angular_velocity);
     put_body_orientation(v, body, orientation);
-    put_body_current_axis(v, body, axis);
+    put_body_current_axis(v, body, quaternion_third_axis(orientation));
 }
 
 static bool sticks(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
@@ -311,11 +303,6 @@ static struct vec3 source_point_term(const struct scene_jet *along, const struct
     return vec3_add(along->displacement[contact_source(contact)][order], arm);
 }
 
-static double quaternion_component(struct quaternion a, int index)
-{
-    return index == 0 ? a.w : vec3_get(quaternion_vector(a), index - 1);
-}
-
 /* Returns coefficient `order` of the output `distance`, for a capped cylinder that of the distance from its
  * axis in every zone. */
 static double distance_term(const struct scene_values *v, const struct contact_shape *shape,
@@ -344,6 +331,43 @@ static double distance_term(const struct scene_values *v, const struct contact_s
     return along->contact[contact].distance[order];
 }
 
+/* Returns coefficient `order` of a vector output of a contact; zero where the output is constant. */
+static struct vec3 contact_vector_term(const struct scene_jet *along, const struct contact_shape *shape,
+                                       int contact, int row, int order)
+{
+    const struct contact_jet *jet = &along->contact[contact];
+    const struct turning_jet *turning = &along->turning[contact];
+    switch (row) {
+    case ROW_contact_direction: {
+        const struct contact_geometry turned = {.normal = jet->normal[order]};
+        return contact_direction_of(shape, &turned);
+    }
+    case ROW_contact_source_force:
+        return jet->source_force[order];
+    case ROW_contact_destination_force:
+        return vec3_scale(-1.0, jet->source_force[order]);
+    case ROW_contact_point: /* by g n beyond the source's point, on the destination's surface */
+        return vec3_axpy(source_point_term(along, shape, contact, order), shape->side,
+                         jet_scale(jet->gap, jet->normal, order));
+    case ROW_contact_source_point:
+        return source_point_term(along, shape, contact, order);
+    case ROW_contact_friction_force:
+        return turning->friction_force[order];
+    case ROW_contact_slip_velocity:
+        return turning->slip[order];
+    case ROW_contact_source_torque:
+        return turning->source_torque[order];
+    case ROW_contact_destination_torque:
+        return turning->destination_torque[order];
+    case ROW_contact_rolling_torque:
+    case ROW_contact_rolling_rate:
+    case ROW_contact_spinning_rate:
+        return resistance_term(shape->side, turning, jet->normal, row, order);
+    default:
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+}
+
 static double contact_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
                            const struct scene_jet *along, const struct variable *variable, int order)
 {
@@ -351,8 +375,6 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
     const int j = variable->element;
     const struct contact_shape shape = scene_shape_met(v, q, at, j);
     const struct contact_jet *contact = &along->contact[j];
-    const struct turning_jet *turning = &along->turning[j];
-    struct vec3 vector = {0.0, 0.0, 0.0};
     switch (variable->row) {
     case ROW_contact_gap:
         return scene_shown_within(v, q, at, j, &shape) ? contact->gap[order] : 0.0;
@@ -362,47 +384,9 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
         return distance_term(v, &shape, at, along, j, order);
     case ROW_contact_normal_force:
         return contact->normal_force[order];
-    case ROW_contact_direction: {
-        const struct contact_geometry turned = {.normal = contact->normal[order]};
-        vector = contact_direction_of(&shape, &turned);
-        break;
-    }
-    case ROW_contact_source_force:
-        vector = contact->source_force[order];
-        break;
-    case ROW_contact_destination_force:
-        vector = vec3_scale(-1.0, contact->source_force[order]);
-        break;
-    case ROW_contact_point: /* by g n beyond the source's point, on the destination's surface */
-        vector = vec3_scale(shape.side, jet_scale(contact->gap, contact->normal, order));
-        vector = vec3_add(source_point_term(along, &shape, j, order), vector);
-        break;
-    case ROW_contact_source_point:
-        vector = source_point_term(along, &shape, j, order);
-        break;
-    case ROW_contact_friction_force:
-        vector = turning->friction_force[order];
-        break;
-    case ROW_contact_slip_velocity:
-        vector = turning->slip[order];
-        break;
-    case ROW_contact_source_torque:
-        vector = turning->source_torque[order];
-        break;
-    case ROW_contact_destination_torque:
-        vector = turning->destination_torque[order];
-        break;
-    case ROW_contact_rolling_torque:
-    case ROW_contact_rolling_rate:
-    case ROW_contact_spinning_rate:
-        if (SCENE_ANY_ROLLING) {
-            vector = resistance_term(shape.side, turning, contact->normal, variable->row, order);
-        }
-        break;
     default:
-        break;
+        return vec3_get(contact_vector_term(along, &shape, j, variable->row, order), variable->component);
     }
-    return vec3_get(vector, variable->component);
 }
 
 double output_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
@@ -412,6 +396,7 @@ double output_term(const struct model *m, const struct scene_state *q, const str
     const int k = variable->component;
     const bool starting = !m->state.initialized;
     const bool touches = j < SCENE_CONTACTS && q->contact[j].regime != REGIME_APART;
+    struct quaternion orientation;
     switch (variable->row) {
     case ROW_body_displacement:
     case ROW_body_position:
@@ -426,7 +411,8 @@ double output_term(const struct model *m, const struct scene_state *q, const str
     case ROW_body_contact_torque:
         return SCENE_ANY_COMPOUND ? vec3_get(contact_sum_term(along, variable, order), k) : 0.0;
     case ROW_body_orientation:
-        return quaternion_component(along->orientation[j][order], k);
+        orientation = along->orientation[j][order];
+        return *quaternion_part(&orientation, k);
     case ROW_contact_peak_force: /* until initialization ends, peaks are values at the start */
         return starting && at->normal_force[j] > 0.0 ? along->contact[j].normal_force[order] : 0.0;
     case ROW_contact_peak_penetration:
@@ -526,8 +512,7 @@ static void update_bodies(struct model *m)
     struct scene_values *v = &m->state.values;
     motion_catch_up(m);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const bool moves = body_is_free(v, i) || body_is_prescribed(v, i);
-        if (m->outputs == OUTPUTS_NONE || moves) {
+        if (m->outputs == OUTPUTS_NONE || body_is_free(v, i) || body_is_prescribed(v, i)) {
             present_body_now(v, &m->state.motion, i);
         }
     }

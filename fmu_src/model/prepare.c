@@ -6,6 +6,7 @@
 #include "contact/law.h"
 #include "contact/shape.h"
 #include "model/state.h"
+#include "scene/evaluate.h"
 
 /* Relative rounding of a sum of moments of inertia, which equals the third one of a flat body. */
 static const double INERTIA_ROUNDING = 1e-12;
@@ -538,14 +539,6 @@ enum model_status model_check_consistency(struct model *m)
     return status == MODEL_OK ? warn_of_conforming(m) : status;
 }
 
-static struct vec3 start_displacement(const struct scene_values *v, const struct scene_state *q, int body)
-{
-    if (body_is_free(v, body)) {
-        return body_initial_displacement(v, body);
-    }
-    return body_is_prescribed(v, body) ? q->path[body].displacement[0] : vec3_make(0.0, 0.0, 0.0);
-}
-
 /* Returns the bounding box of a body. A plane has no box of its own and gets that of the other body, so that
  * the common box is the other body's. */
 static struct bounding_box body_box(const struct scene_values *v, int body, double radius, struct vec3 centre,
@@ -572,7 +565,8 @@ static void start_boxes(const struct scene_values *v, const struct scene_state *
     const int from = contact_source(contact);
     const int to = contact_destination(contact);
     const struct vec3 apart = vec3_sub(body_center(v, to), body_center(v, from));
-    struct vec3 moved = vec3_sub(start_displacement(v, q, to), start_displacement(v, q, from));
+    struct vec3 moved =
+        vec3_sub(scene_body_now(v, q, to).displacement, scene_body_now(v, q, from).displacement);
     if (SCENE_ANY_COMPOUND) {
         const struct vec3 start =
             quaternion_rotate(q->turn_origin[from].orientation, contact_source_part(contact));

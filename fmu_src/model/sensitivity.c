@@ -132,10 +132,7 @@ static double diagonal_slope(const struct model *m, const struct scene_jet *alon
 static void vary_factors(const struct model *m, struct scene_jet *along)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_penalty_control(&m->state.values, j) != PENALTY_CONTROL_USER_DEFINED ||
-            contact_viscous_control(&m->state.values, j) != VISCOUS_CONTROL_USER_DEFINED) {
-            along->law_slope[j] = model_law_slope(m, j, diagonal_slope(m, along, j));
-        }
+        along->law_slope[j] = model_law_slope(m, j, diagonal_slope(m, along, j));
         if (SCENE_ANY_FRICTION &&
             contact_slip_velocity_control(&m->state.values, j) == SLIP_VELOCITY_CONTROL_AUTOMATIC) {
             along->slip_velocity_slope[j] =
@@ -169,8 +166,10 @@ static double input_derivative(const struct model *m, const struct scene_state *
                                const struct variable *variable)
 {
     const int j = variable->element;
-    if (variable_is_local(variable)) {
-        return model_exchange_slope(&m->state.values, q, at, along, variable);
+    if (variable_is_local(variable)) { /* a rate, or a state: no input changes a state at once */
+        return variable->causality == VARIABLE_RATE
+                   ? model_exchange_rate(&m->state.values, q, at, along, variable)
+                   : 0.0;
     }
     switch (variable->row) {
     case ROW_contact_effective_slip_velocity:

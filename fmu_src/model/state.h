@@ -201,10 +201,10 @@ double model_exchange_value(const struct scene_values *v, const struct scene_sta
 void model_exchange_move(const struct scene_values *v, const struct scene_state *q,
                          const struct variable *state, double change, struct scene_jet *along);
 
-/* Returns the change of a rate along the path. */
-double model_exchange_slope(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at, const struct scene_jet *along,
-                            const struct variable *variable);
+/* Returns the rate of a state, or the change of this rate along a path; NULL: no path. */
+double model_exchange_rate(const struct scene_values *v, const struct scene_state *q,
+                           const struct scene_instant *at, const struct scene_jet *along,
+                           const struct variable *rate);
 
 /* Returns the Taylor coefficient `order` of an output along a path (scene_jet.h); zero where the path does
  * not change the output. */

@@ -15,7 +15,7 @@ struct probe {
 
 double dense_output_worth_a_search(const struct scene_values *v)
 {
-    return fmin(solver_relative_tolerance(v), 1e-9); /* less saves no work at loose tolerances */
+    return fmin(solver_relative_tolerance(v), 1e-9); /* a looser bound would spare no search */
 }
 
 void dense_output_add(struct dense_output *w, double s)
@@ -49,25 +49,22 @@ static struct root_bracket_end end_of(const struct event_function *what, int ord
                                      order < 2 ? term_of(what, at, order + 1) : 0.0};
 }
 
-/* Serves as a root_function. */
-static void probe_at(const void *data, double s, double *value, double *slope)
-{
-    const struct probe *probe = data;
-    struct pair_sample at;
-    probe->output->sampler(probe->output->segment, s, &at);
-    const struct root_bracket_end end = end_of(probe->what, probe->order, s, &at);
-    *value = end.value;
-    *slope = end.slope;
-}
-
 /* Returns the end of a bracket at s. */
 static struct root_bracket_end end_at(const struct dense_output *w, const struct event_function *what,
                                       int order, double s)
 {
-    const struct probe probe = {w, what, order};
-    struct root_bracket_end end = {.s = s};
-    probe_at(&probe, s, &end.value, &end.slope);
-    return end;
+    struct pair_sample at;
+    w->sampler(w->segment, s, &at);
+    return end_of(what, order, s, &at);
+}
+
+/* Serves as a root_function. */
+static void probe_at(const void *data, double s, double *value, double *slope)
+{
+    const struct probe *probe = data;
+    const struct root_bracket_end end = end_at(probe->output, probe->what, probe->order, s);
+    *value = end.value;
+    *slope = end.slope;
 }
 
 /* Returns the s of the fall through zero between the samples i and i + 1: directly, by way of a minimum, or
@@ -242,7 +239,8 @@ static void put_terms(double of[3], const double term[JET_TERMS])
 static void scene_at(const struct scene_output *o, double clock, const bool *met, struct scene_state *q,
                      struct scene_instant *at)
 {
-    scene_state_look(o->state, q);
+    memcpy(q, o->state,
+           offsetof(struct scene_state, unfinished)); /* without the step, which is not looked at */
     q->clock = clock;
     if (o->move) {
         o->move(o->mover, clock, q);

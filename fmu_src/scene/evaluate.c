@@ -75,9 +75,10 @@ struct vec3 body_rotation_of(const struct scene_values *v, int body, struct quat
         return along_principal_axes(orientation, vec3_make(1.0, inertia.x / inertia.y, inertia.x / inertia.z),
                                     spin);
     }
+    const struct body_inertia inertia = body_inertia_of(v, body);
     const struct vec3 e = quaternion_third_axis(orientation);
-    const struct vec3 part = body_part_that_turns(v, body, spin);
-    return vec3_axpy(part, body_flatness(v, body) * vec3_dot(spin, e), e);
+    const double flatness = (inertia.transverse - inertia.axial) / inertia.axial;
+    return vec3_axpy(body_part_that_turns(v, body, spin), flatness * vec3_dot(spin, e), e);
 }
 
 struct vec3 scene_lever(const struct scene_instant *at, int contact, int end)
@@ -88,12 +89,6 @@ struct vec3 scene_lever(const struct scene_instant *at, int contact, int end)
     const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
     return quaternion_rotate(at->turning.body[body].orientation,
                              end == 0 ? contact_source_part(contact) : contact_destination_part(contact));
-}
-
-double body_flatness(const struct scene_values *v, int body)
-{
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    return (inertia.transverse - inertia.axial) / inertia.axial;
 }
 
 bool scene_stiffens(const struct scene_values *v, int contact)
@@ -311,15 +306,6 @@ void turning_place(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-/* Sets orientation and angular velocity of every body. */
-static void put_turns(const struct scene_values *v, const struct scene_state *q, double clock,
-                      const struct turning_state *turning, struct scene_instant *at)
-{
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        at->turning.body[i] = turn_at(v, q, clock, turning, i);
-    }
-}
-
 /* Sets the axis of a destination. */
 static void put_axis(const struct scene_values *v, const struct scene_state *q, int contact,
                      struct scene_instant *at)
@@ -415,7 +401,9 @@ static void turning_of_contact(const struct scene_values *v, const struct scene_
 
 void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
 {
-    put_turns(v, q, q->clock, &q->turning, at);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        at->turning.body[i] = turn_at(v, q, q->clock, &q->turning, i);
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_shape shape = scene_contact_shape(v, q, j);
         put_axis(v, q, j, at);
@@ -465,19 +453,12 @@ struct body_instant scene_body_now(const struct scene_values *v, const struct sc
     return body_at(v, q, q->clock, q->body, body);
 }
 
-/* Whether the shape of the contact turns with the destination. That of skew cylinders does not, because both
- * turn about their own axes only. */
-static bool shape_turns(const struct scene_values *v, int contact)
-{
-    return body_turns(v, contact_destination(contact)) && !contact_has_skew_axes(v, contact);
-}
-
-/* Returns the rate of the separation c in the frame of the contact's shape, which may turn with the
- * destination [m/s]. */
+/* Returns the rate of the separation c in the frame of the contact's shape [m/s], which turns with the
+ * destination. The shape of skew cylinders does not turn, because both turn about their own axes only. */
 static struct vec3 rate_in_destination(const struct scene_values *v, const struct scene_instant *at,
                                        int contact)
 {
-    if (shape_turns(v, contact)) {
+    if (body_turns(v, contact_destination(contact)) && !contact_has_skew_axes(v, contact)) {
         const struct vec3 omega = at->turning.body[contact_destination(contact)].angular_velocity;
         return vec3_sub(at->rate[contact], vec3_cross(omega, at->separation[contact]));
     }
@@ -542,14 +523,15 @@ void scene_place_bodies(const struct scene_values *v, const struct scene_state *
                         const struct body_state *bodies, const struct turning_state *turning,
                         struct scene_instant *at)
 {
+    const bool turns = scene_turns(v);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         const struct body_instant body = body_at(v, q, clock, bodies, i);
         at->moved[i] = body.moved;
         at->displacement[i] = body.displacement;
         at->velocity[i] = body.velocity;
-    }
-    if (scene_turns(v)) {
-        put_turns(v, q, clock, turning, at);
+        if (turns) {
+            at->turning.body[i] = turn_at(v, q, clock, turning, i);
+        }
     }
 }
 
@@ -713,24 +695,6 @@ double scene_driving_power(const struct scene_values *v, const struct scene_inst
                                        : at->turning.destination_torque[contact],
                               at->turning.body[body].angular_velocity);
         }
-    }
-    return power;
-}
-
-double scene_external_power(const struct scene_values *v, const struct scene_state *q, double clock,
-                            const struct scene_instant *at)
-{
-    double power = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            power += vec3_dot(path_at(q->path[i].force, 3, clock), at->velocity[i]);
-        }
-        if (body_turns_freely(v, i)) {
-            power += vec3_dot(path_at(q->path[i].torque, 3, clock), at->turning.body[i].angular_velocity);
-        }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        power += scene_driving_power(v, at, j);
     }
     return power;
 }
@@ -926,20 +890,11 @@ struct vec3 turning_acceleration(const struct scene_values *v, const struct scen
     if (!body_turns_freely(v, body)) {
         return vec3_make(0.0, 0.0, 0.0);
     }
+    const struct body_turn *turn = &at->turning.body[body];
     const struct vec3 torque = turning_torque_on(v, q, clock, at, body);
-    if (body_is_compound(body)) {
-        const struct body_turn *turn = &at->turning.body[body];
-        const struct vec3 gyration = vec3_cross(turn->angular_velocity, body_spin_of(v, body, turn));
-        const struct vec3 by_torque = vec3_scale(1.0 / body_inertia_of(v, body).transverse, torque);
-        return body_rotation_of(v, body, turn->orientation, vec3_sub(by_torque, gyration));
-    }
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    const struct vec3 e = quaternion_third_axis(at->turning.body[body].orientation);
-    const struct vec3 omega = at->turning.body[body].angular_velocity;
-    const double more = inertia.axial - inertia.transverse;
-    const struct vec3 gyration = vec3_scale(vec3_dot(omega, e), vec3_cross(omega, e));
-    const struct vec3 axial = vec3_axpy(gyration, vec3_dot(torque, e) / inertia.axial, e);
-    return vec3_scale(1.0 / inertia.transverse, vec3_axpy(torque, -more, axial));
+    const struct vec3 gyration = vec3_cross(turn->angular_velocity, body_spin_of(v, body, turn));
+    const struct vec3 by_torque = vec3_scale(1.0 / body_inertia_of(v, body).transverse, torque);
+    return body_rotation_of(v, body, turn->orientation, vec3_sub(by_torque, gyration));
 }
 
 struct turning_laws turning_laws_of(const struct scene_values *v, const struct scene_state *q, int contact)
@@ -1414,17 +1369,10 @@ double energy_potential(const struct scene_values *v, const struct scene_instant
     return sum;
 }
 
-/* The energy is I_t omega^2 / 2 + (I_a - I_t) (omega.e)^2 / 2, with the transverse moment of inertia I_t, the
- * axial one I_a and the axis e. */
 double body_rotational_energy(const struct scene_values *v, int body, const struct body_turn *turn)
 {
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    if (body_is_compound(body)) {
-        return 0.5 * inertia.transverse * vec3_dot(turn->angular_velocity, body_spin_of(v, body, turn));
-    }
-    const double axial = vec3_dot(turn->angular_velocity, quaternion_third_axis(turn->orientation));
-    return 0.5 * inertia.transverse * vec3_dot(turn->angular_velocity, turn->angular_velocity) +
-           0.5 * (inertia.axial - inertia.transverse) * axial * axial;
+    return 0.5 * body_inertia_of(v, body).transverse *
+           vec3_dot(turn->angular_velocity, body_spin_of(v, body, turn));
 }
 
 double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at)

@@ -135,10 +135,6 @@ struct vec3 scene_torque_of_force(const struct scene_instant *at, int contact);
 /* Returns the power [W] that the drives of prescribed motions and rotations spend against a contact. */
 double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact);
 
-/* Returns the driving power of all contacts plus the power of external forces and torques [W]. */
-double scene_external_power(const struct scene_values *v, const struct scene_state *q, double clock,
-                            const struct scene_instant *at);
-
 /*
  * Bodies that turn and contacts that rub, at one instant. Frame: world; SI units.
  *
@@ -173,10 +169,6 @@ struct vec3 body_rotation_of(const struct scene_values *v, int body, struct quat
 /* Returns R o [m], from the centre of mass of a compound body to the centre of the part that a contact meets
  * at its source (end 0) or destination (end 1). The function returns zero for other bodies. */
 struct vec3 scene_lever(const struct scene_instant *at, int contact, int end);
-
-/* Returns I_1 / I_3 - 1 [1] of a body that turns freely. I_3 is its moment of inertia about its axis, I_1 the
- * one across. */
-double body_flatness(const struct scene_values *v, int body);
 
 /* Whether the tangential stiffness of a contact follows the normal one. */
 bool scene_stiffens(const struct scene_values *v, int contact);
@@ -267,11 +259,8 @@ struct vec3 body_part_that_turns(const struct scene_values *v, int body, struct 
 struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct scene_instant *at, int body);
 
-/*
- * Returns d omega/dt of a body [rad/s^2]. A body that turns freely under the torque tau, with the axis e, the
- * moments of inertia I_3 about the axis and I_1 across it, omega_3 = omega.e and tau_3 = tau.e, obeys
- *   I_1 omega' = tau - (I_3 - I_1) (tau_3 / I_3 e + omega_3 omega x e)
- */
+/* Returns d omega/dt of a body [rad/s^2]. For a body that turns freely under the torque tau it is the
+ * angular velocity (body_rotation_of) of the spin tau / I_1 - omega x L / I_1. */
 struct vec3 turning_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
                                  const struct scene_instant *at, int body);
 
@@ -405,7 +394,7 @@ enum contact_regime onset_note(const struct scene_values *v, struct scene_state 
 /* Returns the sum of m v^2 / 2 over the free bodies. */
 double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at);
 
-/* Return the rotational energy omega I omega / 2 of a body, the sum over freely turning bodies, and the
+/* Return the rotational energy omega.L / 2 of a body, the sum over freely turning bodies, and the
  * energy of the friction springs. */
 double body_rotational_energy(const struct scene_values *v, int body, const struct body_turn *turn);
 double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at);

@@ -100,7 +100,7 @@ struct scene_ode {
                                 double clock);
     double gap_offset[SCENE_CONTACTS];    /* is added to event function 0 [m] */
     double margin_offset[SCENE_CONTACTS]; /* is added to event function 1, in the unit of that function */
-    /* are added to the event functions of sticking, 3 and 4, in the units of these functions */
+    /* are added to the event functions of friction: of sticking, 3 and 4, in the units of these functions */
     double stick_offset[SCENE_CONTACTS][OPPOSED], cap_offset[SCENE_CONTACTS], lift_offset[SCENE_CONTACTS];
     double zone_offset[SCENE_CONTACTS];  /* is added to the event function ODE_EVENT_ZONE [m] */
     double energy_scale, momentum_scale; /* sizes at the start of the phase [J], [N s] */
@@ -121,7 +121,7 @@ void ode_unpack(const struct scene_ode *ode, struct scene_state *q, const double
 /* Computes dy/dt. */
 void ode_rates(const void *scene_ode, double clock, const double *y, double *rates);
 
-/* Sets columns[j * size + i] to the derivative of (dy/dt)_i with respect to y_j. */
+/* Sets columns[j * size + i] to the derivative of (dy/dt)_i with respect to y_j, a difference quotient. */
 void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns);
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
@@ -147,6 +147,10 @@ int ode_event_passed(const struct scene_ode *ode, const double *y);
  * results do not depend on the direction of the axes. A displacement counts from the clock's origin, so that
  * results do not depend on the place. An energy or impulse counts as at least that of the free bodies. */
 void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes);
+
+/* Returns the power [W] of the external forces and torques on the bodies of y and of the drives of prescribed
+ * bodies. */
+double ode_external_power(const struct scene_ode *ode, double clock, const struct scene_instant *at);
 
 /* Computes the instant at y. */
 void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at);

@@ -11,11 +11,6 @@ void contact_peaks_note(struct contact_peaks *peaks, double force, double penetr
     peaks->penetration = penetration > peaks->penetration ? penetration : peaks->penetration;
 }
 
-void scene_state_look(const struct scene_state *from, struct scene_state *to)
-{
-    memcpy(to, from, offsetof(struct scene_state, unfinished));
-}
-
 void counter_add(int32_t *counter, long more)
 {
     const long room = (long)INT32_MAX - *counter;
@@ -189,10 +184,7 @@ void scene_state_copy(const struct scene_values *v, const struct scene_state *fr
 
 bool contact_is_prescribed(const struct scene_values *v, int contact)
 {
-    if (!SCENE_ANY_PRESCRIBED_CONTACT) {
-        return false;
-    }
-    return !body_moves_freely(v, contact_source(contact)) &&
+    return SCENE_ANY_PRESCRIBED_CONTACT && !body_moves_freely(v, contact_source(contact)) &&
            !body_moves_freely(v, contact_destination(contact));
 }
 
@@ -258,7 +250,8 @@ bool body_is_loaded(const struct scene_state *q, int body, int except)
 #endif
 }
 
-/* Returns the contact that stands for the island of a contact: a forest, in which `above` leads to a root. */
+/* Returns the contact that stands for the island of a contact. Contacts form a forest, in which `above` leads
+ * from each towards its root. */
 static int island_of(int16_t *above, int contact)
 {
     while (above[contact] != contact) {
@@ -273,7 +266,7 @@ struct islands scene_islands(const struct scene_values *v, const struct scene_st
     struct islands found = {0};
     int16_t above[SCENE_CONTACTS];
     int number[SCENE_CONTACTS];
-    int latest[SCENE_BODIES]; /* contact of the body in touch */
+    int latest[SCENE_BODIES]; /* the latest contact in touch of each body */
     int size[SCENE_CONTACTS] = {0};
     memset(latest, -1, sizeof latest);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -384,14 +377,10 @@ struct contact_shape scene_whole_shape(const struct scene_values *v, const struc
                                   .half_length = half_length_of(v, contact),
                                   .side = scene_contact_side(v, q, contact),
                                   .destination = contact_destination_shape(contact)};
-    if (SCENE_ANY_CYLINDER && shape.destination == SHAPE_CYLINDER) {
-        shape.axis = q->contact[contact].parameters.axis;
-    }
-    if (SCENE_ANY_PLANE && shape.destination == SHAPE_PLANE) {
+    if (SCENE_ANY_AXIS) {
         shape.axis = q->contact[contact].parameters.axis;
     }
     if (SCENE_ANY_TORUS && shape.destination == SHAPE_TORUS) {
-        shape.axis = q->contact[contact].parameters.axis;
         shape.solid.radius = body_ring_radius(v, destination);
         shape.solid.race = race_of(v, destination);
     }

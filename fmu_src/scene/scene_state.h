@@ -232,12 +232,9 @@ struct scene_state {
      * scene_state_copy */
     struct turning_state turning;
     struct body_turn turn_origin[SCENE_BODIES]; /* at clock 0, of bodies that turn */
-    /* event_driven goes on with this step unless `integrator_fresh`; last, see scene_state_look */
+    /* event_driven goes on with this step unless `integrator_fresh`; last, see scene_at in dense_output.c */
     struct unfinished_step unfinished;
 };
-
-/* Copies all but the unfinished step. The copy serves for looking at the motion, not for continuing it. */
-void scene_state_look(const struct scene_state *from, struct scene_state *to);
 
 /* Returns the present time [s]. */
 double scene_time(const struct scene_state *q);

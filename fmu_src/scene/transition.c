@@ -161,8 +161,8 @@ static double normal_force_rate(const struct rubbed *r, const struct scene_insta
     return turning_normal_force_rate(r->v, r->q, r->q->clock, at, r->contact);
 }
 
-/* Whether the dashpot pulls. The push decides, as in the lift event, so that friction which is lifted has an
- * event that ends this regime. */
+/* Whether the dashpot pulls. The sign of contact_push decides this, as it decides the lift event, so that
+ * friction which is lifted has an event that ends its regime. */
 static bool is_lifted(const struct rubbed *r, const struct scene_instant *at)
 {
     const struct contact_law law = scene_contact_law(r->v, r->q, r->contact);
@@ -304,20 +304,13 @@ static void break_away(const struct rubbed *r)
     scene_now(r->v, r->q, &at);
     const struct friction_state rubbing = rubbing_now(r, &at);
     const bool jumps = law->static_coefficient > law->coefficient;
-    /* a value below this is no error */
+    /* the error of the motion does not explain a stick event below this */
     const double least = jumps ? 0.0 : -tolerated_motion(r->v, &at, r->contact, r->part);
     if (law->damping == 0.0 && friction_stick_event(law, next, rubbing, normal_force_rate(r, &at)) < least) {
         stick(r, next, rubbing);
     } else if (law->damping == 0.0) {
         set_spring(r, direction_to_slide(r, &at, rubbing.spring));
     }
-}
-
-static void stop_sliding(const struct rubbed *r)
-{
-    struct scene_instant at;
-    scene_now(r->v, r->q, &at);
-    stick(r, friction_regime_of(r->q, r->contact, r->part), rubbing_now(r, &at));
 }
 
 /* Lets a contact go on sliding unless it sticks. The slip may no longer stretch the spring after a corner of
@@ -401,7 +394,9 @@ void turning_take_event(const struct scene_values *v, struct scene_state *q, int
     if (regime == FRICTION_STICKING && (sticks || event == ODE_EVENT_CAP)) {
         break_away(&r);
     } else if (sticks) {
-        stop_sliding(&r);
+        struct scene_instant at;
+        scene_now(v, q, &at);
+        stick(&r, regime, rubbing_now(&r, &at));
     } else if (event == ODE_EVENT_CAP) {
         set_friction_regime(&r, regime == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED);
     } else if (regime == FRICTION_LIFTED) {
@@ -411,27 +406,21 @@ void turning_take_event(const struct scene_values *v, struct scene_state *q, int
     }
 }
 
-static void note_regime(struct scene_state *q, int contact, enum contact_regime regime)
+/* Sets the regime of a contact and of its friction, and notes an onset or the end of the contact. */
+static void set_regime(const struct scene_values *v, struct scene_state *q, int contact,
+                       enum contact_regime regime)
 {
     struct contact_state *state = &q->contact[contact];
-    const bool touched = state->regime != REGIME_APART;
-    const bool touches = regime != REGIME_APART;
-    if (touches && !touched) {
+    const enum contact_regime before = (enum contact_regime)state->regime;
+    state->regime = (int32_t)regime;
+    if (before == REGIME_APART && regime != REGIME_APART) {
         counter_add(&state->record.onsets, 1);
         state->record.onset_time = scene_time(q);
         state->record.touch_clock = q->clock;
         state->record.force_error = 0.0;
-    } else if (touched && !touches) {
+    } else if (before != REGIME_APART && regime == REGIME_APART) {
         state->record.last_duration = q->clock - state->record.touch_clock;
     }
-    state->regime = (int32_t)regime;
-}
-
-static void set_regime(const struct scene_values *v, struct scene_state *q, int contact,
-                       enum contact_regime regime)
-{
-    const enum contact_regime before = (enum contact_regime)q->contact[contact].regime;
-    note_regime(q, contact, regime);
     if (SCENE_ANY_FRICTION) {
         turning_take_regime(v, q, contact, before);
     }

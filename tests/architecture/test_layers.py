@@ -84,6 +84,16 @@ def test_every_unit_compiles_by_itself(tmp_path, compiler, scene):
     assert {name: text for name, text in said.items() if text} == {}
 
 
+@pytest.mark.parametrize("scene", SCENES[1:])
+def test_a_scene_links_without_optimization(tmp_path, scene):
+    """A Debug build keeps calls into files that the scene leaves out, unless SCENE_ANY_... guards them."""
+    unity = tmp_path / "unity.c"
+    unity.write_text("".join(f'#include "{unit}"\n' for unit in sources.units_of(scene, "fmi2")))
+    link = ["-shared", "-fPIC", "-fvisibility=hidden", "-ffunction-sections", "-Wl,--gc-sections,-z,defs"]
+    linked = ["-Wl,--no-as-needed", "-lm", "-o", str(tmp_path / "scene.so")]
+    assert sources.compile_c("gcc", unity, scene, "-O0", *link, *linked) == ""
+
+
 # The file graph of fmu_src, read off the object files' own symbols: no circle, no edge to a later folder.
 #
 # Includes tell less: two files may include each other's headers' headers without needing each other, and a

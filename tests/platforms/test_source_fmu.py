@@ -97,7 +97,7 @@ def test_the_file_has_no_branch_that_the_scene_decides(unpacked):
     text = (unpacked("PinnedEvent") / "sources" / "contact.c").read_text()
     assert "#if defined __GNUC__" in text
     assert "#if SCENE_" not in text
-    assert "#ifdef CONTACT_NO_" not in text
+    assert "#ifndef CONTACT_ANY_" not in text
     assert "plane_gap" not in text
 
 
@@ -125,7 +125,7 @@ struct outer {
 DECLARED = "static double helper(const double *x,\n                     double y);\n"
 BRANCH = "#if SCENE_A && !SCENE_B\n"
 LAST_BRANCH = "#elif SCENE_C\nint other;\n#endif\n"
-OF_D = "#ifdef CONTACT_NO_D\n"
+OF_D = "#ifdef CONTACT_ANY_D\n"
 NOT_D = "#else\nint gone;\n#endif\n"
 ASKED_BY_NOBODY = """\
 static double near_by(void);
@@ -175,7 +175,7 @@ def test_what_nothing_asks_for_is_left_out_of_the_sources():
     for part in (LOST, DECLARED, UNNAMED, SHARED, BRANCH, LAST_BRANCH, OF_D, NOT_D, ASKED_BY_NOBODY):
         assert part in wanted
         wanted = wanted.replace(part, "")
-    assert prune.pruned(SOURCES, header, ["CONTACT_NO_D"]) == wanted
+    assert prune.pruned(SOURCES, header, ["CONTACT_ANY_D"]) == wanted
 
 
 PINNED = """\

@@ -110,7 +110,7 @@ static void begin(struct model *m, struct heard *heard)
     m->host.context = heard;
     m->host.log = hear;
     m->state.values.world.gravity[2] = -9.81;
-    scene_put(m->state.values.body[DESTINATION].axis, 0.0, 1.0, 0.0);
+    vec3_to(vec3_make(0.0, 1.0, 0.0), m->state.values.body[DESTINATION].axis);
     CHECK(model_exit_initialization(m) == MODEL_OK);
     CHECK(scene_step(m, 0.25) == MODEL_OK);
     CHECK(scene_step(m, 0.5) == MODEL_OK);
@@ -181,8 +181,8 @@ TEST(counters_stay_at_the_largest_integer_and_can_be_restored)
     m.host.context = &heard;
     m.host.log = hear;
     m.state.values.body[SOURCE].motion = MOTION_PRESCRIBED;
-    scene_put(m.state.values.body[SOURCE].center, -1.0, 0.1, 0.0);
-    scene_put(m.state.values.body[SOURCE].prescribed_velocity, 3.0, 0.0, 0.0);
+    vec3_to(vec3_make(-1.0, 0.1, 0.0), m.state.values.body[SOURCE].center);
+    vec3_to(vec3_make(3.0, 0.0, 0.0), m.state.values.body[SOURCE].prescribed_velocity);
     CHECK(model_exit_initialization(&m) == MODEL_OK);
     m.state.motion.counters.force_evaluations = INT32_MAX - 3;
     CHECK(scene_step(&m, 2.0) == MODEL_OK);

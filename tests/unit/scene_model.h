@@ -11,17 +11,12 @@
 
 enum { SOURCE = 0, DESTINATION = 1 };
 
-static inline void *scene_allocate(size_t count, size_t size)
-{
-    return calloc(count, size);
-}
-
 /* A model with start values, gravity off and a cylinder along z; it needs no memory until it steps. */
 static inline struct model scene_model(void)
 {
     struct model m;
     memset(&m, 0, sizeof m);
-    m.host.allocate = scene_allocate;
+    m.host.allocate = calloc;
     m.host.release = free;
     model_reset(&m);
     m.state.values.world.gravity[2] = 0.0;
@@ -35,19 +30,7 @@ static inline struct model scene_model(void)
 static inline enum model_status scene_step(struct model *m, double end_time)
 {
     const struct step_request request = {.end_time = end_time};
-    return model_step_requested(m, &request);
-}
-
-static inline void scene_put(double *to, double x, double y, double z)
-{
-    to[0] = x;
-    to[1] = y;
-    to[2] = z;
-}
-
-static inline void scene_put_vector(double *to, struct vec3 a)
-{
-    scene_put(to, a.x, a.y, a.z);
+    return model_step(m, &request);
 }
 
 /* The position and velocity a free body starts with. */
@@ -55,8 +38,8 @@ static inline void scene_start_free(struct model *m, int body, struct vec3 centr
 {
     struct scene_body_values *values = &m->state.values.body[body];
     values->motion = MOTION_FREE;
-    scene_put_vector(values->center, centre);
-    scene_put_vector(values->initial_velocity, velocity);
+    vec3_to(centre, values->center);
+    vec3_to(velocity, values->initial_velocity);
 }
 
 #endif
