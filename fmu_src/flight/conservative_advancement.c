@@ -68,7 +68,8 @@ static struct rotor_axis prescribed_axis_at(const struct axis_motion *motion, do
     const double since = time - motion->from;
     struct vec3 at[3];
     polynomial_of_vectors(motion->coefficient, since, at);
-    const struct vec3 axis = rotor_axis_after(motion->coefficient, motion->axis, since);
+    const struct quaternion turned = rotor_turned_after(motion->coefficient, quaternion_identity(), since);
+    const struct vec3 axis = quaternion_rotate(turned, motion->axis);
     return (struct rotor_axis){axis, vec3_cross(at[0], axis)};
 }
 
