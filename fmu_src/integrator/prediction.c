@@ -188,123 +188,6 @@ static bool path_keeps_away(const struct relative_path *path)
     return start + length < path->reach - NO_DISTANCE && start - length > NO_DISTANCE;
 }
 
-/*
- * The functions that follow find the first change of regime of a prescribed contact. Neither body is free, so
- * the path does not depend on the regime.
- *
- * A condition that is zero at an event is computed again after the event, from a path with a new origin;
- * rounding may then give it either sign. A change counts only where its condition exceeds its rounding, and
- * it takes place where the condition is zero. So rounding at one event cannot cause another event.
- */
-
-/* Rounding of a sum of products of vectors, divided by the size of its terms, as in rounding_of_gap. */
-static const double ROUNDINGS = 8.0 * DBL_EPSILON;
-
-/* Gap, gap rate and axial distance at one place of the path, and bounds of their rounding. */
-struct prescribed_instant {
-    double gap, rate, beyond;                   /* [m], [m/s], distance beyond a cylinder's end [m] */
-    double gap_noise, rate_noise, beyond_noise; /* rounding bounds [m], [m/s], [m] */
-    enum contact_regime regime;
-};
-
-/* Returns the sum of the absolute terms of a polynomial at s >= 0. The sum bounds the polynomial on [0, s],
- * and its rounding goes with the sum. */
-static double size_of(const struct polynomial *p, double s)
-{
-    double size = fabs(p->a[p->degree]);
-    for (int i = p->degree - 1; i >= 0; --i) {
-        size = size * s + fabs(p->a[i]);
-    }
-    return size;
-}
-
-static struct prescribed_instant prescribed_at(const struct foresight *f, double s)
-{
-    const struct relative_path *path = &f->path;
-    double gap;
-    double slope;
-    relative_path_gap(path, s, &gap, &slope);
-    const double speed_unit = path->scale / path->horizon;
-    const double distance = relative_path_divisor(path, gap);
-    const double along = polynomial_at(&path->half_rate, s);
-    struct prescribed_instant at = {.gap = path->scale * gap, .beyond = -1.0};
-    at.gap_noise = fmax(f->by_positions,
-                        ROUNDINGS * path->scale * (path_size(path->c, path->degree + 1, s) + path->reach));
-    if (distance > 0.0) {
-        at.rate = path->side * along / distance * speed_unit;
-        /* The rounding of c.w / d comes from the sum c.w and from an error of c as large as the gap's. */
-        const double sum = ROUNDINGS * size_of(&path->half_rate, s) / distance * speed_unit;
-        const double speed = path_size(f->separation.w, SEPARATION_DEGREE, f->horizon); /* at most */
-        at.rate_noise = sum + at.gap_noise * speed / (path->scale * distance);
-    }
-    if (SCENE_ANY_CYLINDER && path->has_ends) {
-        at.beyond = path->scale * (fabs(polynomial_at(&path->axial, s)) - path->half_length);
-        at.beyond_noise =
-            fmax(f->axial_rounding, ROUNDINGS * path->scale * (size_of(&path->axial, s) + path->half_length));
-    }
-    at.regime = contact_regime_of(&f->law, at.gap, at.rate, relative_path_within(path, s));
-    return at;
-}
-
-/* Whether the regime has changed and its condition exceeds its rounding. */
-static bool has_changed(const struct foresight *f, const struct prescribed_instant *at)
-{
-    if (at->regime == f->present) {
-        return false;
-    }
-    if (f->present == REGIME_APART) {
-        return at->gap < -at->gap_noise && !(fabs(at->beyond) <= at->beyond_noise);
-    }
-    if (at->regime == REGIME_APART) {
-        return at->gap > at->gap_noise || at->beyond > at->beyond_noise;
-    }
-    const struct contact_slopes slopes = contact_event_slopes(&f->law, f->present, at->gap, at->rate);
-    return fabs(contact_event(&f->law, f->present, at->gap, at->rate)) >
-           fabs(slopes.by_gap) * at->gap_noise + fabs(slopes.by_rate) * at->rate_noise;
-}
-
-/* Candidates for events of the law are roots of squared polynomials, which lose digits where the path is
- * long. So the change is located by bisection of the regime itself, between an instant before and one after
- * it. */
-static double halve_to_change(const struct foresight *f, double before, double after,
-                              enum contact_regime next)
-{
-    for (;;) {
-        const double middle = 0.5 * (before + after);
-        if (!(middle > before && middle < after)) {
-            return after;
-        }
-        *(prescribed_at(f, middle).regime == next ? &after : &before) = middle;
-    }
-}
-
-/* Returns the first change of regime. `events` are `count` sorted places of the path, which include every
- * place at which the regime may change. */
-static struct regime_change prescribed_first_change(const struct foresight *f, const double *events,
-                                                    int count)
-{
-    double from = 0.0;
-    double before = -1.0;
-    for (int i = 0; i <= count; ++i) {
-        const double to = i < count ? events[i] : 1.0;
-        if (!(to > from)) {
-            continue;
-        }
-        const double middle = 0.5 * (from + to);
-        const struct prescribed_instant at = prescribed_at(f, middle);
-        if (has_changed(f, &at)) {
-            const bool by_law = f->present != REGIME_APART && at.regime != REGIME_APART;
-            if (by_law && before >= 0.0) {
-                from = halve_to_change(f, before, middle, at.regime);
-            }
-            return change_at(&f->path, from, at.regime);
-        }
-        before = middle;
-        from = to;
-    }
-    return no_change(f->present, false);
-}
-
 /* Finds the first touch of bodies that are apart at `settle`; compression begins there. INFINITY: no touch.
  * Returns false where the bodies are not apart at `settle`, or do not approach at the touch. */
 static bool first_touch(const struct relative_path *path, const struct extremes *extremes, double settle,
@@ -351,18 +234,6 @@ static void leave_centre_in_flight(struct foresight *f)
     }
 }
 
-/* Returns the first change of a contact of which neither body is free. */
-static struct regime_change prescribed_regime_change(const struct foresight *f)
-{
-    double events[MAX_CANDIDATES];
-    const struct extremes extremes = extremes_of(&f->path);
-    const int count = candidates_of_all(&f->path, &extremes, &f->shape, &f->law, events);
-    struct regime_change next = prescribed_first_change(f, events, count);
-    next.gap = f->present == REGIME_APART && fabs(next.gap) <= f->by_positions ? 0.0 : next.gap;
-    next.passes_centre = path_passes_centre(&f->path, &extremes, next.after / f->horizon);
-    return next;
-}
-
 /* Returns the first change in flight after the dead band. The change is the first touch, or the first
  * candidate after which the regime differs from the present one. */
 static struct regime_change flight_regime_change(const struct foresight *f, struct dead_band band)
@@ -396,11 +267,9 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     f.present = (enum contact_regime)q->contact[contact].regime;
     f.now = at->geometry[contact];
     f.horizon = horizon;
-    const bool is_prescribed = contact_is_prescribed(v, contact);
     const bool has_ends = relative_path_has_ends(&f.shape);
     const bool in_flight = f.present == REGIME_APART || f.present == REGIME_SEPARATING;
-    const bool ends_only = !in_flight && !is_prescribed;
-    if ((ends_only && !has_ends) || contact_is_coupled(v, q, contact)) {
+    if ((!in_flight && !has_ends) || contact_is_coupled(v, q, contact)) {
         return no_change(f.present, true);
     }
     f.separation = separation_path_of(v, q, at, q->clock, contact);
@@ -423,9 +292,6 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
         return first_touch_at((double)INFINITY);
     }
     f.axial_rounding = has_ends ? rounding_of_axial(v, at, contact, &f.shape) : 0.0;
-    if (is_prescribed) {
-        return prescribed_regime_change(&f);
-    }
     /* Bodies that approach touch where g = 0; a wait until the gap exceeds rounding would add penetration. */
     const bool approaches = f.present == REGIME_APART && f.now.gap_rate < -rounding_of_rate(at, contact);
     struct dead_band band = dead_band_of(&f, approaches ? 0.0 : f.gap_rounding, q->clock == 0.0);
@@ -434,7 +300,7 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     if (has_ends) {
         dead_band_at_ends(&f);
     }
-    if (ends_only) {
+    if (!in_flight) {
         double events[MAX_CANDIDATES];
         return path_first_change(&f, events, candidates_of_ends(&f.path, events, 0), true, band);
     }
@@ -480,13 +346,27 @@ static double law_rate_at(const struct advancement_path *path, const struct adva
     return at->geometry.gap_rate + path->shape.side * vec3_dot(at->geometry.normal, mismatch);
 }
 
+/* Rounding of a sum of products of vectors, divided by the size of its terms, as in rounding_of_gap. */
+static const double ROUNDINGS = 8.0 * DBL_EPSILON;
+
+/* Returns the regime at a time: it is another one than `present` only where the law's event function exceeds its
+ * rounding, so that rounding at one event cannot cause another event. */
 static enum contact_regime regime_at_time(const struct advancement_path *path, const struct contact_law *law,
-                                          double time)
+                                          enum contact_regime present, double time)
 {
     struct advancement_instant at;
     advancement_at(path, ADVANCEMENT_TOUCH, time, &at);
-    return contact_regime_of(law, at.geometry.gap, law_rate_at(path, &at, time),
-                             contact_within_extents(&path->shape, at.geometry.axial));
+    const double gap = at.geometry.gap;
+    const double rate = law_rate_at(path, &at, time);
+    const struct contact_slopes slopes = contact_event_slopes(law, present, gap, rate);
+    const double gap_noise = at.noise[ADVANCEMENT_GAP];
+    const double tilt = contact_turns(&path->shape, &at.geometry) ? gap_noise / at.geometry.distance : 0.0;
+    const double rate_noise = vec3_norm(at.c[1]) * (ROUNDINGS + tilt);
+    const bool is_clear = fabs(contact_event(law, present, gap, rate)) >
+                          fabs(slopes.by_gap) * gap_noise + fabs(slopes.by_rate) * rate_noise;
+    return is_clear
+               ? contact_regime_of(law, gap, rate, contact_within_extents(&path->shape, at.geometry.axial))
+               : present;
 }
 
 /* Returns the regime of bodies that touch from now on. Where the source passes an end plane, rounding decides
@@ -507,7 +387,7 @@ static double halve_to_regime(const struct advancement_path *path, const struct 
         if (!(middle > before && middle < after)) {
             return after;
         }
-        *(regime_at_time(path, law, middle) == present ? &before : &after) = middle;
+        *(regime_at_time(path, law, present, middle) == present ? &before : &after) = middle;
     }
 }
 
@@ -522,7 +402,7 @@ static void look_for_law(const struct advancement_path *from_now, const struct c
     double before = 0.0;
     for (long i = 1; i <= count; ++i) {
         const double time = until * fmin((double)i / (double)count, JUST_BEFORE);
-        const enum contact_regime then = regime_at_time(&path, law, time);
+        const enum contact_regime then = regime_at_time(&path, law, present, time);
         found->evaluations += 1;
         if (then != present && then != REGIME_APART) {
             const double change = halve_to_regime(&path, law, present, before, time);
@@ -580,7 +460,7 @@ static struct regime_change capped_regime_change(const struct scene_values *v, c
     const struct separation_path path = separation_path_of(v, q, at, q->clock, contact);
     const double end = zone_path_end(&shape->solid, &path, horizon);
     const double until = fmin(end, horizon);
-    if (until > 0.0 && contact_is_rim(shape)) {
+    if (until > 0.0 && (contact_is_rim(shape) || contact_is_prescribed(v, contact))) {
         next = advancement_prediction(v, q, at, contact, until, RIM_EVALUATIONS).next;
         /* DBL_MAX says that the gap is the one that the positions give */
         next.gap = next.regime == REGIME_APART ? 0.0 : DBL_MAX;
@@ -616,5 +496,7 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
             return (struct prediction){capped_regime_change(v, q, at, &shape, contact, horizon), horizon, 0};
         }
     }
-    return (struct prediction){smooth_regime_change(v, q, at, contact, horizon), horizon, 0};
+    return contact_is_prescribed(v, contact)
+               ? advancement_prediction(v, q, at, contact, horizon, budget)
+               : (struct prediction){smooth_regime_change(v, q, at, contact, horizon), horizon, 0};
 }
