@@ -298,16 +298,6 @@ struct root_bracket_end flight_gap_bracket_end(const struct relative_path *path,
     return end;
 }
 
-double candidates_least_gap(const struct relative_path *path)
-{
-    const struct extremes extremes = extremes_of(path);
-    double least = fmin(path->gap, flight_gap_bracket_end(path, 1.0).value);
-    for (int i = 0; i < extremes.count; ++i) {
-        least = fmin(least, flight_gap_bracket_end(path, extremes.at[i]).value);
-    }
-    return path->scale * least;
-}
-
 /* Sets the values of s where the gap passes zero; returns their number. */
 static int touching_candidates(const struct relative_path *path, const struct extremes *extremes,
                                double *candidates)

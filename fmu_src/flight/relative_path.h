@@ -93,9 +93,6 @@ struct extremes {
 
 struct extremes extremes_of(const struct relative_path *path);
 
-/* Returns the least gap from the start to the end of the path [m]. */
-double candidates_least_gap(const struct relative_path *path);
-
 /* Returns the gap [scale] and its slope at s. */
 struct root_bracket_end flight_gap_bracket_end(const struct relative_path *path, double s);
 

@@ -307,27 +307,6 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     return flight_regime_change(&f, band);
 }
 
-void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,
-                              const struct scene_instant *at, int contact, double until)
-{
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
-    if (contact_advances(v, contact)) {
-        return; /* the path of the gap is no polynomial */
-    }
-    if (SCENE_ANY_CAPS && contact_is_rim(&shape)) {
-        contact_peaks_note(&q->contact[contact].peaks, 0.0,
-                           -rim_least_gap(&shape, &separation, 0.0, until - q->clock));
-        return;
-    }
-    if (contact_is_capped(&shape) && shape.solid.zone == 0) {
-        return; /* such a contact is apart */
-    }
-    const struct relative_path path =
-        relative_path_make(&shape, &separation, at->geometry[contact].gap, until - q->clock);
-    contact_peaks_note(&q->contact[contact].peaks, 0.0, -candidates_least_gap(&path));
-}
-
 /* The law of a lasting contact is checked at LEAST_LAW_INSTANTS instants, and at LAW_INSTANTS_PER_RADIAN more
  * per radian that the axis turns, but at MOST_LAW_INSTANTS at most. So few instants suffice, because the
  * conditions of its changes are smooth functions of the motion. */

@@ -23,11 +23,6 @@ struct regime_change {
     bool passes_centre;         /* whether d may fall to its rounding within the horizon */
 };
 
-/* Notes the peak penetration of a contact from the present instant `at` to the clock `until`. The contact
- * transmits no force, or its motion is prescribed, so the extremes of its gap are roots of a polynomial. */
-void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,
-                              const struct scene_instant *at, int contact, double until);
-
 /*
  * A prediction is the next foreseen change of a contact's regime. It is found in closed form where the axis
  * of the contact keeps its direction. Where the axis turns, it is found by conservative advancement, which
