@@ -247,7 +247,7 @@ static void add_extrema_of_decay(struct segment *p)
 {
     struct dense_output *w = &p->output;
     for (int order = 1; order <= OVERDAMPED_DERIVATIVES; ++order) {
-        const double extremum = overdamped_zero(&p->as.oscillation.overdamped, order);
+        const double extremum = overdamped_zero(&p->as.oscillation.free, order);
         if (extremum > 0.0 && extremum < p->end) {
             dense_output_add(w, extremum);
         }
