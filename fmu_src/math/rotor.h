@@ -50,8 +50,8 @@ double rotor_axis_speed(const struct rotor *rotor);
 
 /*
  * An orientation q under an angular velocity lambda that is a polynomial of time, by power series of time:
- * q' = (0, lambda) q / 2. Each step spans a radian at most, over which the series leave less than rounding, so
- * that errors are those of rounding only; the cost is in proportion to the turns.
+ * q' = (0, lambda) q / 2. Each step spans a radian at most, over which the series leave less than rounding,
+ * so that errors are those of rounding only; the cost is in proportion to the turns.
  */
 
 /* Coefficients of lambda and of a torque. */
@@ -62,8 +62,8 @@ enum { ROTOR_RATES = 4, ROTOR_TORQUES = 3 };
 void rotor_rates_under_torque(const struct body_turn *start, double transverse_inertia, double axial_inertia,
                               const struct vec3 torque[ROTOR_TORQUES], struct vec3 lambda[ROTOR_RATES]);
 
-/* Returns an orientation after time >= 0 [s]. It stays as it is where steps become less than a rounding of the
- * time. */
+/* Returns an orientation after time >= 0 [s]. It stays as it is where steps become less than a rounding of
+ * the time. */
 struct quaternion rotor_turned_after(const struct vec3 lambda[ROTOR_RATES], struct quaternion q, double time);
 
 /*

@@ -630,11 +630,11 @@ static const double NEGLIGIBLE = 1e-6;
 static const double OUTWEIGHED = 0.5;
 
 /*
- * Returns the rounding error of the largest force at the start of a segment, and sets `size` to this force [N].
- * A gap or rate that is carried from the segment before has no new rounding, nor has one of exactly zero:
- * bodies set down where they touch, or at rest. An error of the rate makes an oscillation longer as a small
- * side does a hypotenuse. An error of the gap counts in full, as does an error of a dashpot's force that is
- * itself the peak.
+ * Returns the rounding error of the largest force at the start of a segment, and sets `size` to this force
+ * [N]. A gap or rate that is carried from the segment before has no new rounding, nor has one of exactly
+ * zero: bodies set down where they touch, or at rest. An error of the rate makes an oscillation longer as a
+ * small side does a hypotenuse. An error of the gap counts in full, as does an error of a dashpot's force
+ * that is itself the peak.
  */
 static double error_at_start(const struct segment *p, double *size)
 {
