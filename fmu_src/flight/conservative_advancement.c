@@ -68,7 +68,8 @@ static struct rotor_axis prescribed_axis_at(const struct axis_motion *motion, do
     const double since = time - motion->from;
     struct vec3 at[3];
     polynomial_of_vectors(motion->coefficient, since, at);
-    const struct vec3 axis = rotor_axis_after(motion->coefficient, motion->axis, since);
+    const struct quaternion turned = rotor_turned_after(motion->coefficient, quaternion_identity(), since);
+    const struct vec3 axis = quaternion_rotate(turned, motion->axis);
     return (struct rotor_axis){axis, vec3_cross(at[0], axis)};
 }
 
@@ -318,14 +319,19 @@ void advancement_at(const struct advancement_path *path, enum advancement_change
     }
     at->of[ADVANCEMENT_GAP] = gap_function(path, change, &shape, &at->geometry);
     const double distance = vec3_norm(at->c[0]);
+    /* whether the source goes along a plane across the axis, to rounding */
+    const bool in_plane = fabs(at->axial_rate) <= ADVANCEMENT_ROUNDINGS * vec3_norm(at->c[1]);
     at->noise[ADVANCEMENT_GAP] =
         fmax(path->rounding, ADVANCEMENT_ROUNDINGS * (distance + shape.source_radius + shape.other_radius));
     for (int i = ADVANCEMENT_UPPER_END; i < functions_of(path); ++i) {
         const double end = i == ADVANCEMENT_UPPER_END ? 1.0 : -1.0;
         const double sign = change == ADVANCEMENT_TOUCH ? 1.0 : -1.0;
-        at->of[i] = (struct falling){sign * (end * at->geometry.axial - shape.half_length),
-                                     sign * end * at->axial_rate, 0.0, 0.0};
         at->noise[i] = fmax(path->rounding, ADVANCEMENT_ROUNDINGS * (distance + shape.half_length));
+        double beyond = end * at->geometry.axial - shape.half_length;
+        if (!(beyond > 0.0) && in_plane) { /* a source in the end plane is within, by more than rounding */
+            beyond = fmin(beyond, -2.0 * at->noise[i]);
+        }
+        at->of[i] = (struct falling){sign * beyond, sign * end * at->axial_rate, 0.0, 0.0};
     }
 }
 
@@ -379,12 +385,17 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
     }
     struct falling *gap = &at->of[ADVANCEMENT_GAP];
     if (contact_is_cylinder(&shape) && !contact_is_capped(&shape) && !(axis.speed > 0.0)) {
-        /* a motion along the axis does not change the gap of a side */
+        /* a motion along the axis does not change the gap of a side, nor one across it the place along it */
         struct vec3 across[ADVANCEMENT_TERMS];
+        struct vec3 along[ADVANCEMENT_TERMS];
         for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
             across[i] = contact_across(&shape, at->c[i]);
+            along[i] = vec3_sub(at->c[i], across[i]);
         }
         gap->bend = size_within(across, 2, length) + of_levers;
+        for (int i = ADVANCEMENT_UPPER_END; i < functions_of(path); ++i) {
+            at->of[i].bend = size_within(along, 2, length) + of_levers;
+        }
         speed = size_within(across, 1, length) + of_levers * length;
     }
     if (distance_grows(path, change) && !contact_is_plane(&shape)) {

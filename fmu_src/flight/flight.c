@@ -32,11 +32,10 @@ static struct body_turn flight_turn_at(const struct scene_values *v, const struc
         return rotor_at(&rotor, clock);
     }
     torque_from_now(v, q, body, torque);
-    if (body_is_compound(body)) {
-        return rotor_of_three_after(now, body_principal_inertia(v, body), torque, clock - q->clock);
-    }
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    return rotor_under_torque(now, inertia.transverse, inertia.axial, torque, clock - q->clock);
+    const struct body_inertia of = body_inertia_of(v, body);
+    const struct vec3 inertia = body_is_compound(body) ? body_principal_inertia(v, body)
+                                                       : vec3_make(of.transverse, of.transverse, of.axial);
+    return rotor_of_three_after(now, inertia, torque, clock - q->clock);
 }
 
 void flight_turn(const struct scene_values *v, struct scene_state *q, int body, double clock)

@@ -149,7 +149,6 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
         .horizon = horizon, .axial = {.degree = SEPARATION_DEGREE}, .side = shape->side};
     path.flat = contact_is_plane(shape);
     struct vec3 slope[SEPARATION_DEGREE];
-    struct vec3 w[SEPARATION_DEGREE];
     path.scale = coefficient_scale(separation->c, horizon, contact_reach(shape));
     double factor = 1.0 / path.scale;
     for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
@@ -166,23 +165,11 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
         }
         factor *= horizon;
         factor = factor < DBL_MAX ? factor : DBL_MAX; /* keeps a product with a zero coefficient finite */
-        if (i < SEPARATION_DEGREE) {
-            w[i] = vec3_scale(factor, separation->w[i]);
-            if (relative_path_is_flat(&path)) {
-                w[i] = vec3_make(-vec3_dot(w[i], shape->axis), 0.0, 0.0);
-            }
-        }
         if (i > 0) {
             slope[i - 1] = vec3_scale(i, path.c[i]);
         }
     }
     path.reach = contact_reach(shape) / path.scale;
-    if (relative_path_has_ends(shape)) {
-        /* both numbers are divided alike, so that a source in an end plane stays exactly there */
-        path.axial.a[0] = vec3_dot(separation->c[0], shape->axis) / path.scale;
-        path.half_length = shape->half_length / path.scale;
-        path.has_ends = true;
-    }
     path.degree = path_degree(path.c, SEPARATION_DEGREE + 1);
     path.start = vec3_norm(path.c[0]);
     path.gap = gap / path.scale;
@@ -190,18 +177,12 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
     const struct vec3 *by = relative_path_is_flat(&path) ? &unit : path.c;
     const int by_degree = relative_path_is_flat(&path) ? 0 : path.degree;
     path.closing = dot_product(by, by_degree, slope, path.degree > 0 ? path.degree - 1 : 0);
-    path.half_rate = dot_product(by, by_degree, w, path_degree(w, SEPARATION_DEGREE));
     return path;
 }
 
 struct polynomial relative_path_distance_squared(const struct relative_path *path)
 {
     return dot_product(path->c, path->degree, path->c, path->degree);
-}
-
-double relative_path_divisor(const struct relative_path *path, double gap)
-{
-    return relative_path_is_flat(path) ? 1.0 : path->side * gap + path->reach;
 }
 
 void relative_path_gap(const void *data, double s, double *gap, double *slope)
@@ -222,68 +203,6 @@ void relative_path_gap(const void *data, double s, double *gap, double *slope)
     *slope = distance > 0.0 ? path->side * polynomial_at(&path->closing, s) / distance : 0.0;
 }
 
-bool relative_path_within(const struct relative_path *path, double s)
-{
-    if (SCENE_ANY_ENDLESS && (!SCENE_ANY_CYLINDER || !path->has_ends)) {
-        return true;
-    }
-    return s < path->ends_dead_band ? path->starts_within
-                                    : fabs(polynomial_at(&path->axial, s)) <= path->half_length;
-}
-
-/* Returns a polynomial with the roots of (chi g')^2 = 1, where Hunt and Crossley's damping would begin to
- * pull: g' = side (c.w)/d, or n.w for a plane. */
-static struct polynomial hertz_condition(const struct relative_path *path, const struct contact_law *law)
-{
-    const double unit = contact_factors_of(law).c * path->scale / path->horizon;
-    const struct polynomial one = {{1.0}, 0};
-    const struct polynomial distance2 =
-        relative_path_is_flat(path) ? one : relative_path_distance_squared(path);
-    const struct polynomial squared_rate = polynomial_multiply(&path->half_rate, &path->half_rate);
-    struct polynomial sum = {{0.0}, 0};
-    sum = polynomial_add(&sum, fmin(unit * unit, 1.0), &squared_rate);
-    return polynomial_add(&sum, -fmin(1.0 / (unit * unit), 1.0), &distance2);
-}
-
-/* Returns `times` c c.w + k `spring`, both divided by `unit`, where k and c are those of compression. */
-static struct polynomial law_sum(const struct relative_path *path, const struct contact_coefficients *full,
-                                 double unit, const struct polynomial *spring, double times)
-{
-    struct polynomial sum = {{0.0}, 0};
-    sum = polynomial_add(&sum, full->k / unit, spring);
-    return polynomial_add(&sum, times * (full->c / path->horizon) / unit, &path->half_rate);
-}
-
-/* Adds the roots of the law's force to the candidates. For a plane k g + c g' is a polynomial. Else
- * k (d - reach) + c d' = 0 has the roots of (k d^2 + c d d')^2 = k^2 reach^2 d^2, and, multiplied by
- * d + reach with reach / d taken as 1, about those of another polynomial. The latter is the more exact the
- * smaller the gap is, where the squares have lost the gap to rounding. */
-static int add_roots_of_law(const struct relative_path *path, const struct contact_law *law,
-                            double *candidates, int count)
-{
-    const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
-    const double unit = fmax(full.k, full.c / path->horizon);
-    if (relative_path_is_flat(path)) {
-        struct polynomial gap = {{path->gap}, path->degree};
-        for (int i = 1; i <= path->degree; ++i) {
-            gap.a[i] = path->c[i].x;
-        }
-        const struct polynomial force = law_sum(path, &full, unit, &gap, 1.0);
-        return polynomial_add_sign_changes(&force, candidates, count);
-    }
-    const struct polynomial offset2 = relative_path_distance_squared(path);
-    const double reach_term = full.k / unit * path->reach;
-    const struct polynomial sum = law_sum(path, &full, unit, &offset2, 1.0);
-    const struct polynomial squared_sum = polynomial_multiply(&sum, &sum);
-    const struct polynomial condition = polynomial_add(&squared_sum, -reach_term * reach_term, &offset2);
-    struct polynomial squared_deviation = offset2;
-    /* d^2 - reach^2 = (d - reach)(d + reach) has the digits of the gap */
-    squared_deviation.a[0] = path->side * path->gap * (path->start + path->reach);
-    const struct polynomial nearby = law_sum(path, &full, unit, &squared_deviation, 2.0);
-    count = polynomial_add_sign_changes(&condition, candidates, count);
-    return polynomial_add_sign_changes(&nearby, candidates, count);
-}
-
 struct extremes extremes_of(const struct relative_path *path)
 {
     struct extremes found;
@@ -296,64 +215,4 @@ struct root_bracket_end flight_gap_bracket_end(const struct relative_path *path,
     struct root_bracket_end end = {.s = s};
     relative_path_gap(path, s, &end.value, &end.slope);
     return end;
-}
-
-double candidates_least_gap(const struct relative_path *path)
-{
-    const struct extremes extremes = extremes_of(path);
-    double least = fmin(path->gap, flight_gap_bracket_end(path, 1.0).value);
-    for (int i = 0; i < extremes.count; ++i) {
-        least = fmin(least, flight_gap_bracket_end(path, extremes.at[i]).value);
-    }
-    return path->scale * least;
-}
-
-/* Sets the values of s where the gap passes zero; returns their number. */
-static int touching_candidates(const struct relative_path *path, const struct extremes *extremes,
-                               double *candidates)
-{
-    int count = 0;
-    const int intervals = extremes->count + 1;
-    struct root_bracket_end low = flight_gap_bracket_end(path, 0.0);
-    for (int i = 0; i < intervals; ++i) {
-        const struct root_bracket_end high =
-            flight_gap_bracket_end(path, i < intervals - 1 ? extremes->at[i] : 1.0);
-        if ((low.value < 0.0 && high.value > 0.0) || (low.value > 0.0 && high.value < 0.0)) {
-            count = insert_sorted(root_between(relative_path_gap, path, low, high), candidates, count);
-        }
-        low = high;
-    }
-    return count;
-}
-
-int candidates_of_ends(const struct relative_path *path, double *candidates, int count)
-{
-    for (int end = -1; end <= 1; end += 2) {
-        struct polynomial plane = path->axial;
-        plane.a[0] += end * path->half_length;
-        count = polynomial_add_sign_changes(&plane, candidates, count);
-    }
-    return path->ends_dead_band > 0.0 && path->ends_dead_band < 1.0
-               ? insert_sorted(path->ends_dead_band, candidates, count)
-               : count;
-}
-
-int candidates_of_all(const struct relative_path *path, const struct extremes *extremes,
-                      const struct contact_shape *shape, const struct contact_law *law, double *candidates)
-{
-    int count = touching_candidates(path, extremes, candidates);
-    if (relative_path_has_ends(shape)) {
-        count = candidates_of_ends(path, candidates, count);
-    }
-    if (contact_has_events(law)) {
-        count = polynomial_add_sign_changes(&path->half_rate, candidates, count);
-        if (contact_is_hertz(law)) {
-            const struct polynomial condition = hertz_condition(path, law);
-            count = polynomial_add_sign_changes(&condition, candidates, count);
-        } else if (contact_regime_after(law, REGIME_COMPRESSION) == REGIME_SEPARATING &&
-                   contact_coefficients_of(law, REGIME_COMPRESSION).k > 0.0) {
-            count = add_roots_of_law(path, law, candidates, count);
-        }
-    }
-    return count;
 }

@@ -28,20 +28,14 @@ struct relative_path {
     double start;              /* |c| at the start [scale] */
     double gap;                /* gap at the start, with more digits than |c| has [scale] */
     struct polynomial closing; /* c.c', whose roots are the extremes of the distance */
-    /* c.w with the rate w that the force law uses; equals `closing` where w = c' */
-    struct polynomial half_rate;
-    bool flat;               /* see relative_path_is_flat */
-    struct polynomial axial; /* c.e_d where the destination is a cylinder [scale] */
-    double scale, horizon;   /* unit of length [m], time span [s] */
-    double reach;            /* distance d at which the bodies touch [scale] */
-    double half_length;      /* L / 2 of a cylinder with end planes [scale] */
-    bool has_ends;
-    bool starts_within; /* whether the source is between the end planes up to s = ends_dead_band */
-    double ends_dead_band;
+    bool flat;                 /* see relative_path_is_flat */
+    struct polynomial axial;   /* c.e_d where the destination is a cylinder [scale] */
+    double scale, horizon;     /* unit of length [m], time span [s] */
+    double reach;              /* distance d at which the bodies touch [scale] */
     int side;
 };
 
-/* Whether the destination is a plane: c is then (d, 0, 0), `closing` is d' and `half_rate` is n.w. */
+/* Whether the destination is a plane: c is then (d, 0, 0) and `closing` is d'. */
 static inline bool relative_path_is_flat(const struct relative_path *path)
 {
     return SCENE_ANY_PLANE && (!SCENE_ANY_CURVED || path->flat);
@@ -63,9 +57,6 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
 /* Returns |c|^2 [scale^2]. */
 struct polynomial relative_path_distance_squared(const struct relative_path *path);
 
-/* Returns the divisor that turns half_rate into n.w at a gap of `gap` [scale]: d, or 1 for a plane. */
-double relative_path_divisor(const struct relative_path *path, double gap);
-
 /* Whether the destination has end planes; a compile-time false in scenes without a cylinder. */
 bool relative_path_has_ends(const struct contact_shape *shape);
 
@@ -75,16 +66,6 @@ bool relative_path_has_ends(const struct contact_shape *shape);
  * 1e8 times the bodies' size. */
 void relative_path_gap(const void *data, double s, double *gap, double *slope);
 
-/* Whether the source is between the end planes. */
-bool relative_path_within(const struct relative_path *path, double s);
-
-/* Candidate events of a contact in flight: roots of polynomials, one of which is the next regime change. */
-
-/* Upper bound of the number of candidates: the roots of the touch, the two end planes, the gap rate and two
- * conditions of the law, and the end of the dead band of the ends. Only the law's conditions have the highest
- * degree. */
-enum { MAX_CANDIDATES = 6 * POLYNOMIAL_MAX_DEGREE };
-
 /* The extremes of the distance, between which the distance is monotone. */
 struct extremes {
     double at[POLYNOMIAL_MAX_DEGREE];
@@ -93,18 +74,7 @@ struct extremes {
 
 struct extremes extremes_of(const struct relative_path *path);
 
-/* Returns the least gap from the start to the end of the path [m]. */
-double candidates_least_gap(const struct relative_path *path);
-
 /* Returns the gap [scale] and its slope at s. */
 struct root_bracket_end flight_gap_bracket_end(const struct relative_path *path, double s);
-
-/* Adds the passages of the end planes to the `count` sorted `candidates` (room for MAX_CANDIDATES); returns
- * the new count. */
-int candidates_of_ends(const struct relative_path *path, double *candidates, int count);
-
-/* Sets the sorted candidates, a superset of the times at which the regime changes; returns their number. */
-int candidates_of_all(const struct relative_path *path, const struct extremes *extremes,
-                      const struct contact_shape *shape, const struct contact_law *law, double *candidates);
 
 #endif

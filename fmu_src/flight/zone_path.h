@@ -25,10 +25,6 @@ double zone_path_end(const struct contact_solid *solid, const struct separation_
 double zone_path_leaves_face(const struct contact_solid *solid, const struct separation_path *path,
                              double horizon);
 
-/* Returns the least gap between two times along a path at the rim of a capped cylinder [m]. */
-double rim_least_gap(const struct contact_shape *shape, const struct separation_path *path, double from,
-                     double until);
-
 /* Event prediction (prediction.h) for capped cylinders: the next change of regime or zone while no contact
  * force acts or all motion is prescribed. A change of zone keeps the regime. */
 

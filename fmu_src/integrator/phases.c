@@ -166,6 +166,20 @@ static int contact_changing_first(const struct scene_state *q)
     return first;
 }
 
+/* Puts the free bodies to their places in flight at a clock. */
+static void put_flown(void *values, double clock, struct scene_state *q)
+{
+    const struct scene_values *v = *(const struct scene_values **)values;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            q->body[i] = flight_body_at(v, q, i, clock);
+        }
+    }
+}
+
+/* Parts of a flight in the search for the least gap of a separating contact. */
+enum { RELEASED_PARTS = 16 };
+
 /* Notes the peak penetration of separating contacts with a prescribed body. Such a contact may close further,
  * where the prescribed displacement does not agree with the prescribed velocity. */
 static void note_depth_of_released(const struct scene_values *v, struct scene_state *q, struct advance *step)
@@ -173,8 +187,15 @@ static void note_depth_of_released(const struct scene_values *v, struct scene_st
     for (int j = 0; SCENE_ANY_PRESCRIBED && j < SCENE_CONTACTS; ++j) {
         const bool led =
             body_is_prescribed(v, contact_source(j)) || body_is_prescribed(v, contact_destination(j));
-        if (led && q->contact[j].regime == REGIME_SEPARATING) {
-            regime_change_note_depth(v, q, advance_now(step, v, q), j, step->clock_end);
+        if (led && q->contact[j].regime == REGIME_SEPARATING && !contact_advances(v, j)) {
+            struct contact_peaks peaks = {0.0, 0.0};
+            struct scene_output output = {
+                .values = v, .state = q, .contact = j, .move = put_flown, .mover = &v};
+            scene_output_note_peaks(&output, q->clock, step->clock_end, RELEASED_PARTS, &peaks);
+            const struct scene_instant *now = advance_now(step, v, q);
+            if (peaks.penetration > rounding_of_gap(v, now, j) - now->geometry[j].gap) {
+                contact_peaks_note(&q->contact[j].peaks, 0.0, peaks.penetration);
+            }
         }
     }
 }
@@ -453,19 +474,13 @@ static bool make_segments(struct pair_phase *all, const struct scene_values *v, 
     return true;
 }
 
-/* Integrates the prescribed contacts to the clock `end`; returns the clock reached. The penetration is found
- * separately, because the quadrature of a force that is zero does not show it. */
+/* Integrates the prescribed contacts to the clock `end`; returns the clock reached. */
 static double integrate_prescribed(const struct scene_values *v, struct scene_state *q, double end,
                                    struct advance *step)
 {
     const long before = step->budget;
     const double reached = prescribed_integrate(v, q, end, &step->budget);
     advance_spend(step, 0, PANEL_WORK * (before - step->budget));
-    for (int j = 0; reached > q->clock && j < SCENE_CONTACTS; ++j) {
-        if (contact_is_prescribed(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
-            regime_change_note_depth(v, q, advance_now(step, v, q), j, reached);
-        }
-    }
     return reached;
 }
 

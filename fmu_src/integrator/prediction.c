@@ -20,135 +20,50 @@ static double leaving_time(double value, double noise, double speed, double bend
     return isfinite(soonest) ? soonest : 0.0;
 }
 
-/* A contact whose next change is foreseen in closed form: its geometry `now`, and its relative motion from
- * now on. */
-struct foresight {
-    struct contact_shape shape;
-    struct contact_law law;
-    enum contact_regime present;
-    struct contact_geometry now;
-    struct separation_path separation;
-    struct relative_path path; /* over the horizon [s] */
-    double horizon;
-    /* bounds of rounding: of the gap, of a gap computed from positions, and of the place along a cylinder's
-     * axis [m] */
-    double gap_rounding, by_positions, axial_rounding;
-};
-
-/* Returns the time derivative of the event function of a separating contact in flight. The gap g changes by
- * c'. The gap rate g' = side n.w changes by w' and by the turning of the normal n. The rate of turning is the
- * part of c' perpendicular to n, divided by the distance d. */
-static double margin_slope(const struct foresight *f)
-{
-    const struct contact_geometry *now = &f->now;
-    const double turning =
-        contact_turns(&f->shape, now)
-            ? contact_turning_rate(&f->shape, now, f->separation.w[0], f->separation.c[1]) / now->distance
-            : 0.0;
-    const double bend = f->shape.side * (vec3_dot(now->normal, f->separation.w[1]) + turning);
-    const double opening = f->shape.side * vec3_dot(now->normal, f->separation.c[1]);
-    const struct contact_slopes slopes =
-        contact_event_slopes(&f->law, REGIME_SEPARATING, now->gap, now->gap_rate);
-    return slopes.by_gap * opening + slopes.by_rate * bend;
-}
-
-/* Returns the error that rounding of the gap, of n and of n.w makes in the event function of a separating
- * contact. */
-static double dead_band_rounding(const struct foresight *f, double gap_rounding)
-{
-    const double turn =
-        8.0 * DBL_EPSILON + (contact_turns(&f->shape, &f->now) ? f->by_positions / f->now.distance : 0.0);
-    const struct contact_slopes slopes =
-        contact_event_slopes(&f->law, REGIME_SEPARATING, f->now.gap, f->now.gap_rate);
-    return slopes.by_gap * gap_rounding + fmin(turn, 1.0) * slopes.by_rate * vec3_norm(f->separation.w[0]);
-}
-
-/* The ends of the dead bands as parameters s of the path. A regime whose boundary has just been crossed lasts
- * until then, whatever rounding shows: contact until `gap`, a law's regime until `law`, which is not less. */
-struct dead_band {
-    double gap, law;
-};
-
-/* Returns the dead bands. `gap_rounding` bounds the rounding of the gap. If `just_begun`, the integrator has
- * left a small force. */
-static struct dead_band dead_band_of(const struct foresight *f, double gap_rounding, bool just_begun)
-{
-    const double closing = vec3_dot(f->now.normal, f->separation.c[1]);
-    const double settle = leaving_time(f->now.gap, gap_rounding, closing, vec3_norm(f->separation.c[2]));
-    struct dead_band band = {settle / f->horizon, settle / f->horizon};
-    if (f->present == REGIME_SEPARATING) {
-        const double margin = contact_event(&f->law, f->present, f->now.gap, f->now.gap_rate);
-        const double slope = margin_slope(f);
-        double noise = dead_band_rounding(f, gap_rounding);
-        if (just_begun && margin < 0.0 && slope > 0.0) {
-            /* the force, now zero, that the integrator left at the event */
-            noise = fmax(noise, -2.0 * margin);
-        }
-        band.law = fmax(band.law, leaving_time(margin, noise, slope, 0.0) / f->horizon);
-    }
-    return band;
-}
-
-/* While rounding may put the source on either side of a cylinder's end plane, the path has the source on the
- * side that fits the present regime. */
-static void dead_band_at_ends(struct foresight *f)
-{
-    const double beyond = fabs(f->now.axial) - f->shape.half_length;
-    const double along = vec3_dot(f->separation.c[1], f->shape.axis);
-    const double bend = vec3_dot(f->separation.c[2], f->shape.axis);
-    f->path.ends_dead_band = leaving_time(beyond, f->axial_rounding, along, bend) / f->horizon;
-    f->path.starts_within = f->present != REGIME_APART || (beyond <= 0.0 && !(f->now.gap < 0.0));
-}
-
-static enum contact_regime regime_at(const struct relative_path *path, const struct contact_law *law,
-                                     double s)
-{
-    double gap;
-    double slope;
-    relative_path_gap(path, s, &gap, &slope);
-    const double distance = relative_path_divisor(path, gap);
-    const double rate = distance > 0.0 ? path->side * polynomial_at(&path->half_rate, s) / distance : 0.0;
-    return contact_regime_of(law, path->scale * gap, rate * path->scale / path->horizon,
-                             relative_path_within(path, s));
-}
-
-/* Returns the change to the regime `next` at the parameter s of the path. */
-static struct regime_change change_at(const struct relative_path *path, double s, enum contact_regime next)
-{
-    double gap;
-    double slope;
-    relative_path_gap(path, s, &gap, &slope);
-    return (struct regime_change){s * path->horizon, next, path->scale * gap, false};
-}
-
 /* Returns the change of a contact whose regime does not change within the horizon. */
 static struct regime_change no_change(enum contact_regime present, bool passes_centre)
 {
     return (struct regime_change){(double)INFINITY, present, 0.0, passes_centre};
 }
 
-/* Returns the first of `count` sorted events in [0, 1], after the dead band, after which the regime differs
- * from the present regime. If `ends_only`, only the passage of a cylinder's end changes the regime. The
- * passage of a centre is not checked. */
-static struct regime_change path_first_change(const struct foresight *f, const double *events, int count,
-                                              bool ends_only, struct dead_band band)
+/* Returns the change of bodies that are apart: compression begins at their first touch, if they touch. */
+static struct regime_change touch_at(double after)
 {
-    double from = band.gap;
-    for (int i = 0; i <= count; ++i) {
-        const double to = i < count ? events[i] : 1.0;
-        if (to > from) {
-            const double middle = 0.5 * (from + to);
-            const enum contact_regime next = !ends_only ? regime_at(&f->path, &f->law, middle)
-                                             : relative_path_within(&f->path, middle) ? f->present
-                                                                                      : REGIME_APART;
-            const double since = next == REGIME_APART ? from : fmax(from, band.law);
-            if (next != f->present && since < to) {
-                return change_at(&f->path, since, next);
-            }
-            from = to;
-        }
+    return (struct regime_change){after, isfinite(after) ? REGIME_COMPRESSION : REGIME_APART, 0.0, false};
+}
+
+/* Returns the passage of a cylinder's end by a source on which the cylinder's force acts: this force is
+ * perpendicular to the axis. While rounding may put the source on either side of an end plane, the source
+ * counts as between them, and so it does for the first `settle` seconds. */
+static struct regime_change passage_of_end(const struct contact_shape *shape,
+                                           const struct separation_path *separation, double axial_rounding,
+                                           double settle, double horizon, enum contact_regime present)
+{
+    struct polynomial axial = {.degree = SEPARATION_DEGREE};
+    double ends[2 * POLYNOMIAL_MAX_DEGREE];
+    double power = 1.0;
+    int count = 0;
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
+        axial.a[i] = power * vec3_dot(separation->c[i], shape->axis);
+        power *= horizon;
     }
-    return no_change(f->present, false);
+    for (int end = -1; end <= 1; end += 2) {
+        struct polynomial plane = axial;
+        plane.a[0] += end * shape->half_length;
+        count = polynomial_add_sign_changes(&plane, ends, count);
+    }
+    const double beyond = fabs(axial.a[0]) - shape->half_length;
+    const double leaves = leaving_time(beyond, axial_rounding, vec3_dot(separation->c[1], shape->axis),
+                                       vec3_dot(separation->c[2], shape->axis));
+    double from = fmax(leaves, settle) / horizon;
+    for (int i = 0; i <= count; ++i) {
+        const double to = i < count ? ends[i] : 1.0;
+        if (to > from && fabs(polynomial_at(&axial, 0.5 * (from + to))) > shape->half_length) {
+            return (struct regime_change){from * horizon, REGIME_APART, DBL_MAX, false};
+        }
+        from = fmax(from, to);
+    }
+    return no_change(present, false);
 }
 
 /* Below this distance, in units of the path's scale, the direction of the normal is rounding. */
@@ -188,281 +103,74 @@ static bool path_keeps_away(const struct relative_path *path)
     return start + length < path->reach - NO_DISTANCE && start - length > NO_DISTANCE;
 }
 
-/*
- * The functions that follow find the first change of regime of a prescribed contact. Neither body is free, so
- * the path does not depend on the regime.
- *
- * A condition that is zero at an event is computed again after the event, from a path with a new origin;
- * rounding may then give it either sign. A change counts only where its condition exceeds its rounding, and
- * it takes place where the condition is zero. So rounding at one event cannot cause another event.
- */
-
-/* Rounding of a sum of products of vectors, divided by the size of its terms, as in rounding_of_gap. */
-static const double ROUNDINGS = 8.0 * DBL_EPSILON;
-
-/* Gap, gap rate and axial distance at one place of the path, and bounds of their rounding. */
-struct prescribed_instant {
-    double gap, rate, beyond;                   /* [m], [m/s], distance beyond a cylinder's end [m] */
-    double gap_noise, rate_noise, beyond_noise; /* rounding bounds [m], [m/s], [m] */
-    enum contact_regime regime;
-};
-
-/* Returns the sum of the absolute terms of a polynomial at s >= 0. The sum bounds the polynomial on [0, s],
- * and its rounding goes with the sum. */
-static double size_of(const struct polynomial *p, double s)
-{
-    double size = fabs(p->a[p->degree]);
-    for (int i = p->degree - 1; i >= 0; --i) {
-        size = size * s + fabs(p->a[i]);
-    }
-    return size;
-}
-
-static struct prescribed_instant prescribed_at(const struct foresight *f, double s)
-{
-    const struct relative_path *path = &f->path;
-    double gap;
-    double slope;
-    relative_path_gap(path, s, &gap, &slope);
-    const double speed_unit = path->scale / path->horizon;
-    const double distance = relative_path_divisor(path, gap);
-    const double along = polynomial_at(&path->half_rate, s);
-    struct prescribed_instant at = {.gap = path->scale * gap, .beyond = -1.0};
-    at.gap_noise = fmax(f->by_positions,
-                        ROUNDINGS * path->scale * (path_size(path->c, path->degree + 1, s) + path->reach));
-    if (distance > 0.0) {
-        at.rate = path->side * along / distance * speed_unit;
-        /* The rounding of c.w / d comes from the sum c.w and from an error of c as large as the gap's. */
-        const double sum = ROUNDINGS * size_of(&path->half_rate, s) / distance * speed_unit;
-        const double speed = path_size(f->separation.w, SEPARATION_DEGREE, f->horizon); /* at most */
-        at.rate_noise = sum + at.gap_noise * speed / (path->scale * distance);
-    }
-    if (SCENE_ANY_CYLINDER && path->has_ends) {
-        at.beyond = path->scale * (fabs(polynomial_at(&path->axial, s)) - path->half_length);
-        at.beyond_noise =
-            fmax(f->axial_rounding, ROUNDINGS * path->scale * (size_of(&path->axial, s) + path->half_length));
-    }
-    at.regime = contact_regime_of(&f->law, at.gap, at.rate, relative_path_within(path, s));
-    return at;
-}
-
-/* Whether the regime has changed and its condition exceeds its rounding. */
-static bool has_changed(const struct foresight *f, const struct prescribed_instant *at)
-{
-    if (at->regime == f->present) {
-        return false;
-    }
-    if (f->present == REGIME_APART) {
-        return at->gap < -at->gap_noise && !(fabs(at->beyond) <= at->beyond_noise);
-    }
-    if (at->regime == REGIME_APART) {
-        return at->gap > at->gap_noise || at->beyond > at->beyond_noise;
-    }
-    const struct contact_slopes slopes = contact_event_slopes(&f->law, f->present, at->gap, at->rate);
-    return fabs(contact_event(&f->law, f->present, at->gap, at->rate)) >
-           fabs(slopes.by_gap) * at->gap_noise + fabs(slopes.by_rate) * at->rate_noise;
-}
-
-/* Candidates for events of the law are roots of squared polynomials, which lose digits where the path is
- * long. So the change is located by bisection of the regime itself, between an instant before and one after
- * it. */
-static double halve_to_change(const struct foresight *f, double before, double after,
-                              enum contact_regime next)
-{
-    for (;;) {
-        const double middle = 0.5 * (before + after);
-        if (!(middle > before && middle < after)) {
-            return after;
-        }
-        *(prescribed_at(f, middle).regime == next ? &after : &before) = middle;
-    }
-}
-
-/* Returns the first change of regime. `events` are `count` sorted places of the path, which include every
- * place at which the regime may change. */
-static struct regime_change prescribed_first_change(const struct foresight *f, const double *events,
-                                                    int count)
-{
-    double from = 0.0;
-    double before = -1.0;
-    for (int i = 0; i <= count; ++i) {
-        const double to = i < count ? events[i] : 1.0;
-        if (!(to > from)) {
-            continue;
-        }
-        const double middle = 0.5 * (from + to);
-        const struct prescribed_instant at = prescribed_at(f, middle);
-        if (has_changed(f, &at)) {
-            const bool by_law = f->present != REGIME_APART && at.regime != REGIME_APART;
-            if (by_law && before >= 0.0) {
-                from = halve_to_change(f, before, middle, at.regime);
-            }
-            return change_at(&f->path, from, at.regime);
-        }
-        before = middle;
-        from = to;
-    }
-    return no_change(f->present, false);
-}
-
-/* Finds the first touch of bodies that are apart at `settle`; compression begins there. INFINITY: no touch.
- * Returns false where the bodies are not apart at `settle`, or do not approach at the touch. */
-static bool first_touch(const struct relative_path *path, const struct extremes *extremes, double settle,
-                        double *touch)
+/* Returns the s of the first touch from `settle` on, or INFINITY. Bodies whose gap is not above zero at
+ * `settle` touch there, unless the gap rises above zero before it falls. */
+static double first_touch(const struct relative_path *path, const struct extremes *extremes, double settle)
 {
     struct root_bracket_end low = flight_gap_bracket_end(path, settle);
-    if (low.value == 0.0 && low.slope > 0.0) {
-        low.value = DBL_MIN; /* they have just parted */
-    }
-    for (int i = 0; i <= extremes->count && low.value > 0.0; ++i) {
+    double earliest = settle;
+    for (int i = 0; i <= extremes->count; ++i) {
         const double s = i < extremes->count ? extremes->at[i] : 1.0;
-        if (s > low.s) {
-            const struct root_bracket_end high = flight_gap_bracket_end(path, s);
+        if (!(s > low.s)) {
+            continue;
+        }
+        const struct root_bracket_end high = flight_gap_bracket_end(path, s);
+        const double middle = low.value > 0.0 ? 1.0 : flight_gap_bracket_end(path, 0.5 * (low.s + s)).value;
+        if (middle > 0.0) {
+            low.value = fmax(low.value, DBL_MIN);
             if (high.value < 0.0) {
-                *touch = root_between(relative_path_gap, path, low, high);
-                return path->side * polynomial_at(&path->half_rate, *touch) < 0.0;
+                return root_between(relative_path_gap, path, low, high);
             }
-            low = high;
+            earliest = s;
+        } else if (middle < 0.0 || high.value < 0.0) {
+            return earliest;
         }
+        low = high;
     }
-    *touch = (double)INFINITY;
-    return low.value > 0.0;
+    return (double)INFINITY;
 }
 
-/* Returns the change of bodies that are apart: compression begins at their first touch, if they touch. */
-static struct regime_change first_touch_at(double after)
+/* Returns the change of bodies that are apart, with a destination without ends: compression begins at their
+ * first touch. A contact whose gap has just passed zero is within a dead band until the gap exceeds its
+ * rounding. */
+static struct regime_change touch_in_flight(const struct scene_values *v, const struct scene_state *q,
+                                            const struct scene_instant *at, const struct contact_shape *shape,
+                                            int contact, double horizon)
 {
-    return (struct regime_change){after, isfinite(after) ? REGIME_COMPRESSION : REGIME_APART, 0.0, false};
-}
-
-/* Where the distance d is zero the separation vector is only rounding. The vector is set along the escape
- * direction, which is that of the motion. */
-static void leave_centre_in_flight(struct foresight *f)
-{
-    struct contact_geometry *now = &f->now;
-    now->normal = singularity_escape(&f->shape, f->separation.w[0], vec3_make(0.0, 0.0, 0.0), now->normal);
-    now->gap_rate = f->shape.side * vec3_dot(now->normal, f->separation.w[0]);
-    now->degenerate = true;
-    if (f->shape.side > 0) {
-        const double least = 2.0 * DBL_EPSILON * contact_reach(&f->shape);
-        const struct vec3 along_axis = vec3_sub(f->separation.c[0], f->separation.offset);
-        f->separation.c[0] = vec3_axpy(along_axis, least, now->normal);
-        f->separation.offset = vec3_scale(least, now->normal);
-    }
-}
-
-/* Returns the first change of a contact of which neither body is free. */
-static struct regime_change prescribed_regime_change(const struct foresight *f)
-{
-    double events[MAX_CANDIDATES];
-    const struct extremes extremes = extremes_of(&f->path);
-    const int count = candidates_of_all(&f->path, &extremes, &f->shape, &f->law, events);
-    struct regime_change next = prescribed_first_change(f, events, count);
-    next.gap = f->present == REGIME_APART && fabs(next.gap) <= f->by_positions ? 0.0 : next.gap;
-    next.passes_centre = path_passes_centre(&f->path, &extremes, next.after / f->horizon);
-    return next;
-}
-
-/* Returns the first change in flight after the dead band. The change is the first touch, or the first
- * candidate after which the regime differs from the present one. */
-static struct regime_change flight_regime_change(const struct foresight *f, struct dead_band band)
-{
-    const struct extremes extremes = extremes_of(&f->path);
-    struct regime_change next;
+    const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
+    const struct contact_geometry *now = &at->geometry[contact];
+    const double rounding = scene_gap_is_accumulated(q, at, contact) ? 8.0 * DBL_EPSILON * fabs(now->gap)
+                                                                     : rounding_of_gap(v, at, contact);
+    const double dead_band = q->contact[contact].schedule.dead_band_clock - q->clock;
     double touch;
-    if (f->present == REGIME_APART && !relative_path_has_ends(&f->shape) && band.law < 1.0 &&
-        first_touch(&f->path, &extremes, band.law, &touch)) {
-        next = first_touch_at(touch * f->horizon);
-    } else {
-        double events[MAX_CANDIDATES];
-        const int count = candidates_of_all(&f->path, &extremes, &f->shape, &f->law, events);
-        next = path_first_change(f, events, count, false, band);
-        const double rounding = fmax(f->by_positions, 8.0 * DBL_EPSILON * f->path.scale);
-        if (f->present == REGIME_APART && fabs(next.gap) <= rounding) {
-            next.gap = 0.0; /* the bodies touch; elsewhere the source enters by an end */
-        }
+    if (!(dead_band > 0.0) && !singularity_is_reached(v, at, contact, shape) &&
+        flight_is_head_on(shape, &separation, now->normal) &&
+        flight_head_on_touch(shape, &separation, now, rounding, horizon, &touch)) {
+        return touch_at(touch);
     }
-    next.passes_centre = path_passes_centre(&f->path, &extremes, next.after / f->horizon);
-    return next;
-}
-
-/* Returns the first change of a contact with a smooth shape or, within one zone, with a capped cylinder. */
-static struct regime_change smooth_regime_change(const struct scene_values *v, const struct scene_state *q,
-                                                 const struct scene_instant *at, int contact, double horizon)
-{
-    if (contact_is_coupled(v, q, contact)) {
-        return no_change((enum contact_regime)q->contact[contact].regime, true);
+    /* bodies that are at rest against each other to rounding, and are pressed together, touch at once */
+    const double turning =
+        contact_turns(shape, now)
+            ? contact_turning_rate(shape, now, separation.c[1], separation.c[1]) / now->distance
+            : 0.0;
+    const bool is_pressed = shape->side * (2.0 * vec3_dot(now->normal, separation.c[2]) + turning) < 0.0;
+    if (now->gap == 0.0 && is_pressed && !(dead_band > 0.0) &&
+        fabs(now->gap_rate) <= rounding_of_rate(at, contact)) {
+        return touch_at(0.0);
     }
-    struct foresight f; /* whose other members are set where they are needed: to clear them all takes time */
-    f.shape = scene_contact_shape(v, q, contact);
-    f.law = scene_contact_law(v, q, contact);
-    f.present = (enum contact_regime)q->contact[contact].regime;
-    f.now = at->geometry[contact];
-    f.horizon = horizon;
-    const bool is_prescribed = contact_is_prescribed(v, contact);
-    const bool has_ends = relative_path_has_ends(&f.shape);
-    const bool in_flight = f.present == REGIME_APART || f.present == REGIME_SEPARATING;
-    const bool ends_only = !in_flight && !is_prescribed;
-    if (ends_only && !has_ends) {
-        return no_change(f.present, true);
-    }
-    f.separation = separation_path_of(v, q, at, q->clock, contact);
-    if (singularity_is_reached(v, at, contact, &f.shape)) {
-        leave_centre_in_flight(&f);
-    }
-    const double gap = at->geometry[contact].gap;
-    f.by_positions = rounding_of_gap(v, at, contact);
-    f.gap_rounding =
-        scene_gap_is_accumulated(q, at, contact) ? 8.0 * DBL_EPSILON * fabs(gap) : f.by_positions;
-    double touch;
-    const double dead_band_rest = q->contact[contact].schedule.dead_band_clock - q->clock;
-    if (!has_ends && f.present == REGIME_APART && !(dead_band_rest > 0.0) &&
-        flight_is_head_on(&f.shape, &f.separation, f.now.normal) &&
-        flight_head_on_touch(&f.shape, &f.separation, &f.now, f.gap_rounding, horizon, &touch)) {
-        return first_touch_at(touch);
-    }
-    f.path = relative_path_make(&f.shape, &f.separation, gap, horizon);
-    if (f.present == REGIME_APART && !has_ends && path_keeps_away(&f.path)) {
-        return first_touch_at((double)INFINITY);
-    }
-    f.axial_rounding = has_ends ? rounding_of_axial(v, at, contact, &f.shape) : 0.0;
-    if (is_prescribed) {
-        return prescribed_regime_change(&f);
+    const struct relative_path path = relative_path_make(shape, &separation, now->gap, horizon);
+    if (path_keeps_away(&path)) {
+        return touch_at((double)INFINITY);
     }
     /* Bodies that approach touch where g = 0; a wait until the gap exceeds rounding would add penetration. */
-    const bool approaches = f.present == REGIME_APART && f.now.gap_rate < -rounding_of_rate(at, contact);
-    struct dead_band band = dead_band_of(&f, approaches ? 0.0 : f.gap_rounding, q->clock == 0.0);
-    const double found = dead_band_rest / horizon;
-    band = (struct dead_band){fmax(found, band.gap), fmax(found, band.law)};
-    if (has_ends) {
-        dead_band_at_ends(&f);
-    }
-    if (ends_only) {
-        double events[MAX_CANDIDATES];
-        return path_first_change(&f, events, candidates_of_ends(&f.path, events, 0), true, band);
-    }
-    return flight_regime_change(&f, band);
-}
-
-void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,
-                              const struct scene_instant *at, int contact, double until)
-{
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
-    if (contact_advances(v, contact)) {
-        return; /* the path of the gap is no polynomial */
-    }
-    if (SCENE_ANY_CAPS && contact_is_rim(&shape)) {
-        contact_peaks_note(&q->contact[contact].peaks, 0.0,
-                           -rim_least_gap(&shape, &separation, 0.0, until - q->clock));
-        return;
-    }
-    if (contact_is_capped(&shape) && shape.solid.zone == 0) {
-        return; /* such a contact is apart */
-    }
-    const struct relative_path path =
-        relative_path_make(&shape, &separation, at->geometry[contact].gap, until - q->clock);
-    contact_peaks_note(&q->contact[contact].peaks, 0.0, -candidates_least_gap(&path));
+    const bool approaches = now->gap_rate < -rounding_of_rate(at, contact);
+    const double settle = leaving_time(now->gap, approaches ? 0.0 : rounding,
+                                       vec3_dot(now->normal, separation.c[1]), vec3_norm(separation.c[2]));
+    const struct extremes extremes = extremes_of(&path);
+    const double s = first_touch(&path, &extremes, fmin(fmax(dead_band, settle) / horizon, 1.0));
+    struct regime_change next = touch_at(s * horizon);
+    next.passes_centre = path_passes_centre(&path, &extremes, s);
+    return next;
 }
 
 /* The law of a lasting contact is checked at LEAST_LAW_INSTANTS instants, and at LAW_INSTANTS_PER_RADIAN more
@@ -483,13 +191,27 @@ static double law_rate_at(const struct advancement_path *path, const struct adva
     return at->geometry.gap_rate + path->shape.side * vec3_dot(at->geometry.normal, mismatch);
 }
 
+/* Rounding of a sum of products of vectors, divided by the size of its terms, as in rounding_of_gap. */
+static const double ROUNDINGS = 8.0 * DBL_EPSILON;
+
+/* Returns the regime at a time: it is another one than `present` only where the law's event function exceeds
+ * its rounding, so that rounding at one event cannot cause another event. */
 static enum contact_regime regime_at_time(const struct advancement_path *path, const struct contact_law *law,
-                                          double time)
+                                          enum contact_regime present, double time)
 {
     struct advancement_instant at;
     advancement_at(path, ADVANCEMENT_TOUCH, time, &at);
-    return contact_regime_of(law, at.geometry.gap, law_rate_at(path, &at, time),
-                             contact_within_extents(&path->shape, at.geometry.axial));
+    const double gap = at.geometry.gap;
+    const double rate = law_rate_at(path, &at, time);
+    const struct contact_slopes slopes = contact_event_slopes(law, present, gap, rate);
+    const double gap_noise = at.noise[ADVANCEMENT_GAP];
+    const double tilt = contact_turns(&path->shape, &at.geometry) ? gap_noise / at.geometry.distance : 0.0;
+    const double rate_noise = vec3_norm(at.c[1]) * (ROUNDINGS + tilt);
+    const bool is_clear = fabs(contact_event(law, present, gap, rate)) >
+                          fabs(slopes.by_gap) * gap_noise + fabs(slopes.by_rate) * rate_noise;
+    return is_clear
+               ? contact_regime_of(law, gap, rate, contact_within_extents(&path->shape, at.geometry.axial))
+               : present;
 }
 
 /* Returns the regime of bodies that touch from now on. Where the source passes an end plane, rounding decides
@@ -510,7 +232,7 @@ static double halve_to_regime(const struct advancement_path *path, const struct 
         if (!(middle > before && middle < after)) {
             return after;
         }
-        *(regime_at_time(path, law, middle) == present ? &before : &after) = middle;
+        *(regime_at_time(path, law, present, middle) == present ? &before : &after) = middle;
     }
 }
 
@@ -525,7 +247,7 @@ static void look_for_law(const struct advancement_path *from_now, const struct c
     double before = 0.0;
     for (long i = 1; i <= count; ++i) {
         const double time = until * fmin((double)i / (double)count, JUST_BEFORE);
-        const enum contact_regime then = regime_at_time(&path, law, time);
+        const enum contact_regime then = regime_at_time(&path, law, present, time);
         found->evaluations += 1;
         if (then != present && then != REGIME_APART) {
             const double change = halve_to_regime(&path, law, present, before, time);
@@ -567,6 +289,106 @@ static struct prediction advancement_prediction(const struct scene_values *v, co
 /* So many evaluations of the gap take some milliseconds; a dozen are usual. */
 enum { RIM_EVALUATIONS = 10000 };
 
+/* A separating contact in flight: its path, and bounds of rounding. */
+struct separating {
+    struct contact_shape shape;
+    struct contact_law law;
+    struct separation_path separation;
+    struct relative_path path; /* over the horizon [s] */
+    struct vec3 normal;
+    double settle;                /* the gap counts as below zero up to this s */
+    double gap_noise, rate_noise; /* rounding of gap and gap rate at the start [m], [m/s] */
+    double left;                  /* minus the event function may be this by what an integrator left */
+};
+
+/* Returns the regime at the place s of the path, by a gap that has the digits of the gap at the start. The
+ * force returns where the law's event function is below zero by more than rounding. */
+static enum contact_regime separating_at(const struct separating *f, double s, double *gap)
+{
+    const double time = s * f->path.horizon;
+    double slope;
+    relative_path_gap(&f->path, s, gap, &slope);
+    *gap *= f->path.scale;
+    const double rate = contact_geometry_at(&f->shape, path_at(f->separation.c, SEPARATION_DEGREE + 1, time),
+                                            path_at(f->separation.w, SEPARATION_DEGREE, time), f->normal)
+                            .gap_rate;
+    if (!(*gap < 0.0)) {
+        return s > f->settle ? REGIME_APART : REGIME_SEPARATING;
+    }
+    const struct contact_slopes slopes = contact_event_slopes(&f->law, REGIME_SEPARATING, *gap, rate);
+    const double noise = fabs(slopes.by_gap) * f->gap_noise + fabs(slopes.by_rate) * f->rate_noise;
+    return contact_event(&f->law, REGIME_SEPARATING, *gap, rate) < -fmax(noise, f->left)
+               ? contact_regime_of(&f->law, *gap, rate, true)
+               : REGIME_SEPARATING;
+}
+
+/* Places between two extremes of the gap at which a separating contact is looked at: gap and event function
+ * have no two changes of sign between two of them that matter. */
+enum { SEPARATING_PLACES = 16 };
+
+/* Returns the first change of a separating contact, whose bodies fly: they part, or the force returns. */
+static struct regime_change separating_change(const struct scene_values *v, const struct scene_state *q,
+                                              const struct scene_instant *at, int contact, double horizon)
+{
+    const struct contact_geometry *now = &at->geometry[contact];
+    const double by_positions = rounding_of_gap(v, at, contact);
+    struct separating f = {.shape = scene_contact_shape(v, q, contact),
+                           .law = scene_contact_law(v, q, contact),
+                           .separation = separation_path_of(v, q, at, q->clock, contact),
+                           .normal = now->normal};
+    f.path = relative_path_make(&f.shape, &f.separation, now->gap, horizon);
+    f.gap_noise =
+        scene_gap_is_accumulated(q, at, contact) ? 8.0 * DBL_EPSILON * fabs(now->gap) : by_positions;
+    const double tilt = contact_turns(&f.shape, now) ? fmin(by_positions / now->distance, 1.0) : 0.0;
+    f.rate_noise = (ROUNDINGS + tilt) * vec3_norm(f.separation.w[0]);
+    f.settle = leaving_time(now->gap, f.gap_noise, vec3_dot(now->normal, f.separation.c[1]),
+                            vec3_norm(f.separation.c[2])) /
+               horizon;
+    f.left = q->clock == 0.0
+                 ? fmax(-2.0 * contact_event(&f.law, REGIME_SEPARATING, now->gap, now->gap_rate), 0.0)
+                 : 0.0;
+    const struct extremes extremes = extremes_of(&f.path);
+    double from = 0.0;
+    double before = 0.0;
+    double gap;
+    for (int i = 0; i < (extremes.count + 1) * SEPARATING_PLACES; ++i) {
+        const int interval = i / SEPARATING_PLACES;
+        const double to = interval < extremes.count ? extremes.at[interval] : 1.0;
+        double s = from + (to - from) * (1 + i % SEPARATING_PLACES) / SEPARATING_PLACES;
+        if (separating_at(&f, s, &gap) != REGIME_SEPARATING) {
+            for (double middle = 0.5 * (before + s); middle > before && middle < s;
+                 middle = 0.5 * (before + s)) {
+                *(separating_at(&f, middle, &gap) == REGIME_SEPARATING ? &before : &s) = middle;
+            }
+            const enum contact_regime next = separating_at(&f, s, &gap);
+            return (struct regime_change){s * horizon, next, gap, true};
+        }
+        before = s;
+        from = (i + 1) % SEPARATING_PLACES == 0 ? to : from;
+    }
+    return no_change(REGIME_SEPARATING, true);
+}
+
+/* Returns the first change of a contact that is prescribed, at a rim or separating. */
+static struct prediction change_in_touch(const struct scene_values *v, const struct scene_state *q,
+                                         const struct scene_instant *at, const struct contact_shape *shape,
+                                         int contact, double horizon, long budget)
+{
+    struct prediction found = {.searched = horizon};
+    if (contact_is_prescribed(v, contact) || contact_is_rim(shape) ||
+        q->contact[contact].regime != (int32_t)REGIME_SEPARATING) {
+        return advancement_prediction(v, q, at, contact, horizon, budget);
+    }
+    found.next = separating_change(v, q, at, contact, horizon);
+    if (relative_path_has_ends(shape)) {
+        const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
+        const struct regime_change end = passage_of_end(
+            shape, &separation, rounding_of_axial(v, at, contact, shape), 0.0, horizon, REGIME_SEPARATING);
+        found.next = end.after < found.next.after ? end : found.next;
+    }
+    return found;
+}
+
 static struct regime_change capped_regime_change(const struct scene_values *v, const struct scene_state *q,
                                                  const struct scene_instant *at,
                                                  const struct contact_shape *shape, int contact,
@@ -574,22 +396,19 @@ static struct regime_change capped_regime_change(const struct scene_values *v, c
 {
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
     struct regime_change next = no_change(present, true);
-    if (contact_is_coupled(v, q, contact) || contact_pushes(v, q, contact)) {
-        return next;
-    }
     if (present == REGIME_APART) {
-        return first_touch_at(zone_change_touch(v, q, at, q->clock, contact, horizon));
+        return touch_at(zone_change_touch(v, q, at, q->clock, contact, horizon));
     }
     const struct separation_path path = separation_path_of(v, q, at, q->clock, contact);
     const double end = zone_path_end(&shape->solid, &path, horizon);
     const double until = fmin(end, horizon);
-    if (until > 0.0 && contact_is_rim(shape)) {
-        next = advancement_prediction(v, q, at, contact, until, RIM_EVALUATIONS).next;
-        /* DBL_MAX says that the gap is the one that the positions give */
-        next.gap = next.regime == REGIME_APART ? 0.0 : DBL_MAX;
-        next.passes_centre = false;
-    } else if (until > 0.0) {
-        next = smooth_regime_change(v, q, at, contact, until);
+    if (until > 0.0) {
+        next = change_in_touch(v, q, at, shape, contact, until, RIM_EVALUATIONS).next;
+        if (contact_is_rim(shape)) {
+            /* DBL_MAX says that the gap is the one that the positions give */
+            next.gap = next.regime == REGIME_APART ? 0.0 : DBL_MAX;
+            next.passes_centre = false;
+        }
     }
     if (!(next.after < end) && end < (double)INFINITY) {
         /* the gap is again the one that the positions give */
@@ -601,23 +420,31 @@ static struct regime_change capped_regime_change(const struct scene_values *v, c
 struct prediction prediction_of(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, int contact, double horizon, long budget)
 {
-    if (scene_turns(v)) {
-        const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
-        const struct prediction nothing = {no_change(present, true), horizon, 0};
-        if (contact_pushes(v, q, contact)) {
-            return nothing;
-        }
-        if (SCENE_ANY_ADVANCEMENT && contact_advances(v, contact)) {
-            return contact_is_coupled(v, q, contact)
-                       ? nothing
-                       : advancement_prediction(v, q, at, contact, horizon, budget);
-        }
+    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const bool has_ends = relative_path_has_ends(&shape);
+    struct prediction found = {no_change(present, true), horizon, 0};
+    if (contact_is_coupled(v, q, contact) ||
+        (contact_pushes(v, q, contact) && (scene_turns(v) || !scene_ends_suddenly(v, contact)))) {
+        return found;
     }
-    if (SCENE_ANY_CAPS) {
-        const struct contact_shape shape = scene_contact_shape(v, q, contact);
-        if (contact_is_capped(&shape)) {
-            return (struct prediction){capped_regime_change(v, q, at, &shape, contact, horizon), horizon, 0};
-        }
+    if (SCENE_ANY_ADVANCEMENT && contact_advances(v, contact)) {
+        return advancement_prediction(v, q, at, contact, horizon, budget);
     }
-    return (struct prediction){smooth_regime_change(v, q, at, contact, horizon), horizon, 0};
+    if (SCENE_ANY_CAPS && contact_is_capped(&shape)) {
+        found.next = capped_regime_change(v, q, at, &shape, contact, horizon);
+        return found;
+    }
+    if (contact_pushes(v, q, contact)) {
+        const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
+        const double settle = q->contact[contact].schedule.dead_band_clock - q->clock;
+        found.next = passage_of_end(&shape, &separation, rounding_of_axial(v, at, contact, &shape), settle,
+                                    horizon, present);
+        return found;
+    }
+    if (present == REGIME_APART && !has_ends && !contact_is_prescribed(v, contact)) {
+        found.next = touch_in_flight(v, q, at, &shape, contact, horizon);
+        return found;
+    }
+    return change_in_touch(v, q, at, &shape, contact, horizon, budget);
 }

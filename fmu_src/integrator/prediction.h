@@ -1,11 +1,12 @@
 /*
- * These functions find in closed form when a contact's regime changes.
+ * These functions find when a contact's regime changes.
  *
  * Without a contact force the separation is a polynomial c(t) of degree four or less (two for constant
- * force), so the conditions "bodies touch" (|rho|^2 = reach^2), "passes a cylinder's end" (c.e_d = +-L/2),
- * "gap rate changes sign" (rho.rho' = 0) and "law is zero" (p_n g + p_nv g' = 0, squared) are polynomials
- * too. All their roots are isolated, so no change is missed however long the interval is. When no body is
- * free, the separation is such a polynomial in every regime.
+ * force). The gap of bodies that are apart is monotone between two roots of rho.rho' = 0, all of which are
+ * isolated, so that no touch is missed however long the interval is. A separating contact is looked at
+ * between these roots, with the digits that its gap has. Conservative advancement, which misses no touch
+ * either, finds the changes where the axis turns, where a cylinder has open ends, at a rim, and where the
+ * importer moves both bodies.
  *
  * With a contact force between free bodies only the passage of a cylinder's end is known in advance, because
  * the force is perpendicular to the axis. Where another contact acts on one of the bodies no change is known
@@ -23,15 +24,8 @@ struct regime_change {
     bool passes_centre;         /* whether d may fall to its rounding within the horizon */
 };
 
-/* Notes the peak penetration of a contact from the present instant `at` to the clock `until`. The contact
- * transmits no force, or its motion is prescribed, so the extremes of its gap are roots of a polynomial. */
-void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,
-                              const struct scene_instant *at, int contact, double until);
-
 /*
- * A prediction is the next foreseen change of a contact's regime. It is found in closed form where the axis
- * of the contact keeps its direction. Where the axis turns, it is found by conservative advancement, which
- * misses no touch.
+ * A prediction is the next foreseen change of a contact's regime.
  *
  * The change is exact to the rounding of the gap, which just after a contact is much less than the rounding
  * of positions. While the gap, or the distance from an end plane, is still within rounding, a change belongs
@@ -41,7 +35,7 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
 struct prediction {
     struct regime_change next;
     double searched;  /* time searched [s]: the horizon, unless the budget ended the search */
-    long evaluations; /* evaluations that the search took from the budget; 0 in closed form */
+    long evaluations; /* evaluations that the search took from the budget; 0 without advancement */
 };
 
 /* Returns the prediction within `horizon` seconds of the present instant `at`; `budget` > 0. No change is

@@ -116,7 +116,7 @@ struct overdamped overdamped_of(double damping_rate, double y, double y_rate)
         .oscillator = {1.0, damping_rate}, .y = y, .y_rate = y_rate, .slower = 1.0, .faster = 1.0};
     const double mean = 0.5 * damping_rate;
     const double spread_square = (mean - 1.0) * (mean + 1.0);
-    d.half_period = spread_square < 0.0 ? PI / sqrt(-spread_square) : (double)INFINITY;
+    d.omega_d = sqrt(fmax(1.0 - mean * mean, 0.0));
     if (spread_square > 0.0) {
         const double spread = sqrt(spread_square);
         d.faster = mean + spread;
@@ -137,8 +137,7 @@ struct overdamped overdamped_of_dashpot(double y, double y_rate, double drift)
                                .faster = 1.0,
                                .by_slower = y + (y_rate - drift),
                                .by_faster = drift - y_rate,
-                               .drift = drift,
-                               .half_period = (double)INFINITY};
+                               .drift = drift};
 }
 
 void overdamped_at(const struct overdamped *d, double s, double y[1 + OVERDAMPED_DERIVATIVES])
@@ -163,34 +162,33 @@ void overdamped_at(const struct overdamped *d, double s, double y[1 + OVERDAMPED
     y[1] += d->drift;
 }
 
-/* Returns e^(-mean s) cos(omega_d s) - 1, where omega_d is real or imaginary. */
-static double cosine_less(const struct overdamped *d, double s)
+CONTACT_NOT_FUSED struct oscillator_increment overdamped_since(const struct overdamped *d, double s)
 {
-    if (d->half_period < (double)INFINITY) {
-        const double mean = 0.5 * d->oscillator.damping_rate;
-        const double sine = sin(0.5 * PI * s / d->half_period);
-        return expm1(-mean * s) - 2.0 * exp(-mean * s) * sine * sine;
-    }
-    return 0.5 * (expm1(-d->slower * s) + expm1(-d->faster * s));
-}
-
-CONTACT_NOT_FUSED struct overdamped_change overdamped_since(const struct overdamped *d, double s)
-{
-    if (s * (1.0 + d->oscillator.damping_rate) <= OSCILLATOR_SERIES_RANGE) {
-        const struct oscillator_increment begun =
-            oscillator_increment(&d->oscillator, d->y, d->y_rate, d->drift, s);
-        return (struct overdamped_change){begun.x, begun.x_rate};
+    const double damping_rate = d->oscillator.damping_rate;
+    if (s * (1.0 + damping_rate) <= OSCILLATOR_SERIES_RANGE) {
+        return oscillator_increment(&d->oscillator, d->y, d->y_rate, d->drift, s);
     }
     if (d->distinct) {
         const double slow = d->by_slower * expm1(-d->slower * s);
         const double fast = d->by_faster * expm1(-d->faster * s);
-        return (struct overdamped_change){slow + fast + d->drift * s, -(d->slower * slow + d->faster * fast)};
+        return (struct oscillator_increment){slow + fast + d->drift * s,
+                                             -(d->slower * slow + d->faster * fast)};
     }
-    const double damping_rate = d->oscillator.damping_rate;
-    const double by_rate = oscillator_basis_at(&d->oscillator, s).y_of_rate;
-    const double by_y = cosine_less(d, s) + 0.5 * damping_rate * by_rate;
-    return (struct overdamped_change){d->y * by_y + d->y_rate * by_rate,
-                                      d->y_rate * (by_y - damping_rate * by_rate) - d->y * by_rate};
+    double by_rate;     /* e^(-mean s) sin(omega_d s) / omega_d, with the mean rate damping_rate / 2 */
+    double cosine_less; /* e^(-mean s) cos(omega_d s) - 1 */
+    if (d->omega_d > 0.0) {
+        const double half_angle = 0.5 * d->omega_d * s;
+        const double sine = sin(half_angle);
+        const double shrink_less = damping_rate > 0.0 ? expm1(-0.5 * damping_rate * s) : 0.0;
+        by_rate = 2.0 * (1.0 + shrink_less) * sine * cos(half_angle) / d->omega_d;
+        cosine_less = shrink_less + (1.0 + shrink_less) * (-2.0 * sine * sine);
+    } else {
+        by_rate = oscillator_basis_at(&d->oscillator, s).y_of_rate;
+        cosine_less = 0.5 * (expm1(-d->slower * s) + expm1(-d->faster * s));
+    }
+    const double by_y = cosine_less + 0.5 * damping_rate * by_rate;
+    return (struct oscillator_increment){d->y * by_y + d->y_rate * by_rate,
+                                         d->y_rate * (by_y - damping_rate * by_rate) - d->y * by_rate};
 }
 
 /* (-faster)^order by_faster exp(-faster s) + (-slower)^order by_slower exp(-slower s) = 0: with each order

@@ -80,8 +80,7 @@ struct overdamped {
     double slower, faster;
     double by_slower, by_faster;
     double drift;
-    /* no quantity has two extrema within it; INFINITY from critical damping on */
-    double half_period;
+    double omega_d; /* frequency of y, sqrt(1 - damping_rate^2 / 4); 0 from critical damping on */
 };
 
 struct overdamped overdamped_of(double damping_rate, double y, double y_rate);
@@ -90,12 +89,8 @@ struct overdamped overdamped_of_dashpot(double y, double y_rate, double drift);
 /* Writes y and its first four derivatives at s. */
 void overdamped_at(const struct overdamped *d, double s, double y[1 + OVERDAMPED_DERIVATIVES]);
 
-/* The changes of y and y' from s = 0 to s. */
-struct overdamped_change {
-    double y, y_rate;
-};
-
-struct overdamped_change overdamped_since(const struct overdamped *d, double s);
+/* Returns the changes of y and y' from s = 0 to s, for y that oscillates, too. */
+struct oscillator_increment overdamped_since(const struct overdamped *d, double s);
 
 /* Returns the s at which the derivative of y of this order is zero; each derivative has one zero at most. The
  * result is negative where the zero lies before the start, and INFINITY where there is none. It is only

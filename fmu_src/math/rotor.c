@@ -190,37 +190,6 @@ static double step_of(const struct vec3 lambda[ROTOR_RATES], double left)
     }
 }
 
-/* Terms of e_3 in powers of t/step: (n + 1) e_(n+1) = sum_i step^(i+1) lambda_i x e_(n-i). */
-static struct vec3 axis_terms(const struct vec3 lambda[ROTOR_RATES], double step,
-                              struct vec3 term[ROTOR_TERMS + 1])
-{
-    struct vec3 end = term[0];
-    for (int n = 0; n < ROTOR_TERMS; ++n) {
-        struct vec3 sum = {0.0, 0.0, 0.0};
-        double power = step;
-        for (int i = 0; i < ROTOR_RATES && i <= n; ++i) {
-            sum = vec3_axpy(sum, power, vec3_cross(lambda[i], term[n - i]));
-            power *= step;
-        }
-        term[n + 1] = vec3_scale(1.0 / (n + 1), sum);
-        end = vec3_add(end, term[n + 1]);
-    }
-    return vec3_scale(1.0 / vec3_norm(end), end);
-}
-
-struct vec3 rotor_axis_after(const struct vec3 lambda[ROTOR_RATES], struct vec3 axis, double time)
-{
-    struct vec3 rate[ROTOR_RATES] = {lambda[0], lambda[1], lambda[2], lambda[3]};
-    for (double left = time; left > 0.0;) {
-        const double step = step_of(rate, left);
-        struct vec3 term[ROTOR_TERMS + 1] = {axis};
-        axis = axis_terms(rate, step, term);
-        path_shift(rate, ROTOR_RATES, step);
-        left -= step;
-    }
-    return axis;
-}
-
 /* The orientation turned by lambda: (n + 1) q_(n+1) = sum_i step^(i+1) (0, lambda_i) q_(n-i) / 2. */
 static struct quaternion turned_by_series(const struct vec3 lambda[ROTOR_RATES], double step,
                                           struct quaternion q)
@@ -251,53 +220,6 @@ struct quaternion rotor_turned_after(const struct vec3 lambda[ROTOR_RATES], stru
         left -= step;
     }
     return q;
-}
-
-/* Returns the increment of omega_3 in a step and adds the increment's integral to `integral`. */
-static double spin_grown(const struct vec3 torque[ROTOR_TORQUES], double axial_inertia,
-                         const struct vec3 term[ROTOR_TERMS + 1], double step, double *integral)
-{
-    double grown = 0.0;
-    for (int n = 0; n < ROTOR_TERMS; ++n) {
-        double sum = 0.0;
-        double power = step / axial_inertia;
-        for (int i = 0; i < ROTOR_TORQUES && i <= n; ++i) {
-            sum += power * vec3_dot(torque[i], term[n - i]);
-            power *= step;
-        }
-        grown += sum / (n + 1);
-        *integral += step * sum / ((n + 1) * (n + 2));
-    }
-    return grown;
-}
-
-struct body_turn rotor_under_torque(const struct body_turn *start, double transverse_inertia,
-                                    double axial_inertia, const struct vec3 torque[ROTOR_TORQUES],
-                                    double time)
-{
-    struct body_turn now = *start;
-    struct vec3 lambda[ROTOR_RATES];
-    struct vec3 moment[ROTOR_TORQUES] = {torque[0], torque[1], torque[2]};
-    rotor_rates_under_torque(start, transverse_inertia, axial_inertia, torque, lambda);
-    const double ratio = (transverse_inertia - axial_inertia) / transverse_inertia;
-    struct vec3 axis = quaternion_third_axis(now.orientation);
-    double spin = vec3_dot(now.angular_velocity, axis);
-    for (double left = time; left > 0.0;) {
-        const double step = step_of(lambda, left);
-        struct vec3 term[ROTOR_TERMS + 1] = {axis};
-        (void)axis_terms(lambda, step, term);
-        double turned = step * spin;
-        spin += spin_grown(moment, axial_inertia, term, step, &turned);
-        const struct quaternion about = quaternion_of_rotation(vec3_make(0.0, 0.0, ratio * turned));
-        now.orientation = quaternion_product(turned_by_series(lambda, step, now.orientation), about);
-        axis = quaternion_third_axis(now.orientation);
-        path_shift(lambda, ROTOR_RATES, step);
-        path_shift(moment, ROTOR_TORQUES, step);
-        left -= step;
-    }
-    /* omega = L/I_1 + (1 - I_3/I_1) omega_3 e_3 */
-    now.angular_velocity = vec3_axpy(lambda[0], ratio * spin, axis);
-    return now;
 }
 
 static struct vec3 quotient(struct vec3 a, struct vec3 by)

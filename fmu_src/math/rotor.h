@@ -49,31 +49,22 @@ double rotor_precession(const struct rotor *rotor);
 double rotor_axis_speed(const struct rotor *rotor);
 
 /*
- * Bodies with an axis of symmetry whose turning is no closed form, by power series of time:
- *
- *   e_3' = lambda x e_3       lambda = L / I_1, or a prescribed angular velocity: a polynomial of time
- *   omega_3' = tau.e_3 / I_3  under a torque tau, a polynomial of time
- *
- * L grows by the integral of tau. Each step spans a radian at most, over which the series leave less than
- * rounding, so that errors are those of rounding only; the cost is in proportion to the turns.
+ * An orientation q under an angular velocity lambda that is a polynomial of time, by power series of time:
+ * q' = (0, lambda) q / 2. Each step spans a radian at most, over which the series leave less than rounding,
+ * so that errors are those of rounding only; the cost is in proportion to the turns.
  */
 
 /* Coefficients of lambda and of a torque. */
 enum { ROTOR_RATES = 4, ROTOR_TORQUES = 3 };
 
-/* Sets the coefficients of lambda for a body under a torque, with time zero at the state `start`. */
+/* Sets the coefficients of lambda = L / I_1, the angular velocity with which the axis e_3 of a symmetric body
+ * turns under a torque, with time zero at the state `start`. */
 void rotor_rates_under_torque(const struct body_turn *start, double transverse_inertia, double axial_inertia,
                               const struct vec3 torque[ROTOR_TORQUES], struct vec3 lambda[ROTOR_RATES]);
 
-/* Return the direction of an axis, and an orientation, after time >= 0 [s]. The orientation stays as it is
- * where steps become less than a rounding of the time. */
-struct vec3 rotor_axis_after(const struct vec3 lambda[ROTOR_RATES], struct vec3 axis, double time);
+/* Returns an orientation after time >= 0 [s]. It stays as it is where steps become less than a rounding of
+ * the time. */
 struct quaternion rotor_turned_after(const struct vec3 lambda[ROTOR_RATES], struct quaternion q, double time);
-
-/* Returns the state after time >= 0 [s] under a torque. */
-struct body_turn rotor_under_torque(const struct body_turn *start, double transverse_inertia,
-                                    double axial_inertia, const struct vec3 torque[ROTOR_TORQUES],
-                                    double time);
 
 /*
  * The rigid body with three moments of inertia I under a torque tau, by power series of time. The quaternion

@@ -447,15 +447,11 @@ static bool make_of_spring(struct pair_oscillation *p)
 {
     const struct contact_pair *from = p->from;
     p->stiffness = from->coefficients.k;
-    p->oscillator = (struct oscillator){1.0, from->coefficients.c / from->reduced_mass / p->rate};
-    p->omega_d = sqrt(fmax(1.0 - 0.25 * p->oscillator.damping_rate * p->oscillator.damping_rate, 0.0));
     p->equilibrium = p->load;
     p->y = from->gap - p->equilibrium;
-    p->amplitude = oscillator_envelope_of(&p->oscillator, p->y, p->y_rate).amplitude;
-    if (p->omega_d < LOWEST_FREQUENCY) {
-        p->omega_d = 0.0;
-        p->overdamped = overdamped_of(p->oscillator.damping_rate, p->y, p->y_rate);
-    }
+    p->free = overdamped_of(from->coefficients.c / from->reduced_mass / p->rate, p->y, p->y_rate);
+    p->omega_d = p->free.omega_d < LOWEST_FREQUENCY ? 0.0 : p->free.omega_d;
+    p->amplitude = oscillator_envelope_of(&p->free.oscillator, p->y, p->y_rate).amplitude;
     return fabs(p->equilibrium) + p->amplitude < largest_gap(from);
 }
 
@@ -465,8 +461,8 @@ static bool make_of_dashpot(struct pair_oscillation *p)
     p->stiffness = from->coefficients.c * p->rate;
     p->omega_d = p->equilibrium = 0.0;
     p->y = from->gap;
-    p->overdamped = overdamped_of_dashpot(p->y, p->y_rate, p->load);
-    p->amplitude = fabs(p->y) + fabs(p->overdamped.by_faster);
+    p->free = overdamped_of_dashpot(p->y, p->y_rate, p->load);
+    p->amplitude = fabs(p->y) + fabs(p->free.by_faster);
     return p->amplitude < DRIFT_STARTS * largest_gap(from);
 }
 
@@ -489,12 +485,12 @@ double pair_oscillation_longest(const struct pair_oscillation *p)
     if (p->omega_d > 0.0) {
         return (double)INFINITY;
     }
-    const double longest = p->overdamped.half_period;
+    const double longest = p->free.omega_d > 0.0 ? PI / p->free.omega_d : (double)INFINITY;
     if (p->from->coefficients.k > 0.0 || !contact_may_reach_centre(&p->from->shape)) {
         return longest;
     }
     const double free = DRIFT_ENDS * contact_reach(&p->from->shape) - p->amplitude;
-    return fmin(longest, free / fabs(p->overdamped.drift));
+    return fmin(longest, free / fabs(p->free.drift));
 }
 
 /* Whether y or y' has decayed so far that its direct value is more accurate than the start value plus the
@@ -509,38 +505,21 @@ static double gap_after_decay(const struct pair_oscillation *p, double y, double
     return has_decayed(y, p->y) ? p->equilibrium + y : p->from->gap + change;
 }
 
-/* Returns the changes of y and y' since the start. */
-static struct oscillator_increment oscillation_change(const struct pair_oscillation *p, double s)
-{
-    const double damping_rate = p->oscillator.damping_rate;
-    if (s * (1.0 + damping_rate) <= OSCILLATOR_SERIES_RANGE) {
-        return oscillator_increment(&p->oscillator, p->y, p->y_rate, 0.0, s);
-    }
-    const double half_angle = 0.5 * p->omega_d * s;
-    const double sine = sin(half_angle);
-    const double cosine_less = -2.0 * sine * sine; /* cos - 1 */
-    const double shrink_less = damping_rate > 0.0 ? expm1(-0.5 * damping_rate * s) : 0.0;
-    const double by_rate = 2.0 * (1.0 + shrink_less) * sine * cos(half_angle) / p->omega_d;
-    const double by_y = shrink_less + (1.0 + shrink_less) * cosine_less + 0.5 * damping_rate * by_rate;
-    return (struct oscillator_increment){p->y * by_y + p->y_rate * by_rate,
-                                         p->y_rate * (by_y - damping_rate * by_rate) - p->y * by_rate};
-}
-
 /* Changes of y and y' since the start, which would lose digits if added to the start values, then y'' and
  * y'''. */
 static void grow(const struct pair_oscillation *p, double s, double y[4])
 {
-    const struct oscillator_increment change = oscillation_change(p, s);
+    const struct oscillator_increment change = overdamped_since(&p->free, s);
     y[0] = change.x;
     y[1] = change.x_rate;
-    y[2] = -p->oscillator.damping_rate * (p->y_rate + y[1]) - (p->y + y[0]);
-    y[3] = -p->oscillator.damping_rate * y[2] - (p->y_rate + y[1]);
+    y[2] = -p->free.oscillator.damping_rate * (p->y_rate + y[1]) - (p->y + y[0]);
+    y[3] = -p->free.oscillator.damping_rate * y[2] - (p->y_rate + y[1]);
 }
 
 /* y' = exp(-damping_rate s / 2) (y_rate cos + sideways sin) of omega_d s. */
 double pair_oscillation_first_extremum(const struct pair_oscillation *p)
 {
-    const double sideways = -(p->y + 0.5 * p->oscillator.damping_rate * p->y_rate) / p->omega_d;
+    const double sideways = -(p->y + 0.5 * p->free.oscillator.damping_rate * p->y_rate) / p->omega_d;
     const double angle = p->y_rate == 0.0  ? PI
                          : p->y_rate < 0.0 ? atan2(-p->y_rate, sideways)
                                            : atan2(p->y_rate, -sideways);
@@ -558,7 +537,7 @@ bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_qu
     }
     const double k = p->from->coefficients.k;
     const double c = p->from->coefficients.c * p->rate;
-    const double bend = -p->oscillator.damping_rate * p->y_rate - p->y;
+    const double bend = -p->free.oscillator.damping_rate * p->y_rate - p->y;
     double equilibrium = 0.0;
     double start = p->rate * p->y_rate; /* value of the oscillating part at the start */
     double start_rate = p->rate * bend;
@@ -567,7 +546,7 @@ bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_qu
         start = k * p->y + c * p->y_rate;
         start_rate = k * p->y_rate + c * bend;
     }
-    return oscillator_envelope_of(&p->oscillator, start, start_rate).amplitude <
+    return oscillator_envelope_of(&p->free.oscillator, start, start_rate).amplitude <
            factor * equilibrium + offset;
 }
 
@@ -575,13 +554,13 @@ bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_qu
 static void sample_overdamped(const struct pair_oscillation *p, double s, struct pair_sample *sample)
 {
     double y[1 + OVERDAMPED_DERIVATIVES];
-    overdamped_at(&p->overdamped, s, y);
+    overdamped_at(&p->free, s, y);
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP][i] = y[i];
         sample->of[PAIR_GAP_RATE][i] = p->rate * y[1 + i];
         sample->of[PAIR_FORCE][i] = p->stiffness * y[2 + i];
     }
-    sample->of[PAIR_GAP][0] = gap_after_decay(p, y[0], overdamped_since(&p->overdamped, s).y);
+    sample->of[PAIR_GAP][0] = gap_after_decay(p, y[0], overdamped_since(&p->free, s).x);
     sample->of[PAIR_FORCE][0] -= p->stiffness * p->load;
 }
 
@@ -625,12 +604,12 @@ static double gap_grown(const struct pair_oscillation *p, double s, double grown
         *y_rate = p->y_rate + y[1];
         return p->from->gap + grown[0];
     }
-    const struct overdamped_change since = overdamped_since(&p->overdamped, s);
-    overdamped_at(&p->overdamped, s, y);
-    grown[0] = since.y;
-    grown[1] = since.y_rate;
-    *y_rate = has_decayed(y[1], p->y_rate) ? y[1] : p->y_rate + since.y_rate;
-    return gap_after_decay(p, y[0], since.y);
+    const struct oscillator_increment since = overdamped_since(&p->free, s);
+    overdamped_at(&p->free, s, y);
+    grown[0] = since.x;
+    grown[1] = since.x_rate;
+    *y_rate = has_decayed(y[1], p->y_rate) ? y[1] : p->y_rate + since.x_rate;
+    return gap_after_decay(p, y[0], since.x);
 }
 
 struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,

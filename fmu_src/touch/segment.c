@@ -247,7 +247,7 @@ static void add_extrema_of_decay(struct segment *p)
 {
     struct dense_output *w = &p->output;
     for (int order = 1; order <= OVERDAMPED_DERIVATIVES; ++order) {
-        const double extremum = overdamped_zero(&p->as.oscillation.overdamped, order);
+        const double extremum = overdamped_zero(&p->as.oscillation.free, order);
         if (extremum > 0.0 && extremum < p->end) {
             dense_output_add(w, extremum);
         }
@@ -629,26 +629,14 @@ static const double NEGLIGIBLE = 1e-6;
  * the largest force at the start, because it may then itself be the peak. */
 static const double OUTWEIGHED = 0.5;
 
-/* An oscillation counts as forgotten after this many decay times: exp(-40) of its amplitude is below
- * rounding. */
-static const double FORGOTTEN = 40.0;
-
-/* Forces at the start of a segment [N]. */
-struct start_forces {
-    double load;    /* the force at which the contact would rest */
-    double by_gap;  /* oscillation about the load, from the gap's deviation */
-    double by_rate; /* oscillation about the load, from the gap rate */
-    double size;    /* the largest of these forces */
-    double error;   /* rounding error of the largest force */
-};
-
 /*
- * A gap or rate that is carried from the segment before has no new rounding, nor has one of exactly zero:
- * bodies set down where they touch, or at rest. An error of the rate makes an oscillation longer as a small
- * side does a hypotenuse. An error of the gap counts in full, as does an error of a dashpot's force that is
- * itself the peak.
+ * Returns the rounding error of the largest force at the start of a segment, and sets `size` to this force
+ * [N]. A gap or rate that is carried from the segment before has no new rounding, nor has one of exactly
+ * zero: bodies set down where they touch, or at rest. An error of the rate makes an oscillation longer as a
+ * small side does a hypotenuse. An error of the gap counts in full, as does an error of a dashpot's force
+ * that is itself the peak.
  */
-static struct start_forces start_forces_of(const struct segment *p)
+static double error_at_start(const struct segment *p, double *size)
 {
     const struct contact_pair *pair = &p->pair;
     const double k = pair->coefficients.k;
@@ -656,52 +644,42 @@ static struct start_forces start_forces_of(const struct segment *p)
     const double per_rate = sqrt(k * pair->reduced_mass);
     const double rate = fabs(pair_gap_derivative(pair));
     const double spring = fabs(k * pair->gap);
-    struct start_forces start = {.load = pair_load(pair), .by_rate = per_rate * rate};
-    start.by_gap = fabs(spring - start.load);
-    start.size = fmax(fmax(start.load, spring), fmax(start.by_rate, c * rate));
-    start.error = p->gap_is_known ? 0.0 : k * p->gap_rounding / BOUND_ROUNDINGS;
-    if (!pair->rate_is_known) {
-        const double turned = contact_is_plane(&pair->shape)
-                                  ? 0.0
-                                  : p->gap_rounding / pair->distance * vec3_norm(pair->flight.w[0]);
-        const double rounding = (RATE_ROUNDINGS * pair->rate_rounding + turned) / BOUND_ROUNDINGS;
-        const double by_error = per_rate * rounding;
-        const double dashpot = c * (rate + rounding);
-        const double swing = fmax(start.by_gap, start.by_rate);
-        const double longer = fmin(1.0, (start.by_rate + 0.5 * by_error) / fmax(swing, DBL_MIN));
-        start.error += by_error * longer + (dashpot > OUTWEIGHED * start.size ? c * rounding : 0.0);
+    const double load = pair_load(pair);
+    const double error = p->gap_is_known ? 0.0 : k * p->gap_rounding / BOUND_ROUNDINGS;
+    *size = fmax(fmax(load, spring), fmax(per_rate, c) * rate);
+    if (pair->rate_is_known) {
+        return error;
     }
-    return start;
+    const double turned = contact_is_plane(&pair->shape)
+                              ? 0.0
+                              : p->gap_rounding / pair->distance * vec3_norm(pair->flight.w[0]);
+    const double rounding = (RATE_ROUNDINGS * pair->rate_rounding + turned) / BOUND_ROUNDINGS;
+    const double by_error = per_rate * rounding;
+    const double swing = fmax(fabs(spring - load), per_rate * rate);
+    const double longer = fmin(1.0, (per_rate * rate + 0.5 * by_error) / fmax(swing, DBL_MIN));
+    return error + by_error * longer + (c * (rate + rounding) > OUTWEIGHED * *size ? c * rounding : 0.0);
 }
 
 /* Notes how far rounding changes the peaks. It is called once the peaks of a segment between two times [s]
- * are in the state. */
+ * are in the state. The error dies away as the oscillation does. */
 static void peak_error_note(const struct segment *p, double from, double to, struct contact_state *state)
 {
     struct contact_record *record = &state->record;
     if (record->force_error == 0.0 && p->gap_is_known && p->pair.rate_is_known) {
         return;
     }
-    const struct start_forces start = start_forces_of(p);
+    double size;
+    const double start = error_at_start(p, &size);
     const struct contact_coefficients *by = &p->pair.coefficients;
     const struct oscillator oscillator = {by->k / p->pair.reduced_mass, by->c / p->pair.reduced_mass};
     const double decay_rate = fmin(oscillator_rates_of(&oscillator).slower, 0.5 * oscillator.damping_rate);
-    const double decay = decay_rate * (to - from);
-    const double left =
-        exp(-decay_rate * from); /* amplitude at `from` divided by the amplitude at the segment's start */
-    const double error = fmin(record->force_error + start.error, DBL_MAX) * left;
+    const double left = exp(-decay_rate * from);
+    const double error = fmin(record->force_error + start, DBL_MAX) * left;
     const double peak = state->peaks.force;
-    record->force_error = error * exp(-decay);
-    if (!(error > NEGLIGIBLE * fmax(start.size * left, peak))) {
-        return;
+    record->force_error = error * exp(-decay_rate * (to - from));
+    if (error > NEGLIGIBLE * fmax(size * left, peak)) {
+        record->force_bound = fmin(fmax(record->force_bound, peak + error), DBL_MAX);
     }
-    /* A load that sets in at once makes at most 1 + 1/(1 + c/sqrt(k m)) times its force; it changes little
-     * while the oscillation dies away. */
-    const double damped = 1.0 + by->c / sqrt(by->k * p->pair.reduced_mass);
-    const double first = start.load + (start.by_gap / damped + start.by_rate * damped) * left + error;
-    const bool is_outweighed = decay > FORGOTTEN && first * (1.0 + FORGOTTEN / decay) < peak;
-    const double bound = is_outweighed ? peak : fmax(first, peak + error);
-    record->force_bound = fmin(fmax(record->force_bound, bound), DBL_MAX);
 }
 
 /* A period with fewer representable places than this is not searched: its largest value cannot be found to
