@@ -21,14 +21,6 @@ double zone_path_rounding(const struct contact_solid *solid, const struct separa
     return 8.0 * DBL_EPSILON * (vec3_norm(path->c[0]) + solid->radius + solid->half_height);
 }
 
-/* Returns the path with its time origin moved to `time`. */
-static struct separation_path zone_path_from(const struct separation_path *path, double time)
-{
-    struct separation_path from = *path;
-    path_shift(from.c, SEPARATION_DEGREE + 1, time);
-    return from;
-}
-
 /* Returns rho^2 - (offset + slope z)^2 [scale^2]; a root is a crossing of a cone about the axis. */
 static struct polynomial edge_cone(const struct relative_path *path, double offset, double slope)
 {
@@ -210,6 +202,14 @@ double zone_path_leaves_face(const struct contact_solid *solid, const struct sep
 #endif
 
 #if SCENE_ANY_FREE && SCENE_ANY_CAPS
+
+/* Returns the path with its time origin moved to `time`. */
+static struct separation_path zone_path_from(const struct separation_path *path, double time)
+{
+    struct separation_path from = *path;
+    path_shift(from.c, SEPARATION_DEGREE + 1, time);
+    return from;
+}
 
 /* Returns the first t > 0 [s] at which gap + n.(c(t) - c(0)) falls through zero, or INFINITY after `left`. */
 static double plane_touch(const struct separation_path *path, struct vec3 n, double gap, double left)

@@ -661,8 +661,8 @@ static void general_move_scene(struct general *g, struct scene_state *q, double 
 static const double TOLERANCE_SHARE = 1e-3;
 static const double LEAST_TOLERANCE = 1024.0 * DBL_EPSILON;
 
-/* Where outputs are read within a step, the error allowed there is this part of the tolerance. With tolerances
- * below 2.3e-12 it is the error allowed at the end, a quarter of the tolerance at 1e-12. */
+/* Where outputs are read within a step, the error allowed there is this part of the tolerance. Below a
+ * tolerance of 2.3e-12 it is the error allowed at the end, a quarter of the tolerance at 1e-12. */
 static const double READ_PART = 0.1;
 
 static void general_rates(void *general, double clock, const double *y, double *rates)

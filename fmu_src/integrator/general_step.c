@@ -763,8 +763,8 @@ static double factor_of_trend(const struct general *g, const struct attempt *now
     return fmax(factor * pow(worse, -1.0 / (2.0 * now->stages->stages - 1.0)), SHRINKAGE);
 }
 
-/* Sets g->longest for the next step after the attempt `now` has been accepted. A step that an event, the end of
- * the motion, a touch or a release has shortened says little about the longest step. */
+/* Sets g->longest for the next step after the attempt `now` has been accepted. A step that an event, the end
+ * of the motion, a touch or a release has shortened says little about the longest step. */
 static void lengthen(struct general *g, const struct attempt *now)
 {
     const double paced = now->stages->pace == RADAU_FROM_TOUCH ? AFTER_TOUCH : 1.0;

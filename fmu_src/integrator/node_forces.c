@@ -651,8 +651,8 @@ static void add_force(struct iteration *it, int stage, int contact, struct vec3 
     }
 }
 
-/* Returns the change of the velocity of the source's centre against the destination's for changes of the states
- * that are no places. */
+/* Returns the change of the velocity of the source's centre against the destination's for changes of the
+ * states that are no places. */
 static inline struct vec3 centres_velocity_of(const struct iteration *it, int contact, const double *change)
 {
     const struct node_contact *ends = &it->contact[contact];
@@ -859,10 +859,10 @@ static void add_pending_spring(struct iteration *it, int contact, int part)
 }
 
 /* Whether the responses follow the changes of places to come. Contacts that share bodies then converge in two
- * or three iterations in place of three or four, because forces that are out of balance move a body by much
- * more than its guess is wrong. A gap of a part of a compound is the difference of long lever arms, and at rest
- * large forces cancel in their sum: the forces of a tripod at rest have an error of 7e-11 N in place of 3e-9 N.
- * For one contact it would cost more than it saves. */
+ * or three iterations in place of three or four, because guessed forces that are out of balance move a body
+ * far. A gap of a part of a compound is the difference of long lever arms, and at rest large forces cancel in
+ * their sum: the forces of a tripod at rest have an error of 7e-11 N in place of 3e-9 N. For one contact this
+ * costs more than it saves. */
 static inline bool follows_places(const struct iteration *it)
 {
     return SCENE_ANY_COMPOUND || (SCENE_CONTACTS > 1 && it->contacts > 1);
