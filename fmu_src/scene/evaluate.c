@@ -75,10 +75,9 @@ struct vec3 body_rotation_of(const struct scene_values *v, int body, struct quat
         return along_principal_axes(orientation, vec3_make(1.0, inertia.x / inertia.y, inertia.x / inertia.z),
                                     spin);
     }
-    const struct body_inertia inertia = body_inertia_of(v, body);
     const struct vec3 e = quaternion_third_axis(orientation);
-    const double flatness = (inertia.transverse - inertia.axial) / inertia.axial;
-    return vec3_axpy(body_part_that_turns(v, body, spin), flatness * vec3_dot(spin, e), e);
+    const struct vec3 part = body_part_that_turns(v, body, spin);
+    return vec3_axpy(part, body_flatness(v, body) * vec3_dot(spin, e), e);
 }
 
 struct vec3 scene_lever(const struct scene_instant *at, int contact, int end)
@@ -89,6 +88,12 @@ struct vec3 scene_lever(const struct scene_instant *at, int contact, int end)
     const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
     return quaternion_rotate(at->turning.body[body].orientation,
                              end == 0 ? contact_source_part(contact) : contact_destination_part(contact));
+}
+
+double body_flatness(const struct scene_values *v, int body)
+{
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    return (inertia.transverse - inertia.axial) / inertia.axial;
 }
 
 bool scene_stiffens(const struct scene_values *v, int contact)

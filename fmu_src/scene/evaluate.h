@@ -170,6 +170,10 @@ struct vec3 body_rotation_of(const struct scene_values *v, int body, struct quat
  * at its source (end 0) or destination (end 1). The function returns zero for other bodies. */
 struct vec3 scene_lever(const struct scene_instant *at, int contact, int end);
 
+/* Returns I_1 / I_3 - 1 [1] of a body that turns freely. I_3 is its moment of inertia about its axis, I_1 the
+ * one across. */
+double body_flatness(const struct scene_values *v, int body);
+
 /* Whether the tangential stiffness of a contact follows the normal one. */
 bool scene_stiffens(const struct scene_values *v, int contact);
 

@@ -2,8 +2,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "contact/slopes.h"
 #include "scene/evaluate.h"
 #include "scene/ode.h"
+#include "scene/scene_jet.h"
 
 enum { BODY_STATES = 6 };
 
@@ -654,31 +656,200 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
     }
 }
 
-/* Least change of a state in a difference quotient, in rounding bounds of the gap. Newton's method needs no
- * more than the three digits that are then left. */
-static const double LEAST_CHANGE = 1e3;
+/* This part computes the Jacobian column by column, from the jets of the contacts along a change of one
+ * state. */
+
+/* A Jacobian, by columns. */
+struct jacobian {
+    double *at;
+    int size;
+};
+
+static void add_entry(struct jacobian m, int row, int column, double value)
+{
+    m.at[column * m.size + row] += value;
+}
+
+static void add_three(struct jacobian m, int row, int column, double factor, struct vec3 a)
+{
+    for (int k = 0; k < 3; ++k) {
+        add_entry(m, row + k, column, factor * vec3_get(a, k));
+    }
+}
+
+/* Data that all parts of the Jacobian need. */
+struct linearization {
+    const struct scene_ode *ode;
+    double clock;
+    const double *y;
+    struct jacobian matrix;
+    struct scene_state q; /* with the springs of y */
+    struct scene_instant at;
+    struct scene_jet along; /* the path, along one state */
+};
+
+/* Adds a change of the force, times `sign`, and a change of the torque on a body, or of the power of its
+ * drives. */
+static void add_to_body(const struct linearization *l, int column, int body, double sign, struct vec3 force,
+                        struct vec3 torque)
+{
+    const struct scene_values *v = l->ode->values;
+    const struct ode_layout *layout = &l->ode->layout;
+    if (layout->body[body] >= 0) {
+        add_three(l->matrix, layout->body[body] + 3, column, sign / body_mass(v, body), force);
+    } else if (body_is_prescribed(v, body)) {
+        add_entry(l->matrix, layout->dissipated + 1, column, -sign * vec3_dot(force, l->at.velocity[body]));
+    }
+    if (layout->spin[body] >= 0) {
+        add_three(l->matrix, layout->spin[body], column, 1.0 / body_inertia_of(v, body).transverse, torque);
+    } else if (body_turn_is_prescribed(v, body)) {
+        add_entry(l->matrix, layout->dissipated + 1, column,
+                  -vec3_dot(torque, l->at.turning.body[body].angular_velocity));
+    }
+}
+
+/* Adds what the change does to a contact, and by it to its bodies, springs and integrals. */
+static void add_contact_change(struct linearization *l, int contact, int column)
+{
+    const struct scene_values *v = l->ode->values;
+    const struct ode_layout *layout = &l->ode->layout;
+    const struct turning_jet *turning = &l->along.turning[contact];
+    if (l->q.contact[contact].regime == (int32_t)REGIME_APART) {
+        return;
+    }
+    jet_of_contact(v, &l->q, &l->at, contact, &l->along);
+    const struct vec3 force = l->along.contact[contact].source_force[1];
+    add_to_body(l, column, contact_source(contact), 1.0, force, turning->source_torque[1]);
+    add_to_body(l, column, contact_destination(contact), -1.0, force, turning->destination_torque[1]);
+    for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
+        if (layout->spring[contact][i] >= 0) {
+            add_three(l->matrix, layout->spring[contact][i], column, 1.0,
+                      turning_jet_spring_change(v, &l->q, &l->at, &l->along, contact, i));
+        }
+    }
+    const int impulse = layout->impulse[contact];
+    add_three(l->matrix, impulse, column, 1.0, force);
+    add_entry(l->matrix, layout->dissipated, column,
+              jet_dissipated_power_of(v, &l->q, &l->along, contact, 1));
+    if (scene_turns(v)) {
+        add_three(l->matrix, impulse + 3, column, 1.0, turning->source_torque[1]);
+        add_three(l->matrix, impulse + 6, column, 1.0, turning->destination_torque[1]);
+        add_entry(l->matrix, layout->dissipated + 2, column,
+                  turning_jet_friction_power_of(v, &l->along, contact, 1));
+    }
+}
+
+/* Adds a column: what the change of one state of a body does to the rates of its place and orientation, to
+ * the power of the loads on it, and to its contacts. Takes the change back. */
+static void add_column(struct linearization *l, int body, int column)
+{
+    const struct ode_layout *layout = &l->ode->layout;
+    const struct body_path *path = &l->q.path[body];
+    struct scene_jet *along = &l->along;
+    double power = 0.0;
+    if (layout->body[body] >= 0) {
+        add_three(l->matrix, layout->body[body], column, 1.0, along->velocity[body][1]);
+        power = vec3_dot(path_at(path->force, 3, l->clock), along->velocity[body][1]);
+    }
+    if (SCENE_ANY_ROTATION && layout->spin[body] >= 0) {
+        const int row = layout->orientation[body];
+        const struct vec3 faster = along->angular_velocity[body][1];
+        const struct quaternion rate = quaternion_axpy(
+            quaternion_rate(four_from(l->y + row), faster), 1.0,
+            quaternion_rate(along->given_orientation[body], l->at.turning.body[body].angular_velocity));
+        add_entry(l->matrix, row, column, rate.w);
+        add_three(l->matrix, row + 1, column, 1.0, quaternion_vector(rate));
+        power += vec3_dot(path_at(path->torque, 3, l->clock), faster);
+    }
+    add_entry(l->matrix, layout->dissipated + 1, column, power);
+    for (int j = 0; column < layout->coupled && j < SCENE_CONTACTS; ++j) {
+        if (contact_source(j) == body || contact_destination(j) == body) {
+            add_contact_change(l, j, column);
+        }
+    }
+    along->displacement[body][1] = along->velocity[body][1] = along->angular_velocity[body][1] =
+        vec3_make(0.0, 0.0, 0.0);
+    if (SCENE_ANY_AXIS) {
+        along->axis[body][1] = vec3_make(0.0, 0.0, 0.0);
+    }
+    along->orientation[body][1] = along->given_orientation[body] = (struct quaternion){0.0, 0.0, 0.0, 0.0};
+}
+
+/* Changes component k of the orientation in y, a quaternion of any length, at constant L / I_1. As the axis
+ * changes, omega changes too. A compound body, whose omega is M L / I_1, turns by a vector r, and omega
+ * changes by r x omega - M (r x L / I_1). */
+static void change_orientation(struct linearization *l, int body, int k)
+{
+    const struct scene_values *v = l->ode->values;
+    const struct body_turn *turn = &l->at.turning.body[body];
+    const struct quaternion q = four_from(l->y + l->ode->layout.orientation[body]);
+    const struct vec3 spin = vec3_from(l->y + l->ode->layout.spin[body]);
+    struct scene_jet *along = &l->along;
+    along->given_orientation[body] = (struct quaternion){k == 0, k == 1, k == 2, k == 3};
+    turning_jet_move_orientation(body, turn->orientation, sqrt(quaternion_dot(q, q)), k, 1.0, along);
+    if (body_is_compound(body)) {
+        const struct quaternion back = quaternion_inverse(turn->orientation);
+        const struct vec3 r =
+            vec3_scale(2.0, quaternion_vector(quaternion_product(along->orientation[body][1], back)));
+        const struct vec3 held = body_rotation_of(v, body, turn->orientation, vec3_cross(r, spin));
+        along->angular_velocity[body][1] = vec3_sub(vec3_cross(r, turn->angular_velocity), held);
+        return;
+    }
+    const struct vec3 change = along->axis[body][1];
+    const struct vec3 e = quaternion_third_axis(turn->orientation);
+    along->angular_velocity[body][1] = vec3_scale(
+        body_flatness(v, body), vec3_axpy(vec3_scale(vec3_dot(spin, change), e), vec3_dot(spin, e), change));
+}
+
+/* Adds the columns of a body's states. */
+static void add_columns_of_body(struct linearization *l, int body)
+{
+    const struct ode_layout *layout = &l->ode->layout;
+    for (int k = 0; k < BODY_STATES && layout->body[body] >= 0; ++k) {
+        vec3_set(k < 3 ? &l->along.displacement[body][1] : &l->along.velocity[body][1], k % 3, 1.0);
+        add_column(l, body, layout->body[body] + k);
+    }
+    for (int k = 0; SCENE_ANY_ROTATION && k < 3 && layout->spin[body] >= 0; ++k) {
+        struct vec3 spin = {0.0, 0.0, 0.0};
+        vec3_set(&spin, k, 1.0);
+        l->along.angular_velocity[body][1] =
+            body_rotation_of(l->ode->values, body, l->at.turning.body[body].orientation, spin);
+        add_column(l, body, layout->spin[body] + k);
+    }
+    for (int k = 0; SCENE_ANY_ROTATION && k < 4 && layout->spin[body] >= 0; ++k) {
+        change_orientation(l, body, k);
+        add_column(l, body, layout->orientation[body] + k);
+    }
+}
 
 void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
 {
     const struct scene_ode *ode = scene_ode;
     const int size = ode->layout.size;
-    double least = 0.0;
-    double sizes[ODE_MOST_STATES] = {0.0}, at[ODE_MOST_STATES], rates[ODE_MOST_STATES];
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        least = fmax(least, LEAST_CHANGE * ode->gap_offset[j]);
-    }
-    ode_nominal(ode, y, sizes);
-    ode_rates(ode, clock, y, rates);
+    struct linearization l = {.ode = ode, .clock = clock, .y = y, .matrix = {columns, size}};
     memset(columns, 0, (size_t)size * (size_t)size * sizeof *columns);
-    memcpy(at, y, (size_t)size * sizeof *at);
-    for (int j = 0; j < ode->layout.integrals; ++j) {
-        double *column = columns + j * size;
-        at[j] += fmax(sqrt(DBL_EPSILON) * sizes[j], least);
-        ode_rates(ode, clock, at, column);
-        for (int i = 0; i < size; ++i) {
-            column[i] = (column[i] - rates[i]) / (at[j] - y[j]);
+    l.along.first_order = true;
+    scene_state_copy(ode->values, ode->state, &l.q);
+    ode_instant(ode, clock, y, &l.at);
+    if (scene_turns(ode->values)) {
+        turning_unpack(ode, y, &l.q.turning);
+        for (int i = 0; i < SCENE_BODIES; ++i) {
+            l.along.orientation[i][0] = l.at.turning.body[i].orientation;
+            l.along.angular_velocity[i][0] = l.at.turning.body[i].angular_velocity;
         }
-        at[j] = y[j];
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        add_columns_of_body(&l, i);
+    }
+    for (int k = 0; SCENE_ANY_SPRINGS && k < 3 * OPPOSED * SCENE_CONTACTS; ++k) {
+        const int contact = k / (3 * OPPOSED);
+        const int part = k / 3 % OPPOSED;
+        if (ode->layout.spring[contact][part] >= 0) {
+            struct vec3 *spring = &l.along.spring[contact][part][1];
+            vec3_set(spring, k % 3, 1.0);
+            add_contact_change(&l, contact, ode->layout.spring[contact][part] + k % 3);
+            *spring = vec3_make(0.0, 0.0, 0.0);
+        }
     }
 }
 

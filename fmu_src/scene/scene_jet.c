@@ -57,6 +57,7 @@ void jet_add_levers(const struct scene_jet *along, int contact, struct vec3 c[JE
 struct contact_path {
     struct vec3 c[JET_TERMS], w[JET_TERMS], seen[JET_TERMS];
     struct vec3 source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
+    int terms; /* number of terms that are wanted */
 };
 
 /* Puts the rotations of both bodies and the motion of the shape's axis. */
@@ -68,7 +69,7 @@ static void put_rotations(const struct scene_values *v, const struct scene_insta
     const int to = contact_destination(contact);
     path->source[0] = at->turning.body[from].angular_velocity;
     path->destination[0] = at->turning.body[to].angular_velocity;
-    for (int i = 1; i < JET_TERMS; ++i) {
+    for (int i = 1; i < path->terms; ++i) {
         path->source[i] = along->angular_velocity[from][i];
         path->destination[i] = along->angular_velocity[to][i];
         if (contact_tips(v, contact)) {
@@ -76,7 +77,7 @@ static void put_rotations(const struct scene_values *v, const struct scene_insta
                 contact_is_upside_down(shape) ? vec3_scale(-1.0, along->axis[to][i]) : along->axis[to][i];
         }
     }
-    for (int i = 0; i < JET_TERMS && !contact_is_skew(shape); ++i) {
+    for (int i = 0; i < path->terms && !contact_is_skew(shape); ++i) {
         path->seen[i] = vec3_sub(path->w[i], turning_jet_cross(path->destination, path->c, i));
     }
 }
@@ -89,7 +90,8 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
     const int to = contact_destination(contact);
     struct contact_path path;
     memset(&path, 0, sizeof path);
-    for (int i = 1; i < JET_TERMS; ++i) {
+    path.terms = along->first_order ? 2 : JET_TERMS;
+    for (int i = 1; i < path.terms; ++i) {
         path.c[i] = vec3_sub(along->displacement[to][i], along->displacement[from][i]);
         path.w[i] = vec3_sub(along->velocity[to][i], along->velocity[from][i]);
     }
@@ -138,7 +140,7 @@ static void put_distance(const struct contact_shape *shape, const struct contact
     put_offset(shape, path, offset);
     jet->normal[0] = g->normal;
     jet->distance[0] = g->distance;
-    for (int i = 1; i < JET_TERMS; ++i) {
+    for (int i = 1; i < path->terms; ++i) {
         jet->normal[i] = vec3_make(0.0, 0.0, 0.0);
         if (contact_is_plane(shape)) {
             jet->normal[i] = vec3_scale(-1.0, path->axis[i]);
@@ -162,7 +164,7 @@ static void put_normal_force(const struct contact_shape *shape, const struct con
                              const struct contact_law *change, enum contact_regime regime,
                              struct contact_jet *jet)
 {
-    for (int i = 0; i < JET_TERMS; ++i) {
+    for (int i = 0; i < path->terms; ++i) {
         jet->gap[i] = i > 0 ? shape->side * jet->distance[i] : g->gap;
         jet->gap_rate[i] = i > 0 ? shape->side * jet_dot(jet->normal, path->seen, i) : g->gap_rate;
         jet->normal_force[i] = contact_force_term(law, change, regime, jet->gap, jet->gap_rate, i);
@@ -177,7 +179,7 @@ static void put_slip(const struct contact_shape *shape, const struct contact_pat
     struct vec3 far[JET_TERMS];
     struct vec3 all[JET_TERMS];
     double along_normal[JET_TERMS];
-    for (int i = 0; i < JET_TERMS; ++i) {
+    for (int i = 0; i < path->terms; ++i) {
         const struct vec3 foot =
             i == 0 ? contact_foot(shape, path->c[0]) : contact_foot_along(shape, path->c[i]);
         turning->source_arm[i] = contact_source_arm(shape, jet->normal[i], foot);
@@ -251,7 +253,7 @@ static void put_friction(const struct scene_values *v, const struct scene_state 
                          struct contact_jet *jet, struct turning_jet *turning)
 {
     const bool rubs = contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
-    for (int i = 0; i < JET_TERMS; ++i) {
+    for (int i = 0; i < path->terms; ++i) {
         turning->spin[i] = vec3_sub(path->source[i], path->destination[i]);
     }
     for (int part = 0; part < contact_opposed(v, contact); ++part) {
@@ -273,7 +275,7 @@ static void put_turning(const struct scene_values *v, const struct scene_state *
     put_slip(shape, path, jet, turning);
     add_levers_to_arms(along, contact, turning);
     put_friction(v, q, along, path, contact, jet, turning);
-    for (int i = 0; i < JET_TERMS; ++i) {
+    for (int i = 0; i < path->terms; ++i) {
         turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
         turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
         if (contact_resists(v, contact)) {
@@ -310,6 +312,12 @@ static void put_contact_jets(const struct scene_values *v, const struct scene_st
             put_contact_jet(v, q, at, j, rubs, along);
         }
     }
+}
+
+void jet_of_contact(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
+                    int contact, struct scene_jet *along)
+{
+    put_contact_jet(v, q, at, contact, scene_turns(v), along);
 }
 
 void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
@@ -459,15 +467,21 @@ double free_bodies_external_power(const struct scene_values *v, const struct sce
     return power + turning;
 }
 
+double jet_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
+                               const struct scene_jet *along, int contact, int order)
+{
+    const struct contact_jet *jet = &along->contact[contact];
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    return contact_dissipated_term(&law, (enum contact_regime)q->contact[contact].regime, jet->normal_force,
+                                   jet->gap, jet->gap_rate, order);
+}
+
 double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
                                     const struct scene_jet *along, int order)
 {
     double power = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_jet *jet = &along->contact[j];
-        const struct contact_law law = scene_contact_law(v, q, j);
-        power += contact_dissipated_term(&law, (enum contact_regime)q->contact[j].regime, jet->normal_force,
-                                         jet->gap, jet->gap_rate, order);
+        power += jet_dissipated_power_of(v, q, along, j, order);
     }
     return power;
 }
@@ -713,17 +727,25 @@ void turning_jet_move_orientation(int body, struct quaternion unit, double lengt
     along->axis[body][1] = vec3_add(along->axis[body][1], vec3_cross(turned, quaternion_third_axis(unit)));
 }
 
+double turning_jet_friction_power_of(const struct scene_values *v, const struct scene_jet *along, int contact,
+                                     int order)
+{
+    const struct turning_jet *jet = &along->turning[contact];
+    double power = 0.0;
+    if (contact_rubs(v, contact)) {
+        power -= jet_dot(jet->friction_force, jet->slip, order);
+    }
+    if (contact_resists(v, contact)) {
+        power -= jet_dot(jet->resistance, jet->spin, order);
+    }
+    return power;
+}
+
 double turning_jet_friction_power(const struct scene_values *v, const struct scene_jet *along, int order)
 {
     double power = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct turning_jet *jet = &along->turning[j];
-        if (contact_rubs(v, j)) {
-            power -= jet_dot(jet->friction_force, jet->slip, order);
-        }
-        if (contact_resists(v, j)) {
-            power -= jet_dot(jet->resistance, jet->spin, order);
-        }
+        power += turning_jet_friction_power_of(v, along, j, order);
     }
     return power;
 }

@@ -35,8 +35,9 @@ struct scene_jet {
     struct vec3 spring[SCENE_CONTACTS][OPPOSED][JET_TERMS];
     double slip_velocity_slope[SCENE_CONTACTS]; /* d/ds of v_0 */
     struct turning_jet turning[SCENE_CONTACTS];
-    bool touching; /* contacts that are apart are left out: their terms are zero */
-    bool jumps;    /* the inputs jump: springs of contacts without a free body are laid (opposed_laid) */
+    bool touching;    /* contacts that are apart are left out: their terms are zero */
+    bool first_order; /* of contacts, terms beyond the first order are not wanted */
+    bool jumps;       /* the inputs jump: springs of contacts without a free body are laid (opposed_laid) */
     struct vec3 spring_before[SCENE_CONTACTS][OPPOSED]; /* the springs before the jump [m, rad] */
     double friction[JET_TERMS]; /* energy that friction and its springs take; the first term is zero */
     /* only in scenes with free bodies; the first terms are zero */
@@ -46,6 +47,10 @@ struct scene_jet {
 /* Computes the contacts' part of the jet from the bodies and the factors. */
 CONTACT_COLD void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_instant *at, struct scene_jet *along);
+
+/* Computes the part of one contact, which is not apart. */
+CONTACT_COLD void jet_of_contact(const struct scene_values *v, const struct scene_state *q,
+                                 const struct scene_instant *at, int contact, struct scene_jet *along);
 
 /* Computes the whole jet in time. Free bodies follow Newton's law; prescribed bodies follow their velocity,
  * which counts as the derivative of their displacement. */
@@ -83,15 +88,20 @@ CONTACT_COLD void turning_jet_move_orientation(int body, struct quaternion unit,
 CONTACT_COLD void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at,
                                         int body, int component, double change, struct scene_jet *along);
 
-/* Returns coefficient `order` of the power that friction and its springs take in all contacts [W]. */
+/* Return coefficient `order` of the power that friction and its springs take in all contacts, and in one
+ * [W]. */
 CONTACT_COLD double turning_jet_friction_power(const struct scene_values *v, const struct scene_jet *along,
                                                int order);
+CONTACT_COLD double turning_jet_friction_power_of(const struct scene_values *v, const struct scene_jet *along,
+                                                  int contact, int order);
 
 /* Returns half the rate of a free body's acceleration by external and contact forces [m/s^3 in time]. */
 struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body);
 
-/* Return coefficient `order`, 0 or 1, of the power that all dashpots dissipate, and of the power of the
- * external forces on free bodies and of the drives of prescribed bodies [W]. */
+/* Return coefficient `order`, 0 or 1, of the power of dissipation in one contact and in all, and of the power
+ * of the external forces on free bodies and of the drives of prescribed bodies [W]. */
+double jet_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
+                               const struct scene_jet *along, int contact, int order);
 double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
                                     const struct scene_jet *along, int order);
 double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
