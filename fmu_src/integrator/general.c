@@ -946,7 +946,9 @@ static enum advance_result make_step(struct general *g, const struct scene_state
 {
     struct general_end *end = &g->end;
     const double left = step->clock_end - q->clock;
-    const double most = fmax(step->clock_limit - q->clock, left);
+    /* a step goes beyond the end, and is read within, only where rounding allows the tolerance there */
+    const bool reads = g->relative <= solver_relative_tolerance(g->ode.values);
+    const double most = reads ? fmax(step->clock_limit - q->clock, left) : left;
     double longest = (double)INFINITY;
     double known = 0.0; /* g->longest of a step that a bend of friction has shortened */
     if (SCENE_ANY_FRICTION && g->step.problem.turns) {

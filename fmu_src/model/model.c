@@ -147,7 +147,13 @@ static double ask_readable(void *context, double end_time)
     return end_time;
 }
 
-enum model_status model_step(struct model *m, const struct step_request *request)
+enum model_status model_step(struct model *m, double end_time)
+{
+    const struct step_request request = {.end_time = end_time};
+    return model_step_requested(m, &request);
+}
+
+enum model_status model_step_requested(struct model *m, const struct step_request *request)
 {
     if (!m->state.initialized) {
         return model_report(m, MODEL_ERROR, "A step to %s s before the end of the initialization.",

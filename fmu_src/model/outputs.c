@@ -362,7 +362,8 @@ static struct vec3 contact_vector_term(const struct scene_jet *along, const stru
     case ROW_contact_rolling_torque:
     case ROW_contact_rolling_rate:
     case ROW_contact_spinning_rate:
-        return resistance_term(shape->side, turning, jet->normal, row, order);
+        return SCENE_ANY_ROLLING ? resistance_term(shape->side, turning, jet->normal, row, order)
+                                 : vec3_make(0.0, 0.0, 0.0);
     default:
         return vec3_make(0.0, 0.0, 0.0);
     }

@@ -540,8 +540,10 @@ void scene_place_bodies(const struct scene_values *v, const struct scene_state *
     }
 }
 
-CONTACT_FLATTEN void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
-                                      const struct body_state *bodies, struct scene_instant *at)
+CONTACT_NOT_FUSED CONTACT_FLATTEN void scene_kinematics(const struct scene_values *v,
+                                                        const struct scene_state *q, double clock,
+                                                        const struct body_state *bodies,
+                                                        struct scene_instant *at)
 {
     scene_place_bodies(v, q, clock, bodies, &q->turning, at);
     scene_meet(v, q, NULL, at);

@@ -29,8 +29,7 @@ static inline struct model scene_model(void)
 
 static inline enum model_status scene_step(struct model *m, double end_time)
 {
-    const struct step_request request = {.end_time = end_time};
-    return model_step(m, &request);
+    return model_step(m, end_time);
 }
 
 /* The position and velocity a free body starts with. */
