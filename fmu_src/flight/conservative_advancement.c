@@ -322,7 +322,7 @@ void advancement_at(const struct advancement_path *path, enum advancement_change
     /* whether the source goes along a plane across the axis, to rounding */
     const bool in_plane = fabs(at->axial_rate) <= ADVANCEMENT_ROUNDINGS * vec3_norm(at->c[1]);
     at->noise[ADVANCEMENT_GAP] =
-        fmax(path->rounding, ADVANCEMENT_ROUNDINGS * (distance + shape.source_radius + shape.other_radius));
+        fmax(path->rounding, ADVANCEMENT_ROUNDINGS * (distance + at->geometry.gap_terms));
     for (int i = ADVANCEMENT_UPPER_END; i < functions_of(path); ++i) {
         const double end = i == ADVANCEMENT_UPPER_END ? 1.0 : -1.0;
         const double sign = change == ADVANCEMENT_TOUCH ? 1.0 : -1.0;
