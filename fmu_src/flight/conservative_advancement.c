@@ -576,7 +576,8 @@ struct advancement_result advancement_first(const struct advancement_path *path,
              * zero is above zero half-way, or stays within rounding */
             step *= before < 0.0 ? 0.5 : 1.0;
         }
-        if (!(time < horizon)) {
+        /* bodies beyond the range of numbers touch no more */
+        if (!(time < horizon && at.noise[ADVANCEMENT_GAP] < (double)INFINITY)) {
             return (struct advancement_result){(double)INFINITY, 0.0, horizon, evaluations};
         }
         /* a step of 0 repeats the time with a shorter length; another step is at least the time's rounding */
