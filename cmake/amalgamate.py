@@ -135,7 +135,9 @@ def amalgamated(units, source, scene, fmi):
         with_it = "".join(one.text(unit) for unit in cvode)
         body += f"\n#ifdef CONTACT_WITH_CVODE\n{with_it}\n#endif\n"
     # What the contact folder, which knows no scene, hears of it.
-    parts = "CYLINDER SKEW CAPS PLANE TORUS COMPOUND CURVED HERTZ PRESCRIBED RESTITUTION ROLLING MINDLIN"
+    parts = (
+        "CYLINDER SKEW CAPS PLANE TORUS COMPOUND CURVED HERTZ PRESCRIBED RESTITUTION ROTATION ROLLING MINDLIN"
+    )
     left_out = [f"CONTACT_ANY_{part}" for part in parts.split() if f"set(SCENE_HAS_{part} OFF)" in about]
     name = re.search(r'SCENE_NAME "(\w+)"', about)[1]
     head = HEAD.format(

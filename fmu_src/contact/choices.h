@@ -37,6 +37,9 @@
 #ifndef CONTACT_ANY_RESTITUTION
 #define CONTACT_ANY_RESTITUTION 1
 #endif
+#ifndef CONTACT_ANY_ROTATION /* whether a body may turn */
+#define CONTACT_ANY_ROTATION 1
+#endif
 #ifndef CONTACT_ANY_ROLLING /* whether a contact may resist rolling or spinning */
 #define CONTACT_ANY_ROLLING 1
 #endif

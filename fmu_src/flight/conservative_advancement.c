@@ -92,7 +92,7 @@ static struct rotor_axis tumbling_axis_at(const struct axis_motion *motion, doub
 /* Returns e_d and its rate at a time no earlier than `from`. */
 static struct rotor_axis axis_motion_at(const struct axis_motion *motion, double time)
 {
-    switch (motion->kind) {
+    switch (CONTACT_ANY_ROTATION ? motion->kind : AXIS_FIXED) {
     case AXIS_PRECESSES:
         return rotor_axis_at(&motion->rotor, time - motion->from);
     case AXIS_PRESCRIBED:
@@ -112,7 +112,7 @@ static struct rotor_axis axis_motion_at(const struct axis_motion *motion, double
 /* Moves the origin `from` to `time`. */
 static void axis_motion_move_on(struct axis_motion *motion, double time)
 {
-    if (motion->kind == AXIS_PRESCRIBED && time > motion->from) {
+    if (CONTACT_ANY_ROTATION && motion->kind == AXIS_PRESCRIBED && time > motion->from) {
         motion->axis = prescribed_axis_at(motion, time).axis;
         path_shift(motion->coefficient, AXIS_TERMS, time - motion->from);
         motion->from = time;
@@ -179,13 +179,13 @@ static struct axis_bounds tumbling_bounds(const struct axis_motion *motion, doub
 
 static struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double time, double length)
 {
-    if (motion->kind == AXIS_PRECESSES) {
+    if (CONTACT_ANY_ROTATION && motion->kind == AXIS_PRECESSES) {
         /* precession: e' = P x e and e'' = P x (P x e) with a constant P at a constant angle to e */
         const double along = fabs(vec3_dot(motion->rotor.direction, motion->axis));
         const double speed = rotor_axis_speed(&motion->rotor);
         return (struct axis_bounds){speed, along * rotor_precession(&motion->rotor) * speed};
     }
-    if (motion->kind == AXIS_FIXED) {
+    if (!CONTACT_ANY_ROTATION || motion->kind == AXIS_FIXED) {
         return (struct axis_bounds){0.0, 0.0};
     }
     if (CONTACT_ANY_COMPOUND && motion->kind == AXIS_TUMBLES) {

@@ -142,9 +142,12 @@ static struct regime_change touch_in_flight(const struct scene_values *v, const 
     const double rounding = scene_gap_is_accumulated(q, at, contact) ? 8.0 * DBL_EPSILON * fabs(now->gap)
                                                                      : rounding_of_gap(v, at, contact);
     const double dead_band = q->contact[contact].schedule.dead_band_clock - q->clock;
+    bool head_on = !(dead_band > 0.0);
+    if (SCENE_ANY_CURVED) {
+        head_on = head_on && !singularity_is_reached(v, at, contact, shape);
+    }
     double touch;
-    if (!(dead_band > 0.0) && !singularity_is_reached(v, at, contact, shape) &&
-        flight_is_head_on(shape, &separation, now->normal) &&
+    if (head_on && flight_is_head_on(shape, &separation, now->normal) &&
         flight_head_on_touch(shape, &separation, now, rounding, horizon, &touch)) {
         return touch_at(touch);
     }
@@ -209,9 +212,8 @@ static enum contact_regime regime_at_time(const struct advancement_path *path, c
     const double rate_noise = vec3_norm(at.c[1]) * (ROUNDINGS + tilt);
     const bool is_clear = fabs(contact_event(law, present, gap, rate)) >
                           fabs(slopes.by_gap) * gap_noise + fabs(slopes.by_rate) * rate_noise;
-    return is_clear
-               ? contact_regime_of(law, gap, rate, contact_within_extents(&path->shape, at.geometry.axial))
-               : present;
+    return is_clear ? contact_regime_of(law, gap, rate, scene_within_extents(&path->shape, &at.geometry))
+                    : present;
 }
 
 /* Returns the regime of bodies that touch from now on. Where the source passes an end plane, rounding decides
@@ -369,18 +371,19 @@ static struct regime_change separating_change(const struct scene_values *v, cons
     return no_change(REGIME_SEPARATING, true);
 }
 
-/* Returns the first change of a contact that is prescribed, at a rim or separating. */
+/* Returns the first change of a contact that is prescribed, at a rim or separating, or apart with ends. */
 static struct prediction change_in_touch(const struct scene_values *v, const struct scene_state *q,
                                          const struct scene_instant *at, const struct contact_shape *shape,
                                          int contact, double horizon, long budget)
 {
     struct prediction found = {.searched = horizon};
+    const bool has_ends = relative_path_has_ends(shape);
     if (contact_is_prescribed(v, contact) || contact_is_rim(shape) ||
-        q->contact[contact].regime != (int32_t)REGIME_SEPARATING) {
+        (has_ends && q->contact[contact].regime == (int32_t)REGIME_APART)) {
         return advancement_prediction(v, q, at, contact, horizon, budget);
     }
     found.next = separating_change(v, q, at, contact, horizon);
-    if (relative_path_has_ends(shape)) {
+    if (has_ends) {
         const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
         const struct regime_change end = passage_of_end(
             shape, &separation, rounding_of_axial(v, at, contact, shape), 0.0, horizon, REGIME_SEPARATING);

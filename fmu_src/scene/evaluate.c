@@ -432,9 +432,10 @@ struct contact_law scene_contact_law(const struct scene_values *v, const struct 
 /* Returns the displacement of a body at clock 0. */
 static struct vec3 origin_of(const struct scene_values *v, const struct scene_state *q, int body)
 {
-    return body_is_free(v, body)         ? q->origin[body].displacement
-           : body_is_prescribed(v, body) ? q->path[body].displacement[0]
-                                         : vec3_make(0.0, 0.0, 0.0);
+    if (body_is_prescribed(v, body)) {
+        return q->path[body].displacement[0];
+    }
+    return body_is_free(v, body) ? q->origin[body].displacement : vec3_make(0.0, 0.0, 0.0);
 }
 
 static struct body_instant body_at(const struct scene_values *v, const struct scene_state *q, double clock,

@@ -24,7 +24,6 @@ HERTZ = {label(file) for file in UNITS if re.fullmatch(r"(?:pair_)?hertz(?:_\w+)
 ASKS_FOR_CONSTANTS = r"\bcontact_(?:coefficients|factors)_of\("
 FAST_PATHS = {
     "fmu_src/touch/pair.c", "fmu_src/touch/segment.c", "fmu_src/touch/chain.c", "fmu_src/touch/island.c",
-    "fmu_src/flight/relative_path.c",
 }  # fmt: skip
 FACTORS = {
     "fmu_src/model/inputs.c", "fmu_src/model/outputs.c", "fmu_src/model/sensitivity.c",
