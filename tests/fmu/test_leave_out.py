@@ -173,7 +173,6 @@ GONE = [
     (SPHERES, "SphereCylinder", "strings", AXIS),
     (ON_PLANES, "SphereSphere", "strings", "no defined normal"),
     (ON_PLANES, "SphereSphere", "code of .", r"singularity_|\bleave_centre"),
-    (["BallOffRoller", "PinnedEvent"], None, "code of .", r"\bhead_on_change|path_keeps_away"),
     (THROWN, None, "code of .", r"if \((kind_)?has_mismatch\("),
     ([*UNIVERSAL], None, "variables", "rolling|spinning"),
     ([*UNIVERSAL], None, "strings", "rolling|spinning"),
