@@ -300,7 +300,7 @@ struct separating {
     struct vec3 normal;
     double settle;                /* the gap counts as below zero up to this s */
     double gap_noise, rate_noise; /* rounding of gap and gap rate at the start [m], [m/s] */
-    double left;                  /* minus the event function may be this by what an integrator left */
+    double left;                  /* an integrator may leave the event function so far below zero */
 };
 
 /* Returns the regime at the place s of the path, by a gap that has the digits of the gap at the start. The
@@ -324,8 +324,8 @@ static enum contact_regime separating_at(const struct separating *f, double s, d
                : REGIME_SEPARATING;
 }
 
-/* Places between two extremes of the gap at which a separating contact is looked at: gap and event function
- * have no two changes of sign between two of them that matter. */
+/* A separating contact is evaluated at so many places between two extremes of its gap. Between two of these
+ * places neither the gap nor the event function changes its sign twice by an amount that matters. */
 enum { SEPARATING_PLACES = 16 };
 
 /* Returns the first change of a separating contact, whose bodies fly: they part, or the force returns. */
