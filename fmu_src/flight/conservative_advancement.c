@@ -319,7 +319,7 @@ void advancement_at(const struct advancement_path *path, enum advancement_change
     }
     at->of[ADVANCEMENT_GAP] = gap_function(path, change, &shape, &at->geometry);
     const double distance = vec3_norm(at->c[0]);
-    /* whether the source goes along a plane across the axis, to rounding */
+    /* whether the source moves, to rounding, in a plane across the axis */
     const bool in_plane = fabs(at->axial_rate) <= ADVANCEMENT_ROUNDINGS * vec3_norm(at->c[1]);
     at->noise[ADVANCEMENT_GAP] =
         fmax(path->rounding, ADVANCEMENT_ROUNDINGS * (distance + at->geometry.gap_terms));
@@ -385,7 +385,7 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
     }
     struct falling *gap = &at->of[ADVANCEMENT_GAP];
     if (contact_is_cylinder(&shape) && !contact_is_capped(&shape) && !(axis.speed > 0.0)) {
-        /* a motion along the axis does not change the gap of a side, nor one across it the place along it */
+        /* the gap at the side depends on the motion across the axis, the place along it on the rest */
         struct vec3 across[ADVANCEMENT_TERMS];
         struct vec3 along[ADVANCEMENT_TERMS];
         for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {

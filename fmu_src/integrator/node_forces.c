@@ -651,8 +651,8 @@ static void add_force(struct iteration *it, int stage, int contact, struct vec3 
     }
 }
 
-/* Returns the change of the velocity of the source's centre against the destination's for changes of the
- * states that are no places. */
+/* Returns the change of the velocity of the source's centre against the destination's. `change` holds the
+ * changes of all states but the places. */
 static inline struct vec3 centres_velocity_of(const struct iteration *it, int contact, const double *change)
 {
     const struct node_contact *ends = &it->contact[contact];
@@ -665,7 +665,8 @@ static inline struct vec3 centres_velocity_of(const struct iteration *it, int co
     return sum;
 }
 
-/* Returns the change of U of a contact at a stage for changes of the states that are no places. */
+/* Returns the change of U, the velocity at the point of contact (struct node), at a stage. `change` holds the
+ * changes of all states but the places. */
 static struct vec3 velocity_of(const struct iteration *it, int stage, int contact, const double *change)
 {
     const struct node_contact *ends = &it->contact[contact];
@@ -1263,8 +1264,9 @@ static void finish_nodes(struct iteration *it)
  * to choose the length of a step and to estimate its error: lever arms turn with the bodies, and the angular
  * velocity of a body changes as it tips under a constant L. */
 
-/* A change of the motion of a contact: of U, X and omega, and of the spring of one opposed motion, `part`
- * (enum opposed). */
+/* A change of the motion of a contact. It consists of changes of the velocity U and the place X of the source
+ * against the destination at the point of contact (struct node), of the angular velocity omega of the source
+ * as the destination sees it, and of the spring of one opposed motion, `part` (enum opposed). */
 struct node_change {
     struct vec3 velocity, place, spin, spring;
     int part;

@@ -177,7 +177,7 @@ static void put_flown(void *values, double clock, struct scene_state *q)
     }
 }
 
-/* Parts of a flight in the search for the least gap of a separating contact. */
+/* The search for the least gap of a separating contact divides its flight into so many parts. */
 enum { RELEASED_PARTS = 16 };
 
 /* Notes the peak penetration of separating contacts with a prescribed body. Such a contact may close further,

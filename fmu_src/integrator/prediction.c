@@ -34,7 +34,7 @@ static struct regime_change touch_at(double after)
 
 /* Returns the passage of a cylinder's end by a source on which the cylinder's force acts: this force is
  * perpendicular to the axis. While rounding may put the source on either side of an end plane, the source
- * counts as between them, and so it does for the first `settle` seconds. */
+ * counts as between them. It also does during the first `settle` seconds. */
 static struct regime_change passage_of_end(const struct contact_shape *shape,
                                            const struct separation_path *separation, double axial_rounding,
                                            double settle, double horizon, enum contact_regime present)
@@ -103,8 +103,8 @@ static bool path_keeps_away(const struct relative_path *path)
     return start + length < path->reach - NO_DISTANCE && start - length > NO_DISTANCE;
 }
 
-/* Returns the s of the first touch from `settle` on, or INFINITY. Bodies whose gap is not above zero at
- * `settle` touch there, unless the gap rises above zero before it falls. */
+/* Returns the place s on the path at which the bodies first touch from the place `settle` on, or INFINITY.
+ * Bodies whose gap is not above zero at `settle` touch there, unless the gap rises above zero first. */
 static double first_touch(const struct relative_path *path, const struct extremes *extremes, double settle)
 {
     struct root_bracket_end low = flight_gap_bracket_end(path, settle);
@@ -130,6 +130,17 @@ static double first_touch(const struct relative_path *path, const struct extreme
     return (double)INFINITY;
 }
 
+/* Rounding of a sum of products of vectors, divided by the size of its terms, as in rounding_of_gap. */
+static const double ROUNDINGS = 8.0 * DBL_EPSILON;
+
+/* Returns the rounding of the present gap [m]. It is that of the positions unless the gap is accumulated. */
+static double rounding_now(const struct scene_values *v, const struct scene_state *q,
+                           const struct scene_instant *at, int contact)
+{
+    return scene_gap_is_accumulated(q, at, contact) ? ROUNDINGS * fabs(at->geometry[contact].gap)
+                                                    : rounding_of_gap(v, at, contact);
+}
+
 /* Returns the change of bodies that are apart, with a destination without ends: compression begins at their
  * first touch. A contact whose gap has just passed zero is within a dead band until the gap exceeds its
  * rounding. */
@@ -139,8 +150,7 @@ static struct regime_change touch_in_flight(const struct scene_values *v, const 
 {
     const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
     const struct contact_geometry *now = &at->geometry[contact];
-    const double rounding = scene_gap_is_accumulated(q, at, contact) ? 8.0 * DBL_EPSILON * fabs(now->gap)
-                                                                     : rounding_of_gap(v, at, contact);
+    const double rounding = rounding_now(v, q, at, contact);
     const double dead_band = q->contact[contact].schedule.dead_band_clock - q->clock;
     bool head_on = !(dead_band > 0.0);
     if (SCENE_ANY_CURVED) {
@@ -151,7 +161,7 @@ static struct regime_change touch_in_flight(const struct scene_values *v, const 
         flight_head_on_touch(shape, &separation, now, rounding, horizon, &touch)) {
         return touch_at(touch);
     }
-    /* bodies that are at rest against each other to rounding, and are pressed together, touch at once */
+    /* bodies touch at once if their relative speed is rounding and a load presses them together */
     const double turning =
         contact_turns(shape, now)
             ? contact_turning_rate(shape, now, separation.c[1], separation.c[1]) / now->distance
@@ -193,9 +203,6 @@ static double law_rate_at(const struct advancement_path *path, const struct adva
     const struct vec3 mismatch = path_at(path->mismatch, SEPARATION_DEGREE, time);
     return at->geometry.gap_rate + path->shape.side * vec3_dot(at->geometry.normal, mismatch);
 }
-
-/* Rounding of a sum of products of vectors, divided by the size of its terms, as in rounding_of_gap. */
-static const double ROUNDINGS = 8.0 * DBL_EPSILON;
 
 /* Returns the regime at a time: it is another one than `present` only where the law's event function exceeds
  * its rounding, so that rounding at one event cannot cause another event. */
@@ -339,8 +346,7 @@ static struct regime_change separating_change(const struct scene_values *v, cons
                            .separation = separation_path_of(v, q, at, q->clock, contact),
                            .normal = now->normal};
     f.path = relative_path_make(&f.shape, &f.separation, now->gap, horizon);
-    f.gap_noise =
-        scene_gap_is_accumulated(q, at, contact) ? 8.0 * DBL_EPSILON * fabs(now->gap) : by_positions;
+    f.gap_noise = rounding_now(v, q, at, contact);
     const double tilt = contact_turns(&f.shape, now) ? fmin(by_positions / now->distance, 1.0) : 0.0;
     f.rate_noise = (ROUNDINGS + tilt) * vec3_norm(f.separation.w[0]);
     f.settle = leaving_time(now->gap, f.gap_noise, vec3_dot(now->normal, f.separation.c[1]),
@@ -371,10 +377,12 @@ static struct regime_change separating_change(const struct scene_values *v, cons
     return no_change(REGIME_SEPARATING, true);
 }
 
-/* Returns the first change of a contact that is prescribed, at a rim or separating, or apart with ends. */
-static struct prediction change_in_touch(const struct scene_values *v, const struct scene_state *q,
-                                         const struct scene_instant *at, const struct contact_shape *shape,
-                                         int contact, double horizon, long budget)
+/* Returns the first change of a contact by a search along its path. Conservative advancement follows a
+ * prescribed contact, a contact at a rim, and bodies that are apart where the source may pass an open end.
+ * Any other contact here is separating. */
+static struct prediction change_on_path(const struct scene_values *v, const struct scene_state *q,
+                                        const struct scene_instant *at, const struct contact_shape *shape,
+                                        int contact, double horizon, long budget)
 {
     struct prediction found = {.searched = horizon};
     const bool has_ends = relative_path_has_ends(shape);
@@ -406,7 +414,7 @@ static struct regime_change capped_regime_change(const struct scene_values *v, c
     const double end = zone_path_end(&shape->solid, &path, horizon);
     const double until = fmin(end, horizon);
     if (until > 0.0) {
-        next = change_in_touch(v, q, at, shape, contact, until, RIM_EVALUATIONS).next;
+        next = change_on_path(v, q, at, shape, contact, until, RIM_EVALUATIONS).next;
         if (contact_is_rim(shape)) {
             /* DBL_MAX says that the gap is the one that the positions give */
             next.gap = next.regime == REGIME_APART ? 0.0 : DBL_MAX;
@@ -459,5 +467,5 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
             }
         }
     }
-    return change_in_touch(v, q, at, &shape, contact, horizon, budget);
+    return change_on_path(v, q, at, &shape, contact, horizon, budget);
 }

@@ -110,9 +110,9 @@ void relaxation_particular(double rate, const double *load, double *s, int terms
  * cancel. */
 static const double TOGETHER = 0.25;
 
-struct overdamped overdamped_of(double damping_rate, double y, double y_rate)
+struct free_oscillation free_oscillation_of(double damping_rate, double y, double y_rate)
 {
-    struct overdamped d = {
+    struct free_oscillation d = {
         .oscillator = {1.0, damping_rate}, .y = y, .y_rate = y_rate, .slower = 1.0, .faster = 1.0};
     const double mean = 0.5 * damping_rate;
     const double spread_square = (mean - 1.0) * (mean + 1.0);
@@ -128,32 +128,33 @@ struct overdamped overdamped_of(double damping_rate, double y, double y_rate)
     return d;
 }
 
-struct overdamped overdamped_of_dashpot(double y, double y_rate, double drift)
+struct free_oscillation free_oscillation_of_dashpot(double y, double y_rate, double drift)
 {
-    return (struct overdamped){.oscillator = {0.0, 1.0},
-                               .y = y,
-                               .y_rate = y_rate,
-                               .distinct = true,
-                               .faster = 1.0,
-                               .by_slower = y + (y_rate - drift),
-                               .by_faster = drift - y_rate,
-                               .drift = drift};
+    return (struct free_oscillation){.oscillator = {0.0, 1.0},
+                                     .y = y,
+                                     .y_rate = y_rate,
+                                     .distinct = true,
+                                     .faster = 1.0,
+                                     .by_slower = y + (y_rate - drift),
+                                     .by_faster = drift - y_rate,
+                                     .drift = drift};
 }
 
-void overdamped_at(const struct overdamped *d, double s, double y[1 + OVERDAMPED_DERIVATIVES])
+void free_oscillation_at(const struct free_oscillation *d, double s,
+                         double y[1 + FREE_OSCILLATION_DERIVATIVES])
 {
     if (!d->distinct) {
         const struct oscillator_basis basis = oscillator_basis_at(&d->oscillator, s);
         y[0] = d->y * basis.y_of_y + d->y_rate * basis.y_of_rate;
         y[1] = d->y * basis.rate_of_y + d->y_rate * basis.rate_of_rate;
-        for (int i = 2; i <= OVERDAMPED_DERIVATIVES; ++i) {
+        for (int i = 2; i <= FREE_OSCILLATION_DERIVATIVES; ++i) {
             y[i] = -d->oscillator.damping_rate * y[i - 1] - y[i - 2];
         }
         return;
     }
     double slow = d->by_slower * exp(-d->slower * s);
     double fast = d->by_faster * exp(-d->faster * s);
-    for (int i = 0; i <= OVERDAMPED_DERIVATIVES; ++i) {
+    for (int i = 0; i <= FREE_OSCILLATION_DERIVATIVES; ++i) {
         y[i] = slow + fast;
         slow *= -d->slower;
         fast *= -d->faster;
@@ -162,7 +163,8 @@ void overdamped_at(const struct overdamped *d, double s, double y[1 + OVERDAMPED
     y[1] += d->drift;
 }
 
-CONTACT_NOT_FUSED struct oscillator_increment overdamped_since(const struct overdamped *d, double s)
+CONTACT_NOT_FUSED struct oscillator_increment free_oscillation_since(const struct free_oscillation *d,
+                                                                     double s)
 {
     const double damping_rate = d->oscillator.damping_rate;
     if (s * (1.0 + damping_rate) <= OSCILLATOR_SERIES_RANGE) {
@@ -193,7 +195,7 @@ CONTACT_NOT_FUSED struct oscillator_increment overdamped_since(const struct over
 
 /* (-faster)^order by_faster exp(-faster s) + (-slower)^order by_slower exp(-slower s) = 0: with each order
  * the zero moves on by log(faster / slower) / (faster - slower). */
-double overdamped_zero(const struct overdamped *d, int order)
+double free_oscillation_zero(const struct free_oscillation *d, int order)
 {
     if (!(d->slower > 0.0)) { /* by_faster exp(-s) = drift */
         const double left = d->drift / d->by_faster;

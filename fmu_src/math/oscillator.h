@@ -59,21 +59,20 @@ void oscillator_particular(const struct oscillator *o, const double *load, doubl
 void relaxation_particular(double rate, const double *load, double *s, int terms);
 
 /*
- * The oscillator y'' + damping_rate y' + y = 0 near critical damping and beyond, where y has one extremum at
- * most:
+ * The free oscillation y'' + damping_rate y' + y = 0 for any damping. Beyond critical damping
  *
  *   y = by_slower exp(-slower s) + by_faster exp(-faster s)
  *   slower faster = 1,   slower + faster = damping_rate
  *
- * or a dashpot without a spring, y'' + y' = drift: slower = 0, faster = 1, and drift s added.
+ * and for a dashpot without a spring, y'' + y' = drift: slower = 0, faster = 1, and drift s is added.
  *
  * y and each derivative keep full relative accuracy however far they have decayed, except near their zeros.
  * Variable s >= 0: radians of the undamped oscillator, or decay times of the dashpot.
  */
 
-enum { OVERDAMPED_DERIVATIVES = 4 };
+enum { FREE_OSCILLATION_DERIVATIVES = 4 };
 
-struct overdamped {
+struct free_oscillation {
     struct oscillator oscillator; /* omega2 1, or 0 by a dashpot alone */
     double y, y_rate;             /* at the start */
     bool distinct;                /* whether the two rates differ enough to be summed separately */
@@ -83,18 +82,20 @@ struct overdamped {
     double omega_d; /* frequency of y, sqrt(1 - damping_rate^2 / 4); 0 from critical damping on */
 };
 
-struct overdamped overdamped_of(double damping_rate, double y, double y_rate);
-struct overdamped overdamped_of_dashpot(double y, double y_rate, double drift);
+struct free_oscillation free_oscillation_of(double damping_rate, double y, double y_rate);
+struct free_oscillation free_oscillation_of_dashpot(double y, double y_rate, double drift);
 
 /* Writes y and its first four derivatives at s. */
-void overdamped_at(const struct overdamped *d, double s, double y[1 + OVERDAMPED_DERIVATIVES]);
+void free_oscillation_at(const struct free_oscillation *d, double s,
+                         double y[1 + FREE_OSCILLATION_DERIVATIVES]);
 
-/* Returns the changes of y and y' from s = 0 to s, for y that oscillates, too. */
-struct oscillator_increment overdamped_since(const struct overdamped *d, double s);
+/* Returns the changes of y and y' from s = 0 to s. */
+struct oscillator_increment free_oscillation_since(const struct free_oscillation *d, double s);
 
-/* Returns the s at which the derivative of y of this order is zero; each derivative has one zero at most. The
- * result is negative where the zero lies before the start, and INFINITY where there is none. It is only
- * approximate where the damping is slightly below critical and y still oscillates. */
-double overdamped_zero(const struct overdamped *d, int order);
+/* Returns the s at which the derivative of y of this order is zero. The damping must be nearly critical or
+ * more: each derivative then has one zero at most. The result is negative where the zero lies before the
+ * start, and INFINITY where there is none. It is only approximate where the damping is slightly below
+ * critical and y still oscillates. */
+double free_oscillation_zero(const struct free_oscillation *d, int order);
 
 #endif

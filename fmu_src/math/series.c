@@ -93,8 +93,8 @@ void taylor_root_function(const void *a, double s, double *value, double *slope)
     taylor_and_slope(&(struct taylor_terms){a, TAYLOR_TERMS}, s, value, slope);
 }
 
-/* Bounds of the series and of its slope, by Horner's scheme with each product at its worst, show most series
- * that do not fall and most that fall all the way. */
+/* Horner's scheme with each product at its worst bounds the series from below, and its slope from above. By
+ * these bounds most series either stay above zero or fall all the way, and no further search is needed. */
 double taylor_first_fall(const double *a, int terms, double end)
 {
     const struct taylor_terms series = {a, terms};

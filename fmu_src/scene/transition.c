@@ -199,8 +199,8 @@ static void lift_friction(const struct rubbed *r)
 /*
  * Returns the larger of two depths [m]: where the normal spring has stored the energy of the approach, as at
  * the deepest point of an impact, and where it has stored half the work of the load, as in a ball set down.
- * The stored energy is proportional to the depth squared, under Hertz's law to the depth to the power 5/2.
- * Zero where neither body is free or nothing is stored.
+ * The energy stored at a depth is proportional to its square under the linear law, and to its power 5/2 under
+ * Hertz's law. The result is zero where neither body is free or nothing is stored.
  */
 static double impact_depth(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at, int contact)

@@ -110,8 +110,8 @@ static bool chain_add(struct chain *c, const struct scene_values *v, const struc
     return true;
 }
 
-/* Notes what inverse masses a contact shares with those in touch. Returns whether their forces leave its
- * normal as it is. */
+/* Notes the inverse masses that a contact shares with the contacts in touch. Returns whether the forces of
+ * those contacts leave its normal as it is. */
 static bool keeps_normal(struct chain *c, int row, const struct scene_values *v, const struct scene_state *q)
 {
     const struct contact_shape shape = scene_contact_shape(v, q, c->contact[row]);
@@ -421,12 +421,13 @@ static double change_within(const struct chain *c, int row, const struct chain_p
     double event[CHAIN_TERMS];
     const double length = piece->length;
     const struct gap_at g = chain_gap_at(c, row, &piece->start);
-    const double deepest = g.gap + length * (g.rate + 0.5 * length * c->bend[row]); /* at the end, at least */
-    if (row < c->touching && g.gap < 0.0 && deepest < 0.0) {
+    /* no gap in the piece is larger than the gap at its start and this bound of the gap at its end */
+    const double largest_gap = g.gap + length * (g.rate + 0.5 * length * c->bend[row]);
+    if (row < c->touching && g.gap < 0.0 && largest_gap < 0.0) {
         return (double)INFINITY;
     }
     make_event(c, row, piece, g, event);
-    return from > 0.0 && event[0] <= 0.0 ? from /* it changes between two pieces */
+    return from > 0.0 && event[0] <= 0.0 ? from /* the change lies between two pieces */
                                          : from + length * taylor_first_fall(event, CHAIN_TERMS, 1.0);
 }
 
@@ -538,7 +539,8 @@ static void raise_peak(struct chain_peak *peak, const struct chain *c, int row,
         const struct root_bracket_end high = {end->time, after.rate, after.bend};
         struct chain_instant at;
         chain_at(c, root_guess(low, high), &at, false);
-        const struct gap_at top = chain_gap_at(c, row, &at); /* but for a step of Newton's method */
+        const struct gap_at top =
+            chain_gap_at(c, row, &at); /* one step of Newton's method leads to the top */
         peak->depth = fmax(peak->depth, 0.5 * top.rate * top.rate / top.bend - top.gap);
     }
 }

@@ -35,7 +35,8 @@ static inline double product(const double *a, const struct two_way *b, int i)
     return parts_together(sum);
 }
 
-/* Sets coefficients i of the products of three series with another one, which cost less together. */
+/* Sets `of` to coefficients i of the products of the series a, b and c with another one. One loop for all
+ * three products costs less than three loops. */
 static inline void three_products(const double *a, const double *b, const double *c,
                                   const struct two_way *with, int i, double of[3])
 {
@@ -86,7 +87,7 @@ static bool knows_shape(const struct scene_values *v, const struct contact_shape
 /* A dashpot faster than the spring by this factor makes decays that are much faster than the motion. */
 static const double MOST_DAMPED = 4.0;
 
-/* Sets the rates of a contact in touch at the start, and the depth to which they lead. An impact without
+/* Sets the rates of a contact in touch at the start, and the depth that it will reach. An impact without
  * damping under Hertz's law reaches delta^(5/2) = 5/4 v^2 m / k. */
 static void put_timescales(struct island_row *r, double by_mass)
 {

@@ -46,8 +46,8 @@ struct island_row {
     double passage;           /* rate at which c turns at the start [1/s] */
     double by_distance, bend; /* 1/d [1/m] and g'' [m/s^2] at the start */
     double spring, dashpot;   /* rates of the contact at the start [1/s] */
-    double deepest;           /* the depth to which they lead [m] */
-    double axis[ISLAND_AXES]; /* of a cylinder; else zero */
+    double deepest;           /* the depth that the contact will reach, as an impact without damping [m] */
+    double axis[ISLAND_AXES]; /* axis of the destination if it is a cylinder; else zero [1] */
     double flown[ISLAND_FLOWN], flown_rate[ISLAND_FLOWN];        /* coefficients of C and C' in time */
     double gap[ISLAND_ROW], rate[ISLAND_ROW], force[ISLAND_ROW]; /* g [m], g' [m/s], F [N] */
     double impulse[ISLAND_ROW], drag[ISLAND_ROW]; /* F pace, and the dashpot's part of -F [N] */

@@ -449,7 +449,7 @@ static bool make_of_spring(struct pair_oscillation *p)
     p->stiffness = from->coefficients.k;
     p->equilibrium = p->load;
     p->y = from->gap - p->equilibrium;
-    p->free = overdamped_of(from->coefficients.c / from->reduced_mass / p->rate, p->y, p->y_rate);
+    p->free = free_oscillation_of(from->coefficients.c / from->reduced_mass / p->rate, p->y, p->y_rate);
     p->omega_d = p->free.omega_d < LOWEST_FREQUENCY ? 0.0 : p->free.omega_d;
     p->amplitude = oscillator_envelope_of(&p->free.oscillator, p->y, p->y_rate).amplitude;
     return fabs(p->equilibrium) + p->amplitude < largest_gap(from);
@@ -461,7 +461,7 @@ static bool make_of_dashpot(struct pair_oscillation *p)
     p->stiffness = from->coefficients.c * p->rate;
     p->omega_d = p->equilibrium = 0.0;
     p->y = from->gap;
-    p->free = overdamped_of_dashpot(p->y, p->y_rate, p->load);
+    p->free = free_oscillation_of_dashpot(p->y, p->y_rate, p->load);
     p->amplitude = fabs(p->y) + fabs(p->free.by_faster);
     return p->amplitude < DRIFT_STARTS * largest_gap(from);
 }
@@ -509,7 +509,7 @@ static double gap_after_decay(const struct pair_oscillation *p, double y, double
  * y'''. */
 static void grow(const struct pair_oscillation *p, double s, double y[4])
 {
-    const struct oscillator_increment change = overdamped_since(&p->free, s);
+    const struct oscillator_increment change = free_oscillation_since(&p->free, s);
     y[0] = change.x;
     y[1] = change.x_rate;
     y[2] = -p->free.oscillator.damping_rate * (p->y_rate + y[1]) - (p->y + y[0]);
@@ -553,14 +553,14 @@ bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_qu
 /* Computes the force as F_n = m_red (g'' - side n.A). */
 static void sample_overdamped(const struct pair_oscillation *p, double s, struct pair_sample *sample)
 {
-    double y[1 + OVERDAMPED_DERIVATIVES];
-    overdamped_at(&p->free, s, y);
+    double y[1 + FREE_OSCILLATION_DERIVATIVES];
+    free_oscillation_at(&p->free, s, y);
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP][i] = y[i];
         sample->of[PAIR_GAP_RATE][i] = p->rate * y[1 + i];
         sample->of[PAIR_FORCE][i] = p->stiffness * y[2 + i];
     }
-    sample->of[PAIR_GAP][0] = gap_after_decay(p, y[0], overdamped_since(&p->free, s).x);
+    sample->of[PAIR_GAP][0] = gap_after_decay(p, y[0], free_oscillation_since(&p->free, s).x);
     sample->of[PAIR_FORCE][0] -= p->stiffness * p->load;
 }
 
@@ -596,7 +596,7 @@ static double dissipated_by_dashpot(const struct pair_oscillation *p, const doub
 /* Returns the gap; writes its rate per s and the changes of both since the start. */
 static double gap_grown(const struct pair_oscillation *p, double s, double grown[2], double *y_rate)
 {
-    double y[1 + OVERDAMPED_DERIVATIVES];
+    double y[1 + FREE_OSCILLATION_DERIVATIVES];
     if (p->omega_d > 0.0) {
         grow(p, s, y);
         grown[0] = y[0];
@@ -604,8 +604,8 @@ static double gap_grown(const struct pair_oscillation *p, double s, double grown
         *y_rate = p->y_rate + y[1];
         return p->from->gap + grown[0];
     }
-    const struct oscillator_increment since = overdamped_since(&p->free, s);
-    overdamped_at(&p->free, s, y);
+    const struct oscillator_increment since = free_oscillation_since(&p->free, s);
+    free_oscillation_at(&p->free, s, y);
     grown[0] = since.x;
     grown[1] = since.x_rate;
     *y_rate = has_decayed(y[1], p->y_rate) ? y[1] : p->y_rate + since.x_rate;

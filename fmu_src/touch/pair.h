@@ -135,14 +135,14 @@ struct frame_flight frame_flight_at_rim(const struct contact_pair *from);
 
 struct pair_oscillation {
     const struct contact_pair *from;
-    double rate;            /* sqrt(p_n / m_red), or p_nv / m_red [1/s] */
-    double stiffness;       /* m_red rate^2: p_n where there is a spring [N/m] */
-    double load;            /* side n.A per s^2 [m] */
-    struct overdamped free; /* y */
-    double omega_d;         /* radians of y per s: sqrt(1 - damping_rate^2 / 4); 0 where it decays */
-    double equilibrium;     /* gap at rest under the load; 0 without a spring [m] */
-    double y, y_rate;       /* at the start, per s [m] */
-    double amplitude;       /* bound of |y|, without the drift [m] */
+    double rate;                  /* sqrt(p_n / m_red), or p_nv / m_red [1/s] */
+    double stiffness;             /* m_red rate^2: p_n where there is a spring [N/m] */
+    double load;                  /* side n.A per s^2 [m] */
+    struct free_oscillation free; /* y */
+    double omega_d;               /* radians of y per s: sqrt(1 - damping_rate^2 / 4); 0 where it decays */
+    double equilibrium;           /* gap at rest under the load; 0 without a spring [m] */
+    double y, y_rate;             /* at the start, per s [m] */
+    double amplitude;             /* bound of |y|, without the drift [m] */
 };
 
 /* Makes the oscillation of a pair that moves head-on (from->is_head_on). Returns false where the motion might

@@ -246,8 +246,8 @@ static void terminal_event_at_centre(struct segment *p)
 static void add_extrema_of_decay(struct segment *p)
 {
     struct dense_output *w = &p->output;
-    for (int order = 1; order <= OVERDAMPED_DERIVATIVES; ++order) {
-        const double extremum = overdamped_zero(&p->as.oscillation.free, order);
+    for (int order = 1; order <= FREE_OSCILLATION_DERIVATIVES; ++order) {
+        const double extremum = free_oscillation_zero(&p->as.oscillation.free, order);
         if (extremum > 0.0 && extremum < p->end) {
             dense_output_add(w, extremum);
         }
@@ -632,9 +632,9 @@ static const double OUTWEIGHED = 0.5;
 /*
  * Returns the rounding error of the largest force at the start of a segment, and sets `size` to this force
  * [N]. A gap or rate that is carried from the segment before has no new rounding, nor has one of exactly
- * zero: bodies set down where they touch, or at rest. An error of the rate makes an oscillation longer as a
- * small side does a hypotenuse. An error of the gap counts in full, as does an error of a dashpot's force
- * that is itself the peak.
+ * zero: bodies set down where they touch, or at rest. The amplitude is the root of a sum of squares, to which
+ * an error of the rate adds its own square. An error of the gap counts in full, as does an error of a
+ * dashpot's force that is itself the peak.
  */
 static double error_at_start(const struct segment *p, double *size)
 {

@@ -27,11 +27,6 @@ static inline struct model scene_model(void)
     return m;
 }
 
-static inline enum model_status scene_step(struct model *m, double end_time)
-{
-    return model_step(m, end_time);
-}
-
 /* The position and velocity a free body starts with. */
 static inline void scene_start_free(struct model *m, int body, struct vec3 centre, struct vec3 velocity)
 {
