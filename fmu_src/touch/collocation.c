@@ -733,23 +733,27 @@ static void centre_at_node(const struct collocation *p, int i, struct vec3 *move
     *normal = vec3_add(start, normal_change);
 }
 
-double collocation_moment(const struct collocation *p, const struct vec3 weight[2], double s)
+struct vec3 collocation_moment(const struct collocation *p, int power, double s)
 {
-    nodal_values values = {0.0};
-    nodal_values along = {0.0};
-    nodal_values a;
+    struct nodal_vec3 of = {.x = {0.0}};
+    struct nodal_vec3 along = {.x = {0.0}}; /* the factor of y */
+    double *rows[3][2] = {{of.x, along.x}, {of.y, along.y}, {of.z, along.z}};
+    double sum[3];
     for (int i = 0; i < p->nodes->points; ++i) {
-        const double at = 1.0 + p->nodes->node[i];
-        const struct vec3 weight_then =
-            collocation_in_frame(p, vec3_axpy(weight[0], p->half * at, weight[1]));
+        const double t = p->half * (1.0 + p->nodes->node[i]);
+        const double weight = p->half * (power == 0 ? 1.0 : power == 1 ? t : t * t);
         struct vec3 moved;
         struct vec3 normal;
         p->place->at_node(p, i, &moved, &normal);
-        values[i] = vec3_dot(weight_then, moved);
-        along[i] = vec3_dot(weight_then, normal);
+        nodal_put_vec3(&of, i, vec3_scale(weight, moved));
+        nodal_put_vec3(&along, i, vec3_scale(weight, normal));
     }
-    nodal_coefficients(p->nodes, values, a);
-    return p->half * (nodal_integral(a, p->nodes->points, s) + moment_of_oscillation(p, along, s));
+    for (int k = 0; k < 3; ++k) {
+        nodal_values a;
+        nodal_coefficients(p->nodes, rows[k][0], a);
+        sum[k] = nodal_integral(a, p->nodes->points, s) + moment_of_oscillation(p, rows[k][1], s);
+    }
+    return collocation_in_world(p, vec3_from(sum));
 }
 
 /* Sets the changes of n and H since the start, with the part by y. */

@@ -162,7 +162,8 @@ double collocation_dissipated(const struct collocation *p, double s);
 void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
                        double axial[3]);
 
-/* Returns the integral of weight(t).(c - c(0)) dt from 0 to s, where weight(t) = weight[0] + weight[1] t. */
-double collocation_moment(const struct collocation *p, const struct vec3 weight[2], double s);
+/* Returns the moment of c - c(0): the integral of t^power (c - c(0)) dt from 0 to s [m s^(power+1)], in the
+ * world. */
+struct vec3 collocation_moment(const struct collocation *p, int power, double s);
 
 #endif

@@ -193,17 +193,42 @@ void hertz_elastic_sample(const void *hertz_elastic, double s, struct pair_sampl
     sample->of[PAIR_FORCE][2] = by_root * u * (24.0 * w * w - 6.0 * u);
 }
 
+/* Returns r along side n at s, where the gap is `gap` and the time is `time`. */
+static double elastic_deviation(const struct hertz_elastic *p, double gap, double time)
+{
+    return gap - p->from->gap - (pair_gap_derivative(p->from) - 0.5 * p->load * time) * time;
+}
+
 struct pair_change hertz_elastic_advance(const void *hertz_elastic, double s)
 {
     const struct hertz_elastic *p = hertz_elastic;
-    const struct contact_pair *from = p->from;
     struct pair_sample at;
     hertz_elastic_sample(p, s, &at);
     const double time = elastic_time(p, s);
-    const double rate = pair_gap_derivative(from);
-    const double r = at.of[PAIR_GAP][0] - from->gap - (rate - 0.5 * p->load * time) * time;
-    const double r_rate = at.of[PAIR_GAP_RATE][0] - rate + p->load * time;
-    return pair_change_along_normal(from, time, r, r_rate, at.of[PAIR_GAP][0]);
+    const double gap = at.of[PAIR_GAP][0];
+    const double r_rate = at.of[PAIR_GAP_RATE][0] - pair_gap_derivative(p->from) + p->load * time;
+    return pair_change_along_normal(p->from, time, elastic_deviation(p, gap, time), r_rate, gap);
+}
+
+void hertz_elastic_moments(const void *hertz_elastic, double s, const struct pair_change *change, int count,
+                           struct vec3 *moment)
+{
+    const struct hertz_elastic *p = hertz_elastic;
+    (void)change;
+    memset(moment, 0, (size_t)count * sizeof *moment);
+    for (int i = 0; i < 2 * GAUSS_HALF; ++i) {
+        const double node = i < GAUSS_HALF ? gauss[i].node : -gauss[i - GAUSS_HALF].node;
+        const double at = 0.5 * s * (1.0 + node);
+        const double u = elastic_root(p->start + at);
+        const double time = elastic_time(p, at);
+        const double r = p->from->shape.side * elastic_deviation(p, -p->deepest * u * u, time);
+        double weight =
+            0.5 * s * gauss[i % GAUSS_HALF].weight * 4.0 * p->deepest * elastic_pace(p, p->start + at);
+        for (int j = 0; j < count; ++j) {
+            moment[j] = vec3_axpy(moment[j], weight * r, p->from->normal);
+            weight *= time;
+        }
+    }
 }
 
 /* How long bodies at the touch hardly feel each other, and how contact ends. */
@@ -274,7 +299,7 @@ bool hertz_elastic_make(struct segment *p)
     }
     const bool parts = made->end_time <= p->longest;
     p->clear_of_centre = true;
-    p->end = parts ? made->end : place_before(hertz_elastic_time, made, p->longest, made->end);
+    p->end = parts ? made->end : segment_place_by(hertz_elastic_time, made, p->longest, made->end);
     p->unit = elastic_time(made, p->end) / p->end;
     dense_output_add(&p->output, 0.0);
     if (made->start < 0.0 &&

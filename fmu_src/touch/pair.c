@@ -313,8 +313,41 @@ static void move_head_on(const struct contact_pair *p, const struct pair_change 
                                vec3_axpy(together, share * side * change->gap_rate, p->normal));
 }
 
-void pair_apply(const struct contact_pair *p, const struct pair_change *change, const struct scene_values *v,
-                struct scene_state *q, int contact)
+int pair_moments_of_work(const struct contact_pair *p)
+{
+    int count = 0;
+    for (int end = 0; end < PAIR_BODIES; ++end) {
+        const struct pair_work *work = &p->work[end];
+        for (int i = 1; i < 3; ++i) {
+            const int needed = work->order == 0 || vec3_is_zero(work->path[i]) ? 0 : i + 1 - work->order;
+            count = needed > count ? needed : count;
+        }
+    }
+    return count;
+}
+
+/* Returns the integral of pair_work by parts, so that an oscillation of r' and r'' need not be resolved:
+ * path.r' = (path.r)' - path'.r, and path.r'' = (path.r' - path'.r)' + path''.r. */
+static double work_by_parts(const struct pair_work *work, const struct pair_change *change,
+                            const struct vec3 moment[PAIR_MOMENTS])
+{
+    const double t = change->time;
+    const struct vec3 path = path_at(work->path, 3, t);
+    const struct vec3 slope = vec3_axpy(work->path[1], 2.0 * t, work->path[2]);
+    const double bend = 2.0 * vec3_dot(work->path[2], moment[work->order == 1 ? 1 : 0]);
+    switch (work->order) {
+    case 1:
+        return vec3_dot(path, change->r) - vec3_dot(work->path[1], moment[0]) - bend;
+    case 2:
+        return vec3_dot(path, change->r_rate) - vec3_dot(slope, change->r) + bend;
+    default:
+        return 0.0;
+    }
+}
+
+void pair_apply(const struct contact_pair *p, const struct pair_change *change,
+                const struct vec3 moment[PAIR_MOMENTS], const struct scene_values *v, struct scene_state *q,
+                int contact)
 {
     struct contact_state *state = &q->contact[contact];
     const int ends[PAIR_BODIES] = {contact_source(contact), contact_destination(contact)};
@@ -326,15 +359,15 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change, 
         common = common_motion_of(p, v, q, ends);
     }
     for (int end = 0; end < PAIR_BODIES; ++end) {
-        if (!body_is_free(v, ends[end])) {
-            q->external_work += p->work[end].factor * change->work[end];
+        const bool is_free = body_is_free(v, ends[end]);
+        const double share =
+            is_free ? (end == 0 ? -1.0 : 1.0) * p->reduced_mass / body_mass(v, ends[end]) : 0.0;
+        if (is_free && change->head_on) {
+            move_head_on(p, change, v, q, ends[end], share, &common);
             continue;
         }
-        const double share = (end == 0 ? -1.0 : 1.0) * p->reduced_mass / body_mass(v, ends[end]);
-        if (change->head_on) {
-            move_head_on(p, change, v, q, ends[end], share, &common);
-        } else {
-            q->external_work += p->work[end].factor * change->work[end];
+        q->external_work += p->work[end].factor * work_by_parts(&p->work[end], change, moment);
+        if (is_free) {
             flight_deviate(v, q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, r_rate));
         }
     }
@@ -615,16 +648,10 @@ static double gap_grown(const struct pair_oscillation *p, double s, double grown
 struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,
                                             double r_rate, double gap)
 {
-    struct pair_change change = {.time = time,
-                                 .r = vec3_scale(from->shape.side * r, from->normal),
-                                 .r_rate = vec3_scale(from->shape.side * r_rate, from->normal),
-                                 .gap = gap};
-    for (int end = 0; end < PAIR_BODIES; ++end) {
-        const struct pair_work *work = &from->work[end];
-        const struct vec3 by = work->order == 1 ? change.r : change.r_rate;
-        change.work[end] = work->order == 0 ? 0.0 : vec3_dot(work->path[0], by);
-    }
-    return change;
+    return (struct pair_change){.time = time,
+                                .r = vec3_scale(from->shape.side * r, from->normal),
+                                .r_rate = vec3_scale(from->shape.side * r_rate, from->normal),
+                                .gap = gap};
 }
 
 struct pair_change pair_oscillation_advance(const void *pair_oscillation, double s)
@@ -643,6 +670,49 @@ struct pair_change pair_oscillation_advance(const void *pair_oscillation, double
     change.gap_rate = p->rate * y_rate;
     change.dissipated = dissipated_by_dashpot(p, grown);
     return change;
+}
+
+/*
+ * The moments M_j, integrals of t^j rho, in closed form: r = side rho n and m_red rho'' = F_n = -k g - c g',
+ * where rho is g less the gap of the flight. With G_j the integral of t^j (g - g(0)), I_j that of t^j rho''
+ * and J_j that of t^j g'
+ *
+ *   k (G_j + g(0) t^(j+1)/(j+1)) = -m_red I_j - c J_j,   without a spring 0 = m_red I_(j+1) + c J_(j+1)
+ *   I_j = t^j rho' - j t^(j-1) rho + j (j-1) M_(j-2),    J_j = t^j (g - g(0)) - j G_(j-1)
+ */
+void pair_oscillation_moments(const void *pair_oscillation, double s, const struct pair_change *change,
+                              int count, struct vec3 *moment)
+{
+    const struct contact_pair *p = ((const struct pair_oscillation *)pair_oscillation)->from;
+    double of[PAIR_MOMENTS];
+    (void)s;
+    const double k = p->coefficients.k;
+    const double c = p->coefficients.c;
+    const double t = change->time;
+    const double grown = change->gap - p->gap;
+    const double rho = p->shape.side * vec3_dot(p->normal, change->r);
+    const double rho_rate = p->shape.side * vec3_dot(p->normal, change->r_rate);
+    double before = 0.0; /* G_(j-1) */
+    double power = 1.0;  /* t^j */
+    for (int j = 0; j < count; ++j) {
+        const double second = j < 2 ? 0.0 : of[j - 2];
+        const double inertia =
+            power * rho_rate - (j > 0 ? j * (power / t) * rho : 0.0) + j * (j - 1) * second;
+        const double next =
+            power * t * rho_rate - (j + 1) * power * rho + (j > 0 ? (j + 1) * j * of[j - 1] : 0.0);
+        const double damped = power * grown - j * before;
+        const double of_gap =
+            k > 0.0 ? -(p->reduced_mass * inertia + c * damped) / k - p->gap * power * t / (j + 1)
+                    : (power * t * grown + p->reduced_mass / c * next) / (j + 1);
+        double flown = 0.0;
+        for (int i = SEPARATION_DEGREE; i > 0; --i) {
+            flown = t * (flown + p->shape.side * vec3_dot(p->normal, p->flight.c[i]) / (i + j + 1));
+        }
+        of[j] = of_gap - power * t * flown;
+        moment[j] = vec3_scale(p->shape.side * of[j], p->normal);
+        before = of_gap;
+        power *= t;
+    }
 }
 
 /* Computes the force from the acceleration, because the forces of spring and dashpot nearly cancel. */
@@ -738,41 +808,6 @@ void pair_lower_bound_at(const void *pair_lower_bound, double s, double *value, 
     pair_lower_bound_from(bound, &envelope, s, &slow, value, slope);
 }
 
-/* The integral of pair_work by parts, so that the oscillation of r' and r'' need not be resolved: (path r)' =
- * path' r + path r', and once more. The remaining integrand is path' or path'', linear in time, times r = c -
- * c(0) - (C - C(0)). */
-static double work_by_parts(const struct pair_collocation *p, const struct pair_work *work,
-                            const struct pair_change *change, double s)
-{
-    const double t = change->time;
-    const struct vec3 path = path_at(work->path, 3, t);
-    const struct vec3 slope = vec3_axpy(work->path[1], 2.0 * t, work->path[2]);
-    struct vec3 weight[2] = {work->path[1], vec3_scale(2.0, work->path[2])};
-    if (work->order == 0) {
-        return 0.0;
-    }
-    double boundary = vec3_dot(path, change->r);
-    double sign = -1.0;
-    if (work->order == 2) {
-        boundary = vec3_dot(path, change->r_rate) - vec3_dot(slope, change->r);
-        sign = 1.0;
-        weight[0] = weight[1];
-        weight[1] = vec3_make(0.0, 0.0, 0.0);
-    }
-    if (!(vec3_max_abs(weight[0]) + vec3_max_abs(weight[1]) > 0.0)) {
-        return boundary;
-    }
-    /* the integral of the weight times C - C(0), term by term */
-    double flown = 0.0;
-    double power = t;
-    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        const struct vec3 c = p->felt[i - 1];
-        power *= t;
-        flown += power * (vec3_dot(weight[0], c) / (i + 1) + t * vec3_dot(weight[1], c) / (i + 2));
-    }
-    return boundary + sign * (collocation_moment(&p->step, weight, s) - flown);
-}
-
 struct pair_change pair_collocation_advance(const void *pair_collocation, double s)
 {
     const struct pair_collocation *p = pair_collocation;
@@ -792,10 +827,24 @@ struct pair_change pair_collocation_advance(const void *pair_collocation, double
     if (from->coefficients.c > 0.0 && p->step.kind != COLLOCATION_QUASI_STATIC) {
         change.dissipated = from->reduced_mass * collocation_dissipated(&p->step, s);
     }
-    for (int end = 0; end < PAIR_BODIES; ++end) {
-        change.work[end] = work_by_parts(p, &from->work[end], &change, s);
-    }
     return change;
+}
+
+/* r is c - c(0) less C - C(0), whose moments follow term by term. */
+void pair_collocation_moments(const void *pair_collocation, double s, const struct pair_change *change,
+                              int count, struct vec3 *moment)
+{
+    const struct pair_collocation *p = pair_collocation;
+    double power = change->time; /* t^(j + 1) */
+    for (int j = 0; j < count; ++j) {
+        double part = power;
+        moment[j] = collocation_moment(&p->step, j, s);
+        for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+            part *= change->time;
+            moment[j] = vec3_axpy(moment[j], -part / (i + j + 1), p->felt[i - 1]);
+        }
+        power *= change->time;
+    }
 }
 
 /* Sets A = C'' and E = W - C', each reduced to the part that acts on the contact's motion. */
@@ -915,30 +964,4 @@ double pair_step_within(const struct pair_timescales *scales, double longest, do
         step = sqrt(step * (radians / tangential_rate));
     }
     return step;
-}
-
-/* A time less a given one, as the context of a root_function. */
-struct time_left {
-    time_function *time_of;
-    const void *of;
-    double time;
-};
-
-static void time_left_at(const void *time_left, double s, double *value, double *slope)
-{
-    const struct time_left *left = time_left;
-    double time[3];
-    left->time_of(left->of, s, time);
-    *value = time[0] - left->time;
-    *slope = time[1];
-}
-
-double place_before(time_function *time_of, const void *of, double time, double end)
-{
-    const struct time_left left = {time_of, of, time};
-    struct root_bracket_end low = {.s = 0.0};
-    struct root_bracket_end high = {.s = end};
-    time_left_at(&left, low.s, &low.value, &low.slope);
-    time_left_at(&left, high.s, &high.value, &high.slope);
-    return high.value > 0.0 ? root_between(time_left_at, &left, low, high) : end;
 }

@@ -58,15 +58,18 @@ struct contact_pair {
     struct pair_work work[PAIR_BODIES];
 };
 
+/* The number of moments of r that works and torques need. Moment j is the integral of t^j r dt since the
+ * instant at which the pair was made [m s^(j+1)]. */
+enum { PAIR_MOMENTS = SEPARATION_DEGREE - 1 };
+
 /* The change of the motion since the instant at which the pair was made. */
 struct pair_change {
-    double time;              /* [s] */
-    struct vec3 r, r_rate;    /* [m], [m/s] */
-    double gap;               /* g now [m] */
-    bool head_on;             /* gap and gap_rate are all of the relative motion along n */
-    double gap_rate;          /* g' now, if head_on [m/s] */
-    double dissipated;        /* energy dissipated by the dashpot [J] */
-    double work[PAIR_BODIES]; /* the integrals of pair_work [J] */
+    double time;           /* [s] */
+    struct vec3 r, r_rate; /* [m], [m/s] */
+    double gap;            /* g now [m] */
+    bool head_on;          /* gap and gap_rate are all of the relative motion along n */
+    double gap_rate;       /* g' now, if head_on [m/s] */
+    double dissipated;     /* energy dissipated by the dashpot [J] */
 };
 
 /* Makes the pair from the present instant `at`, taken at q->clock, for a contact in compression or
@@ -96,13 +99,17 @@ struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
 double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
                                 const struct scene_values *v, const struct scene_state *q, int contact);
 
-/* Returns the change by side r n, along the normal, where the external works have constant paths. */
+/* Returns the change by side r n, along the normal. */
 struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,
                                             double r_rate, double gap);
 
+/* Returns how many moments of r the external works need. */
+int pair_moments_of_work(const struct contact_pair *p);
+
 /* Moves the bodies and books impulse, dissipated energy and external work. The caller advances the clock. */
-void pair_apply(const struct contact_pair *p, const struct pair_change *change, const struct scene_values *v,
-                struct scene_state *q, int contact);
+void pair_apply(const struct contact_pair *p, const struct pair_change *change,
+                const struct vec3 moment[PAIR_MOMENTS], const struct scene_values *v, struct scene_state *q,
+                int contact);
 
 enum { FRAME = 3 }; /* directions of a frame */
 
@@ -164,6 +171,10 @@ double pair_oscillation_first_extremum(const struct pair_oscillation *p);
 void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample);
 
 struct pair_change pair_oscillation_advance(const void *pair_oscillation, double s);
+
+/* Sets the first `count` moments of r up to s > 0, where `change` is the motion. */
+void pair_oscillation_moments(const void *pair_oscillation, double s, const struct pair_change *change,
+                              int count, struct vec3 *moment);
 
 /* A contact pair by collocation in local coordinates (touch/collocation.h): steps as long as the tangential
  * motion allows, whatever the penalty factor. Variable s in [0, 2], time = half s. */
@@ -231,10 +242,7 @@ struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, en
 /* Returns the change without the energy that a dashpot dissipates in a quasi-static step. */
 struct pair_change pair_collocation_advance(const void *pair_collocation, double s);
 
-/* Sets the time since the start of a motion [s] at the place s, and its derivative by s. */
-typedef void time_function(const void *of, double s, double time[3]);
-
-/* Returns the place in [0, end] at a time [s], or `end` where that is earlier. */
-double place_before(time_function *time_of, const void *of, double time, double end);
+void pair_collocation_moments(const void *pair_collocation, double s, const struct pair_change *change,
+                              int count, struct vec3 *moment);
 
 #endif

@@ -200,7 +200,7 @@ static double end_of_full_friction(const struct slide *f, double end)
 /* Up to this angle [rad] a rotation is exact to rounding without a rotor. */
 static const double SMALL_ANGLE = 4.0;
 
-enum { MOMENTS = 4 };
+enum { MOMENTS = PAIR_MOMENTS + 1 };
 
 /* The way of a slide: moments of the speed lost, integrals of t^k (u_0 - u) [m s^k], and the rotation. */
 struct travel {
@@ -370,45 +370,24 @@ static bool axis_turns(const struct slide *f, double lost, double time)
     return lost * vec3_norm(across) * time * time > DBL_EPSILON;
 }
 
-/* Returns the integral of rho from the start [m s], where rho is the gap less the gap of the flight. The
- * linear law gives the integral of the gap by the impulse p and the change of the gap. */
-static double integral_of_rho(const struct contact_pair *pair, const struct pair_change *change,
-                              double impulse)
-{
-    double flown = pair->gap; /* the mean of the flight's gap */
-    double power = 1.0;
-    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        power *= change->time;
-        flown += power * pair->shape.side * vec3_dot(pair->normal, pair->flight.c[i]) / (i + 1);
-    }
-    const double damped = pair->coefficients.c * (change->gap - pair->gap);
-    return -(impulse + damped) / pair->coefficients.k - change->time * flown;
-}
-
-/* Whether the first two moments of a full slide are closed forms, and no others count: those of higher order
- * count for the torque on the destination under a load that varies. */
-static bool has_closed_moments(const struct contact_pair *pair)
-{
-    return !contact_is_hertz(&pair->law) && pair->coefficients.k > 0.0 && !pair->has_mismatch &&
-           vec3_is_zero(pair->flight.c[3]) && vec3_is_zero(pair->flight.c[4]);
-}
-
-/* Goes the way of a full slide, on which u_0 - u = mu kappa p and the integral of p is m_red rho. */
+/* Goes the way of a full slide, on which u_0 - u = mu kappa p with p = m_red rho', where r = side rho n: the
+ * integral of t^k rho' is t^k rho less k times moment k - 1 of rho. */
 static void slide_fully(const struct slide *f, double to, double length, bool turning, struct travel *way)
 {
     const struct contact_pair *pair = &f->segment->pair;
-    const double by = f->unit * f->per_impulse * pair->reduced_mass;
-    const bool is_closed = has_closed_moments(pair);
-    struct pair_change change;
-    const double impulse = impulse_at(f, to, &change);
-    const double rho = pair->shape.side * vec3_dot(pair->normal, change.r);
-    if (turning || !is_closed) {
+    const double by = f->unit * f->per_impulse * pair->reduced_mass * pair->shape.side;
+    const struct pair_change change = segment_change(f->segment, to);
+    struct vec3 moment[PAIR_MOMENTS];
+    segment_moments(f->segment, to, &change, PAIR_MOMENTS, moment);
+    if (turning) {
         travel_on(f, 0.0, to, length, turning, way);
     }
-    if (is_closed) {
-        way->lost[1] = by * (change.time * rho - integral_of_rho(pair, &change, impulse));
+    struct vec3 powered = change.r; /* t^k r */
+    for (int k = 0; k < MOMENTS; ++k) {
+        const struct vec3 along = k > 0 ? vec3_axpy(powered, -k, moment[k - 1]) : powered;
+        way->lost[k] = by * vec3_dot(pair->normal, along);
+        powered = vec3_scale(change.time, powered);
     }
-    way->lost[0] = by * rho;
     way->time = change.time;
 }
 
@@ -569,6 +548,6 @@ double rubbing_short_until(const struct segment *p, const struct scene_values *v
     if (axis_turns(&f, f.slip, time)) {
         return 0.0;
     }
-    const double full = has_closed_moments(&p->pair) ? segment_time(p, end_of_full_friction(&f, end)) : 0.0;
+    const double full = segment_time(p, end_of_full_friction(&f, end));
     return radians_in(p, time - full) > LONGEST_PANEL ? full : (double)INFINITY;
 }

@@ -964,176 +964,82 @@ static void peaks_note(struct segment *p, struct contact_peaks *peaks, double fr
  *
  *   integral of c x F = -m_red ([C x r' - C' x r + r x r'] + integral of C'' x r)
  *
- * r is along n. Of C only the part along the axis counts at the side of a cylinder, and the part across n at
- * a plane and at a cap. r x r' counts at a rim alone. A destination sphere has no torque. `bend` below has
- * the coefficients of C''.
+ * where the moments of r give the last integral. r is along n. Of C only the part along the axis counts at
+ * the side of a cylinder, and the part across n at a plane and at a cap. r x r' counts at a rim alone. A
+ * destination sphere has no torque.
  */
+struct torque_lever {
+    int moments;                          /* how many moments of r count */
+    bool acts;                            /* whether there is a torque */
+    struct vec3 c[SEPARATION_DEGREE + 1]; /* the part of C that counts */
+    /* at skew cylinders the foot, linear in c, which shortens the destination's lever; else c */
+    struct vec3 foot[SEPARATION_DEGREE + 1];
+};
 
-/*
- * The moments M_j, integrals of t^j rho over a head-on motion, in closed form: r = side rho n and m_red rho''
- * = F_n = -k g - c g', where rho is g less the gap of the flight. With G_j the integral of t^j (g - g(0)),
- * I_j that of t^j rho'' and J_j that of t^j g'
- *
- *   k (G_j + g(0) t^(j+1)/(j+1)) = -m_red I_j - c J_j,   without a spring 0 = m_red I_(j+1) + c J_(j+1)
- *   I_j = t^j rho' - j t^(j-1) rho + j (j-1) M_(j-2),    J_j = t^j (g - g(0)) - j G_(j-1)
- */
-static void head_on_moments(const struct contact_pair *p, const struct pair_change *change,
-                            double moment[SEPARATION_DEGREE - 1])
+static struct torque_lever torque_lever_of(const struct contact_pair *pair)
 {
-    const double k = p->coefficients.k;
-    const double c = p->coefficients.c;
-    const double t = change->time;
-    const double grown = change->gap - p->gap;
-    const double rho = p->shape.side * vec3_dot(p->normal, change->r);
-    const double rho_rate = p->shape.side * vec3_dot(p->normal, change->r_rate);
-    double before = 0.0; /* G_(j-1) */
-    double power = 1.0;  /* t^j */
-    for (int j = 0; j < SEPARATION_DEGREE - 1; ++j) {
-        const double second = j < 2 ? 0.0 : moment[j - 2];
-        const double inertia =
-            power * rho_rate - (j > 0 ? j * (power / t) * rho : 0.0) + j * (j - 1) * second;
-        const double next =
-            power * t * rho_rate - (j + 1) * power * rho + (j > 0 ? (j + 1) * j * moment[j - 1] : 0.0);
-        const double damped = power * grown - j * before;
-        const double of_gap =
-            k > 0.0 ? -(p->reduced_mass * inertia + c * damped) / k - p->gap * power * t / (j + 1)
-                    : (power * t * grown + p->reduced_mass / c * next) / (j + 1);
-        double flown = 0.0;
-        for (int i = SEPARATION_DEGREE; i > 0; --i) {
-            flown = t * (flown + p->shape.side * vec3_dot(p->normal, p->flight.c[i]) / (i + j + 1));
+    const struct contact_shape *shape = &pair->shape;
+    struct torque_lever lever = {.moments = 0, .acts = false};
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
+        const struct vec3 flown = pair->flight.c[i];
+        struct vec3 *c = &lever.c[i];
+        if (contact_is_circle(shape)) {
+            *c = flown;
+        } else if (contact_is_plane(shape)) { /* bodies at rest may fly far along n */
+            *c = contact_across_plane(pair->normal, flown);
+        } else if (contact_is_cylinder(shape)) { /* c[0] may lack the part along the axis */
+            *c = vec3_scale(i == 0 ? pair->axial : vec3_dot(shape->axis, flown), shape->axis);
         }
-        moment[j] = of_gap - power * t * flown;
-        before = of_gap;
-        power *= t;
+        lever.foot[i] = contact_is_skew(shape)
+                            ? contact_across_plane(pair->normal, contact_foot_along(shape, flown))
+                            : *c;
+        const bool turns = contact_is_circle(shape) || !vec3_is_zero(vec3_cross(*c, pair->normal)) ||
+                           !vec3_is_zero(vec3_cross(lever.foot[i], pair->normal));
+        lever.acts = lever.acts || !vec3_is_zero(*c);
+        lever.moments = i >= 2 && turns && !vec3_is_zero(flown) ? i - 1 : lever.moments;
     }
-}
-
-static struct vec3 head_on(const struct contact_pair *p, const struct vec3 *bend,
-                           const struct pair_change *change)
-{
-    double moment[SEPARATION_DEGREE - 1];
-    struct vec3 sum = {0.0, 0.0, 0.0};
-    head_on_moments(p, change, moment);
-    for (int j = 0; j < SEPARATION_DEGREE - 1; ++j) {
-        sum = vec3_axpy(sum, p->shape.side * moment[j], vec3_cross(bend[j], p->normal));
-    }
-    return sum;
-}
-
-/* Panels of the quadrature: the motion of an impact is smooth except at its ends, where it contains time to
- * the power 7/2. */
-enum { PANELS = 8 };
-
-static struct vec3 by_quadrature(const struct segment *p, const struct vec3 *bend, double time)
-{
-    struct vec3 sum = {0.0, 0.0, 0.0};
-    const double half = 0.5 * time / PANELS;
-    for (int i = 0; i < PANELS * GAUSS_NODES; ++i) {
-        const struct gauss_place place = gauss_place(i % GAUSS_NODES, true);
-        const int panel = i / GAUSS_NODES;
-        const double t = half * (2.0 * panel + place.at);
-        const struct pair_change then = segment_change(p, segment_place(p, t));
-        const double weight = half * GAUSS_WEIGHT[i % GAUSS_NODES] * place.factor;
-        sum = vec3_axpy(sum, weight, vec3_cross(path_at(bend, SEPARATION_DEGREE - 1, t), then.r));
-    }
-    return sum;
-}
-
-/* The integral of C'' x r as external works (pair.h), which segments integrate exactly: e_k.(C'' x r) = W.r
- * with W = e_k x C'', and by parts the integral of W.r is the integral of P.r' less P.r at the end, with P' =
- * -W. */
-static struct vec3 as_works(struct segment *p, const struct vec3 *bend, const struct pair_change *change,
-                            double s)
-{
-    struct vec3 sum = {0.0, 0.0, 0.0};
-    struct pair_work *work = p->pair.work;
-    const struct pair_work kept[PAIR_BODIES] = {work[0], work[1]};
-    for (int k = 0; k < 3; k += PAIR_BODIES) {
-        for (int i = 0; i < PAIR_BODIES; ++i) {
-            struct vec3 unit = {0.0, 0.0, 0.0};
-            vec3_set(&unit, (k + i) % 3, 1.0);
-            work[i] = (struct pair_work){.order = 1, .factor = 0.0};
-            work[i].path[1] = vec3_scale(-1.0, vec3_cross(unit, bend[0]));
-            work[i].path[2] = vec3_scale(-0.5, vec3_cross(unit, bend[1]));
-        }
-        const struct pair_change then = segment_change(p, s);
-        for (int i = 0; i < PAIR_BODIES && k + i < 3; ++i) {
-            const struct vec3 path = path_at(work[i].path, 3, change->time);
-            vec3_set(&sum, k + i, then.work[i] - vec3_dot(path, change->r));
-        }
-    }
-    memcpy(work, kept, sizeof kept);
-    return sum;
+    return lever;
 }
 
 /* Returns the integral of c x r'' with the part of C that counts. */
-static CONTACT_NOINLINE struct vec3 by_lever(struct segment *p, const struct pair_change *change, double s,
-                                             const struct vec3 c[SEPARATION_DEGREE + 1])
+static struct vec3 by_lever(const struct contact_pair *pair, const struct pair_change *change,
+                            const struct vec3 moment[PAIR_MOMENTS],
+                            const struct vec3 c[SEPARATION_DEGREE + 1])
 {
-    const bool is_circle = contact_is_circle(&p->pair.shape);
     const double t = change->time;
-    struct vec3 bend[SEPARATION_DEGREE - 1];
     struct vec3 rate = c[1];
     double power = 1.0;
-    bool bends = is_circle;
     for (int i = 2; i <= SEPARATION_DEGREE; ++i) {
         power *= t;
-        bend[i - 2] = vec3_scale(i * (i - 1), c[i]);
         rate = vec3_axpy(rate, i * power, c[i]);
-        bends = bends || !vec3_is_zero(vec3_cross(c[i], p->pair.normal));
     }
     const struct vec3 at = path_at(c, SEPARATION_DEGREE + 1, t);
     struct vec3 sum = vec3_sub(vec3_cross(at, change->r_rate), vec3_cross(rate, change->r));
-    if (is_circle) {
+    if (contact_is_circle(&pair->shape)) {
         sum = vec3_add(sum, vec3_cross(change->r, change->r_rate));
     }
-    if (!bends) {
-        return sum;
+    for (int j = 0; j < PAIR_MOMENTS; ++j) {
+        sum = vec3_axpy(sum, (j + 2) * (j + 1), vec3_cross(c[j + 2], moment[j]));
     }
-    if (p->kind == SEGMENT_CLOSED_FORM) {
-        return vec3_add(sum, head_on(&p->pair, bend, change));
-    }
-    bool by_nodes = !vec3_is_zero(bend[2]); /* a path has three coefficients */
-    if (SCENE_ANY_HERTZ) {
-        by_nodes = by_nodes || p->kind == SEGMENT_HERTZ_ELASTIC;
-    }
-    return vec3_add(sum, by_nodes ? by_quadrature(p, bend, t) : as_works(p, bend, change, s));
+    return sum;
 }
 
-/* Returns the torque's impulse over [0, s] [N m s]; `change` is the motion at s. At skew cylinders it adds
- * the impulse on the source, foot x F, to `of_source`, and the foot shortens the destination's lever. */
-static struct vec3 torque_impulse(struct segment *p, const struct pair_change *change, double s,
-                                  struct vec3 *of_source)
+/* Adds the torque's impulse up to the time of `change` [N m s], and at skew cylinders the impulse on the
+ * source, foot x F. */
+static void add_torque_impulse(const struct contact_pair *pair, const struct torque_lever *lever,
+                               const struct pair_change *change, const struct vec3 moment[PAIR_MOMENTS],
+                               struct contact_torques *torques)
 {
-    const struct contact_pair *pair = &p->pair;
-    const struct contact_shape *shape = &pair->shape;
-    const bool is_skew = contact_is_skew(shape);
-    struct vec3 c[SEPARATION_DEGREE + 1];
-    struct vec3 foot[SEPARATION_DEGREE + 1];
-    bool acts = false;
-    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
-        const struct vec3 flown = pair->flight.c[i];
-        c[i] = vec3_make(0.0, 0.0, 0.0);
-        if (contact_is_circle(shape)) {
-            c[i] = flown;
-        } else if (contact_is_plane(shape)) { /* bodies at rest may fly far along n */
-            c[i] = contact_across_plane(pair->normal, flown);
-            foot[i] = is_skew ? contact_across_plane(pair->normal, contact_foot_along(shape, flown)) : c[i];
-        } else if (contact_is_cylinder(shape)) { /* c[0] may lack the part along the axis */
-            c[i] = vec3_scale(i == 0 ? pair->axial : vec3_dot(shape->axis, flown), shape->axis);
-        }
-        acts = acts || !vec3_is_zero(c[i]);
+    if (!lever->acts || !(change->time > 0.0)) {
+        return;
     }
-    if (!acts || !(change->time > 0.0)) {
-        return vec3_make(0.0, 0.0, 0.0);
-    }
-    struct vec3 sum = by_lever(p, change, s, c);
-    if (is_skew) { /* the foot is linear in c at the face */
-        const struct vec3 of_foot = by_lever(p, change, s, foot);
+    struct vec3 sum = by_lever(pair, change, moment, lever->c);
+    if (contact_is_skew(&pair->shape)) {
+        const struct vec3 of_foot = by_lever(pair, change, moment, lever->foot);
         sum = vec3_sub(sum, of_foot);
-        *of_source = vec3_axpy(*of_source, -pair->reduced_mass, of_foot);
+        torques->source_impulse = vec3_axpy(torques->source_impulse, -pair->reduced_mass, of_foot);
     }
-    return vec3_scale(-pair->reduced_mass, sum);
+    torques->destination_impulse = vec3_axpy(torques->destination_impulse, -pair->reduced_mass, sum);
 }
 
 /* This part of the file finds where a segment leaves its zone of a capped cylinder or of skew cylinders
@@ -1288,41 +1194,69 @@ static double zone_longest_inside(const struct segment *p)
 
 /* The first kind that applies and can be made is taken. `work` is the cost of making and using a segment, in
  * steps in closed form of 3,000 instructions each: a series or half a period takes 30,000 instructions, a
- * radian of the tangential motion 125,000. A kind without `applies` always applies. For a kind without
- * `time`, the time is unit times s. */
+ * radian of the tangential motion 125,000. A kind without `applies` always applies. For a
+ * kind without `time`, the time is unit times s. */
 static const struct {
     bool (*applies)(const struct segment *p);
     bool (*make)(struct segment *p);
     dense_output_sampler *sample;
     struct pair_change (*advance)(const void *motion, double s);
+    void (*moments)(const void *motion, double s, const struct pair_change *change, int count,
+                    struct vec3 *moment);
     int work;
-    void (*time)(const void *motion, double s, double time[3]);
+    time_function *time;
 } kinds[] = {
     /* Head-on motion under constant acceleration: the closed form is exact for any time, so it comes
      * first. */
     [SEGMENT_CLOSED_FORM] = {closed_form_applies, closed_form_make, pair_oscillation_sample,
-                             pair_oscillation_advance, 1, NULL},
+                             pair_oscillation_advance, pair_oscillation_moments, 1, NULL},
     /* Fast oscillations that are small and clear of g = 0: one step covers as many as the tangential motion
      * allows. */
     [SEGMENT_AVERAGED] = {averaged_applies, averaged_make, pair_collocation_sample, pair_collocation_advance,
-                          40, NULL},
+                          pair_collocation_moments, 40, NULL},
     /* Contacts far beyond critical damping or without a spring: a segment covers a radian of the tangential
      * motion. */
     [SEGMENT_OVERDAMPED] = {overdamped_applies, overdamped_make, pair_collocation_sample,
-                            pair_collocation_advance, 40, NULL},
-    /* All other contacts: soft ones, short remainders of a motion and Hertz's law. A segment covers two
-     * radians of the contact's oscillation, of the bodies' passage or of the rim. */
-    [SEGMENT_SERIES] = {NULL, series_make, series_sample, series_advance, 10, series_time},
+                            pair_collocation_advance, pair_collocation_moments, 40, NULL},
+    /* All other contacts: soft ones, short remainders of a motion and Hertz's law. A segment
+     * covers two radians of the contact's oscillation, of the bodies' passage or of the rim. */
+    [SEGMENT_SERIES] = {NULL, series_make, series_sample, series_advance, series_moments, 10, series_time},
 #if SCENE_ANY_HERTZ
     /* Hertz's law after the oscillation has died away: a segment covers a radian of the tangential motion. */
     [SEGMENT_QUASI_STATIC] = {quasi_static_applies, quasi_static_make, quasi_static_sample,
-                              quasi_static_advance, 40, NULL},
+                              quasi_static_advance, pair_collocation_moments, 40, NULL},
     /* Hertz's law without damping, head-on under constant acceleration: a segment covers all the rest of an
      * impact. */
     [SEGMENT_HERTZ_ELASTIC] = {hertz_elastic_applies, hertz_elastic_make, hertz_elastic_sample,
-                               hertz_elastic_advance, 1, hertz_elastic_time},
+                               hertz_elastic_advance, hertz_elastic_moments, 1, hertz_elastic_time},
 #endif
 };
+
+/* A time less a given one, as the context of a root_function. */
+struct time_left {
+    time_function *time_of;
+    const void *of;
+    double time;
+};
+
+static void time_left_at(const void *time_left, double s, double *value, double *slope)
+{
+    const struct time_left *left = time_left;
+    double time[3];
+    left->time_of(left->of, s, time);
+    *value = time[0] - left->time;
+    *slope = time[1];
+}
+
+double segment_place_by(time_function *time_of, const void *of, double time, double end)
+{
+    const struct time_left left = {time_of, of, time};
+    struct root_bracket_end low = {.s = 0.0};
+    struct root_bracket_end high = {.s = end};
+    time_left_at(&left, low.s, &low.value, &low.slope);
+    time_left_at(&left, high.s, &high.value, &high.slope);
+    return high.value > 0.0 ? root_between(time_left_at, &left, low, high) : end;
+}
 
 double segment_time(const struct segment *p, double s)
 {
@@ -1339,13 +1273,22 @@ double segment_place(const struct segment *p, double time)
         return 0.0; /* after a start at the touch, time may be of second order in s: no root at 0 */
     }
     return kinds[p->kind].time != NULL
-               ? place_before(kinds[p->kind].time, &p->as, time, fmin(p->end, p->terminal.s))
+               ? segment_place_by(kinds[p->kind].time, &p->as, time, fmin(p->end, p->terminal.s))
                : time / p->unit;
 }
 
 struct pair_change segment_change(const struct segment *p, double s)
 {
     return kinds[p->kind].advance(&p->as, s);
+}
+
+void segment_moments(const struct segment *p, double s, const struct pair_change *change, int count,
+                     struct vec3 moment[PAIR_MOMENTS])
+{
+    memset(moment, 0, PAIR_MOMENTS * sizeof *moment);
+    if (count > 0 && change->time > 0.0) {
+        kinds[p->kind].moments(&p->as, s, change, count, moment);
+    }
 }
 
 static bool make_kind(struct segment *p, enum segment_kind kind)
@@ -1504,6 +1447,13 @@ void segment_advance(struct segment *p, double from, double s, const struct scen
 {
     struct contact_state *state = &q->contact[contact];
     struct pair_change change = segment_change(p, s);
+    struct torque_lever lever = {.moments = 0};
+    struct vec3 moment[PAIR_MOMENTS];
+    if (SCENE_HAS_TORQUES) {
+        lever = torque_lever_of(&p->pair);
+    }
+    const int of_work = pair_moments_of_work(&p->pair);
+    segment_moments(p, s, &change, of_work > lever.moments ? of_work : lever.moments, moment);
     change.head_on = change.head_on && !segment_is_deep(p);
     agree_with_gap(p, &change);
     if (from < s) {
@@ -1512,14 +1462,12 @@ void segment_advance(struct segment *p, double from, double s, const struct scen
     if (p->pair.coefficients.k >= PAIR_STIFF) {
         peak_error_note(p, segment_time(p, from), segment_time(p, s), state);
     }
-    pair_apply(&p->pair, &change, v, q, contact);
+    pair_apply(&p->pair, &change, moment, v, q, contact);
     state->physics.rate_rounding = pair_rate_rounding_after(&p->pair, &change, v, q, contact);
     if (state->physics.rate_rounding > 0.0) {
         state->physics.carried_rate = dense_output_at(&p->output, s)->of[PAIR_GAP_RATE][0];
     }
     if (SCENE_HAS_TORQUES) {
-        state->torques.destination_impulse =
-            vec3_add(state->torques.destination_impulse,
-                     torque_impulse(p, &change, s, &state->torques.source_impulse));
+        add_torque_impulse(&p->pair, &lever, &change, moment, &state->torques);
     }
 }

@@ -105,8 +105,19 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
 double segment_time(const struct segment *p, double s);
 double segment_place(const struct segment *p, double time);
 
+/* Sets the time since the start of a motion [s] at the place s, and its derivative by s. */
+typedef void time_function(const void *of, double s, double time[3]);
+
+/* Returns the place in [0, end] at a time [s], or `end` where that is earlier. */
+double segment_place_by(time_function *time_of, const void *of, double time, double end);
+
 /* Returns the motion from the segment's start to s. */
 struct pair_change segment_change(const struct segment *p, double s);
+
+/* Sets the first `count` moments of r from the segment's start to s (pair.h), where `change` is the motion at
+ * s. All moments are zero at the start. */
+void segment_moments(const struct segment *p, double s, const struct pair_change *change, int count,
+                     struct vec3 moment[PAIR_MOMENTS]);
 
 /* Whether the contact may become deeper than the bodies are wide. Positions then do not give the gap. */
 bool segment_is_deep(const struct segment *p);
@@ -136,6 +147,9 @@ void segment_advance(struct segment *p, double from, double s, const struct scen
 bool series_make(struct segment *p);
 void series_sample(const void *pair_series, double s, struct pair_sample *sample);
 struct pair_change series_advance(const void *pair_series, double s);
+void series_moments(const void *pair_series, double s, const struct pair_change *change, int count,
+                    struct vec3 *moment);
+
 void series_time(const void *pair_series, double s, double time[3]);
 
 /* The kind for head-on motion under Hertz's law without damping: a segment lasts up to the release, and
@@ -145,6 +159,8 @@ bool hertz_elastic_make(struct segment *p);
 void hertz_elastic_sample(const void *hertz_elastic, double s, struct pair_sample *sample);
 struct pair_change hertz_elastic_advance(const void *hertz_elastic, double s);
 void hertz_elastic_time(const void *hertz_elastic, double s, double time[3]);
+void hertz_elastic_moments(const void *hertz_elastic, double s, const struct pair_change *change, int count,
+                           struct vec3 *moment);
 
 /* The kind for Hertz's law under a load that presses the bodies together and changes far more slowly than the
  * contact oscillates or settles. */

@@ -499,7 +499,17 @@ static void complete_series(struct pair_series *p, struct series_work *z, double
     p->step = reliable_step(p, z, accuracy);
 }
 
-/* Returns the time from the start to s [s]. */
+void series_time(const void *pair_series, double s, double time[3])
+{
+    const struct pair_series *p = pair_series;
+    if (SCENE_ANY_HERTZ && p->by_root) {
+        taylor_derivatives(p->time, TAYLOR_TERMS, s, time);
+        return;
+    }
+    time[0] = p->unit * s;
+    time[1] = p->unit;
+}
+
 static double series_time_at(const struct pair_series *p, double s)
 {
     return SCENE_ANY_HERTZ && p->by_root ? taylor_at(p->time, TAYLOR_TERMS, s) : p->unit * s;
@@ -589,79 +599,60 @@ static struct vec3 vector_at(const struct pair_series *p, const series_row *rows
     return out;
 }
 
-/* Returns the integral of pair_work over [0, s]: path(t) r_s ds for order 1, path(t) r'_s ds for order 2. */
-static double series_work_of(const struct pair_series *p, const struct pair_work *work, double s)
+/* Returns the place of node i of a quadrature over [0, s], and writes its weight. Products of series have
+ * coefficients beyond the last one. Twelve nodes integrate them to rounding, because a
+ * series ends at a fourth of its radius of convergence. */
+static double series_node(int i, double s, double *weight)
 {
-    const series_row *of = work->order == 1 ? p->r : p->r_rate;
-    double sum = 0.0;
-    const bool is_steady = vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]);
-    if (work->order == 0 || (is_steady && vec3_is_zero(work->path[0]))) {
-        return 0.0;
-    }
-    /* the path is a series in s; its terms beyond the first are zero where it is constant, and beyond the
-     * third where time is proportional to s */
-    const int terms = is_steady ? 1 : SCENE_ANY_HERTZ && p->by_root ? TAYLOR_ORDER : 3;
-    for (int j = 0; j < p->flight.dimensions; ++j) {
-        double path[3];
-        series_row along;
-        series_row power = {0.0};
-        for (int k = 0; k < 3; ++k) {
-            path[k] = vec3_dot(work->path[k], p->flight.frame[j]);
-        }
-        for (int i = 0; i < terms; ++i) {
-            along[i] = path[0] * (i == 0) + path[1] * p->time[i];
-            along[i] += path[2] == 0.0 ? 0.0 : path[2] * taylor_multiply(p->time, p->time, i);
-        }
-        for (int i = 0; i < TAYLOR_ORDER; ++i) {
-            for (int k = 0; k <= i && k < terms; ++k) {
-                power[i] += along[k] * ((i - k + 1) * of[j][i - k + 1]);
-            }
-        }
-        sum += taylor_integral(power, TAYLOR_ORDER, s);
-    }
-    return sum;
+    const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
+    *weight = 0.5 * s * nodes->integral[i * LOBATTO_MAX + LOBATTO_MAX - 1];
+    return 0.5 * s * (1.0 + nodes->node[i]);
 }
 
-/* Returns the energy that the dashpot dissipates, the integral of unit drag g' ds [J], where drag is the
- * series p->drag. In a series by time the factors are sums of exponentials. Their product converges at half
- * their pace, so all terms of the product count. By u the product converges as the factors do. */
+void series_moments(const void *pair_series, double s, const struct pair_change *change, int count,
+                    struct vec3 *moment)
+{
+    const struct pair_series *p = pair_series;
+    (void)change;
+    memset(moment, 0, (size_t)count * sizeof *moment);
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
+        double weight;
+        double time[3];
+        const double at = series_node(i, s, &weight);
+        const struct vec3 r = vector_at(p, p->r, at);
+        series_time(p, at, time);
+        weight *= time[1];
+        for (int j = 0; j < count; ++j) {
+            moment[j] = vec3_axpy(moment[j], weight, r);
+            weight *= time[0];
+        }
+    }
+}
+
+/* Returns the energy that the dashpot dissipates, the integral of unit drag g' ds [J]. */
 static double series_dissipated(const struct pair_series *p, double s)
 {
-    enum { PRODUCT_ORDER = 2 * TAYLOR_ORDER };
-    double drag[TAYLOR_TERMS + 1] = {0.0};
-    double rates[TAYLOR_TERMS + 1] = {0.0}; /* backwards; zero where a pair reaches beyond the first */
     double sum = 0.0;
     if (!((SCENE_ANY_HERTZ && p->by_root ? p->from->chi : p->from->coefficients.c) > 0.0)) {
         return 0.0;
     }
-    memcpy(drag, p->drag, sizeof p->drag);
-    for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        rates[TAYLOR_ORDER - i] = p->rate[i];
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
+        double weight;
+        const double at = series_node(i, s, &weight);
+        sum += weight * taylor_at(p->drag, TAYLOR_TERMS, at) * taylor_at(p->rate, TAYLOR_TERMS, at);
     }
-    for (int i = SCENE_ANY_HERTZ && p->by_root ? TAYLOR_ORDER : PRODUCT_ORDER; i >= 0; --i) {
-        const int first = i > TAYLOR_ORDER ? i - TAYLOR_ORDER : 0;
-        double2 term[PARTS];
-        memset(term, 0, sizeof term);
-        for (int k = first; k <= i && k < TAYLOR_TERMS; k += LANES) {
-            term[part(k - first)] +=
-                double2_at(drag, k) * double2_at(rates, TAYLOR_ORDER - i + k); /* rate[i - k] */
-        }
-        sum = sum * s + parts_together(term) / (i + 1);
-    }
-    return p->unit * s * sum;
+    return p->unit * sum;
 }
 
 struct pair_change series_advance(const void *pair_series, double s)
 {
     const struct pair_series *p = pair_series;
     const double opened = taylor_at(p->opened, TAYLOR_TERMS, s);
-    return (struct pair_change){
-        .time = series_time_at(p, s),
-        .r = vector_at(p, p->r, s),
-        .r_rate = vector_at(p, p->r_rate, s),
-        .gap = SCENE_ANY_HERTZ && p->by_root ? -opened * opened : opened,
-        .dissipated = series_dissipated(p, s),
-        .work = {series_work_of(p, &p->from->work[0], s), series_work_of(p, &p->from->work[1], s)}};
+    return (struct pair_change){.time = series_time_at(p, s),
+                                .r = vector_at(p, p->r, s),
+                                .r_rate = vector_at(p, p->r_rate, s),
+                                .gap = SCENE_ANY_HERTZ && p->by_root ? -opened * opened : opened,
+                                .dissipated = series_dissipated(p, s)};
 }
 
 /* Numbers of samples of a segment, such that no quantity has two extrema between two samples. A series by u
@@ -718,7 +709,7 @@ bool series_make(struct segment *p)
     p->unit = made->unit;
     p->end = fmin(made->step, parting > 0.0 ? parting : made->step);
     if (parting > 0.0 && series_time_at(made, p->end) > p->longest) {
-        p->end = place_before(series_time, made, p->longest, p->end);
+        p->end = segment_place_by(series_time, made, p->longest, p->end);
         parting = p->end < parting ? (double)INFINITY : parting;
     }
     const int places = by_root ? PLACES_BY_ROOT : PLACES_BY_TIME;
@@ -729,15 +720,4 @@ bool series_make(struct segment *p)
         p->parting = parting;
     }
     return true;
-}
-
-void series_time(const void *pair_series, double s, double time[3])
-{
-    const struct pair_series *p = pair_series;
-    if (SCENE_ANY_HERTZ && p->by_root) {
-        taylor_derivatives(p->time, TAYLOR_TERMS, s, time);
-        return;
-    }
-    time[0] = p->unit * s;
-    time[1] = p->unit;
 }
