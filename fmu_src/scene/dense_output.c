@@ -113,8 +113,10 @@ static const double NEAR_TOP = 1e-10;
 /* Most steps of Newton's method, which converges quadratically; where it does not, the caller bisects. */
 enum { CLIMBS = 6 };
 
-bool dense_output_climb(const struct dense_output *w, const struct event_function *what, double s, double low,
-                        double high, double *largest)
+/* Goes by Newton's method from s to a top of factor times quantity inside [low, high]. *largest is raised to
+ * the largest value met. Returns false where no top was reached. */
+static bool climb(const struct dense_output *w, const struct event_function *what, double s, double low,
+                  double high, double *largest)
 {
     for (int k = 0; k < CLIMBS; ++k) {
         struct pair_sample at;
@@ -202,7 +204,7 @@ static double larger_between(const struct dense_output *w, const struct event_fu
         return largest;
     }
     if (brackets_top(w, what, &low, &high) &&
-        !dense_output_climb(w, what, root_guess(low, high), low.s, high.s, &largest)) {
+        !climb(w, what, root_guess(low, high), low.s, high.s, &largest)) {
         const double top = root_in_bracket(probe_at, &slope, low.s, high.s);
         largest = fmax(largest, end_at(w, what, 0, top).value);
     }
@@ -227,6 +229,9 @@ double dense_output_largest(const struct dense_output *w, const struct event_fun
     }
     return largest;
 }
+
+const struct event_function dense_output_force = {PAIR_FORCE, 1.0, 0.0};
+const struct event_function dense_output_penetration = {PAIR_GAP, -1.0, 0.0};
 
 static void put_terms(double of[3], const double term[JET_TERMS])
 {
@@ -317,8 +322,6 @@ static bool may_pass_centre(const struct scene_output *o, const struct pair_samp
 void scene_output_note_peaks(struct scene_output *o, double from, double to, int parts,
                              struct contact_peaks *peaks)
 {
-    static const struct event_function force = {PAIR_FORCE, 1.0, 0.0};
-    static const struct event_function penetration = {PAIR_GAP, -1.0, 0.0};
     struct dense_output *w = &o->output;
     w->sampler = sample_scene;
     w->segment = o;
@@ -338,8 +341,8 @@ void scene_output_note_peaks(struct scene_output *o, double from, double to, int
         }
     }
     const struct dense_range whole = {w->s[0], w->s[last], &w->at[0], &w->at[last]};
-    peaks->penetration = dense_output_largest(w, &penetration, &whole, peaks->penetration);
-    peaks->force = dense_output_largest(w, &force, &whole, peaks->force);
+    peaks->penetration = dense_output_largest(w, &dense_output_penetration, &whole, peaks->penetration);
+    peaks->force = dense_output_largest(w, &dense_output_force, &whole, peaks->force);
     w->s[0] = w->s[last];
     w->at[0] = w->at[last];
     w->count = 1;

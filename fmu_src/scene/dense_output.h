@@ -59,11 +59,6 @@ struct event_function {
  * event. */
 double dense_output_first_event(const struct dense_output *w, const struct event_function *what);
 
-/* Goes by Newton's method from s to a top of factor times quantity inside [low, high]. *largest is raised to
- * the largest value met. Returns false where no top was reached. */
-bool dense_output_climb(const struct dense_output *w, const struct event_function *what, double s, double low,
-                        double high, double *largest);
-
 /* Whether a value exceeds the largest known by so much that a search for a top is worth while. */
 bool dense_output_is_larger(const struct dense_output *w, double value, double largest);
 
@@ -72,6 +67,9 @@ struct dense_range {
     double from, to;
     const struct pair_sample *first, *last;
 };
+
+/* The quantities that have peaks. */
+extern const struct event_function dense_output_force, dense_output_penetration;
 
 /* Returns the largest value of factor times quantity in a range, or `known` if this is larger. */
 double dense_output_largest(const struct dense_output *w, const struct event_function *what,

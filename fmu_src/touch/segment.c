@@ -242,19 +242,6 @@ static void terminal_event_at_centre(struct segment *p)
     }
 }
 
-/* Adds samples at the extrema of gap, gap rate and force; each quantity has at most one extremum. */
-static void add_extrema_of_decay(struct segment *p)
-{
-    struct dense_output *w = &p->output;
-    for (int order = 1; order <= FREE_OSCILLATION_DERIVATIVES; ++order) {
-        const double extremum = free_oscillation_zero(&p->as.oscillation.free, order);
-        if (extremum > 0.0 && extremum < p->end) {
-            dense_output_add(w, extremum);
-        }
-    }
-    dense_output_add(w, p->end);
-}
-
 /* Adds samples at the first two extrema of the gap after the one sample there is. They are half a period
  * apart, so no quantity has two extrema between them. */
 static void add_extrema_of_oscillation(struct dense_output *w, const struct pair_oscillation *made,
@@ -290,8 +277,8 @@ static bool closed_form_applies(const struct segment *p)
     return p->pair.is_head_on && !contact_is_rim(&p->pair.shape);
 }
 
-/* Makes the segment over all of p->longest where no event follows. Otherwise the segment lasts a period of
- * the oscillation at most, or as long as the decay. */
+/* Makes the segment over all of p->longest where no event follows, else over a period of the oscillation at
+ * most. */
 static bool closed_form_make(struct segment *p)
 {
     struct pair_oscillation *made = &p->as.oscillation;
@@ -300,22 +287,17 @@ static bool closed_form_make(struct segment *p)
     }
     p->clear_of_centre = true;
     p->unit = 1.0 / made->rate;
-    double end = p->longest / p->unit;
-    if (end * p->unit < p->longest) {
-        end = nextafter(end, (double)INFINITY);
+    p->end = p->longest / p->unit;
+    if (p->end * p->unit < p->longest) {
+        p->end = nextafter(p->end, (double)INFINITY);
     }
-    p->end = fmin(end, pair_oscillation_longest(made));
+    /* the samples are extrema of the gap, where the gap rate is zero */
+    p->largest_gap = fabs(made->equilibrium) + made->amplitude;
+    p->largest_rate = made->rate * made->amplitude;
     dense_output_add(&p->output, 0.0);
-    if (made->omega_d > 0.0) {
-        /* the samples are extrema of the gap, where the gap rate is zero */
-        p->largest_gap = fabs(made->equilibrium) + made->amplitude;
-        p->largest_rate = made->rate * made->amplitude;
-        add_extrema_of_oscillation(&p->output, made, p->end);
-    } else {
-        add_extrema_of_decay(p);
-    }
+    add_extrema_of_oscillation(&p->output, made, p->end);
     p->event_free = is_event_free(p);
-    p->end = p->event_free ? end : p->output.s[p->output.count - 1];
+    p->end = p->event_free ? p->end : p->output.s[p->output.count - 1];
     return true;
 }
 
@@ -417,59 +399,47 @@ static double averaged_error(double a, double ratio, double distance, double rad
     return 4.0 * a * ratio * ratio + 3.0 * a * a / distance * radians;
 }
 
-static void lower_bound_slope(const void *data, double s, double *value, double *slope)
+/* Returns the dense output of a bound between two places of an averaged segment, by the samples that the
+ * segment has at its nodes. */
+static struct dense_output bound_between(const struct segment *p, const struct pair_bound *bound, double from,
+                                         double end)
 {
-    double ignored;
-    pair_lower_bound_at(data, s, &ignored, value);
-    *slope = 0.0; /* root_in_bracket then bisects */
+    struct dense_output w = {pair_bound_sample, bound, p->output.worth_a_search, .count = 0};
+    dense_output_add(&w, from);
+    for (int i = 0; i < p->output.count; ++i) {
+        const double s = p->output.s[i];
+        if (s > from && s < end) {
+            w.at[w.count] = p->output.at[i];
+            pair_bound_add(bound, s, &w.at[w.count]);
+            w.s[w.count++] = s;
+        }
+    }
+    if (end > from) {
+        dense_output_add(&w, end);
+    }
+    return w;
 }
 
-/* Returns the s up to which a lower bound stays positive. */
-static double positive_until(const struct dense_output *w, const struct pair_lower_bound *bound)
+/* Returns the s up to which an event function surely stays positive in an averaged segment. */
+static double positive_until(const struct segment *p, const struct event_function *what)
 {
-    double low_value;
-    double low_slope;
-    const struct oscillator_envelope envelope = pair_envelope_of(bound->of, bound->quantity);
-    pair_lower_bound_from(bound, &envelope, 0.0, &w->at[0], &low_value, &low_slope);
-    if (!(low_value > 0.0)) {
-        return 0.0;
-    }
-    for (int i = 1; i < w->count; ++i) {
-        const double low = w->s[i - 1];
-        double high = w->s[i];
-        double value;
-        double slope;
-        pair_lower_bound_from(bound, &envelope, high, &w->at[i], &value, &slope);
-        if (value > 0.0 && low_slope < 0.0 && slope > 0.0) {
-            double ignored;
-            double at_dip;
-            const double dip = root_in_bracket(lower_bound_slope, bound, low, high);
-            pair_lower_bound_at(bound, dip, &at_dip, &ignored);
-            if (!(at_dip > 0.0)) {
-                high = dip;
-                value = at_dip;
-            }
-        }
-        if (!(value > 0.0)) {
-            return root_in_bracket(pair_lower_bound_at, bound, low, high);
-        }
-        low_slope = slope;
-    }
-    return 2.0;
+    const struct pair_bound bound =
+        pair_bound_of(&p->as.collocation, what->quantity, what->factor > 0.0 ? -1.0 : 1.0);
+    const struct dense_output w = bound_between(p, &bound, 0.0, 2.0);
+    const double first = what->factor * w.at[0].of[what->quantity][0] + what->offset;
+    return first > 0.0 ? fmin(dense_output_first_event(&w, what), 2.0) : 0.0;
 }
 
 /* Returns the s up to which neither the bodies part nor the law ends the regime. */
 static double event_free_until(const struct segment *p)
 {
-    const struct pair_collocation *made = &p->as.collocation;
-    const struct pair_lower_bound overlap = {made, PAIR_GAP, -1.0, terminal_event_gap_tolerance(p)};
-    const double parts = positive_until(&p->output, &overlap);
+    const struct event_function overlap = {PAIR_GAP, -1.0, terminal_event_gap_tolerance(p)};
+    const double parts = positive_until(p, &overlap);
     if (!has_margin(p)) {
         return parts;
     }
     const struct event_function margin = terminal_event_margin(p);
-    const struct pair_lower_bound bound = {made, margin.quantity, margin.factor, margin.offset};
-    return fmin(parts, positive_until(&p->output, &bound));
+    return fmin(parts, positive_until(p, &margin));
 }
 
 static enum lobatto_size nodes_for(double radians)
@@ -690,187 +660,114 @@ static const double PLACES_OF_TURN = 4096.0;
  * a period and does not reach its envelope (oscillator_envelope_of). */
 static const double HARDLY_TURNS = 1.0 / 16.0;
 
-/* A top predicted outside the segment by less than this part of a period may lie inside, because the slope of
- * the slow part changes. */
-static const double JUST_OUTSIDE = 0.25;
-
-static const struct event_function peak_force = {PAIR_FORCE, 1.0, 0.0};
-static const struct event_function peak_penetration = {PAIR_GAP, -1.0, 0.0};
-
-/*
- * The search for the largest value of a quantity slow(s) + u(s) of an averaged segment. u oscillates with |u|
- * <= amplitude exp(-decay_rate s) and |u'| <= steepness times that; its tops are at omega s = phase + 2 pi n.
- */
+/* The search for the largest value of a quantity slow(s) + u(s) of an averaged segment. u oscillates with
+ * extrema at omega s = phase + pi n. */
 struct search {
     const struct segment *p;
     const struct event_function *what;
-    struct pair_lower_bound bound; /* lower bound of minus the quantity */
-    struct oscillator_envelope envelope;
-    double omega, phase, steepness;
+    double omega, phase;
     double from, end; /* the search covers s between these places */
     double largest;   /* value found so far */
 };
 
-/* Returns the sign with which the deviation x enters the penetration and the force. */
-static double sign_of_oscillation(const struct segment *p)
-{
-    return -p->pair.shape.side;
-}
+/* The search about a place covers so many half turns of the oscillation before it and after it. */
+enum { HALF_TURNS = 2 };
 
-static double slow_of(const struct search *f, const struct pair_sample *slow, int derivative)
+/* Raises the largest value to the tops next to a place, where the upper bound is `bound`. A turn too short to
+ * be searched counts with this bound. */
+static void search_about(struct search *f, double place, double bound)
 {
-    return f->what->factor * slow->of[f->what->quantity][derivative];
-}
-
-static struct search search_of(struct segment *p, const struct event_function *what, double omega,
-                               const struct dense_range *range, double known)
-{
-    const struct pair_collocation *made = &p->as.collocation;
-    struct search f = {.p = p, .what = what, .omega = omega, .from = range->from, .end = range->to};
-    double u;
-    double rate;
-    pair_free_oscillation(made, what->quantity, &u, &rate);
-    u *= sign_of_oscillation(p);
-    rate *= sign_of_oscillation(p);
-    f.bound = (struct pair_lower_bound){made, what->quantity, -what->factor, 0.0};
-    f.envelope = pair_envelope_of(made, what->quantity);
-    f.phase = atan2((rate + f.envelope.decay_rate * u) / omega, u) - atan2(f.envelope.decay_rate, omega);
-    f.steepness = sqrt(omega * omega + f.envelope.decay_rate * f.envelope.decay_rate);
-    const double first =
-        range->from > 0.0 ? slow_of(&f, range->first, 0) : slow_of(&f, &p->output.at[0], 0) + u;
-    f.largest = fmax(known, fmax(first, slow_of(&f, range->last, 0)));
-    return f;
-}
-
-static void climb(struct search *f, double top, double turn)
-{
-    if (top > f->from - JUST_OUTSIDE * turn && top < f->end + JUST_OUTSIDE * turn) {
-        (void)dense_output_climb(&f->p->output, f->what, fmin(fmax(top, f->from), f->end), f->from, f->end,
-                                 &f->largest);
+    const double half = PI / f->omega;
+    const double extremum = place - remainder(f->omega * place - f->phase, PI) / f->omega;
+    struct dense_output w = {f->p->output.sampler, f->p->output.segment, f->p->output.worth_a_search,
+                             .count = 0};
+    if (2.0 * half <= PLACES_OF_TURN * DBL_EPSILON * place) {
+        f->largest = fmax(f->largest, bound);
+        return;
     }
-}
-
-/* Climbs the two tops of the oscillation next to a place, or the top of the slow part where the slow part is
- * steeper than the oscillation. A period too short to be searched counts with its envelope. */
-static void climb_about(struct search *f, double place, const struct pair_sample *slow)
-{
-    const double turn = 2.0 * PI / f->omega;
-    const double still = f->envelope.amplitude * exp(-f->envelope.decay_rate * place);
-    const double slope =
-        slow_of(f, slow, 1) / (f->steepness * still); /* divided by the oscillation's steepest slope */
-    if (turn <= PLACES_OF_TURN * DBL_EPSILON * place) {
-        f->largest = fmax(f->largest, slow_of(f, slow, 0) + still);
-    } else if (fabs(slope) < 1.0) {
-        const double beyond = remainder(f->omega * place - f->phase - asin(slope), 2.0 * PI) / f->omega;
-        climb(f, place - beyond, turn);
-        climb(f, place - beyond + (beyond > 0.0 ? turn : -turn), turn);
-    } else if (place > f->from && place < f->end) {
-        climb(f, place, turn);
+    for (int i = -HALF_TURNS; i <= HALF_TURNS; ++i) {
+        const double s = fmin(fmax(extremum + i * half, f->from), f->end);
+        if (w.count == 0 || s > w.s[w.count - 1]) {
+            dense_output_add(&w, s);
+        }
     }
+    const int last = w.count - 1;
+    const struct dense_range range = {w.s[0], w.s[last], &w.at[0], &w.at[last]};
+    f->largest = dense_output_largest(&w, f->what, &range, f->largest);
 }
 
-/* Returns where slow part plus envelope is highest between two places, to half a period or to the last digit:
- * the tops next to it are searched. The lower bound falls before this place and rises beyond. */
-static double summit_between(const struct search *f, double low, double high)
+/* Returns where an upper bound is highest between two of its samples, to half a turn or to the last digit.
+ * The bound rises before this place and falls beyond. */
+static double summit_between(const struct search *f, const struct dense_output *bound, double low,
+                             double high)
 {
     double middle = 0.5 * (low + high);
     while (high - low > PI / f->omega && middle > low && middle < high) {
-        double left;
-        double slope;
-        pair_lower_bound_at(&f->bound, middle, &left, &slope);
-        low = slope < 0.0 ? middle : low;
-        high = slope < 0.0 ? high : middle;
+        struct pair_sample at;
+        bound->sampler(bound->segment, middle, &at);
+        const bool rises = f->what->factor * at.of[f->what->quantity][1] > 0.0;
+        low = rises ? middle : low;
+        high = rises ? high : middle;
         middle = 0.5 * (low + high);
     }
     return middle;
 }
 
-/* The slow part of an averaged segment at the ends of a range and at the nodes between them. */
-struct slow_nodes {
-    int count;
-    double s[DENSE_OUTPUT_POINTS + 2];
-    const struct pair_sample *at[DENSE_OUTPUT_POINTS + 2]; /* the nodes' samples hold the slow part */
-    struct pair_sample first, last;
-};
-
-static void take_slow_nodes(struct slow_nodes *to, const struct segment *p, double from, double end)
+/* Searches about the summit of the upper bound, then about every other node whose bound exceeds the largest
+ * value found, since a decaying oscillation may not reach its envelope at the summit. */
+static void search_swinging(struct search *f, const struct dense_output *bound)
 {
-    const struct dense_output *w = &p->output;
-    int next = 0;
-    while (next < w->count && w->s[next] < from) {
-        next += 1;
-    }
-    to->count = 0;
-    if (!(next < w->count && w->s[next] == from)) {
-        pair_collocation_sample_averaged(&p->as.collocation, from, &to->first);
-        to->s[to->count] = from;
-        to->at[to->count++] = &to->first;
-    }
-    for (; next < w->count && !(w->s[next] > end); ++next) {
-        to->s[to->count] = w->s[next];
-        to->at[to->count++] = &w->at[next];
-    }
-    if (to->s[to->count - 1] < end) {
-        pair_collocation_sample_averaged(&p->as.collocation, end, &to->last);
-        to->s[to->count] = end;
-        to->at[to->count++] = &to->last;
-    }
-}
-
-/* Searches about the summit, then about every other node whose bound exceeds the largest value found, since a
- * decaying oscillation may not reach its envelope at the summit. */
-static void search_swinging(struct search *f, const struct slow_nodes *nodes)
-{
-    double left[DENSE_OUTPUT_POINTS + 2] = {0.0};
-    double slope[DENSE_OUTPUT_POINTS + 2] = {0.0};
+    const enum pair_quantity quantity = f->what->quantity;
+    const double factor = f->what->factor;
     int best = 0;
-    for (int i = 0; i < nodes->count; ++i) {
-        pair_lower_bound_from(&f->bound, &f->envelope, nodes->s[i], nodes->at[i], &left[i], &slope[i]);
-        best = left[i] < left[best] ? i : best;
+    for (int i = 1; i < bound->count; ++i) {
+        best = factor * (bound->at[i].of[quantity][0] - bound->at[best].of[quantity][0]) > 0.0 ? i : best;
     }
-    const int next = slope[best] < 0.0 ? best + 1 : best - 1;
-    if (slope[best] != 0.0 && next >= 0 && next < nodes->count) {
-        const double place =
-            summit_between(f, fmin(nodes->s[best], nodes->s[next]), fmax(nodes->s[best], nodes->s[next]));
-        struct pair_sample slow;
-        pair_collocation_sample_averaged(&f->p->as.collocation, place, &slow);
-        climb_about(f, place, &slow);
+    const double slope = factor * bound->at[best].of[quantity][1];
+    const int next = slope > 0.0 ? best + 1 : best - 1;
+    if (slope != 0.0 && next >= 0 && next < bound->count) {
+        struct pair_sample at;
+        const double place = summit_between(f, bound, fmin(bound->s[best], bound->s[next]),
+                                            fmax(bound->s[best], bound->s[next]));
+        bound->sampler(bound->segment, place, &at);
+        search_about(f, place, factor * at.of[quantity][0]);
     }
-    for (int i = 0; i < nodes->count; ++i) {
+    for (int i = 0; i < bound->count; ++i) {
         const int node = i == 0 ? best : i <= best ? i - 1 : i;
-        if (dense_output_is_larger(&f->p->output, -left[node], f->largest)) {
-            climb_about(f, nodes->s[node], nodes->at[node]);
+        const double most = factor * bound->at[node].of[quantity][0];
+        if (dense_output_is_larger(bound, most, f->largest)) {
+            search_about(f, bound->s[node], most);
         }
     }
 }
 
-/* Returns the largest value of the slow part, without the oscillation. */
-static double largest_of_slow(struct segment *p, const struct event_function *what,
-                              const struct slow_nodes *nodes)
-{
-    struct dense_output *w = &p->output;
-    dense_output_sampler *whole = w->sampler;
-    const int last = nodes->count - 1;
-    const struct dense_range range = {nodes->s[0], nodes->s[last], nodes->at[0], nodes->at[last]};
-    w->sampler = pair_collocation_sample_averaged;
-    const double largest = dense_output_largest(w, what, &range, -(double)INFINITY);
-    w->sampler = whole;
-    return largest;
-}
-
-static double largest_of_swinging(struct segment *p, const struct event_function *what, double omega,
+/* Returns the largest value in a range of an averaged segment. An oscillation too small to be searched for is
+ * left out. */
+static double largest_of_swinging(const struct segment *p, const struct event_function *what, double omega,
                                   const struct dense_range *range, double known)
 {
-    struct search f = search_of(p, what, omega, range, known);
-    struct slow_nodes nodes;
-    take_slow_nodes(&nodes, p, range->from, range->to);
-    const double slow = largest_of_slow(p, what, &nodes);
-    const double swing = f.envelope.amplitude * exp(-f.envelope.decay_rate * range->from);
-    if (!dense_output_is_larger(&p->output, fabs(slow) + swing, fabs(slow))) {
-        return fmax(f.largest, slow);
+    const enum pair_quantity quantity = what->quantity;
+    const double last = what->factor * range->last->of[quantity][0];
+    struct search f = {p, what, omega, 0.0, range->from, range->to, fmax(known, last)};
+    struct pair_bound bound = pair_bound_of(&p->as.collocation, quantity, what->factor > 0.0 ? 1.0 : -1.0);
+    double u;
+    double rate;
+    pair_free_oscillation(&p->as.collocation, quantity, &u, &rate);
+    /* the deviation x, of which u is a part, enters the penetration and the force with this sign */
+    const double sign = -p->pair.shape.side;
+    const double decay_rate = bound.envelope.decay_rate;
+    f.phase = atan2(sign * (rate + decay_rate * u) / omega, sign * u) - atan2(decay_rate, omega);
+    const double swing = bound.envelope.amplitude * exp(-decay_rate * range->from);
+    const bool swings = dense_output_is_larger(&p->output, fabs(last) + swing, fabs(last));
+    bound.envelope.amplitude = swings ? bound.envelope.amplitude : 0.0;
+    const struct dense_output w = bound_between(p, &bound, range->from, range->to);
+    const struct dense_range whole = {range->from, range->to, &w.at[0], &w.at[w.count - 1]};
+    const double most = dense_output_largest(&w, what, &whole, -(double)INFINITY);
+    if (!swings) {
+        return fmax(known, most);
     }
-    if (dense_output_is_larger(&p->output, slow + swing, f.largest)) {
-        search_swinging(&f, &nodes);
+    if (dense_output_is_larger(&w, most, f.largest)) {
+        search_swinging(&f, &w);
     }
     return f.largest;
 }
@@ -918,11 +815,11 @@ static double largest_of_oscillation(const struct segment *p, const struct event
 
 /* Returns the largest value in a range. An averaged step's oscillation is searched apart: the nodes do not
  * resolve it. */
-static double largest_of(struct segment *p, const struct event_function *what,
+static double largest_of(const struct segment *p, const struct event_function *what,
                          const struct dense_range *range, double known)
 {
     const struct oscillator *o = &p->as.collocation.step.result.oscillator;
-    if (p->kind == SEGMENT_CLOSED_FORM && p->as.oscillation.omega_d > 0.0 && range->from > 0.0) {
+    if (p->kind == SEGMENT_CLOSED_FORM && range->from > 0.0) {
         return largest_of_oscillation(p, what, range, known);
     }
     if (p->kind != SEGMENT_AVERAGED) {
@@ -946,10 +843,10 @@ static void peaks_note(struct segment *p, struct contact_peaks *peaks, double fr
     }
     range.last = dense_output_at(&p->output, to);
     if (p->pair.coefficients.c > 0.0 || p->pair.chi > 0.0) {
-        peaks->penetration = largest_of(p, &peak_penetration, &range, peaks->penetration);
-        peaks->force = largest_of(p, &peak_force, &range, peaks->force);
+        peaks->penetration = largest_of(p, &dense_output_penetration, &range, peaks->penetration);
+        peaks->force = largest_of(p, &dense_output_force, &range, peaks->force);
     } else { /* a spring's force is largest at the largest penetration */
-        const double deepest = largest_of(p, &peak_penetration, &range, -(double)INFINITY);
+        const double deepest = largest_of(p, &dense_output_penetration, &range, -(double)INFINITY);
         const double force = contact_is_hertz(&p->pair.law)
                                  ? contact_normal_force_of(&p->pair.law, p->regime, -deepest, 0.0)
                                  : p->pair.coefficients.k * deepest;
@@ -1206,7 +1103,7 @@ static const struct {
     int work;
     time_function *time;
 } kinds[] = {
-    /* Head-on motion under constant acceleration: the closed form is exact for any time, so it comes
+    /* Head-on oscillation under constant acceleration: the closed form is exact for any time, so it comes
      * first. */
     [SEGMENT_CLOSED_FORM] = {closed_form_applies, closed_form_make, pair_oscillation_sample,
                              pair_oscillation_advance, pair_oscillation_moments, 1, NULL},
