@@ -5,19 +5,6 @@
 #include "math/compiler.h"
 #include "touch/collocation.h"
 
-/* How n and H turn about a centre or at a rim, and the load on x that follows. */
-struct collocation_place {
-    void (*begin)(struct collocation *p);                 /* sets the frame and the problem in it */
-    double (*load_at_start)(const struct collocation *p); /* f [m/s^2] */
-    void (*guess)(struct collocation *p);                 /* first guess of n and H */
-    void (*load)(const struct collocation *p, double *values, double *softening);
-    double (*turn)(struct collocation *p); /* one sweep of n and H; returns the largest change [m] */
-    void (*finish)(struct collocation *p); /* called once sweeps have converged; may be NULL */
-    /* sets c - c(0) and n at a node, in the frame, without the oscillation */
-    void (*at_node)(const struct collocation *p, int node, struct vec3 *moved, struct vec3 *normal);
-    struct collocation_change (*change_at)(const struct collocation *p, double s);
-};
-
 /* Whether E is other than zero, which it is only with a body that the importer moves. */
 static inline bool has_mismatch(const struct collocation *p)
 {
@@ -59,102 +46,145 @@ static double collocation_oscillation_integral(const struct collocation *p, doub
     return p->half * integral;
 }
 
-static struct collocation_correction collocation_correction_of(const struct collocation *p, double y,
-                                                               double y_rate, struct vec3 n, struct vec3 h,
-                                                               struct vec3 acceleration, double d)
+/* How n and H turn, in the coordinates of rim.h: n.x and n.y are the changes of azimuth and tilt, h.x and h.y
+ * those of their momenta. */
+
+/* Returns the state at a rim from the changes n of the angles and h of their momenta, and from x. */
+static struct rim_state rim_state_by(const struct collocation *p, struct vec3 n, struct vec3 h, double x)
 {
-    const double correction = collocation_oscillation_integral(p, y, y_rate);
-    return (struct collocation_correction){vec3_scale(-2.0 * correction / (d * d * d), vec3_cross(h, n)),
-                                           vec3_scale(correction, vec3_cross(n, acceleration))};
+    const double change[4] = {n.x, n.y, h.x, h.y};
+    return rim_state_of(&p->from.rim, change, x - p->from.deviation, rim_angles_of(&p->from.rim, n.x, n.y));
 }
 
-/* How n and H turn about a centre or an axis. */
-
-/* Sets half^2 f [m] at the nodes, and the softening, which is half of -half^2 df/dx by
- * the centrifugal terms. */
-static void centre_load(const struct collocation *p, double *values, double *softening)
+static struct rim_state rim_state_at_start(const struct collocation *p)
 {
-    const int points = p->nodes->points;
+    const struct vec3 zero = {0.0, 0.0, 0.0};
+    return rim_state_by(p, zero, zero, p->from.deviation);
+}
+
+static struct rim_state rim_state_at_node(const struct collocation *p, int i)
+{
+    const double change[4] = {p->result.n.x[i] - p->result.normal_correction.x,
+                              p->result.n.y[i] - p->result.normal_correction.y,
+                              p->result.h.x[i] - p->result.momentum_correction.x,
+                              p->result.h.y[i] - p->result.momentum_correction.y};
+    return rim_state_of(&p->from.rim, change, p->result.x[i] - p->from.deviation, p->work.angles[i]);
+}
+
+/* Notes the angles' cosines and sines at the nodes, which last until the next sweep. */
+static void note_angles(struct collocation *p)
+{
+    for (int i = 0; i < p->nodes->points; ++i) {
+        p->work.angles[i] = rim_angles_of(&p->from.rim, p->result.n.x[i] - p->result.normal_correction.x,
+                                          p->result.n.y[i] - p->result.normal_correction.y);
+    }
+}
+
+/* Returns the derivatives of the rates with respect to d times the integral of y. */
+static struct collocation_correction correction_of(const struct collocation *p, const struct rim_state *at,
+                                                   struct vec3 acceleration, double y, double y_rate)
+{
+    const double by = collocation_oscillation_integral(p, y, y_rate);
+    double slopes[4];
+    rim_slopes_by_distance(&p->from.rim, at, acceleration, slopes);
+    return (struct collocation_correction){vec3_make(by * slopes[0], by * slopes[1], 0.0),
+                                           vec3_make(by * slopes[2], by * slopes[3], 0.0)};
+}
+
+static double load_at_start(const struct collocation *p)
+{
+    const struct rim_state at = rim_state_at_start(p);
+    const double mismatch =
+        has_mismatch(p) ? p->from.damping_rate * vec3_dot(rim_normal(&at), p->local.mismatch[0]) : 0.0;
+    return rim_slopes_at(&at, p->local.acceleration[0]).load - mismatch;
+}
+
+static void guess_turning(struct collocation *p)
+{
+    const struct rim_state at = rim_state_at_start(p);
+    const struct rim_slopes first = rim_slopes_at(&at, p->local.acceleration[0]);
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const double t = p->half * (1.0 + p->nodes->node[i]);
+        struct rim_slopes slopes = first;
+        slopes.azimuth += 0.5 * t * first.azimuth_momentum / (at.rho * at.rho);
+        slopes.tilt += 0.5 * t * first.tilt_momentum / (at.d * at.d);
+        double rates[4];
+        rim_change_rates(&p->from.rim, &slopes, rates);
+        nodal_put_vec3(&p->result.n, i, vec3_make(t * rates[0], t * rates[1], 0.0));
+        nodal_put_vec3(&p->result.h, i, vec3_make(t * rates[2], t * rates[3], 0.0));
+    }
+}
+
+/* Sets half^2 f [m] at the nodes, and the softening, which is half of -half^2 df/dx by the centrifugal
+ * terms. */
+static void load_at_nodes(const struct collocation *p, double *values, double *softening)
+{
     const double half2 = p->half * p->half;
-    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
-    const struct vec3 h = vec3_sub(p->local.momentum, p->result.momentum_correction);
-    for (int i = 0; i < points; i += LANES) {
-        const double2 hx = h.x + double2_at(p->result.h.x, i);
-        const double2 hy = h.y + double2_at(p->result.h.y, i);
-        const double2 hz = h.z + double2_at(p->result.h.z, i);
-        const double2 h_squared = hx * hx + hy * hy + hz * hz;
-        const double2 drive = (n.x + double2_at(p->result.n.x, i)) * double2_at(p->work.drive_at.x, i) +
-                              (n.y + double2_at(p->result.n.y, i)) * double2_at(p->work.drive_at.y, i) +
-                              (n.z + double2_at(p->result.n.z, i)) * double2_at(p->work.drive_at.z, i);
-        const double2 inverse = 1.0 / (p->from.reach + double2_at(p->result.x, i));
-        const double2 centrifugal = half2 * h_squared * inverse * inverse * inverse;
-        double2_put(values, i, centrifugal + half2 * drive);
-        double2_put(softening, i, 1.5 * centrifugal * inverse);
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const struct rim_state at = rim_state_at_node(p, i);
+        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->work.drive_at, i));
+        const double spin = slopes.azimuth * at.by.cosine;
+        values[i] = half2 * slopes.load;
+        softening[i] = 1.5 * half2 * (spin * spin + slopes.tilt * slopes.tilt);
     }
 }
 
-/* Integrates the nodal values of a vector from their rates; returns the largest change of a component. In a
- * plane motion the vector lies in the plane or across it. */
-static double integrate_three(const struct collocation *p, const struct nodal_vec3 *rate,
-                              struct nodal_vec3 *sum, bool in_plane, bool across)
+/* Integrates the nodal values of two coordinates from their rates; returns the largest change. In a plane
+ * motion one of them rests. */
+static double integrate_two(const struct collocation *p, const struct nodal_vec3 *rate,
+                            struct nodal_vec3 *sum)
 {
+    const double *const rates[2] = {rate->x, rate->y};
+    double *const sums[2] = {sum->x, sum->y};
     double change = 0.0;
-    if (in_plane || !p->local.planar) {
-        change =
-            larger(nodal_integrate(p->nodes, rate->x, sum->x), nodal_integrate(p->nodes, rate->y, sum->y));
+    for (int k = 0; k < 2; ++k) {
+        bool rests = true;
+        for (int i = 0; i < p->nodes->points; ++i) {
+            rests = rests && rates[k][i] == 0.0;
+        }
+        change = rests ? change : larger(nodal_integrate(p->nodes, rates[k], sums[k]), change);
     }
-    return across || !p->local.planar ? larger(nodal_integrate(p->nodes, rate->z, sum->z), change) : change;
+    return change;
 }
 
-/* Integrates H' = d n x A. Returns the largest change [m]: the change of H times the step divided by d. */
-static double integrate_momentum(struct collocation *p)
+/* Makes one sweep of the momenta and the angles; returns the largest change [m]. */
+static double turn(struct collocation *p)
 {
-    const struct nodal_vec3 *a = &p->work.acceleration_at;
-    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
-    for (int i = 0; i < p->nodes->points; i += LANES) {
-        const double2 arm = p->half * (p->from.reach + double2_at(p->result.x, i));
-        const double2 nx = n.x + double2_at(p->result.n.x, i);
-        const double2 ny = n.y + double2_at(p->result.n.y, i);
-        const double2 nz = n.z + double2_at(p->result.n.z, i);
-        double2_put(p->result.h_rate.x, i, arm * (ny * double2_at(a->z, i) - nz * double2_at(a->y, i)));
-        double2_put(p->result.h_rate.y, i, arm * (nz * double2_at(a->x, i) - nx * double2_at(a->z, i)));
-        double2_put(p->result.h_rate.z, i, arm * (nx * double2_at(a->y, i) - ny * double2_at(a->x, i)));
-    }
-    return 2.0 * p->half / p->local.distance *
-           integrate_three(p, &p->result.h_rate, &p->result.h, false, true);
-}
-
-/* Integrates n' = H x n / d^2. Returns the largest change [m]: the change of n times d. */
-static double integrate_normal(struct collocation *p)
-{
-    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
-    const struct vec3 h = vec3_sub(p->local.momentum, p->result.momentum_correction);
-    for (int i = 0; i < p->nodes->points; i += LANES) {
-        const double2 d = p->from.reach + double2_at(p->result.x, i);
-        const double2 by = p->half / (d * d);
-        const double2 nx = n.x + double2_at(p->result.n.x, i);
-        const double2 ny = n.y + double2_at(p->result.n.y, i);
-        const double2 hz = h.z + double2_at(p->result.h.z, i);
-        const double2 nz = n.z + double2_at(p->result.n.z, i);
-        const double2 hx = h.x + double2_at(p->result.h.x, i);
-        const double2 hy = h.y + double2_at(p->result.h.y, i);
-        double2_put(p->result.n_rate.x, i, by * (hy * nz - hz * ny));
-        double2_put(p->result.n_rate.y, i, by * (hz * nx - hx * nz));
-        double2_put(p->result.n_rate.z, i, by * (hx * ny - hy * nx));
-    }
-    return p->local.distance * integrate_three(p, &p->result.n_rate, &p->result.n, true, false);
-}
-
-/* Integrates H with the present n, then n with the new H; returns the largest change [m]. */
-static double centre_turn(struct collocation *p)
-{
+    const double distance = p->local.distance;
+    const double scale = p->from.rim.rho / distance;
+    const struct rim_state start = rim_state_at_start(p);
     const struct collocation_correction correction =
-        collocation_correction_of(p, p->result.y, p->result.y_rate, vec3_make(1.0, 0.0, 0.0),
-                                  p->local.momentum, p->local.acceleration[0], p->local.distance);
+        correction_of(p, &start, p->local.acceleration[0], p->result.y, p->result.y_rate);
     p->result.normal_correction = correction.normal;
     p->result.momentum_correction = correction.momentum;
-    const double by_momentum = integrate_momentum(p);
-    return larger(by_momentum, integrate_normal(p));
+    nodal_values per_rho_squared;
+    nodal_values per_d_squared;
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const struct rim_state at = rim_state_at_node(p, i);
+        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->work.acceleration_at, i));
+        p->result.h_rate.x[i] = p->half * slopes.azimuth_momentum / scale;
+        p->result.h_rate.y[i] = p->half * slopes.tilt_momentum;
+        per_rho_squared[i] = 1.0 / (at.rho * at.rho);
+        per_d_squared[i] = 1.0 / (at.d * at.d);
+    }
+    const double by_momentum = 2.0 * p->half / distance * integrate_two(p, &p->result.h_rate, &p->result.h);
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const struct vec3 h = vec3_sub(at_row(&p->result.h, i), p->result.momentum_correction);
+        p->result.n_rate.x[i] =
+            p->half * scale * (p->from.rim.azimuth_momentum + scale * h.x) * per_rho_squared[i];
+        p->result.n_rate.y[i] = p->half * (p->from.rim.tilt_momentum + h.y) * per_d_squared[i];
+    }
+    const double by_normal = distance * integrate_two(p, &p->result.n_rate, &p->result.n);
+    note_angles(p);
+    return fmax(by_momentum, by_normal);
+}
+
+/* Sets c - c(0) and n at a node, in the frame, without the oscillation. */
+static void at_node(const struct collocation *p, int node, struct vec3 *moved, struct vec3 *normal)
+{
+    const struct rim_state at = rim_state_at_node(p, node);
+    *moved = rim_moved(&p->from.rim, &at);
+    *normal = rim_normal(&at);
 }
 
 /* A step turns by about two radians of tangential motion. Sweep k multiplies the error by about these radians
@@ -240,7 +270,7 @@ static double update_load(struct collocation *p)
     nodal_values values;
     nodal_values softening;
     double mean = 0.0;
-    p->place->load(p, values, softening);
+    load_at_nodes(p, values, softening);
     /* the mean of -half^2 df/dx over the step is half its integral over s, which is the integral of
      * `softening` */
     for (int i = 0; i < points && p->kind == COLLOCATION_AVERAGED; ++i) {
@@ -257,28 +287,23 @@ static double sweep(struct collocation *p)
         /* a head-on load does not depend on x, but an overdamped X is iterated */
         return p->kind == COLLOCATION_OVERDAMPED ? by_load : 0.0;
     }
-    return larger(by_load, p->place->turn(p));
+    return larger(by_load, turn(p));
 }
 
 double collocation_turn(struct collocation *p)
 {
-    return p->local.head_on ? 0.0 : p->place->turn(p);
+    return p->local.head_on ? 0.0 : turn(p);
 }
 
 void collocation_load(const struct collocation *p, double *values)
 {
     nodal_values softening;
-    p->place->load(p, values, softening);
+    load_at_nodes(p, values, softening);
 }
 
-static double tail_of(const struct collocation *p, const struct nodal_vec3 *values, bool in_plane,
-                      bool across)
+static double tail_of(const struct collocation *p, const struct nodal_vec3 *values)
 {
-    double tail = 0.0;
-    if (in_plane || !p->local.planar) {
-        tail = larger(nodal_tail(p->nodes, values->x), nodal_tail(p->nodes, values->y));
-    }
-    return across || !p->local.planar ? larger(nodal_tail(p->nodes, values->z), tail) : tail;
+    return larger(nodal_tail(p->nodes, values->x), nodal_tail(p->nodes, values->y));
 }
 
 /* Estimates the error from the last coefficients of the integrands. The integral of a Chebyshev polynomial is
@@ -297,20 +322,19 @@ static double tail_of_all(const struct collocation *p)
     if (p->local.head_on) {
         return by_deviation;
     }
-    const double by_normal = p->local.distance * tail_of(p, &p->result.n_rate, true, false);
-    const double by_momentum = 2.0 * p->half / p->local.distance * tail_of(p, &p->result.h_rate, false, true);
+    const double by_normal = p->local.distance * tail_of(p, &p->result.n_rate);
+    const double by_momentum = 2.0 * p->half / p->local.distance * tail_of(p, &p->result.h_rate);
     return larger(by_deviation, larger(by_normal, by_momentum) / points);
 }
 
 /* Local coordinates are singular at the centre, d = 0. */
 bool collocation_finish(struct collocation *p)
 {
-    if (p->place->finish != NULL) {
-        p->place->finish(p);
+    if (CONTACT_ANY_CIRCLE && p->from.at_rim) {
+        nodal_coefficients(p->nodes, p->result.n_rate.y, p->result.tilt_rate);
     }
     for (int i = 0; i < p->nodes->points; ++i) {
-        const double sum = p->result.n.x[i] + p->result.n.y[i] + p->result.n.z[i] + p->result.h.x[i] +
-                           p->result.h.y[i] + p->result.h.z[i];
+        const double sum = p->result.n.x[i] + p->result.n.y[i] + p->result.h.x[i] + p->result.h.y[i];
         if (!(p->from.reach + p->result.x[i] > 0.0) || !isfinite(sum)) {
             return false;
         }
@@ -335,7 +359,7 @@ static void sum_up(struct collocation *p)
         nodal_values values;
         for (int i = 0; i < p->nodes->points; ++i) {
             struct vec3 moved, normal;
-            p->place->at_node(p, i, &moved, &normal);
+            at_node(p, i, &moved, &normal);
             values[i] = vec3_dot(normal, at_row(&p->work.mismatch_at, i));
         }
         nodal_coefficients(p->nodes, values, p->result.normal_mismatch);
@@ -363,158 +387,13 @@ static bool iterate(struct collocation *p, double tolerance)
     return false;
 }
 
-/*
- * Collocation at the rim of a capped cylinder, in the coordinates of rim.h. n.x and n.y are the changes of
- * azimuth and tilt, h.x and h.y those of their momenta; n.z and h.z are zero.
- */
-
-/* Returns the state at a rim from the changes n of the angles and h of their momenta, and from x. */
-static struct rim_state collocation_rim_state(const struct collocation *p, struct vec3 n, struct vec3 h,
-                                              double x)
-{
-    const double change[4] = {n.x, n.y, h.x, h.y};
-    return rim_state_of(&p->from.rim, change, x - p->from.deviation);
-}
-
-static struct rim_state rim_state_at_start(const struct collocation *p)
-{
-    const struct vec3 zero = {0.0, 0.0, 0.0};
-    return collocation_rim_state(p, zero, zero, p->from.deviation);
-}
-
-static void put_rim_rates(const struct collocation *p, int i, double factor, const struct rim_slopes *slopes,
-                          struct nodal_vec3 *n, struct nodal_vec3 *h)
-{
-    double rates[4];
-    rim_change_rates(&p->from.rim, slopes, rates);
-    nodal_put_vec3(n, i, vec3_make(factor * rates[0], factor * rates[1], 0.0));
-    nodal_put_vec3(h, i, vec3_make(factor * rates[2], factor * rates[3], 0.0));
-}
-
-static struct rim_state collocation_rim_state_at_node(const struct collocation *p, int i)
-{
-    return collocation_rim_state(p, vec3_sub(at_row(&p->result.n, i), p->result.normal_correction),
-                                 vec3_sub(at_row(&p->result.h, i), p->result.momentum_correction),
-                                 p->result.x[i]);
-}
-
-/* Does at a rim what collocation_correction_of does about a centre. The correction is the derivatives of the
- * rates with respect to d times the integral of y. */
-static struct collocation_correction collocation_rim_correction(const struct collocation *p,
-                                                                const struct rim_state *at,
-                                                                struct vec3 acceleration, double y,
-                                                                double y_rate)
-{
-    const double by = collocation_oscillation_integral(p, y, y_rate);
-    double slopes[4];
-    rim_slopes_by_distance(&p->from.rim, at, acceleration, slopes);
-    return (struct collocation_correction){vec3_make(by * slopes[0], by * slopes[1], 0.0),
-                                           vec3_make(by * slopes[2], by * slopes[3], 0.0)};
-}
-
-/* Turns A and E into the frame. */
-static void put_in_local_frame(struct collocation *p)
-{
-    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        p->local.acceleration[i] = collocation_in_frame(p, p->from.acceleration[i]);
-    }
-    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && has_mismatch(p); ++i) {
-        p->local.mismatch[i] = collocation_in_frame(p, p->from.mismatch[i]);
-    }
-}
-
-static void collocation_rim_begin(struct collocation *p)
-{
-    memcpy(p->local.frame, p->from.rim.frame, sizeof p->local.frame);
-    memset(p->result.tilt_rate, 0, sizeof p->result.tilt_rate);
-    p->local.planar = false;
-    p->local.rate = vec3_make(p->from.radial, 0.0, 0.0);
-    put_in_local_frame(p);
-}
-
-static double collocation_rim_load_at_start(const struct collocation *p)
-{
-    const struct rim_state at = rim_state_at_start(p);
-    const double mismatch =
-        has_mismatch(p) ? p->from.damping_rate * vec3_dot(rim_normal(&at), p->local.mismatch[0]) : 0.0;
-    return rim_slopes_at(&at, p->local.acceleration[0]).load - mismatch;
-}
-
-static void collocation_rim_guess(struct collocation *p)
-{
-    const struct rim_state at = rim_state_at_start(p);
-    const struct rim_slopes first = rim_slopes_at(&at, p->local.acceleration[0]);
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const double t = p->half * (1.0 + p->nodes->node[i]);
-        struct rim_slopes slopes = first;
-        slopes.azimuth += 0.5 * t * first.azimuth_momentum / (at.rho * at.rho);
-        slopes.tilt += 0.5 * t * first.tilt_momentum / (at.d * at.d);
-        put_rim_rates(p, i, t, &slopes, &p->result.n, &p->result.h);
-    }
-}
-
-static void collocation_rim_load(const struct collocation *p, double *values, double *softening)
-{
-    const double half2 = p->half * p->half;
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const struct rim_state at = collocation_rim_state_at_node(p, i);
-        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->work.drive_at, i));
-        const double spin = slopes.azimuth * at.cosine;
-        values[i] = half2 * slopes.load;
-        softening[i] = 1.5 * half2 * (spin * spin + slopes.tilt * slopes.tilt);
-    }
-}
-
-static double collocation_rim_turn(struct collocation *p)
-{
-    const double distance = p->local.distance;
-    const struct rim_state start = rim_state_at_start(p);
-    const struct collocation_correction correction =
-        collocation_rim_correction(p, &start, p->local.acceleration[0], p->result.y, p->result.y_rate);
-    p->result.normal_correction = correction.normal;
-    p->result.momentum_correction = correction.momentum;
-    nodal_values per_rho_squared;
-    nodal_values per_d_squared;
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const struct rim_state at = collocation_rim_state_at_node(p, i);
-        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->work.acceleration_at, i));
-        put_rim_rates(p, i, p->half, &slopes, &p->result.n_rate, &p->result.h_rate);
-        per_rho_squared[i] = 1.0 / (at.rho * at.rho);
-        per_d_squared[i] = 1.0 / (at.d * at.d);
-    }
-    const double by_momentum =
-        2.0 * p->half / distance * integrate_three(p, &p->result.h_rate, &p->result.h, true, false);
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const struct vec3 h = vec3_sub(at_row(&p->result.h, i), p->result.momentum_correction);
-        const double scale = p->from.rim.rho / distance;
-        p->result.n_rate.x[i] =
-            p->half * scale * (p->from.rim.azimuth_momentum + scale * h.x) * per_rho_squared[i];
-        p->result.n_rate.y[i] = p->half * (p->from.rim.tilt_momentum + h.y) * per_d_squared[i];
-    }
-    return fmax(by_momentum, distance * integrate_three(p, &p->result.n_rate, &p->result.n, true, false));
-}
-
-static void collocation_rim_keep_tilt(struct collocation *p)
-{
-    nodal_coefficients(p->nodes, p->result.n_rate.y, p->result.tilt_rate);
-}
-
-static void collocation_rim_at_node(const struct collocation *p, int node, struct vec3 *moved,
-                                    struct vec3 *normal)
-{
-    const struct rim_state at = collocation_rim_state_at_node(p, node);
-    *moved = rim_moved(&p->from.rim, &at);
-    *normal = rim_normal(&at);
-}
-
 /* Returns the change of n or H since the start, from its nodal values and rates, without the part by y at the
  * start. */
 static struct vec3 integral_then(const struct collocation *p, const struct nodal_vec3 *values,
                                  const struct nodal_vec3 *rate, struct vec3 correction, double s)
 {
     const struct vec3 all = {nodal_integral_to(p->nodes, values->x, rate->x, s),
-                             nodal_integral_to(p->nodes, values->y, rate->y, s),
-                             nodal_integral_to(p->nodes, values->z, rate->z, s)};
+                             nodal_integral_to(p->nodes, values->y, rate->y, s), 0.0};
     return vec3_sub(all, correction);
 }
 
@@ -525,23 +404,22 @@ static struct rim_state rim_state_then(const struct collocation *p, double s, co
     const struct vec3 h = integral_then(p, &p->result.h, &p->result.h_rate, p->result.momentum_correction, s);
     double slow[4];
     collocation_averaged_deviation(p, s, slow);
-    const struct rim_state then = collocation_rim_state(p, n, h, x[0]);
+    const struct rim_state then = rim_state_by(p, n, h, x[0]);
     const struct collocation_correction correction =
-        collocation_rim_correction(p, &then, acceleration_then(p, s), x[0] - slow[0], x[1] - slow[1]);
-    return collocation_rim_state(p, vec3_add(n, correction.normal), vec3_add(h, correction.momentum), x[0]);
+        correction_of(p, &then, acceleration_then(p, s), x[0] - slow[0], x[1] - slow[1]);
+    return rim_state_by(p, vec3_add(n, correction.normal), vec3_add(h, correction.momentum), x[0]);
 }
 
-static struct collocation_change collocation_rim_change_at(const struct collocation *p, double s)
+struct collocation_change collocation_change_at(const struct collocation *p, double s)
 {
-    const double none[4] = {0.0, 0.0, 0.0, 0.0};
+    const struct vec3 none = {0.0, 0.0, 0.0};
     double x[4];
     collocation_deviation(p, s, x);
-    const struct rim_state start = rim_state_of(&p->from.rim, none, 0.0);
-    const struct rim_state then = rim_state_then(p, s, x);
-    const struct vec3 before = rim_velocity(&start, p->local.rate.x);
+    const struct rim_state then =
+        p->local.head_on ? rim_state_by(p, none, none, x[0]) : rim_state_then(p, s, x);
     return (struct collocation_change){
         collocation_in_world(p, rim_moved(&p->from.rim, &then)),
-        collocation_in_world(p, vec3_sub(rim_velocity(&then, x[1] / p->half), before)), x[0]};
+        collocation_in_world(p, rim_gained(&p->from.rim, &then, p->local.rate.x, x[1] / p->half)), x[0]};
 }
 
 void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
@@ -553,7 +431,7 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
         tilt[0] += nodal_integral(p->result.tilt_rate, points, s) - p->result.normal_correction.y;
         tilt[1] = nodal_polynomial_at(p->result.tilt_rate, points, s);
         tilt[2] = nodal_slope(p->result.tilt_rate, points, s);
-        /* the oscillation y changes the tilt, too: see collocation_rim_correction */
+        /* the oscillation y changes the tilt, too: see correction_of */
         double slow[4];
         collocation_averaged_deviation(p, s, slow);
         const double by = -2.0 * tilt[1] / (p->from.reach + x[0]);
@@ -724,15 +602,6 @@ static double moment_of_oscillation(const struct collocation *p, const double *v
     return nodal_polynomial_at(b, points, s) * y - along_oscillation(p, b, s, y, x[1] - slow[1]);
 }
 
-static void centre_at_node(const struct collocation *p, int i, struct vec3 *moved, struct vec3 *normal)
-{
-    const struct vec3 start = {1.0, 0.0, 0.0};
-    const struct vec3 normal_change = vec3_sub(at_row(&p->result.n, i), p->result.normal_correction);
-    const double d = p->from.reach + p->result.x[i];
-    *moved = vec3_axpy(vec3_scale(d, normal_change), p->result.x[i] - p->from.deviation, start);
-    *normal = vec3_add(start, normal_change);
-}
-
 struct vec3 collocation_moment(const struct collocation *p, int power, double s)
 {
     struct nodal_vec3 of = {.x = {0.0}};
@@ -744,7 +613,7 @@ struct vec3 collocation_moment(const struct collocation *p, int power, double s)
         const double weight = p->half * (power == 0 ? 1.0 : power == 1 ? t : t * t);
         struct vec3 moved;
         struct vec3 normal;
-        p->place->at_node(p, i, &moved, &normal);
+        at_node(p, i, &moved, &normal);
         nodal_put_vec3(&of, i, vec3_scale(weight, moved));
         nodal_put_vec3(&along, i, vec3_scale(weight, normal));
     }
@@ -756,94 +625,35 @@ struct vec3 collocation_moment(const struct collocation *p, int power, double s)
     return collocation_in_world(p, vec3_from(sum));
 }
 
-/* Sets the changes of n and H since the start, with the part by y. */
-static void frame_change_at(const struct collocation *p, double s, const double x[4],
-                            struct vec3 *normal_change, struct vec3 *momentum_change)
-{
-    double slow[4];
-    collocation_averaged_deviation(p, s, slow);
-    *normal_change = integral_then(p, &p->result.n, &p->result.n_rate, p->result.normal_correction, s);
-    *momentum_change = integral_then(p, &p->result.h, &p->result.h_rate, p->result.momentum_correction, s);
-    const struct collocation_correction correction = collocation_correction_of(
-        p, x[0] - slow[0], x[1] - slow[1], vec3_add(vec3_make(1.0, 0.0, 0.0), *normal_change),
-        vec3_add(p->local.momentum, *momentum_change), acceleration_then(p, s), p->from.reach + x[0]);
-    *normal_change = vec3_add(*normal_change, correction.normal);
-    *momentum_change = vec3_add(*momentum_change, correction.momentum);
-}
-
-static struct collocation_change centre_change_at(const struct collocation *p, double s)
-{
-    const struct vec3 normal = {1.0, 0.0, 0.0};
-    double x[4];
-    collocation_deviation(p, s, x);
-    struct vec3 normal_change = {0.0, 0.0, 0.0};
-    struct vec3 momentum_change = {0.0, 0.0, 0.0};
-    if (!p->local.head_on) {
-        frame_change_at(p, s, x, &normal_change, &momentum_change);
-    }
-    const double d = p->from.reach + x[0];
-    /* n keeps its length: |normal + normal_change|^2 = 1 + longer */
-    const double longer = vec3_dot(vec3_axpy(normal_change, 2.0, normal), normal_change);
-    const double root = sqrt(1.0 + longer);
-    normal_change =
-        vec3_axpy(normal_change, -longer / (root * (1.0 + root)), vec3_add(normal, normal_change));
-    /* c = d n and c' = x' n + H x n / d are differenced term by term, so a short step loses no digits */
-    const double grown = x[0] - p->from.deviation;
-    const double radial = x[1] / p->half;
-    struct vec3 gained = vec3_axpy(vec3_scale(radial, normal_change), radial - p->local.rate.x, normal);
-    if (!p->local.head_on) { /* d may be 0 in a head-on motion */
-        const struct vec3 swing = vec3_add(vec3_cross(momentum_change, vec3_add(normal, normal_change)),
-                                           vec3_cross(p->local.momentum, normal_change));
-        gained = vec3_axpy(gained, 1.0 / d, swing);
-        gained = vec3_axpy(gained, -grown / (d * p->local.distance), vec3_cross(p->local.momentum, normal));
-    }
-    return (struct collocation_change){
-        collocation_in_world(p, vec3_axpy(vec3_scale(d, normal_change), grown, normal)),
-        collocation_in_world(p, gained), x[0]};
-}
-
 /* The start of a collocated step: its frame, the problem at the nodes, the first guess. */
 
 /* Rounding of a product with the frame's vectors, relative to its factors. */
 static const double FRAME_ROUNDING = 4.0 * DBL_EPSILON;
 
-/* Sets the direction of the part of `a` perpendicular to n and returns whether there is such a part. The
- * second projection takes away the rounding that the first one leaves of a long `a`. */
-static bool direction_across(struct vec3 n, struct vec3 a, struct vec3 *direction)
+/* Takes away a vector's part along the second direction of the frame if the vector lies across this direction
+ * to rounding. */
+static struct vec3 flattened(struct vec3 a)
 {
-    struct vec3 across = vec3_axpy(a, -vec3_dot(n, a), n);
-    if (!(vec3_max_abs(across) > FRAME_ROUNDING * vec3_max_abs(a))) {
-        return false;
-    }
-    across = vec3_scale(1.0 / vec3_norm(across), across);
-    across = vec3_axpy(across, -vec3_dot(n, across), n);
-    *direction = vec3_scale(1.0 / vec3_norm(across), across);
-    return true;
+    a.y = fabs(a.y) > FRAME_ROUNDING * (fabs(a.x) + fabs(a.z)) ? a.y : 0.0;
+    return a;
 }
 
-static void set_frame(struct collocation *p)
+/* Returns the start of a motion about a centre or an axis: a rim of radius zero whose axis is across n and
+ * across the direction in which n begins to turn. */
+static struct rim_start start_about_centre(const struct collocation_problem *from)
 {
-    const struct collocation_problem *from = &p->from;
     const struct vec3 n = from->normal;
-    struct vec3 along = {0.0, 0.0, 0.0};
-    bool found = direction_across(n, from->rate, &along);
-    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS && !found; ++i) {
-        found = direction_across(n, from->acceleration[i], &along);
-    }
-    p->local.frame[0] = n;
-    p->local.frame[1] = along;
-    p->local.frame[2] = vec3_cross(n, along);
-}
-
-/* Whether a vector lies to rounding in the plane of the frame's first two vectors; a->z is then
- * set to zero. */
-static bool flatten(struct vec3 *a)
-{
-    if (fabs(a->z) > FRAME_ROUNDING * (fabs(a->x) + fabs(a->y))) {
-        return false;
-    }
-    a->z = 0.0;
-    return true;
+    const double d = from->reach + from->deviation;
+    const struct vec3 along = from->tangent;
+    const struct vec3 axis = vec3_cross(n, along);
+    const struct vec3 rate = flattened(
+        vec3_make(vec3_dot(n, from->rate), vec3_dot(axis, from->rate), vec3_dot(along, from->rate)));
+    return (struct rim_start){.frame = {n, axis, along},
+                              .distance = d,
+                              .rho = d,
+                              .cosine = 1.0,
+                              .azimuth_momentum = d * rate.z,
+                              .tilt_momentum = -d * rate.y};
 }
 
 /* Whether c' and A are along the normal, so that n and H are constant. */
@@ -856,56 +666,21 @@ static bool is_head_on(const struct collocation_problem *from)
     return !(across > 0.0);
 }
 
-static void centre_begin(struct collocation *p)
+static void set_frame(struct collocation *p)
 {
-    set_frame(p);
-    p->local.rate = collocation_in_frame(p, p->from.rate);
-    p->local.rate.x = p->from.radial;
-    p->local.planar = flatten(&p->local.rate);
-    put_in_local_frame(p);
+    const bool at_rim = CONTACT_ANY_CIRCLE && p->from.at_rim;
+    if (!at_rim) {
+        p->from.rim = start_about_centre(&p->from);
+    }
+    memcpy(p->local.frame, p->from.rim.frame, sizeof p->local.frame);
+    p->local.rate = vec3_make(p->from.radial, 0.0, 0.0);
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        p->local.planar = flatten(&p->local.acceleration[i]) && p->local.planar;
+        const struct vec3 acceleration = collocation_in_frame(p, p->from.acceleration[i]);
+        p->local.acceleration[i] = at_rim ? acceleration : flattened(acceleration);
     }
-    p->local.momentum = vec3_scale(p->local.distance, vec3_make(0.0, -p->local.rate.z, p->local.rate.y));
-}
-
-static double centre_load_at_start(const struct collocation *p)
-{
-    const double mismatch = has_mismatch(p) ? p->from.damping_rate * p->local.mismatch[0].x : 0.0;
-    return vec3_dot(p->local.momentum, p->local.momentum) /
-               (p->local.distance * p->local.distance * p->local.distance) +
-           p->local.acceleration[0].x - mismatch;
-}
-
-/* Guesses n by its Taylor polynomial of order two in time and H by the one of order one. */
-static void centre_guess(struct collocation *p)
-{
-    const struct vec3 n = {1.0, 0.0, 0.0};
-    const double per_distance_squared = 1.0 / (p->local.distance * p->local.distance);
-    const struct vec3 momentum_rate = vec3_scale(p->local.distance, vec3_cross(n, p->local.acceleration[0]));
-    const struct vec3 normal_rate = vec3_scale(per_distance_squared, vec3_cross(p->local.momentum, n));
-    const struct vec3 bend =
-        vec3_scale(0.5 * per_distance_squared,
-                   vec3_add(vec3_cross(momentum_rate, n), vec3_cross(p->local.momentum, normal_rate)));
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const double t = p->half * (1.0 + p->nodes->node[i]);
-        nodal_put_vec3(&p->result.h, i, vec3_scale(t, momentum_rate));
-        nodal_put_vec3(&p->result.n, i, vec3_scale(t, vec3_axpy(normal_rate, t, bend)));
+    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && has_mismatch(p); ++i) {
+        p->local.mismatch[i] = collocation_in_frame(p, p->from.mismatch[i]);
     }
-}
-
-/* A head-on motion uses this table at a rim too, because n does not turn. */
-static const struct collocation_place about_centre = {centre_begin,   centre_load_at_start, centre_guess,
-                                                      centre_load,    centre_turn,          NULL,
-                                                      centre_at_node, centre_change_at};
-
-static const struct collocation_place about_rim = {
-    collocation_rim_begin, collocation_rim_load_at_start, collocation_rim_guess,   collocation_rim_load,
-    collocation_rim_turn,  collocation_rim_keep_tilt,     collocation_rim_at_node, collocation_rim_change_at};
-
-struct collocation_change collocation_change_at(const struct collocation *p, double s)
-{
-    return p->place->change_at(p, s);
 }
 
 /* Sets x at the nodes to the equilibrium under the load at the start, and first guesses of n and H. */
@@ -919,16 +694,20 @@ static void start_step(struct collocation *p, const struct collocation_problem *
     p->local.distance = from->reach + from->deviation;
     p->local.head_on = is_head_on(from);
     p->result.normal_correction = p->result.momentum_correction = vec3_make(0.0, 0.0, 0.0);
-    p->place = CONTACT_ANY_CIRCLE && from->at_rim && !p->local.head_on ? &about_rim : &about_centre;
-    p->place->begin(p);
+    set_frame(p);
+    memset(p->result.tilt_rate, 0, sizeof p->result.tilt_rate);
+    memset(&p->result.n, 0, sizeof p->result.n);
+    memset(&p->result.h, 0, sizeof p->result.h);
     memset(p->result.slow, 0, sizeof p->result.slow);
     memset(p->result.normal_mismatch, 0, sizeof p->result.normal_mismatch);
-    p->result.slow[0] =
-        kind == COLLOCATION_AVERAGED ? p->place->load_at_start(p) / from->omega2 : from->deviation;
+    p->result.slow[0] = kind == COLLOCATION_AVERAGED ? load_at_start(p) / from->omega2 : from->deviation;
     p->result.y = from->deviation - p->result.slow[0];
     p->result.y_rate = kind == COLLOCATION_QUASI_STATIC ? 0.0 : p->half * p->local.rate.x;
     p->result.oscillator = (struct oscillator){1.0, 0.0}; /* for a step without any */
-    p->place->guess(p);
+    if (!p->local.head_on) {
+        guess_turning(p);
+    }
+    note_angles(p);
     for (int i = 0; i < nodes->points; ++i) {
         p->result.x[i] = p->result.slow[0];
     }

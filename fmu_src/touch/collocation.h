@@ -1,17 +1,19 @@
 /*
  * Motion in contact in local coordinates, by exponential collocation.
  *
- *   c = d n across a cylinder's axis,   d = reach + x,   H = c x c'
- *   n' = H x n / d^2,   H' = d n x A(t),
- *   x'' + damping_rate x' + omega2 x = f = |H|^2 / d^3 + n.A(t) - damping_rate n.E(t)
+ *   c = d n across a cylinder's axis,   d = reach + x,
+ *   x'' + damping_rate x' + omega2 x = f - damping_rate n.E(t)
  *
- * x is the radial deviation from `reach`, the distance at which the bodies touch. A is the relative
- * acceleration without the contact force. E is the velocity mismatch, the rate that the law uses less c'. E
- * is not zero where a prescribed velocity is not the derivative of its displacement. omega2 is the contact
- * stiffness p_n divided by the reduced mass m_red, and damping_rate is the dashpot coefficient p_nv divided
- * by m_red. The left side is solved exactly (oscillator.h), whatever its stiffness. f, n and H are
- * polynomials collocated at the Lobatto nodes (exponential collocation: Hochbruck and Ostermann, Acta
- * Numerica 19 (2010) 209; Lobatto IIIA: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5).
+ * rim.h has the equations of f and of the normal n, in two angles and their momenta H. They hold at a rim,
+ * and about a centre or an axis, which is a rim of radius zero whose axis lies across the plane in which n
+ * begins to turn: the tilt then stays zero in a plane motion. x is the radial deviation from `reach`, the
+ * distance at which the bodies touch. A is the relative acceleration without the contact force. E is the
+ * velocity mismatch, the rate that the law uses less c'. E is not zero where a prescribed velocity is not the
+ * derivative of its displacement. omega2 is the contact stiffness p_n divided by the reduced mass m_red, and
+ * damping_rate is the dashpot coefficient p_nv divided by m_red. The left side is solved exactly
+ * (oscillator.h), whatever its stiffness. f, n and H are polynomials collocated at the Lobatto nodes
+ * (exponential collocation: Hochbruck and Ostermann, Acta Numerica 19 (2010) 209; Lobatto IIIA: Hairer and
+ * Wanner, Solving Ordinary Differential Equations II, IV.5).
  *
  * x = s + y: s is the particular solution for f, y the free oscillation from the start values. Three kinds of
  * step:
@@ -41,6 +43,7 @@ enum { COLLOCATION_ACCELERATION_TERMS = 3, COLLOCATION_MISMATCH_TERMS = 4 };
 /* The start of a step. A and E are polynomials of the time from the start, given by their coefficients. */
 struct collocation_problem {
     struct vec3 normal;  /* n, unit */
+    struct vec3 tangent; /* unit direction in which n begins to turn; zero if head-on */
     struct vec3 rate;    /* c' [m/s] */
     double radial;       /* x' = n.c', more accurate than by `rate` [m/s] */
     double reach;        /* [m] */
@@ -54,15 +57,13 @@ struct collocation_problem {
     struct rim_start rim;
 };
 
-/* The problem in the frame of the start: n, the direction of the tangential motion, and their cross product.
- * Most motions are plane: n then has only the first two components and H only the third. */
+/* The problem in the frame of the start, that of rim.h. */
 struct collocation_local {
     double distance;      /* d at the start [m] */
     struct vec3 frame[3]; /* its vectors in the world; only n if head-on */
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E */
-    struct vec3 rate, momentum;                               /* c' [m/s] and H at the start [m^2/s] */
-    bool planar;                                              /* the motion is plane to rounding */
+    struct vec3 rate;                                         /* x' [m/s] as its first component */
     bool head_on;                                             /* c' and A are along n, which is constant */
 };
 
@@ -70,9 +71,11 @@ struct collocation_local {
 struct collocation_work {
     struct nodal_vec3 acceleration_at, drive_at; /* A and A - damping_rate E at the nodes */
     struct nodal_vec3 mismatch_at;               /* half E at the nodes, if E is not zero */
+    struct rim_angles angles[LOBATTO_MAX];       /* of the present n at the nodes */
 };
 
-/* Result of the iteration; vectors are in the frame of the start. */
+/* Result of the iteration. Rows and corrections of n hold the changes of azimuth and tilt as x and y, those
+ * of H the changes of their momenta (rim_state_of); z is not used. */
 struct collocation_result {
     /* part of n and H at the start that is due to the oscillation y */
     struct vec3 normal_correction, momentum_correction;
@@ -83,7 +86,7 @@ struct collocation_result {
     nodal_values slow;                /* x without y, coefficients of s - 1 [m] */
     nodal_values slow_rate;           /* in a quasi-static step: dx/ds, coefficients of s - 1 [m] */
     nodal_values normal_mismatch;     /* half n.E, coefficients of s - 1 [m] */
-    nodal_values tilt_rate;           /* n_rate.y at a rim, coefficients of s - 1 [rad] */
+    nodal_values tilt_rate;           /* n_rate.y at a rim, coefficients of s - 1 [rad]; else zero */
     int terms;                        /* number of coefficients of `slow` above rounding */
     /* the oscillator of y, with rates per unit of s; an averaged step adds the mean of -half^2 df/dx to its
      * omega2 */
@@ -92,11 +95,8 @@ struct collocation_result {
     double interior_error; /* estimated truncation error between the ends [m] */
 };
 
-struct collocation_place; /* the functions by which n and H turn, in collocation.c */
-
 struct collocation {
     struct collocation_problem from;
-    const struct collocation_place *place;
     const struct lobatto *nodes;
     enum collocation_kind kind;
     double half; /* half the step [s] */

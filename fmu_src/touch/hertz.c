@@ -571,68 +571,6 @@ static bool quasi_static_solve(struct segment *segment, double step, double tole
     return collocation_finish(made);
 }
 
-/* Sets delta and its first three derivatives by s [m]. */
-static void slow_depth_at(const struct pair_collocation *p, double s, double depth[4])
-{
-    collocation_averaged_deviation(&p->step, s, depth);
-    for (int i = 0; i < 4; ++i) {
-        depth[i] *= -p->from->shape.side;
-    }
-}
-
-void quasi_static_sample(const void *pair_collocation, double s, struct pair_sample *sample)
-{
-    const struct pair_collocation *p = pair_collocation;
-    const double k = p->from->hertz_stiffness;
-    const double chi = p->from->chi / p->step.half;
-    double depth[4];
-    slow_depth_at(p, s, depth);
-    const double *rate = depth + 1;
-    const double root = sqrt(fmax(depth[0], 0.0));
-    const double damping[3] = {1.0 + chi * rate[0], chi * rate[1], chi * rate[2]};
-    const double spring[3] = {depth[0] * root, 1.5 * root * rate[0],
-                              0.75 / root * rate[0] * rate[0] + 1.5 * root * rate[1]};
-    for (int i = 0; i < 3; ++i) {
-        sample->of[PAIR_GAP][i] = -depth[i];
-        sample->of[PAIR_GAP_RATE][i] = -rate[i] / p->step.half;
-    }
-    sample->of[PAIR_FORCE][0] = k * spring[0] * damping[0];
-    sample->of[PAIR_FORCE][1] = k * (spring[1] * damping[0] + spring[0] * damping[1]);
-    sample->of[PAIR_FORCE][2] =
-        k * (spring[2] * damping[0] + 2.0 * spring[1] * damping[1] + spring[0] * damping[2]);
-    if (SCENE_ANY_CAPS && p->step.from.at_rim) {
-        double x[4];
-        collocation_averaged_deviation(&p->step, s, x);
-        collocation_edges(&p->step, s, x, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
-    }
-}
-
-/* Returns the integral of the dashpot's power k_h delta^(3/2) chi delta'^2 over [0, s] by Radau's quadrature
- * [J]. */
-static double slow_dissipated(const struct pair_collocation *p, double s)
-{
-    double sum = 0.0;
-    for (int i = 0; i < SLOW_NODES && p->from->chi > 0.0; ++i) {
-        const double weight = 0.5 * s * radau.integral[i * SLOW_NODES + SLOW_NODES - 1];
-        double depth[4];
-        slow_depth_at(p, 0.5 * s * (1.0 + radau.node[i]), depth);
-        sum += weight * depth[0] * sqrt(depth[0]) * depth[1] * depth[1] / p->step.half;
-    }
-    return p->from->hertz_stiffness * p->from->chi * sum;
-}
-
-struct pair_change quasi_static_advance(const void *pair_collocation, double s)
-{
-    const struct pair_collocation *p = pair_collocation;
-    struct pair_change change = pair_collocation_advance(p, s);
-    double depth[4];
-    slow_depth_at(p, s, depth);
-    change.head_on = p->from->is_head_on;
-    change.gap_rate = -depth[1] / p->step.half;
-    change.dissipated = slow_dissipated(p, s);
-    return change;
-}
-
 /* When lasting contact is quasi-static, and how long a segment is. */
 
 /* Length of a segment at the finest accuracy [radians of the tangential motion]. The segment is accurate

@@ -596,6 +596,20 @@ void pair_oscillation_moments(const void *pair_oscillation, double s, const stru
     }
 }
 
+/* F_n = k_h u^3 q with q = 1 - chi g'. */
+void pair_hertz_force(const struct contact_pair *from, const double u[3], const double rate[3],
+                      double force[3])
+{
+    const double k = from->hertz_stiffness;
+    const double q[3] = {1.0 - from->chi * rate[0], -from->chi * rate[1], -from->chi * rate[2]};
+    const double square = u[0] * u[0];
+    const double cube = square * u[0];
+    force[0] = k * cube * q[0];
+    force[1] = k * (3.0 * square * u[1] * q[0] + cube * q[1]);
+    force[2] = k * ((6.0 * u[0] * u[1] * u[1] + 3.0 * square * u[2]) * q[0] + 6.0 * square * u[1] * q[1] +
+                    cube * q[2]);
+}
+
 /* Computes the force from the acceleration, because the forces of spring and dashpot nearly cancel. */
 static void add_overdamped_force(const struct pair_collocation *p, double s, struct pair_sample *sample)
 {
@@ -625,6 +639,13 @@ static void fill_sample(const struct pair_collocation *p, const double x[4], dou
     }
     if (p->step.kind == COLLOCATION_OVERDAMPED) {
         add_overdamped_force(p, s, sample);
+        return;
+    }
+    if (SCENE_ANY_HERTZ && p->step.kind == COLLOCATION_QUASI_STATIC) {
+        double u[3] = {sqrt(fmax(-side * x[0], 0.0))};
+        u[1] = -0.5 * side * x[1] / u[0];
+        u[2] = -(0.5 * side * x[2] + u[1] * u[1]) / u[0];
+        pair_hertz_force(p->from, u, sample->of[PAIR_GAP_RATE], sample->of[PAIR_FORCE]);
         return;
     }
     for (int i = 0; i < 3; ++i) {
@@ -689,6 +710,22 @@ void pair_bound_sample(const void *pair_bound, double s, struct pair_sample *sam
     pair_bound_add(bound, s, sample);
 }
 
+/* Returns the energy that the dashpot dissipates in a quasi-static step, the integral of its power k_h
+ * delta^(3/2) chi delta'^2, by Radau's quadrature [J]. */
+static double quasi_static_dissipated(const struct pair_collocation *p, double s)
+{
+    const struct lobatto *nodes = p->step.nodes;
+    double sum = 0.0;
+    for (int i = 0; i < nodes->points && p->from->chi > 0.0; ++i) {
+        const double weight = 0.5 * s * nodes->integral[i * nodes->points + nodes->points - 1];
+        double x[4];
+        collocation_deviation(&p->step, 0.5 * s * (1.0 + nodes->node[i]), x);
+        const double depth = -p->from->shape.side * x[0];
+        sum += weight * depth * sqrt(depth) * x[1] * x[1] / p->step.half;
+    }
+    return p->from->hertz_stiffness * p->from->chi * sum;
+}
+
 struct pair_change pair_collocation_advance(const void *pair_collocation, double s)
 {
     const struct pair_collocation *p = pair_collocation;
@@ -705,7 +742,13 @@ struct pair_change pair_collocation_advance(const void *pair_collocation, double
         change.r = vec3_axpy(change.r, -power, c);
     }
     change.gap = from->shape.side * step.deviation;
-    if (from->coefficients.c > 0.0 && p->step.kind != COLLOCATION_QUASI_STATIC) {
+    if (SCENE_ANY_HERTZ && p->step.kind == COLLOCATION_QUASI_STATIC) {
+        double x[4];
+        collocation_deviation(&p->step, s, x);
+        change.head_on = from->is_head_on;
+        change.gap_rate = from->shape.side * x[1] / p->step.half;
+        change.dissipated = quasi_static_dissipated(p, s);
+    } else if (from->coefficients.c > 0.0) {
         change.dissipated = from->reduced_mass * collocation_dissipated(&p->step, s);
     }
     return change;
@@ -774,6 +817,7 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     struct collocation_problem *problem = &out->problem;
     problem->has_mismatch = false;
     problem->normal = p->normal;
+    problem->tangent = tangent_of(p);
     for (int i = 0; i < SEPARATION_DEGREE; ++i) {
         out->felt[i] = coupled(p, p->flight.c[i + 1]);
     }

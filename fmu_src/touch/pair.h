@@ -106,6 +106,10 @@ struct pair_change pair_change_along_normal(const struct contact_pair *from, dou
 /* Returns how many moments of r the external works need. */
 int pair_moments_of_work(const struct contact_pair *p);
 
+/* Sets Hertz's force and its first two derivatives with respect to s from those of u = sqrt(delta) and g'. */
+void pair_hertz_force(const struct contact_pair *from, const double u[3], const double rate[3],
+                      double force[3]);
+
 /* Moves the bodies and books impulse, dissipated energy and external work. The caller advances the clock. */
 void pair_apply(const struct contact_pair *p, const struct pair_change *change,
                 const struct vec3 moment[PAIR_MOMENTS], const struct scene_values *v, struct scene_state *q,
@@ -231,7 +235,6 @@ void pair_bound_sample(const void *pair_bound, double s, struct pair_sample *sam
 void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,
                            double *rate);
 
-/* Returns the change without the energy that a dashpot dissipates in a quasi-static step. */
 struct pair_change pair_collocation_advance(const void *pair_collocation, double s);
 
 void pair_collocation_moments(const void *pair_collocation, double s, const struct pair_change *change,

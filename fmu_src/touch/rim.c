@@ -11,11 +11,12 @@ struct rim_start rim_start_of(struct vec3 axis, double radius, double half_heigh
                               .radius = radius,
                               .distance = distance,
                               .tilt = atan2(-along - half_height, rho - radius)};
-    const double cosine = cos(start.tilt);
-    const double sine = sin(start.tilt);
-    start.rho = radius + distance * cosine;
+    start.cosine = cos(start.tilt);
+    start.sine = sin(start.tilt);
+    start.rho = radius + distance * start.cosine;
     start.azimuth_momentum = start.rho * vec3_dot(start.frame[2], rate);
-    start.tilt_momentum = -distance * (sine * vec3_dot(outward, rate) + cosine * vec3_dot(axis, rate));
+    start.tilt_momentum =
+        -distance * (start.sine * vec3_dot(outward, rate) + start.cosine * vec3_dot(axis, rate));
     return start;
 }
 
@@ -25,29 +26,37 @@ static double rim_scale(const struct rim_start *start)
     return start->rho / start->distance;
 }
 
-struct rim_state rim_state_of(const struct rim_start *start, const double change[4], double grown)
+/* In a plane motion one of the angles rests. */
+struct rim_angles rim_angles_of(const struct rim_start *start, double turned, double tilted)
+{
+    struct rim_angles by = {start->cosine, start->sine, 1.0, 0.0};
+    if (tilted != 0.0) {
+        by.cosine = cos(start->tilt + tilted);
+        by.sine = sin(start->tilt + tilted);
+    }
+    if (turned != 0.0) {
+        by.turned_cosine = cos(turned / rim_scale(start));
+        by.turned_sine = sin(turned / rim_scale(start));
+    }
+    return by;
+}
+
+struct rim_state rim_state_of(const struct rim_start *start, const double change[4], double grown,
+                              struct rim_angles by)
 {
     const double scale = rim_scale(start);
-    const double tilt = start->tilt + change[1];
-    const double cosine = cos(tilt);
     const double d = start->distance + grown;
-    struct rim_state at = {.d = d,
-                           .rho = start->radius + d * cosine,
-                           .azimuth = change[0] / scale,
-                           .tilt = tilt,
-                           .azimuth_momentum = start->azimuth_momentum + scale * change[2],
-                           .tilt_momentum = start->tilt_momentum + change[3],
-                           .grown = grown,
-                           .tilted = change[1],
-                           .cosine = cosine,
-                           .sine = sin(tilt),
-                           .turned_cosine = 1.0,
-                           .turned_sine = 0.0};
-    if (at.azimuth != 0.0) { /* the azimuth stays zero in a plane through the axis */
-        at.turned_cosine = cos(at.azimuth);
-        at.turned_sine = sin(at.azimuth);
-    }
-    return at;
+    return (struct rim_state){.d = d,
+                              .rho = start->radius + d * by.cosine,
+                              .azimuth = change[0] / scale,
+                              .tilt = start->tilt + change[1],
+                              .azimuth_momentum = start->azimuth_momentum + scale * change[2],
+                              .tilt_momentum = start->tilt_momentum + change[3],
+                              .grown = grown,
+                              .tilted = change[1],
+                              .spun = scale * change[2],
+                              .tilting = change[3],
+                              .by = by};
 }
 
 void rim_change_rates(const struct rim_start *start, const struct rim_slopes *slopes, double rates[4])
@@ -66,16 +75,16 @@ struct rim_parts {
 
 static struct rim_parts rim_parts_of(const struct rim_state *at, struct vec3 a)
 {
-    const double c = at->turned_cosine;
-    const double s = at->turned_sine;
+    const double c = at->by.turned_cosine;
+    const double s = at->by.turned_sine;
     return (struct rim_parts){c * a.x + s * a.z, c * a.z - s * a.x, a.y};
 }
 
 struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 acceleration)
 {
     const struct rim_parts a = rim_parts_of(at, acceleration);
-    const double c = at->cosine;
-    const double s = at->sine;
+    const double c = at->by.cosine;
+    const double s = at->by.sine;
     const double spin = at->azimuth_momentum / (at->rho * at->rho);
     const double tilting = at->tilt_momentum / (at->d * at->d);
     const double push = at->rho * spin * spin + a.outward;
@@ -90,44 +99,65 @@ void rim_slopes_by_distance(const struct rim_start *start, const struct rim_stat
                             struct vec3 acceleration, double slopes[4])
 {
     const struct rim_slopes here = rim_slopes_at(at, acceleration);
-    const double c = at->cosine;
+    const double c = at->by.cosine;
     const struct rim_slopes by_distance = {.azimuth = -2.0 * here.azimuth * c / at->rho,
                                            .tilt = -2.0 * here.tilt / at->d,
                                            .azimuth_momentum = c * here.azimuth_momentum / at->rho,
                                            .tilt_momentum =
                                                here.tilt_momentum / at->d +
-                                               3.0 * at->d * at->sine * c * here.azimuth * here.azimuth};
+                                               3.0 * at->d * at->by.sine * c * here.azimuth * here.azimuth};
     rim_change_rates(start, &by_distance, slopes);
 }
 
 struct vec3 rim_normal(const struct rim_state *at)
 {
-    const double c = at->cosine;
-    return vec3_make(c * at->turned_cosine, -at->sine, c * at->turned_sine);
+    const double c = at->by.cosine;
+    return vec3_make(c * at->by.turned_cosine, -at->by.sine, c * at->by.turned_sine);
 }
 
-/* Returns c - c(0) by differences of sines and cosines that lose no digits. */
+/* Changes since the start: of cosine and sine of the tilt, and of rho. */
+struct rim_change {
+    double cosine, sine, rho;
+};
+
+static struct rim_change rim_change_of(const struct rim_start *start, const struct rim_state *at)
+{
+    const double half_angle = sin(0.5 * at->tilted);
+    const double mean = start->tilt + 0.5 * at->tilted;
+    const double cosine = -2.0 * sin(mean) * half_angle;
+    return (struct rim_change){cosine, 2.0 * cos(mean) * half_angle,
+                               at->grown * at->by.cosine + start->distance * cosine};
+}
+
+/* Returns the cosine of the azimuth less one. */
+static double rim_turned_away(const struct rim_state *at)
+{
+    const double half_turn = sin(0.5 * at->azimuth);
+    return -2.0 * half_turn * half_turn;
+}
+
 struct vec3 rim_moved(const struct rim_start *start, const struct rim_state *at)
 {
-    const double half_angle = 0.5 * at->tilted;
-    const double mean = start->tilt + half_angle;
-    const double cosine_change = -2.0 * sin(mean) * sin(half_angle);
-    const double sine_change = 2.0 * cos(mean) * sin(half_angle);
-    const double outward = at->grown * at->cosine + start->distance * cosine_change;
-    const double half_turn = sin(0.5 * at->azimuth);
-    return vec3_make(outward * at->turned_cosine - 2.0 * start->rho * half_turn * half_turn,
-                     -(at->grown * at->sine + start->distance * sine_change), at->rho * at->turned_sine);
+    const struct rim_change by = rim_change_of(start, at);
+    return vec3_make(by.rho * at->by.turned_cosine + start->rho * rim_turned_away(at),
+                     -(at->grown * at->by.sine + start->distance * by.sine), at->rho * at->by.turned_sine);
 }
 
-struct vec3 rim_velocity(const struct rim_state *at, double radial)
+struct vec3 rim_gained(const struct rim_start *start, const struct rim_state *at, double before,
+                       double radial)
 {
-    const double along = at->tilt_momentum / at->d;
-    const double outward = radial * at->cosine - along * at->sine;
-    const double circumferential = at->azimuth_momentum / at->rho;
-    const double c = at->turned_cosine;
-    const double s = at->turned_sine;
-    return vec3_make(c * outward - s * circumferential, -(radial * at->sine + along * at->cosine),
-                     s * outward + c * circumferential);
+    const struct rim_change by = rim_change_of(start, at);
+    const double along = start->tilt_momentum / start->distance;
+    const double around = start->azimuth_momentum / start->rho;
+    const double further = (at->tilting - along * at->grown) / at->d; /* changes of the speeds */
+    const double faster = (at->spun - around * by.rho) / at->rho;
+    const double gained = radial - before;
+    const double outward = before * start->cosine - along * start->sine;
+    const double more = gained * at->by.cosine + before * by.cosine - further * at->by.sine - along * by.sine;
+    const double away = rim_turned_away(at);
+    return vec3_make(more * at->by.turned_cosine + outward * away - (around + faster) * at->by.turned_sine,
+                     -(gained * at->by.sine + before * by.sine + further * at->by.cosine + along * by.cosine),
+                     (outward + more) * at->by.turned_sine + faster * at->by.turned_cosine + around * away);
 }
 
 void rim_edges(const double tilt[3], double reach, double radial[3], double axial[3])

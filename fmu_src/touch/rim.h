@@ -9,7 +9,9 @@
  *   tilt' = L / d^2,        L' = -d (sin(tilt) push + cos(tilt) e.A),   push = h^2 / rho^3 + a.A
  *   d'' = f + F_n / m_red,  f = L^2 / d^3 + cos(tilt) push - sin(tilt) e.A
  *
- * with A the relative acceleration without the contact force. Vectors are in the frame of the start: a, e, b.
+ * A centre or the axis of an endless cylinder is such a circle of radius zero about any axis through it.
+ *
+ * A is the relative acceleration without the contact force. Vectors are in the frame of the start: a, e, b.
  * A motion in a plane through the axis has only the first two components.
  */
 #ifndef CONTACT_TOUCH_RIM_LOCAL_H
@@ -24,15 +26,22 @@ struct rim_start {
     double distance;                        /* d [m] */
     double rho;                             /* distance of the centre from the axis [m] */
     double tilt;                            /* [rad] */
+    double cosine, sine;                    /* of the tilt */
     double azimuth_momentum, tilt_momentum; /* [m^2/s] */
+};
+
+/* Cosines and sines of both angles. */
+struct rim_angles {
+    double cosine, sine;               /* of the tilt */
+    double turned_cosine, turned_sine; /* of the azimuth */
 };
 
 struct rim_state {
     double d, rho, azimuth, tilt;           /* d and rho [m], the angles [rad] */
     double azimuth_momentum, tilt_momentum; /* [m^2/s] */
     double grown, tilted;                   /* changes of d and of the tilt, not rounded by a difference */
-    double cosine, sine;                    /* cosine and sine of the tilt */
-    double turned_cosine, turned_sine;      /* cosine and sine of the azimuth */
+    double spun, tilting;                   /* changes of both momenta, likewise */
+    struct rim_angles by;
 };
 
 struct rim_slopes {
@@ -50,7 +59,11 @@ struct rim_start rim_start_of(struct vec3 axis, double radius, double half_heigh
  * the azimuth times rho divided by d at the start, and change[2] is the change of h divided by this factor,
  * so that tolerances mean the same in both directions. change[1] and change[3] are the changes of the tilt
  * and of L. */
-struct rim_state rim_state_of(const struct rim_start *start, const double change[4], double grown);
+struct rim_state rim_state_of(const struct rim_start *start, const double change[4], double grown,
+                              struct rim_angles by);
+
+/* Returns the cosines and sines for the first two changes of rim_state_of. */
+struct rim_angles rim_angles_of(const struct rim_start *start, double turned, double tilted);
 
 /* Sets the rates of the four changes of rim_state_of from the slopes. */
 void rim_change_rates(const struct rim_start *start, const struct rim_slopes *slopes, double rates[4]);
@@ -61,10 +74,12 @@ struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 accelera
 void rim_slopes_by_distance(const struct rim_start *start, const struct rim_state *at,
                             struct vec3 acceleration, double slopes[4]);
 
-/* These functions return n, c - c(0) [m], and c' [m/s] where d' = `radial`, in the frame. */
+/* These functions return n, c - c(0) [m], and c' - c'(0) [m/s] where d' is first `before` and then `radial`,
+ * in the frame. The differences lose no digits. */
 struct vec3 rim_normal(const struct rim_state *at);
 struct vec3 rim_moved(const struct rim_start *start, const struct rim_state *at);
-struct vec3 rim_velocity(const struct rim_state *at, double radial);
+struct vec3 rim_gained(const struct rim_start *start, const struct rim_state *at, double before,
+                       double radial);
 
 /* Sets reach cos(tilt) and reach sin(tilt) [m], event functions that are zero where the zone of the rim ends,
  * and their first two derivatives from the tilt and its derivatives. */

@@ -940,8 +940,7 @@ static void add_torque_impulse(const struct contact_pair *pair, const struct tor
 }
 
 /* This part of the file finds where a segment leaves its zone of a capped cylinder or of skew cylinders
- * (shape.h). Leaving is a
- * terminal event, after which the regime goes on in the next zone. */
+ * (shape.h). To leave the zone is a terminal event, after which the regime goes on in the next zone. */
 
 /* Returns the s at which the centre is no longer beyond the side or the cap. `beyond` is the exact distance
  * at the start [m], from which the sample differs by the segment's tolerance. A centre outside by up to
@@ -1120,8 +1119,8 @@ static const struct {
     [SEGMENT_SERIES] = {NULL, series_make, series_sample, series_advance, series_moments, 10, series_time},
 #if SCENE_ANY_HERTZ
     /* Hertz's law after the oscillation has died away: a segment covers a radian of the tangential motion. */
-    [SEGMENT_QUASI_STATIC] = {quasi_static_applies, quasi_static_make, quasi_static_sample,
-                              quasi_static_advance, pair_collocation_moments, 40, NULL},
+    [SEGMENT_QUASI_STATIC] = {quasi_static_applies, quasi_static_make, pair_collocation_sample,
+                              pair_collocation_advance, pair_collocation_moments, 40, NULL},
     /* Hertz's law without damping, head-on under constant acceleration: a segment covers all the rest of an
      * impact. */
     [SEGMENT_HERTZ_ELASTIC] = {hertz_elastic_applies, hertz_elastic_make, hertz_elastic_sample,

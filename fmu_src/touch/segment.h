@@ -1,8 +1,8 @@
 /*
  * A segment: smooth motion of one contact pair within one regime. Its users make it, advance the bodies
  * along it and stop at its terminal event. The kind of segment is known in this folder only: each kind
- * solves one form of the problem and answers `applies`, `make`, `sample` and `advance` (the table in
- * segment.c).
+ * solves one form of the problem and answers `applies`, `make`, `sample`, `advance` and `moments`
+ * (the table in segment.c).
  */
 #ifndef CONTACT_TOUCH_SEGMENT_H
 #define CONTACT_TOUCH_SEGMENT_H
@@ -166,8 +166,6 @@ void hertz_elastic_moments(const void *hertz_elastic, double s, const struct pai
  * contact oscillates or settles. */
 bool quasi_static_applies(const struct segment *p);
 bool quasi_static_make(struct segment *p);
-void quasi_static_sample(const void *pair_collocation, double s, struct pair_sample *sample);
-struct pair_change quasi_static_advance(const void *pair_collocation, double s);
 
 /* Whether the first coefficients of u = sqrt(delta) show no oscillation and no decay; `unit` is dt/ds divided
  * by u. */

@@ -515,55 +515,6 @@ static double series_time_at(const struct pair_series *p, double s)
     return SCENE_ANY_HERTZ && p->by_root ? taylor_at(p->time, TAYLOR_TERMS, s) : p->unit * s;
 }
 
-static void series_slope_at(const void *row, double s, double *value, double *slope)
-{
-    double u[3];
-    taylor_derivatives(row, TAYLOR_TERMS, s, u);
-    *value = u[1];
-    *slope = u[2];
-}
-
-/* The first s up to `end` at which u passes through zero and the bodies part; INFINITY if there is none. A
- * step is at most a third of the radius of convergence, so u has one extremum in it. */
-static double series_parting(const struct pair_series *p, double end)
-{
-    const double *u = p->opened;
-    const struct root_bracket_end low = {0.0, u[0], u[1]};
-    struct root_bracket_end high = {.s = end};
-    if (low.value == 0.0 && !(low.slope > 0.0)) {
-        return 0.0;
-    }
-    taylor_root_function(u, end, &high.value, &high.slope);
-    if (high.value > 0.0 && low.value > 0.0 && low.slope < 0.0 && high.slope > 0.0) {
-        struct root_bracket_end dip = {.s = root_in_bracket(series_slope_at, u, low.s, high.s)};
-        taylor_root_function(u, dip.s, &dip.value, &dip.slope);
-        high = dip.value <= 0.0 ? dip : high;
-    }
-    if (high.value > 0.0) {
-        return (double)INFINITY;
-    }
-    if (low.value > 0.0) {
-        return root_between(taylor_root_function, u, low, high);
-    }
-    /* u rises from zero, so its root lies beyond its maximum */
-    return root_in_bracket(taylor_root_function, u, root_in_bracket(series_slope_at, u, 0.0, end), end);
-}
-
-/* F_n = k_h u^3 q with q = 1 - chi g', and its derivatives with respect to s, from the derivatives of u and
- * g'. */
-static void hertz_force_at(const struct contact_pair *from, const double *u, const double *rate,
-                           double out[3])
-{
-    const double k = from->hertz_stiffness;
-    const double q[3] = {1.0 - from->chi * rate[0], -from->chi * rate[1], -from->chi * rate[2]};
-    const double square = u[0] * u[0];
-    const double cube = square * u[0];
-    out[0] = k * cube * q[0];
-    out[1] = k * (3.0 * square * u[1] * q[0] + cube * q[1]);
-    out[2] = k * ((6.0 * u[0] * u[1] * u[1] + 3.0 * square * u[2]) * q[0] + 6.0 * square * u[1] * q[1] +
-                  cube * q[2]);
-}
-
 void series_sample(const void *pair_series, double s, struct pair_sample *sample)
 {
     const struct pair_series *p = pair_series;
@@ -576,7 +527,7 @@ void series_sample(const void *pair_series, double s, struct pair_sample *sample
         gap[0] = -opened[0] * opened[0];
         gap[1] = -2.0 * opened[0] * opened[1];
         gap[2] = -2.0 * (opened[1] * opened[1] + opened[0] * opened[2]);
-        hertz_force_at(p->from, opened, rate, sample->of[PAIR_FORCE]);
+        pair_hertz_force(p->from, opened, rate, sample->of[PAIR_FORCE]);
     } else {
         for (int i = 0; i < 3; ++i) {
             gap[i] = opened[i];
@@ -705,7 +656,11 @@ bool series_make(struct segment *p)
         return false;
     }
     complete_series(made, &z, series_accuracy(p, by_root));
-    double parting = SCENE_ANY_HERTZ && by_root ? series_parting(made, made->step) : (double)INFINITY;
+    double parting = (double)INFINITY; /* the first s at which u passes through zero */
+    if (SCENE_ANY_HERTZ && by_root) {
+        const bool opens = made->opened[0] == 0.0 && !(made->opened[1] > 0.0);
+        parting = opens ? 0.0 : taylor_first_fall(made->opened, TAYLOR_TERMS, made->step);
+    }
     p->unit = made->unit;
     p->end = fmin(made->step, parting > 0.0 ? parting : made->step);
     if (parting > 0.0 && series_time_at(made, p->end) > p->longest) {
