@@ -207,14 +207,18 @@ static enum contact_regime regime_at_time(const struct advancement_path *path, c
     advancement_at(path, ADVANCEMENT_TOUCH, time, &at);
     const double gap = at.geometry.gap;
     const double rate = law_rate_at(path, &at, time);
+    const enum contact_regime then =
+        contact_regime_of(law, gap, rate, scene_within_extents(&path->shape, &at.geometry));
+    if (then == present) {
+        return present;
+    }
     const struct contact_slopes slopes = contact_event_slopes(law, present, gap, rate);
     const double gap_noise = at.noise[ADVANCEMENT_GAP];
     const double tilt = contact_turns(&path->shape, &at.geometry) ? gap_noise / at.geometry.distance : 0.0;
     const double rate_noise = vec3_norm(at.c[1]) * (ROUNDINGS + tilt);
     const bool is_clear = fabs(contact_event(law, present, gap, rate)) >
                           fabs(slopes.by_gap) * gap_noise + fabs(slopes.by_rate) * rate_noise;
-    return is_clear ? contact_regime_of(law, gap, rate, scene_within_extents(&path->shape, &at.geometry))
-                    : present;
+    return is_clear ? then : present;
 }
 
 /* Returns the regime of bodies that touch from now on. Where the source passes an end plane, rounding decides
@@ -454,19 +458,9 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
                                     horizon, present);
         return found;
     }
-    if (present == REGIME_APART && !contact_is_prescribed(v, contact)) {
-        const double rounding = has_ends ? rounding_of_axial(v, at, contact, &shape) : 0.0;
-        if (!has_ends || scene_beyond_ends(&shape, &at->geometry[contact]) < -rounding) {
-            found.next = touch_in_flight(v, q, at, &shape, contact, horizon);
-            if (!has_ends || !isfinite(found.next.after)) {
-                return found;
-            }
-            /* the touch is on the side if no end is passed before */
-            const struct separation_path path = separation_path_of(v, q, at, q->clock, contact);
-            if (!isfinite(passage_of_end(&shape, &path, rounding, 0.0, found.next.after, present).after)) {
-                return found;
-            }
-        }
+    if (present == REGIME_APART && !contact_is_prescribed(v, contact) && !has_ends) {
+        found.next = touch_in_flight(v, q, at, &shape, contact, horizon);
+        return found;
     }
     return change_on_path(v, q, at, &shape, contact, horizon, budget);
 }
