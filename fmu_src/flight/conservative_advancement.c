@@ -465,15 +465,23 @@ static bool surely_changed(const struct advancement_search *search, const struct
     return touch;
 }
 
+/* Returns the deciding function as an end of a bracket. */
+static struct root_bracket_end decision_at(const struct advancement_search *search,
+                                           const struct advancement_instant *at, double time)
+{
+    const struct falling *f = &at->of[deciding(search, at)];
+    return (struct root_bracket_end){time, f->value, f->slope};
+}
+
 /* The deciding function and its slope as a root_function of time. */
 static void decision(const void *data, double time, double *value, double *slope)
 {
     const struct advancement_search *search = data;
     struct advancement_instant at;
     advancement_at(search->path, search->change, time, &at);
-    const struct falling *f = &at.of[deciding(search, &at)];
-    *value = f->value;
-    *slope = f->slope;
+    const struct root_bracket_end end = decision_at(search, &at, time);
+    *value = end.value;
+    *slope = end.slope;
 }
 
 /* Returns a time during which a function stays above -noise [s]; 0 if the function is already below.
@@ -530,11 +538,12 @@ static double step_from(const struct advancement_search *search, struct advancem
 }
 
 /* Returns the change at the root of the deciding function between `before`, a time without the change, and
- * `after`, a time with the change; the start if before < 0. */
-static struct advancement_result located(const struct advancement_search *search, double before, double after,
+ * `after`, a time with the change; the start if before.s < 0. */
+static struct advancement_result located(const struct advancement_search *search,
+                                         struct root_bracket_end before, struct root_bracket_end after,
                                          long evaluations)
 {
-    const double root = before < 0.0 ? 0.0 : root_in_bracket(decision, search, before, after);
+    const double root = before.s < 0.0 ? 0.0 : root_between(decision, search, before, after);
     struct advancement_instant at;
     advancement_at(search->path, search->change, root, &at);
     const bool by_gap = deciding(search, &at) == ADVANCEMENT_GAP;
@@ -543,10 +552,9 @@ static struct advancement_result located(const struct advancement_search *search
 
 /* Returns a time in which the functions rise above zero, by the deciding function's slope [s]; 0: no rise.
  * Functions rise at the start where the opposite change has just been made, not exactly to rounding. */
-static double still_rising_for(const struct advancement_search *search, const struct advancement_instant *at)
+static double still_rising_for(struct root_bracket_end now)
 {
-    const struct falling *f = &at->of[deciding(search, at)];
-    return f->slope > 0.0 ? -2.0 * f->value / f->slope : 0.0;
+    return now.slope > 0.0 ? -2.0 * now.value / now.slope : 0.0;
 }
 
 struct advancement_result advancement_first(const struct advancement_path *path,
@@ -555,26 +563,28 @@ struct advancement_result advancement_first(const struct advancement_path *path,
     struct advancement_path moving = *path; /* the axis motion moves on with the search */
     const struct advancement_search search = {&moving, change, functions_of(path)};
     double time = 0.0;
-    double before = -1.0; /* last time at which the deciding function was not negative; -1: none */
+    /* the last time at which the deciding function was not negative; -1: none */
+    struct root_bracket_end before = {-1.0, 0.0, 0.0};
     double length = horizon;
     for (long evaluations = 1; evaluations <= budget; ++evaluations) {
         struct advancement_instant at;
         advancement_at(&moving, change, time, &at);
+        const struct root_bracket_end now = decision_at(&search, &at, time);
         double step = 0.0;
         if (surely_changed(&search, &at)) {
-            step = before < 0.0 ? still_rising_for(&search, &at) : 0.0;
+            step = before.s < 0.0 ? still_rising_for(now) : 0.0;
             if (!(step > 0.0)) {
-                return located(&search, before, time, evaluations);
+                return located(&search, before, now, evaluations);
             }
         } else if (time < horizon) {
-            if (!(at.of[deciding(&search, &at)].value < 0.0)) {
-                before = time;
+            if (!(now.value < 0.0)) {
+                before = now;
                 advancement_move_on(&moving, time);
             }
             step = step_from(&search, &at, time, horizon, &length);
             /* the step is halved until the deciding function has been >= 0: a value that rounding put below
              * zero is above zero half-way, or stays within rounding */
-            step *= before < 0.0 ? 0.5 : 1.0;
+            step *= before.s < 0.0 ? 0.5 : 1.0;
         }
         /* bodies beyond the range of numbers touch no more */
         if (!(time < horizon && at.noise[ADVANCEMENT_GAP] < (double)INFINITY)) {

@@ -1,7 +1,7 @@
 /*
  * Conservative advancement to the first touch of a sphere with a destination whose axis turns (a cylinder
- * that tumbles, a plane that tilts) or which is a torus. The search misses no touch deeper than rounding,
- * however long the flight (docs/conservative_advancement.md).
+ * that tumbles, a plane that tilts), with a cylinder of finite length or with a torus. The search misses no
+ * touch deeper than rounding, however long the flight (docs/conservative_advancement.md).
  *
  * The axis either stands still, or turns steadily about a fixed direction (the precession of a torque-free
  * body, a constant angular velocity), or turns with an angular velocity that is polynomial in time (a torque,

@@ -1,4 +1,5 @@
 #include <float.h>
+#include <math.h>
 #include <string.h>
 
 #include "flight/flight.h"
@@ -46,6 +47,23 @@ struct separation_path separation_path_of(const struct scene_values *v, const st
         }
     }
     return path;
+}
+
+int separation_path_planes(const struct separation_path *path, double horizon, struct vec3 direction,
+                           double half, double *places, int count)
+{
+    struct polynomial along = {.degree = SEPARATION_DEGREE};
+    double power = 1.0;
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
+        along.a[i] = power * vec3_dot(path->c[i], direction);
+        power *= horizon;
+    }
+    for (int end = -1; isfinite(half) && end <= 1; end += 2) {
+        struct polynomial plane = along;
+        plane.a[0] += end * half;
+        count = polynomial_add_sign_changes(&plane, places, count);
+    }
+    return count;
 }
 
 /* Sets the lever arms of the compound bodies of a contact, and takes them off c, which then leads from centre
@@ -145,8 +163,7 @@ static struct polynomial dot_product(const struct vec3 *a, int a_degree, const s
 struct relative_path relative_path_make(const struct contact_shape *shape,
                                         const struct separation_path *separation, double gap, double horizon)
 {
-    struct relative_path path = {
-        .horizon = horizon, .axial = {.degree = SEPARATION_DEGREE}, .side = shape->side};
+    struct relative_path path = {.horizon = horizon, .side = shape->side};
     path.flat = contact_is_plane(shape);
     struct vec3 slope[SEPARATION_DEGREE];
     path.scale = coefficient_scale(separation->c, horizon, contact_reach(shape));
@@ -154,9 +171,9 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
     for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
         path.c[i] = vec3_scale(factor, separation->c[i]);
         if (SCENE_ANY_CYLINDER && shape->destination == SHAPE_CYLINDER) {
-            path.axial.a[i] = vec3_dot(path.c[i], shape->axis);
-            path.c[i] = vec3_axpy(path.c[i], -path.axial.a[i], shape->axis);
-            if (i == 0 && contact_is_near_axis(path.c[0], path.axial.a[0])) {
+            const double axial = vec3_dot(path.c[i], shape->axis);
+            path.c[i] = vec3_axpy(path.c[i], -axial, shape->axis);
+            if (i == 0 && contact_is_near_axis(path.c[0], axial)) {
                 path.c[0] = vec3_scale(factor, separation->offset);
             }
         }
@@ -178,11 +195,6 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
     const int by_degree = relative_path_is_flat(&path) ? 0 : path.degree;
     path.closing = dot_product(by, by_degree, slope, path.degree > 0 ? path.degree - 1 : 0);
     return path;
-}
-
-struct polynomial relative_path_distance_squared(const struct relative_path *path)
-{
-    return dot_product(path->c, path->degree, path->c, path->degree);
 }
 
 void relative_path_gap(const void *data, double s, double *gap, double *slope)

@@ -29,7 +29,6 @@ struct relative_path {
     double gap;                /* gap at the start, with more digits than |c| has [scale] */
     struct polynomial closing; /* c.c', whose roots are the extremes of the distance */
     bool flat;                 /* see relative_path_is_flat */
-    struct polynomial axial;   /* c.e_d where the destination is a cylinder [scale] */
     double scale, horizon;     /* unit of length [m], time span [s] */
     double reach;              /* distance d at which the bodies touch [scale] */
     int side;
@@ -45,6 +44,11 @@ static inline bool relative_path_is_flat(const struct relative_path *path)
 struct separation_path separation_path_of(const struct scene_values *v, const struct scene_state *q,
                                           const struct scene_instant *at, double clock, int contact);
 
+/* Adds where the path crosses the two planes across a direction at the distance `half` from the origin, as
+ * fractions of the horizon, to `count` sorted places. Returns their number. */
+int separation_path_planes(const struct separation_path *path, double horizon, struct vec3 direction,
+                           double half, double *places, int count);
+
 /* Returns the path for conservative advancement from the instant `at`, whose clock is `clock`. If a body
  * turns freely, `clock` must be the present clock of q. */
 struct advancement_path advancement_path_of(const struct scene_values *v, const struct scene_state *q,
@@ -53,9 +57,6 @@ struct advancement_path advancement_path_of(const struct scene_values *v, const 
 /* `gap` is the gap at the start [m], which may have more digits than the positions. */
 struct relative_path relative_path_make(const struct contact_shape *shape,
                                         const struct separation_path *separation, double gap, double horizon);
-
-/* Returns |c|^2 [scale^2]. */
-struct polynomial relative_path_distance_squared(const struct relative_path *path);
 
 /* Whether the destination has end planes; a compile-time false in scenes without a cylinder. */
 bool relative_path_has_ends(const struct contact_shape *shape);

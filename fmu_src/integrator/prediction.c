@@ -6,7 +6,6 @@
 #include "flight/relative_path.h"
 #include "flight/zone_path.h"
 #include "integrator/prediction.h"
-#include "math/polynomial.h"
 #include "scene/evaluate.h"
 
 /* Returns the time [s] in which a quantity with the rate `speed` and half the second derivative `bend` leaves
@@ -39,26 +38,16 @@ static struct regime_change passage_of_end(const struct contact_shape *shape,
                                            const struct separation_path *separation, double axial_rounding,
                                            double settle, double horizon, enum contact_regime present)
 {
-    struct polynomial axial = {.degree = SEPARATION_DEGREE};
     double ends[2 * POLYNOMIAL_MAX_DEGREE];
-    double power = 1.0;
-    int count = 0;
-    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
-        axial.a[i] = power * vec3_dot(separation->c[i], shape->axis);
-        power *= horizon;
-    }
-    for (int end = -1; end <= 1; end += 2) {
-        struct polynomial plane = axial;
-        plane.a[0] += end * shape->half_length;
-        count = polynomial_add_sign_changes(&plane, ends, count);
-    }
-    const double beyond = fabs(axial.a[0]) - shape->half_length;
+    const int count = separation_path_planes(separation, horizon, shape->axis, shape->half_length, ends, 0);
+    const double beyond = fabs(vec3_dot(separation->c[0], shape->axis)) - shape->half_length;
     const double leaves = leaving_time(beyond, axial_rounding, vec3_dot(separation->c[1], shape->axis),
                                        vec3_dot(separation->c[2], shape->axis));
     double from = fmax(leaves, settle) / horizon;
     for (int i = 0; i <= count; ++i) {
         const double to = i < count ? ends[i] : 1.0;
-        if (to > from && fabs(polynomial_at(&axial, 0.5 * (from + to))) > shape->half_length) {
+        const struct vec3 c = path_at(separation->c, SEPARATION_DEGREE + 1, 0.5 * (from + to) * horizon);
+        if (to > from && fabs(vec3_dot(c, shape->axis)) > shape->half_length) {
             return (struct regime_change){from * horizon, REGIME_APART, DBL_MAX, false};
         }
         from = fmax(from, to);
@@ -141,6 +130,16 @@ static double rounding_now(const struct scene_values *v, const struct scene_stat
                                                     : rounding_of_gap(v, at, contact);
 }
 
+/* Returns g'' in flight [m/s^2]: n turns with the motion across n. */
+static double gap_bend(const struct contact_shape *shape, const struct contact_geometry *now,
+                       const struct separation_path *path)
+{
+    const double turning = contact_turns(shape, now)
+                               ? contact_turning_rate(shape, now, path->c[1], path->c[1]) / now->distance
+                               : 0.0;
+    return shape->side * (2.0 * vec3_dot(now->normal, path->c[2]) + turning);
+}
+
 /* Returns the change of bodies that are apart, with a destination without ends: compression begins at their
  * first touch. A contact whose gap has just passed zero is within a dead band until the gap exceeds its
  * rounding. */
@@ -162,12 +161,7 @@ static struct regime_change touch_in_flight(const struct scene_values *v, const 
         return touch_at(touch);
     }
     /* bodies touch at once if their relative speed is rounding and a load presses them together */
-    const double turning =
-        contact_turns(shape, now)
-            ? contact_turning_rate(shape, now, separation.c[1], separation.c[1]) / now->distance
-            : 0.0;
-    const bool is_pressed = shape->side * (2.0 * vec3_dot(now->normal, separation.c[2]) + turning) < 0.0;
-    if (now->gap == 0.0 && is_pressed && !(dead_band > 0.0) &&
+    if (now->gap == 0.0 && gap_bend(shape, now, &separation) < 0.0 && !(dead_band > 0.0) &&
         fabs(now->gap_rate) <= rounding_of_rate(at, contact)) {
         return touch_at(0.0);
     }
@@ -213,14 +207,18 @@ static enum contact_regime regime_at_time(const struct advancement_path *path, c
     advancement_at(path, ADVANCEMENT_TOUCH, time, &at);
     const double gap = at.geometry.gap;
     const double rate = law_rate_at(path, &at, time);
+    const enum contact_regime then =
+        contact_regime_of(law, gap, rate, scene_within_extents(&path->shape, &at.geometry));
+    if (then == present) {
+        return present;
+    }
     const struct contact_slopes slopes = contact_event_slopes(law, present, gap, rate);
     const double gap_noise = at.noise[ADVANCEMENT_GAP];
     const double tilt = contact_turns(&path->shape, &at.geometry) ? gap_noise / at.geometry.distance : 0.0;
     const double rate_noise = vec3_norm(at.c[1]) * (ROUNDINGS + tilt);
     const bool is_clear = fabs(contact_event(law, present, gap, rate)) >
                           fabs(slopes.by_gap) * gap_noise + fabs(slopes.by_rate) * rate_noise;
-    return is_clear ? contact_regime_of(law, gap, rate, scene_within_extents(&path->shape, &at.geometry))
-                    : present;
+    return is_clear ? then : present;
 }
 
 /* Returns the regime of bodies that touch from now on. Where the source passes an end plane, rounding decides
@@ -295,9 +293,6 @@ static struct prediction advancement_prediction(const struct scene_values *v, co
     return found;
 }
 
-/* So many evaluations of the gap take some milliseconds; a dozen are usual. */
-enum { RIM_EVALUATIONS = 10000 };
-
 /* A separating contact in flight: its path, and bounds of rounding. */
 struct separating {
     struct contact_shape shape;
@@ -337,11 +332,12 @@ enum { SEPARATING_PLACES = 16 };
 
 /* Returns the first change of a separating contact, whose bodies fly: they part, or the force returns. */
 static struct regime_change separating_change(const struct scene_values *v, const struct scene_state *q,
-                                              const struct scene_instant *at, int contact, double horizon)
+                                              const struct scene_instant *at,
+                                              const struct contact_shape *shape, int contact, double horizon)
 {
     const struct contact_geometry *now = &at->geometry[contact];
     const double by_positions = rounding_of_gap(v, at, contact);
-    struct separating f = {.shape = scene_contact_shape(v, q, contact),
+    struct separating f = {.shape = *shape,
                            .law = scene_contact_law(v, q, contact),
                            .separation = separation_path_of(v, q, at, q->clock, contact),
                            .normal = now->normal};
@@ -378,19 +374,19 @@ static struct regime_change separating_change(const struct scene_values *v, cons
 }
 
 /* Returns the first change of a contact by a search along its path. Conservative advancement follows a
- * prescribed contact, a contact at a rim, and bodies that are apart where the source may pass an open end.
- * Any other contact here is separating. */
+ * prescribed contact, and bodies that are apart where the source may pass an open end. Any other contact here
+ * is separating. */
 static struct prediction change_on_path(const struct scene_values *v, const struct scene_state *q,
                                         const struct scene_instant *at, const struct contact_shape *shape,
                                         int contact, double horizon, long budget)
 {
     struct prediction found = {.searched = horizon};
     const bool has_ends = relative_path_has_ends(shape);
-    if (contact_is_prescribed(v, contact) || contact_is_rim(shape) ||
+    if (contact_is_prescribed(v, contact) ||
         (has_ends && q->contact[contact].regime == (int32_t)REGIME_APART)) {
         return advancement_prediction(v, q, at, contact, horizon, budget);
     }
-    found.next = separating_change(v, q, at, contact, horizon);
+    found.next = separating_change(v, q, at, shape, contact, horizon);
     if (has_ends) {
         const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
         const struct regime_change end = passage_of_end(
@@ -400,32 +396,42 @@ static struct prediction change_on_path(const struct scene_values *v, const stru
     return found;
 }
 
-static struct regime_change capped_regime_change(const struct scene_values *v, const struct scene_state *q,
-                                                 const struct scene_instant *at,
-                                                 const struct contact_shape *shape, int contact,
-                                                 double horizon)
+/* Returns the first change of a contact with a capped cylinder that transmits no force to a free body.
+ * Conservative advancement finds it, except while the contact separates within its zone on a side or a cap,
+ * where the gap may be smaller than the rounding of positions. A prescribed contact that goes into another
+ * zone keeps its regime there; positions then give the gap (DBL_MAX). */
+static struct prediction change_at_capped(const struct scene_values *v, const struct scene_state *q,
+                                          const struct scene_instant *at, int contact, double horizon,
+                                          long budget)
 {
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
-    struct regime_change next = no_change(present, true);
-    if (present == REGIME_APART) {
-        return touch_at(zone_change_touch(v, q, at, q->clock, contact, horizon));
-    }
+    const struct contact_shape in = scene_shape_met(v, q, at, contact);
     const struct separation_path path = separation_path_of(v, q, at, q->clock, contact);
-    const double end = zone_path_end(&shape->solid, &path, horizon);
-    const double until = fmin(end, horizon);
-    if (until > 0.0) {
-        next = change_on_path(v, q, at, shape, contact, until, RIM_EVALUATIONS).next;
-        if (contact_is_rim(shape)) {
-            /* DBL_MAX says that the gap is the one that the positions give */
-            next.gap = next.regime == REGIME_APART ? 0.0 : DBL_MAX;
-            next.passes_centre = false;
+    const double noise = rounding_of_gap(v, at, contact);
+    const double bend = gap_bend(&in, &at->geometry[contact], &path);
+    const double rate = at->geometry[contact].gap_rate;
+    if (present == REGIME_APART && !contact_is_prescribed(v, contact) &&
+        fabs(at->geometry[contact].gap) <= noise && bend < 0.0 && rate * rate < -2.0 * bend * noise) {
+        /* the hop of bodies that touch within rounding is a parabola, and bodies that approach touch now */
+        const double dead_band = q->contact[contact].schedule.dead_band_clock - q->clock;
+        return (struct prediction){touch_at(fmax(fmax(-2.0 * rate / bend, 0.0), dead_band)), horizon, 0};
+    }
+    const double end = present == REGIME_APART ? (double)INFINITY : zone_path_end(&in.solid, &path, horizon);
+    if (present == REGIME_SEPARATING && !contact_is_prescribed(v, contact) && !contact_is_rim(&in)) {
+        const struct regime_change next = separating_change(v, q, at, &in, contact, horizon);
+        if (fmin(next.after, horizon) < end) {
+            return (struct prediction){next, horizon, 0};
         }
     }
-    if (!(next.after < end) && end < (double)INFINITY) {
-        /* the gap is again the one that the positions give */
-        return (struct regime_change){end, present, DBL_MAX, next.passes_centre};
+    const double until = q->contact[contact].zone != 0 ? end : (double)INFINITY;
+    struct prediction found = {no_change(present, true), horizon, 0};
+    if (until > 0.0) {
+        found = advancement_prediction(v, q, at, contact, fmin(until, horizon), budget);
     }
-    return next;
+    if (until <= found.searched && !(found.next.after < until)) {
+        found.next = (struct regime_change){until, present, DBL_MAX, true};
+    }
+    return found;
 }
 
 struct prediction prediction_of(const struct scene_values *v, const struct scene_state *q,
@@ -442,9 +448,8 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
     if (SCENE_ANY_ADVANCEMENT && contact_advances(v, contact)) {
         return advancement_prediction(v, q, at, contact, horizon, budget);
     }
-    if (SCENE_ANY_CAPS && contact_is_capped(&shape)) {
-        found.next = capped_regime_change(v, q, at, &shape, contact, horizon);
-        return found;
+    if (contact_is_capped(&shape)) {
+        return change_at_capped(v, q, at, contact, horizon, budget);
     }
     if (contact_pushes(v, q, contact)) {
         const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
@@ -453,19 +458,9 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
                                     horizon, present);
         return found;
     }
-    if (present == REGIME_APART && !contact_is_prescribed(v, contact)) {
-        const double rounding = has_ends ? rounding_of_axial(v, at, contact, &shape) : 0.0;
-        if (!has_ends || scene_beyond_ends(&shape, &at->geometry[contact]) < -rounding) {
-            found.next = touch_in_flight(v, q, at, &shape, contact, horizon);
-            if (!has_ends || !isfinite(found.next.after)) {
-                return found;
-            }
-            /* the touch is on the side if no end is passed before */
-            const struct separation_path path = separation_path_of(v, q, at, q->clock, contact);
-            if (!isfinite(passage_of_end(&shape, &path, rounding, 0.0, found.next.after, present).after)) {
-                return found;
-            }
-        }
+    if (present == REGIME_APART && !contact_is_prescribed(v, contact) && !has_ends) {
+        found.next = touch_in_flight(v, q, at, &shape, contact, horizon);
+        return found;
     }
     return change_on_path(v, q, at, &shape, contact, horizon, budget);
 }

@@ -5,8 +5,8 @@
  * force). The gap of bodies that are apart is monotone between two roots of rho.rho' = 0, all of which are
  * isolated, so that no touch is missed however long the interval is. A separating contact is looked at
  * between these roots, with the digits that its gap has. Conservative advancement, which misses no touch
- * either, finds the changes where the axis turns, where the source may pass an open end, at a rim, and where
- * the importer moves both bodies.
+ * either, finds the changes where the axis turns, at a torus and at skew cylinders, at cylinders of finite
+ * length, open or capped, and where the importer moves both bodies.
  *
  * With a contact force between free bodies only the passage of a cylinder's end is known in advance, because
  * the force is perpendicular to the axis. Where another contact acts on one of the bodies no change is known

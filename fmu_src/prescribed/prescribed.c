@@ -499,38 +499,27 @@ void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-/* Sets friction at a clock after a change of the law's regime from `before` (scene/transition.h). */
-static void follow_law(const struct prescribed_contact *c, double clock, enum contact_regime before)
+/* Puts the law into a regime at a clock, and friction after it. */
+static void take_regime(const struct prescribed_contact *c, double clock, enum contact_regime regime)
 {
     const double present = c->q->clock;
     c->q->clock = clock;
-    if (SCENE_ANY_FRICTION) {
-        turning_take_regime(c->v, c->q, c->contact, before);
-    }
+    transition_set_regime(c->v, c->q, c->contact, regime);
     c->q->clock = present;
 }
 
 /* Sets the regimes and springs after an event. */
 static void take_regime_event(const struct prescribed_contact *c, double clock, int event)
 {
-    const enum contact_regime before = regime_of(c);
     const double present = c->q->clock;
     if (event == ODE_EVENT_LAW) {
         const struct contact_law law = scene_contact_law(c->v, c->q, c->contact);
-        c->q->contact[c->contact].regime = (int32_t)contact_regime_after(&law, before);
-        follow_law(c, clock, before);
+        take_regime(c, clock, contact_regime_after(&law, regime_of(c)));
     } else if (SCENE_ANY_FRICTION) {
         c->q->clock = clock;
         turning_take_event(c->v, c->q, c->contact, (enum ode_event)event);
         c->q->clock = present;
     }
-}
-
-static void end_regimes(const struct prescribed_contact *c, double clock)
-{
-    const enum contact_regime before = regime_of(c);
-    c->q->contact[c->contact].regime = (int32_t)REGIME_APART;
-    follow_law(c, clock, before);
 }
 
 /* Largest difference of a panel and its halves, divided by the size of their terms. The order ten of the
@@ -969,7 +958,6 @@ static void add_instant(struct span *s, double clock, double time)
 CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, const struct passage *passage)
 {
     const struct prescribed_contact *c = &s->c;
-    const enum contact_regime before = regime_of(c);
     const double to = fmin(passage->to, end);
     struct scene_instant at;
     add_instant(s, clock, passage->centre - clock);
@@ -978,9 +966,8 @@ CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, c
                        -at.geometry[c->contact].gap);
     s->springs = laid_springs(c, to, s->springs);
     kinematics_at(c, to, &at);
-    c->q->contact[c->contact].regime = (int32_t)scene_regime(c->v, c->q, &at, c->contact);
     put_springs_of(c, &s->springs);
-    follow_law(c, to, before);
+    take_regime(c, to, scene_regime(c->v, c->q, &at, c->contact));
     s->springs = springs_of(c->q, c->contact);
     add_instant(s, to, to - passage->centre);
     counter_add(&c->q->counters.events, 1);
@@ -1156,30 +1143,11 @@ static bool finds_change(const struct span *s, double clock, double end, enum ad
 static void begin_contact(struct span *s, double clock)
 {
     const struct prescribed_contact *c = &s->c;
-    struct scene_state *q = c->q;
     struct scene_instant at;
     kinematics_at(c, clock, &at);
-    (void)onset_note(c->v, q, &at, c->contact, scene_regime_of_touching(c->v, q, &at, c->contact));
-    q->contact[c->contact].regime = (int32_t)scene_regime_of_touching(c->v, q, &at, c->contact);
-    follow_law(c, clock, REGIME_APART);
-    s->springs = springs_of(q, c->contact);
-    if (SCENE_ANY_FREE) {
-        struct contact_record *record = &q->contact[s->c.contact].record;
-        counter_add(&record->onsets, 1);
-        record->onset_time = q->base + (q->base_tail + clock);
-        record->touch_clock = clock;
-    }
-    counter_add(&q->counters.events, 1);
-}
-
-static void end_contact(struct span *s, double clock)
-{
-    end_regimes(&s->c, clock);
-    if (SCENE_ANY_FREE) {
-        struct contact_record *record = &s->c.q->contact[s->c.contact].record;
-        record->last_duration = clock - record->touch_clock;
-    }
-    counter_add(&s->c.q->counters.events, 1);
+    (void)onset_note(c->v, c->q, &at, c->contact, scene_regime_of_touching(c->v, c->q, &at, c->contact));
+    take_regime(c, clock, scene_regime_of_touching(c->v, c->q, &at, c->contact));
+    s->springs = springs_of(c->q, c->contact);
 }
 
 /* Books the energy stored at a clock, times `sign`, as dissipated. It is other than zero where contact begins
@@ -1213,11 +1181,12 @@ static bool integrate_located(struct span *s)
         }
         if (next < end && touches) {
             book_stored(s, next, 1.0);
-            end_contact(s, next);
+            take_regime(&s->c, next, REGIME_APART);
         } else if (next < end) {
             begin_contact(s, next);
             book_stored(s, next, -1.0);
         }
+        counter_add(&q->counters.events, next < end);
         clock = next;
     }
     return true;
@@ -1229,25 +1198,6 @@ static const double STEPS_OF_PANEL = 5.0;
 #if !SCENE_ANY_FREE
 
 /* This part serves scenes in which no body may be free: the regimes and forces of the present. */
-
-/* Sets the regimes of a contact that may turn or rub to those of the present instant. */
-static void settle_regimes(const struct scene_values *v, struct scene_state *q, int contact)
-{
-    struct scene_instant at;
-    const struct prescribed_contact c = {v, q, contact};
-    const enum contact_regime before = regime_of(&c);
-    kinematics_at(&c, q->clock, &at);
-    const enum contact_regime next = onset_note(v, q, &at, contact, scene_regime(v, q, &at, contact));
-    q->contact[contact].regime = (int32_t)next;
-    if (next == REGIME_APART) {
-        end_regimes(&c, q->clock);
-        return;
-    }
-    if (SCENE_ANY_FRICTION && before != REGIME_APART) {
-        lay_springs(&c);
-    }
-    follow_law(&c, q->clock, contact_has_springs(v, contact) ? before : REGIME_APART);
-}
 
 static void book_mean(struct contact_state *state, struct vec3 force, struct vec3 torque)
 {
@@ -1262,11 +1212,12 @@ void prescribed_settle(const struct scene_values *v, struct scene_state *q)
     struct scene_instant at;
     scene_kinematics_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (scene_turns(v)) {
-            settle_regimes(v, q, j);
-            continue;
+        const struct prescribed_contact c = {v, q, j};
+        const enum contact_regime next = onset_note(v, q, &at, j, scene_regime(v, q, &at, j));
+        if (SCENE_ANY_FRICTION && scene_turns(v) && next != REGIME_APART && regime_of(&c) != REGIME_APART) {
+            lay_springs(&c);
         }
-        q->contact[j].regime = (int32_t)onset_note(v, q, &at, j, scene_regime(v, q, &at, j));
+        take_regime(&c, q->clock, next);
     }
 }
 

@@ -1091,8 +1091,10 @@ void zones_follow(const struct scene_values *v, struct scene_state *q, const str
                   int contact)
 {
     struct contact_state *state = &q->contact[contact];
-    const bool is_located = SCENE_ANY_ZONES && scene_turns(v) && contact_is_prescribed(v, contact);
-    if (state->regime == (int32_t)REGIME_APART || is_located) {
+    const bool has_force =
+        state->regime == (int32_t)REGIME_COMPRESSION || state->regime == (int32_t)REGIME_RESTITUTION;
+    const bool is_prescribed = SCENE_ANY_ZONES && contact_is_prescribed(v, contact);
+    if (state->regime == (int32_t)REGIME_APART || (is_prescribed ? scene_turns(v) : !has_force)) {
         state->zone = 0;
     } else if (SCENE_ANY_ZONES && state->zone == 0) {
         state->zone = at->geometry[contact].zone;

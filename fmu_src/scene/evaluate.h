@@ -316,9 +316,10 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
 /* Margin [m] of a contact that has no zone. */
 #define NO_ZONE_MARGIN 1.0
 
-/* Sets the zone after a change of regime: a new contact takes the zone of the instant; one that has ended
- * loses its zone. Where the motion is prescribed and something turns, the nearest zone always holds, because
- * quadrature needs no limits of zones. */
+/* Sets the zone after a change of regime: a contact whose law gives a force takes the zone of the instant,
+ * and one that is apart or separates loses its zone. A prescribed contact has a zone also while it separates,
+ * but none where something turns, because quadrature needs no limits of zones there. Without a zone the
+ * nearest one holds. */
 void zones_follow(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
                   int contact);
 

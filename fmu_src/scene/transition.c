@@ -406,19 +406,18 @@ void turning_take_event(const struct scene_values *v, struct scene_state *q, int
     }
 }
 
-/* Sets the regime of a contact and of its friction, and notes an onset or the end of the contact. */
-static void set_regime(const struct scene_values *v, struct scene_state *q, int contact,
-                       enum contact_regime regime)
+void transition_set_regime(const struct scene_values *v, struct scene_state *q, int contact,
+                           enum contact_regime regime)
 {
     struct contact_state *state = &q->contact[contact];
     const enum contact_regime before = (enum contact_regime)state->regime;
     state->regime = (int32_t)regime;
-    if (before == REGIME_APART && regime != REGIME_APART) {
+    if (SCENE_ANY_FREE && before == REGIME_APART && regime != REGIME_APART) {
         counter_add(&state->record.onsets, 1);
         state->record.onset_time = scene_time(q);
         state->record.touch_clock = q->clock;
         state->record.force_error = 0.0;
-    } else if (before != REGIME_APART && regime == REGIME_APART) {
+    } else if (SCENE_ANY_FREE && before != REGIME_APART && regime == REGIME_APART) {
         state->record.last_duration = q->clock - state->record.touch_clock;
     }
     if (SCENE_ANY_FRICTION) {
@@ -542,7 +541,7 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
         regime = pass_zone(v, q, at, contact);
     }
     regime = onset_note(v, q, at, contact, regime);
-    set_regime(v, q, contact, regime);
+    transition_set_regime(v, q, contact, regime);
     zones_follow(v, q, at, contact);
     q->dissipated += before - energy_stored(v, q, at);
     counter_add(&q->counters.events, 1);
@@ -579,7 +578,7 @@ void transition_switch_regime(const struct scene_values *v, struct scene_state *
         scene_kinematics_now(v, q, &at);
     }
     regime = onset_note(v, q, &at, contact, regime);
-    set_regime(v, q, contact, regime);
+    transition_set_regime(v, q, contact, regime);
     zones_follow(v, q, &at, contact);
     q->dissipated += before - energy_stored(v, q, &at);
     counter_add(&q->counters.events, 1);
@@ -596,7 +595,7 @@ void transition_settle_regimes(const struct scene_values *v, struct scene_state 
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (starting || fabs(at.geometry[j].gap) > rounding_of_gap(v, &at, j)) {
-            set_regime(v, q, j, onset_note(v, q, &at, j, scene_regime(v, q, &at, j)));
+            transition_set_regime(v, q, j, onset_note(v, q, &at, j, scene_regime(v, q, &at, j)));
             zones_follow(v, q, &at, j);
         }
     }
@@ -614,7 +613,7 @@ void transition_take_law(const struct scene_values *v, struct scene_state *q, co
     scene_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (changed[j] && q->contact[j].regime != REGIME_APART) {
-            set_regime(v, q, j, scene_regime_of_touching(v, q, &at, j));
+            transition_set_regime(v, q, j, scene_regime_of_touching(v, q, &at, j));
         }
     }
     q->external_work += energy_stored(v, q, &at) - stored_before;

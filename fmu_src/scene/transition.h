@@ -54,6 +54,11 @@ void turning_take_regime(const struct scene_values *v, struct scene_state *q, in
 void turning_take_event(const struct scene_values *v, struct scene_state *q, int contact,
                         enum ode_event event);
 
+/* Sets the regime of a contact and of its friction at the present instant, and notes an onset or the end of
+ * the contact. */
+void transition_set_regime(const struct scene_values *v, struct scene_state *q, int contact,
+                           enum contact_regime regime);
+
 /*
  * Puts a contact into a new regime at the present instant. Counts an onset when bodies begin to overlap, and
  * closes the duration when they cease to. Books a jump of the stored energy, as where a finite cylinder's end
