@@ -23,10 +23,10 @@ _Static_assert((int)MODEL_FATAL == (int)fmi2Fatal, "status order");
 
 /*
  * Each function of the standard that takes an instance names the kind of instance and the phases in which it
- * may be called (struct call), after the tables "calling sequence" of FMI 2.0.5, sections 3.2.3 and 4.2.4. Two
- * extensions do no harm: variables that have a start value may be read while instantiated, and the status
- * functions answer after a failed step too. Model Exchange is never in step mode, Co-Simulation never in event
- * mode or continuous-time mode. A function evaluates `result` where it may be called now.
+ * may be called (struct call), after the tables "calling sequence" of FMI 2.0.5, sections 3.2.3 and 4.2.4.
+ * Two extensions do no harm: variables that have a start value may be read while instantiated, and the status
+ * functions answer after a failed step too. Model Exchange is never in step mode, Co-Simulation never in
+ * event mode or continuous-time mode. A function evaluates `result` where it may be called now.
  */
 #define CALL2(function, kind, phases, parameters, result)                                                    \
     CONTACT_EXPORTED fmi2Status fmi2##function parameters                                                    \

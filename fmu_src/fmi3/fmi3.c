@@ -34,10 +34,10 @@ _Static_assert((int)MODEL_FATAL == (int)fmi3Fatal, "status order");
 /*
  * Each function of the standard that takes an instance names the kind of instance and the phases in which it
  * may be called (struct call), after the state machines of FMI 3.0.2, sections 2.3, 3.2 and 4.2. Three
- * extensions do no harm: variables that have a start value may be read while instantiated, outputs may be read
- * between setting an input and the next step, and the numbers of states and indicators are always told. Model
- * Exchange is never in step mode, Co-Simulation never in continuous-time mode. A function evaluates `result`
- * where it may be called now; `absent` says why it never may, or is NULL.
+ * extensions do no harm: variables that have a start value may be read while instantiated, outputs may be
+ * read between setting an input and the next step, and the numbers of states and indicators are always told.
+ * Model Exchange is never in step mode, Co-Simulation never in continuous-time mode. A function evaluates
+ * `result` where it may be called now; `absent` says why it never may, or is NULL.
  */
 #define DEFINE3(function, kind, phases, absent, parameters, result)                                          \
     CONTACT_EXPORTED fmi3Status fmi3##function parameters                                                    \

@@ -379,25 +379,31 @@ static bool add_pair(struct pair_phase *all, const struct scene_values *v, const
     return true;
 }
 
+/* Begins to make a phase of one form. Until an end is found, the phase lasts as long as it may. */
+static void begin_form(struct pair_phase *all, enum phase_form form, double longest)
+{
+    all->form = form;
+    all->longest = all->time = longest;
+    all->terminal = -1;
+    all->changes = true;
+    all->lifts = false;
+}
+
 /* Makes the chain, as long as contacts that are none of it stay apart. */
 static bool make_chain(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
                        const struct scene_instant *at, double longest)
 {
-    if (!SCENE_HAS_CHAINS || !chain_may_be(v, q) || !chain_make(&all->chain, v, q, at)) {
+    struct chain *c = &all->chain;
+    if (!SCENE_HAS_CHAINS || !chain_may_be(v, q) || !chain_make(c, v, q, at)) {
         return false;
     }
-    struct chain *c = &all->chain;
-    all->form = PHASE_OF_CHAIN;
-    all->terminal = -1;
-    all->longest = others_apart_for(v, q, at, c, longest);
+    begin_form(all, PHASE_OF_CHAIN, others_apart_for(v, q, at, c, longest));
     if (!(all->longest > 0.0)) {
         return false;
     }
     chain_find_end(c, all->longest);
     all->time = c->end;
-    all->changes = c->terminal >= 0;
-    all->lifts = false;
-    if (all->changes) {
+    if (c->terminal >= 0) {
         all->terminal = c->contact[c->terminal];
         all->next = contact_transmits(q, all->terminal) ? REGIME_APART : REGIME_COMPRESSION;
     }
@@ -409,52 +415,32 @@ static bool make_island(struct pair_phase *all, const struct scene_values *v, co
                         const struct scene_instant *at, double longest)
 {
     double quiet = (double)INFINITY;
-    if (!SCENE_HAS_ISLANDS || !island_may_be(v, q)) {
-        return false;
-    }
     struct island *s = all->island;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(q, j)) {
             quiet = fmin(quiet, tolerance_of(v, q, at, j));
         }
     }
-    if (!island_make(s, v, q, at, longest, quiet)) {
+    if (!SCENE_HAS_ISLANDS || !island_may_be(v, q) || !island_make(s, v, q, at, longest, quiet)) {
         return false;
     }
-    all->form = PHASE_OF_ISLAND;
-    all->longest = longest;
+    begin_form(all, PHASE_OF_ISLAND, longest);
     all->time = s->terminal < 0 && s->time >= longest * ALL_OF_IT ? longest : fmin(s->time, longest);
     all->terminal = s->terminal;
     all->next = s->next;
-    all->changes = s->terminal >= 0;
-    all->lifts = false;
     return true;
 }
 
-/* Makes the chain or the island of contacts that act on each other. Pairs that are alone have segments, where
- * other contacts stay apart for a while. */
-static bool make_coupled(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, double longest)
-{
-    if (!any_is_coupled(v, q)) {
-        return false;
-    }
-    if (make_chain(all, v, q, at, longest)) {
-        return true;
-    }
-    const bool has_segments = pairs_are_alone(v, q) && others_apart_for(v, q, at, NULL, longest) > 0.0;
-    return !has_segments && make_island(all, v, q, at, longest);
-}
-
-/* Makes the segments of all pairs. Where one pair shortens the phase, the segments made before are made
- * again, because a segment is most accurate at its own end. */
+/* Makes the segments of all pairs, as long as contacts that are apart stay so. Where one pair shortens the
+ * phase, the segments made before are made again, because a segment is most accurate at its own end. */
 static bool make_segments(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at, double longest)
 {
-    all->longest = all->time = longest;
-    all->terminal = -1;
-    all->form = PHASE_OF_SEGMENTS;
     if (!pairs_are_alone(v, q)) {
+        return false;
+    }
+    begin_form(all, PHASE_OF_SEGMENTS, others_apart_for(v, q, at, NULL, longest));
+    if (!(all->longest > 0.0)) {
         return false;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -472,6 +458,16 @@ static bool make_segments(struct pair_phase *all, const struct scene_values *v, 
         }
     }
     return true;
+}
+
+/* Makes a phase of at most a length. Contacts that act on each other are a chain or an island; where others
+ * only stay apart for a while, pairs have segments. */
+static bool make_phase(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
+                       const struct scene_instant *at, double longest)
+{
+    const bool coupled = any_is_coupled(v, q);
+    return (coupled && make_chain(all, v, q, at, longest)) || make_segments(all, v, q, at, longest) ||
+           (coupled && make_island(all, v, q, at, longest));
 }
 
 /* Integrates the prescribed contacts to the clock `end`; returns the clock reached. */
@@ -643,8 +639,7 @@ static bool restore_pairs(struct pair_phase *all, const struct scene_values *v, 
     start.clock = start.phase.clock;
     scene_kinematics_now(v, &start, &at);
     all->made_from = q->phase;
-    return make_coupled(all, v, &start, &at, q->phase.longest) ||
-           make_segments(all, v, &start, &at, q->phase.longest);
+    return make_phase(all, v, &start, &at, q->phase.longest);
 }
 
 /* Returns the length [s] beyond which a longer phase does harm: each reading of it would cost more, or the
@@ -665,38 +660,32 @@ static double harmless_time(const struct pair_phase *all, const struct scene_val
     return time;
 }
 
-/* Begins a phase up to the clock `until`, or earlier: of a chain, or of pairs alone as long as the others
- * stay apart. Returns false where that fails. */
+/* Begins a phase up to the clock `until`, or earlier. Returns false where that fails. */
 static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, struct scene_state *q,
                         double until, struct advance *step)
 {
-    double longest = until - q->clock;
+    const double asked = until - q->clock;
     if (until > step->clock_end) {
         step->is_now = false; /* the instant is computed as restore_pairs computes it */
     }
     all->made_from.end = 0.0;
-    bool made = make_coupled(all, v, q, advance_now(step, v, q), longest);
-    const double apart = made ? all->longest : others_apart_for(v, q, advance_now(step, v, q), NULL, longest);
-    const bool cut = apart < longest;
-    if (cut) {
-        longest = apart;
-        until = q->clock + longest;
-    }
-    made = made || (until > q->clock && make_segments(all, v, q, advance_now(step, v, q), longest));
-    const double harmless = made && until > step->clock_end ? harmless_time(all, v, q) : (double)INFINITY;
-    if (q->clock + harmless < until) {
-        until = fmax(q->clock + harmless, step->clock_end);
-        longest = until - q->clock;
-        made = make_segments(all, v, q, advance_now(step, v, q), longest);
-    }
-    if (!made) {
+    if (!make_phase(all, v, q, advance_now(step, v, q), asked)) {
         return false;
     }
-    all->is_cut = cut && !(all->time < longest);
+    const bool cut = all->longest < asked;
+    until = cut ? q->clock + all->longest : until;
+    const double harmless = until > step->clock_end ? harmless_time(all, v, q) : (double)INFINITY;
+    if (q->clock + harmless < until) {
+        until = fmax(q->clock + harmless, step->clock_end);
+        if (!make_segments(all, v, q, advance_now(step, v, q), until - q->clock)) {
+            return false;
+        }
+    }
+    all->is_cut = cut && !(all->time < all->longest);
     q->phase.clock = q->phase.followed = q->clock;
-    q->phase.end = all->time < longest ? q->clock + all->time : until;
+    q->phase.end = all->time < all->longest ? q->clock + all->time : until;
     if (q->phase.end > step->clock_end) { /* else nothing returns to the start */
-        q->phase.longest = longest;
+        q->phase.longest = all->longest;
         keep_start(q, false);
         all->made_from = q->phase;
     }
@@ -774,13 +763,6 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
     return ADVANCE_REACHED;
 }
 
-static enum advance_result advance_prescribed(const struct scene_values *v, struct scene_state *q,
-                                              struct advance *step)
-{
-    q->clock = integrate_prescribed(v, q, step->clock_end, step);
-    return q->clock < step->clock_end ? ADVANCE_STEP_LIMIT : ADVANCE_REACHED;
-}
-
 static enum advance_result advance_flight(const struct scene_values *v, struct scene_state *q,
                                           struct advance *step)
 {
@@ -803,7 +785,8 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
     }
     s->message[0] = '\0';
     if (SCENE_ANY_PRESCRIBED_CONTACT && scene_is_force_element(v) && !scene_turns(v)) {
-        return advance_prescribed(v, q, step);
+        q->clock = integrate_prescribed(v, q, step->clock_end, step);
+        return q->clock < step->clock_end ? ADVANCE_STEP_LIMIT : ADVANCE_REACHED;
     }
     if (flight_is_free(q)) {
         return advance_flight(v, q, step);
@@ -889,25 +872,19 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         step->event = ODE_EVENT_GAP;
         const enum advance_result result = advance_phase(s, v, q, step);
         step->is_now = false;
-        switch (result) {
-        case ADVANCE_REACHED:
-            if (step->clock_end >= change) {
-                begins_or_ends = change_regime(v, q, step, next,
-                                               (enum contact_regime)q->contact[next].schedule.change_regime);
-                break;
-            }
-            if (step->clock_end >= end) {
-                return INTEGRATOR_DONE;
-            }
-            break;
-        case ADVANCE_EVENT:
-            begins_or_ends = take_event(v, q, step);
-            break;
-        case ADVANCE_STEP_LIMIT: /* a quadrature (prescribed.c) may end by a limit of its own */
-            return advance_is_spent(step) ? INTEGRATOR_STEP_LIMIT : INTEGRATOR_STALLED;
-        case ADVANCE_FAILED:
-        default:
+        if (result == ADVANCE_FAILED) {
             return INTEGRATOR_FAILED;
+        }
+        if (result == ADVANCE_STEP_LIMIT) { /* a quadrature (prescribed.c) may end by a limit of its own */
+            return advance_is_spent(step) ? INTEGRATOR_STEP_LIMIT : INTEGRATOR_STALLED;
+        }
+        if (result == ADVANCE_EVENT) {
+            begins_or_ends = take_event(v, q, step);
+        } else if (step->clock_end >= change) {
+            begins_or_ends =
+                change_regime(v, q, step, next, (enum contact_regime)q->contact[next].schedule.change_regime);
+        } else if (step->clock_end >= end) {
+            return INTEGRATOR_DONE;
         }
         if (begins_or_ends) {
             end_time = end_after_event(request, q, start, end_time);
@@ -951,17 +928,24 @@ static void follow_phase(struct integrator *s, const struct scene_values *v, str
 #endif
 }
 
-/* Computes the motion of deferred steps, but not what they sum up: means and peaks. */
-static void catch_up_motion(struct integrator *s, const struct scene_values *v, struct scene_state *q)
+void integrator_catch_up(struct integrator *s, const struct scene_values *v, struct scene_state *q)
 {
+    struct scene_instant at;
+    const double clock = q->clock;
     if (!q->deferred || !(q->phase.end > 0.0 || keeps_step(v, q))) {
         flight_catch_up(v, q);
         return;
     }
     q->deferred = 0;
+    q->clock = q->deferred_from;
     if ((q->phase.end > 0.0 ? q->phase.followed : q->unfinished.present) < q->clock) {
         follow_phase(s, v, q, q->clock, q->clock);
     }
+    const double start = scene_time(q);
+    transition_begin_step(v, q, &at);
+    follow_phase(s, v, q, q->clock, clock);
+    q->step_length = scene_time(q) - start;
+    transition_end_step(v, q);
 }
 
 /* Returns the clock until which communication steps need only advance the clock. */
@@ -979,7 +963,7 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
     const double start = scene_time(q);
     struct advance step;
     step.start = start;
-    catch_up_motion(s, v, q);
+    integrator_catch_up(s, v, q);
     step.budget = solver_max_internal_steps(v);
     step.work = step.budget > LEAST_WORK ? step.budget : LEAST_WORK;
     transition_begin_step(v, q, &step.now);
@@ -994,23 +978,4 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
         status == INTEGRATOR_DONE && !scene_is_force_element(v) ? deferrable_until(v, q) : 0.0;
     q->only_flies = !(q->phase.end > 0.0 || scene_turns(v) || (SCENE_CONTACTS > 1 && keeps_step(v, q)));
     return status;
-}
-
-void integrator_catch_up(struct integrator *s, const struct scene_values *v, struct scene_state *q)
-{
-    struct scene_instant at;
-    const double clock = q->clock;
-    if (!(q->phase.end > 0.0 || keeps_step(v, q))) {
-        flight_catch_up(v, q);
-        return;
-    }
-    if (q->deferred) {
-        q->clock = q->deferred_from;
-        catch_up_motion(s, v, q);
-        const double start = scene_time(q);
-        transition_begin_step(v, q, &at);
-        follow_phase(s, v, q, q->clock, clock);
-        q->step_length = scene_time(q) - start;
-        transition_end_step(v, q);
-    }
 }

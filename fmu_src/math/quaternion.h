@@ -30,6 +30,11 @@ static inline struct vec3 quaternion_vector(struct quaternion q)
     return vec3_make(q.x, q.y, q.z);
 }
 
+static inline bool quaternion_is_zero(struct quaternion q)
+{
+    return q.w == 0.0 && vec3_is_zero(quaternion_vector(q));
+}
+
 /* Returns the place of a part of q: of w, x, y or z by the index 0 to 3. */
 static inline double *quaternion_part(struct quaternion *q, int index)
 {

@@ -190,20 +190,9 @@ struct contact_law model_law_slope(const struct model *m, int contact, double di
 
 /*
  * Some parameters may be set between steps: the factors of the law, its dashpot, gravity, the solver's
- * tolerances. A new value is in force from the communication point at which it is set. The values in force
- * before are noted until then, so that a parameter that is set back, or set without effect, changes nothing.
+ * tolerances. A new value is in force from the communication point at which it is set. The values before are
+ * kept until then, so that a parameter that is set back, or set without effect, changes nothing.
  */
-
-static struct tunable_values tunable_values_of(const struct scene_values *v)
-{
-    struct tunable_values now = {.gravity = gravity(v),
-                                 .relative_tolerance = solver_relative_tolerance(v),
-                                 .absolute_tolerance = solver_absolute_tolerance(v)};
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        now.dashpot[j] = (int32_t)contact_dashpot(v, j);
-    }
-    return now;
-}
 
 /* Notes the parameters in force, before one of them is set between steps. A deferred flight is computed here,
  * because it took place under the gravity in force before. */
@@ -211,44 +200,11 @@ static void model_begin_tuning(struct model *m)
 {
     if (!m->state.tuned) {
         motion_catch_up(m);
-        m->state.in_force = tunable_values_of(&m->state.values);
+        m->state.in_force = m->state.values;
     }
     m->state.tuned = 1;
     m->state.signals_changed = 1;
     m->state.signals_open = 1;
-}
-
-/* Whether gravity, a dashpot or a factor of the law differs from the values in force, which are `before` and
- * the factors of q. Sets `tuning`. */
-static bool differs(const struct scene_values *v, const struct scene_state *q,
-                    const struct tunable_values *before, struct motion_tuning *tuning)
-{
-    const struct vec3 now_gravity = gravity(v);
-    tuning->more_gravity = vec3_sub(now_gravity, before->gravity);
-    bool any = !vec3_is_zero(tuning->more_gravity);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_coefficients *now = &q->contact[j].parameters.factors;
-        const struct contact_coefficients next = model_factors(v, q, j);
-        tuning->factors[j] = next;
-        tuning->law_changed[j] =
-            next.k != now->k || next.c != now->c || contact_dashpot(v, j) != before->dashpot[j];
-        any = any || tuning->law_changed[j];
-    }
-    return any;
-}
-
-/* Takes over new parameters. New tolerances restart the integrator, since CVODE reads them only at a
- * start. */
-static bool take_over(const struct scene_values *v, struct scene_state *q,
-                      const struct tunable_values *before)
-{
-    struct motion_tuning tuning;
-    if (solver_relative_tolerance(v) != before->relative_tolerance ||
-        solver_absolute_tolerance(v) != before->absolute_tolerance) {
-        q->integrator_fresh = 1;
-        q->phase.end = 0.0;
-    }
-    return !differs(v, q, before, &tuning) || motion_tune(v, q, &tuning);
 }
 
 /* Takes parameters that were set between steps over into the motion and books the energy that they add or
@@ -259,7 +215,7 @@ static bool model_tune(struct model *m)
         return true;
     }
     const struct scene_state before = m->state.motion;
-    const bool taken = take_over(&m->state.values, &m->state.motion, &m->state.in_force);
+    const bool taken = motion_tune(&m->state.values, &m->state.in_force, &m->state.motion);
     if (!taken) {
         m->state.motion = before;
     }
@@ -273,9 +229,8 @@ static bool model_can_tune(struct model *m, const struct variable *variable, con
     motion_catch_up(m);
     struct scene_values v = m->state.values;
     struct scene_state q = m->state.motion;
-    const struct tunable_values before = m->state.tuned ? m->state.in_force : tunable_values_of(&v);
     memcpy((char *)&v + variable->offset, value, variable_size(variable));
-    return take_over(&v, &q, &before);
+    return motion_tune(&v, m->state.tuned ? &m->state.in_force : &m->state.values, &q);
 }
 
 /* Returns the index of a variable among its body's input signals, or -1 when it is no input. */
@@ -398,8 +353,7 @@ static bool turn_tilts_axis(const struct model *m, int body)
            model_tilts_axis(&m->state.values, body, path.angular_velocity[2]);
 }
 
-/* Whether a body's prescribed axis is zero and so has no direction. */
-static bool has_no_axis(const struct scene_values *v, int body)
+bool model_has_no_axis(const struct scene_values *v, int body)
 {
     return body_has_axis(body) && body_turn_is_prescribed(v, body) &&
            vec3_is_zero(body_prescribed_axis(v, body));
@@ -407,13 +361,24 @@ static bool has_no_axis(const struct scene_values *v, int body)
 
 bool model_has_no_orientation(const struct scene_values *v, int body)
 {
-    return body_is_compound(body) && body_turn_is_prescribed(v, body) &&
-           model_is_no_rotation(body_prescribed_orientation(v, body));
+    const struct quaternion q = body_prescribed_orientation(v, body);
+    return body_is_compound(body) && body_turn_is_prescribed(v, body) && quaternion_is_zero(q);
 }
 
-bool model_is_no_rotation(struct quaternion q)
+enum model_status model_refuse_zero(const struct model *m, enum model_status status, int body,
+                                    const char *name)
 {
-    return q.w == 0.0 && vec3_is_zero(quaternion_vector(q));
+    const char *of = scene_body_name(body);
+    const char *follows = status == MODEL_DISCARD ? " and is not in force" : "";
+    return strstr(name, "orientation") != NULL
+               ? model_report(m, status,
+                              "%s.%s[1..4] = 0, 0, 0, 0 is no rotation%s (allowed: at least one component "
+                              "other than zero).",
+                              of, name, follows)
+               : model_report(m, status,
+                              "%s.%s[1], %s.%s[2], %s.%s[3] = 0, 0, 0 has no direction%s (allowed: at least "
+                              "one component other than zero).",
+                              of, name, of, name, of, name, follows);
 }
 
 enum model_status model_refuse_inputs(const struct model *m)
@@ -421,19 +386,11 @@ enum model_status model_refuse_inputs(const struct model *m)
     if (SCENE_ANY_ROTATION) {
         for (int i = 0; i < SCENE_BODIES; ++i) {
             const char *name = scene_body_name(i);
-            if (has_no_axis(&m->state.values, i)) {
-                return model_report(
-                    m, MODEL_DISCARD,
-                    "%s.prescribed_axis[1], %s.prescribed_axis[2], %s.prescribed_axis[3] = 0, 0, "
-                    "0 has no direction "
-                    "and is not in force (allowed: at least one component other than zero).",
-                    name, name, name);
+            if (model_has_no_axis(&m->state.values, i)) {
+                return model_refuse_zero(m, MODEL_DISCARD, i, "prescribed_axis");
             }
             if (model_has_no_orientation(&m->state.values, i)) {
-                return model_report(m, MODEL_DISCARD,
-                                    "%s.prescribed_orientation[1..4] = 0, 0, 0, 0 is no rotation and is not "
-                                    "in force (allowed: at least one component other than zero).",
-                                    name);
+                return model_refuse_zero(m, MODEL_DISCARD, i, "prescribed_orientation");
             }
             if (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)) {
                 return model_report(m, MODEL_DISCARD,
@@ -469,7 +426,7 @@ bool model_apply_inputs(struct model *m)
         const struct body_path before = next[i];
         input_path_renew(m, i, m->state.marks[i], &next[i]);
         if (SCENE_ANY_ROTATION &&
-            (has_no_axis(&m->state.values, i) || model_has_no_orientation(&m->state.values, i) ||
+            (model_has_no_axis(&m->state.values, i) || model_has_no_orientation(&m->state.values, i) ||
              (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)))) {
             return false;
         }

@@ -343,7 +343,8 @@ static bool motion_is_sound(const struct scene_values *v, const struct scene_sta
 static bool state_is_sound(const struct model_state *state)
 {
     for (int i = 0; i < scene_variable_count; ++i) {
-        if (!value_in_range(&state->values, &scene_variables[i])) {
+        if (!value_in_range(&state->values, &scene_variables[i]) ||
+            (state->tuned && !value_in_range(&state->in_force, &scene_variables[i]))) {
             return false;
         }
     }
@@ -356,7 +357,7 @@ static bool state_is_sound(const struct model_state *state)
            phase_is_sound(state) && turning_is_sound(&state->motion, state->initialized != 0) &&
            all_finite(state->signals, &state->motion) &&
            (!state->motion.deferred || (state->initialized && state->exchange == EXCHANGE_NONE)) &&
-           all_finite(&state->importer_tolerance, state->in_force.dashpot) && state->tuned <= 1;
+           all_finite(&state->importer_tolerance, &state->in_force) && state->tuned <= 1;
 }
 
 /* Whether all variables of a model in a restored state are finite when they are read; values near the end of

@@ -1,6 +1,7 @@
 /* The motion of the model from one time to another. */
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "flight/flight.h"
@@ -139,50 +140,66 @@ static double size_of_forces(const struct scene_values *v, const struct scene_st
     return sum;
 }
 
-bool motion_tune(const struct scene_values *v, struct scene_state *q, const struct motion_tuning *tuning)
+bool motion_tune(const struct scene_values *v, const struct scene_values *before, struct scene_state *q)
 {
+    const struct vec3 more_gravity = vec3_sub(gravity(v), gravity(before));
+    struct contact_coefficients factors[SCENE_CONTACTS];
+    bool law_changed[SCENE_CONTACTS];
+    bool changed = !vec3_is_zero(more_gravity);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_coefficients *now = &q->contact[j].parameters.factors;
+        factors[j] = model_factors(v, q, j);
+        law_changed[j] = factors[j].k != now->k || factors[j].c != now->c ||
+                         contact_dashpot(v, j) != contact_dashpot(before, j);
+        changed = changed || law_changed[j];
+    }
+    if (solver_relative_tolerance(v) != solver_relative_tolerance(before) ||
+        solver_absolute_tolerance(v) != solver_absolute_tolerance(before)) {
+        q->integrator_fresh = 1; /* CVODE reads tolerances only at a start */
+        q->phase.end = 0.0;
+    }
+    if (!changed) {
+        return true;
+    }
     double stored = 0.0;
     if (SCENE_ANY_FREE) {
         struct scene_instant at;
         scene_now(v, q, &at);
         stored = energy_stored(v, q, &at);
-        q->external_work += energy_potential(v, &at, tuning->more_gravity);
+        q->external_work += energy_potential(v, &at, more_gravity);
         scene_rebase(v, q);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (SCENE_ANY_FREE) {
-            transition_scale_force_error(q, j, tuning->factors[j]);
+            transition_scale_force_error(q, j, factors[j]);
         }
-        q->contact[j].parameters.factors = tuning->factors[j];
+        q->contact[j].parameters.factors = factors[j];
     }
     if (SCENE_ANY_FREE) {
-        transition_take_law(v, q, tuning->law_changed, stored);
+        transition_take_law(v, q, law_changed, stored);
     }
     return isfinite(size_of_forces(v, q)) &&
            (!SCENE_ANY_FREE || isfinite(q->external_work) || scene_is_force_element(v));
 }
 
-static enum model_status report_step_limit(const struct model *m, const struct step_request *request)
+/* Reports a step that ends early: the internal steps are used up, or else contacts change their regimes
+ * without end or too often. */
+static enum model_status report_early_end(const struct model *m, const struct step_request *request,
+                                          bool limited)
 {
+    char why[160] = "contacts change there more often than can be followed within about a second (allowed: "
+                    "some ten thousand times)";
+    if (limited) {
+        (void)snprintf(why, sizeof why,
+                       "solver.max_internal_steps = %d are used up, by number or by work (allowed: 1 .. "
+                       "2147483647)",
+                       (int)solver_max_internal_steps(&m->state.values));
+    }
     return model_report(
-        m, MODEL_DISCARD,
-        "The step to %s s %s at %s s: solver.max_internal_steps = %d are used up, by number or "
-        "by work (allowed: 1 .. 2147483647). Go on from %s, if need be in smaller steps, or set a larger "
-        "limit.",
+        m, MODEL_DISCARD, "The step to %s s %s at %s s: %s. Go on from %s, %s.",
         shortest_digits(request->end_time).text, request->whole ? "is undone, it got stuck" : "stopped",
-        shortest_digits(scene_time(&m->state.motion)).text, (int)solver_max_internal_steps(&m->state.values),
-        request->whole ? "where it began" : "there");
-}
-
-/* Reports a step within which contacts change regime without end or too often. */
-static enum model_status report_stalled(const struct model *m, const struct step_request *request)
-{
-    return model_report(
-        m, MODEL_DISCARD,
-        "The step to %s s %s at %s s: contacts change there more often than can be followed within about a "
-        "second (allowed: some ten thousand times). Go on from %s, in smaller steps.",
-        shortest_digits(request->end_time).text, request->whole ? "is undone, it got stuck" : "stopped",
-        shortest_digits(scene_time(&m->state.motion)).text, request->whole ? "where it began" : "there");
+        shortest_digits(scene_time(&m->state.motion)).text, why, request->whole ? "where it began" : "there",
+        limited ? "if need be in smaller steps, or set a larger limit" : "in smaller steps");
 }
 
 /* Takes a step of a force element. Its contacts are integrated over the step where a state or an output of
@@ -204,7 +221,7 @@ static enum model_status advance_force_element(struct model *m, const struct ste
         !prescribed_over(v, q, length, limit < PRESCRIBED_PANELS ? limit : PRESCRIBED_PANELS)) {
         const struct step_request whole = {.end_time = request->end_time, .whole = true};
         *q = before;
-        return limit < PRESCRIBED_PANELS ? report_step_limit(m, &whole) : report_stalled(m, &whole);
+        return report_early_end(m, &whole, limit < PRESCRIBED_PANELS);
     }
     q->clock += length;
     if (SCENE_ANY_FREE) {
@@ -229,9 +246,9 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
     case INTEGRATOR_DONE:
         break;
     case INTEGRATOR_STEP_LIMIT:
-        return report_step_limit(m, request);
+        return report_early_end(m, request, true);
     case INTEGRATOR_STALLED:
-        return report_stalled(m, request);
+        return report_early_end(m, request, false);
     case INTEGRATOR_FAILED:
     default:
         return model_report(m, MODEL_ERROR, "The step to %s s failed at %s s: %s",

@@ -53,20 +53,14 @@ static enum model_status check_rotation(struct model *m, int body)
 {
     const struct scene_values *v = &m->state.values;
     const char *name = scene_body_name(body);
-    if (model_has_no_orientation(v, body) ||
-        (body_is_compound(body) && model_is_no_rotation(body_initial_orientation(v, body)))) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.%s_orientation[1..4] = 0, 0, 0, 0 is no rotation (allowed: at least one "
-                            "component other than zero).",
-                            name, model_has_no_orientation(v, body) ? "prescribed" : "initial");
+    if (model_has_no_orientation(v, body)) {
+        return model_refuse_zero(m, MODEL_ERROR, body, "prescribed_orientation");
     }
-    if (body_has_axis(body) && body_turn_is_prescribed(v, body) &&
-        vec3_is_zero(body_prescribed_axis(v, body))) {
-        return model_report(
-            m, MODEL_ERROR,
-            "%s.prescribed_axis[1], %s.prescribed_axis[2], %s.prescribed_axis[3] = 0, 0, 0 has "
-            "no direction (allowed: at least one component other than zero).",
-            name, name, name);
+    if (body_is_compound(body) && quaternion_is_zero(body_initial_orientation(v, body))) {
+        return model_refuse_zero(m, MODEL_ERROR, body, "initial_orientation");
+    }
+    if (model_has_no_axis(v, body)) {
+        return model_refuse_zero(m, MODEL_ERROR, body, "prescribed_axis");
     }
     const bool turns = body_turns_freely(v, body);
     struct vec3 omega = {0.0, 0.0, 0.0};
@@ -234,12 +228,8 @@ static enum model_status check_axes(struct model *m, int contact)
     const struct scene_values *v = &m->state.values;
     const int bodies[] = {contact_destination(contact), contact_source(contact)};
     for (int i = 0; i < 2; ++i) {
-        const char *none = scene_body_name(bodies[i]);
         if (body_has_axis(bodies[i]) && !(vec3_norm(body_axis(v, bodies[i])) > 0.0)) {
-            return model_report(m, MODEL_ERROR,
-                                "%s.axis[1], %s.axis[2], %s.axis[3] = 0, 0, 0 has no direction "
-                                "(allowed: at least one component other than zero).",
-                                none, none, none);
+            return model_refuse_zero(m, MODEL_ERROR, bodies[i], "axis");
         }
     }
     if (contact_has_skew_axes(v, contact)) {

@@ -29,14 +29,6 @@ struct input_signal {
  * prescribed angular velocity, axis and external torque; where any is a compound, prescribed orientation. */
 enum { SIGNALS_EACH = SCENE_ANY_COMPOUND ? 22 : SCENE_ANY_ROTATION ? 18 : 9 };
 
-/* The values of those parameters that may be set between steps and of which the motion keeps no copy. */
-struct tunable_values {
-    struct vec3 gravity;                           /* [m/s^2] */
-    double relative_tolerance, absolute_tolerance; /* of the solver */
-    int32_t dashpot[SCENE_CONTACTS];
-    int32_t unused; /* fills the place of padding */
-};
-
 /* The state as it is saved: flat and without pointers. Doubles come first, which leaves no padding inside. */
 struct model_state {
     struct scene_values values;
@@ -46,7 +38,7 @@ struct model_state {
     uint64_t booked;
     double importer_tolerance; /* 0: none given */
     double start_time;
-    struct tunable_values in_force; /* while `tuned`: the parameters in force; `values` has new ones */
+    struct scene_values in_force; /* while `tuned`: the values before parameters were set between steps */
     uint8_t marks[SCENE_BODIES][SIGNALS_EACH];
     uint8_t signals_changed; /* model_apply_inputs has not seen some mark yet */
     uint8_t signals_open;    /* some mark is set since the last step */
@@ -111,9 +103,15 @@ CONTACT_COLD enum model_status model_check_consistency(struct model *m);
  * would. */
 CONTACT_COLD void model_warn_of_idle(struct model *m);
 
-/* Whether a quaternion is zero and so is no rotation, and whether the prescribed orientation of a body is. */
-bool model_is_no_rotation(struct quaternion q);
+/* Whether the prescribed axis or orientation of a body is zero, so that it has no direction or is no
+ * rotation. */
+bool model_has_no_axis(const struct scene_values *v, int body);
 bool model_has_no_orientation(const struct scene_values *v, int body);
+
+/* Reports a vector of a body or an orientation that is zero: an error of the initialization, or (MODEL_DISCARD)
+ * an input that is therefore not in force. */
+enum model_status model_refuse_zero(const struct model *m, enum model_status status, int body,
+                                    const char *name);
 
 /* Whether the vector a, other than zero, has a part across the axis of a body that keeps its axis. */
 bool model_tilts_axis(const struct scene_values *v, int body, struct vec3 a);
@@ -157,16 +155,10 @@ void motion_begin(const struct scene_values *v, struct scene_state *q);
 bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
                    bool jumps);
 
-/* New factors of the contacts, and by how much gravity has changed. */
-struct motion_tuning {
-    struct contact_coefficients factors[SCENE_CONTACTS];
-    bool law_changed[SCENE_CONTACTS]; /* the factors or the dashpot */
-    struct vec3 more_gravity;         /* [m/s^2] */
-};
-
-/* Takes over new factors and gravity, and books their work. `v` holds the new parameters. False: a force, a
- * factor or the work is not finite, and q is of no use. */
-bool motion_tune(const struct scene_values *v, struct scene_state *q, const struct motion_tuning *tuning);
+/* Takes over the parameters of `v` that differ from those of `before` and may be set between steps, and books
+ * the energy that they add or remove. False: a force, a factor or the work is not finite, and q is of no
+ * use. */
+bool motion_tune(const struct scene_values *v, const struct scene_values *before, struct scene_state *q);
 
 /* Moves the motion to the end of the requested step. */
 enum model_status motion_advance(struct model *m, const struct step_request *request);
