@@ -193,24 +193,13 @@ void cvode_close(struct cvode **slot)
     if (!c) {
         return;
     }
-    if (c->memory) {
-        CVodeFree(&c->memory);
-    }
-    if (c->linear) {
-        SUNLinSolFree(c->linear);
-    }
-    if (c->nonlinear) {
-        SUNNonlinSolFree(c->nonlinear);
-    }
-    if (c->jacobian) {
-        SUNMatDestroy(c->jacobian);
-    }
-    if (c->y) {
-        N_VDestroy(c->y);
-    }
-    if (c->context) {
-        SUNContext_Free(&c->context);
-    }
+    /* the functions of SUNDIALS do nothing for what a failed cvode_open has not made */
+    CVodeFree(&c->memory);
+    SUNLinSolFree(c->linear);
+    SUNNonlinSolFree(c->nonlinear);
+    SUNMatDestroy(c->jacobian);
+    N_VDestroy(c->y);
+    SUNContext_Free(&c->context);
     c->release(c);
     *slot = NULL;
 }
@@ -220,36 +209,30 @@ void cvode_close(struct cvode **slot)
  * because the gap opens only after the bodies have moved by the penetration. */
 static const double LARGEST_ANGLE = 0.1;
 
-/* Returns the largest step [s]. In it the bodies move by LARGEST_ANGLE times the larger of distance and
- * penetration, or times the source's radius where no force is transmitted. Within the step the relative speed
- * is below sqrt(w^2 + 4 a d), where a is the acceleration by gravity and external forces. */
-static double largest_step_of(const struct scene_values *v, const struct scene_state *q,
-                              const struct scene_instant *at, int contact)
-{
-    const int source = contact_source(contact);
-    const double distance = fabs(at->geometry[contact].distance); /* a plane's may be negative */
-    const struct vec3 force_difference =
-        vec3_sub(path_at(q->path[source].force, 3, q->clock),
-                 path_at(q->path[contact_destination(contact)].force, 3, q->clock));
-    const double a = vec3_norm(gravity(v)) + vec3_norm(force_difference) / body_mass(v, source);
-    const double speed = sqrt(vec3_dot(at->rate[contact], at->rate[contact]) + 4.0 * a * distance);
-    const double length = contact_transmits(q, contact) ? fmax(distance, -at->geometry[contact].gap)
-                                                        : contact_source_radius(v, contact);
-    return LARGEST_ANGLE * length / speed;
-}
-
-/* Returns the bound on the internal step [s]; 0: no bound. */
+/* Returns the bound on the internal step [s]; 0: no bound. In such a step the bodies of no contact in touch
+ * move by more than LARGEST_ANGLE times the larger of distance and penetration, or times the source's radius
+ * where no force is transmitted. Within the step the relative speed is below sqrt(w^2 + 4 a d), where a is
+ * the acceleration by gravity and external forces. */
 static double largest_step(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at)
 {
-    double bound = 0.0;
+    double bound = (double)INFINITY;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(q, j) || contact_is_coupled(v, q, j)) {
-            const double step = largest_step_of(v, q, at, j);
-            bound = step > 0.0 && isfinite(step) && (bound == 0.0 || step < bound) ? step : bound;
+            const int source = contact_source(j);
+            const double distance = fabs(at->geometry[j].distance); /* a plane's may be negative */
+            const struct vec3 force_difference =
+                vec3_sub(path_at(q->path[source].force, 3, q->clock),
+                         path_at(q->path[contact_destination(j)].force, 3, q->clock));
+            const double a = vec3_norm(gravity(v)) + vec3_norm(force_difference) / body_mass(v, source);
+            const double speed = sqrt(vec3_dot(at->rate[j], at->rate[j]) + 4.0 * a * distance);
+            const double length =
+                contact_transmits(q, j) ? fmax(distance, -at->geometry[j].gap) : contact_source_radius(v, j);
+            const double step = LARGEST_ANGLE * length / speed;
+            bound = step > 0.0 ? fmin(bound, step) : bound;
         }
     }
-    return bound;
+    return isfinite(bound) ? bound : 0.0;
 }
 
 /* Returns the local error allowed in one internal step, divided by the tolerance. The errors of some hundred

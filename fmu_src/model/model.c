@@ -39,18 +39,12 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
         return model_report(m, MODEL_ERROR, "The tolerance %s is refused (allowed: positive finite numbers).",
                             shortest_digits(tolerance).text);
     }
-    m->state.importer_tolerance = 0.0;
-    for (int i = 0; tolerance_defined && i < scene_variable_count; ++i) {
-        const struct variable *row = &scene_variables[i];
-        if (row->row == ROW_solver_relative_tolerance) {
-            m->state.importer_tolerance = fmin(fmax(tolerance, row->min), row->max);
-            if (m->state.importer_tolerance != tolerance) {
-                status = model_report(m, MODEL_WARNING,
-                                      "The tolerance %s is outside the range %g .. %g of %s; %g is used.",
-                                      shortest_digits(tolerance).text, row->min, row->max, row->name,
-                                      m->state.importer_tolerance);
-            }
-        }
+    const struct variable *row = variable_of_row(ROW_solver_relative_tolerance, 0);
+    m->state.importer_tolerance = tolerance_defined && row ? fmin(fmax(tolerance, row->min), row->max) : 0.0;
+    if (tolerance_defined && row && m->state.importer_tolerance != tolerance) {
+        status = model_report(
+            m, MODEL_WARNING, "The tolerance %s is outside the range %g .. %g of %s; %g is used.",
+            shortest_digits(tolerance).text, row->min, row->max, row->name, m->state.importer_tolerance);
     }
     m->state.start_time = start_time;
     m->outputs = OUTPUTS_NONE;
@@ -129,31 +123,18 @@ bool model_step_deferred(struct model *m, double end_time)
     return !m->state.signals_open && motion_defer(m, end_time);
 }
 
-/* A request whose callback at_event may read the outputs of its instant; reading them does not change the
- * run. */
-struct readable_request {
-    struct model *model;
-    const struct step_request *asked;
-};
-
-static double ask_readable(void *context, double end_time)
+/* Lets the owner read the outputs of an event within a step; reading them does not change the run. */
+static double ask_owner(void *context, double end_time)
 {
-    const struct readable_request *readable = context;
-    struct model *m = readable->model;
+    struct model *m = context;
     const struct scene_state kept = m->state.motion;
     model_forget_outputs(m);
-    end_time = readable->asked->at_event(readable->asked->context, end_time);
+    end_time = m->request->at_event(m->request->context, end_time);
     m->state.motion = kept;
     return end_time;
 }
 
-enum model_status model_step(struct model *m, double end_time)
-{
-    const struct step_request request = {.end_time = end_time};
-    return model_step_requested(m, &request);
-}
-
-enum model_status model_step_requested(struct model *m, const struct step_request *request)
+enum model_status model_step(struct model *m, const struct step_request *request)
 {
     if (!m->state.initialized) {
         return model_report(m, MODEL_ERROR, "A step to %s s before the end of the initialization.",
@@ -170,10 +151,10 @@ enum model_status model_step_requested(struct model *m, const struct step_reques
         return MODEL_OK;
     }
     model_forget_outputs(m); /* at_event may read outputs within the step */
-    struct readable_request readable = {m, request};
     struct step_request inner = *request;
-    inner.at_event = request->at_event != NULL ? ask_readable : NULL;
-    inner.context = &readable;
+    inner.at_event = request->at_event != NULL ? ask_owner : NULL;
+    inner.context = m;
+    m->request = request;
     const enum model_status status = take_step(m, &inner);
     model_forget_outputs(m);
     return status;
@@ -413,6 +394,16 @@ enum model_status model_restore(struct model *m, const void *bytes)
     memcpy(&m->state, bytes, sizeof m->state);
     m->outputs = OUTPUTS_NONE;
     return MODEL_OK;
+}
+
+const struct variable *variable_of_row(int row, int element)
+{
+    for (const struct variable *one = scene_variables; one < scene_variables + scene_variable_count; ++one) {
+        if (one->row == row && one->element >= element) {
+            return one;
+        }
+    }
+    return NULL;
 }
 
 const struct variable *vector_variable(uint32_t reference)

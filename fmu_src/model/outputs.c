@@ -200,13 +200,8 @@ static double put_rubbing(struct scene_values *v, const struct scene_state *q, c
     const int source = contact_source(contact);
     const struct vec3 centre = vec3_add(body_center(v, source), at->displacement[source]);
     const struct vec3 friction = turning->friction_force[contact];
-    const struct vec3 force = at->source_force[contact];
     if (SCENE_ANY_FRICTION) {
         put_contact_effective_slip_velocity(v, contact, q->contact[contact].parameters.slip_velocity);
-    }
-    if (contact_rubs(v, contact)) {
-        put_contact_source_force(v, contact, force);
-        put_contact_destination_force(v, contact, vec3_scale(-1.0, force));
     }
     put_contact_sticking(v, contact, sticks(v, q, at, contact));
     put_contact_friction_force(v, contact, friction);
@@ -484,7 +479,8 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     put_contact_active(v, contact, regime != REGIME_APART);
     put_contact_within_extents(v, contact, within);
     put_contact_zone(v, contact, (int32_t)zones_shown(v, q, at, contact));
-    const struct vec3 source_force = vec3_scale(-shape.side * force, g->normal);
+    const struct vec3 source_force =
+        contact_rubs(v, contact) ? at->source_force[contact] : vec3_scale(-shape.side * force, g->normal);
     put_contact_normal_force(v, contact, force);
     put_contact_source_force(v, contact, source_force);
     put_contact_destination_force(v, contact, vec3_scale(-1.0, source_force));

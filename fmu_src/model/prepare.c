@@ -415,18 +415,6 @@ static void owners_of_choice(const struct scene_use *use, int element, int *firs
     *last = use->whose == USE_OF_ANY ? use->owners : *first + 1;
 }
 
-/* Returns the name of the variable of a choice, for the first body or contact from `first` on that has it. */
-static const char *name_of_choice(const struct scene_use *use, int first)
-{
-    for (int i = 0; i < scene_variable_count; ++i) {
-        const struct variable *variable = &scene_variables[i];
-        if (variable->row == use->choice && variable->element >= first) {
-            return variable->name;
-        }
-    }
-    return "";
-}
-
 /* Bytes for the choices that a message names. */
 enum { REMEDY_SIZE = 200 };
 
@@ -444,8 +432,9 @@ static int missing_of(const struct scene_values *v, const struct scene_use *from
         if (has_item(v, use, first, last)) {
             continue;
         }
+        const struct variable *choice = variable_of_row(use->choice, first);
         const int length = snprintf(remedy + used, REMEDY_SIZE - used, "%s%s = %s",
-                                    missing > 0 ? " and " : "", name_of_choice(use, first), use->wanted);
+                                    missing > 0 ? " and " : "", choice ? choice->name : "", use->wanted);
         used = length > 0 && used + (size_t)length < REMEDY_SIZE ? used + (size_t)length : used;
         missing += 1;
     }

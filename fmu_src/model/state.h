@@ -63,7 +63,8 @@ struct model {
     struct model_state state;
     struct model_host host;
     struct integrator integrator;
-    enum outputs outputs; /* the outputs that are up to date in state.values */
+    enum outputs outputs;               /* the outputs that are up to date in state.values */
+    const struct step_request *request; /* of the present step */
 };
 
 /* Whether the host wants messages of this status; asked before a costly message is made. */
@@ -108,8 +109,8 @@ CONTACT_COLD void model_warn_of_idle(struct model *m);
 bool model_has_no_axis(const struct scene_values *v, int body);
 bool model_has_no_orientation(const struct scene_values *v, int body);
 
-/* Reports a vector of a body or an orientation that is zero: an error of the initialization, or (MODEL_DISCARD)
- * an input that is therefore not in force. */
+/* Reports a vector of a body or an orientation that is zero: an error of the initialization, or an input
+ * (MODEL_DISCARD) that is therefore not in force. */
 enum model_status model_refuse_zero(const struct model *m, enum model_status status, int body,
                                     const char *name);
 

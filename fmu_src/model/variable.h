@@ -101,6 +101,10 @@ extern const double scene_state_nominals[];
  * for every reference. */
 const struct variable *scene_variable(uint32_t reference);
 
+/* Returns the first variable of a row, for the first body or contact from `element` on that has it; NULL:
+ * there is none. */
+const struct variable *variable_of_row(int row, int element);
+
 /* Returns the first component of the vector, or the scalar, that a value reference names; else NULL. The
  * reference of a vector is that of its first component. */
 const struct variable *vector_variable(uint32_t reference);
