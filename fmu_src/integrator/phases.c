@@ -38,7 +38,6 @@ struct pair_phase {
     int terminal;          /* the contact with a terminal event at the phase's end; -1: none */
     enum contact_regime next;
     bool changes;                 /* whether the regime or the zone of that contact changes at the end */
-    bool is_cut;                  /* whether it ends only because another contact may begin after it */
     bool lifts;                   /* whether the sign of that contact's force changes, and with it friction */
     struct phase_start made_from; /* the start that the segments were made from; its `end` 0: none */
 };
@@ -89,17 +88,6 @@ void integrator_close(struct integrator *s)
     }
 }
 
-/* Returns the present instant without accelerations and forces. It is computed once and then reused. */
-static const struct scene_instant *advance_now(struct advance *step, const struct scene_values *v,
-                                               const struct scene_state *q)
-{
-    if (!step->is_now) {
-        scene_kinematics_now(v, q, &step->now);
-        step->is_now = true;
-    }
-    return &step->now;
-}
-
 /* Horizon of a separating contact, divided by the time in which its gap opens at the present gap rate. */
 static const double SEPARATION_TIMES = 4.0;
 
@@ -140,10 +128,11 @@ static inline void look_ahead(const struct scene_values *v, struct scene_state *
     if (q->horizon_clock > q->clock) {
         return;
     }
-    const struct scene_instant *at = advance_now(step, v, q);
-    double horizon = horizon_from(v, q, at, remaining);
+    struct scene_instant at;
+    scene_kinematics_now(v, q, &at);
+    double horizon = horizon_from(v, q, &at, remaining);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct prediction found = prediction_of(v, q, at, j, horizon, step->budget);
+        const struct prediction found = prediction_of(v, q, &at, j, horizon, step->budget);
         horizon = found.searched;
         advance_spend(step, found.evaluations, found.evaluations);
         q->contact[j].schedule.change_clock = q->clock + found.next.after;
@@ -192,8 +181,9 @@ static void note_depth_of_released(const struct scene_values *v, struct scene_st
             struct scene_output output = {
                 .values = v, .state = q, .contact = j, .move = put_flown, .mover = &v};
             scene_output_note_peaks(&output, q->clock, step->clock_end, RELEASED_PARTS, &peaks);
-            const struct scene_instant *now = advance_now(step, v, q);
-            if (peaks.penetration > rounding_of_gap(v, now, j) - now->geometry[j].gap) {
+            struct scene_instant now;
+            scene_kinematics_now(v, q, &now);
+            if (peaks.penetration > rounding_of_gap(v, &now, j) - now.geometry[j].gap) {
                 contact_peaks_note(&q->contact[j].peaks, 0.0, peaks.penetration);
             }
         }
@@ -318,8 +308,9 @@ static double approach_at_most(const struct scene_values *v, const struct scene_
     return speed;
 }
 
-/* Bodies that are nearer than this part of the source's radius are left to the general segment, which finds
- * where they touch. */
+/* Bodies come no nearer than this part of the source's radius while a bound of their speed tells that they
+ * stay apart. Bodies that are not twice as far are left to the general segment, which finds where they touch:
+ * else such phases would become shorter without end. */
 static const double NEARBY = 1e-3;
 
 /* Returns a time for which contacts that are apart stay so while other contacts act on their bodies [s]; 0
@@ -334,8 +325,9 @@ static double others_apart_for(const struct scene_values *v, const struct scene_
             (SCENE_HAS_CHAINS && chain != NULL && chain_has(chain, j))) {
             continue;
         }
-        const double room = at->geometry[j].gap - NEARBY * contact_source_radius(v, j);
-        if (!(room > 0.0)) {
+        const double least = NEARBY * contact_source_radius(v, j);
+        const double room = at->geometry[j].gap - least;
+        if (!(room > least)) {
             return 0.0;
         }
         time = fmin(time, room / approach_at_most(v, q, at, j, 0.0));
@@ -665,23 +657,20 @@ static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, st
                         double until, struct advance *step)
 {
     const double asked = until - q->clock;
-    if (until > step->clock_end) {
-        step->is_now = false; /* the instant is computed as restore_pairs computes it */
-    }
+    struct scene_instant at;
+    scene_kinematics_now(v, q, &at);
     all->made_from.end = 0.0;
-    if (!make_phase(all, v, q, advance_now(step, v, q), asked)) {
+    if (!make_phase(all, v, q, &at, asked)) {
         return false;
     }
-    const bool cut = all->longest < asked;
-    until = cut ? q->clock + all->longest : until;
+    until = all->longest < asked ? q->clock + all->longest : until;
     const double harmless = until > step->clock_end ? harmless_time(all, v, q) : (double)INFINITY;
     if (q->clock + harmless < until) {
         until = fmax(q->clock + harmless, step->clock_end);
-        if (!make_segments(all, v, q, advance_now(step, v, q), until - q->clock)) {
+        if (!make_segments(all, v, q, &at, until - q->clock)) {
             return false;
         }
     }
-    all->is_cut = cut && !(all->time < all->longest);
     q->phase.clock = q->phase.followed = q->clock;
     q->phase.end = all->time < all->longest ? q->clock + all->time : until;
     if (q->phase.end > step->clock_end) { /* else nothing returns to the start */
@@ -715,24 +704,15 @@ static double unforeseen_until(const struct scene_values *v, const struct scene_
     return until;
 }
 
-/* So many phases of a step may end only because another contact may begin after them. The general segment
- * goes on from there: the bound of the time apart is poor where bodies fly past each other. */
-enum { MOST_CUTS = 8 };
-
 /* Advances the contact pairs phase by phase, together with the prescribed contacts. */
 static enum advance_result advance_pairs(struct integrator *s, const struct scene_values *v,
                                          struct scene_state *q, struct advance *step)
 {
     struct pair_phase *all = s->pairs;
     q->integrator_fresh = 1;
-    all->is_cut = false;
-    for (int cuts = 0; q->clock < step->clock_end;) {
+    while (q->clock < step->clock_end) {
         if (advance_is_spent(step)) {
             return ADVANCE_STEP_LIMIT;
-        }
-        cuts += all->is_cut;
-        if (cuts > MOST_CUTS) {
-            return ADVANCE_FAILED;
         }
         const bool made =
             q->phase.end > q->clock
@@ -744,7 +724,6 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
         }
         const bool whole = integrate_beside_pairs(all, v, q, step);
         const bool ends = !(step->clock_end < q->phase.end);
-        step->is_now = false;
         follow_pairs(all, v, q, q->clock, ends ? q->phase.end : step->clock_end);
         if (!ends) {
             return ADVANCE_REACHED;
@@ -813,24 +792,24 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
 }
 
 /* Puts a contact into its next regime; returns whether the contact begins or ends by this change. */
-static bool change_regime(const struct scene_values *v, struct scene_state *q, struct advance *step,
-                          int contact, enum contact_regime regime)
+static bool change_regime(const struct scene_values *v, struct scene_state *q, int contact,
+                          enum contact_regime regime)
 {
+    struct scene_instant at;
     const bool touched = q->contact[contact].regime != (int32_t)REGIME_APART;
-    transition_change_regime(v, q, contact, regime, &step->now);
-    step->is_now = true;
+    transition_change_regime(v, q, contact, regime, &at);
     return touched != (q->contact[contact].regime != (int32_t)REGIME_APART);
 }
 
 /* Changes the regime by the event that ended a phase; returns whether a contact begins or ends by it. */
-static bool take_event(const struct scene_values *v, struct scene_state *q, struct advance *step)
+static bool take_event(const struct scene_values *v, struct scene_state *q, const struct advance *step)
 {
     if (SCENE_ANY_FRICTION && step->event > ODE_EVENT_LAW && step->event != ODE_EVENT_ZONE) {
-        transition_change_friction(v, q, step->contact, (enum ode_event)step->event, &step->now);
-        step->is_now = true;
+        struct scene_instant at;
+        transition_change_friction(v, q, step->contact, (enum ode_event)step->event, &at);
         return false;
     }
-    return change_regime(v, q, step, step->contact, step->regime);
+    return change_regime(v, q, step->contact, step->regime);
 }
 
 /* Returns the end of the step [s] after a contact has begun or ended. The caller's at_event may read the
@@ -871,7 +850,6 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         step->clock_end = fmin(end, fmin(change, q->horizon_clock));
         step->event = ODE_EVENT_GAP;
         const enum advance_result result = advance_phase(s, v, q, step);
-        step->is_now = false;
         if (result == ADVANCE_FAILED) {
             return INTEGRATOR_FAILED;
         }
@@ -882,7 +860,7 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
             begins_or_ends = take_event(v, q, step);
         } else if (step->clock_end >= change) {
             begins_or_ends =
-                change_regime(v, q, step, next, (enum contact_regime)q->contact[next].schedule.change_regime);
+                change_regime(v, q, next, (enum contact_regime)q->contact[next].schedule.change_regime);
         } else if (step->clock_end >= end) {
             return INTEGRATOR_DONE;
         }
@@ -960,14 +938,14 @@ static double deferrable_until(const struct scene_values *v, const struct scene_
 enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
                                       struct scene_state *q, const struct step_request *request)
 {
+    struct scene_instant at;
     const double start = scene_time(q);
     struct advance step;
     step.start = start;
     integrator_catch_up(s, v, q);
     step.budget = solver_max_internal_steps(v);
     step.work = step.budget > LEAST_WORK ? step.budget : LEAST_WORK;
-    transition_begin_step(v, q, &step.now);
-    step.is_now = true;
+    transition_begin_step(v, q, &at);
     if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_keeps_steps(v)) {
         q->integrator_fresh = 1; /* CVODE's history is in no saved state: each step does without it */
     }
