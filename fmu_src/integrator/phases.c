@@ -240,18 +240,17 @@ static bool pairs_are_alone(const struct scene_values *v, const struct scene_sta
     return true;
 }
 
-/* Whether a step of the general segment reaches beyond the present: it goes on before an island is tried. */
-static bool general_goes_on(const struct scene_values *v, const struct scene_state *q)
+/* Whether the general segment keeps a step that may go on beyond the present. */
+static bool keeps_step(const struct scene_values *v, const struct scene_state *q)
 {
-    return SCENE_HAS_GENERAL && !q->integrator_fresh && scene_keeps_steps(v) &&
-           q->unfinished.present == q->clock && q->unfinished.end > q->clock;
+    return SCENE_HAS_GENERAL && !q->integrator_fresh && solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN &&
+           scene_keeps_steps(v);
 }
 
-static bool is_in_closed_form(const struct scene_values *v, const struct scene_state *q)
+/* Whether that step reaches beyond the present: it goes on before an island is tried. */
+static bool general_goes_on(const struct scene_values *v, const struct scene_state *q)
 {
-    return solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN &&
-           (pairs_are_alone(v, q) ||
-            (SCENE_HAS_ISLANDS && any_is_coupled(v, q) && island_may_be(v, q) && !general_goes_on(v, q)));
+    return keeps_step(v, q) && q->unfinished.present == q->clock && q->unfinished.end > q->clock;
 }
 
 /* Whether the importer moves or turns a body. */
@@ -408,12 +407,15 @@ static bool make_island(struct pair_phase *all, const struct scene_values *v, co
 {
     double quiet = (double)INFINITY;
     struct island *s = all->island;
+    if (!SCENE_HAS_ISLANDS || !island_may_be(v, q)) {
+        return false;
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(q, j)) {
             quiet = fmin(quiet, tolerance_of(v, q, at, j));
         }
     }
-    if (!SCENE_HAS_ISLANDS || !island_may_be(v, q) || !island_make(s, v, q, at, longest, quiet)) {
+    if (!island_make(s, v, q, at, longest, quiet)) {
         return false;
     }
     begin_form(all, PHASE_OF_ISLAND, longest);
@@ -709,7 +711,6 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
                                          struct scene_state *q, struct advance *step)
 {
     struct pair_phase *all = s->pairs;
-    q->integrator_fresh = 1;
     while (q->clock < step->clock_end) {
         if (advance_is_spent(step)) {
             return ADVANCE_STEP_LIMIT;
@@ -722,6 +723,7 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
             /* with the budget it came with: CVODE takes a budget of 0 as its default */
             return ADVANCE_FAILED;
         }
+        q->integrator_fresh = 1;
         const bool whole = integrate_beside_pairs(all, v, q, step);
         const bool ends = !(step->clock_end < q->phase.end);
         follow_pairs(all, v, q, q->clock, ends ? q->phase.end : step->clock_end);
@@ -770,7 +772,7 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
     if (flight_is_free(q)) {
         return advance_flight(v, q, step);
     }
-    if (is_in_closed_form(v, q)) {
+    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && (!general_goes_on(v, q) || pairs_are_alone(v, q))) {
         result = advance_pairs(s, v, q, step);
     }
 #if SCENE_HAS_GENERAL
@@ -883,13 +885,6 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
 /* The limit of internal steps limits their work as well: each unit of work counts as a step in closed form.
  * The limit of work is at least this, the start value of the limit of steps, which takes about a second. */
 static const long LEAST_WORK = 2000000;
-
-/* Whether the general segment keeps a step that goes on beyond the present. */
-static bool keeps_step(const struct scene_values *v, const struct scene_state *q)
-{
-    return SCENE_HAS_GENERAL && !q->integrator_fresh && solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN &&
-           scene_keeps_steps(v);
-}
 
 /* Moves the scene along the present phase to a clock, and notes the peaks since the clock `noted`. */
 static void follow_phase(struct integrator *s, const struct scene_values *v, struct scene_state *q,

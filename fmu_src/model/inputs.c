@@ -457,16 +457,34 @@ static bool has_rate_of_its_own(const struct model *m, int body, struct vec3 rat
     return given && !(inputs_prescribe_all(&m->state.values) && vec3_is_zero(rate));
 }
 
-/* Whether two rates of one quantity differ by more than their rounding plus `least`, in the unit of the
- * rates. */
-static bool contradict(struct vec3 a, struct vec3 b, double least)
-{
-    const double size = fmax(vec3_norm(a), vec3_norm(b));
-    return vec3_norm(vec3_sub(a, b)) > RATE_AGREEMENT * size + least;
-}
-
 /* Bits of model_state.warned_of_rate. */
 enum { WARNED_OF_DISPLACEMENT = 1, WARNED_OF_AXIS = 2 };
+
+/* Warns where two rates of one quantity differ by more than their rounding plus `least`, in the unit of the
+ * rates: `given` follows from derivatives that the importer gives, `other` from another input. */
+static void warn_of_rates(struct model *m, int body, int bit, struct vec3 given, struct vec3 other,
+                          double least)
+{
+    static const char *const texts[][4] = {
+        [WARNED_OF_DISPLACEMENT] = {"prescribed_displacement", "m/s", "prescribed_velocity is",
+                                    "the displacement, the gap rate and the work the velocity"},
+        [WARNED_OF_AXIS] = {"prescribed_axis, as a unit vector,", "1/s",
+                            "prescribed_angular_velocity turns it by",
+                            "the axis, slip and work the angular velocity"}};
+    const double size = fmax(vec3_norm(given), vec3_norm(other));
+    if (!(vec3_norm(vec3_sub(given, other)) > RATE_AGREEMENT * size + least)) {
+        return;
+    }
+    m->state.warned_of_rate[body] |= (uint8_t)bit;
+    const char *name = scene_body_name(body);
+    const char *const *text = texts[bit];
+    model_report(
+        m, MODEL_WARNING,
+        "%s.%s has the derivative (%g, %g, %g) %s at %s s, but %s.%s (%g, %g, %g) %s: the gap follows "
+        "%s, and energies need not balance (allowed: equal ones). Given once.",
+        name, text[0], given.x, given.y, given.z, text[1], shortest_digits(scene_time(&m->state.motion)).text,
+        name, text[2], other.x, other.y, other.z, text[1], text[3]);
+}
 
 /* Two rates of a unit axis agree if they differ by no more than this [1/s], which is the rounding of an axis
  * divided by a microsecond. */
@@ -490,17 +508,7 @@ static void warn_of_axis(struct model *m, int body)
     const struct vec3 raw = vec3_scale(1.0 / length, given[1]);
     const struct vec3 rate = vec3_axpy(raw, -vec3_dot(raw, axis), axis);
     const struct vec3 turning = vec3_cross(path_at(path->angular_velocity, 3, q->clock), axis);
-    if (contradict(rate, turning, AXIS_AGREEMENT)) {
-        m->state.warned_of_rate[body] |= WARNED_OF_AXIS;
-        const char *name = scene_body_name(body);
-        model_report(m, MODEL_WARNING,
-                     "%s.prescribed_axis, as a unit vector, has the derivative (%g, %g, %g) 1/s at %s s, but "
-                     "%s.prescribed_angular_velocity turns it by (%g, %g, %g) 1/s: the gap follows the axis, "
-                     "slip and work the angular velocity, and energies need not balance (allowed: equal "
-                     "ones). Given once.",
-                     name, rate.x, rate.y, rate.z, shortest_digits(scene_time(q)).text, name, turning.x,
-                     turning.y, turning.z);
-    }
+    warn_of_rates(m, body, WARNED_OF_AXIS, rate, turning, AXIS_AGREEMENT);
 }
 
 void model_warn_of_rates(struct model *m)
@@ -519,17 +527,8 @@ void model_warn_of_rates(struct model *m)
         path_shift(path, 4, q->clock);
         const struct vec3 rate = path[1];
         const struct vec3 velocity = path_at(q->path[i].velocity, 3, q->clock);
-        if (has_rate_of_its_own(m, i, rate) && contradict(rate, velocity, motion_least_speed(v))) {
-            m->state.warned_of_rate[i] |= WARNED_OF_DISPLACEMENT;
-            const char *name = scene_body_name(i);
-            model_report(
-                m, MODEL_WARNING,
-                "%s.prescribed_displacement has the derivative (%g, %g, %g) m/s at %s s, but "
-                "%s.prescribed_velocity is (%g, %g, %g) m/s: the gap follows the displacement, the gap "
-                "rate and the work the velocity, and energies need not balance (allowed: equal ones). "
-                "Given once.",
-                name, rate.x, rate.y, rate.z, shortest_digits(scene_time(q)).text, name, velocity.x,
-                velocity.y, velocity.z);
+        if (has_rate_of_its_own(m, i, rate)) {
+            warn_of_rates(m, i, WARNED_OF_DISPLACEMENT, rate, velocity, motion_least_speed(v));
         }
     }
 }

@@ -62,31 +62,26 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
     return mean.x + mean.y + mean.z + state->peaks.force + known;
 }
 
-/* Sets the energies of rotation and friction. Returns their contribution to the total energy [J]. */
-static double put_turning_energies(struct scene_values *v, const struct scene_state *q,
-                                   const struct scene_instant *at)
-{
-    const double rotational = scene_turns(v) ? energy_rotational_of(v, at) : 0.0;
-    const double tangential = scene_turns(v) ? energy_tangential_of(v, q, at) : 0.0;
-    put_energy_rotational(v, rotational);
-    put_energy_tangential(v, tangential);
-    put_energy_friction(v, q->friction_energy - tangential);
-    return rotational + q->friction_energy;
-}
-
+/* Sets the energies and the counters. Returns the total energy [J]. */
 static double put_energies(struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at)
 {
+    const bool turns = scene_turns(v);
     const double kinetic = energy_kinetic_of(v, at);
     const double potential = energy_potential(v, at, gravity(v));
     const double stored = energy_stored(v, q, at);
+    const double rotational = turns ? energy_rotational_of(v, at) : 0.0;
+    const double tangential = turns ? energy_tangential_of(v, q, at) : 0.0;
+    const double total =
+        kinetic + potential + stored + q->dissipated - q->external_work + (rotational + q->friction_energy);
     put_energy_kinetic(v, kinetic);
     put_energy_potential(v, potential);
     put_energy_contact(v, stored);
+    put_energy_rotational(v, rotational);
+    put_energy_tangential(v, tangential);
+    put_energy_friction(v, q->friction_energy - tangential);
     put_energy_dissipated(v, q->dissipated);
     put_energy_external_work(v, q->external_work);
-    const double total =
-        kinetic + potential + stored + q->dissipated - q->external_work + put_turning_energies(v, q, at);
     put_energy_total(v, total);
     put_solver_steps(v, q->counters.steps);
     put_solver_force_evaluations(v, q->counters.force_evaluations);
