@@ -901,24 +901,33 @@ static void follow_phase(struct integrator *s, const struct scene_values *v, str
 #endif
 }
 
-void integrator_catch_up(struct integrator *s, const struct scene_values *v, struct scene_state *q)
+/* Computes the motion of deferred steps and, for their readers, what the last of them sums up: means and
+ * peaks. */
+static void catch_up(struct integrator *s, const struct scene_values *v, struct scene_state *q, bool sums)
 {
-    struct scene_instant at;
     const double clock = q->clock;
     if (!q->deferred || !(q->phase.end > 0.0 || keeps_step(v, q))) {
         flight_catch_up(v, q);
         return;
     }
     q->deferred = 0;
-    q->clock = q->deferred_from;
+    q->clock = sums ? q->deferred_from : clock;
     if ((q->phase.end > 0.0 ? q->phase.followed : q->unfinished.present) < q->clock) {
         follow_phase(s, v, q, q->clock, q->clock);
     }
-    const double start = scene_time(q);
-    transition_begin_step(v, q, &at);
-    follow_phase(s, v, q, q->clock, clock);
-    q->step_length = scene_time(q) - start;
-    transition_end_step(v, q);
+    if (sums) {
+        struct scene_instant at;
+        const double start = scene_time(q);
+        transition_begin_step(v, q, &at);
+        follow_phase(s, v, q, q->clock, clock);
+        q->step_length = scene_time(q) - start;
+        transition_end_step(v, q);
+    }
+}
+
+void integrator_catch_up(struct integrator *s, const struct scene_values *v, struct scene_state *q)
+{
+    catch_up(s, v, q, true);
 }
 
 /* Returns the clock until which communication steps need only advance the clock. */
@@ -937,7 +946,7 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
     const double start = scene_time(q);
     struct advance step;
     step.start = start;
-    integrator_catch_up(s, v, q);
+    catch_up(s, v, q, false);
     step.budget = solver_max_internal_steps(v);
     step.work = step.budget > LEAST_WORK ? step.budget : LEAST_WORK;
     transition_begin_step(v, q, &at);
