@@ -88,9 +88,6 @@ void integrator_close(struct integrator *s)
     }
 }
 
-/* Horizon of a separating contact, divided by the time in which its gap opens at the present gap rate. */
-static const double SEPARATION_TIMES = 4.0;
-
 /* The horizon is at most the longer of LONGEST_HORIZON [s] and HORIZON_GROWTH times the time since the phase
  * began. Over so long a time a path of degree four becomes so long that bodies measure 1e-72 of it; the
  * fourth power of this size is still above underflow. */
@@ -101,24 +98,12 @@ static const double HORIZON_GROWTH = 1e3;
  * come. */
 static const double SEARCH_GROWTH = 8.0;
 
-/* Returns the horizon of the search for regime changes [s]. It is the longer of the rest of the step and
- * SEARCH_GROWTH times the time since the phase began. While a contact separates, the horizon is not much
- * longer than the separation lasts. The conditions are then nearly linear, and their roots are cheap. */
-static double horizon_from(const struct scene_values *v, const struct scene_state *q,
-                           const struct scene_instant *at, double remaining)
+/* Returns the horizon of the search for regime changes [s]: the longer of the rest of the step and
+ * SEARCH_GROWTH times the time since the phase began. */
+static double horizon_from(const struct scene_state *q, double remaining)
 {
-    double horizon = fmax(remaining, SEARCH_GROWTH * q->clock);
-    if (horizon > LONGEST_HORIZON) {
-        horizon = fmin(horizon, fmax(LONGEST_HORIZON, HORIZON_GROWTH * q->clock));
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime == REGIME_SEPARATING) {
-            const struct contact_geometry *now = &at->geometry[j];
-            const double opens = (rounding_of_gap(v, at, j) - now->gap) / now->gap_rate;
-            horizon = opens > 0.0 ? fmin(horizon, fmax(SEPARATION_TIMES * opens, q->clock)) : horizon;
-        }
-    }
-    return horizon;
+    const double horizon = fmax(remaining, SEARCH_GROWTH * q->clock);
+    return fmin(horizon, fmax(LONGEST_HORIZON, HORIZON_GROWTH * q->clock));
 }
 
 /* Notes for every contact when its regime changes next; does nothing before the horizon is reached. */
@@ -130,7 +115,7 @@ static inline void look_ahead(const struct scene_values *v, struct scene_state *
     }
     struct scene_instant at;
     scene_kinematics_now(v, q, &at);
-    double horizon = horizon_from(v, q, &at, remaining);
+    double horizon = horizon_from(q, remaining);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct prediction found = prediction_of(v, q, &at, j, horizon, step->budget);
         horizon = found.searched;
