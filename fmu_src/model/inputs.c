@@ -393,19 +393,19 @@ enum model_status model_refuse_inputs(const struct model *m)
                 return model_refuse_zero(m, MODEL_DISCARD, i, "prescribed_orientation");
             }
             if (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)) {
-                return model_report(m, MODEL_DISCARD,
-                                    "%s.prescribed_angular_velocity would tilt the axis and is not in force: "
-                                    "a cylinder that touches a cylinder turns about its own axis (allowed: "
-                                    "multiples of %s.axis).",
-                                    name, name);
+                return model_report(
+                    m, MODEL_DISCARD,
+                    "%s.prescribed_angular_velocity would tilt the axis and is not in force: a cylinder that "
+                    "touches a cylinder turns about its own axis (allowed: multiples of %s.axis).",
+                    name, name);
             }
         }
     }
-    return model_report(
-        m, MODEL_DISCARD,
-        "The %s set last would take an energy beyond the range of numbers and are not in force "
-        "(allowed: %s with finite energies).",
-        m->state.tuned ? "parameters or inputs" : "inputs", m->state.tuned ? "values" : "inputs");
+    return model_report(m, MODEL_DISCARD,
+                        "The %s set last would take an energy beyond the range of numbers and are not in "
+                        "force (allowed: %s with finite energies).",
+                        m->state.tuned ? "parameters or inputs" : "inputs",
+                        m->state.tuned ? "values" : "inputs");
 }
 
 bool model_apply_inputs(struct model *m)
@@ -478,12 +478,12 @@ static void warn_of_rates(struct model *m, int body, int bit, struct vec3 given,
     m->state.warned_of_rate[body] |= (uint8_t)bit;
     const char *name = scene_body_name(body);
     const char *const *text = texts[bit];
-    model_report(
-        m, MODEL_WARNING,
-        "%s.%s has the derivative (%g, %g, %g) %s at %s s, but %s.%s (%g, %g, %g) %s: the gap follows "
-        "%s, and energies need not balance (allowed: equal ones). Given once.",
-        name, text[0], given.x, given.y, given.z, text[1], shortest_digits(scene_time(&m->state.motion)).text,
-        name, text[2], other.x, other.y, other.z, text[1], text[3]);
+    model_report(m, MODEL_WARNING,
+                 "%s.%s has the derivative (%g, %g, %g) %s at %s s, but %s.%s (%g, %g, %g) %s: the gap "
+                 "follows %s, and energies need not balance (allowed: equal ones). Given once.",
+                 name, text[0], given.x, given.y, given.z, text[1],
+                 shortest_digits(scene_time(&m->state.motion)).text, name, text[2], other.x, other.y, other.z,
+                 text[1], text[3]);
 }
 
 /* Two rates of a unit axis agree if they differ by no more than this [1/s], which is the rounding of an axis

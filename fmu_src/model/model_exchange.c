@@ -141,7 +141,7 @@ void model_exchange_move(const struct scene_values *v, const struct scene_state 
         break;
     }
     if (vector != NULL) {
-        vec3_add_to(vector, state->component, change);
+        *vec3_part(vector, state->component) += change;
     }
 }
 
@@ -347,13 +347,11 @@ enum model_status model_exchange_get(struct model *m, enum exchange_values which
     for (int i = 0; i < count && status == MODEL_OK; ++i) {
         const struct variable *variable = &scene_variables[places[i]];
         values[i] = model_exchange_value(&m->state.values, &m->state.motion, &at, variable);
-        status =
-            isfinite(values[i])
-                ? MODEL_OK
-                : model_report(m, MODEL_DISCARD,
-                               "%s is beyond the range of numbers (allowed: states and inputs with finite "
-                               "forces and energies).",
-                               variable->name);
+        status = isfinite(values[i]) ? MODEL_OK
+                                     : model_report(m, MODEL_DISCARD,
+                                                    "%s is beyond the range of numbers (allowed: states and "
+                                                    "inputs with finite forces and energies).",
+                                                    variable->name);
     }
     if (which == EXCHANGE_STATES) {
         m->state.booked = booked_states(&m->state.motion);

@@ -190,10 +190,10 @@ static enum model_status report_early_end(const struct model *m, const struct st
     char why[160] = "contacts change there more often than can be followed within about a second (allowed: "
                     "some ten thousand times)";
     if (limited) {
-        (void)snprintf(why, sizeof why,
-                       "solver.max_internal_steps = %d are used up, by number or by work (allowed: 1 .. "
-                       "2147483647)",
-                       (int)solver_max_internal_steps(&m->state.values));
+        (void)snprintf(
+            why, sizeof why,
+            "solver.max_internal_steps = %d are used up, by number or by work (allowed: 1 .. 2147483647)",
+            (int)solver_max_internal_steps(&m->state.values));
     }
     return model_report(
         m, MODEL_DISCARD, "The step to %s s %s at %s s: %s. Go on from %s, %s.",

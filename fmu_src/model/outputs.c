@@ -408,11 +408,6 @@ double output_term(const struct model *m, const struct scene_state *q, const str
         return starting && at->normal_force[j] > 0.0 ? along->contact[j].normal_force[order] : 0.0;
     case ROW_contact_peak_penetration:
         return starting && touches ? -along->contact[j].gap[order] : 0.0;
-    case ROW_contact_mean_force:
-    case ROW_contact_mean_source_torque:
-    case ROW_contact_mean_destination_torque:
-    case ROW_contact_last_onset_time:
-        return 0.0;
     case ROW_contact_last_duration: /* the duration grows with time in contact */
         return touches ? along->time[order] : 0.0;
     case ROW_energy_kinetic:

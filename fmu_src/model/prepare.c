@@ -32,21 +32,19 @@ static enum model_status check_inertia(struct model *m, int body)
         const double largest = vec3_max_abs(of);
         return largest <= (of.x + of.y + of.z - largest) * (1.0 + INERTIA_ROUNDING)
                    ? MODEL_OK
-                   : model_report(
-                         m, MODEL_ERROR,
-                         "%s.principal_inertia = (%g, %g, %g) kg m^2 contradicts itself: no body has "
-                         "one larger than the sum of the others (allowed: at most that sum).",
-                         name, of.x, of.y, of.z);
+                   : model_report(m, MODEL_ERROR,
+                                  "%s.principal_inertia = (%g, %g, %g) kg m^2 contradicts itself: no body "
+                                  "has one larger than the sum of the others (allowed: at most that sum).",
+                                  name, of.x, of.y, of.z);
     }
     const double axial = body_axial_inertia(v, body);
     const double transverse = body_transverse_inertia(v, body);
     return !tilts || transverse >= 0.5 * axial
                ? MODEL_OK
-               : model_report(
-                     m, MODEL_ERROR,
-                     "%s.transverse_inertia = %s kg m^2 contradicts %s.axial_inertia = %s kg m^2: no "
-                     "body has so little (allowed: half of axial_inertia at least).",
-                     name, shortest_digits(transverse).text, name, shortest_digits(axial).text);
+               : model_report(m, MODEL_ERROR,
+                              "%s.transverse_inertia = %s kg m^2 contradicts %s.axial_inertia = %s kg m^2: "
+                              "no body has so little (allowed: half of axial_inertia at least).",
+                              name, shortest_digits(transverse).text, name, shortest_digits(axial).text);
 }
 
 static enum model_status check_rotation(struct model *m, int body)
@@ -77,12 +75,14 @@ static enum model_status check_rotation(struct model *m, int body)
     if (!SCENE_ANY_FREE_ROTATION || !turns) {
         return MODEL_OK;
     }
-    return body_shape(body) == SHAPE_PLANE
-               ? model_report(m, MODEL_ERROR,
-                              "%s.rotation = free contradicts its shape: a plane has no inertia (allowed: "
-                              "none, prescribed).",
-                              name)
-               : check_inertia(m, body);
+    if (body_shape(body) == SHAPE_PLANE) {
+        return model_report(
+            m, MODEL_ERROR,
+            "%s.rotation = free contradicts its shape: a plane has no inertia (allowed: none, "
+            "prescribed).",
+            name);
+    }
+    return check_inertia(m, body);
 }
 
 /* Refuses viscous_only under Hertz's law, which always has a spring. Refuses a coefficient of restitution
@@ -95,8 +95,8 @@ static enum model_status check_law(struct model *m, int contact)
     const char *destination = scene_body_name(contact_destination(contact));
     if (scene_is_hertz(v, contact) && contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY) {
         return model_report(m, MODEL_ERROR,
-                            "%s.penalty_control = viscous_only contradicts %s.law = hertz "
-                            "(allowed: automatic, user_defined; viscous_only with law linear).",
+                            "%s.penalty_control = viscous_only contradicts %s.law = hertz (allowed: "
+                            "automatic, user_defined; viscous_only with law linear).",
                             name, name);
     }
     if (scene_is_hertz(v, contact) && body_keeps_axis(contact_source(contact)) &&
@@ -104,9 +104,8 @@ static enum model_status check_law(struct model *m, int contact)
         contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC) {
         return model_report(
             m, MODEL_ERROR,
-            "%s.penalty_control = automatic contradicts %s.law = hertz: Hertz's theory has no "
-            "power 3/2 for the contact of two parallel cylinders along a line (allowed: "
-            "user_defined, or law linear).",
+            "%s.penalty_control = automatic contradicts %s.law = hertz: Hertz's theory has no power 3/2 for "
+            "the contact of two parallel cylinders along a line (allowed: user_defined, or law linear).",
             name, name);
     }
     if (!SCENE_ANY_RESTITUTION || contact_viscous_control(v, contact) != VISCOUS_CONTROL_RESTITUTION ||
@@ -122,9 +121,8 @@ static enum model_status check_law(struct model *m, int contact)
     if (contact_is_prescribed(v, contact) && !scene_is_hertz(v, contact)) {
         return model_report(
             m, MODEL_ERROR,
-            "%s.viscous_control = restitution contradicts the motion of %s and %s: neither is "
-            "free, and p_nv depends on their masses (allowed: %s.motion = free or "
-            "%s.motion = free).",
+            "%s.viscous_control = restitution contradicts the motion of %s and %s: neither is free, and p_nv "
+            "depends on their masses (allowed: %s.motion = free or %s.motion = free).",
             name, source, destination, source, destination);
     }
     const bool automatic = contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC;
@@ -133,14 +131,13 @@ static enum model_status check_law(struct model *m, int contact)
                           : automatic ? contact_penalty_multiplier(v, contact)
                                       : contact_penalty_factor(v, contact);
     if (factor == 0.0) {
-        return model_report(
-            m, MODEL_ERROR,
-            "%s.viscous_control = restitution contradicts %s.%s = 0: without a spring there is "
-            "no rebound (allowed: a factor above 0).",
-            name, name,
-            hertz       ? "hertz_stiffness"
-            : automatic ? "penalty_multiplier"
-                        : "penalty_factor");
+        return model_report(m, MODEL_ERROR,
+                            "%s.viscous_control = restitution contradicts %s.%s = 0: without a spring there "
+                            "is no rebound (allowed: a factor above 0).",
+                            name, name,
+                            hertz       ? "hertz_stiffness"
+                            : automatic ? "penalty_multiplier"
+                                        : "penalty_factor");
     }
     return MODEL_OK;
 }
@@ -256,21 +253,20 @@ static enum model_status check_ring(struct model *m, int contact, double r_s, do
     const char *name = scene_body_name(body);
     const char *source = scene_body_name(contact_source(contact));
     if (r_d >= ring) {
-        return model_report(
-            m, MODEL_ERROR,
-            "%s.radius = %s m contradicts %s.ring_radius = %s m: a torus has a hole (allowed: a "
-            "tube with a smaller radius than the ring).",
-            name, shortest_digits(r_d).text, name, shortest_digits(ring).text);
+        return model_report(m, MODEL_ERROR,
+                            "%s.radius = %s m contradicts %s.ring_radius = %s m: a torus has a hole "
+                            "(allowed: a tube with a smaller radius than the ring).",
+                            name, shortest_digits(r_d).text, name, shortest_digits(ring).text);
     }
     const bool may_fill = contact_location(v, contact) != LOCATION_INSIDE &&
                           body_side(v, body) != TUBE_SIDE_OUTER_RACE && r_s + r_d >= ring;
     return !may_fill
                ? MODEL_OK
-               : model_report(m, MODEL_ERROR,
-                              "%s.radius = %s m contradicts %s.ring_radius = %s m: the source would touch "
-                              "all round the hole (allowed: one that fits through, location inside, or "
-                              "side outer_race).",
-                              source, shortest_digits(r_s).text, name, shortest_digits(ring).text);
+               : model_report(
+                     m, MODEL_ERROR,
+                     "%s.radius = %s m contradicts %s.ring_radius = %s m: the source would touch all round "
+                     "the hole (allowed: one that fits through, location inside, or side outer_race).",
+                     source, shortest_digits(r_s).text, name, shortest_digits(ring).text);
 }
 
 static enum model_status check_contact(struct model *m, int contact)
@@ -283,15 +279,15 @@ static enum model_status check_contact(struct model *m, int contact)
     const double r_d = contact_destination_radius(v, contact);
     if (contact_location(v, contact) == LOCATION_INSIDE && r_s >= r_d) {
         return model_report(m, MODEL_ERROR,
-                            "%s.location = inside contradicts %s.radius = %s m >= %s.radius = %s m "
-                            "(allowed: a source smaller than its hollow destination).",
+                            "%s.location = inside contradicts %s.radius = %s m >= %s.radius = %s m (allowed: "
+                            "a source smaller than its hollow destination).",
                             name, source, shortest_digits(r_s).text, destination, shortest_digits(r_d).text);
     }
     if (contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY &&
         contact_method(v, contact) == METHOD_PENALTY) {
         return model_report(m, MODEL_ERROR,
-                            "%s.penalty_control = viscous_only contradicts %s.method = penalty "
-                            "(allowed: viscous_only with penalty_dynamic).",
+                            "%s.penalty_control = viscous_only contradicts %s.method = penalty (allowed: "
+                            "viscous_only with penalty_dynamic).",
                             name, name);
     }
     enum model_status status = MODEL_OK;
@@ -313,18 +309,17 @@ static enum model_status check_factors(struct model *m, int contact)
     const char *name = scene_contact_name(contact);
     if (scene_is_hertz(&m->state.values, contact)) {
         return model_report(m, MODEL_ERROR,
-                            "Hertz's factors of %s are not finite: k_h = %g N/m^1.5, chi = %g s/m "
-                            "(allowed: finite products of moduli, radii and times).",
+                            "Hertz's factors of %s are not finite: k_h = %g N/m^1.5, chi = %g s/m (allowed: "
+                            "finite products of moduli, radii and times).",
                             name, state->parameters.factors.k, state->parameters.factors.c);
     }
-    return model_report(
-        m, MODEL_ERROR,
-        "The automatic penalty factors of %s are not finite: p_n = %g N/m, p_nv = %g N s/m from "
-        "%s.penalty_multiplier = %g, %s.reference_modulus = %g Pa, diagonal = %g m "
-        "(allowed: finite products).",
-        name, state->parameters.factors.k, state->parameters.factors.c, name,
-        contact_penalty_multiplier(&m->state.values, contact), name,
-        contact_reference_modulus(&m->state.values, contact), state->parameters.diagonal);
+    return model_report(m, MODEL_ERROR,
+                        "The automatic penalty factors of %s are not finite: p_n = %g N/m, p_nv = %g N s/m "
+                        "from %s.penalty_multiplier = %g, %s.reference_modulus = %g Pa, diagonal = %g m "
+                        "(allowed: finite products).",
+                        name, state->parameters.factors.k, state->parameters.factors.c, name,
+                        contact_penalty_multiplier(&m->state.values, contact), name,
+                        contact_reference_modulus(&m->state.values, contact), state->parameters.diagonal);
 }
 
 /* The penetration at the start divided by the smaller radius, above which the model warns. A penalty
@@ -345,8 +340,8 @@ static void warn_of_deep_start(const struct model *m, const struct scene_instant
     }
     model_report(
         m, MODEL_WARNING,
-        "%s.gap = %g m at the start: the bodies overlap by more than a tenth of the smaller radius, "
-        "%g m, and %g J are stored in it (allowed: any, but the law is meant for small ones). Given once.",
+        "%s.gap = %g m at the start: the bodies overlap by more than a tenth of the smaller radius, %g m, "
+        "and %g J are stored in it (allowed: any, but the law is meant for small ones). Given once.",
         scene_contact_name(contact), g->gap, radius, contact_stored_energy(&law, REGIME_COMPRESSION, g->gap));
 }
 
@@ -381,14 +376,14 @@ static enum model_status warn_of_conforming(struct model *m)
         const struct contact_shape shape = scene_contact_shape(v, &m->state.motion, j);
         if (scene_is_hertz(v, j) && contact_penalty_control(v, j) == PENALTY_CONTROL_AUTOMATIC &&
             hertz_is_conforming(&shape)) {
-            status = model_report(
-                m, MODEL_WARNING,
-                "%s: %s.radius = %s m is hardly smaller than %s.radius = %s m around it: such "
-                "surfaces follow each other, and the stiffness of Hertz's theory is only "
-                "roughly right (its range: up to nine tenths).",
-                scene_contact_name(j), scene_body_name(contact_source(j)),
-                shortest_digits(shape.source_radius).text, scene_body_name(contact_destination(j)),
-                shortest_digits(shape.other_radius).text);
+            status = model_report(m, MODEL_WARNING,
+                                  "%s: %s.radius = %s m is hardly smaller than %s.radius = %s m around it: "
+                                  "such surfaces follow each other, and the stiffness of Hertz's theory is "
+                                  "only roughly right (its range: up to nine tenths).",
+                                  scene_contact_name(j), scene_body_name(contact_source(j)),
+                                  shortest_digits(shape.source_radius).text,
+                                  scene_body_name(contact_destination(j)),
+                                  shortest_digits(shape.other_radius).text);
         }
     }
     return status;

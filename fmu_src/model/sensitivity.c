@@ -83,34 +83,28 @@ static void move_inputs(const struct scene_values *v, const struct scene_state *
                         const struct scene_instant *at, const struct variable *known, double change,
                         struct scene_jet *along)
 {
+    const int i = known->element;
+    const bool turns = SCENE_ANY_ROTATION && body_turn_is_prescribed(v, i);
+    struct vec3 *moved = NULL;
     if (known->causality == VARIABLE_STATE) {
         model_exchange_move(v, q, known, change, along);
-        return;
-    }
-    if (known->row == ROW_body_external_force && body_is_free(v, known->element)) {
-        vec3_add_to(&along->force[known->element], known->component, change);
-    }
-    if (SCENE_ANY_ROTATION) {
-        if (body_turn_is_prescribed(v, known->element)) {
-            if (known->row == ROW_body_prescribed_angular_velocity) {
-                vec3_add_to(&along->angular_velocity[known->element][1], known->component, change);
-            } else if (known->row == ROW_body_prescribed_axis) {
-                turning_jet_move_axis(v, at, known->element, known->component, change, along);
-            } else if (SCENE_ANY_COMPOUND && known->row == ROW_body_prescribed_orientation) {
-                move_prescribed_orientation(v, at, known, change, along);
-            }
-        }
-        if (known->row == ROW_body_external_torque && body_turns_freely(v, known->element)) {
-            vec3_add_to(&along->torque[known->element], known->component, change);
-        }
-    }
-    if (!body_is_prescribed(v, known->element)) {
-        return;
-    }
-    if (known->row == ROW_body_prescribed_displacement) {
-        vec3_add_to(&along->displacement[known->element][1], known->component, change);
+    } else if (known->row == ROW_body_external_force) {
+        moved = body_is_free(v, i) ? &along->force[i] : NULL;
+    } else if (known->row == ROW_body_external_torque) {
+        moved = body_turns_freely(v, i) ? &along->torque[i] : NULL;
+    } else if (known->row == ROW_body_prescribed_displacement) {
+        moved = body_is_prescribed(v, i) ? &along->displacement[i][1] : NULL;
     } else if (known->row == ROW_body_prescribed_velocity) {
-        vec3_add_to(&along->velocity[known->element][1], known->component, change);
+        moved = body_is_prescribed(v, i) ? &along->velocity[i][1] : NULL;
+    } else if (turns && known->row == ROW_body_prescribed_angular_velocity) {
+        moved = &along->angular_velocity[i][1];
+    } else if (turns && known->row == ROW_body_prescribed_axis) {
+        turning_jet_move_axis(v, at, i, known->component, change, along);
+    } else if (SCENE_ANY_COMPOUND && turns && known->row == ROW_body_prescribed_orientation) {
+        move_prescribed_orientation(v, at, known, change, along);
+    }
+    if (moved != NULL) {
+        *vec3_part(moved, known->component) += change;
     }
 }
 
