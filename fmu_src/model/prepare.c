@@ -389,10 +389,17 @@ static enum model_status warn_of_conforming(struct model *m)
     return status;
 }
 
-/* Whether the choice of a body or contact from `first` to `last` - 1 has one of the items of `use`. */
-static bool has_item(const struct scene_values *v, const struct scene_use *use, int first, int last)
+/* Whether a condition holds for a body or contact. Sets *first to the first body or contact whose choice
+ * counts for it. */
+static bool condition_holds(const struct scene_values *v, const struct scene_use *use, int element,
+                            int *first)
 {
-    for (int i = first; i < last; ++i) {
+    *first = use->whose == USE_OF_SOURCE        ? contact_source(element)
+             : use->whose == USE_OF_DESTINATION ? contact_destination(element)
+             : use->whose == USE_OF_ANY         ? 0
+                                                : element;
+    const int last = use->whose == USE_OF_ANY ? use->owners : *first + 1;
+    for (int i = *first; i < last; ++i) {
         if ((1 << scene_choice(v, use->choice, i)) & use->items) {
             return true;
         }
@@ -400,58 +407,34 @@ static bool has_item(const struct scene_values *v, const struct scene_use *use, 
     return false;
 }
 
-/* Finds the bodies or contacts, from `first` to `last` - 1, whose choice counts for `use`. */
-static void owners_of_choice(const struct scene_use *use, int element, int *first, int *last)
-{
-    *first = use->whose == USE_OF_SOURCE        ? contact_source(element)
-             : use->whose == USE_OF_DESTINATION ? contact_destination(element)
-             : use->whose == USE_OF_ANY         ? 0
-                                                : element;
-    *last = use->whose == USE_OF_ANY ? use->owners : *first + 1;
-}
-
 /* Bytes for the choices that a message names. */
 enum { REMEDY_SIZE = 200 };
 
-/* Writes the conditions of one alternative that do not hold, as "contact.friction = elastic and ...". Returns
- * their number. */
-static int missing_of(const struct scene_values *v, const struct scene_use *from, int element, char *remedy)
-{
-    int missing = 0;
-    size_t used = 0;
-    for (const struct scene_use *use = from; use->row == from->row && use->alternative == from->alternative;
-         ++use) {
-        int first;
-        int last;
-        owners_of_choice(use, element, &first, &last);
-        if (has_item(v, use, first, last)) {
-            continue;
-        }
-        const struct variable *choice = variable_of_row(use->choice, first);
-        const int length = snprintf(remedy + used, REMEDY_SIZE - used, "%s%s = %s",
-                                    missing > 0 ? " and " : "", choice ? choice->name : "", use->wanted);
-        used = length > 0 && used + (size_t)length < REMEDY_SIZE ? used + (size_t)length : used;
-        missing += 1;
-    }
-    return missing;
-}
-
-/* Whether nothing reads a parameter. `remedy` then names the choices by which something would read it, for
- * the alternative with the fewest missing conditions. */
+/* Whether nothing reads a parameter. `remedy` then names the choices by which something would read it, as
+ * "contact.friction = elastic and ...", for the alternative with the fewest missing conditions. */
 static bool is_idle(const struct scene_values *v, const struct variable *variable, char *remedy)
 {
     int least = 0;
-    for (const struct scene_use *use = scene_uses; use->row != ROW_COUNT; ++use) {
+    const struct scene_use *next = NULL; /* alternative */
+    for (const struct scene_use *use = scene_uses; use->row != ROW_COUNT; use = next) {
         char found[REMEDY_SIZE];
-        if (use->row != variable->row ||
-            (use > scene_uses && use[-1].row == use->row && use[-1].alternative == use->alternative)) {
-            continue;
+        size_t used = 0;
+        int missing = 0;
+        int first = 0;
+        for (next = use; next->row == use->row && next->alternative == use->alternative; ++next) {
+            if (use->row != variable->row || condition_holds(v, next, variable->element, &first)) {
+                continue;
+            }
+            const struct variable *choice = variable_of_row(next->choice, first);
+            const int length = snprintf(found + used, REMEDY_SIZE - used, "%s%s = %s",
+                                        missing > 0 ? " and " : "", choice ? choice->name : "", next->wanted);
+            used = length > 0 && used + (size_t)length < REMEDY_SIZE ? used + (size_t)length : used;
+            missing += 1;
         }
-        const int missing = missing_of(v, use, variable->element, found);
-        if (missing == 0) {
+        if (use->row == variable->row && missing == 0) {
             return false;
         }
-        if (least == 0 || missing < least) {
+        if (missing > 0 && (least == 0 || missing < least)) {
             least = missing;
             memcpy(remedy, found, sizeof found);
         }
