@@ -2,7 +2,6 @@
  * FMI 2.0: each function of the standard works on an instance of fmi/instance.h.
  */
 #include <fmi2Functions.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -191,10 +190,10 @@ static enum model_status check_input_derivative(struct instance *instance, fmi2V
         return MODEL_ERROR;
     }
     const enum model_status status = check_order(instance, variable, order);
-    if (status == MODEL_OK && !isfinite(value)) {
+    if (status == MODEL_OK && !(value >= variable->min && value <= variable->max)) {
         return log_report(instance, MODEL_DISCARD,
-                          ": derivative of order %d of %s = %g refused, allowed: finite", order,
-                          variable->name, value);
+                          ": derivative of order %d of %s = %g refused, allowed: %g .. %g", order,
+                          variable->name, value, variable->min, variable->max);
     }
     return status;
 }
@@ -205,16 +204,14 @@ static enum model_status set_input_derivatives(struct instance *instance, const 
     if (!arrays_given(instance, ARGUMENTS({"vr", vr, nvr}, {"order", order, nvr}, {"value", value, nvr}))) {
         return MODEL_ERROR;
     }
-    enum model_status worst = MODEL_OK;
-    for (size_t i = 0; i < nvr && worst == MODEL_OK; ++i) {
-        worst = check_input_derivative(instance, vr[i], order[i], value[i]);
+    enum model_status status = MODEL_OK;
+    for (size_t i = 0; i < nvr && status == MODEL_OK; ++i) {
+        status = check_input_derivative(instance, vr[i], order[i], value[i]);
     }
-    for (size_t i = 0; i < nvr && worst <= MODEL_WARNING; ++i) {
-        const enum model_status status =
-            model_set_input_derivative(instance->model, scene_variable(vr[i]), order[i], value[i]);
-        worst = status > worst ? status : worst;
+    for (size_t i = 0; i < nvr && status == MODEL_OK; ++i) {
+        model_set_input_derivative(instance->model, scene_variable(vr[i]), order[i], value[i]);
     }
-    return worst;
+    return status;
 }
 
 CALL2(SetRealInputDerivatives, STEPS, PHASE_INSTANTIATED | PHASE_INITIALIZATION | PHASE_STEP,

@@ -476,26 +476,20 @@ static bool integrate_beside_pairs(struct pair_phase *all, const struct scene_va
     return true;
 }
 
-/* Adds the external work on bodies on which no contact force acts. */
-static void book_flights(const struct scene_values *v, struct scene_state *q, double time)
+/* Turns the bodies on which no friction acts for a time from now, and adds the external work on bodies on
+ * which no contact force acts. */
+static void fly_bodies(const struct scene_values *v, struct scene_state *q, double time, double clock)
 {
-    for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i) && !body_is_loaded(q, i, -1)) {
-            q->external_work += flight_work(v, q, i, q->body[i], q->clock, time);
-        }
-    }
-}
-
-/* Turns the bodies on which no friction acts to a clock. */
-static void turn_bodies(const struct scene_values *v, struct scene_state *q, double clock)
-{
-    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) {
-        bool turns = body_turns_freely(v, i);
+    for (int i = 0; (SCENE_ANY_ROTATION || SCENE_CONTACTS > 1) && i < SCENE_BODIES; ++i) {
+        bool turns = SCENE_ANY_ROTATION && body_turns_freely(v, i);
         for (int j = 0; turns && j < SCENE_CONTACTS; ++j) {
             turns = !(contact_source(j) == i && contact_transmits(q, j) && contact_rubs(v, j));
         }
         if (turns) {
             flight_turn(v, q, i, clock);
+        }
+        if (SCENE_CONTACTS > 1 && body_is_free(v, i) && !body_is_loaded(q, i, -1)) {
+            q->external_work += flight_work(v, q, i, q->body[i], q->clock, time);
         }
     }
 }
@@ -583,8 +577,7 @@ static void follow_pairs(struct pair_phase *all, const struct scene_values *v, s
         }
     }
     if (time > 0.0) {
-        turn_bodies(v, q, clock);
-        book_flights(v, q, time);
+        fly_bodies(v, q, time, clock);
         q->clock = clock;
         flight_restore(v, q);
     }

@@ -248,20 +248,17 @@ static int signal_of(const struct variable *variable)
     return -1;
 }
 
-static void note_value(struct model *m, const struct variable *variable)
+/* Returns the marks of an input, which are about to change; NULL: the variable is no input. */
+static uint8_t *changed_marks(struct model *m, const struct variable *variable)
 {
     const int index = signal_of(variable);
+    m->outputs = OUTPUTS_NONE;
     if (index < 0) {
-        return;
+        return NULL;
     }
-    uint8_t *marks = &m->state.marks[variable->element][index];
-    /* A new value without derivatives at the same communication point ends earlier derivatives. */
-    if (!(*marks & (SIGNAL_RATE | SIGNAL_CURVATURE))) {
-        *marks = 0;
-    }
-    *marks |= SIGNAL_VALUE;
     m->state.signals_changed = 1;
     m->state.signals_open = 1;
+    return &m->state.marks[variable->element][index];
 }
 
 bool variable_is_local(const struct variable *variable)
@@ -304,31 +301,18 @@ void model_set(struct model *m, const struct variable *variable, const void *val
         model_begin_tuning(m);
     }
     memcpy((char *)&m->state.values + variable->offset, value, variable_size(variable));
-    note_value(m, variable);
-    m->outputs = OUTPUTS_NONE;
+    uint8_t *marks = changed_marks(m, variable);
+    if (marks != NULL) {
+        /* A new value without derivatives at the same communication point ends earlier derivatives. */
+        *marks = (uint8_t)((*marks & (SIGNAL_RATE | SIGNAL_CURVATURE) ? *marks : 0) | SIGNAL_VALUE);
+    }
 }
 
-enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order,
-                                             double value)
+void model_set_input_derivative(struct model *m, const struct variable *variable, int order, double value)
 {
-    const int index = signal_of(variable);
-    if (!(value >= variable->min && value <= variable->max)) {
-        return model_report(m, MODEL_DISCARD, "Derivative %d of %s = %s refused (allowed: %g .. %g).", order,
-                            variable->name, shortest_digits(value).text, variable->min, variable->max);
-    }
-    uint8_t *marks = &m->state.marks[variable->element][index];
-    struct input_signal *signal = &m->state.signals[variable->element][index];
-    if (order == 1) {
-        signal->rate = value;
-        *marks |= SIGNAL_RATE | SIGNAL_EXPLICIT;
-    } else {
-        signal->curvature = value;
-        *marks |= SIGNAL_CURVATURE | SIGNAL_EXPLICIT;
-    }
-    m->state.signals_changed = 1;
-    m->state.signals_open = 1;
-    m->outputs = OUTPUTS_NONE;
-    return MODEL_OK;
+    struct input_signal *signal = &m->state.signals[variable->element][signal_of(variable)];
+    *(order == 1 ? &signal->rate : &signal->curvature) = value;
+    *changed_marks(m, variable) |= (uint8_t)((order == 1 ? SIGNAL_RATE : SIGNAL_CURVATURE) | SIGNAL_EXPLICIT);
 }
 
 /* Directions count as parallel within this angle [rad]: their rounding, and that of a user's products. */

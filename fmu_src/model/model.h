@@ -77,9 +77,9 @@ enum model_status model_read(struct model *m, const struct variable *variable, v
 size_t model_get_reals(struct model *m, const uint32_t *references, size_t count, double *values);
 bool model_get_vector(const struct model *m, const uint32_t *references, double *values);
 
-/* Sets the time derivative of `order` 1 or 2 of a real input from the present communication point on. */
-enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order,
-                                             double value);
+/* Sets the time derivative of `order` 1 or 2 of a real input from the present communication point on, to a
+ * value in the range of the input. */
+void model_set_input_derivative(struct model *m, const struct variable *variable, int order, double value);
 
 /* Whether an output has derivatives with respect to time. Means and peaks over the last step have none. */
 bool model_has_derivatives(const struct variable *variable);

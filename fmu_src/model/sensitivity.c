@@ -123,32 +123,23 @@ static double diagonal_slope(const struct model *m, const struct scene_jet *alon
                                                         along->displacement[contact_source(contact)][1])));
 }
 
-static void vary_factors(const struct model *m, struct scene_jet *along)
+/* Varies the factors of the laws, and the damping that depends on the onset of a contact. Until the end of
+ * initialization the onset is the start, and the damping follows the gap and gap rate there. */
+static void vary_laws(const struct model *m, struct linear_model *l)
 {
+    const struct scene_values *v = &m->state.values;
+    struct scene_jet *along = &l->along;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        along->law_slope[j] = model_law_slope(m, j, diagonal_slope(m, along, j));
-        if (SCENE_ANY_FRICTION &&
-            contact_slip_velocity_control(&m->state.values, j) == SLIP_VELOCITY_CONTROL_AUTOMATIC) {
-            along->slip_velocity_slope[j] =
-                1e-3 * diagonal_slope(m, along, j); /* prepare.c has this factor too */
+        const double slope = diagonal_slope(m, along, j);
+        along->law_slope[j] = model_law_slope(m, j, slope);
+        if (SCENE_ANY_FRICTION && contact_slip_velocity_control(v, j) == SLIP_VELOCITY_CONTROL_AUTOMATIC) {
+            along->slip_velocity_slope[j] = 1e-3 * slope; /* prepare.c has this factor too */
         }
-    }
-}
-
-/* Varies the damping that depends on the onset of a contact. Until the end of initialization the onset is the
- * start, and the damping follows the gap and gap rate there. */
-static void vary_onsets(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
-                        struct scene_jet *along)
-{
-    if (SCENE_ANY_HERTZ) {
-        const struct scene_values *v = &m->state.values;
-        for (int j = 0; !m->state.initialized && j < SCENE_CONTACTS; ++j) {
-            if (scene_damps_by_onset(v, j)) {
-                jet_of_contacts(v, q, at, along);
-                const struct contact_jet *contact = &along->contact[j];
-                along->law_slope[j] = contact_hunt_crossley_slope(
-                    onset_damping_slope(v, q, at, j, contact->gap[1], contact->gap_rate[1]));
-            }
+        if (SCENE_ANY_HERTZ && !m->state.initialized && scene_damps_by_onset(v, j)) {
+            const struct contact_jet *contact = &along->contact[j];
+            jet_of_contacts(v, l->q, &l->at, along);
+            along->law_slope[j] = contact_hunt_crossley_slope(
+                onset_damping_slope(v, l->q, &l->at, j, contact->gap[1], contact->gap_rate[1]));
         }
     }
 }
@@ -211,8 +202,7 @@ static void begin_path(const struct model *m, struct linear_model *l)
 static void finish_path(const struct model *m, struct linear_model *l)
 {
     const struct scene_values *v = &m->state.values;
-    vary_factors(m, &l->along);
-    vary_onsets(m, l->q, &l->at, &l->along);
+    vary_laws(m, l);
     jet_of_contacts(v, l->q, &l->at, &l->along);
     if (SCENE_ANY_FREE && m->state.initialized && !m->host.exchange) {
         /* The jump of an input that moves a body does the work that changes the energy stored in contacts. */
