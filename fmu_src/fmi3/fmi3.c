@@ -295,36 +295,31 @@ CALL3(GetOutputDerivatives, STEPS, PHASES_WITHIN(PHASES_STEPPED),
 PRODUCT3(GetDirectionalDerivative, false, nSensitivity, nSeed)
 PRODUCT3(GetAdjointDerivative, true, nSeed, nSensitivity)
 
-/* Calls the intermediate update callback at an event within the step. Returns the time at which the importer
- * wants the step to end [s]. */
-static double tell_importer(struct fmi3_instance *own, double end_time)
-{
-    struct instance *instance = &own->shared;
-    const double now = own->event_time;
-    bool requested = false;
-    double requested_time = end_time;
-    const struct call *call = instance->call;
-    instance->phase = (enum phase)(PHASE_STEP | PHASE_INTERMEDIATE);
-    own->intermediate_update(own->environment, now, fmi3False, fmi3True, fmi3True, own->early_return_allowed,
-                             &requested, &requested_time);
-    instance->phase = PHASE_STEP;
-    instance->call = call;
-    if (!requested || !own->early_return_allowed) {
-        return end_time;
-    }
-    return requested_time > now ? fmin(requested_time, end_time) : now;
-}
-
-/* Is called when a contact begins or ends within a step. Returns the time at which the step shall end [s]
- * (struct step_request). */
+/* Is called when a contact begins or ends within a step, and calls the intermediate update callback. Returns
+ * the time at which the step shall end [s] (struct step_request): the importer may want it to end early. */
 static double at_event(void *context, double end_time)
 {
     struct fmi3_instance *own = context;
-    own->event_time = model_time(own->shared.model);
+    struct instance *instance = &own->shared;
+    const double now = model_time(instance->model);
+    const struct call *call = instance->call;
+    bool requested = false;
+    double requested_time = end_time;
+    own->event_time = now;
     if (own->intermediate_update != NULL) {
-        end_time = tell_importer(own, end_time);
+        instance->phase = (enum phase)(PHASE_STEP | PHASE_INTERMEDIATE);
+        own->intermediate_update(own->environment, now, fmi3False, fmi3True, fmi3True,
+                                 own->early_return_allowed, &requested, &requested_time);
+        instance->phase = PHASE_STEP;
+        instance->call = call;
     }
-    return own->event_mode_used && own->early_return_allowed ? own->event_time : end_time;
+    if (!own->early_return_allowed) {
+        return end_time;
+    }
+    if (own->event_mode_used || (requested && !(requested_time > now))) {
+        return now;
+    }
+    return requested ? fmin(requested_time, end_time) : end_time;
 }
 
 /* Sets the results of a step besides its status. The model never ends a run by itself. */

@@ -922,11 +922,10 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
 {
     struct scene_instant at;
     const double start = scene_time(q);
-    struct advance step;
-    step.start = start;
+    const long budget = solver_max_internal_steps(v);
+    struct advance step = {
+        .start = start, .budget = budget, .work = budget > LEAST_WORK ? budget : LEAST_WORK};
     catch_up(s, v, q, false);
-    step.budget = solver_max_internal_steps(v);
-    step.work = step.budget > LEAST_WORK ? step.budget : LEAST_WORK;
     transition_begin_step(v, q, &at);
     if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_keeps_steps(v)) {
         q->integrator_fresh = 1; /* CVODE's history is in no saved state: each step does without it */
