@@ -499,6 +499,8 @@ void model_warn_of_rates(struct model *m)
 {
     const struct scene_values *v = &m->state.values;
     const struct scene_state *q = &m->state.motion;
+    /* A scene without a solver takes the start value that solver.absolute_tolerance has elsewhere. */
+    const double least_speed = SCENE_ANY_FREE ? solver_absolute_tolerance(v) : 1e-12;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (SCENE_ANY_ROTATION) {
             warn_of_axis(m, i);
@@ -512,7 +514,7 @@ void model_warn_of_rates(struct model *m)
         const struct vec3 rate = path[1];
         const struct vec3 velocity = path_at(q->path[i].velocity, 3, q->clock);
         if (has_rate_of_its_own(m, i, rate)) {
-            warn_of_rates(m, i, WARNED_OF_DISPLACEMENT, rate, velocity, motion_least_speed(v));
+            warn_of_rates(m, i, WARNED_OF_DISPLACEMENT, rate, velocity, least_speed);
         }
     }
 }

@@ -28,14 +28,6 @@ const struct scene_state *motion_shown(const struct scene_values *v, const struc
     return settled;
 }
 
-double motion_energy(const struct scene_values *v, const struct scene_state *q,
-                     const struct scene_instant *at)
-{
-    return !SCENE_ANY_FREE || scene_is_force_element(v)
-               ? 0.0
-               : energy_kinetic_of(v, at) + energy_potential(v, at, gravity(v)) + energy_stored(v, q, at);
-}
-
 void motion_forget_integration(struct scene_state *q)
 {
     for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
@@ -67,19 +59,6 @@ void motion_close(struct integrator *integrator)
 bool motion_has_history(const struct scene_values *v)
 {
     return SCENE_ANY_FREE && solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN;
-}
-
-void motion_place(const struct scene_values *v, struct scene_state *q)
-{
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            q->origin[i] = (struct body_origin){body_initial_displacement(v, i), body_initial_velocity(v, i)};
-            q->body[i].velocity = q->origin[i].velocity;
-        }
-    }
-    if (SCENE_ANY_ROTATION) {
-        turning_place(v, q);
-    }
 }
 
 void motion_begin(const struct scene_values *v, struct scene_state *q)
@@ -333,10 +312,4 @@ double motion_size(const struct scene_values *v, const struct scene_state *q)
         sum += fabs(mean.x) + fabs(mean.y) + fabs(mean.z) + state->peaks.force + state->peaks.penetration;
     }
     return sum;
-}
-
-double motion_least_speed(const struct scene_values *v)
-{
-    /* A scene without a solver takes the start value that solver.absolute_tolerance has elsewhere. */
-    return SCENE_ANY_FREE ? solver_absolute_tolerance(v) : 1e-12;
 }

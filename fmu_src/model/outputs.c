@@ -32,9 +32,8 @@ static const char *unknown_reason(const struct model *m, const struct variable *
         return NULL;
     }
     return "in a contact as stiff as this, rounding of gap and speed where it began makes more than 1e-6 of "
-           "the "
-           "peak (allowed: a smaller penalty factor, or, where the contact is damped, a later communication "
-           "step; other outputs can be read)";
+           "the peak (allowed: a smaller penalty factor, or, where the contact is damped, a later "
+           "communication step; other outputs can be read)";
 }
 
 static double put_history(struct scene_values *v, const struct scene_state *q, int contact)
@@ -485,11 +484,10 @@ static void warn_of_missing_direction(struct model *m, const struct scene_state 
             !m->state.warned_of_direction[j]) {
             m->state.warned_of_direction[j] = 1;
             const struct vec3 n = at->geometry[j].normal;
-            model_report(
-                m, MODEL_WARNING,
-                "%s.distance = 0 at %s s: the overlapping bodies have no defined normal; the direction "
-                "(%g, %g, %g) is used (allowed: distance > 0). Given once.",
-                scene_contact_name(j), shortest_digits(scene_time(q)).text, n.x, n.y, n.z);
+            model_report(m, MODEL_WARNING,
+                         "%s.distance = 0 at %s s: the overlapping bodies have no defined normal; the "
+                         "direction (%g, %g, %g) is used (allowed: distance > 0). Given once.",
+                         scene_contact_name(j), shortest_digits(scene_time(q)).text, n.x, n.y, n.z);
         }
     }
 }

@@ -351,7 +351,11 @@ static enum model_status check_start(struct model *m)
     const struct scene_values *v = &m->state.values;
     struct scene_instant at;
     scene_now(v, &m->state.motion, &at);
-    double sum = motion_energy(v, &m->state.motion, &at);
+    double sum = 0.0;
+    if (SCENE_ANY_FREE && !scene_is_force_element(v)) {
+        sum = energy_kinetic_of(v, &at) + energy_potential(v, &at, gravity(v)) +
+              energy_stored(v, &m->state.motion, &at);
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         sum += at.normal_force[j];
     }
@@ -585,7 +589,15 @@ void model_prepare(struct model *m)
     }
     q->base = m->state.start_time;
     model_start_paths(m);
-    motion_place(v, q);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            q->origin[i] = (struct body_origin){body_initial_displacement(v, i), body_initial_velocity(v, i)};
+            q->body[i].velocity = q->origin[i].velocity;
+        }
+    }
+    if (SCENE_ANY_ROTATION) {
+        turning_place(v, q);
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].side = 1;
     }

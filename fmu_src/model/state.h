@@ -145,9 +145,7 @@ void motion_close(struct integrator *integrator);
 /* Whether the solver's method uses a history that is not part of the saved state, as CVODE does. */
 bool motion_has_history(const struct scene_values *v);
 
-/* motion_place puts the free bodies to where they start. motion_begin then begins the motion: it settles the
- * regimes of the contacts. */
-void motion_place(const struct scene_values *v, struct scene_state *q);
+/* Begins the motion of bodies that are where they start: it settles the regimes of the contacts. */
 void motion_begin(const struct scene_values *v, struct scene_state *q);
 
 /* Changes the paths of the inputs and books the work that the change does. Returns false, and changes
@@ -169,13 +167,8 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
 bool motion_defer(struct model *m, double end_time);
 void motion_catch_up(struct model *m);
 
-/* Return sums that are finite only if the motion of the free bodies and the energies are. */
+/* Returns a sum that is finite only if the motion of the free bodies is. */
 double motion_size(const struct scene_values *v, const struct scene_state *q);
-double motion_energy(const struct scene_values *v, const struct scene_state *q,
-                     const struct scene_instant *at);
-
-/* Returns the speed [m/s] below which a speed counts as zero. */
-double motion_least_speed(const struct scene_values *v);
 
 /* Returns the state that outputs show. This is q where a body may be free, else `settled`, a copy of q with
  * the regimes that the present inputs ask for. Reading outputs leaves q as it is. */
