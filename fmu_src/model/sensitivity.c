@@ -232,21 +232,6 @@ static enum model_status put_changes(const struct model *m, struct linear_model 
     return status;
 }
 
-/* Computes the sum of the changes by a known, each times its seed. */
-static enum model_status put_sum_of_changes(const struct model *m, struct linear_model *l,
-                                            const struct product *p, const struct variable *known,
-                                            double *value)
-{
-    *value = 0.0;
-    const enum model_status status = put_changes(m, l, &p->unknowns, p->seed, value);
-    return status != MODEL_OK || isfinite(*value)
-               ? status
-               : model_report(m, MODEL_DISCARD,
-                              "An adjoint derivative with respect to %s is beyond the range of numbers "
-                              "(allowed: finite).",
-                              known->name);
-}
-
 /* The adjoint product finds the effect of each known in turn. That is cheap enough, because inputs are few
  * and the effect of one costs as much as reading all outputs. */
 enum model_status model_product(struct model *m, const struct product *p)
@@ -265,7 +250,14 @@ enum model_status model_product(struct model *m, const struct product *p)
         for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
             move_inputs(&m->state.values, l.q, &l.at, first + k, p->adjoint ? 1.0 : *direction++, &l.along);
             if (p->adjoint) {
-                status = put_sum_of_changes(m, &l, p, first + k, values++);
+                *values = 0.0;
+                status = put_changes(m, &l, &p->unknowns, p->seed, values);
+                if (status == MODEL_OK && !isfinite(*values++)) {
+                    status = model_report(m, MODEL_DISCARD,
+                                          "An adjoint derivative with respect to %s is beyond the range of "
+                                          "numbers (allowed: finite).",
+                                          first[k].name);
+                }
                 begin_path(m, &l);
             }
         }
