@@ -270,14 +270,6 @@ static bool start_phase(struct cvode *c, const struct scene_values *v, struct sc
            CVodeSetMaxStep(c->memory, c->longest_step) == CV_SUCCESS;
 }
 
-/* Returns the time that CVODE aims at [s]. CVODE derives its first step from this time, so that it must not
- * be far longer than the time of a contact. */
-static double first_aim(const struct cvode *c, double clock, double clock_end)
-{
-    const double longest = 1e4 * c->longest_step;
-    return longest > 0.0 ? fmin(clock_end, clock + longest) : clock_end;
-}
-
 static void book_counters(struct cvode *c, struct scene_state *q, struct advance *step)
 {
     long steps = 0, evaluations = 0, failures = 0, convergence_failures = 0;
@@ -293,15 +285,6 @@ static void book_counters(struct cvode *c, struct scene_state *q, struct advance
     c->steps = steps;
     c->evaluations = evaluations;
     c->rejected = failures;
-}
-
-/* Returns the end of the dead band after a root [s]. CVODE places a root to 100 roundings of its time and
- * step. After four times this error the contact is certainly in its new regime. */
-static double dead_band_clock(struct cvode *c, double clock)
-{
-    double step = 0.0;
-    CVodeGetLastStep(c->memory, &step);
-    return clock + 400.0 * DBL_EPSILON * (clock + step);
 }
 
 /* Returns the index of the event function that has the root just found. */
@@ -328,7 +311,11 @@ static void tidy_event(struct cvode *c, const struct scene_values *v, struct sce
         projection_close_gap(v, q, step->contact);
         projection_restore_energy(v, q, step->contact, c->relative * speed + c->absolute);
     }
-    q->contact[step->contact].schedule.dead_band_clock = dead_band_clock(c, q->clock);
+    /* CVODE places a root to 100 roundings of its time and step. After four times this error the contact is
+     * certainly in its new regime. */
+    double length = 0.0;
+    CVodeGetLastStep(c->memory, &length);
+    q->contact[step->contact].schedule.dead_band_clock = q->clock + 400.0 * DBL_EPSILON * (q->clock + length);
 }
 
 /* Notes the peaks up to the clock `to`. A step of CVODE is short compared with the time of a contact, so that
@@ -367,7 +354,10 @@ static enum advance_result one_internal_step(struct cvode *c, struct scene_state
     if (advance_is_spent(step)) {
         return ADVANCE_STEP_LIMIT;
     }
-    const double aim = first_aim(c, q->clock, step->clock_end);
+    /* CVODE derives its first step from the time that it aims at, which must not be far longer than a
+     * contact */
+    const double longest = c->longest_step > 0.0 ? 1e4 * c->longest_step : (double)INFINITY;
+    const double aim = fmin(step->clock_end, q->clock + longest);
     c->flag = CVode(c->memory, aim, c->y, &c->reached, CV_ONE_STEP);
     c->y_clock = c->reached;
     book_counters(c, q, step);

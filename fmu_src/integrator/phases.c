@@ -199,17 +199,10 @@ static bool any_is_coupled(const struct scene_values *v, const struct scene_stat
     return any;
 }
 
-/* Whether the gap of a contact that is apart changes no faster than its separation does, so that a bound of
- * the speeds shows how long it stays apart: nothing that turns changes it. */
-static bool gap_follows_separation(const struct scene_values *v, int contact)
-{
-    return !contact_tips(v, contact) && !body_is_compound(contact_source(contact)) &&
-           !body_is_compound(contact_destination(contact));
-}
-
 /* Whether segments can be made for the contact pairs: neither turning nor rubbing prevents them, and no free
- * body takes part in two contacts that transmit forces. begin_pairs sees to it that no other contact
- * begins. */
+ * body takes part in two contacts that transmit forces. others_apart_for sees to it that no other contact
+ * begins: the gap of such a contact must change no faster than its separation, so that a bound of the speeds
+ * shows how long it stays apart, and nothing that turns may change the gap. */
 static bool pairs_are_alone(const struct scene_values *v, const struct scene_state *q)
 {
     for (int j = 0; SCENE_ANY_TURNING && scene_turns(v) && j < SCENE_CONTACTS; ++j) {
@@ -218,7 +211,9 @@ static bool pairs_are_alone(const struct scene_values *v, const struct scene_sta
         }
     }
     for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
-        if (contact_is_coupled(v, q, j) && (contact_transmits(q, j) || !gap_follows_separation(v, j))) {
+        const bool turns = contact_tips(v, j) || body_is_compound(contact_source(j)) ||
+                           body_is_compound(contact_destination(j));
+        if (contact_is_coupled(v, q, j) && (contact_transmits(q, j) || turns)) {
             return false;
         }
     }
@@ -722,17 +717,6 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
     return ADVANCE_REACHED;
 }
 
-static enum advance_result advance_flight(const struct scene_values *v, struct scene_state *q,
-                                          struct advance *step)
-{
-    if (SCENE_CONTACTS > 1 && !scene_turns(v)) {
-        q->integrator_fresh = 1; /* no step of the general segment goes on */
-    }
-    note_depth_of_released(v, q, step);
-    flight_advance(v, q, step->clock_end);
-    return ADVANCE_REACHED;
-}
-
 /* The phases of motion stand in order of preference. One that applies may give up where the motion is too
  * hard for it (ADVANCE_FAILED). The next one that applies then goes on from there. */
 static enum advance_result advance_phase(struct integrator *s, const struct scene_values *v,
@@ -748,7 +732,12 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
         return q->clock < step->clock_end ? ADVANCE_STEP_LIMIT : ADVANCE_REACHED;
     }
     if (flight_is_free(q)) {
-        return advance_flight(v, q, step);
+        if (SCENE_CONTACTS > 1 && !scene_turns(v)) {
+            q->integrator_fresh = 1; /* no step of the general segment goes on */
+        }
+        note_depth_of_released(v, q, step);
+        flight_advance(v, q, step->clock_end);
+        return ADVANCE_REACHED;
     }
     if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && (!general_goes_on(v, q) || pairs_are_alone(v, q))) {
         result = advance_pairs(s, v, q, step);
