@@ -395,6 +395,9 @@ enum model_status model_refuse_inputs(const struct model *m)
 bool model_apply_inputs(struct model *m)
 {
     struct scene_state *q = &m->state.motion;
+    if (!m->state.initialized) {
+        model_prepare(m);
+    }
     if (!m->state.signals_changed || !m->state.initialized) {
         return true;
     }

@@ -128,7 +128,7 @@ static double ask_owner(void *context, double end_time)
 {
     struct model *m = context;
     const struct scene_state kept = m->state.motion;
-    model_forget_outputs(m);
+    m->outputs = OUTPUTS_NONE;
     end_time = m->request->at_event(m->request->context, end_time);
     m->state.motion = kept;
     return end_time;
@@ -150,13 +150,13 @@ enum model_status model_step(struct model *m, const struct step_request *request
     if (model_step_deferred(m, request->end_time)) {
         return MODEL_OK;
     }
-    model_forget_outputs(m); /* at_event may read outputs within the step */
+    m->outputs = OUTPUTS_NONE; /* at_event may read outputs within the step */
     struct step_request inner = *request;
     inner.at_event = request->at_event != NULL ? ask_owner : NULL;
     inner.context = m;
     m->request = request;
     const enum model_status status = take_step(m, &inner);
-    model_forget_outputs(m);
+    m->outputs = OUTPUTS_NONE;
     return status;
 }
 

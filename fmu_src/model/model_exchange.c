@@ -296,7 +296,7 @@ enum model_status model_exchange_set_time(struct model *m, double time)
             "The time %.17g s is refused (allowed: finite, from the last event at %.17g s on).", time, event);
     }
     q->clock = fmax((time - q->base) - q->base_tail, 0.0);
-    model_forget_outputs(m);
+    m->outputs = OUTPUTS_NONE;
     return MODEL_OK;
 }
 
@@ -304,7 +304,7 @@ void model_exchange_set_state(struct model *m, const struct variable *state, dou
 {
     *state_at(&m->state.motion, state) = value - state_origin(&m->state.motion, state);
     m->state.booked = booked_states(&m->state.motion);
-    model_forget_outputs(m);
+    m->outputs = OUTPUTS_NONE;
 }
 
 enum model_status model_exchange_set_states(struct model *m, const double *states)
@@ -321,23 +321,13 @@ enum model_status model_exchange_set_states(struct model *m, const double *state
     return MODEL_OK;
 }
 
-/* Takes over changed inputs. Before the end of initialization it renews the start of the motion instead. */
-static enum model_status follow(struct model *m)
-{
-    if (!m->state.initialized) {
-        model_prepare(m);
-        return MODEL_OK;
-    }
-    return model_apply_inputs(m) ? MODEL_OK : model_refuse_inputs(m);
-}
-
 enum model_status model_exchange_get(struct model *m, enum exchange_values which, double *values)
 {
     if (which == EXCHANGE_NOMINALS) {
         memcpy(values, scene_state_nominals, SCENE_STATES * sizeof *values);
         return MODEL_OK;
     }
-    enum model_status status = follow(m);
+    enum model_status status = model_apply_inputs(m) ? MODEL_OK : model_refuse_inputs(m);
     const uint16_t *places = which == EXCHANGE_STATES  ? scene_states
                              : which == EXCHANGE_RATES ? scene_rates
                                                        : scene_indicators;
@@ -380,14 +370,14 @@ static void foresee_touch(const struct model *m, struct exchange_news *news)
 enum model_status model_exchange_update(struct model *m, struct exchange_news *news)
 {
     struct scene_state *q = &m->state.motion;
-    const enum model_status status = follow(m);
+    const enum model_status status = model_apply_inputs(m) ? MODEL_OK : model_refuse_inputs(m);
     news->again = status == MODEL_OK && change_regimes(&m->state.values, q);
     news->jumped = booked_states(q) != m->state.booked;
     if (news->again) {
         model_report(m, MODEL_OK, "Changes of contact at %.17g s; since initialization: %d.", scene_time(q),
                      (int)q->counters.events);
     }
-    model_forget_outputs(m);
+    m->outputs = OUTPUTS_NONE;
     if (status <= MODEL_WARNING && !news->again) {
         foresee_touch(m, news);
     }
@@ -396,7 +386,7 @@ enum model_status model_exchange_update(struct model *m, struct exchange_news *n
 
 enum model_status model_exchange_accept(struct model *m)
 {
-    const enum model_status status = follow(m);
+    const enum model_status status = model_apply_inputs(m) ? MODEL_OK : model_refuse_inputs(m);
     struct scene_instant at;
     scene_now(&m->state.values, &m->state.motion, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {

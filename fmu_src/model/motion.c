@@ -289,10 +289,10 @@ bool motion_defer(struct model *m, double end_time)
     if (!SCENE_ANY_FREE || !flight_defer(q, end_time)) {
         return false;
     }
-    if (m->outputs > OUTPUTS_FIXED && q->only_flies) {
+    if (m->outputs != OUTPUTS_NONE && q->only_flies) {
         foresee_reading(m, m->state.motion.clock);
     } else {
-        model_forget_outputs(m);
+        m->outputs = OUTPUTS_NONE;
     }
     return true;
 }

@@ -497,9 +497,7 @@ static void update_bodies(struct model *m)
     struct scene_values *v = &m->state.values;
     motion_catch_up(m);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (m->outputs == OUTPUTS_NONE || body_is_free(v, i) || body_is_prescribed(v, i)) {
-            present_body_now(v, &m->state.motion, i);
-        }
+        present_body_now(v, &m->state.motion, i);
     }
     m->outputs = OUTPUTS_BODIES;
 }
@@ -527,9 +525,7 @@ bool model_update_outputs(struct model *m, enum outputs wanted)
     if (m->outputs >= wanted) {
         return true;
     }
-    if (!m->state.initialized) {
-        model_prepare(m);
-    } else if (!model_apply_inputs(m)) {
+    if (!model_apply_inputs(m)) {
         return false;
     }
     update_bodies(m);

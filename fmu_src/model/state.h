@@ -51,11 +51,10 @@ struct model_state {
 };
 
 /* Which outputs are up to date; each value includes the ones before. The bits of a value tell which variables
- * can be read as they stand (enum variable_source). VARIABLE_FIXED only tells the first two values apart. */
+ * can be read as they stand (enum variable_source). */
 enum outputs {
     OUTPUTS_NONE = VARIABLE_GIVEN,
-    OUTPUTS_FIXED = OUTPUTS_NONE | VARIABLE_FIXED,  /* outputs of bodies that never move */
-    OUTPUTS_BODIES = OUTPUTS_FIXED | VARIABLE_BODY, /* displacement, position, velocity of all */
+    OUTPUTS_BODIES = OUTPUTS_NONE | VARIABLE_BODY, /* displacement, position, velocity of all */
     OUTPUTS_ALL = OUTPUTS_BODIES | VARIABLE_COMPUTED
 };
 
@@ -69,14 +68,6 @@ struct model {
 
 /* Whether the host wants messages of this status; asked before a costly message is made. */
 bool model_reports(const struct model *m, enum model_status status);
-
-/* Marks the outputs that change as out of date. */
-static inline void model_forget_outputs(struct model *m)
-{
-    if (m->outputs > OUTPUTS_FIXED) {
-        m->outputs = OUTPUTS_FIXED;
-    }
-}
 
 /* Formats and sends a message when the host wants the category. */
 CONTACT_COLD enum model_status model_report(const struct model *m, enum model_status status,
@@ -117,9 +108,9 @@ enum model_status model_refuse_zero(const struct model *m, enum model_status sta
 /* Whether the vector a, other than zero, has a part across the axis of a body that keeps its axis. */
 bool model_tilts_axis(const struct scene_values *v, int body, struct vec3 a);
 
-/* Takes changed inputs over into the paths of the motion. False: an energy would be beyond the range of
- * numbers, or an axis has no direction or would tilt that is kept. The motion is then unchanged, and other
- * inputs may be set. */
+/* Takes changed inputs over into the paths of the motion. Before the end of initialization it renews the
+ * start of the motion instead. False: an energy would be beyond the range of numbers, or an axis has no
+ * direction or would tilt that is kept. The motion is then unchanged, and other inputs may be set. */
 bool model_apply_inputs(struct model *m);
 
 /* Clears the marks of the inputs set at this communication point, once a step begins. */

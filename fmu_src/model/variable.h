@@ -55,7 +55,6 @@ double variable_number(const struct variable *variable, const void *at);
 enum variable_source {
     VARIABLE_OFFSET = 0xffffff,
     VARIABLE_GIVEN = 0x1000000,    /* nothing, because the importer gave the value */
-    VARIABLE_FIXED = 0x2000000,    /* not used by variables; tells two values of enum outputs apart */
     VARIABLE_BODY = 0x4000000,     /* the motion of the bodies */
     VARIABLE_COMPUTED = 0x8000000, /* everything */
     VARIABLE_VECTOR = 0x10000000   /* beside another bit: the first of a vector's three components */
