@@ -35,11 +35,6 @@ static const char *const category_names[] = {
 static const char ALL_CATEGORIES[] =
     "logEvents, logStatusWarning, logStatusDiscard, logStatusError, logStatusFatal, logAll";
 
-unsigned log_default_categories(bool logging_on)
-{
-    return logging_on ? LOG_ALL : LOG_STATUS_ALL;
-}
-
 /* Returns the bits of a named category, or 0 where there is no such category. */
 static unsigned category_bits(const char *name)
 {
@@ -983,7 +978,7 @@ static void forget_experiment(struct instance *instance)
     instance->experiment = (struct experiment){.stop_time = (double)INFINITY};
     instance->phase = PHASE_INSTANTIATED;
     instance->step_status = MODEL_OK;
-    instance->log_categories = log_default_categories(instance->logging_on);
+    instance->log_categories = instance->logging_on ? LOG_ALL : LOG_STATUS_ALL;
 }
 
 bool instance_expects(struct instance *nobody, bool holds, const char *argument, const char *given,

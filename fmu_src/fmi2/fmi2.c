@@ -120,7 +120,7 @@ static enum model_status choose_categories(struct instance *instance, bool on, s
     const enum model_status status = instance_categories(instance, count, categories, &chosen);
     if (status == MODEL_OK) {
         /* With logging off, warnings and worse are still sent. */
-        instance->log_categories = !on || count == 0 ? log_default_categories(on) : chosen;
+        instance->log_categories = !on ? LOG_STATUS_ALL : count == 0 ? (unsigned)LOG_ALL : chosen;
     }
     return status;
 }
