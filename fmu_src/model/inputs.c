@@ -144,22 +144,17 @@ static void input_path_shift(const struct model *m, int body, struct body_path *
     }
 }
 
-/* Returns the Hertz stiffness k_h [N/m^1.5]: by Hertz's theory, or as the user sets it. */
-static double hertz_stiffness_of(const struct scene_values *v, const struct scene_state *q, int contact)
-{
-    if (!scene_is_hertz(v, contact) || contact_penalty_control(v, contact) != PENALTY_CONTROL_AUTOMATIC) {
-        return contact_hertz_stiffness(v, contact);
-    }
-    const struct contact_shape shape = scene_whole_shape(v, q, contact); /* one k_h serves all zones */
-    return hertz_stiffness(&shape, scene_hertz_modulus(v, contact));
-}
-
 static struct contact_factors factors_of(const struct scene_values *v, const struct scene_state *q,
                                          int contact)
 {
+    double stiffness = contact_hertz_stiffness(v, contact);
+    if (scene_is_hertz(v, contact) && contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC) {
+        const struct contact_shape shape = scene_whole_shape(v, q, contact); /* one k_h serves all zones */
+        stiffness = hertz_stiffness(&shape, scene_hertz_modulus(v, contact));
+    }
     return (struct contact_factors){
         .law = scene_is_hertz(v, contact) ? LAW_HERTZ : LAW_LINEAR,
-        .hertz_stiffness = hertz_stiffness_of(v, q, contact),
+        .hertz_stiffness = stiffness,
         .hunt_crossley_factor = contact_hunt_crossley_factor(v, contact),
         .method = (enum method)contact_method(v, contact),
         .penalty_control = (enum penalty_control)contact_penalty_control(v, contact),

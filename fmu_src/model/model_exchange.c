@@ -258,25 +258,6 @@ enum { HORIZONS = 7 };
  * importer's root finding has to find it. */
 static const long MOST_EVALUATIONS = 100000;
 
-/* Returns the time from now until an open contact touches [s], or INFINITY where no touch is foreseen. A
- * touch of a prescribed body is not foreseen: only the importer knows how it will move. */
-static double touch_after(const struct scene_values *v, const struct scene_state *q,
-                          const struct scene_instant *at, int contact)
-{
-    double after = (double)INFINITY;
-    const bool led =
-        body_is_prescribed(v, contact_source(contact)) || body_is_prescribed(v, contact_destination(contact));
-    if (led || q->contact[contact].regime != (int32_t)REGIME_APART) {
-        return after;
-    }
-    double horizon = FIRST_HORIZON;
-    for (int i = 0; i < HORIZONS && !isfinite(after); ++i) {
-        after = prediction_of(v, q, at, contact, horizon, MOST_EVALUATIONS).next.after;
-        horizon *= HORIZON_FACTOR;
-    }
-    return after;
-}
-
 void model_exchange_set_continuous(struct model *m, bool continuous)
 {
     if (!model_apply_inputs(m)) { /* inputs of the mode that ends; where they are refused, reading says so */
@@ -353,15 +334,27 @@ enum model_status model_exchange_get(struct model *m, enum exchange_values which
  * two times whose relative difference is below 1e-9 for equal, and cannot step from one to the other. */
 static const double SOONEST_TOUCH = 1e-6;
 
-/* Announces the next touch. */
+/* Announces the next touch of open contacts. That of a prescribed body is not foreseen: only the importer
+ * knows how it will move. */
 static void foresee_touch(const struct model *m, struct exchange_news *news)
 {
-    const double now = scene_time(&m->state.motion);
+    const struct scene_values *v = &m->state.values;
+    const struct scene_state *q = &m->state.motion;
+    const double now = scene_time(q);
     double after = (double)INFINITY;
     struct scene_instant at;
-    scene_now(&m->state.values, &m->state.motion, &at);
+    scene_now(v, q, &at);
     for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
-        after = fmin(after, touch_after(&m->state.values, &m->state.motion, &at, j));
+        const bool foreseen = q->contact[j].regime == (int32_t)REGIME_APART &&
+                              !body_is_prescribed(v, contact_source(j)) &&
+                              !body_is_prescribed(v, contact_destination(j));
+        double found = (double)INFINITY;
+        double horizon = FIRST_HORIZON;
+        for (int i = 0; foreseen && i < HORIZONS && !isfinite(found); ++i) {
+            found = prediction_of(v, q, &at, j, horizon, MOST_EVALUATIONS).next.after;
+            horizon *= HORIZON_FACTOR;
+        }
+        after = fmin(after, found);
     }
     news->scheduled = after > SOONEST_TOUCH * fmax(1.0, fabs(now)) && now + after <= DBL_MAX;
     news->event_time = news->scheduled ? now + after : 0.0;

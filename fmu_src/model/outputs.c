@@ -154,16 +154,6 @@ static double energy_term(const struct model *m, const struct scene_jet *along, 
     }
 }
 
-static void put_turn(struct scene_values *v, const struct turning_instant *turning, int body)
-{
-    const struct body_turn *turn = &turning->body[body];
-    const bool rests = SCENE_ANY_ROTATION && !body_turns(v, body);
-    const struct quaternion orientation = rests ? turning_start_orientation(v, body) : turn->orientation;
-    put_body_angular_velocity(v, body, turn->angular_velocity);
-    put_body_orientation(v, body, orientation);
-    put_body_current_axis(v, body, quaternion_third_axis(orientation));
-}
-
 static bool sticks(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                    int contact)
 {
@@ -238,11 +228,16 @@ static double show_turning(struct scene_values *v, const struct scene_state *q, 
         turning_complete(v, q, at);
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        put_turn(v, &at->turning, i);
+        const struct body_turn *turn = &at->turning.body[i];
+        const bool rests = SCENE_ANY_ROTATION && !body_turns(v, i);
+        const struct quaternion orientation = rests ? turning_start_orientation(v, i) : turn->orientation;
+        put_body_angular_velocity(v, i, turn->angular_velocity);
+        put_body_orientation(v, i, orientation);
+        put_body_current_axis(v, i, quaternion_third_axis(orientation));
         if (body_is_compound(i)) {
             put_contact_sums(v, at, i);
         }
-        sum += vec3_norm(at->turning.body[i].angular_velocity);
+        sum += vec3_norm(turn->angular_velocity);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         sum += put_rubbing(v, q, at, j);
