@@ -278,14 +278,6 @@ static inline const struct variable *find_readable(struct instance *instance, ui
     return variable;
 }
 
-/* Whether the importer may set this state by itself. Model Exchange of FMI 3.0 may do so, in event mode only
- * for states that events do not make jump (FMI 3.0.2, sections 2.3.5 and 3.2.1). */
-static bool is_settable_state(const struct instance *instance, const struct variable *variable)
-{
-    return variable->causality == VARIABLE_STATE && instance->host.exchange && has_vectors(instance) &&
-           (instance->phase == PHASE_CONTINUOUS || (instance->phase == PHASE_EVENT && !variable->reinit));
-}
-
 /* Returns the variable if it may be set. Parameters may be set until the end of initialization, tunable ones
  * also at communication points or events, and inputs always. */
 static inline const struct variable *find_settable(struct instance *instance, uint32_t reference,
@@ -297,8 +289,13 @@ static inline const struct variable *find_settable(struct instance *instance, ui
     }
     const unsigned before = PHASE_INSTANTIATED | PHASE_INITIALIZATION;
     const unsigned phases = variable->tunable ? before | instance->tuning_phases : before;
+    /* Model Exchange of FMI 3.0 may set states, in event mode only those that events do not make jump
+     * (FMI 3.0.2, sections 2.3.5 and 3.2.1) */
+    const bool sets_state =
+        instance->host.exchange && has_vectors(instance) &&
+        (instance->phase == PHASE_CONTINUOUS || (instance->phase == PHASE_EVENT && !variable->reinit));
     if ((variable->causality == VARIABLE_PARAMETER && (instance->phase & phases) != 0) ||
-        is_settable_state(instance, variable)) {
+        (variable->causality == VARIABLE_STATE && sets_state)) {
         return variable;
     }
     log_report(instance, MODEL_ERROR, ": %s %s", variable->name,

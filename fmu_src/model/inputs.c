@@ -256,11 +256,6 @@ static uint8_t *changed_marks(struct model *m, const struct variable *variable)
     return &m->state.marks[variable->element][index];
 }
 
-bool variable_is_local(const struct variable *variable)
-{
-    return variable->causality >= VARIABLE_STATE;
-}
-
 double variable_number(const struct variable *variable, const void *at)
 {
     double real;

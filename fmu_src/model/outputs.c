@@ -166,17 +166,6 @@ static bool sticks(const struct scene_values *v, const struct scene_state *q, co
                : vec3_norm(at->turning.slip[contact]) < q->contact[contact].parameters.slip_velocity;
 }
 
-static void put_resistance_outputs(struct scene_values *v, const struct scene_state *q,
-                                   const struct scene_instant *at, int contact)
-{
-    const struct vec3 spin = turning_spin(at, contact);
-    const struct vec3 n = at->geometry[contact].normal;
-    const double along = vec3_dot(spin, n);
-    put_contact_rolling_torque(v, contact, at->turning.resistance[contact]);
-    put_contact_rolling_rate(v, contact, vec3_axpy(spin, -along, n));
-    put_contact_spinning_rate(v, contact, scene_contact_side(v, q, contact) * along);
-}
-
 static double put_rubbing(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                           int contact)
 {
@@ -194,7 +183,12 @@ static double put_rubbing(struct scene_values *v, const struct scene_state *q, c
     put_contact_source_torque(v, contact, turning->source_torque[contact]);
     put_contact_destination_torque(v, contact, turning->destination_torque[contact]);
     if (SCENE_ANY_ROLLING) {
-        put_resistance_outputs(v, q, at, contact);
+        const struct vec3 spin = turning_spin(at, contact);
+        const struct vec3 n = at->geometry[contact].normal;
+        const double along = vec3_dot(spin, n);
+        put_contact_rolling_torque(v, contact, turning->resistance[contact]);
+        put_contact_rolling_rate(v, contact, vec3_axpy(spin, -along, n));
+        put_contact_spinning_rate(v, contact, scene_contact_side(v, q, contact) * along);
     }
     return vec3_norm(friction) + vec3_norm(turning->slip[contact]) +
            vec3_norm(turning->source_torque[contact]) + vec3_norm(turning->destination_torque[contact]);

@@ -40,7 +40,10 @@ struct variable {
     uint8_t tunable : 1; /* 1: a parameter that may be set between steps, or a value that depends on one */
 };
 
-bool variable_is_local(const struct variable *variable);
+static inline bool variable_is_local(const struct variable *variable)
+{
+    return variable->causality >= VARIABLE_STATE;
+}
 
 static inline size_t variable_size(const struct variable *variable)
 {
