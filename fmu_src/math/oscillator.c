@@ -4,27 +4,32 @@
 #include "math/oscillator.h"
 #include "math/vec3.h"
 
-struct oscillator_basis oscillator_basis_at(const struct oscillator *o, double z)
+static struct oscillator_basis underdamped(double decay_rate, double omega_d, double omega2, double z)
 {
-    const double omega2 = o->omega2;
-    const double decay_rate = 0.5 * o->damping_rate;
-    const double omega_d2 = omega2 - decay_rate * decay_rate;
-    if (omega_d2 > 0.0) {
-        const double omega_d = sqrt(omega_d2);
-        const double shrink = exp(-decay_rate * z);
-        const double sine = shrink * sin(omega_d * z) / omega_d;
-        const double cosine = shrink * cos(omega_d * z);
-        return (struct oscillator_basis){cosine + decay_rate * sine, sine, -omega2 * sine,
-                                         cosine - decay_rate * sine};
-    }
-    /* two real decay rates, whose difference may vanish */
-    const double spread = sqrt(-omega_d2);
+    const double shrink = exp(-decay_rate * z);
+    const double sine = shrink * sin(omega_d * z) / omega_d;
+    const double cosine = shrink * cos(omega_d * z);
+    return (struct oscillator_basis){cosine + decay_rate * sine, sine, -omega2 * sine,
+                                     cosine - decay_rate * sine};
+}
+
+/* Returns the basis for two real decay rates, whose difference may vanish. */
+static struct oscillator_basis overdamped(double decay_rate, double spread, double omega2, double z)
+{
     const double fast = -(decay_rate + spread);
     const double slow = -omega2 / (decay_rate + spread);
     const double by_slow = exp(slow * z);
     const double difference = 2.0 * spread;
     const double sine = difference * z > 0.0 ? by_slow * -expm1(-difference * z) / difference : by_slow * z;
     return (struct oscillator_basis){by_slow - slow * sine, sine, -omega2 * sine, by_slow + fast * sine};
+}
+
+struct oscillator_basis oscillator_basis_at(const struct oscillator *o, double z)
+{
+    const double decay_rate = 0.5 * o->damping_rate;
+    const double omega_d2 = o->omega2 - decay_rate * decay_rate;
+    return omega_d2 > 0.0 ? underdamped(decay_rate, sqrt(omega_d2), o->omega2, z)
+                          : overdamped(decay_rate, sqrt(-omega_d2), o->omega2, z);
 }
 
 struct oscillator_rates oscillator_rates_of(const struct oscillator *o)
