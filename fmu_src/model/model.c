@@ -150,6 +150,7 @@ enum model_status model_step(struct model *m, const struct step_request *request
     if (model_step_deferred(m, request->end_time)) {
         return MODEL_OK;
     }
+    m->outputs = OUTPUTS_NONE; /* at_event and the logger may read outputs within the step */
     struct step_request inner = *request;
     inner.at_event = request->at_event != NULL ? ask_owner : NULL;
     inner.context = m;
