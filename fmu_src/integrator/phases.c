@@ -88,6 +88,17 @@ void integrator_close(struct integrator *s)
     }
 }
 
+/* Returns the present instant without accelerations and forces. It is computed once and then reused. */
+static const struct scene_instant *advance_now(struct advance *step, const struct scene_values *v,
+                                               const struct scene_state *q)
+{
+    if (!step->is_now) {
+        scene_kinematics_now(v, q, &step->now);
+        step->is_now = true;
+    }
+    return &step->now;
+}
+
 /* The horizon is at most the longer of LONGEST_HORIZON [s] and HORIZON_GROWTH times the time since the phase
  * began. Over so long a time a path of degree four becomes so long that bodies measure 1e-72 of it; the
  * fourth power of this size is still above underflow. */
@@ -113,11 +124,10 @@ static inline void look_ahead(const struct scene_values *v, struct scene_state *
     if (q->horizon_clock > q->clock) {
         return;
     }
-    struct scene_instant at;
-    scene_kinematics_now(v, q, &at);
+    const struct scene_instant *at = advance_now(step, v, q);
     double horizon = horizon_from(q, remaining);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct prediction found = prediction_of(v, q, &at, j, horizon, step->budget);
+        const struct prediction found = prediction_of(v, q, at, j, horizon, step->budget);
         horizon = found.searched;
         advance_spend(step, found.evaluations, found.evaluations);
         q->contact[j].schedule.change_clock = q->clock + found.next.after;
@@ -632,17 +642,19 @@ static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, st
                         double until, struct advance *step)
 {
     const double asked = until - q->clock;
-    struct scene_instant at;
-    scene_kinematics_now(v, q, &at);
+    if (until > step->clock_end) {
+        step->is_now = false; /* the instant is computed as restore_pairs computes it */
+    }
+    const struct scene_instant *at = advance_now(step, v, q);
     all->made_from.end = 0.0;
-    if (!make_phase(all, v, q, &at, asked)) {
+    if (!make_phase(all, v, q, at, asked)) {
         return false;
     }
     until = all->longest < asked ? q->clock + all->longest : until;
     const double harmless = until > step->clock_end ? harmless_time(all, v, q) : (double)INFINITY;
     if (q->clock + harmless < until) {
         until = fmax(q->clock + harmless, step->clock_end);
-        if (!make_segments(all, v, q, &at, until - q->clock)) {
+        if (!make_segments(all, v, q, at, until - q->clock)) {
             return false;
         }
     }
@@ -699,6 +711,7 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
         q->integrator_fresh = 1;
         const bool whole = integrate_beside_pairs(all, v, q, step);
         const bool ends = !(step->clock_end < q->phase.end);
+        step->is_now = false;
         follow_pairs(all, v, q, q->clock, ends ? q->phase.end : step->clock_end);
         if (!ends) {
             return ADVANCE_REACHED;
@@ -761,24 +774,24 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
 }
 
 /* Puts a contact into its next regime; returns whether the contact begins or ends by this change. */
-static bool change_regime(const struct scene_values *v, struct scene_state *q, int contact,
-                          enum contact_regime regime)
+static bool change_regime(const struct scene_values *v, struct scene_state *q, struct advance *step,
+                          int contact, enum contact_regime regime)
 {
-    struct scene_instant at;
     const bool touched = q->contact[contact].regime != (int32_t)REGIME_APART;
-    transition_change_regime(v, q, contact, regime, &at);
+    transition_change_regime(v, q, contact, regime, &step->now);
+    step->is_now = true;
     return touched != (q->contact[contact].regime != (int32_t)REGIME_APART);
 }
 
 /* Changes the regime by the event that ended a phase; returns whether a contact begins or ends by it. */
-static bool take_event(const struct scene_values *v, struct scene_state *q, const struct advance *step)
+static bool take_event(const struct scene_values *v, struct scene_state *q, struct advance *step)
 {
     if (SCENE_ANY_FRICTION && step->event > ODE_EVENT_LAW && step->event != ODE_EVENT_ZONE) {
-        struct scene_instant at;
-        transition_change_friction(v, q, step->contact, (enum ode_event)step->event, &at);
+        transition_change_friction(v, q, step->contact, (enum ode_event)step->event, &step->now);
+        step->is_now = true;
         return false;
     }
-    return change_regime(v, q, step->contact, step->regime);
+    return change_regime(v, q, step, step->contact, step->regime);
 }
 
 /* Returns the end of the step [s] after a contact has begun or ended. The caller's at_event may read the
@@ -819,6 +832,7 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         step->clock_end = fmin(end, fmin(change, q->horizon_clock));
         step->event = ODE_EVENT_GAP;
         const enum advance_result result = advance_phase(s, v, q, step);
+        step->is_now = false;
         if (result == ADVANCE_FAILED) {
             return INTEGRATOR_FAILED;
         }
@@ -829,7 +843,7 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
             begins_or_ends = take_event(v, q, step);
         } else if (step->clock_end >= change) {
             begins_or_ends =
-                change_regime(v, q, next, (enum contact_regime)q->contact[next].schedule.change_regime);
+                change_regime(v, q, step, next, (enum contact_regime)q->contact[next].schedule.change_regime);
         } else if (step->clock_end >= end) {
             return INTEGRATOR_DONE;
         }
@@ -909,13 +923,15 @@ static double deferrable_until(const struct scene_values *v, const struct scene_
 enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
                                       struct scene_state *q, const struct step_request *request)
 {
-    struct scene_instant at;
     const double start = scene_time(q);
     const long budget = solver_max_internal_steps(v);
-    struct advance step = {
-        .start = start, .budget = budget, .work = budget > LEAST_WORK ? budget : LEAST_WORK};
+    struct advance step;
+    step.start = start;
+    step.budget = budget;
+    step.work = budget > LEAST_WORK ? budget : LEAST_WORK;
     catch_up(s, v, q, false);
-    transition_begin_step(v, q, &at);
+    transition_begin_step(v, q, &step.now);
+    step.is_now = true;
     if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_keeps_steps(v)) {
         q->integrator_fresh = 1; /* CVODE's history is in no saved state: each step does without it */
     }

@@ -29,6 +29,8 @@ struct advance {
     double clock_limit;         /* in: no end of the phase is foreseen before this clock [s] */
     long budget;                /* in: most internal steps allowed; out: the number left */
     long work;                  /* in: most work allowed, in the units below; out: the work left */
+    struct scene_instant now;   /* the present instant, if `is_now`; see advance_now */
+    bool is_now;                /* whether `now` is valid: code that moves the bodies clears it */
     int contact;                /* out, ADVANCE_EVENT: the contact whose regime changes at q->clock */
     enum contact_regime regime; /* out, ADVANCE_EVENT: its next regime */
     int event; /* out, ADVANCE_EVENT: its event function (scene/ode.h); 0, 1: only the regime changes */
