@@ -374,10 +374,10 @@ static void begin_form(struct pair_phase *all, enum phase_form form, double long
 static bool make_chain(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
                        const struct scene_instant *at, double longest)
 {
-    struct chain *c = &all->chain;
-    if (!SCENE_HAS_CHAINS || !chain_may_be(v, q) || !chain_make(c, v, q, at)) {
+    if (!SCENE_HAS_CHAINS || !chain_may_be(v, q) || !chain_make(&all->chain, v, q, at)) {
         return false;
     }
+    struct chain *c = &all->chain;
     begin_form(all, PHASE_OF_CHAIN, others_apart_for(v, q, at, c, longest));
     if (!(all->longest > 0.0)) {
         return false;
@@ -396,10 +396,10 @@ static bool make_island(struct pair_phase *all, const struct scene_values *v, co
                         const struct scene_instant *at, double longest)
 {
     double quiet = (double)INFINITY;
-    struct island *s = all->island;
     if (!SCENE_HAS_ISLANDS || !island_may_be(v, q)) {
         return false;
     }
+    struct island *s = all->island;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(q, j)) {
             quiet = fmin(quiet, tolerance_of(v, q, at, j));

@@ -4,6 +4,7 @@
 #include "contact/law.h"
 #include "model/state.h"
 #include "scene/evaluate.h"
+#include "scene/transition.h"
 
 /*
  * Between communication points each input continues from its last value as a polynomial with the given
@@ -202,6 +203,65 @@ static void model_begin_tuning(struct model *m)
     m->state.signals_open = 1;
 }
 
+/* Returns a sum that is finite only if all factors and normal forces of the contacts are. */
+static double size_of_forces(const struct scene_values *v, const struct scene_state *q)
+{
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    double sum = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_coefficients *factors = &q->contact[j].parameters.factors;
+        sum += factors->k + factors->c + fabs(at.normal_force[j]);
+    }
+    return sum;
+}
+
+/* Takes over the parameters of `v` that differ from those of `before` and may be set between steps, and books
+ * the energy that they add or remove. False: a force, a factor or the work is not finite, and q is of no
+ * use. */
+static bool motion_tune(const struct scene_values *v, const struct scene_values *before,
+                        struct scene_state *q)
+{
+    const struct vec3 more_gravity = vec3_sub(gravity(v), gravity(before));
+    struct contact_coefficients factors[SCENE_CONTACTS];
+    bool law_changed[SCENE_CONTACTS];
+    bool changed = !vec3_is_zero(more_gravity);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_coefficients *now = &q->contact[j].parameters.factors;
+        factors[j] = model_factors(v, q, j);
+        law_changed[j] = factors[j].k != now->k || factors[j].c != now->c ||
+                         contact_dashpot(v, j) != contact_dashpot(before, j);
+        changed = changed || law_changed[j];
+    }
+    if (solver_relative_tolerance(v) != solver_relative_tolerance(before) ||
+        solver_absolute_tolerance(v) != solver_absolute_tolerance(before)) {
+        q->integrator_fresh = 1; /* CVODE reads tolerances only at a start */
+        q->phase.end = 0.0;
+    }
+    if (!changed) {
+        return true;
+    }
+    double stored = 0.0;
+    if (SCENE_ANY_FREE) {
+        struct scene_instant at;
+        scene_now(v, q, &at);
+        stored = energy_stored(v, q, &at);
+        q->external_work += energy_potential(v, &at, more_gravity);
+        scene_rebase(v, q);
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (SCENE_ANY_FREE) {
+            transition_scale_force_error(q, j, factors[j]);
+        }
+        q->contact[j].parameters.factors = factors[j];
+    }
+    if (SCENE_ANY_FREE) {
+        transition_take_law(v, q, law_changed, stored);
+    }
+    return isfinite(size_of_forces(v, q)) &&
+           (!SCENE_ANY_FREE || isfinite(q->external_work) || scene_is_force_element(v));
+}
+
 /* Takes parameters that were set between steps over into the motion and books the energy that they add or
  * remove. False: a force or an energy would be beyond the range of numbers; the motion is unchanged. */
 static bool model_tune(struct model *m)
@@ -359,7 +419,6 @@ enum model_status model_refuse_inputs(const struct model *m)
 {
     if (SCENE_ANY_ROTATION) {
         for (int i = 0; i < SCENE_BODIES; ++i) {
-            const char *name = scene_body_name(i);
             if (model_has_no_axis(&m->state.values, i)) {
                 return model_refuse_zero(m, MODEL_DISCARD, i, "prescribed_axis");
             }
@@ -367,6 +426,7 @@ enum model_status model_refuse_inputs(const struct model *m)
                 return model_refuse_zero(m, MODEL_DISCARD, i, "prescribed_orientation");
             }
             if (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)) {
+                const char *name = scene_body_name(i);
                 return model_report(
                     m, MODEL_DISCARD,
                     "%s.prescribed_angular_velocity would tilt the axis and is not in force: a cylinder that "
@@ -385,9 +445,6 @@ enum model_status model_refuse_inputs(const struct model *m)
 bool model_apply_inputs(struct model *m)
 {
     struct scene_state *q = &m->state.motion;
-    if (!m->state.initialized) {
-        model_prepare(m);
-    }
     if (!m->state.signals_changed || !m->state.initialized) {
         return true;
     }

@@ -302,13 +302,23 @@ enum model_status model_exchange_set_states(struct model *m, const double *state
     return MODEL_OK;
 }
 
+/* Takes over changed inputs. Before the end of initialization it renews the start of the motion instead. */
+static enum model_status follow(struct model *m)
+{
+    if (!m->state.initialized) {
+        model_prepare(m);
+        return MODEL_OK;
+    }
+    return model_apply_inputs(m) ? MODEL_OK : model_refuse_inputs(m);
+}
+
 enum model_status model_exchange_get(struct model *m, enum exchange_values which, double *values)
 {
     if (which == EXCHANGE_NOMINALS) {
         memcpy(values, scene_state_nominals, SCENE_STATES * sizeof *values);
         return MODEL_OK;
     }
-    enum model_status status = model_apply_inputs(m) ? MODEL_OK : model_refuse_inputs(m);
+    enum model_status status = follow(m);
     const uint16_t *places = which == EXCHANGE_STATES  ? scene_states
                              : which == EXCHANGE_RATES ? scene_rates
                                                        : scene_indicators;
@@ -363,7 +373,7 @@ static void foresee_touch(const struct model *m, struct exchange_news *news)
 enum model_status model_exchange_update(struct model *m, struct exchange_news *news)
 {
     struct scene_state *q = &m->state.motion;
-    const enum model_status status = model_apply_inputs(m) ? MODEL_OK : model_refuse_inputs(m);
+    const enum model_status status = follow(m);
     news->again = status == MODEL_OK && change_regimes(&m->state.values, q);
     news->jumped = booked_states(q) != m->state.booked;
     if (news->again) {
@@ -379,7 +389,7 @@ enum model_status model_exchange_update(struct model *m, struct exchange_news *n
 
 enum model_status model_exchange_accept(struct model *m)
 {
-    const enum model_status status = model_apply_inputs(m) ? MODEL_OK : model_refuse_inputs(m);
+    const enum model_status status = follow(m);
     struct scene_instant at;
     scene_now(&m->state.values, &m->state.motion, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {

@@ -106,61 +106,6 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
     return false;
 }
 
-/* Returns a sum that is finite only if all factors and normal forces of the contacts are. */
-static double size_of_forces(const struct scene_values *v, const struct scene_state *q)
-{
-    struct scene_instant at;
-    scene_now(v, q, &at);
-    double sum = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_coefficients *factors = &q->contact[j].parameters.factors;
-        sum += factors->k + factors->c + fabs(at.normal_force[j]);
-    }
-    return sum;
-}
-
-bool motion_tune(const struct scene_values *v, const struct scene_values *before, struct scene_state *q)
-{
-    const struct vec3 more_gravity = vec3_sub(gravity(v), gravity(before));
-    struct contact_coefficients factors[SCENE_CONTACTS];
-    bool law_changed[SCENE_CONTACTS];
-    bool changed = !vec3_is_zero(more_gravity);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_coefficients *now = &q->contact[j].parameters.factors;
-        factors[j] = model_factors(v, q, j);
-        law_changed[j] = factors[j].k != now->k || factors[j].c != now->c ||
-                         contact_dashpot(v, j) != contact_dashpot(before, j);
-        changed = changed || law_changed[j];
-    }
-    if (solver_relative_tolerance(v) != solver_relative_tolerance(before) ||
-        solver_absolute_tolerance(v) != solver_absolute_tolerance(before)) {
-        q->integrator_fresh = 1; /* CVODE reads tolerances only at a start */
-        q->phase.end = 0.0;
-    }
-    if (!changed) {
-        return true;
-    }
-    double stored = 0.0;
-    if (SCENE_ANY_FREE) {
-        struct scene_instant at;
-        scene_now(v, q, &at);
-        stored = energy_stored(v, q, &at);
-        q->external_work += energy_potential(v, &at, more_gravity);
-        scene_rebase(v, q);
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (SCENE_ANY_FREE) {
-            transition_scale_force_error(q, j, factors[j]);
-        }
-        q->contact[j].parameters.factors = factors[j];
-    }
-    if (SCENE_ANY_FREE) {
-        transition_take_law(v, q, law_changed, stored);
-    }
-    return isfinite(size_of_forces(v, q)) &&
-           (!SCENE_ANY_FREE || isfinite(q->external_work) || scene_is_force_element(v));
-}
-
 /* Reports a step that ends early: the internal steps are used up, or else contacts change their regimes
  * without end or too often. */
 static enum model_status report_early_end(const struct model *m, const struct step_request *request,

@@ -514,7 +514,9 @@ bool model_update_outputs(struct model *m, enum outputs wanted)
     if (m->outputs >= wanted) {
         return true;
     }
-    if (!model_apply_inputs(m)) {
+    if (!m->state.initialized) {
+        model_prepare(m);
+    } else if (!model_apply_inputs(m)) {
         return false;
     }
     update_bodies(m);

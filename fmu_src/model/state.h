@@ -108,9 +108,9 @@ enum model_status model_refuse_zero(const struct model *m, enum model_status sta
 /* Whether the vector a, other than zero, has a part across the axis of a body that keeps its axis. */
 bool model_tilts_axis(const struct scene_values *v, int body, struct vec3 a);
 
-/* Takes changed inputs over into the paths of the motion. Before the end of initialization it renews the
- * start of the motion instead. False: an energy would be beyond the range of numbers, or an axis has no
- * direction or would tilt that is kept. The motion is then unchanged, and other inputs may be set. */
+/* Takes changed inputs over into the paths of the motion. False: an energy would be beyond the range of
+ * numbers, or an axis has no direction or would tilt that is kept. The motion is then unchanged, and other
+ * inputs may be set. */
 bool model_apply_inputs(struct model *m);
 
 /* Clears the marks of the inputs set at this communication point, once a step begins. */
@@ -144,11 +144,6 @@ void motion_begin(const struct scene_values *v, struct scene_state *q);
  * of contacts without a free body are laid onto the new tangent planes. */
 bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
                    bool jumps);
-
-/* Takes over the parameters of `v` that differ from those of `before` and may be set between steps, and books
- * the energy that they add or remove. False: a force, a factor or the work is not finite, and q is of no
- * use. */
-bool motion_tune(const struct scene_values *v, const struct scene_values *before, struct scene_state *q);
 
 /* Moves the motion to the end of the requested step. */
 enum model_status motion_advance(struct model *m, const struct step_request *request);
