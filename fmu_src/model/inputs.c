@@ -316,6 +316,16 @@ static uint8_t *changed_marks(struct model *m, const struct variable *variable)
     return &m->state.marks[variable->element][index];
 }
 
+const struct variable *variable_of_row(int row, int element)
+{
+    for (const struct variable *one = scene_variables; one < scene_variables + scene_variable_count; ++one) {
+        if (one->row == row && one->element >= element) {
+            return one;
+        }
+    }
+    return NULL;
+}
+
 double variable_number(const struct variable *variable, const void *at)
 {
     double real;

@@ -396,16 +396,6 @@ enum model_status model_restore(struct model *m, const void *bytes)
     return MODEL_OK;
 }
 
-const struct variable *variable_of_row(int row, int element)
-{
-    for (const struct variable *one = scene_variables; one < scene_variables + scene_variable_count; ++one) {
-        if (one->row == row && one->element >= element) {
-            return one;
-        }
-    }
-    return NULL;
-}
-
 const struct variable *vector_variable(uint32_t reference)
 {
     const struct variable *variable = scene_variable(reference);
