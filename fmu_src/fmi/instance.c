@@ -35,11 +35,6 @@ static const char *const category_names[] = {
 static const char ALL_CATEGORIES[] =
     "logEvents, logStatusWarning, logStatusDiscard, logStatusError, logStatusFatal, logAll";
 
-unsigned log_default_categories(bool logging_on)
-{
-    return logging_on ? LOG_ALL : LOG_STATUS_ALL;
-}
-
 /* Returns the bits of a named category, or 0 where there is no such category. */
 static unsigned category_bits(const char *name)
 {
@@ -283,14 +278,6 @@ static inline const struct variable *find_readable(struct instance *instance, ui
     return variable;
 }
 
-/* Whether the importer may set this state by itself. Model Exchange of FMI 3.0 may do so, in event mode only
- * for states that events do not make jump (FMI 3.0.2, sections 2.3.5 and 3.2.1). */
-static bool is_settable_state(const struct instance *instance, const struct variable *variable)
-{
-    return variable->causality == VARIABLE_STATE && instance->host.exchange && has_vectors(instance) &&
-           (instance->phase == PHASE_CONTINUOUS || (instance->phase == PHASE_EVENT && !variable->reinit));
-}
-
 /* Returns the variable if it may be set. Parameters may be set until the end of initialization, tunable ones
  * also at communication points or events, and inputs always. */
 static inline const struct variable *find_settable(struct instance *instance, uint32_t reference,
@@ -302,8 +289,13 @@ static inline const struct variable *find_settable(struct instance *instance, ui
     }
     const unsigned before = PHASE_INSTANTIATED | PHASE_INITIALIZATION;
     const unsigned phases = variable->tunable ? before | instance->tuning_phases : before;
+    /* Model Exchange of FMI 3.0 may set states, in event mode only those that events do not make jump
+     * (FMI 3.0.2, sections 2.3.5 and 3.2.1) */
+    const bool sets_state =
+        instance->host.exchange && has_vectors(instance) &&
+        (instance->phase == PHASE_CONTINUOUS || (instance->phase == PHASE_EVENT && !variable->reinit));
     if ((variable->causality == VARIABLE_PARAMETER && (instance->phase & phases) != 0) ||
-        is_settable_state(instance, variable)) {
+        (variable->causality == VARIABLE_STATE && sets_state)) {
         return variable;
     }
     log_report(instance, MODEL_ERROR, ": %s %s", variable->name,
@@ -526,43 +518,30 @@ enum model_status instance_output_derivatives(struct instance *instance, const u
     return status == MODEL_OK ? model_get_output_derivatives(instance->model, &list, orders, values) : status;
 }
 
-/* Whether states and their rates may be knowns and unknowns. */
-static bool knows_states(const struct instance *instance)
-{
-    return instance->host.exchange || instance->adapter->version >= 3;
-}
-
-/* Unknowns are the outputs and the rates of the states. In initialization mode the calculated parameters and
- * the states are unknowns too (ModelStructure: initial unknowns). */
-static enum model_status check_unknown(struct instance *instance, uint32_t reference)
+/* Checks whether a variable may be a known or an unknown. Knowns are the inputs, and after initialization the
+ * states. Unknowns are the outputs and the rates of the states. In initialization mode the calculated
+ * parameters and the states are unknowns too (ModelStructure: initial unknowns). Co-Simulation of FMI 2.0 has
+ * no states. */
+static enum model_status check_role(struct instance *instance, uint32_t reference, bool is_known)
 {
     const struct variable *variable = variable_of(instance, reference);
     const bool starting = (instance->phase & PHASE_INITIALIZATION) != 0;
-    if (variable != NULL && starting && variable->causality == VARIABLE_CALCULATED_PARAMETER) {
+    const bool has_states = instance->host.exchange || has_vectors(instance);
+    const enum variable_causality role =
+        variable != NULL ? (enum variable_causality)variable->causality : VARIABLE_INDEPENDENT;
+    if ((role == VARIABLE_STATE && has_states && starting != is_known) ||
+        (role == VARIABLE_RATE && has_states && !is_known) ||
+        (role == VARIABLE_CALCULATED_PARAMETER && starting && !is_known)) {
         return MODEL_OK;
     }
-    if (variable != NULL && knows_states(instance) &&
-        (variable->causality == VARIABLE_RATE || (starting && variable->causality == VARIABLE_STATE))) {
-        return MODEL_OK;
-    }
-    return find_real(instance, reference, VARIABLE_OUTPUT) != NULL ? MODEL_OK : MODEL_ERROR;
-}
-
-static enum model_status check_known(struct instance *instance, uint32_t reference)
-{
-    const struct variable *variable = variable_of(instance, reference);
-    const bool starting = (instance->phase & PHASE_INITIALIZATION) != 0;
-    if (variable != NULL && knows_states(instance) && !starting && variable->causality == VARIABLE_STATE) {
-        return MODEL_OK;
-    }
-    if (variable != NULL && starting && variable->causality == VARIABLE_PARAMETER &&
-        variable->type == VARIABLE_REAL) {
+    if (role == VARIABLE_PARAMETER && starting && is_known && variable->type == VARIABLE_REAL) {
         return log_report(instance, MODEL_DISCARD,
                           ": derivatives with respect to the parameter %s are not provided, allowed: with "
                           "respect to %s inputs",
                           variable->name, real_name(instance));
     }
-    return find_real(instance, reference, VARIABLE_INPUT) != NULL ? MODEL_OK : MODEL_ERROR;
+    return find_real(instance, reference, is_known ? VARIABLE_INPUT : VARIABLE_OUTPUT) != NULL ? MODEL_OK
+                                                                                               : MODEL_ERROR;
 }
 
 /* Checks that the seeds of all variables of a list are finite. */
@@ -584,24 +563,18 @@ static enum model_status check_seeds(struct instance *instance, const struct var
 
 static enum model_status check_product(struct instance *instance, const struct product *p)
 {
-    enum model_status status =
-        check_components(instance, find_variable, ANY_TYPE, p->unknowns.references, p->unknowns.count,
-                         p->adjoint ? "nSeed" : "nSensitivity", p->unknown_components);
-    if (status == MODEL_OK) {
-        status = check_components(instance, find_variable, ANY_TYPE, p->knowns.references, p->knowns.count,
-                                  p->adjoint ? "nSensitivity" : "nSeed", p->known_components);
+    enum model_status status = MODEL_OK;
+    for (int knowns = 0; knowns < 2 && status == MODEL_OK; ++knowns) {
+        const struct variable_list *list = knowns ? &p->knowns : &p->unknowns;
+        status = check_components(instance, find_variable, ANY_TYPE, list->references, list->count,
+                                  knowns != p->adjoint ? "nSeed" : "nSensitivity",
+                                  knowns ? p->known_components : p->unknown_components);
+        for (size_t i = 0; i < list->count && status == MODEL_OK; ++i) {
+            status = check_role(instance, list->references[i], knowns);
+        }
     }
-    for (size_t i = 0; i < p->unknowns.count && status == MODEL_OK; ++i) {
-        status = check_unknown(instance, p->unknowns.references[i]);
-    }
-    for (size_t i = 0; i < p->knowns.count && status == MODEL_OK; ++i) {
-        status = check_known(instance, p->knowns.references[i]);
-    }
-    if (status != MODEL_OK) {
-        return status;
-    }
-    return p->adjoint ? check_seeds(instance, &p->unknowns, p->seed)
-                      : check_seeds(instance, &p->knowns, p->seed);
+    return status == MODEL_OK ? check_seeds(instance, p->adjoint ? &p->unknowns : &p->knowns, p->seed)
+                              : status;
 }
 
 enum model_status instance_product(struct instance *instance, const struct product *p)
@@ -670,7 +643,7 @@ enum model_status instance_step(struct instance *instance, double point, double 
     if (status == MODEL_OK) {
         struct step_request whole = *request;
         whole.end_time = point + size;
-        status = model_step_requested(instance->model, &whole);
+        status = model_step(instance->model, &whole);
         if (status >= MODEL_ERROR) {
             instance->phase = status == MODEL_ERROR ? PHASE_ERROR : PHASE_FATAL;
         }
@@ -763,7 +736,7 @@ static void state_list_remove(struct instance *instance, struct state_block *blo
 
 /* The version is raised whenever the layout or meaning of the header or of the model's state (struct
  * model_state, struct scene_state, struct scene_values) changes. */
-#define BLOCK_VERSION 5u
+#define BLOCK_VERSION 6u
 
 struct block_header {
     uint32_t magic; /* the adapter's; a block of the other byte order does not match */
@@ -1002,7 +975,7 @@ static void forget_experiment(struct instance *instance)
     instance->experiment = (struct experiment){.stop_time = (double)INFINITY};
     instance->phase = PHASE_INSTANTIATED;
     instance->step_status = MODEL_OK;
-    instance->log_categories = log_default_categories(instance->logging_on);
+    instance->log_categories = instance->logging_on ? LOG_ALL : LOG_STATUS_ALL;
 }
 
 bool instance_expects(struct instance *nobody, bool holds, const char *argument, const char *given,

@@ -117,9 +117,6 @@ enum log_category {
     LOG_ALL = LOG_EVENTS | LOG_STATUS_ALL
 };
 
-/* Returns the categories in force where loggingOn is set without named categories. */
-unsigned log_default_categories(bool logging_on);
-
 /*
  * Sends a message to the importer's logger and returns `status`, so that a caller can write `return
  * log_report(...)`. The message begins with the name of the function that the importer has called. While the

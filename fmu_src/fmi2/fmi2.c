@@ -2,7 +2,6 @@
  * FMI 2.0: each function of the standard works on an instance of fmi/instance.h.
  */
 #include <fmi2Functions.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,80 +21,18 @@ _Static_assert((int)MODEL_DISCARD == (int)fmi2Discard && (int)MODEL_ERROR == (in
 _Static_assert((int)MODEL_FATAL == (int)fmi2Fatal, "status order");
 
 /*
- * The table lists all functions of the standard that take an instance, the kind of instance and the phases in
- * which each may be called, after the tables "calling sequence" of FMI 2.0.5, sections 3.2.3 and 4.2.4. It
- * has two harmless extensions: variables that have a start value may be read while instantiated, and the
- * status functions answer after a failed step too. Model Exchange is never in step mode, Co-Simulation never
- * in event mode or continuous-time mode.
+ * Each function of the standard that takes an instance names the kind of instance and the phases in which it
+ * may be called (struct call), after the tables "calling sequence" of FMI 2.0.5, sections 3.2.3 and 4.2.4.
+ * Two extensions do no harm: variables that have a start value may be read while instantiated, and the status
+ * functions answer after a failed step too. Model Exchange is never in step mode, Co-Simulation never in
+ * event mode or continuous-time mode. A function evaluates `result` where it may be called now.
  */
-#define CALL2_TABLE(ROW)                                                                                     \
-    ROW(SetDebugLogging, ANY, PHASES_ALL)                                                                    \
-    ROW(SetupExperiment, ANY, PHASE_INSTANTIATED)                                                            \
-    ROW(EnterInitializationMode, ANY, PHASE_INSTANTIATED)                                                    \
-    ROW(ExitInitializationMode, ANY, PHASE_INITIALIZATION)                                                   \
-    ROW(Terminate, ANY, PHASE_STEP | PHASES_EXCHANGED)                                                       \
-    ROW(Reset, ANY, PHASES_ALL)                                                                              \
-    ROW(GetReal, ANY, PHASES_READ(PHASES_ALL))                                                               \
-    ROW(GetInteger, ANY, PHASES_READ(PHASES_ALL))                                                            \
-    ROW(GetBoolean, ANY, PHASES_READ(PHASES_ALL))                                                            \
-    ROW(GetString, ANY, PHASES_READ(PHASES_ALL))                                                             \
-    ROW(SetReal, ANY, PHASES_SETTABLE | PHASE_CONTINUOUS)                                                    \
-    ROW(SetInteger, ANY, PHASES_SETTABLE)                                                                    \
-    ROW(SetBoolean, ANY, PHASES_SETTABLE)                                                                    \
-    ROW(SetString, ANY, PHASES_SETTABLE)                                                                     \
-    ROW(GetFMUstate, ANY, PHASES_ALL)                                                                        \
-    ROW(SetFMUstate, ANY, PHASES_ALL)                                                                        \
-    ROW(FreeFMUstate, ANY, PHASES_ALL)                                                                       \
-    ROW(SerializedFMUstateSize, ANY, PHASES_READ(PHASES_ALL))                                                \
-    ROW(SerializeFMUstate, ANY, PHASES_READ(PHASES_ALL))                                                     \
-    ROW(DeSerializeFMUstate, ANY, PHASES_ALL)                                                                \
-    ROW(GetDirectionalDerivative, ANY, PHASES_READ(PHASES_INITIALIZED))                                      \
-    ROW(SetRealInputDerivatives, STEPS, PHASE_INSTANTIATED | PHASE_INITIALIZATION | PHASE_STEP)              \
-    ROW(GetRealOutputDerivatives, STEPS, PHASES_READ(PHASES_STEPPED))                                        \
-    ROW(DoStep, STEPS, PHASE_STEP)                                                                           \
-    ROW(CancelStep, ANY, 0)                                                                                  \
-    ROW(GetStatus, STEPS, PHASES_READ(PHASES_STEPPED))                                                       \
-    ROW(GetRealStatus, STEPS, PHASES_READ(PHASES_STEPPED))                                                   \
-    ROW(GetIntegerStatus, STEPS, PHASES_READ(PHASES_STEPPED))                                                \
-    ROW(GetBooleanStatus, STEPS, PHASES_READ(PHASES_STEPPED))                                                \
-    ROW(GetStringStatus, STEPS, PHASES_READ(PHASES_STEPPED))                                                 \
-    ROW(EnterEventMode, EXCHANGE, PHASES_EXCHANGED)                                                          \
-    ROW(NewDiscreteStates, EXCHANGE, PHASE_EVENT)                                                            \
-    ROW(EnterContinuousTimeMode, EXCHANGE, PHASE_EVENT)                                                      \
-    ROW(CompletedIntegratorStep, EXCHANGE, PHASE_CONTINUOUS)                                                 \
-    ROW(SetTime, EXCHANGE, PHASES_EXCHANGED)                                                                 \
-    ROW(SetContinuousStates, EXCHANGE, PHASE_CONTINUOUS)                                                     \
-    ROW(GetDerivatives, EXCHANGE, PHASES_READ(PHASES_OF_STATES))                                             \
-    ROW(GetEventIndicators, EXCHANGE, PHASES_READ(PHASES_OF_STATES))                                         \
-    ROW(GetContinuousStates, EXCHANGE, PHASES_READ(PHASES_OF_STATES))                                        \
-    ROW(GetNominalsOfContinuousStates, EXCHANGE, PHASES_READ(PHASE_INSTANTIATED | PHASES_OF_STATES))
-
-#define CALL2_NAME(function, kind, phases) CALL2_##function,
-enum fmi2_call { CALL2_TABLE(CALL2_NAME) CALL2_COUNT };
-#undef CALL2_NAME
-
-#define CALL2_RULE(function, kind, phases)                                                                   \
-    {"fmi2" #function, CALL_##kind, phases, (phases) == 0 ? "no step is ever in progress here" : NULL},
-static const struct call calls_of_fmi2[] = {CALL2_TABLE(CALL2_RULE)};
-#undef CALL2_RULE
-
-#define CALL2(function) (&calls_of_fmi2[CALL2_##function])
-
-/* Functions without a row take no instance, or create or free one. */
-#define CALL2_EXPORT(function, kind, phases) CONTACT_EXPORTED fmi2##function##TYPE fmi2##function;
-CALL2_TABLE(CALL2_EXPORT)
-#undef CALL2_EXPORT
-CONTACT_EXPORTED fmi2GetTypesPlatformTYPE fmi2GetTypesPlatform;
-CONTACT_EXPORTED fmi2GetVersionTYPE fmi2GetVersion;
-CONTACT_EXPORTED fmi2InstantiateTYPE fmi2Instantiate;
-CONTACT_EXPORTED fmi2FreeInstanceTYPE fmi2FreeInstance;
-
-/* A function that passes its arguments on where it may be called now. */
-#define PASS2(function, parameters, result)                                                                  \
-    fmi2Status fmi2##function parameters                                                                     \
+#define CALL2(function, kind, phases, parameters, result)                                                    \
+    CONTACT_EXPORTED fmi2Status fmi2##function parameters                                                    \
     {                                                                                                        \
+        static const struct call call = {"fmi2" #function, CALL_##kind, phases, NULL};                       \
         struct instance *instance = c;                                                                       \
-        return (fmi2Status)(call_begin(instance, CALL2(function)) ? (result) : MODEL_ERROR);                 \
+        return (fmi2Status)(call_begin(instance, &call) ? (result) : MODEL_ERROR);                           \
     }
 
 static void fmi2_send(struct instance *instance, enum model_status status, const char *category,
@@ -129,20 +66,21 @@ static const struct adapter adapter_of_fmi2 = {
     .state_magic = 0x544E4F43u, /* "CONT" on a little-endian machine */
 };
 
-const char *fmi2GetTypesPlatform(void)
+CONTACT_EXPORTED const char *fmi2GetTypesPlatform(void)
 {
     return fmi2TypesPlatform;
 }
 
-const char *fmi2GetVersion(void)
+CONTACT_EXPORTED const char *fmi2GetVersion(void)
 {
     return fmi2Version;
 }
 
 /* The FMU reads no resources, so any string or none is accepted as their location. */
-fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
-                              fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
-                              fmi2Boolean visible, fmi2Boolean loggingOn)
+CONTACT_EXPORTED fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
+                                               fmi2String fmuResourceLocation,
+                                               const fmi2CallbackFunctions *functions, fmi2Boolean visible,
+                                               fmi2Boolean loggingOn)
 {
     static const struct call instantiate = {.name = "fmi2Instantiate"};
     (void)fmuResourceLocation, (void)visible;
@@ -170,7 +108,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
                : NULL;
 }
 
-void fmi2FreeInstance(fmi2Component c)
+CONTACT_EXPORTED void fmi2FreeInstance(fmi2Component c)
 {
     instance_free(c);
 }
@@ -182,7 +120,7 @@ static enum model_status choose_categories(struct instance *instance, bool on, s
     const enum model_status status = instance_categories(instance, count, categories, &chosen);
     if (status == MODEL_OK) {
         /* With logging off, warnings and worse are still sent. */
-        instance->log_categories = !on || count == 0 ? log_default_categories(on) : chosen;
+        instance->log_categories = !on ? LOG_STATUS_ALL : count == 0 ? (unsigned)LOG_ALL : chosen;
     }
     return status;
 }
@@ -194,49 +132,55 @@ static enum model_status enter_initialization(struct instance *instance)
                : log_report(instance, MODEL_ERROR, " called before fmi2SetupExperiment");
 }
 
-PASS2(SetDebugLogging, (fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[]),
+CALL2(SetDebugLogging, ANY, PHASES_ALL,
+      (fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[]),
       choose_categories(instance, on != fmi2False, count, categories))
-PASS2(EnterInitializationMode, (fmi2Component c), enter_initialization(instance))
-PASS2(SetupExperiment,
+CALL2(EnterInitializationMode, ANY, PHASE_INSTANTIATED, (fmi2Component c), enter_initialization(instance))
+CALL2(SetupExperiment, ANY, PHASE_INSTANTIATED,
       (fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start_time,
        fmi2Boolean stop_time_defined, fmi2Real stop_time),
       instance_set_up(instance, tolerance_defined != fmi2False, tolerance, start_time,
                       stop_time_defined != fmi2False, stop_time))
-PASS2(ExitInitializationMode, (fmi2Component c), instance_exit_initialization(instance, false))
-PASS2(Terminate, (fmi2Component c), instance_enter(instance, PHASE_TERMINATED))
-PASS2(Reset, (fmi2Component c), instance_reset(instance))
+CALL2(ExitInitializationMode, ANY, PHASE_INITIALIZATION, (fmi2Component c),
+      instance_exit_initialization(instance, false))
+CALL2(Terminate, ANY, PHASE_STEP | PHASES_EXCHANGED, (fmi2Component c),
+      instance_enter(instance, PHASE_TERMINATED))
+CALL2(Reset, ANY, PHASES_ALL, (fmi2Component c), instance_reset(instance))
 
 /* This part gets and sets values. Enumerations are of type fmi2Integer too. There are no string variables, so
  * that fmi2GetString refuses every reference. */
 
 /* Reads Real variables, mostly the three components of one vector. The function is flattened, because calls
  * would be a good part of the time of such a read. */
-CONTACT_FLATTEN fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
-                                       fmi2Real value[])
+CONTACT_EXPORTED CONTACT_FLATTEN fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[],
+                                                        size_t nvr, fmi2Real value[])
 {
+    static const struct call call = {"fmi2GetReal", CALL_ANY, PHASES_READ(PHASES_ALL), NULL};
     struct instance *instance = c;
     if (instance != NULL && instance->phase == PHASE_STEP && nvr == 3 &&
         model_get_vector(instance->model, vr, value)) {
         return fmi2OK;
     }
-    return (fmi2Status)(call_begin(instance, CALL2(GetReal))
+    return (fmi2Status)(call_begin(instance, &call)
                             ? instance_get_values(instance, TYPES_REAL, vr, nvr, value, nvr)
                             : MODEL_ERROR);
 }
 
 #define GETTER2(Type, types)                                                                                 \
-    PASS2(Get##Type, (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2##Type value[]),       \
+    CALL2(Get##Type, ANY, PHASES_READ(PHASES_ALL),                                                           \
+          (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2##Type value[]),                  \
           instance_get_values(instance, types, vr, nvr, (void *)value, nvr))
-#define SETTER2(Type, types)                                                                                 \
-    PASS2(Set##Type, (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2##Type value[]), \
+#define SETTER2(Type, types, phases)                                                                         \
+    CALL2(Set##Type, ANY, phases,                                                                            \
+          (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2##Type value[]),            \
           instance_set_values(instance, types, vr, nvr, (const void *)value, nvr))
-SETTER2(Real, TYPES_REAL)
+SETTER2(Real, TYPES_REAL, PHASES_SETTABLE | PHASE_CONTINUOUS)
 GETTER2(Integer, TYPES_INTEGER | TYPES_ENUMERATION)
-SETTER2(Integer, TYPES_INTEGER | TYPES_ENUMERATION)
+SETTER2(Integer, TYPES_INTEGER | TYPES_ENUMERATION, PHASES_SETTABLE)
 GETTER2(Boolean, TYPES_BOOLEAN)
-SETTER2(Boolean, TYPES_BOOLEAN)
+SETTER2(Boolean, TYPES_BOOLEAN, PHASES_SETTABLE)
 GETTER2(String, TYPES_NONE)
-SETTER2(String, TYPES_NONE)
+SETTER2(String, TYPES_NONE, PHASES_SETTABLE)
 
 static enum model_status check_input_derivative(struct instance *instance, fmi2ValueReference reference,
                                                 fmi2Integer order, fmi2Real value)
@@ -246,10 +190,10 @@ static enum model_status check_input_derivative(struct instance *instance, fmi2V
         return MODEL_ERROR;
     }
     const enum model_status status = check_order(instance, variable, order);
-    if (status == MODEL_OK && !isfinite(value)) {
+    if (status == MODEL_OK && !(value >= variable->min && value <= variable->max)) {
         return log_report(instance, MODEL_DISCARD,
-                          ": derivative of order %d of %s = %g refused, allowed: finite", order,
-                          variable->name, value);
+                          ": derivative of order %d of %s = %g refused, allowed: %g .. %g", order,
+                          variable->name, value, variable->min, variable->max);
     }
     return status;
 }
@@ -260,28 +204,26 @@ static enum model_status set_input_derivatives(struct instance *instance, const 
     if (!arrays_given(instance, ARGUMENTS({"vr", vr, nvr}, {"order", order, nvr}, {"value", value, nvr}))) {
         return MODEL_ERROR;
     }
-    enum model_status worst = MODEL_OK;
-    for (size_t i = 0; i < nvr && worst == MODEL_OK; ++i) {
-        worst = check_input_derivative(instance, vr[i], order[i], value[i]);
+    enum model_status status = MODEL_OK;
+    for (size_t i = 0; i < nvr && status == MODEL_OK; ++i) {
+        status = check_input_derivative(instance, vr[i], order[i], value[i]);
     }
-    for (size_t i = 0; i < nvr && worst <= MODEL_WARNING; ++i) {
-        const enum model_status status =
-            model_set_input_derivative(instance->model, scene_variable(vr[i]), order[i], value[i]);
-        worst = status > worst ? status : worst;
+    for (size_t i = 0; i < nvr && status == MODEL_OK; ++i) {
+        model_set_input_derivative(instance->model, scene_variable(vr[i]), order[i], value[i]);
     }
-    return worst;
+    return status;
 }
 
-PASS2(SetRealInputDerivatives,
+CALL2(SetRealInputDerivatives, STEPS, PHASE_INSTANTIATED | PHASE_INITIALIZATION | PHASE_STEP,
       (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
        const fmi2Real value[]),
       set_input_derivatives(instance, vr, nvr, order, value))
-PASS2(GetRealOutputDerivatives,
+CALL2(GetRealOutputDerivatives, STEPS, PHASES_READ(PHASES_STEPPED),
       (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
        fmi2Real value[]),
       instance_output_derivatives(instance, vr, order, nvr, value, nvr))
 
-PASS2(GetDirectionalDerivative,
+CALL2(GetDirectionalDerivative, ANY, PHASES_READ(PHASES_INITIALIZED),
       (fmi2Component c, const fmi2ValueReference unknowns[], size_t unknown_count,
        const fmi2ValueReference knowns[], size_t known_count, const fmi2Real seed[], fmi2Real sensitivity[]),
       instance_product(instance, &(const struct product){.unknowns = {unknowns, unknown_count, false},
@@ -295,18 +237,19 @@ PASS2(GetDirectionalDerivative,
  * registers for it. */
 CONTACT_NOINLINE static fmi2Status fmi2_do_step(struct instance *instance, double point, double size)
 {
+    static const struct call call = {"fmi2DoStep", CALL_STEPS, PHASE_STEP, NULL};
     const struct step_request request = {0};
-    return (fmi2Status)(call_begin(instance, CALL2(DoStep)) ? instance_step(instance, point, size, &request)
-                                                            : MODEL_ERROR);
+    return (fmi2Status)(call_begin(instance, &call) ? instance_step(instance, point, size, &request)
+                                                    : MODEL_ERROR);
 }
 
 /*
  * noSetFMUStatePriorToCurrentPoint has no effect, because states are saved only on request. The function is
  * flattened, because calls would be a good part of the time of a deferred flight.
  */
-CONTACT_FLATTEN fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint,
-                                      fmi2Real communicationStepSize,
-                                      fmi2Boolean noSetFMUStatePriorToCurrentPoint)
+CONTACT_EXPORTED CONTACT_FLATTEN fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint,
+                                                       fmi2Real communicationStepSize,
+                                                       fmi2Boolean noSetFMUStatePriorToCurrentPoint)
 {
     struct instance *instance = c;
     (void)noSetFMUStatePriorToCurrentPoint;
@@ -321,7 +264,13 @@ CONTACT_FLATTEN fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunica
     return fmi2_do_step(instance, currentCommunicationPoint, communicationStepSize);
 }
 
-PASS2(CancelStep, (fmi2Component c), MODEL_OK)
+/* This function is never allowed. */
+CONTACT_EXPORTED fmi2Status fmi2CancelStep(fmi2Component c)
+{
+    static const struct call call = {"fmi2CancelStep", CALL_ANY, 0, "no step is ever in progress here"};
+    (void)call_begin(c, &call);
+    return fmi2Error;
+}
 
 static const char *status_kind_name(fmi2StatusKind kind)
 {
@@ -348,20 +297,19 @@ static enum model_status tell_status(struct instance *instance, fmi2StatusKind k
     return MODEL_OK;
 }
 
+/* A status function for values of one type, which answers to one kind of status or to none. */
+#define STATUS2(function, Type, answered, known, answer)                                                     \
+    CALL2(function, STEPS, PHASES_READ(PHASES_STEPPED),                                                      \
+          (fmi2Component c, const fmi2StatusKind s, fmi2##Type *value),                                      \
+          tell_status(instance, s, answered, known, (void *)value, &(const fmi2##Type){answer},              \
+                      sizeof *value))
+STATUS2(GetStatus, Status, "fmi2DoStepStatus", s == fmi2DoStepStatus, (fmi2Status)instance->step_status)
+STATUS2(GetRealStatus, Real, "fmi2LastSuccessfulTime", s == fmi2LastSuccessfulTime,
+        instance_time_reached(instance))
 /* The model never ends a run by itself. */
-PASS2(GetStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Status *value),
-      tell_status(instance, s, "fmi2DoStepStatus", s == fmi2DoStepStatus, value,
-                  &(const fmi2Status){(fmi2Status)instance->step_status}, sizeof *value))
-PASS2(GetRealStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Real *value),
-      tell_status(instance, s, "fmi2LastSuccessfulTime", s == fmi2LastSuccessfulTime, value,
-                  &(const fmi2Real){instance_time_reached(instance)}, sizeof *value))
-PASS2(GetBooleanStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value),
-      tell_status(instance, s, "fmi2Terminated", s == fmi2Terminated, value, &(const fmi2Boolean){fmi2False},
-                  sizeof *value))
-PASS2(GetIntegerStatus, (fmi2Component c, const fmi2StatusKind s, fmi2Integer *value),
-      tell_status(instance, s, "none", false, value, NULL, 0))
-PASS2(GetStringStatus, (fmi2Component c, const fmi2StatusKind s, fmi2String *value),
-      tell_status(instance, s, "none", false, (void *)value, NULL, 0))
+STATUS2(GetBooleanStatus, Boolean, "fmi2Terminated", s == fmi2Terminated, fmi2False)
+STATUS2(GetIntegerStatus, Integer, "none", false, 0)
+STATUS2(GetStringStatus, String, "none", false, NULL)
 
 /* The model never ends a run by itself. */
 static enum model_status new_discrete_states(struct instance *instance, fmi2EventInfo *info)
@@ -380,35 +328,39 @@ static enum model_status new_discrete_states(struct instance *instance, fmi2Even
     return status;
 }
 
-PASS2(NewDiscreteStates, (fmi2Component c, fmi2EventInfo *eventInfo),
+CALL2(NewDiscreteStates, EXCHANGE, PHASE_EVENT, (fmi2Component c, fmi2EventInfo *eventInfo),
       new_discrete_states(instance, eventInfo))
 /* noSetFMUStatePriorToCurrentPoint has no effect, because states are saved only on request. */
-PASS2(CompletedIntegratorStep,
+CALL2(CompletedIntegratorStep, EXCHANGE, PHASE_CONTINUOUS,
       (fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint, fmi2Boolean *enterEventMode,
        fmi2Boolean *terminateSimulation),
       ((void)noSetFMUStatePriorToCurrentPoint,
        exchange_accept_step(instance, enterEventMode, terminateSimulation, sizeof *enterEventMode)))
 
-PASS2(EnterEventMode, (fmi2Component c), instance_enter(instance, PHASE_EVENT))
-PASS2(EnterContinuousTimeMode, (fmi2Component c), instance_enter(instance, PHASE_CONTINUOUS))
-PASS2(SetTime, (fmi2Component c, fmi2Real time), model_exchange_set_time(instance->model, time))
-PASS2(SetContinuousStates, (fmi2Component c, const fmi2Real x[], size_t nx),
+CALL2(EnterEventMode, EXCHANGE, PHASES_EXCHANGED, (fmi2Component c), instance_enter(instance, PHASE_EVENT))
+CALL2(EnterContinuousTimeMode, EXCHANGE, PHASE_EVENT, (fmi2Component c),
+      instance_enter(instance, PHASE_CONTINUOUS))
+CALL2(SetTime, EXCHANGE, PHASES_EXCHANGED, (fmi2Component c, fmi2Real time),
+      model_exchange_set_time(instance->model, time))
+CALL2(SetContinuousStates, EXCHANGE, PHASE_CONTINUOUS, (fmi2Component c, const fmi2Real x[], size_t nx),
       exchange_set_states(instance, x, nx))
-PASS2(GetDerivatives, (fmi2Component c, fmi2Real x[], size_t nx),
-      exchange_get(instance, EXCHANGE_RATES, x, nx))
-PASS2(GetEventIndicators, (fmi2Component c, fmi2Real x[], size_t nx),
-      exchange_get(instance, EXCHANGE_INDICATORS, x, nx))
-PASS2(GetContinuousStates, (fmi2Component c, fmi2Real x[], size_t nx),
-      exchange_get(instance, EXCHANGE_STATES, x, nx))
-PASS2(GetNominalsOfContinuousStates, (fmi2Component c, fmi2Real x[], size_t nx),
-      exchange_get(instance, EXCHANGE_NOMINALS, x, nx))
+#define NUMBERS2(function, which, phases)                                                                    \
+    CALL2(function, EXCHANGE, PHASES_READ(phases), (fmi2Component c, fmi2Real x[], size_t nx),               \
+          exchange_get(instance, which, x, nx))
+NUMBERS2(GetDerivatives, EXCHANGE_RATES, PHASES_OF_STATES)
+NUMBERS2(GetEventIndicators, EXCHANGE_INDICATORS, PHASES_OF_STATES)
+NUMBERS2(GetContinuousStates, EXCHANGE_STATES, PHASES_OF_STATES)
+NUMBERS2(GetNominalsOfContinuousStates, EXCHANGE_NOMINALS, PHASE_INSTANTIATED | PHASES_OF_STATES)
 
-PASS2(GetFMUstate, (fmi2Component c, fmi2FMUstate *state), state_block_get(instance, state))
-PASS2(SetFMUstate, (fmi2Component c, fmi2FMUstate state), state_block_set(instance, state))
-PASS2(FreeFMUstate, (fmi2Component c, fmi2FMUstate *state), state_block_free(instance, state))
-PASS2(SerializedFMUstateSize, (fmi2Component c, fmi2FMUstate state, size_t *size),
-      state_block_size(instance, state, size))
-PASS2(SerializeFMUstate, (fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size),
+CALL2(GetFMUstate, ANY, PHASES_ALL, (fmi2Component c, fmi2FMUstate *state), state_block_get(instance, state))
+CALL2(SetFMUstate, ANY, PHASES_ALL, (fmi2Component c, fmi2FMUstate state), state_block_set(instance, state))
+CALL2(FreeFMUstate, ANY, PHASES_ALL, (fmi2Component c, fmi2FMUstate *state),
+      state_block_free(instance, state))
+CALL2(SerializedFMUstateSize, ANY, PHASES_READ(PHASES_ALL),
+      (fmi2Component c, fmi2FMUstate state, size_t *size), state_block_size(instance, state, size))
+CALL2(SerializeFMUstate, ANY, PHASES_READ(PHASES_ALL),
+      (fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size),
       state_block_serialize(instance, state, bytes, size))
-PASS2(DeSerializeFMUstate, (fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state),
+CALL2(DeSerializeFMUstate, ANY, PHASES_ALL,
+      (fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state),
       state_block_deserialize(instance, bytes, size, state))

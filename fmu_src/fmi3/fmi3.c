@@ -31,127 +31,23 @@ _Static_assert((int)MODEL_FATAL == (int)fmi3Fatal, "status order");
  * read, and from the logger. */
 #define PHASES_WITHIN(phases) (PHASES_READ(phases) | PHASE_INTERMEDIATE)
 
-/* Rows of one function for each type but Float64, also for types that no variable has. */
-#define CALL_TYPES(ROW, Verb, phases)                                                                        \
-    ROW(Verb##Float32, ANY, phases)                                                                          \
-    ROW(Verb##Int8, ANY, phases)                                                                             \
-    ROW(Verb##UInt8, ANY, phases)                                                                            \
-    ROW(Verb##Int16, ANY, phases)                                                                            \
-    ROW(Verb##UInt16, ANY, phases)                                                                           \
-    ROW(Verb##Int32, ANY, phases)                                                                            \
-    ROW(Verb##UInt32, ANY, phases)                                                                           \
-    ROW(Verb##Int64, ANY, phases)                                                                            \
-    ROW(Verb##UInt64, ANY, phases)                                                                           \
-    ROW(Verb##Boolean, ANY, phases)                                                                          \
-    ROW(Verb##String, ANY, phases)                                                                           \
-    ROW(Verb##Binary, ANY, phases)
-
 /*
- * The table lists all functions of the standard that take an instance, the kind of instance and the phases in
- * which each may be called, after the state machines of FMI 3.0.2, sections 2.3, 3.2 and 4.2. It has three
- * harmless extensions: variables that have a start value may be read while instantiated, outputs may be read
- * between setting an input and the next step, and the numbers of states and indicators are always told. Model
- * Exchange is never in step mode, Co-Simulation never in continuous-time mode.
+ * Each function of the standard that takes an instance names the kind of instance and the phases in which it
+ * may be called (struct call), after the state machines of FMI 3.0.2, sections 2.3, 3.2 and 4.2. Three
+ * extensions do no harm: variables that have a start value may be read while instantiated, outputs may be
+ * read between setting an input and the next step, and the numbers of states and indicators are always told.
+ * Model Exchange is never in step mode, Co-Simulation never in continuous-time mode. A function evaluates
+ * `result` where it may be called now; `absent` says why it never may, or is NULL.
  */
-#define CALL3_TABLE(ROW)                                                                                     \
-    ROW(SetDebugLogging, ANY, PHASES_ALL)                                                                    \
-    ROW(EnterInitializationMode, ANY, PHASE_INSTANTIATED)                                                    \
-    ROW(ExitInitializationMode, ANY, PHASE_INITIALIZATION)                                                   \
-    ROW(EnterEventMode, ANY, PHASE_STEP | PHASE_CONTINUOUS)                                                  \
-    ROW(UpdateDiscreteStates, ANY, PHASE_EVENT)                                                              \
-    ROW(EnterStepMode, STEPS, PHASE_EVENT)                                                                   \
-    ROW(Terminate, ANY, PHASE_STEP | PHASES_EXCHANGED)                                                       \
-    ROW(Reset, ANY, PHASES_ALL)                                                                              \
-    ROW(GetFloat64, ANY, PHASES_WITHIN(PHASES_ALL))                                                          \
-    CALL_TYPES(ROW, Get, PHASES_WITHIN(PHASES_ALL))                                                          \
-    ROW(SetFloat64, ANY, PHASES_SETTABLE | PHASE_CONTINUOUS)                                                 \
-    CALL_TYPES(ROW, Set, PHASES_SETTABLE)                                                                    \
-    ROW(GetFMUState, ANY, PHASES_ALL)                                                                        \
-    ROW(SetFMUState, ANY, PHASES_ALL)                                                                        \
-    ROW(FreeFMUState, ANY, PHASES_ALL)                                                                       \
-    ROW(SerializedFMUStateSize, ANY, PHASES_READ(PHASES_ALL))                                                \
-    ROW(SerializeFMUState, ANY, PHASES_READ(PHASES_ALL))                                                     \
-    ROW(DeserializeFMUState, ANY, PHASES_ALL)                                                                \
-    ROW(GetDirectionalDerivative, ANY, PHASES_READ(PHASES_INITIALIZED))                                      \
-    ROW(GetAdjointDerivative, ANY, PHASES_READ(PHASES_INITIALIZED))                                          \
-    ROW(GetOutputDerivatives, STEPS, PHASES_WITHIN(PHASES_STEPPED))                                          \
-    ROW(DoStep, STEPS, PHASE_STEP)                                                                           \
-    ROW(EnterContinuousTimeMode, EXCHANGE, PHASE_EVENT)                                                      \
-    ROW(CompletedIntegratorStep, EXCHANGE, PHASE_CONTINUOUS)                                                 \
-    ROW(SetTime, EXCHANGE, PHASE_CONTINUOUS)                                                                 \
-    ROW(SetContinuousStates, EXCHANGE, PHASE_CONTINUOUS)                                                     \
-    ROW(GetContinuousStateDerivatives, EXCHANGE, PHASES_READ(PHASES_OF_STATES))                              \
-    ROW(GetEventIndicators, EXCHANGE, PHASES_READ(PHASES_OF_STATES))                                         \
-    ROW(GetContinuousStates, EXCHANGE, PHASES_READ(PHASES_OF_STATES))                                        \
-    ROW(GetNominalsOfContinuousStates, EXCHANGE, PHASES_READ(PHASES_OF_STATES))                              \
-    ROW(GetNumberOfEventIndicators, EXCHANGE, PHASES_READ(PHASES_ALL))                                       \
-    ROW(GetNumberOfContinuousStates, EXCHANGE, PHASES_READ(PHASES_ALL))
-
-#define NO_CLOCKS "there are no clocks"
-#define NO_PARTITIONS "there are no model partitions, Scheduled Execution is not provided"
-#define NO_STRUCTURE "there are no structural parameters"
-#define NO_EVALUATION "providesEvaluateDiscreteStates is false"
-#define NO_ELEMENTS "providesPerElementDependencies is false"
-
-/* The first parameters of the functions for clocks. */
-#define CLOCKS fmi3Instance c, const fmi3ValueReference clocks[], size_t count
-#define FRACTIONS fmi3UInt64 counters[], fmi3UInt64 resolutions[]
-#define FRACTIONS_SET const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]
-
-/* Functions that these FMUs refuse with a message, and their parameters. They exist because importers look
- * for all functions of the standard. */
-#define ABSENT_TABLE(ROW)                                                                                    \
-    ROW(GetClock, NO_CLOCKS, (CLOCKS, fmi3Clock values[]))                                                   \
-    ROW(SetClock, NO_CLOCKS, (CLOCKS, const fmi3Clock values[]))                                             \
-    ROW(GetIntervalDecimal, NO_CLOCKS,                                                                       \
-        (CLOCKS, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[]))                               \
-    ROW(GetIntervalFraction, NO_CLOCKS, (CLOCKS, FRACTIONS, fmi3IntervalQualifier qualifiers[]))             \
-    ROW(GetShiftDecimal, NO_CLOCKS, (CLOCKS, fmi3Float64 shifts[]))                                          \
-    ROW(GetShiftFraction, NO_CLOCKS, (CLOCKS, FRACTIONS))                                                    \
-    ROW(SetIntervalDecimal, NO_CLOCKS, (CLOCKS, const fmi3Float64 intervals[]))                              \
-    ROW(SetIntervalFraction, NO_CLOCKS, (CLOCKS, FRACTIONS_SET))                                             \
-    ROW(SetShiftDecimal, NO_CLOCKS, (CLOCKS, const fmi3Float64 shifts[]))                                    \
-    ROW(SetShiftFraction, NO_CLOCKS, (CLOCKS, FRACTIONS_SET))                                                \
-    ROW(ActivateModelPartition, NO_PARTITIONS, (fmi3Instance c, fmi3ValueReference clock, fmi3Float64 time)) \
-    ROW(GetNumberOfVariableDependencies, NO_ELEMENTS,                                                        \
-        (fmi3Instance c, fmi3ValueReference reference, size_t * count))                                      \
-    ROW(GetVariableDependencies, NO_ELEMENTS,                                                                \
-        (fmi3Instance c, fmi3ValueReference dependent, size_t elements[], fmi3ValueReference independents[], \
-         size_t others[], fmi3DependencyKind which[], size_t count))                                         \
-    ROW(EnterConfigurationMode, NO_STRUCTURE, (fmi3Instance c))                                              \
-    ROW(ExitConfigurationMode, NO_STRUCTURE, (fmi3Instance c))                                               \
-    ROW(EvaluateDiscreteStates, NO_EVALUATION, (fmi3Instance c))
-
-#define CALL3_NAME(function, kind, phases) CALL3_##function,
-enum fmi3_call { CALL3_TABLE(CALL3_NAME) ABSENT_TABLE(CALL3_NAME) CALL3_COUNT };
-#undef CALL3_NAME
-
-#define CALL3_RULE(function, kind, phases) {"fmi3" #function, CALL_##kind, phases, NULL},
-#define ABSENT_RULE(function, reason, parameters) {"fmi3" #function, CALL_ANY, 0, reason},
-static const struct call calls_of_fmi3[] = {CALL3_TABLE(CALL3_RULE) ABSENT_TABLE(ABSENT_RULE)};
-#undef ABSENT_RULE
-#undef CALL3_RULE
-
-#define CALL3(function) (&calls_of_fmi3[CALL3_##function])
-
-/* Functions without a row take no instance, or create or free one. */
-#define CALL3_EXPORT(function, kind, phases) CONTACT_EXPORTED fmi3##function##TYPE fmi3##function;
-CALL3_TABLE(CALL3_EXPORT)
-ABSENT_TABLE(CALL3_EXPORT)
-#undef CALL3_EXPORT
-CONTACT_EXPORTED fmi3GetVersionTYPE fmi3GetVersion;
-CONTACT_EXPORTED fmi3InstantiateModelExchangeTYPE fmi3InstantiateModelExchange;
-CONTACT_EXPORTED fmi3InstantiateCoSimulationTYPE fmi3InstantiateCoSimulation;
-CONTACT_EXPORTED fmi3InstantiateScheduledExecutionTYPE fmi3InstantiateScheduledExecution;
-CONTACT_EXPORTED fmi3FreeInstanceTYPE fmi3FreeInstance;
-
-/* A function that passes its arguments on where it may be called now. */
-#define PASS3(function, parameters, result)                                                                  \
-    fmi3Status fmi3##function parameters                                                                     \
+#define DEFINE3(function, kind, phases, absent, parameters, result)                                          \
+    CONTACT_EXPORTED fmi3Status fmi3##function parameters                                                    \
     {                                                                                                        \
+        static const struct call call = {"fmi3" #function, CALL_##kind, phases, absent};                     \
         struct instance *instance = c;                                                                       \
-        return (fmi3Status)(call_begin(instance, CALL3(function)) ? (result) : MODEL_ERROR);                 \
+        return (fmi3Status)(call_begin(instance, &call) ? (result) : MODEL_ERROR);                           \
     }
+#define CALL3(function, kind, phases, parameters, result)                                                    \
+    DEFINE3(function, kind, phases, NULL, parameters, result)
 
 static void fmi3_send(struct instance *instance, enum model_status status, const char *category,
                       const char *text)
@@ -219,14 +115,12 @@ static bool intermediate_in_order(struct instance *nobody, const fmi3ValueRefere
 }
 
 /* The FMU reads no resources, so any string or none is accepted as their path. */
-fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken,
-                                         fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
-                                         fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
-                                         const fmi3ValueReference requiredIntermediateVariables[],
-                                         size_t nRequiredIntermediateVariables,
-                                         fmi3InstanceEnvironment instanceEnvironment,
-                                         fmi3LogMessageCallback logMessage,
-                                         fmi3IntermediateUpdateCallback intermediateUpdate)
+CONTACT_EXPORTED fmi3Instance fmi3InstantiateCoSimulation(
+    fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath, fmi3Boolean visible,
+    fmi3Boolean loggingOn, fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
+    const fmi3ValueReference requiredIntermediateVariables[], size_t nRequiredIntermediateVariables,
+    fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
+    fmi3IntermediateUpdateCallback intermediateUpdate)
 {
     static const struct call call = {.name = "fmi3InstantiateCoSimulation"};
     (void)resourcePath, (void)visible;
@@ -249,10 +143,9 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     return instance;
 }
 
-fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
-                                          fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
-                                          fmi3InstanceEnvironment instanceEnvironment,
-                                          fmi3LogMessageCallback logMessage)
+CONTACT_EXPORTED fmi3Instance fmi3InstantiateModelExchange(
+    fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath, fmi3Boolean visible,
+    fmi3Boolean loggingOn, fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage)
 {
     static const struct call call = {.name = "fmi3InstantiateModelExchange"};
     (void)resourcePath, (void)visible;
@@ -263,7 +156,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                : NULL;
 }
 
-fmi3Instance fmi3InstantiateScheduledExecution(
+CONTACT_EXPORTED fmi3Instance fmi3InstantiateScheduledExecution(
     fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath, fmi3Boolean visible,
     fmi3Boolean loggingOn, fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
     fmi3ClockUpdateCallback clockUpdate, fmi3LockPreemptionCallback lockPreemption,
@@ -278,12 +171,12 @@ fmi3Instance fmi3InstantiateScheduledExecution(
     return NULL;
 }
 
-const char *fmi3GetVersion(void)
+CONTACT_EXPORTED const char *fmi3GetVersion(void)
 {
     return fmi3Version;
 }
 
-void fmi3FreeInstance(fmi3Instance c)
+CONTACT_EXPORTED void fmi3FreeInstance(fmi3Instance c)
 {
     instance_free(c);
 }
@@ -302,7 +195,8 @@ static enum model_status switch_categories(struct instance *instance, bool on, s
     return status;
 }
 
-PASS3(SetDebugLogging, (fmi3Instance c, fmi3Boolean on, size_t count, const fmi3String categories[]),
+CALL3(SetDebugLogging, ANY, PHASES_ALL,
+      (fmi3Instance c, fmi3Boolean on, size_t count, const fmi3String categories[]),
       switch_categories(instance, on, count, categories))
 
 static enum model_status begin_initialization(struct instance *instance, enum model_status set_up)
@@ -313,23 +207,25 @@ static enum model_status begin_initialization(struct instance *instance, enum mo
     return set_up;
 }
 
-PASS3(EnterInitializationMode,
+CALL3(EnterInitializationMode, ANY, PHASE_INSTANTIATED,
       (fmi3Instance c, fmi3Boolean tolerance_defined, fmi3Float64 tolerance, fmi3Float64 start_time,
        fmi3Boolean stop_time_defined, fmi3Float64 stop_time),
       begin_initialization(instance, instance_set_up(instance, tolerance_defined, tolerance, start_time,
                                                      stop_time_defined, stop_time)))
-PASS3(ExitInitializationMode, (fmi3Instance c),
+CALL3(ExitInitializationMode, ANY, PHASE_INITIALIZATION, (fmi3Instance c),
       instance_exit_initialization(instance, ((struct fmi3_instance *)c)->event_mode_used))
-PASS3(Terminate, (fmi3Instance c), instance_enter(instance, PHASE_TERMINATED))
-PASS3(Reset, (fmi3Instance c), instance_reset(instance))
+CALL3(Terminate, ANY, PHASE_STEP | PHASES_EXCHANGED, (fmi3Instance c),
+      instance_enter(instance, PHASE_TERMINATED))
+CALL3(Reset, ANY, PHASES_ALL, (fmi3Instance c), instance_reset(instance))
 
 /* This part gets and sets values. A vector is read and written as a whole. */
 
 /* Reads Float64 variables, in a run mostly one vector. The function is flattened, because calls would be a
  * good part of the time of such a read. */
-CONTACT_FLATTEN fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference vr[], size_t nvr,
-                                          fmi3Float64 values[], size_t count)
+CONTACT_EXPORTED CONTACT_FLATTEN fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference vr[],
+                                                           size_t nvr, fmi3Float64 values[], size_t count)
 {
+    static const struct call call = {"fmi3GetFloat64", CALL_ANY, PHASES_WITHIN(PHASES_ALL), NULL};
     struct instance *instance = c;
     if (instance != NULL && instance->phase == PHASE_STEP && nvr == 1 && count == 3 && vr != NULL) {
         const uint32_t components[3] = {vr[0], vr[0] + 1, vr[0] + 2};
@@ -337,51 +233,47 @@ CONTACT_FLATTEN fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReferen
             return fmi3OK;
         }
     }
-    return (fmi3Status)(call_begin(instance, CALL3(GetFloat64))
+    return (fmi3Status)(call_begin(instance, &call)
                             ? instance_get_values(instance, TYPES_REAL, vr, nvr, values, count)
                             : MODEL_ERROR);
 }
 
 #define GETTER3(Type, types)                                                                                 \
-    PASS3(Get##Type,                                                                                         \
+    CALL3(Get##Type, ANY, PHASES_WITHIN(PHASES_ALL),                                                         \
           (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, fmi3##Type values[], size_t count),    \
           instance_get_values(instance, types, vr, nvr, (void *)values, count))
-#define SETTER3(Type, types)                                                                                 \
-    PASS3(Set##Type,                                                                                         \
+#define SETTER3(Type, types, phases)                                                                         \
+    CALL3(Set##Type, ANY, phases,                                                                            \
           (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, const fmi3##Type values[],             \
            size_t count),                                                                                    \
           instance_set_values(instance, types, vr, nvr, (const void *)values, count))
-SETTER3(Float64, TYPES_REAL)
-GETTER3(Int32, TYPES_INTEGER)
-SETTER3(Int32, TYPES_INTEGER)
-GETTER3(Int64, TYPES_ENUMERATION)
-SETTER3(Int64, TYPES_ENUMERATION)
-GETTER3(Boolean, TYPES_BOOLEAN)
-SETTER3(Boolean, TYPES_BOOLEAN)
+#define BOTH3(Type, types)                                                                                   \
+    GETTER3(Type, types)                                                                                     \
+    SETTER3(Type, types, PHASES_SETTABLE)
+SETTER3(Float64, TYPES_REAL, PHASES_SETTABLE | PHASE_CONTINUOUS)
+BOTH3(Int32, TYPES_INTEGER)
+BOTH3(Int64, TYPES_ENUMERATION)
+BOTH3(Boolean, TYPES_BOOLEAN)
 
 /* No variable has one of these types, so that every reference is refused. */
-#define BOTH(Type)                                                                                           \
-    GETTER3(Type, TYPES_NONE)                                                                                \
-    SETTER3(Type, TYPES_NONE)
-BOTH(Float32)
-BOTH(Int8)
-BOTH(UInt8)
-BOTH(Int16)
-BOTH(UInt16)
-BOTH(UInt32)
-BOTH(UInt64)
-BOTH(String)
-
-PASS3(GetBinary,
+BOTH3(Float32, TYPES_NONE)
+BOTH3(Int8, TYPES_NONE)
+BOTH3(UInt8, TYPES_NONE)
+BOTH3(Int16, TYPES_NONE)
+BOTH3(UInt16, TYPES_NONE)
+BOTH3(UInt32, TYPES_NONE)
+BOTH3(UInt64, TYPES_NONE)
+BOTH3(String, TYPES_NONE)
+CALL3(GetBinary, ANY, PHASES_WITHIN(PHASES_ALL),
       (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, size_t sizes[], fmi3Binary values[],
        size_t count),
       ((void)sizes, instance_get_values(instance, TYPES_NONE, vr, nvr, (void *)values, count)))
-PASS3(SetBinary,
+CALL3(SetBinary, ANY, PHASES_SETTABLE,
       (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, const size_t sizes[],
        const fmi3Binary values[], size_t count),
       ((void)sizes, instance_set_values(instance, TYPES_NONE, vr, nvr, (const void *)values, count)))
 
-PASS3(GetOutputDerivatives,
+CALL3(GetOutputDerivatives, STEPS, PHASES_WITHIN(PHASES_STEPPED),
       (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, const fmi3Int32 orders[],
        fmi3Float64 values[], size_t count),
       instance_output_derivatives(instance, vr, orders, nvr, values, count))
@@ -389,7 +281,7 @@ PASS3(GetOutputDerivatives,
 /* A function that multiplies with the matrix of derivatives. The last two arguments are the numbers of
  * components that the importer gives for the unknowns and for the knowns. */
 #define PRODUCT3(function, is_adjoint, unknown_components, known_components)                                 \
-    PASS3(function,                                                                                          \
+    CALL3(function, ANY, PHASES_READ(PHASES_INITIALIZED),                                                    \
           (fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,                            \
            const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,        \
            fmi3Float64 sensitivity[], size_t nSensitivity),                                                  \
@@ -403,36 +295,31 @@ PASS3(GetOutputDerivatives,
 PRODUCT3(GetDirectionalDerivative, false, nSensitivity, nSeed)
 PRODUCT3(GetAdjointDerivative, true, nSeed, nSensitivity)
 
-/* Calls the intermediate update callback at an event within the step. Returns the time at which the importer
- * wants the step to end [s]. */
-static double tell_importer(struct fmi3_instance *own, double end_time)
-{
-    struct instance *instance = &own->shared;
-    const double now = own->event_time;
-    bool requested = false;
-    double requested_time = end_time;
-    const struct call *call = instance->call;
-    instance->phase = (enum phase)(PHASE_STEP | PHASE_INTERMEDIATE);
-    own->intermediate_update(own->environment, now, fmi3False, fmi3True, fmi3True, own->early_return_allowed,
-                             &requested, &requested_time);
-    instance->phase = PHASE_STEP;
-    instance->call = call;
-    if (!requested || !own->early_return_allowed) {
-        return end_time;
-    }
-    return requested_time > now ? fmin(requested_time, end_time) : now;
-}
-
-/* Is called when a contact begins or ends within a step. Returns the time at which the step shall end [s]
- * (struct step_request). */
+/* Is called when a contact begins or ends within a step, and calls the intermediate update callback. Returns
+ * the time at which the step shall end [s] (struct step_request): the importer may want it to end early. */
 static double at_event(void *context, double end_time)
 {
     struct fmi3_instance *own = context;
-    own->event_time = model_time(own->shared.model);
+    struct instance *instance = &own->shared;
+    const double now = model_time(instance->model);
+    const struct call *call = instance->call;
+    bool requested = false;
+    double requested_time = end_time;
+    own->event_time = now;
     if (own->intermediate_update != NULL) {
-        end_time = tell_importer(own, end_time);
+        instance->phase = (enum phase)(PHASE_STEP | PHASE_INTERMEDIATE);
+        own->intermediate_update(own->environment, now, fmi3False, fmi3True, fmi3True,
+                                 own->early_return_allowed, &requested, &requested_time);
+        instance->phase = PHASE_STEP;
+        instance->call = call;
     }
-    return own->event_mode_used && own->early_return_allowed ? own->event_time : end_time;
+    if (!own->early_return_allowed) {
+        return end_time;
+    }
+    if (own->event_mode_used || (requested && !(requested_time > now))) {
+        return now;
+    }
+    return requested ? fmin(requested_time, end_time) : end_time;
 }
 
 /* Sets the results of a step besides its status. The model never ends a run by itself. */
@@ -452,9 +339,10 @@ CONTACT_NOINLINE static fmi3Status fmi3_do_step(struct instance *instance, doubl
                                                 fmi3Boolean *event, fmi3Boolean *terminate,
                                                 fmi3Boolean *early, fmi3Float64 *time)
 {
+    static const struct call call = {"fmi3DoStep", CALL_STEPS, PHASE_STEP, NULL};
     struct fmi3_instance *own = (struct fmi3_instance *)instance;
     const bool ready =
-        call_begin(instance, CALL3(DoStep)) &&
+        call_begin(instance, &call) &&
         arrays_given(instance,
                      ARGUMENTS({"eventHandlingNeeded", event, 1}, {"terminateSimulation", terminate, 1},
                                {"earlyReturn", early, 1}, {"lastSuccessfulTime", time, 1}));
@@ -480,11 +368,10 @@ CONTACT_NOINLINE static fmi3Status fmi3_do_step(struct instance *instance, doubl
  * noSetFMUStatePriorToCurrentPoint has no effect, because states are saved only on request. The function is
  * flattened, because calls would be a good part of the time of a deferred flight.
  */
-CONTACT_FLATTEN fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint,
-                                      fmi3Float64 communicationStepSize,
-                                      fmi3Boolean noSetFMUStatePriorToCurrentPoint,
-                                      fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation,
-                                      fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
+CONTACT_EXPORTED CONTACT_FLATTEN fmi3Status
+fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
+           fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded,
+           fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
 {
     struct instance *instance = c;
     (void)noSetFMUStatePriorToCurrentPoint;
@@ -518,8 +405,8 @@ static enum model_status enter_event_mode(struct instance *instance)
                             " called in phase step mode: instantiated with eventModeUsed = false");
 }
 
-PASS3(EnterEventMode, (fmi3Instance c), enter_event_mode(instance))
-PASS3(EnterStepMode, (fmi3Instance c), instance_enter(instance, PHASE_STEP))
+CALL3(EnterEventMode, ANY, PHASE_STEP | PHASE_CONTINUOUS, (fmi3Instance c), enter_event_mode(instance))
+CALL3(EnterStepMode, STEPS, PHASE_EVENT, (fmi3Instance c), instance_enter(instance, PHASE_STEP))
 
 static enum model_status update_discrete_states(struct instance *instance, bool *again, bool *terminate,
                                                 bool *nominals_changed, bool *values_changed,
@@ -544,14 +431,14 @@ static enum model_status update_discrete_states(struct instance *instance, bool 
     return status;
 }
 
-PASS3(UpdateDiscreteStates,
+CALL3(UpdateDiscreteStates, ANY, PHASE_EVENT,
       (fmi3Instance c, fmi3Boolean *again, fmi3Boolean *terminate, fmi3Boolean *nominals_changed,
        fmi3Boolean *values_changed, fmi3Boolean *time_defined, fmi3Float64 *time),
       update_discrete_states(instance, again, terminate, nominals_changed, values_changed, time_defined,
                              time))
 
 /* noSetFMUStatePriorToCurrentPoint has no effect, because states are saved only on request. */
-PASS3(CompletedIntegratorStep,
+CALL3(CompletedIntegratorStep, EXCHANGE, PHASE_CONTINUOUS,
       (fmi3Instance c, fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode,
        fmi3Boolean *terminateSimulation),
       ((void)noSetFMUStatePriorToCurrentPoint,
@@ -566,22 +453,23 @@ static enum model_status put_count(struct instance *instance, const char *argume
     return MODEL_OK;
 }
 
-PASS3(GetNumberOfEventIndicators, (fmi3Instance c, size_t *count),
+CALL3(GetNumberOfEventIndicators, EXCHANGE, PHASES_READ(PHASES_ALL), (fmi3Instance c, size_t *count),
       put_count(instance, "nEventIndicators", SCENE_INDICATORS, count))
-PASS3(GetNumberOfContinuousStates, (fmi3Instance c, size_t *count),
+CALL3(GetNumberOfContinuousStates, EXCHANGE, PHASES_READ(PHASES_ALL), (fmi3Instance c, size_t *count),
       put_count(instance, "nContinuousStates", SCENE_STATES, count))
-PASS3(EnterContinuousTimeMode, (fmi3Instance c), instance_enter(instance, PHASE_CONTINUOUS))
-PASS3(SetTime, (fmi3Instance c, fmi3Float64 time), model_exchange_set_time(instance->model, time))
-PASS3(SetContinuousStates, (fmi3Instance c, const fmi3Float64 x[], size_t nx),
+CALL3(EnterContinuousTimeMode, EXCHANGE, PHASE_EVENT, (fmi3Instance c),
+      instance_enter(instance, PHASE_CONTINUOUS))
+CALL3(SetTime, EXCHANGE, PHASE_CONTINUOUS, (fmi3Instance c, fmi3Float64 time),
+      model_exchange_set_time(instance->model, time))
+CALL3(SetContinuousStates, EXCHANGE, PHASE_CONTINUOUS, (fmi3Instance c, const fmi3Float64 x[], size_t nx),
       exchange_set_states(instance, x, nx))
-PASS3(GetContinuousStateDerivatives, (fmi3Instance c, fmi3Float64 x[], size_t nx),
-      exchange_get(instance, EXCHANGE_RATES, x, nx))
-PASS3(GetEventIndicators, (fmi3Instance c, fmi3Float64 x[], size_t nx),
-      exchange_get(instance, EXCHANGE_INDICATORS, x, nx))
-PASS3(GetContinuousStates, (fmi3Instance c, fmi3Float64 x[], size_t nx),
-      exchange_get(instance, EXCHANGE_STATES, x, nx))
-PASS3(GetNominalsOfContinuousStates, (fmi3Instance c, fmi3Float64 x[], size_t nx),
-      exchange_get(instance, EXCHANGE_NOMINALS, x, nx))
+#define NUMBERS3(function, which)                                                                            \
+    CALL3(function, EXCHANGE, PHASES_READ(PHASES_OF_STATES), (fmi3Instance c, fmi3Float64 x[], size_t nx),   \
+          exchange_get(instance, which, x, nx))
+NUMBERS3(GetContinuousStateDerivatives, EXCHANGE_RATES)
+NUMBERS3(GetEventIndicators, EXCHANGE_INDICATORS)
+NUMBERS3(GetContinuousStates, EXCHANGE_STATES)
+NUMBERS3(GetNominalsOfContinuousStates, EXCHANGE_NOMINALS)
 
 /* A state saved in event mode of Co-Simulation puts an instance without event mode into step mode. */
 static enum model_status set_state(struct instance *instance, fmi3FMUState state)
@@ -595,24 +483,55 @@ static enum model_status set_state(struct instance *instance, fmi3FMUState state
     return status;
 }
 
-PASS3(SetFMUState, (fmi3Instance c, fmi3FMUState state), set_state(instance, state))
-PASS3(GetFMUState, (fmi3Instance c, fmi3FMUState *state), state_block_get(instance, state))
-PASS3(FreeFMUState, (fmi3Instance c, fmi3FMUState *state), state_block_free(instance, state))
-PASS3(SerializedFMUStateSize, (fmi3Instance c, fmi3FMUState state, size_t *size),
-      state_block_size(instance, state, size))
-PASS3(SerializeFMUState, (fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size),
+CALL3(SetFMUState, ANY, PHASES_ALL, (fmi3Instance c, fmi3FMUState state), set_state(instance, state))
+CALL3(GetFMUState, ANY, PHASES_ALL, (fmi3Instance c, fmi3FMUState *state), state_block_get(instance, state))
+CALL3(FreeFMUState, ANY, PHASES_ALL, (fmi3Instance c, fmi3FMUState *state), state_block_free(instance, state))
+CALL3(SerializedFMUStateSize, ANY, PHASES_READ(PHASES_ALL),
+      (fmi3Instance c, fmi3FMUState state, size_t *size), state_block_size(instance, state, size))
+CALL3(SerializeFMUState, ANY, PHASES_READ(PHASES_ALL),
+      (fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size),
       state_block_serialize(instance, state, bytes, size))
-PASS3(DeserializeFMUState, (fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state),
+CALL3(DeserializeFMUState, ANY, PHASES_ALL,
+      (fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state),
       state_block_deserialize(instance, bytes, size, state))
 
-/* The refused functions do not use their arguments. */
+/*
+ * Functions that these FMUs refuse with a message. They exist because importers look for all functions of the
+ * standard. They do not use their arguments.
+ */
 #ifdef __GNUC__
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
-#define ABSENT_FUNCTION(function, reason, parameters) PASS3(function, parameters, MODEL_OK)
-/* NOLINTNEXTLINE(misc-unused-parameters) */
-ABSENT_TABLE(ABSENT_FUNCTION)
+/* NOLINTBEGIN(misc-unused-parameters) */
+#define ABSENT3(function, reason, parameters) DEFINE3(function, ANY, 0, reason, parameters, MODEL_OK)
+
+#define NO_CLOCKS "there are no clocks"
+#define CLOCKS fmi3Instance c, const fmi3ValueReference clocks[], size_t count
+ABSENT3(GetClock, NO_CLOCKS, (CLOCKS, fmi3Clock values[]))
+ABSENT3(SetClock, NO_CLOCKS, (CLOCKS, const fmi3Clock values[]))
+ABSENT3(GetIntervalDecimal, NO_CLOCKS, (CLOCKS, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[]))
+ABSENT3(GetIntervalFraction, NO_CLOCKS,
+        (CLOCKS, fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[]))
+ABSENT3(GetShiftDecimal, NO_CLOCKS, (CLOCKS, fmi3Float64 shifts[]))
+ABSENT3(GetShiftFraction, NO_CLOCKS, (CLOCKS, fmi3UInt64 counters[], fmi3UInt64 resolutions[]))
+ABSENT3(SetIntervalDecimal, NO_CLOCKS, (CLOCKS, const fmi3Float64 intervals[]))
+ABSENT3(SetIntervalFraction, NO_CLOCKS, (CLOCKS, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]))
+ABSENT3(SetShiftDecimal, NO_CLOCKS, (CLOCKS, const fmi3Float64 shifts[]))
+ABSENT3(SetShiftFraction, NO_CLOCKS, (CLOCKS, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]))
+ABSENT3(ActivateModelPartition, "there are no model partitions, Scheduled Execution is not provided",
+        (fmi3Instance c, fmi3ValueReference clock, fmi3Float64 time))
+#define NO_ELEMENTS "providesPerElementDependencies is false"
+ABSENT3(GetNumberOfVariableDependencies, NO_ELEMENTS,
+        (fmi3Instance c, fmi3ValueReference reference, size_t *count))
+ABSENT3(GetVariableDependencies, NO_ELEMENTS,
+        (fmi3Instance c, fmi3ValueReference dependent, size_t elements[], fmi3ValueReference independents[],
+         size_t others[], fmi3DependencyKind which[], size_t count))
+#define NO_STRUCTURE "there are no structural parameters"
+ABSENT3(EnterConfigurationMode, NO_STRUCTURE, (fmi3Instance c))
+ABSENT3(ExitConfigurationMode, NO_STRUCTURE, (fmi3Instance c))
+ABSENT3(EvaluateDiscreteStates, "providesEvaluateDiscreteStates is false", (fmi3Instance c))
+/* NOLINTEND(misc-unused-parameters) */
 #ifdef __GNUC__
 #pragma GCC diagnostic pop
 #endif

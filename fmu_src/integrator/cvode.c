@@ -16,13 +16,6 @@
 #include "scene/dense_output.h"
 #include "scene/ode.h"
 
-/* The values and the motion that CVODE's callbacks need. */
-
-struct cvode_problem {
-    struct scene_ode ode;
-    double relative, absolute; /* tolerances [1], [m, m/s, ...] */
-};
-
 struct cvode {
     SUNContext context;
     N_Vector y;
@@ -30,7 +23,8 @@ struct cvode {
     SUNLinearSolver linear;
     SUNNonlinearSolver nonlinear;
     void *memory;
-    struct cvode_problem problem;
+    struct scene_ode ode;      /* the values and the motion, for CVODE's callbacks */
+    double relative, absolute; /* tolerances [1], [m, m/s, ...] */
     enum solver_method method;
     int size;
     struct scene_output output[SCENE_CONTACTS]; /* outputs of the phase */
@@ -81,26 +75,26 @@ static bool silence(struct cvode *c)
 /* These callbacks give CVODE the scene's differential equations (scene/ode.h). */
 static int rates_of(double clock, N_Vector y, N_Vector rate, void *problem)
 {
-    const struct cvode_problem *p = problem;
-    ode_rates(&p->ode, clock, NV_DATA_S(y), NV_DATA_S(rate));
+    const struct cvode *c = problem;
+    ode_rates(&c->ode, clock, NV_DATA_S(y), NV_DATA_S(rate));
     return 0;
 }
 
 static int events_of(double clock, N_Vector y, double *roots, void *problem)
 {
-    const struct cvode_problem *p = problem;
-    ode_events(&p->ode, clock, NV_DATA_S(y), roots);
+    const struct cvode *c = problem;
+    ode_events(&c->ode, clock, NV_DATA_S(y), roots);
     return 0;
 }
 
 /* Sets the error weights 1 / (relative * size + absolute), where `size` is the size of each state. */
 static int weights_of(N_Vector y, N_Vector weights, void *problem)
 {
-    const struct cvode_problem *p = problem;
+    const struct cvode *c = problem;
     double *out = NV_DATA_S(weights);
-    ode_nominal(&p->ode, NV_DATA_S(y), out);
-    for (int i = 0; i < p->ode.layout.size; ++i) {
-        out[i] = 1.0 / (p->relative * out[i] + p->absolute);
+    ode_nominal(&c->ode, NV_DATA_S(y), out);
+    for (int i = 0; i < c->ode.layout.size; ++i) {
+        out[i] = 1.0 / (c->relative * out[i] + c->absolute);
     }
     return 0;
 }
@@ -112,9 +106,9 @@ static int newton_matrix(double clock, N_Vector y, N_Vector rate, SUNMatrix matr
                          N_Vector unused3)
 {
     (void)rate, (void)jacobian_ok, (void)unused1, (void)unused2, (void)unused3;
-    const struct cvode_problem *p = problem;
+    const struct cvode *c = problem;
     *jacobian_now = 1;
-    ode_jacobian(&p->ode, clock, NV_DATA_S(y), SM_DATA_D(matrix));
+    ode_jacobian(&c->ode, clock, NV_DATA_S(y), SM_DATA_D(matrix));
     return SUNMatScaleAddI(-gamma, matrix);
 }
 
@@ -140,7 +134,7 @@ static bool configure(struct cvode *c)
         falling[i] = -1;
     }
     return silence(c) && CVodeInit(c->memory, rates_of, 0.0, c->y) == CV_SUCCESS &&
-           CVodeSetUserData(c->memory, &c->problem) == CV_SUCCESS &&
+           CVodeSetUserData(c->memory, c) == CV_SUCCESS &&
            CVodeWFtolerances(c->memory, weights_of) == CV_SUCCESS &&
            (c->method != SOLVER_METHOD_CVODE_ADAMS ? attach_newton(c) : attach_fixed_point(c)) &&
            CVodeRootInit(c->memory, ODE_EVENTS, events_of) == CV_SUCCESS &&
@@ -150,8 +144,8 @@ static bool configure(struct cvode *c)
 
 static bool create(struct cvode *c, const struct scene_values *v)
 {
-    c->problem.ode.layout = ode_layout_of(v, NULL);
-    c->size = c->problem.ode.layout.size;
+    c->ode.layout = ode_layout_of(v, NULL);
+    c->size = c->ode.layout.size;
     c->method = (enum solver_method)solver_method(v);
     if (!create_context(&c->context)) {
         return false;
@@ -193,24 +187,13 @@ void cvode_close(struct cvode **slot)
     if (!c) {
         return;
     }
-    if (c->memory) {
-        CVodeFree(&c->memory);
-    }
-    if (c->linear) {
-        SUNLinSolFree(c->linear);
-    }
-    if (c->nonlinear) {
-        SUNNonlinSolFree(c->nonlinear);
-    }
-    if (c->jacobian) {
-        SUNMatDestroy(c->jacobian);
-    }
-    if (c->y) {
-        N_VDestroy(c->y);
-    }
-    if (c->context) {
-        SUNContext_Free(&c->context);
-    }
+    /* the functions of SUNDIALS do nothing for what a failed cvode_open has not made */
+    CVodeFree(&c->memory);
+    SUNLinSolFree(c->linear);
+    SUNNonlinSolFree(c->nonlinear);
+    SUNMatDestroy(c->jacobian);
+    N_VDestroy(c->y);
+    SUNContext_Free(&c->context);
     c->release(c);
     *slot = NULL;
 }
@@ -220,36 +203,30 @@ void cvode_close(struct cvode **slot)
  * because the gap opens only after the bodies have moved by the penetration. */
 static const double LARGEST_ANGLE = 0.1;
 
-/* Returns the largest step [s]. In it the bodies move by LARGEST_ANGLE times the larger of distance and
- * penetration, or times the source's radius where no force is transmitted. Within the step the relative speed
- * is below sqrt(w^2 + 4 a d), where a is the acceleration by gravity and external forces. */
-static double largest_step_of(const struct scene_values *v, const struct scene_state *q,
-                              const struct scene_instant *at, int contact)
-{
-    const int source = contact_source(contact);
-    const double distance = fabs(at->geometry[contact].distance); /* a plane's may be negative */
-    const struct vec3 force_difference =
-        vec3_sub(path_at(q->path[source].force, 3, q->clock),
-                 path_at(q->path[contact_destination(contact)].force, 3, q->clock));
-    const double a = vec3_norm(gravity(v)) + vec3_norm(force_difference) / body_mass(v, source);
-    const double speed = sqrt(vec3_dot(at->rate[contact], at->rate[contact]) + 4.0 * a * distance);
-    const double length = contact_transmits(q, contact) ? fmax(distance, -at->geometry[contact].gap)
-                                                        : contact_source_radius(v, contact);
-    return LARGEST_ANGLE * length / speed;
-}
-
-/* Returns the bound on the internal step [s]; 0: no bound. */
+/* Returns the bound on the internal step [s]; 0: no bound. In such a step the bodies of no contact in touch
+ * move by more than LARGEST_ANGLE times the larger of distance and penetration, or times the source's radius
+ * where no force is transmitted. Within the step the relative speed is below sqrt(w^2 + 4 a d), where a is
+ * the acceleration by gravity and external forces. */
 static double largest_step(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at)
 {
-    double bound = 0.0;
+    double bound = (double)INFINITY;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(q, j) || contact_is_coupled(v, q, j)) {
-            const double step = largest_step_of(v, q, at, j);
-            bound = step > 0.0 && isfinite(step) && (bound == 0.0 || step < bound) ? step : bound;
+            const int source = contact_source(j);
+            const double distance = fabs(at->geometry[j].distance); /* a plane's may be negative */
+            const struct vec3 force_difference =
+                vec3_sub(path_at(q->path[source].force, 3, q->clock),
+                         path_at(q->path[contact_destination(j)].force, 3, q->clock));
+            const double a = vec3_norm(gravity(v)) + vec3_norm(force_difference) / body_mass(v, source);
+            const double speed = sqrt(vec3_dot(at->rate[j], at->rate[j]) + 4.0 * a * distance);
+            const double length =
+                contact_transmits(q, j) ? fmax(distance, -at->geometry[j].gap) : contact_source_radius(v, j);
+            const double step = LARGEST_ANGLE * length / speed;
+            bound = step > 0.0 ? fmin(bound, step) : bound;
         }
     }
-    return bound;
+    return isfinite(bound) ? bound : 0.0;
 }
 
 /* Returns the local error allowed in one internal step, divided by the tolerance. The errors of some hundred
@@ -269,7 +246,7 @@ static void move_to(void *memory, double clock, struct scene_state *q)
         CVodeGetDky(c->memory, clock, 0, c->y);
         c->y_clock = clock;
     }
-    ode_unpack(&c->problem.ode, q, NV_DATA_S(c->y));
+    ode_unpack(&c->ode, q, NV_DATA_S(c->y));
 }
 
 /* Starts a phase from the motion; returns false where CVODE fails. c->problem refers to `v`, `q`. */
@@ -278,10 +255,10 @@ static bool start_phase(struct cvode *c, const struct scene_values *v, struct sc
     struct scene_instant at;
     ode_leave_centres(v, q);
     scene_now(v, q, &at);
-    c->problem.relative = tolerance_share(c->method) * solver_relative_tolerance(v);
-    c->problem.absolute = tolerance_share(c->method) * solver_absolute_tolerance(v);
-    ode_begin(&c->problem.ode, &at, c->problem.relative, c->problem.absolute);
-    ode_pack(&c->problem.ode, NV_DATA_S(c->y));
+    c->relative = tolerance_share(c->method) * solver_relative_tolerance(v);
+    c->absolute = tolerance_share(c->method) * solver_absolute_tolerance(v);
+    ode_begin(&c->ode, &at, c->relative, c->absolute);
+    ode_pack(&c->ode, NV_DATA_S(c->y));
     c->steps = c->evaluations = c->rejected = 0;
     c->reached = c->y_clock = q->clock;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -291,14 +268,6 @@ static bool start_phase(struct cvode *c, const struct scene_values *v, struct sc
     c->longest_step = largest_step(v, q, &at);
     return CVodeReInit(c->memory, q->clock, c->y) == CV_SUCCESS &&
            CVodeSetMaxStep(c->memory, c->longest_step) == CV_SUCCESS;
-}
-
-/* Returns the time that CVODE aims at [s]. CVODE derives its first step from this time, so that it must not
- * be far longer than the time of a contact. */
-static double first_aim(const struct cvode *c, double clock, double clock_end)
-{
-    const double longest = 1e4 * c->longest_step;
-    return longest > 0.0 ? fmin(clock_end, clock + longest) : clock_end;
 }
 
 static void book_counters(struct cvode *c, struct scene_state *q, struct advance *step)
@@ -316,15 +285,6 @@ static void book_counters(struct cvode *c, struct scene_state *q, struct advance
     c->steps = steps;
     c->evaluations = evaluations;
     c->rejected = failures;
-}
-
-/* Returns the end of the dead band after a root [s]. CVODE places a root to 100 roundings of its time and
- * step. After four times this error the contact is certainly in its new regime. */
-static double dead_band_clock(struct cvode *c, double clock)
-{
-    double step = 0.0;
-    CVodeGetLastStep(c->memory, &step);
-    return clock + 400.0 * DBL_EPSILON * (clock + step);
 }
 
 /* Returns the index of the event function that has the root just found. */
@@ -345,14 +305,17 @@ static void tidy_event(struct cvode *c, const struct scene_values *v, struct sce
 {
     struct scene_instant at;
     scene_now(v, q, &at);
-    const bool at_gap =
-        fabs(at.geometry[step->contact].gap) <= 4.0 * c->problem.ode.gap_offset[step->contact];
+    const bool at_gap = fabs(at.geometry[step->contact].gap) <= 4.0 * c->ode.gap_offset[step->contact];
     if (step->regime == REGIME_APART && at_gap) {
         const double speed = vec3_norm(at.rate[step->contact]);
         projection_close_gap(v, q, step->contact);
-        projection_restore_energy(v, q, step->contact, c->problem.relative * speed + c->problem.absolute);
+        projection_restore_energy(v, q, step->contact, c->relative * speed + c->absolute);
     }
-    q->contact[step->contact].schedule.dead_band_clock = dead_band_clock(c, q->clock);
+    /* CVODE places a root to 100 roundings of its time and step. After four times this error the contact is
+     * certainly in its new regime. */
+    double length = 0.0;
+    CVodeGetLastStep(c->memory, &length);
+    q->contact[step->contact].schedule.dead_band_clock = q->clock + 400.0 * DBL_EPSILON * (q->clock + length);
 }
 
 /* Notes the peaks up to the clock `to`. A step of CVODE is short compared with the time of a contact, so that
@@ -361,7 +324,7 @@ static void note_peaks(struct cvode *c, struct scene_state *q, double to)
 {
     const struct dense_output *any = NULL; /* of a contact in touch */
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        c->output[j].values = c->problem.ode.values;
+        c->output[j].values = c->ode.values;
         c->output[j].state = q;
         any = q->contact[j].regime != REGIME_APART ? &c->output[j].output : any;
     }
@@ -391,7 +354,10 @@ static enum advance_result one_internal_step(struct cvode *c, struct scene_state
     if (advance_is_spent(step)) {
         return ADVANCE_STEP_LIMIT;
     }
-    const double aim = first_aim(c, q->clock, step->clock_end);
+    /* CVODE derives its first step from the time that it aims at, which must not be far longer than a
+     * contact */
+    const double longest = c->longest_step > 0.0 ? 1e4 * c->longest_step : (double)INFINITY;
+    const double aim = fmin(step->clock_end, q->clock + longest);
     c->flag = CVode(c->memory, aim, c->y, &c->reached, CV_ONE_STEP);
     c->y_clock = c->reached;
     book_counters(c, q, step);
@@ -410,14 +376,14 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         stop = fmin(stop, q->contact[j].schedule.change_clock);
     }
-    c->problem.ode.values = v;
-    c->problem.ode.state = q;
-    c->problem.ode.layout = ode_layout_of(v, NULL);
+    c->ode.values = v;
+    c->ode.state = q;
+    c->ode.layout = ode_layout_of(v, NULL);
     if (q->integrator_fresh) {
         if (!start_phase(c, v, q)) {
             return ADVANCE_FAILED;
         }
-        const int passed = SCENE_CONTACTS > 1 ? ode_event_passed(&c->problem.ode, NV_DATA_S(c->y)) : -1;
+        const int passed = SCENE_CONTACTS > 1 ? ode_event_passed(&c->ode, NV_DATA_S(c->y)) : -1;
         if (passed >= 0) {
             return advance_to_event(step, v, q, passed);
         }

@@ -38,7 +38,6 @@ struct pair_phase {
     int terminal;          /* the contact with a terminal event at the phase's end; -1: none */
     enum contact_regime next;
     bool changes;                 /* whether the regime or the zone of that contact changes at the end */
-    bool is_cut;                  /* whether it ends only because another contact may begin after it */
     bool lifts;                   /* whether the sign of that contact's force changes, and with it friction */
     struct phase_start made_from; /* the start that the segments were made from; its `end` 0: none */
 };
@@ -100,9 +99,6 @@ static const struct scene_instant *advance_now(struct advance *step, const struc
     return &step->now;
 }
 
-/* Horizon of a separating contact, divided by the time in which its gap opens at the present gap rate. */
-static const double SEPARATION_TIMES = 4.0;
-
 /* The horizon is at most the longer of LONGEST_HORIZON [s] and HORIZON_GROWTH times the time since the phase
  * began. Over so long a time a path of degree four becomes so long that bodies measure 1e-72 of it; the
  * fourth power of this size is still above underflow. */
@@ -113,24 +109,12 @@ static const double HORIZON_GROWTH = 1e3;
  * come. */
 static const double SEARCH_GROWTH = 8.0;
 
-/* Returns the horizon of the search for regime changes [s]. It is the longer of the rest of the step and
- * SEARCH_GROWTH times the time since the phase began. While a contact separates, the horizon is not much
- * longer than the separation lasts. The conditions are then nearly linear, and their roots are cheap. */
-static double horizon_from(const struct scene_values *v, const struct scene_state *q,
-                           const struct scene_instant *at, double remaining)
+/* Returns the horizon of the search for regime changes [s]: the longer of the rest of the step and
+ * SEARCH_GROWTH times the time since the phase began. */
+static double horizon_from(const struct scene_state *q, double remaining)
 {
-    double horizon = fmax(remaining, SEARCH_GROWTH * q->clock);
-    if (horizon > LONGEST_HORIZON) {
-        horizon = fmin(horizon, fmax(LONGEST_HORIZON, HORIZON_GROWTH * q->clock));
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime == REGIME_SEPARATING) {
-            const struct contact_geometry *now = &at->geometry[j];
-            const double opens = (rounding_of_gap(v, at, j) - now->gap) / now->gap_rate;
-            horizon = opens > 0.0 ? fmin(horizon, fmax(SEPARATION_TIMES * opens, q->clock)) : horizon;
-        }
-    }
-    return horizon;
+    const double horizon = fmax(remaining, SEARCH_GROWTH * q->clock);
+    return fmin(horizon, fmax(LONGEST_HORIZON, HORIZON_GROWTH * q->clock));
 }
 
 /* Notes for every contact when its regime changes next; does nothing before the horizon is reached. */
@@ -141,7 +125,7 @@ static inline void look_ahead(const struct scene_values *v, struct scene_state *
         return;
     }
     const struct scene_instant *at = advance_now(step, v, q);
-    double horizon = horizon_from(v, q, at, remaining);
+    double horizon = horizon_from(q, remaining);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct prediction found = prediction_of(v, q, at, j, horizon, step->budget);
         horizon = found.searched;
@@ -192,8 +176,9 @@ static void note_depth_of_released(const struct scene_values *v, struct scene_st
             struct scene_output output = {
                 .values = v, .state = q, .contact = j, .move = put_flown, .mover = &v};
             scene_output_note_peaks(&output, q->clock, step->clock_end, RELEASED_PARTS, &peaks);
-            const struct scene_instant *now = advance_now(step, v, q);
-            if (peaks.penetration > rounding_of_gap(v, now, j) - now->geometry[j].gap) {
+            struct scene_instant now;
+            scene_kinematics_now(v, q, &now);
+            if (peaks.penetration > rounding_of_gap(v, &now, j) - now.geometry[j].gap) {
                 contact_peaks_note(&q->contact[j].peaks, 0.0, peaks.penetration);
             }
         }
@@ -224,17 +209,10 @@ static bool any_is_coupled(const struct scene_values *v, const struct scene_stat
     return any;
 }
 
-/* Whether the gap of a contact that is apart changes no faster than its separation does, so that a bound of
- * the speeds shows how long it stays apart: nothing that turns changes it. */
-static bool gap_follows_separation(const struct scene_values *v, int contact)
-{
-    return !contact_tips(v, contact) && !body_is_compound(contact_source(contact)) &&
-           !body_is_compound(contact_destination(contact));
-}
-
 /* Whether segments can be made for the contact pairs: neither turning nor rubbing prevents them, and no free
- * body takes part in two contacts that transmit forces. begin_pairs sees to it that no other contact
- * begins. */
+ * body takes part in two contacts that transmit forces. others_apart_for sees to it that no other contact
+ * begins: the gap of such a contact must change no faster than its separation, so that a bound of the speeds
+ * shows how long it stays apart, and nothing that turns may change the gap. */
 static bool pairs_are_alone(const struct scene_values *v, const struct scene_state *q)
 {
     for (int j = 0; SCENE_ANY_TURNING && scene_turns(v) && j < SCENE_CONTACTS; ++j) {
@@ -243,25 +221,26 @@ static bool pairs_are_alone(const struct scene_values *v, const struct scene_sta
         }
     }
     for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
-        if (contact_is_coupled(v, q, j) && (contact_transmits(q, j) || !gap_follows_separation(v, j))) {
+        const bool turns = contact_tips(v, j) || body_is_compound(contact_source(j)) ||
+                           body_is_compound(contact_destination(j));
+        if (contact_is_coupled(v, q, j) && (contact_transmits(q, j) || turns)) {
             return false;
         }
     }
     return true;
 }
 
-/* Whether a step of the general segment reaches beyond the present: it goes on before an island is tried. */
-static bool general_goes_on(const struct scene_values *v, const struct scene_state *q)
+/* Whether the general segment keeps a step that may go on beyond the present. */
+static bool keeps_step(const struct scene_values *v, const struct scene_state *q)
 {
-    return SCENE_HAS_GENERAL && !q->integrator_fresh && scene_keeps_steps(v) &&
-           q->unfinished.present == q->clock && q->unfinished.end > q->clock;
+    return SCENE_HAS_GENERAL && !q->integrator_fresh && solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN &&
+           scene_keeps_steps(v);
 }
 
-static bool is_in_closed_form(const struct scene_values *v, const struct scene_state *q)
+/* Whether that step reaches beyond the present: it goes on before an island is tried. */
+static bool general_goes_on(const struct scene_values *v, const struct scene_state *q)
 {
-    return solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN &&
-           (pairs_are_alone(v, q) ||
-            (SCENE_HAS_ISLANDS && any_is_coupled(v, q) && island_may_be(v, q) && !general_goes_on(v, q)));
+    return keeps_step(v, q) && q->unfinished.present == q->clock && q->unfinished.end > q->clock;
 }
 
 /* Whether the importer moves or turns a body. */
@@ -318,8 +297,9 @@ static double approach_at_most(const struct scene_values *v, const struct scene_
     return speed;
 }
 
-/* Bodies that are nearer than this part of the source's radius are left to the general segment, which finds
- * where they touch. */
+/* Bodies come no nearer than this part of the source's radius while a bound of their speed tells that they
+ * stay apart. Bodies that are not twice as far are left to the general segment, which finds where they touch:
+ * else such phases would become shorter without end. */
 static const double NEARBY = 1e-3;
 
 /* Returns a time for which contacts that are apart stay so while other contacts act on their bodies [s]; 0
@@ -334,8 +314,9 @@ static double others_apart_for(const struct scene_values *v, const struct scene_
             (SCENE_HAS_CHAINS && chain != NULL && chain_has(chain, j))) {
             continue;
         }
-        const double room = at->geometry[j].gap - NEARBY * contact_source_radius(v, j);
-        if (!(room > 0.0)) {
+        const double least = NEARBY * contact_source_radius(v, j);
+        const double room = at->geometry[j].gap - least;
+        if (!(room > least)) {
             return 0.0;
         }
         time = fmin(time, room / approach_at_most(v, q, at, j, 0.0));
@@ -379,6 +360,16 @@ static bool add_pair(struct pair_phase *all, const struct scene_values *v, const
     return true;
 }
 
+/* Begins to make a phase of one form. Until an end is found, the phase lasts as long as it may. */
+static void begin_form(struct pair_phase *all, enum phase_form form, double longest)
+{
+    all->form = form;
+    all->longest = all->time = longest;
+    all->terminal = -1;
+    all->changes = true;
+    all->lifts = false;
+}
+
 /* Makes the chain, as long as contacts that are none of it stay apart. */
 static bool make_chain(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
                        const struct scene_instant *at, double longest)
@@ -387,17 +378,13 @@ static bool make_chain(struct pair_phase *all, const struct scene_values *v, con
         return false;
     }
     struct chain *c = &all->chain;
-    all->form = PHASE_OF_CHAIN;
-    all->terminal = -1;
-    all->longest = others_apart_for(v, q, at, c, longest);
+    begin_form(all, PHASE_OF_CHAIN, others_apart_for(v, q, at, c, longest));
     if (!(all->longest > 0.0)) {
         return false;
     }
     chain_find_end(c, all->longest);
     all->time = c->end;
-    all->changes = c->terminal >= 0;
-    all->lifts = false;
-    if (all->changes) {
+    if (c->terminal >= 0) {
         all->terminal = c->contact[c->terminal];
         all->next = contact_transmits(q, all->terminal) ? REGIME_APART : REGIME_COMPRESSION;
     }
@@ -421,40 +408,23 @@ static bool make_island(struct pair_phase *all, const struct scene_values *v, co
     if (!island_make(s, v, q, at, longest, quiet)) {
         return false;
     }
-    all->form = PHASE_OF_ISLAND;
-    all->longest = longest;
+    begin_form(all, PHASE_OF_ISLAND, longest);
     all->time = s->terminal < 0 && s->time >= longest * ALL_OF_IT ? longest : fmin(s->time, longest);
     all->terminal = s->terminal;
     all->next = s->next;
-    all->changes = s->terminal >= 0;
-    all->lifts = false;
     return true;
 }
 
-/* Makes the chain or the island of contacts that act on each other. Pairs that are alone have segments, where
- * other contacts stay apart for a while. */
-static bool make_coupled(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, double longest)
-{
-    if (!any_is_coupled(v, q)) {
-        return false;
-    }
-    if (make_chain(all, v, q, at, longest)) {
-        return true;
-    }
-    const bool has_segments = pairs_are_alone(v, q) && others_apart_for(v, q, at, NULL, longest) > 0.0;
-    return !has_segments && make_island(all, v, q, at, longest);
-}
-
-/* Makes the segments of all pairs. Where one pair shortens the phase, the segments made before are made
- * again, because a segment is most accurate at its own end. */
+/* Makes the segments of all pairs, as long as contacts that are apart stay so. Where one pair shortens the
+ * phase, the segments made before are made again, because a segment is most accurate at its own end. */
 static bool make_segments(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at, double longest)
 {
-    all->longest = all->time = longest;
-    all->terminal = -1;
-    all->form = PHASE_OF_SEGMENTS;
     if (!pairs_are_alone(v, q)) {
+        return false;
+    }
+    begin_form(all, PHASE_OF_SEGMENTS, others_apart_for(v, q, at, NULL, longest));
+    if (!(all->longest > 0.0)) {
         return false;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -472,6 +442,16 @@ static bool make_segments(struct pair_phase *all, const struct scene_values *v, 
         }
     }
     return true;
+}
+
+/* Makes a phase of at most a length. Contacts that act on each other are a chain or an island; where others
+ * only stay apart for a while, pairs have segments. */
+static bool make_phase(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
+                       const struct scene_instant *at, double longest)
+{
+    const bool coupled = any_is_coupled(v, q);
+    return (coupled && make_chain(all, v, q, at, longest)) || make_segments(all, v, q, at, longest) ||
+           (coupled && make_island(all, v, q, at, longest));
 }
 
 /* Integrates the prescribed contacts to the clock `end`; returns the clock reached. */
@@ -501,26 +481,20 @@ static bool integrate_beside_pairs(struct pair_phase *all, const struct scene_va
     return true;
 }
 
-/* Adds the external work on bodies on which no contact force acts. */
-static void book_flights(const struct scene_values *v, struct scene_state *q, double time)
+/* Turns the bodies on which no friction acts for a time from now, and adds the external work on bodies on
+ * which no contact force acts. */
+static void fly_bodies(const struct scene_values *v, struct scene_state *q, double time, double clock)
 {
-    for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i) && !body_is_loaded(q, i, -1)) {
-            q->external_work += flight_work(v, q, i, q->body[i], q->clock, time);
-        }
-    }
-}
-
-/* Turns the bodies on which no friction acts to a clock. */
-static void turn_bodies(const struct scene_values *v, struct scene_state *q, double clock)
-{
-    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) {
-        bool turns = body_turns_freely(v, i);
+    for (int i = 0; (SCENE_ANY_ROTATION || SCENE_CONTACTS > 1) && i < SCENE_BODIES; ++i) {
+        bool turns = SCENE_ANY_ROTATION && body_turns_freely(v, i);
         for (int j = 0; turns && j < SCENE_CONTACTS; ++j) {
             turns = !(contact_source(j) == i && contact_transmits(q, j) && contact_rubs(v, j));
         }
         if (turns) {
             flight_turn(v, q, i, clock);
+        }
+        if (SCENE_CONTACTS > 1 && body_is_free(v, i) && !body_is_loaded(q, i, -1)) {
+            q->external_work += flight_work(v, q, i, q->body[i], q->clock, time);
         }
     }
 }
@@ -608,8 +582,7 @@ static void follow_pairs(struct pair_phase *all, const struct scene_values *v, s
         }
     }
     if (time > 0.0) {
-        turn_bodies(v, q, clock);
-        book_flights(v, q, time);
+        fly_bodies(v, q, time, clock);
         q->clock = clock;
         flight_restore(v, q);
     }
@@ -643,8 +616,7 @@ static bool restore_pairs(struct pair_phase *all, const struct scene_values *v, 
     start.clock = start.phase.clock;
     scene_kinematics_now(v, &start, &at);
     all->made_from = q->phase;
-    return make_coupled(all, v, &start, &at, q->phase.longest) ||
-           make_segments(all, v, &start, &at, q->phase.longest);
+    return make_phase(all, v, &start, &at, q->phase.longest);
 }
 
 /* Returns the length [s] beyond which a longer phase does harm: each reading of it would cost more, or the
@@ -665,38 +637,31 @@ static double harmless_time(const struct pair_phase *all, const struct scene_val
     return time;
 }
 
-/* Begins a phase up to the clock `until`, or earlier: of a chain, or of pairs alone as long as the others
- * stay apart. Returns false where that fails. */
+/* Begins a phase up to the clock `until`, or earlier. Returns false where that fails. */
 static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, struct scene_state *q,
                         double until, struct advance *step)
 {
-    double longest = until - q->clock;
+    const double asked = until - q->clock;
     if (until > step->clock_end) {
         step->is_now = false; /* the instant is computed as restore_pairs computes it */
     }
+    const struct scene_instant *at = advance_now(step, v, q);
     all->made_from.end = 0.0;
-    bool made = make_coupled(all, v, q, advance_now(step, v, q), longest);
-    const double apart = made ? all->longest : others_apart_for(v, q, advance_now(step, v, q), NULL, longest);
-    const bool cut = apart < longest;
-    if (cut) {
-        longest = apart;
-        until = q->clock + longest;
-    }
-    made = made || (until > q->clock && make_segments(all, v, q, advance_now(step, v, q), longest));
-    const double harmless = made && until > step->clock_end ? harmless_time(all, v, q) : (double)INFINITY;
-    if (q->clock + harmless < until) {
-        until = fmax(q->clock + harmless, step->clock_end);
-        longest = until - q->clock;
-        made = make_segments(all, v, q, advance_now(step, v, q), longest);
-    }
-    if (!made) {
+    if (!make_phase(all, v, q, at, asked)) {
         return false;
     }
-    all->is_cut = cut && !(all->time < longest);
+    until = all->longest < asked ? q->clock + all->longest : until;
+    const double harmless = until > step->clock_end ? harmless_time(all, v, q) : (double)INFINITY;
+    if (q->clock + harmless < until) {
+        until = fmax(q->clock + harmless, step->clock_end);
+        if (!make_segments(all, v, q, at, until - q->clock)) {
+            return false;
+        }
+    }
     q->phase.clock = q->phase.followed = q->clock;
-    q->phase.end = all->time < longest ? q->clock + all->time : until;
+    q->phase.end = all->time < all->longest ? q->clock + all->time : until;
     if (q->phase.end > step->clock_end) { /* else nothing returns to the start */
-        q->phase.longest = longest;
+        q->phase.longest = all->longest;
         keep_start(q, false);
         all->made_from = q->phase;
     }
@@ -726,24 +691,14 @@ static double unforeseen_until(const struct scene_values *v, const struct scene_
     return until;
 }
 
-/* So many phases of a step may end only because another contact may begin after them. The general segment
- * goes on from there: the bound of the time apart is poor where bodies fly past each other. */
-enum { MOST_CUTS = 8 };
-
 /* Advances the contact pairs phase by phase, together with the prescribed contacts. */
 static enum advance_result advance_pairs(struct integrator *s, const struct scene_values *v,
                                          struct scene_state *q, struct advance *step)
 {
     struct pair_phase *all = s->pairs;
-    q->integrator_fresh = 1;
-    all->is_cut = false;
-    for (int cuts = 0; q->clock < step->clock_end;) {
+    while (q->clock < step->clock_end) {
         if (advance_is_spent(step)) {
             return ADVANCE_STEP_LIMIT;
-        }
-        cuts += all->is_cut;
-        if (cuts > MOST_CUTS) {
-            return ADVANCE_FAILED;
         }
         const bool made =
             q->phase.end > q->clock
@@ -753,6 +708,7 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
             /* with the budget it came with: CVODE takes a budget of 0 as its default */
             return ADVANCE_FAILED;
         }
+        q->integrator_fresh = 1;
         const bool whole = integrate_beside_pairs(all, v, q, step);
         const bool ends = !(step->clock_end < q->phase.end);
         step->is_now = false;
@@ -774,24 +730,6 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
     return ADVANCE_REACHED;
 }
 
-static enum advance_result advance_prescribed(const struct scene_values *v, struct scene_state *q,
-                                              struct advance *step)
-{
-    q->clock = integrate_prescribed(v, q, step->clock_end, step);
-    return q->clock < step->clock_end ? ADVANCE_STEP_LIMIT : ADVANCE_REACHED;
-}
-
-static enum advance_result advance_flight(const struct scene_values *v, struct scene_state *q,
-                                          struct advance *step)
-{
-    if (SCENE_CONTACTS > 1 && !scene_turns(v)) {
-        q->integrator_fresh = 1; /* no step of the general segment goes on */
-    }
-    note_depth_of_released(v, q, step);
-    flight_advance(v, q, step->clock_end);
-    return ADVANCE_REACHED;
-}
-
 /* The phases of motion stand in order of preference. One that applies may give up where the motion is too
  * hard for it (ADVANCE_FAILED). The next one that applies then goes on from there. */
 static enum advance_result advance_phase(struct integrator *s, const struct scene_values *v,
@@ -803,12 +741,18 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
     }
     s->message[0] = '\0';
     if (SCENE_ANY_PRESCRIBED_CONTACT && scene_is_force_element(v) && !scene_turns(v)) {
-        return advance_prescribed(v, q, step);
+        q->clock = integrate_prescribed(v, q, step->clock_end, step);
+        return q->clock < step->clock_end ? ADVANCE_STEP_LIMIT : ADVANCE_REACHED;
     }
     if (flight_is_free(q)) {
-        return advance_flight(v, q, step);
+        if (SCENE_CONTACTS > 1 && !scene_turns(v)) {
+            q->integrator_fresh = 1; /* no step of the general segment goes on */
+        }
+        note_depth_of_released(v, q, step);
+        flight_advance(v, q, step->clock_end);
+        return ADVANCE_REACHED;
     }
-    if (is_in_closed_form(v, q)) {
+    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && (!general_goes_on(v, q) || pairs_are_alone(v, q))) {
         result = advance_pairs(s, v, q, step);
     }
 #if SCENE_HAS_GENERAL
@@ -889,25 +833,19 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         step->event = ODE_EVENT_GAP;
         const enum advance_result result = advance_phase(s, v, q, step);
         step->is_now = false;
-        switch (result) {
-        case ADVANCE_REACHED:
-            if (step->clock_end >= change) {
-                begins_or_ends = change_regime(v, q, step, next,
-                                               (enum contact_regime)q->contact[next].schedule.change_regime);
-                break;
-            }
-            if (step->clock_end >= end) {
-                return INTEGRATOR_DONE;
-            }
-            break;
-        case ADVANCE_EVENT:
-            begins_or_ends = take_event(v, q, step);
-            break;
-        case ADVANCE_STEP_LIMIT: /* a quadrature (prescribed.c) may end by a limit of its own */
-            return advance_is_spent(step) ? INTEGRATOR_STEP_LIMIT : INTEGRATOR_STALLED;
-        case ADVANCE_FAILED:
-        default:
+        if (result == ADVANCE_FAILED) {
             return INTEGRATOR_FAILED;
+        }
+        if (result == ADVANCE_STEP_LIMIT) { /* a quadrature (prescribed.c) may end by a limit of its own */
+            return advance_is_spent(step) ? INTEGRATOR_STEP_LIMIT : INTEGRATOR_STALLED;
+        }
+        if (result == ADVANCE_EVENT) {
+            begins_or_ends = take_event(v, q, step);
+        } else if (step->clock_end >= change) {
+            begins_or_ends =
+                change_regime(v, q, step, next, (enum contact_regime)q->contact[next].schedule.change_regime);
+        } else if (step->clock_end >= end) {
+            return INTEGRATOR_DONE;
         }
         if (begins_or_ends) {
             end_time = end_after_event(request, q, start, end_time);
@@ -929,13 +867,6 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
  * The limit of work is at least this, the start value of the limit of steps, which takes about a second. */
 static const long LEAST_WORK = 2000000;
 
-/* Whether the general segment keeps a step that goes on beyond the present. */
-static bool keeps_step(const struct scene_values *v, const struct scene_state *q)
-{
-    return SCENE_HAS_GENERAL && !q->integrator_fresh && solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN &&
-           scene_keeps_steps(v);
-}
-
 /* Moves the scene along the present phase to a clock, and notes the peaks since the clock `noted`. */
 static void follow_phase(struct integrator *s, const struct scene_values *v, struct scene_state *q,
                          double noted, double clock)
@@ -951,17 +882,33 @@ static void follow_phase(struct integrator *s, const struct scene_values *v, str
 #endif
 }
 
-/* Computes the motion of deferred steps, but not what they sum up: means and peaks. */
-static void catch_up_motion(struct integrator *s, const struct scene_values *v, struct scene_state *q)
+/* Computes the motion of deferred steps and, for their readers, what the last of them sums up: means and
+ * peaks. */
+static void catch_up(struct integrator *s, const struct scene_values *v, struct scene_state *q, bool sums)
 {
+    const double clock = q->clock;
     if (!q->deferred || !(q->phase.end > 0.0 || keeps_step(v, q))) {
         flight_catch_up(v, q);
         return;
     }
     q->deferred = 0;
+    q->clock = sums ? q->deferred_from : clock;
     if ((q->phase.end > 0.0 ? q->phase.followed : q->unfinished.present) < q->clock) {
         follow_phase(s, v, q, q->clock, q->clock);
     }
+    if (sums) {
+        struct scene_instant at;
+        const double start = scene_time(q);
+        transition_begin_step(v, q, &at);
+        follow_phase(s, v, q, q->clock, clock);
+        q->step_length = scene_time(q) - start;
+        transition_end_step(v, q);
+    }
+}
+
+void integrator_catch_up(struct integrator *s, const struct scene_values *v, struct scene_state *q)
+{
+    catch_up(s, v, q, true);
 }
 
 /* Returns the clock until which communication steps need only advance the clock. */
@@ -977,11 +924,12 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
                                       struct scene_state *q, const struct step_request *request)
 {
     const double start = scene_time(q);
+    const long budget = solver_max_internal_steps(v);
     struct advance step;
     step.start = start;
-    catch_up_motion(s, v, q);
-    step.budget = solver_max_internal_steps(v);
-    step.work = step.budget > LEAST_WORK ? step.budget : LEAST_WORK;
+    step.budget = budget;
+    step.work = budget > LEAST_WORK ? budget : LEAST_WORK;
+    catch_up(s, v, q, false);
     transition_begin_step(v, q, &step.now);
     step.is_now = true;
     if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_keeps_steps(v)) {
@@ -994,23 +942,4 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
         status == INTEGRATOR_DONE && !scene_is_force_element(v) ? deferrable_until(v, q) : 0.0;
     q->only_flies = !(q->phase.end > 0.0 || scene_turns(v) || (SCENE_CONTACTS > 1 && keeps_step(v, q)));
     return status;
-}
-
-void integrator_catch_up(struct integrator *s, const struct scene_values *v, struct scene_state *q)
-{
-    struct scene_instant at;
-    const double clock = q->clock;
-    if (!(q->phase.end > 0.0 || keeps_step(v, q))) {
-        flight_catch_up(v, q);
-        return;
-    }
-    if (q->deferred) {
-        q->clock = q->deferred_from;
-        catch_up_motion(s, v, q);
-        const double start = scene_time(q);
-        transition_begin_step(v, q, &at);
-        follow_phase(s, v, q, q->clock, clock);
-        q->step_length = scene_time(q) - start;
-        transition_end_step(v, q);
-    }
 }

@@ -30,6 +30,11 @@ static inline struct vec3 quaternion_vector(struct quaternion q)
     return vec3_make(q.x, q.y, q.z);
 }
 
+static inline bool quaternion_is_zero(struct quaternion q)
+{
+    return q.w == 0.0 && vec3_is_zero(quaternion_vector(q));
+}
+
 /* Returns the place of a part of q: of w, x, y or z by the index 0 to 3. */
 static inline double *quaternion_part(struct quaternion *q, int index)
 {
@@ -109,25 +114,20 @@ static inline struct quaternion quaternion_rate(struct quaternion q, struct vec3
     return quaternion_product(quaternion_make(0.0, vec3_scale(0.5, omega)), q);
 }
 
-/* A unit vector across the unit vector a: x without its part along a, or y where x is nearly along a. */
-static inline struct vec3 quaternion_across(struct vec3 a)
-{
-    const struct vec3 start = fabs(a.x) < 0.9 ? vec3_make(1.0, 0.0, 0.0) : vec3_make(0.0, 1.0, 0.0);
-    const struct vec3 across = vec3_axpy(start, -vec3_dot(start, a), a);
-    return vec3_scale(1.0 / vec3_norm(across), across);
-}
-
 /*
  * The smallest rotation that takes the unit vector a to the unit vector b: about a x b = a x h with
  * h = a + b, |h| = 2 cos(angle/2). Near antiparallel vectors h is exact and small, so that a x h keeps its
- * digits, which a x b loses. Antiparallel to rounding: half a turn about x, made perpendicular to a.
+ * digits, which a x b loses. Antiparallel to rounding: half a turn about x, or about y where x is nearly
+ * along a, made perpendicular to a.
  */
 static inline struct quaternion quaternion_between(struct vec3 a, struct vec3 b)
 {
     const struct vec3 h = vec3_add(a, b);
     const double length = vec3_norm(h);
     if (!(length > 4.0 * DBL_EPSILON)) {
-        return quaternion_make(0.0, quaternion_across(a));
+        const struct vec3 start = fabs(a.x) < 0.9 ? vec3_make(1.0, 0.0, 0.0) : vec3_make(0.0, 1.0, 0.0);
+        const struct vec3 across = vec3_axpy(start, -vec3_dot(start, a), a);
+        return quaternion_make(0.0, vec3_scale(1.0 / vec3_norm(across), across));
     }
     const struct vec3 across = vec3_cross(a, h);
     return quaternion_unit(quaternion_make(0.5 * length, vec3_scale(1.0 / length, across)));

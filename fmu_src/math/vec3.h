@@ -79,11 +79,6 @@ static inline void vec3_set(struct vec3 *a, int index, double value)
     *vec3_part(a, index) = value;
 }
 
-static inline void vec3_add_to(struct vec3 *a, int index, double value)
-{
-    vec3_set(a, index, vec3_get(*a, index) + value);
-}
-
 static inline double vec3_max_abs(struct vec3 a)
 {
     const double x = fabs(a.x);

@@ -4,6 +4,7 @@
 #include "contact/law.h"
 #include "model/state.h"
 #include "scene/evaluate.h"
+#include "scene/transition.h"
 
 /*
  * Between communication points each input continues from its last value as a polynomial with the given
@@ -144,22 +145,17 @@ static void input_path_shift(const struct model *m, int body, struct body_path *
     }
 }
 
-/* Returns the Hertz stiffness k_h [N/m^1.5]: by Hertz's theory, or as the user sets it. */
-static double hertz_stiffness_of(const struct scene_values *v, const struct scene_state *q, int contact)
-{
-    if (!scene_is_hertz(v, contact) || contact_penalty_control(v, contact) != PENALTY_CONTROL_AUTOMATIC) {
-        return contact_hertz_stiffness(v, contact);
-    }
-    const struct contact_shape shape = scene_whole_shape(v, q, contact); /* one k_h serves all zones */
-    return hertz_stiffness(&shape, scene_hertz_modulus(v, contact));
-}
-
 static struct contact_factors factors_of(const struct scene_values *v, const struct scene_state *q,
                                          int contact)
 {
+    double stiffness = contact_hertz_stiffness(v, contact);
+    if (scene_is_hertz(v, contact) && contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC) {
+        const struct contact_shape shape = scene_whole_shape(v, q, contact); /* one k_h serves all zones */
+        stiffness = hertz_stiffness(&shape, scene_hertz_modulus(v, contact));
+    }
     return (struct contact_factors){
         .law = scene_is_hertz(v, contact) ? LAW_HERTZ : LAW_LINEAR,
-        .hertz_stiffness = hertz_stiffness_of(v, q, contact),
+        .hertz_stiffness = stiffness,
         .hunt_crossley_factor = contact_hunt_crossley_factor(v, contact),
         .method = (enum method)contact_method(v, contact),
         .penalty_control = (enum penalty_control)contact_penalty_control(v, contact),
@@ -190,20 +186,9 @@ struct contact_law model_law_slope(const struct model *m, int contact, double di
 
 /*
  * Some parameters may be set between steps: the factors of the law, its dashpot, gravity, the solver's
- * tolerances. A new value is in force from the communication point at which it is set. The values in force
- * before are noted until then, so that a parameter that is set back, or set without effect, changes nothing.
+ * tolerances. A new value is in force from the communication point at which it is set. The values before are
+ * kept until then, so that a parameter that is set back, or set without effect, changes nothing.
  */
-
-static struct tunable_values tunable_values_of(const struct scene_values *v)
-{
-    struct tunable_values now = {.gravity = gravity(v),
-                                 .relative_tolerance = solver_relative_tolerance(v),
-                                 .absolute_tolerance = solver_absolute_tolerance(v)};
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        now.dashpot[j] = (int32_t)contact_dashpot(v, j);
-    }
-    return now;
-}
 
 /* Notes the parameters in force, before one of them is set between steps. A deferred flight is computed here,
  * because it took place under the gravity in force before. */
@@ -211,44 +196,70 @@ static void model_begin_tuning(struct model *m)
 {
     if (!m->state.tuned) {
         motion_catch_up(m);
-        m->state.in_force = tunable_values_of(&m->state.values);
+        m->state.in_force = m->state.values;
     }
     m->state.tuned = 1;
     m->state.signals_changed = 1;
     m->state.signals_open = 1;
 }
 
-/* Whether gravity, a dashpot or a factor of the law differs from the values in force, which are `before` and
- * the factors of q. Sets `tuning`. */
-static bool differs(const struct scene_values *v, const struct scene_state *q,
-                    const struct tunable_values *before, struct motion_tuning *tuning)
+/* Returns a sum that is finite only if all factors and normal forces of the contacts are. */
+static double size_of_forces(const struct scene_values *v, const struct scene_state *q)
 {
-    const struct vec3 now_gravity = gravity(v);
-    tuning->more_gravity = vec3_sub(now_gravity, before->gravity);
-    bool any = !vec3_is_zero(tuning->more_gravity);
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    double sum = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_coefficients *now = &q->contact[j].parameters.factors;
-        const struct contact_coefficients next = model_factors(v, q, j);
-        tuning->factors[j] = next;
-        tuning->law_changed[j] =
-            next.k != now->k || next.c != now->c || contact_dashpot(v, j) != before->dashpot[j];
-        any = any || tuning->law_changed[j];
+        const struct contact_coefficients *factors = &q->contact[j].parameters.factors;
+        sum += factors->k + factors->c + fabs(at.normal_force[j]);
     }
-    return any;
+    return sum;
 }
 
-/* Takes over new parameters. New tolerances restart the integrator, since CVODE reads them only at a
- * start. */
-static bool take_over(const struct scene_values *v, struct scene_state *q,
-                      const struct tunable_values *before)
+/* Takes over the parameters of `v` that differ from those of `before` and may be set between steps, and books
+ * the energy that they add or remove. False: a force, a factor or the work is not finite, and q is of no
+ * use. */
+static bool motion_tune(const struct scene_values *v, const struct scene_values *before,
+                        struct scene_state *q)
 {
-    struct motion_tuning tuning;
-    if (solver_relative_tolerance(v) != before->relative_tolerance ||
-        solver_absolute_tolerance(v) != before->absolute_tolerance) {
-        q->integrator_fresh = 1;
+    const struct vec3 more_gravity = vec3_sub(gravity(v), gravity(before));
+    struct contact_coefficients factors[SCENE_CONTACTS];
+    bool law_changed[SCENE_CONTACTS];
+    bool changed = !vec3_is_zero(more_gravity);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_coefficients *now = &q->contact[j].parameters.factors;
+        factors[j] = model_factors(v, q, j);
+        law_changed[j] = factors[j].k != now->k || factors[j].c != now->c ||
+                         contact_dashpot(v, j) != contact_dashpot(before, j);
+        changed = changed || law_changed[j];
+    }
+    if (solver_relative_tolerance(v) != solver_relative_tolerance(before) ||
+        solver_absolute_tolerance(v) != solver_absolute_tolerance(before)) {
+        q->integrator_fresh = 1; /* CVODE reads tolerances only at a start */
         q->phase.end = 0.0;
     }
-    return !differs(v, q, before, &tuning) || motion_tune(v, q, &tuning);
+    if (!changed) {
+        return true;
+    }
+    double stored = 0.0;
+    if (SCENE_ANY_FREE) {
+        struct scene_instant at;
+        scene_now(v, q, &at);
+        stored = energy_stored(v, q, &at);
+        q->external_work += energy_potential(v, &at, more_gravity);
+        scene_rebase(v, q);
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (SCENE_ANY_FREE) {
+            transition_scale_force_error(q, j, factors[j]);
+        }
+        q->contact[j].parameters.factors = factors[j];
+    }
+    if (SCENE_ANY_FREE) {
+        transition_take_law(v, q, law_changed, stored);
+    }
+    return isfinite(size_of_forces(v, q)) &&
+           (!SCENE_ANY_FREE || isfinite(q->external_work) || scene_is_force_element(v));
 }
 
 /* Takes parameters that were set between steps over into the motion and books the energy that they add or
@@ -259,7 +270,7 @@ static bool model_tune(struct model *m)
         return true;
     }
     const struct scene_state before = m->state.motion;
-    const bool taken = take_over(&m->state.values, &m->state.motion, &m->state.in_force);
+    const bool taken = motion_tune(&m->state.values, &m->state.in_force, &m->state.motion);
     if (!taken) {
         m->state.motion = before;
     }
@@ -273,9 +284,8 @@ static bool model_can_tune(struct model *m, const struct variable *variable, con
     motion_catch_up(m);
     struct scene_values v = m->state.values;
     struct scene_state q = m->state.motion;
-    const struct tunable_values before = m->state.tuned ? m->state.in_force : tunable_values_of(&v);
     memcpy((char *)&v + variable->offset, value, variable_size(variable));
-    return take_over(&v, &q, &before);
+    return motion_tune(&v, m->state.tuned ? &m->state.in_force : &m->state.values, &q);
 }
 
 /* Returns the index of a variable among its body's input signals, or -1 when it is no input. */
@@ -293,25 +303,27 @@ static int signal_of(const struct variable *variable)
     return -1;
 }
 
-static void note_value(struct model *m, const struct variable *variable)
+/* Returns the marks of an input, which are about to change; NULL: the variable is no input. */
+static uint8_t *changed_marks(struct model *m, const struct variable *variable)
 {
     const int index = signal_of(variable);
+    m->outputs = OUTPUTS_NONE;
     if (index < 0) {
-        return;
+        return NULL;
     }
-    uint8_t *marks = &m->state.marks[variable->element][index];
-    /* A new value without derivatives at the same communication point ends earlier derivatives. */
-    if (!(*marks & (SIGNAL_RATE | SIGNAL_CURVATURE))) {
-        *marks = 0;
-    }
-    *marks |= SIGNAL_VALUE;
     m->state.signals_changed = 1;
     m->state.signals_open = 1;
+    return &m->state.marks[variable->element][index];
 }
 
-bool variable_is_local(const struct variable *variable)
+const struct variable *variable_of_row(int row, int element)
 {
-    return variable->causality >= VARIABLE_STATE;
+    for (const struct variable *one = scene_variables; one < scene_variables + scene_variable_count; ++one) {
+        if (one->row == row && one->element >= element) {
+            return one;
+        }
+    }
+    return NULL;
 }
 
 double variable_number(const struct variable *variable, const void *at)
@@ -349,31 +361,18 @@ void model_set(struct model *m, const struct variable *variable, const void *val
         model_begin_tuning(m);
     }
     memcpy((char *)&m->state.values + variable->offset, value, variable_size(variable));
-    note_value(m, variable);
-    m->outputs = OUTPUTS_NONE;
+    uint8_t *marks = changed_marks(m, variable);
+    if (marks != NULL) {
+        /* A new value without derivatives at the same communication point ends earlier derivatives. */
+        *marks = (uint8_t)((*marks & (SIGNAL_RATE | SIGNAL_CURVATURE) ? *marks : 0) | SIGNAL_VALUE);
+    }
 }
 
-enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order,
-                                             double value)
+void model_set_input_derivative(struct model *m, const struct variable *variable, int order, double value)
 {
-    const int index = signal_of(variable);
-    if (!(value >= variable->min && value <= variable->max)) {
-        return model_report(m, MODEL_DISCARD, "Derivative %d of %s = %s refused (allowed: %g .. %g).", order,
-                            variable->name, shortest_digits(value).text, variable->min, variable->max);
-    }
-    uint8_t *marks = &m->state.marks[variable->element][index];
-    struct input_signal *signal = &m->state.signals[variable->element][index];
-    if (order == 1) {
-        signal->rate = value;
-        *marks |= SIGNAL_RATE | SIGNAL_EXPLICIT;
-    } else {
-        signal->curvature = value;
-        *marks |= SIGNAL_CURVATURE | SIGNAL_EXPLICIT;
-    }
-    m->state.signals_changed = 1;
-    m->state.signals_open = 1;
-    m->outputs = OUTPUTS_NONE;
-    return MODEL_OK;
+    struct input_signal *signal = &m->state.signals[variable->element][signal_of(variable)];
+    *(order == 1 ? &signal->rate : &signal->curvature) = value;
+    *changed_marks(m, variable) |= (uint8_t)((order == 1 ? SIGNAL_RATE : SIGNAL_CURVATURE) | SIGNAL_EXPLICIT);
 }
 
 /* Directions count as parallel within this angle [rad]: their rounding, and that of a user's products. */
@@ -398,8 +397,7 @@ static bool turn_tilts_axis(const struct model *m, int body)
            model_tilts_axis(&m->state.values, body, path.angular_velocity[2]);
 }
 
-/* Whether a body's prescribed axis is zero and so has no direction. */
-static bool has_no_axis(const struct scene_values *v, int body)
+bool model_has_no_axis(const struct scene_values *v, int body)
 {
     return body_has_axis(body) && body_turn_is_prescribed(v, body) &&
            vec3_is_zero(body_prescribed_axis(v, body));
@@ -407,48 +405,51 @@ static bool has_no_axis(const struct scene_values *v, int body)
 
 bool model_has_no_orientation(const struct scene_values *v, int body)
 {
-    return body_is_compound(body) && body_turn_is_prescribed(v, body) &&
-           model_is_no_rotation(body_prescribed_orientation(v, body));
+    const struct quaternion q = body_prescribed_orientation(v, body);
+    return body_is_compound(body) && body_turn_is_prescribed(v, body) && quaternion_is_zero(q);
 }
 
-bool model_is_no_rotation(struct quaternion q)
+enum model_status model_refuse_zero(const struct model *m, enum model_status status, int body,
+                                    const char *name)
 {
-    return q.w == 0.0 && vec3_is_zero(quaternion_vector(q));
+    const char *of = scene_body_name(body);
+    const char *follows = status == MODEL_DISCARD ? " and is not in force" : "";
+    return strstr(name, "orientation") != NULL
+               ? model_report(m, status,
+                              "%s.%s[1..4] = 0, 0, 0, 0 is no rotation%s (allowed: at least one component "
+                              "other than zero).",
+                              of, name, follows)
+               : model_report(m, status,
+                              "%s.%s[1], %s.%s[2], %s.%s[3] = 0, 0, 0 has no direction%s (allowed: at least "
+                              "one component other than zero).",
+                              of, name, of, name, of, name, follows);
 }
 
 enum model_status model_refuse_inputs(const struct model *m)
 {
     if (SCENE_ANY_ROTATION) {
         for (int i = 0; i < SCENE_BODIES; ++i) {
-            const char *name = scene_body_name(i);
-            if (has_no_axis(&m->state.values, i)) {
-                return model_report(
-                    m, MODEL_DISCARD,
-                    "%s.prescribed_axis[1], %s.prescribed_axis[2], %s.prescribed_axis[3] = 0, 0, "
-                    "0 has no direction "
-                    "and is not in force (allowed: at least one component other than zero).",
-                    name, name, name);
+            if (model_has_no_axis(&m->state.values, i)) {
+                return model_refuse_zero(m, MODEL_DISCARD, i, "prescribed_axis");
             }
             if (model_has_no_orientation(&m->state.values, i)) {
-                return model_report(m, MODEL_DISCARD,
-                                    "%s.prescribed_orientation[1..4] = 0, 0, 0, 0 is no rotation and is not "
-                                    "in force (allowed: at least one component other than zero).",
-                                    name);
+                return model_refuse_zero(m, MODEL_DISCARD, i, "prescribed_orientation");
             }
             if (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)) {
-                return model_report(m, MODEL_DISCARD,
-                                    "%s.prescribed_angular_velocity would tilt the axis and is not in force: "
-                                    "a cylinder that touches a cylinder turns about its own axis (allowed: "
-                                    "multiples of %s.axis).",
-                                    name, name);
+                const char *name = scene_body_name(i);
+                return model_report(
+                    m, MODEL_DISCARD,
+                    "%s.prescribed_angular_velocity would tilt the axis and is not in force: a cylinder that "
+                    "touches a cylinder turns about its own axis (allowed: multiples of %s.axis).",
+                    name, name);
             }
         }
     }
-    return model_report(
-        m, MODEL_DISCARD,
-        "The %s set last would take an energy beyond the range of numbers and are not in force "
-        "(allowed: %s with finite energies).",
-        m->state.tuned ? "parameters or inputs" : "inputs", m->state.tuned ? "values" : "inputs");
+    return model_report(m, MODEL_DISCARD,
+                        "The %s set last would take an energy beyond the range of numbers and are not in "
+                        "force (allowed: %s with finite energies).",
+                        m->state.tuned ? "parameters or inputs" : "inputs",
+                        m->state.tuned ? "values" : "inputs");
 }
 
 bool model_apply_inputs(struct model *m)
@@ -469,7 +470,7 @@ bool model_apply_inputs(struct model *m)
         const struct body_path before = next[i];
         input_path_renew(m, i, m->state.marks[i], &next[i]);
         if (SCENE_ANY_ROTATION &&
-            (has_no_axis(&m->state.values, i) || model_has_no_orientation(&m->state.values, i) ||
+            (model_has_no_axis(&m->state.values, i) || model_has_no_orientation(&m->state.values, i) ||
              (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)))) {
             return false;
         }
@@ -500,16 +501,34 @@ static bool has_rate_of_its_own(const struct model *m, int body, struct vec3 rat
     return given && !(inputs_prescribe_all(&m->state.values) && vec3_is_zero(rate));
 }
 
-/* Whether two rates of one quantity differ by more than their rounding plus `least`, in the unit of the
- * rates. */
-static bool contradict(struct vec3 a, struct vec3 b, double least)
-{
-    const double size = fmax(vec3_norm(a), vec3_norm(b));
-    return vec3_norm(vec3_sub(a, b)) > RATE_AGREEMENT * size + least;
-}
-
 /* Bits of model_state.warned_of_rate. */
 enum { WARNED_OF_DISPLACEMENT = 1, WARNED_OF_AXIS = 2 };
+
+/* Warns where two rates of one quantity differ by more than their rounding plus `least`, in the unit of the
+ * rates: `given` follows from derivatives that the importer gives, `other` from another input. */
+static void warn_of_rates(struct model *m, int body, int bit, struct vec3 given, struct vec3 other,
+                          double least)
+{
+    static const char *const texts[][4] = {
+        [WARNED_OF_DISPLACEMENT] = {"prescribed_displacement", "m/s", "prescribed_velocity is",
+                                    "the displacement, the gap rate and the work the velocity"},
+        [WARNED_OF_AXIS] = {"prescribed_axis, as a unit vector,", "1/s",
+                            "prescribed_angular_velocity turns it by",
+                            "the axis, slip and work the angular velocity"}};
+    const double size = fmax(vec3_norm(given), vec3_norm(other));
+    if (!(vec3_norm(vec3_sub(given, other)) > RATE_AGREEMENT * size + least)) {
+        return;
+    }
+    m->state.warned_of_rate[body] |= (uint8_t)bit;
+    const char *name = scene_body_name(body);
+    const char *const *text = texts[bit];
+    model_report(m, MODEL_WARNING,
+                 "%s.%s has the derivative (%g, %g, %g) %s at %s s, but %s.%s (%g, %g, %g) %s: the gap "
+                 "follows %s, and energies need not balance (allowed: equal ones). Given once.",
+                 name, text[0], given.x, given.y, given.z, text[1],
+                 shortest_digits(scene_time(&m->state.motion)).text, name, text[2], other.x, other.y, other.z,
+                 text[1], text[3]);
+}
 
 /* Two rates of a unit axis agree if they differ by no more than this [1/s], which is the rounding of an axis
  * divided by a microsecond. */
@@ -533,23 +552,15 @@ static void warn_of_axis(struct model *m, int body)
     const struct vec3 raw = vec3_scale(1.0 / length, given[1]);
     const struct vec3 rate = vec3_axpy(raw, -vec3_dot(raw, axis), axis);
     const struct vec3 turning = vec3_cross(path_at(path->angular_velocity, 3, q->clock), axis);
-    if (contradict(rate, turning, AXIS_AGREEMENT)) {
-        m->state.warned_of_rate[body] |= WARNED_OF_AXIS;
-        const char *name = scene_body_name(body);
-        model_report(m, MODEL_WARNING,
-                     "%s.prescribed_axis, as a unit vector, has the derivative (%g, %g, %g) 1/s at %s s, but "
-                     "%s.prescribed_angular_velocity turns it by (%g, %g, %g) 1/s: the gap follows the axis, "
-                     "slip and work the angular velocity, and energies need not balance (allowed: equal "
-                     "ones). Given once.",
-                     name, rate.x, rate.y, rate.z, shortest_digits(scene_time(q)).text, name, turning.x,
-                     turning.y, turning.z);
-    }
+    warn_of_rates(m, body, WARNED_OF_AXIS, rate, turning, AXIS_AGREEMENT);
 }
 
 void model_warn_of_rates(struct model *m)
 {
     const struct scene_values *v = &m->state.values;
     const struct scene_state *q = &m->state.motion;
+    /* A scene without a solver takes the start value that solver.absolute_tolerance has elsewhere. */
+    const double least_speed = SCENE_ANY_FREE ? solver_absolute_tolerance(v) : 1e-12;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (SCENE_ANY_ROTATION) {
             warn_of_axis(m, i);
@@ -562,17 +573,8 @@ void model_warn_of_rates(struct model *m)
         path_shift(path, 4, q->clock);
         const struct vec3 rate = path[1];
         const struct vec3 velocity = path_at(q->path[i].velocity, 3, q->clock);
-        if (has_rate_of_its_own(m, i, rate) && contradict(rate, velocity, motion_least_speed(v))) {
-            m->state.warned_of_rate[i] |= WARNED_OF_DISPLACEMENT;
-            const char *name = scene_body_name(i);
-            model_report(
-                m, MODEL_WARNING,
-                "%s.prescribed_displacement has the derivative (%g, %g, %g) m/s at %s s, but "
-                "%s.prescribed_velocity is (%g, %g, %g) m/s: the gap follows the displacement, the gap "
-                "rate and the work the velocity, and energies need not balance (allowed: equal ones). "
-                "Given once.",
-                name, rate.x, rate.y, rate.z, shortest_digits(scene_time(q)).text, name, velocity.x,
-                velocity.y, velocity.z);
+        if (has_rate_of_its_own(m, i, rate)) {
+            warn_of_rates(m, i, WARNED_OF_DISPLACEMENT, rate, velocity, least_speed);
         }
     }
 }

@@ -39,18 +39,12 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
         return model_report(m, MODEL_ERROR, "The tolerance %s is refused (allowed: positive finite numbers).",
                             shortest_digits(tolerance).text);
     }
-    m->state.importer_tolerance = 0.0;
-    for (int i = 0; tolerance_defined && i < scene_variable_count; ++i) {
-        const struct variable *row = &scene_variables[i];
-        if (row->row == ROW_solver_relative_tolerance) {
-            m->state.importer_tolerance = fmin(fmax(tolerance, row->min), row->max);
-            if (m->state.importer_tolerance != tolerance) {
-                status = model_report(m, MODEL_WARNING,
-                                      "The tolerance %s is outside the range %g .. %g of %s; %g is used.",
-                                      shortest_digits(tolerance).text, row->min, row->max, row->name,
-                                      m->state.importer_tolerance);
-            }
-        }
+    const struct variable *row = variable_of_row(ROW_solver_relative_tolerance, 0);
+    m->state.importer_tolerance = tolerance_defined && row ? fmin(fmax(tolerance, row->min), row->max) : 0.0;
+    if (tolerance_defined && row && m->state.importer_tolerance != tolerance) {
+        status = model_report(
+            m, MODEL_WARNING, "The tolerance %s is outside the range %g .. %g of %s; %g is used.",
+            shortest_digits(tolerance).text, row->min, row->max, row->name, m->state.importer_tolerance);
     }
     m->state.start_time = start_time;
     m->outputs = OUTPUTS_NONE;
@@ -129,31 +123,18 @@ bool model_step_deferred(struct model *m, double end_time)
     return !m->state.signals_open && motion_defer(m, end_time);
 }
 
-/* A request whose callback at_event may read the outputs of its instant; reading them does not change the
- * run. */
-struct readable_request {
-    struct model *model;
-    const struct step_request *asked;
-};
-
-static double ask_readable(void *context, double end_time)
+/* Lets the owner read the outputs of an event within a step; reading them does not change the run. */
+static double ask_owner(void *context, double end_time)
 {
-    const struct readable_request *readable = context;
-    struct model *m = readable->model;
+    struct model *m = context;
     const struct scene_state kept = m->state.motion;
-    model_forget_outputs(m);
-    end_time = readable->asked->at_event(readable->asked->context, end_time);
+    m->outputs = OUTPUTS_NONE;
+    end_time = m->request->at_event(m->request->context, end_time);
     m->state.motion = kept;
     return end_time;
 }
 
-enum model_status model_step(struct model *m, double end_time)
-{
-    const struct step_request request = {.end_time = end_time};
-    return model_step_requested(m, &request);
-}
-
-enum model_status model_step_requested(struct model *m, const struct step_request *request)
+enum model_status model_step(struct model *m, const struct step_request *request)
 {
     if (!m->state.initialized) {
         return model_report(m, MODEL_ERROR, "A step to %s s before the end of the initialization.",
@@ -169,13 +150,13 @@ enum model_status model_step_requested(struct model *m, const struct step_reques
     if (model_step_deferred(m, request->end_time)) {
         return MODEL_OK;
     }
-    model_forget_outputs(m); /* at_event may read outputs within the step */
-    struct readable_request readable = {m, request};
+    m->outputs = OUTPUTS_NONE; /* at_event and the logger may read outputs within the step */
     struct step_request inner = *request;
-    inner.at_event = request->at_event != NULL ? ask_readable : NULL;
-    inner.context = &readable;
+    inner.at_event = request->at_event != NULL ? ask_owner : NULL;
+    inner.context = m;
+    m->request = request;
     const enum model_status status = take_step(m, &inner);
-    model_forget_outputs(m);
+    m->outputs = OUTPUTS_NONE;
     return status;
 }
 
@@ -343,7 +324,8 @@ static bool motion_is_sound(const struct scene_values *v, const struct scene_sta
 static bool state_is_sound(const struct model_state *state)
 {
     for (int i = 0; i < scene_variable_count; ++i) {
-        if (!value_in_range(&state->values, &scene_variables[i])) {
+        if (!value_in_range(&state->values, &scene_variables[i]) ||
+            (state->tuned && !value_in_range(&state->in_force, &scene_variables[i]))) {
             return false;
         }
     }
@@ -356,7 +338,7 @@ static bool state_is_sound(const struct model_state *state)
            phase_is_sound(state) && turning_is_sound(&state->motion, state->initialized != 0) &&
            all_finite(state->signals, &state->motion) &&
            (!state->motion.deferred || (state->initialized && state->exchange == EXCHANGE_NONE)) &&
-           all_finite(&state->importer_tolerance, state->in_force.dashpot) && state->tuned <= 1;
+           all_finite(&state->importer_tolerance, &state->in_force) && state->tuned <= 1;
 }
 
 /* Whether all variables of a model in a restored state are finite when they are read; values near the end of

@@ -49,16 +49,14 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
  * that names both; all parameters can then still be set. */
 enum model_status model_exit_initialization(struct model *m);
 
-/* Integrates to end_time [s], which lies after model_time. MODEL_DISCARD: solver.max_internal_steps ended the
- * step earlier, at model_time. All values are then those of model_time, where the next step may begin. */
-enum model_status model_step(struct model *m, double end_time);
-
-/* Does model_step with a request (integrator/step_request.h). A callback at_event may read the outputs of its
- * instant, and may call no other function. */
-enum model_status model_step_requested(struct model *m, const struct step_request *request);
+/* Integrates to the end time of the request (integrator/step_request.h), which lies after model_time. A
+ * callback at_event may read the outputs of its instant, and may call no other function. MODEL_DISCARD:
+ * solver.max_internal_steps ended the step earlier, at model_time. All values are then those of model_time,
+ * where the next step may begin. */
+enum model_status model_step(struct model *m, const struct step_request *request);
 
 /* Advances only the clock to end_time [s], where the flight of the bodies can be deferred (flight/flight.h).
- * Returns false, and does nothing, where model_step_requested is needed. */
+ * Returns false, and does nothing, where model_step is needed. */
 bool model_step_deferred(struct model *m, double end_time);
 
 double model_time(const struct model *m);
@@ -79,9 +77,9 @@ enum model_status model_read(struct model *m, const struct variable *variable, v
 size_t model_get_reals(struct model *m, const uint32_t *references, size_t count, double *values);
 bool model_get_vector(const struct model *m, const uint32_t *references, double *values);
 
-/* Sets the time derivative of `order` 1 or 2 of a real input from the present communication point on. */
-enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order,
-                                             double value);
+/* Sets the time derivative of `order` 1 or 2 of a real input from the present communication point on, to a
+ * value in the range of the input. */
+void model_set_input_derivative(struct model *m, const struct variable *variable, int order, double value);
 
 /* Whether an output has derivatives with respect to time. Means and peaks over the last step have none. */
 bool model_has_derivatives(const struct variable *variable);

@@ -141,7 +141,7 @@ void model_exchange_move(const struct scene_values *v, const struct scene_state 
         break;
     }
     if (vector != NULL) {
-        vec3_add_to(vector, state->component, change);
+        *vec3_part(vector, state->component) += change;
     }
 }
 
@@ -258,25 +258,6 @@ enum { HORIZONS = 7 };
  * importer's root finding has to find it. */
 static const long MOST_EVALUATIONS = 100000;
 
-/* Returns the time from now until an open contact touches [s], or INFINITY where no touch is foreseen. A
- * touch of a prescribed body is not foreseen: only the importer knows how it will move. */
-static double touch_after(const struct scene_values *v, const struct scene_state *q,
-                          const struct scene_instant *at, int contact)
-{
-    double after = (double)INFINITY;
-    const bool led =
-        body_is_prescribed(v, contact_source(contact)) || body_is_prescribed(v, contact_destination(contact));
-    if (led || q->contact[contact].regime != (int32_t)REGIME_APART) {
-        return after;
-    }
-    double horizon = FIRST_HORIZON;
-    for (int i = 0; i < HORIZONS && !isfinite(after); ++i) {
-        after = prediction_of(v, q, at, contact, horizon, MOST_EVALUATIONS).next.after;
-        horizon *= HORIZON_FACTOR;
-    }
-    return after;
-}
-
 void model_exchange_set_continuous(struct model *m, bool continuous)
 {
     if (!model_apply_inputs(m)) { /* inputs of the mode that ends; where they are refused, reading says so */
@@ -296,7 +277,7 @@ enum model_status model_exchange_set_time(struct model *m, double time)
             "The time %.17g s is refused (allowed: finite, from the last event at %.17g s on).", time, event);
     }
     q->clock = fmax((time - q->base) - q->base_tail, 0.0);
-    model_forget_outputs(m);
+    m->outputs = OUTPUTS_NONE;
     return MODEL_OK;
 }
 
@@ -304,7 +285,7 @@ void model_exchange_set_state(struct model *m, const struct variable *state, dou
 {
     *state_at(&m->state.motion, state) = value - state_origin(&m->state.motion, state);
     m->state.booked = booked_states(&m->state.motion);
-    model_forget_outputs(m);
+    m->outputs = OUTPUTS_NONE;
 }
 
 enum model_status model_exchange_set_states(struct model *m, const double *states)
@@ -347,13 +328,11 @@ enum model_status model_exchange_get(struct model *m, enum exchange_values which
     for (int i = 0; i < count && status == MODEL_OK; ++i) {
         const struct variable *variable = &scene_variables[places[i]];
         values[i] = model_exchange_value(&m->state.values, &m->state.motion, &at, variable);
-        status =
-            isfinite(values[i])
-                ? MODEL_OK
-                : model_report(m, MODEL_DISCARD,
-                               "%s is beyond the range of numbers (allowed: states and inputs with finite "
-                               "forces and energies).",
-                               variable->name);
+        status = isfinite(values[i]) ? MODEL_OK
+                                     : model_report(m, MODEL_DISCARD,
+                                                    "%s is beyond the range of numbers (allowed: states and "
+                                                    "inputs with finite forces and energies).",
+                                                    variable->name);
     }
     if (which == EXCHANGE_STATES) {
         m->state.booked = booked_states(&m->state.motion);
@@ -365,15 +344,27 @@ enum model_status model_exchange_get(struct model *m, enum exchange_values which
  * two times whose relative difference is below 1e-9 for equal, and cannot step from one to the other. */
 static const double SOONEST_TOUCH = 1e-6;
 
-/* Announces the next touch. */
+/* Announces the next touch of open contacts. That of a prescribed body is not foreseen: only the importer
+ * knows how it will move. */
 static void foresee_touch(const struct model *m, struct exchange_news *news)
 {
-    const double now = scene_time(&m->state.motion);
+    const struct scene_values *v = &m->state.values;
+    const struct scene_state *q = &m->state.motion;
+    const double now = scene_time(q);
     double after = (double)INFINITY;
     struct scene_instant at;
-    scene_now(&m->state.values, &m->state.motion, &at);
+    scene_now(v, q, &at);
     for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
-        after = fmin(after, touch_after(&m->state.values, &m->state.motion, &at, j));
+        const bool foreseen = q->contact[j].regime == (int32_t)REGIME_APART &&
+                              !body_is_prescribed(v, contact_source(j)) &&
+                              !body_is_prescribed(v, contact_destination(j));
+        double found = (double)INFINITY;
+        double horizon = FIRST_HORIZON;
+        for (int i = 0; foreseen && i < HORIZONS && !isfinite(found); ++i) {
+            found = prediction_of(v, q, &at, j, horizon, MOST_EVALUATIONS).next.after;
+            horizon *= HORIZON_FACTOR;
+        }
+        after = fmin(after, found);
     }
     news->scheduled = after > SOONEST_TOUCH * fmax(1.0, fabs(now)) && now + after <= DBL_MAX;
     news->event_time = news->scheduled ? now + after : 0.0;
@@ -389,7 +380,7 @@ enum model_status model_exchange_update(struct model *m, struct exchange_news *n
         model_report(m, MODEL_OK, "Changes of contact at %.17g s; since initialization: %d.", scene_time(q),
                      (int)q->counters.events);
     }
-    model_forget_outputs(m);
+    m->outputs = OUTPUTS_NONE;
     if (status <= MODEL_WARNING && !news->again) {
         foresee_touch(m, news);
     }

@@ -1,6 +1,7 @@
 /* The motion of the model from one time to another. */
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "flight/flight.h"
@@ -25,14 +26,6 @@ const struct scene_state *motion_shown(const struct scene_values *v, const struc
     scene_state_copy(v, q, settled);
     prescribed_settle(v, settled);
     return settled;
-}
-
-double motion_energy(const struct scene_values *v, const struct scene_state *q,
-                     const struct scene_instant *at)
-{
-    return !SCENE_ANY_FREE || scene_is_force_element(v)
-               ? 0.0
-               : energy_kinetic_of(v, at) + energy_potential(v, at, gravity(v)) + energy_stored(v, q, at);
 }
 
 void motion_forget_integration(struct scene_state *q)
@@ -66,19 +59,6 @@ void motion_close(struct integrator *integrator)
 bool motion_has_history(const struct scene_values *v)
 {
     return SCENE_ANY_FREE && solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN;
-}
-
-void motion_place(const struct scene_values *v, struct scene_state *q)
-{
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            q->origin[i] = (struct body_origin){body_initial_displacement(v, i), body_initial_velocity(v, i)};
-            q->body[i].velocity = q->origin[i].velocity;
-        }
-    }
-    if (SCENE_ANY_ROTATION) {
-        turning_place(v, q);
-    }
 }
 
 void motion_begin(const struct scene_values *v, struct scene_state *q)
@@ -126,63 +106,24 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
     return false;
 }
 
-/* Returns a sum that is finite only if all factors and normal forces of the contacts are. */
-static double size_of_forces(const struct scene_values *v, const struct scene_state *q)
+/* Reports a step that ends early: the internal steps are used up, or else contacts change their regimes
+ * without end or too often. */
+static enum model_status report_early_end(const struct model *m, const struct step_request *request,
+                                          bool limited)
 {
-    struct scene_instant at;
-    scene_now(v, q, &at);
-    double sum = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_coefficients *factors = &q->contact[j].parameters.factors;
-        sum += factors->k + factors->c + fabs(at.normal_force[j]);
+    char why[160] = "contacts change there more often than can be followed within about a second (allowed: "
+                    "some ten thousand times)";
+    if (limited) {
+        (void)snprintf(
+            why, sizeof why,
+            "solver.max_internal_steps = %d are used up, by number or by work (allowed: 1 .. 2147483647)",
+            (int)solver_max_internal_steps(&m->state.values));
     }
-    return sum;
-}
-
-bool motion_tune(const struct scene_values *v, struct scene_state *q, const struct motion_tuning *tuning)
-{
-    double stored = 0.0;
-    if (SCENE_ANY_FREE) {
-        struct scene_instant at;
-        scene_now(v, q, &at);
-        stored = energy_stored(v, q, &at);
-        q->external_work += energy_potential(v, &at, tuning->more_gravity);
-        scene_rebase(v, q);
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (SCENE_ANY_FREE) {
-            transition_scale_force_error(q, j, tuning->factors[j]);
-        }
-        q->contact[j].parameters.factors = tuning->factors[j];
-    }
-    if (SCENE_ANY_FREE) {
-        transition_take_law(v, q, tuning->law_changed, stored);
-    }
-    return isfinite(size_of_forces(v, q)) &&
-           (!SCENE_ANY_FREE || isfinite(q->external_work) || scene_is_force_element(v));
-}
-
-static enum model_status report_step_limit(const struct model *m, const struct step_request *request)
-{
     return model_report(
-        m, MODEL_DISCARD,
-        "The step to %s s %s at %s s: solver.max_internal_steps = %d are used up, by number or "
-        "by work (allowed: 1 .. 2147483647). Go on from %s, if need be in smaller steps, or set a larger "
-        "limit.",
+        m, MODEL_DISCARD, "The step to %s s %s at %s s: %s. Go on from %s, %s.",
         shortest_digits(request->end_time).text, request->whole ? "is undone, it got stuck" : "stopped",
-        shortest_digits(scene_time(&m->state.motion)).text, (int)solver_max_internal_steps(&m->state.values),
-        request->whole ? "where it began" : "there");
-}
-
-/* Reports a step within which contacts change regime without end or too often. */
-static enum model_status report_stalled(const struct model *m, const struct step_request *request)
-{
-    return model_report(
-        m, MODEL_DISCARD,
-        "The step to %s s %s at %s s: contacts change there more often than can be followed within about a "
-        "second (allowed: some ten thousand times). Go on from %s, in smaller steps.",
-        shortest_digits(request->end_time).text, request->whole ? "is undone, it got stuck" : "stopped",
-        shortest_digits(scene_time(&m->state.motion)).text, request->whole ? "where it began" : "there");
+        shortest_digits(scene_time(&m->state.motion)).text, why, request->whole ? "where it began" : "there",
+        limited ? "if need be in smaller steps, or set a larger limit" : "in smaller steps");
 }
 
 /* Takes a step of a force element. Its contacts are integrated over the step where a state or an output of
@@ -204,7 +145,7 @@ static enum model_status advance_force_element(struct model *m, const struct ste
         !prescribed_over(v, q, length, limit < PRESCRIBED_PANELS ? limit : PRESCRIBED_PANELS)) {
         const struct step_request whole = {.end_time = request->end_time, .whole = true};
         *q = before;
-        return limit < PRESCRIBED_PANELS ? report_step_limit(m, &whole) : report_stalled(m, &whole);
+        return report_early_end(m, &whole, limit < PRESCRIBED_PANELS);
     }
     q->clock += length;
     if (SCENE_ANY_FREE) {
@@ -229,9 +170,9 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
     case INTEGRATOR_DONE:
         break;
     case INTEGRATOR_STEP_LIMIT:
-        return report_step_limit(m, request);
+        return report_early_end(m, request, true);
     case INTEGRATOR_STALLED:
-        return report_stalled(m, request);
+        return report_early_end(m, request, false);
     case INTEGRATOR_FAILED:
     default:
         return model_report(m, MODEL_ERROR, "The step to %s s failed at %s s: %s",
@@ -293,10 +234,10 @@ bool motion_defer(struct model *m, double end_time)
     if (!SCENE_ANY_FREE || !flight_defer(q, end_time)) {
         return false;
     }
-    if (m->outputs > OUTPUTS_FIXED && q->only_flies) {
+    if (m->outputs != OUTPUTS_NONE && q->only_flies) {
         foresee_reading(m, m->state.motion.clock);
     } else {
-        model_forget_outputs(m);
+        m->outputs = OUTPUTS_NONE;
     }
     return true;
 }
@@ -316,10 +257,4 @@ double motion_size(const struct scene_values *v, const struct scene_state *q)
         sum += fabs(mean.x) + fabs(mean.y) + fabs(mean.z) + state->peaks.force + state->peaks.penetration;
     }
     return sum;
-}
-
-double motion_least_speed(const struct scene_values *v)
-{
-    /* A scene without a solver takes the start value that solver.absolute_tolerance has elsewhere. */
-    return SCENE_ANY_FREE ? solver_absolute_tolerance(v) : 1e-12;
 }

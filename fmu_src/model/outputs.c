@@ -32,9 +32,8 @@ static const char *unknown_reason(const struct model *m, const struct variable *
         return NULL;
     }
     return "in a contact as stiff as this, rounding of gap and speed where it began makes more than 1e-6 of "
-           "the "
-           "peak (allowed: a smaller penalty factor, or, where the contact is damped, a later communication "
-           "step; other outputs can be read)";
+           "the peak (allowed: a smaller penalty factor, or, where the contact is damped, a later "
+           "communication step; other outputs can be read)";
 }
 
 static double put_history(struct scene_values *v, const struct scene_state *q, int contact)
@@ -62,31 +61,26 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
     return mean.x + mean.y + mean.z + state->peaks.force + known;
 }
 
-/* Sets the energies of rotation and friction. Returns their contribution to the total energy [J]. */
-static double put_turning_energies(struct scene_values *v, const struct scene_state *q,
-                                   const struct scene_instant *at)
-{
-    const double rotational = scene_turns(v) ? energy_rotational_of(v, at) : 0.0;
-    const double tangential = scene_turns(v) ? energy_tangential_of(v, q, at) : 0.0;
-    put_energy_rotational(v, rotational);
-    put_energy_tangential(v, tangential);
-    put_energy_friction(v, q->friction_energy - tangential);
-    return rotational + q->friction_energy;
-}
-
+/* Sets the energies and the counters. Returns the total energy [J]. */
 static double put_energies(struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at)
 {
+    const bool turns = scene_turns(v);
     const double kinetic = energy_kinetic_of(v, at);
     const double potential = energy_potential(v, at, gravity(v));
     const double stored = energy_stored(v, q, at);
+    const double rotational = turns ? energy_rotational_of(v, at) : 0.0;
+    const double tangential = turns ? energy_tangential_of(v, q, at) : 0.0;
+    const double total =
+        kinetic + potential + stored + q->dissipated - q->external_work + (rotational + q->friction_energy);
     put_energy_kinetic(v, kinetic);
     put_energy_potential(v, potential);
     put_energy_contact(v, stored);
+    put_energy_rotational(v, rotational);
+    put_energy_tangential(v, tangential);
+    put_energy_friction(v, q->friction_energy - tangential);
     put_energy_dissipated(v, q->dissipated);
     put_energy_external_work(v, q->external_work);
-    const double total =
-        kinetic + potential + stored + q->dissipated - q->external_work + put_turning_energies(v, q, at);
     put_energy_total(v, total);
     put_solver_steps(v, q->counters.steps);
     put_solver_force_evaluations(v, q->counters.force_evaluations);
@@ -160,16 +154,6 @@ static double energy_term(const struct model *m, const struct scene_jet *along, 
     }
 }
 
-static void put_turn(struct scene_values *v, const struct turning_instant *turning, int body)
-{
-    const struct body_turn *turn = &turning->body[body];
-    const bool rests = SCENE_ANY_ROTATION && !body_turns(v, body);
-    const struct quaternion orientation = rests ? turning_start_orientation(v, body) : turn->orientation;
-    put_body_angular_velocity(v, body, turn->angular_velocity);
-    put_body_orientation(v, body, orientation);
-    put_body_current_axis(v, body, quaternion_third_axis(orientation));
-}
-
 static bool sticks(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                    int contact)
 {
@@ -182,17 +166,6 @@ static bool sticks(const struct scene_values *v, const struct scene_state *q, co
                : vec3_norm(at->turning.slip[contact]) < q->contact[contact].parameters.slip_velocity;
 }
 
-static void put_resistance_outputs(struct scene_values *v, const struct scene_state *q,
-                                   const struct scene_instant *at, int contact)
-{
-    const struct vec3 spin = turning_spin(at, contact);
-    const struct vec3 n = at->geometry[contact].normal;
-    const double along = vec3_dot(spin, n);
-    put_contact_rolling_torque(v, contact, at->turning.resistance[contact]);
-    put_contact_rolling_rate(v, contact, vec3_axpy(spin, -along, n));
-    put_contact_spinning_rate(v, contact, scene_contact_side(v, q, contact) * along);
-}
-
 static double put_rubbing(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                           int contact)
 {
@@ -200,13 +173,8 @@ static double put_rubbing(struct scene_values *v, const struct scene_state *q, c
     const int source = contact_source(contact);
     const struct vec3 centre = vec3_add(body_center(v, source), at->displacement[source]);
     const struct vec3 friction = turning->friction_force[contact];
-    const struct vec3 force = at->source_force[contact];
     if (SCENE_ANY_FRICTION) {
         put_contact_effective_slip_velocity(v, contact, q->contact[contact].parameters.slip_velocity);
-    }
-    if (contact_rubs(v, contact)) {
-        put_contact_source_force(v, contact, force);
-        put_contact_destination_force(v, contact, vec3_scale(-1.0, force));
     }
     put_contact_sticking(v, contact, sticks(v, q, at, contact));
     put_contact_friction_force(v, contact, friction);
@@ -215,7 +183,12 @@ static double put_rubbing(struct scene_values *v, const struct scene_state *q, c
     put_contact_source_torque(v, contact, turning->source_torque[contact]);
     put_contact_destination_torque(v, contact, turning->destination_torque[contact]);
     if (SCENE_ANY_ROLLING) {
-        put_resistance_outputs(v, q, at, contact);
+        const struct vec3 spin = turning_spin(at, contact);
+        const struct vec3 n = at->geometry[contact].normal;
+        const double along = vec3_dot(spin, n);
+        put_contact_rolling_torque(v, contact, turning->resistance[contact]);
+        put_contact_rolling_rate(v, contact, vec3_axpy(spin, -along, n));
+        put_contact_spinning_rate(v, contact, scene_contact_side(v, q, contact) * along);
     }
     return vec3_norm(friction) + vec3_norm(turning->slip[contact]) +
            vec3_norm(turning->source_torque[contact]) + vec3_norm(turning->destination_torque[contact]);
@@ -249,11 +222,16 @@ static double show_turning(struct scene_values *v, const struct scene_state *q, 
         turning_complete(v, q, at);
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        put_turn(v, &at->turning, i);
+        const struct body_turn *turn = &at->turning.body[i];
+        const bool rests = SCENE_ANY_ROTATION && !body_turns(v, i);
+        const struct quaternion orientation = rests ? turning_start_orientation(v, i) : turn->orientation;
+        put_body_angular_velocity(v, i, turn->angular_velocity);
+        put_body_orientation(v, i, orientation);
+        put_body_current_axis(v, i, quaternion_third_axis(orientation));
         if (body_is_compound(i)) {
             put_contact_sums(v, at, i);
         }
-        sum += vec3_norm(at->turning.body[i].angular_velocity);
+        sum += vec3_norm(turn->angular_velocity);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         sum += put_rubbing(v, q, at, j);
@@ -418,11 +396,6 @@ double output_term(const struct model *m, const struct scene_state *q, const str
         return starting && at->normal_force[j] > 0.0 ? along->contact[j].normal_force[order] : 0.0;
     case ROW_contact_peak_penetration:
         return starting && touches ? -along->contact[j].gap[order] : 0.0;
-    case ROW_contact_mean_force:
-    case ROW_contact_mean_source_torque:
-    case ROW_contact_mean_destination_torque:
-    case ROW_contact_last_onset_time:
-        return 0.0;
     case ROW_contact_last_duration: /* the duration grows with time in contact */
         return touches ? along->time[order] : 0.0;
     case ROW_energy_kinetic:
@@ -484,7 +457,8 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     put_contact_active(v, contact, regime != REGIME_APART);
     put_contact_within_extents(v, contact, within);
     put_contact_zone(v, contact, (int32_t)zones_shown(v, q, at, contact));
-    const struct vec3 source_force = vec3_scale(-shape.side * force, g->normal);
+    const struct vec3 source_force =
+        contact_rubs(v, contact) ? at->source_force[contact] : vec3_scale(-shape.side * force, g->normal);
     put_contact_normal_force(v, contact, force);
     put_contact_source_force(v, contact, source_force);
     put_contact_destination_force(v, contact, vec3_scale(-1.0, source_force));
@@ -499,11 +473,10 @@ static void warn_of_missing_direction(struct model *m, const struct scene_state 
             !m->state.warned_of_direction[j]) {
             m->state.warned_of_direction[j] = 1;
             const struct vec3 n = at->geometry[j].normal;
-            model_report(
-                m, MODEL_WARNING,
-                "%s.distance = 0 at %s s: the overlapping bodies have no defined normal; the direction "
-                "(%g, %g, %g) is used (allowed: distance > 0). Given once.",
-                scene_contact_name(j), shortest_digits(scene_time(q)).text, n.x, n.y, n.z);
+            model_report(m, MODEL_WARNING,
+                         "%s.distance = 0 at %s s: the overlapping bodies have no defined normal; the "
+                         "direction (%g, %g, %g) is used (allowed: distance > 0). Given once.",
+                         scene_contact_name(j), shortest_digits(scene_time(q)).text, n.x, n.y, n.z);
         }
     }
 }
@@ -513,9 +486,7 @@ static void update_bodies(struct model *m)
     struct scene_values *v = &m->state.values;
     motion_catch_up(m);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (m->outputs == OUTPUTS_NONE || body_is_free(v, i) || body_is_prescribed(v, i)) {
-            present_body_now(v, &m->state.motion, i);
-        }
+        present_body_now(v, &m->state.motion, i);
     }
     m->outputs = OUTPUTS_BODIES;
 }

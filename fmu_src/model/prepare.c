@@ -32,41 +32,33 @@ static enum model_status check_inertia(struct model *m, int body)
         const double largest = vec3_max_abs(of);
         return largest <= (of.x + of.y + of.z - largest) * (1.0 + INERTIA_ROUNDING)
                    ? MODEL_OK
-                   : model_report(
-                         m, MODEL_ERROR,
-                         "%s.principal_inertia = (%g, %g, %g) kg m^2 contradicts itself: no body has "
-                         "one larger than the sum of the others (allowed: at most that sum).",
-                         name, of.x, of.y, of.z);
+                   : model_report(m, MODEL_ERROR,
+                                  "%s.principal_inertia = (%g, %g, %g) kg m^2 contradicts itself: no body "
+                                  "has one larger than the sum of the others (allowed: at most that sum).",
+                                  name, of.x, of.y, of.z);
     }
     const double axial = body_axial_inertia(v, body);
     const double transverse = body_transverse_inertia(v, body);
     return !tilts || transverse >= 0.5 * axial
                ? MODEL_OK
-               : model_report(
-                     m, MODEL_ERROR,
-                     "%s.transverse_inertia = %s kg m^2 contradicts %s.axial_inertia = %s kg m^2: no "
-                     "body has so little (allowed: half of axial_inertia at least).",
-                     name, shortest_digits(transverse).text, name, shortest_digits(axial).text);
+               : model_report(m, MODEL_ERROR,
+                              "%s.transverse_inertia = %s kg m^2 contradicts %s.axial_inertia = %s kg m^2: "
+                              "no body has so little (allowed: half of axial_inertia at least).",
+                              name, shortest_digits(transverse).text, name, shortest_digits(axial).text);
 }
 
 static enum model_status check_rotation(struct model *m, int body)
 {
     const struct scene_values *v = &m->state.values;
     const char *name = scene_body_name(body);
-    if (model_has_no_orientation(v, body) ||
-        (body_is_compound(body) && model_is_no_rotation(body_initial_orientation(v, body)))) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.%s_orientation[1..4] = 0, 0, 0, 0 is no rotation (allowed: at least one "
-                            "component other than zero).",
-                            name, model_has_no_orientation(v, body) ? "prescribed" : "initial");
+    if (model_has_no_orientation(v, body)) {
+        return model_refuse_zero(m, MODEL_ERROR, body, "prescribed_orientation");
     }
-    if (body_has_axis(body) && body_turn_is_prescribed(v, body) &&
-        vec3_is_zero(body_prescribed_axis(v, body))) {
-        return model_report(
-            m, MODEL_ERROR,
-            "%s.prescribed_axis[1], %s.prescribed_axis[2], %s.prescribed_axis[3] = 0, 0, 0 has "
-            "no direction (allowed: at least one component other than zero).",
-            name, name, name);
+    if (body_is_compound(body) && quaternion_is_zero(body_initial_orientation(v, body))) {
+        return model_refuse_zero(m, MODEL_ERROR, body, "initial_orientation");
+    }
+    if (model_has_no_axis(v, body)) {
+        return model_refuse_zero(m, MODEL_ERROR, body, "prescribed_axis");
     }
     const bool turns = body_turns_freely(v, body);
     struct vec3 omega = {0.0, 0.0, 0.0};
@@ -83,12 +75,14 @@ static enum model_status check_rotation(struct model *m, int body)
     if (!SCENE_ANY_FREE_ROTATION || !turns) {
         return MODEL_OK;
     }
-    return body_shape(body) == SHAPE_PLANE
-               ? model_report(m, MODEL_ERROR,
-                              "%s.rotation = free contradicts its shape: a plane has no inertia (allowed: "
-                              "none, prescribed).",
-                              name)
-               : check_inertia(m, body);
+    if (body_shape(body) == SHAPE_PLANE) {
+        return model_report(
+            m, MODEL_ERROR,
+            "%s.rotation = free contradicts its shape: a plane has no inertia (allowed: none, "
+            "prescribed).",
+            name);
+    }
+    return check_inertia(m, body);
 }
 
 /* Refuses viscous_only under Hertz's law, which always has a spring. Refuses a coefficient of restitution
@@ -101,8 +95,8 @@ static enum model_status check_law(struct model *m, int contact)
     const char *destination = scene_body_name(contact_destination(contact));
     if (scene_is_hertz(v, contact) && contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY) {
         return model_report(m, MODEL_ERROR,
-                            "%s.penalty_control = viscous_only contradicts %s.law = hertz "
-                            "(allowed: automatic, user_defined; viscous_only with law linear).",
+                            "%s.penalty_control = viscous_only contradicts %s.law = hertz (allowed: "
+                            "automatic, user_defined; viscous_only with law linear).",
                             name, name);
     }
     if (scene_is_hertz(v, contact) && body_keeps_axis(contact_source(contact)) &&
@@ -110,9 +104,8 @@ static enum model_status check_law(struct model *m, int contact)
         contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC) {
         return model_report(
             m, MODEL_ERROR,
-            "%s.penalty_control = automatic contradicts %s.law = hertz: Hertz's theory has no "
-            "power 3/2 for the contact of two parallel cylinders along a line (allowed: "
-            "user_defined, or law linear).",
+            "%s.penalty_control = automatic contradicts %s.law = hertz: Hertz's theory has no power 3/2 for "
+            "the contact of two parallel cylinders along a line (allowed: user_defined, or law linear).",
             name, name);
     }
     if (!SCENE_ANY_RESTITUTION || contact_viscous_control(v, contact) != VISCOUS_CONTROL_RESTITUTION ||
@@ -128,9 +121,8 @@ static enum model_status check_law(struct model *m, int contact)
     if (contact_is_prescribed(v, contact) && !scene_is_hertz(v, contact)) {
         return model_report(
             m, MODEL_ERROR,
-            "%s.viscous_control = restitution contradicts the motion of %s and %s: neither is "
-            "free, and p_nv depends on their masses (allowed: %s.motion = free or "
-            "%s.motion = free).",
+            "%s.viscous_control = restitution contradicts the motion of %s and %s: neither is free, and p_nv "
+            "depends on their masses (allowed: %s.motion = free or %s.motion = free).",
             name, source, destination, source, destination);
     }
     const bool automatic = contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC;
@@ -139,14 +131,13 @@ static enum model_status check_law(struct model *m, int contact)
                           : automatic ? contact_penalty_multiplier(v, contact)
                                       : contact_penalty_factor(v, contact);
     if (factor == 0.0) {
-        return model_report(
-            m, MODEL_ERROR,
-            "%s.viscous_control = restitution contradicts %s.%s = 0: without a spring there is "
-            "no rebound (allowed: a factor above 0).",
-            name, name,
-            hertz       ? "hertz_stiffness"
-            : automatic ? "penalty_multiplier"
-                        : "penalty_factor");
+        return model_report(m, MODEL_ERROR,
+                            "%s.viscous_control = restitution contradicts %s.%s = 0: without a spring there "
+                            "is no rebound (allowed: a factor above 0).",
+                            name, name,
+                            hertz       ? "hertz_stiffness"
+                            : automatic ? "penalty_multiplier"
+                                        : "penalty_factor");
     }
     return MODEL_OK;
 }
@@ -234,12 +225,8 @@ static enum model_status check_axes(struct model *m, int contact)
     const struct scene_values *v = &m->state.values;
     const int bodies[] = {contact_destination(contact), contact_source(contact)};
     for (int i = 0; i < 2; ++i) {
-        const char *none = scene_body_name(bodies[i]);
         if (body_has_axis(bodies[i]) && !(vec3_norm(body_axis(v, bodies[i])) > 0.0)) {
-            return model_report(m, MODEL_ERROR,
-                                "%s.axis[1], %s.axis[2], %s.axis[3] = 0, 0, 0 has no direction "
-                                "(allowed: at least one component other than zero).",
-                                none, none, none);
+            return model_refuse_zero(m, MODEL_ERROR, bodies[i], "axis");
         }
     }
     if (contact_has_skew_axes(v, contact)) {
@@ -266,21 +253,20 @@ static enum model_status check_ring(struct model *m, int contact, double r_s, do
     const char *name = scene_body_name(body);
     const char *source = scene_body_name(contact_source(contact));
     if (r_d >= ring) {
-        return model_report(
-            m, MODEL_ERROR,
-            "%s.radius = %s m contradicts %s.ring_radius = %s m: a torus has a hole (allowed: a "
-            "tube with a smaller radius than the ring).",
-            name, shortest_digits(r_d).text, name, shortest_digits(ring).text);
+        return model_report(m, MODEL_ERROR,
+                            "%s.radius = %s m contradicts %s.ring_radius = %s m: a torus has a hole "
+                            "(allowed: a tube with a smaller radius than the ring).",
+                            name, shortest_digits(r_d).text, name, shortest_digits(ring).text);
     }
     const bool may_fill = contact_location(v, contact) != LOCATION_INSIDE &&
                           body_side(v, body) != TUBE_SIDE_OUTER_RACE && r_s + r_d >= ring;
     return !may_fill
                ? MODEL_OK
-               : model_report(m, MODEL_ERROR,
-                              "%s.radius = %s m contradicts %s.ring_radius = %s m: the source would touch "
-                              "all round the hole (allowed: one that fits through, location inside, or "
-                              "side outer_race).",
-                              source, shortest_digits(r_s).text, name, shortest_digits(ring).text);
+               : model_report(
+                     m, MODEL_ERROR,
+                     "%s.radius = %s m contradicts %s.ring_radius = %s m: the source would touch all round "
+                     "the hole (allowed: one that fits through, location inside, or side outer_race).",
+                     source, shortest_digits(r_s).text, name, shortest_digits(ring).text);
 }
 
 static enum model_status check_contact(struct model *m, int contact)
@@ -293,15 +279,15 @@ static enum model_status check_contact(struct model *m, int contact)
     const double r_d = contact_destination_radius(v, contact);
     if (contact_location(v, contact) == LOCATION_INSIDE && r_s >= r_d) {
         return model_report(m, MODEL_ERROR,
-                            "%s.location = inside contradicts %s.radius = %s m >= %s.radius = %s m "
-                            "(allowed: a source smaller than its hollow destination).",
+                            "%s.location = inside contradicts %s.radius = %s m >= %s.radius = %s m (allowed: "
+                            "a source smaller than its hollow destination).",
                             name, source, shortest_digits(r_s).text, destination, shortest_digits(r_d).text);
     }
     if (contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY &&
         contact_method(v, contact) == METHOD_PENALTY) {
         return model_report(m, MODEL_ERROR,
-                            "%s.penalty_control = viscous_only contradicts %s.method = penalty "
-                            "(allowed: viscous_only with penalty_dynamic).",
+                            "%s.penalty_control = viscous_only contradicts %s.method = penalty (allowed: "
+                            "viscous_only with penalty_dynamic).",
                             name, name);
     }
     enum model_status status = MODEL_OK;
@@ -323,18 +309,17 @@ static enum model_status check_factors(struct model *m, int contact)
     const char *name = scene_contact_name(contact);
     if (scene_is_hertz(&m->state.values, contact)) {
         return model_report(m, MODEL_ERROR,
-                            "Hertz's factors of %s are not finite: k_h = %g N/m^1.5, chi = %g s/m "
-                            "(allowed: finite products of moduli, radii and times).",
+                            "Hertz's factors of %s are not finite: k_h = %g N/m^1.5, chi = %g s/m (allowed: "
+                            "finite products of moduli, radii and times).",
                             name, state->parameters.factors.k, state->parameters.factors.c);
     }
-    return model_report(
-        m, MODEL_ERROR,
-        "The automatic penalty factors of %s are not finite: p_n = %g N/m, p_nv = %g N s/m from "
-        "%s.penalty_multiplier = %g, %s.reference_modulus = %g Pa, diagonal = %g m "
-        "(allowed: finite products).",
-        name, state->parameters.factors.k, state->parameters.factors.c, name,
-        contact_penalty_multiplier(&m->state.values, contact), name,
-        contact_reference_modulus(&m->state.values, contact), state->parameters.diagonal);
+    return model_report(m, MODEL_ERROR,
+                        "The automatic penalty factors of %s are not finite: p_n = %g N/m, p_nv = %g N s/m "
+                        "from %s.penalty_multiplier = %g, %s.reference_modulus = %g Pa, diagonal = %g m "
+                        "(allowed: finite products).",
+                        name, state->parameters.factors.k, state->parameters.factors.c, name,
+                        contact_penalty_multiplier(&m->state.values, contact), name,
+                        contact_reference_modulus(&m->state.values, contact), state->parameters.diagonal);
 }
 
 /* The penetration at the start divided by the smaller radius, above which the model warns. A penalty
@@ -355,8 +340,8 @@ static void warn_of_deep_start(const struct model *m, const struct scene_instant
     }
     model_report(
         m, MODEL_WARNING,
-        "%s.gap = %g m at the start: the bodies overlap by more than a tenth of the smaller radius, "
-        "%g m, and %g J are stored in it (allowed: any, but the law is meant for small ones). Given once.",
+        "%s.gap = %g m at the start: the bodies overlap by more than a tenth of the smaller radius, %g m, "
+        "and %g J are stored in it (allowed: any, but the law is meant for small ones). Given once.",
         scene_contact_name(contact), g->gap, radius, contact_stored_energy(&law, REGIME_COMPRESSION, g->gap));
 }
 
@@ -366,7 +351,11 @@ static enum model_status check_start(struct model *m)
     const struct scene_values *v = &m->state.values;
     struct scene_instant at;
     scene_now(v, &m->state.motion, &at);
-    double sum = motion_energy(v, &m->state.motion, &at);
+    double sum = 0.0;
+    if (SCENE_ANY_FREE && !scene_is_force_element(v)) {
+        sum = energy_kinetic_of(v, &at) + energy_potential(v, &at, gravity(v)) +
+              energy_stored(v, &m->state.motion, &at);
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         sum += at.normal_force[j];
     }
@@ -391,23 +380,30 @@ static enum model_status warn_of_conforming(struct model *m)
         const struct contact_shape shape = scene_contact_shape(v, &m->state.motion, j);
         if (scene_is_hertz(v, j) && contact_penalty_control(v, j) == PENALTY_CONTROL_AUTOMATIC &&
             hertz_is_conforming(&shape)) {
-            status = model_report(
-                m, MODEL_WARNING,
-                "%s: %s.radius = %s m is hardly smaller than %s.radius = %s m around it: such "
-                "surfaces follow each other, and the stiffness of Hertz's theory is only "
-                "roughly right (its range: up to nine tenths).",
-                scene_contact_name(j), scene_body_name(contact_source(j)),
-                shortest_digits(shape.source_radius).text, scene_body_name(contact_destination(j)),
-                shortest_digits(shape.other_radius).text);
+            status = model_report(m, MODEL_WARNING,
+                                  "%s: %s.radius = %s m is hardly smaller than %s.radius = %s m around it: "
+                                  "such surfaces follow each other, and the stiffness of Hertz's theory is "
+                                  "only roughly right (its range: up to nine tenths).",
+                                  scene_contact_name(j), scene_body_name(contact_source(j)),
+                                  shortest_digits(shape.source_radius).text,
+                                  scene_body_name(contact_destination(j)),
+                                  shortest_digits(shape.other_radius).text);
         }
     }
     return status;
 }
 
-/* Whether the choice of a body or contact from `first` to `last` - 1 has one of the items of `use`. */
-static bool has_item(const struct scene_values *v, const struct scene_use *use, int first, int last)
+/* Whether a condition holds for a body or contact. Sets *first to the first body or contact whose choice
+ * counts for it. */
+static bool condition_holds(const struct scene_values *v, const struct scene_use *use, int element,
+                            int *first)
 {
-    for (int i = first; i < last; ++i) {
+    *first = use->whose == USE_OF_SOURCE        ? contact_source(element)
+             : use->whose == USE_OF_DESTINATION ? contact_destination(element)
+             : use->whose == USE_OF_ANY         ? 0
+                                                : element;
+    const int last = use->whose == USE_OF_ANY ? use->owners : *first + 1;
+    for (int i = *first; i < last; ++i) {
         if ((1 << scene_choice(v, use->choice, i)) & use->items) {
             return true;
         }
@@ -415,69 +411,34 @@ static bool has_item(const struct scene_values *v, const struct scene_use *use, 
     return false;
 }
 
-/* Finds the bodies or contacts, from `first` to `last` - 1, whose choice counts for `use`. */
-static void owners_of_choice(const struct scene_use *use, int element, int *first, int *last)
-{
-    *first = use->whose == USE_OF_SOURCE        ? contact_source(element)
-             : use->whose == USE_OF_DESTINATION ? contact_destination(element)
-             : use->whose == USE_OF_ANY         ? 0
-                                                : element;
-    *last = use->whose == USE_OF_ANY ? use->owners : *first + 1;
-}
-
-/* Returns the name of the variable of a choice, for the first body or contact from `first` on that has it. */
-static const char *name_of_choice(const struct scene_use *use, int first)
-{
-    for (int i = 0; i < scene_variable_count; ++i) {
-        const struct variable *variable = &scene_variables[i];
-        if (variable->row == use->choice && variable->element >= first) {
-            return variable->name;
-        }
-    }
-    return "";
-}
-
 /* Bytes for the choices that a message names. */
 enum { REMEDY_SIZE = 200 };
 
-/* Writes the conditions of one alternative that do not hold, as "contact.friction = elastic and ...". Returns
- * their number. */
-static int missing_of(const struct scene_values *v, const struct scene_use *from, int element, char *remedy)
-{
-    int missing = 0;
-    size_t used = 0;
-    for (const struct scene_use *use = from; use->row == from->row && use->alternative == from->alternative;
-         ++use) {
-        int first;
-        int last;
-        owners_of_choice(use, element, &first, &last);
-        if (has_item(v, use, first, last)) {
-            continue;
-        }
-        const int length = snprintf(remedy + used, REMEDY_SIZE - used, "%s%s = %s",
-                                    missing > 0 ? " and " : "", name_of_choice(use, first), use->wanted);
-        used = length > 0 && used + (size_t)length < REMEDY_SIZE ? used + (size_t)length : used;
-        missing += 1;
-    }
-    return missing;
-}
-
-/* Whether nothing reads a parameter. `remedy` then names the choices by which something would read it, for
- * the alternative with the fewest missing conditions. */
+/* Whether nothing reads a parameter. `remedy` then names the choices by which something would read it, as
+ * "contact.friction = elastic and ...", for the alternative with the fewest missing conditions. */
 static bool is_idle(const struct scene_values *v, const struct variable *variable, char *remedy)
 {
     int least = 0;
-    for (const struct scene_use *use = scene_uses; use->row != ROW_COUNT; ++use) {
+    const struct scene_use *next = NULL; /* alternative */
+    for (const struct scene_use *use = scene_uses; use->row != ROW_COUNT; use = next) {
         char found[REMEDY_SIZE];
-        if (use->row != variable->row ||
-            (use > scene_uses && use[-1].row == use->row && use[-1].alternative == use->alternative)) {
-            continue;
+        size_t used = 0;
+        int missing = 0;
+        int first = 0;
+        for (next = use; next->row == use->row && next->alternative == use->alternative; ++next) {
+            if (use->row != variable->row || condition_holds(v, next, variable->element, &first)) {
+                continue;
+            }
+            const struct variable *choice = variable_of_row(next->choice, first);
+            const int length = snprintf(found + used, REMEDY_SIZE - used, "%s%s = %s",
+                                        missing > 0 ? " and " : "", choice ? choice->name : "", next->wanted);
+            used = length > 0 && used + (size_t)length < REMEDY_SIZE ? used + (size_t)length : used;
+            missing += 1;
         }
-        const int missing = missing_of(v, use, variable->element, found);
-        if (missing == 0) {
+        if (use->row == variable->row && missing == 0) {
             return false;
         }
-        if (least == 0 || missing < least) {
+        if (missing > 0 && (least == 0 || missing < least)) {
             least = missing;
             memcpy(remedy, found, sizeof found);
         }
@@ -628,7 +589,15 @@ void model_prepare(struct model *m)
     }
     q->base = m->state.start_time;
     model_start_paths(m);
-    motion_place(v, q);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            q->origin[i] = (struct body_origin){body_initial_displacement(v, i), body_initial_velocity(v, i)};
+            q->body[i].velocity = q->origin[i].velocity;
+        }
+    }
+    if (SCENE_ANY_ROTATION) {
+        turning_place(v, q);
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].side = 1;
     }

@@ -83,34 +83,28 @@ static void move_inputs(const struct scene_values *v, const struct scene_state *
                         const struct scene_instant *at, const struct variable *known, double change,
                         struct scene_jet *along)
 {
+    const int i = known->element;
+    const bool turns = SCENE_ANY_ROTATION && body_turn_is_prescribed(v, i);
+    struct vec3 *moved = NULL;
     if (known->causality == VARIABLE_STATE) {
         model_exchange_move(v, q, known, change, along);
-        return;
-    }
-    if (known->row == ROW_body_external_force && body_is_free(v, known->element)) {
-        vec3_add_to(&along->force[known->element], known->component, change);
-    }
-    if (SCENE_ANY_ROTATION) {
-        if (body_turn_is_prescribed(v, known->element)) {
-            if (known->row == ROW_body_prescribed_angular_velocity) {
-                vec3_add_to(&along->angular_velocity[known->element][1], known->component, change);
-            } else if (known->row == ROW_body_prescribed_axis) {
-                turning_jet_move_axis(v, at, known->element, known->component, change, along);
-            } else if (SCENE_ANY_COMPOUND && known->row == ROW_body_prescribed_orientation) {
-                move_prescribed_orientation(v, at, known, change, along);
-            }
-        }
-        if (known->row == ROW_body_external_torque && body_turns_freely(v, known->element)) {
-            vec3_add_to(&along->torque[known->element], known->component, change);
-        }
-    }
-    if (!body_is_prescribed(v, known->element)) {
-        return;
-    }
-    if (known->row == ROW_body_prescribed_displacement) {
-        vec3_add_to(&along->displacement[known->element][1], known->component, change);
+    } else if (known->row == ROW_body_external_force) {
+        moved = body_is_free(v, i) ? &along->force[i] : NULL;
+    } else if (known->row == ROW_body_external_torque) {
+        moved = body_turns_freely(v, i) ? &along->torque[i] : NULL;
+    } else if (known->row == ROW_body_prescribed_displacement) {
+        moved = body_is_prescribed(v, i) ? &along->displacement[i][1] : NULL;
     } else if (known->row == ROW_body_prescribed_velocity) {
-        vec3_add_to(&along->velocity[known->element][1], known->component, change);
+        moved = body_is_prescribed(v, i) ? &along->velocity[i][1] : NULL;
+    } else if (turns && known->row == ROW_body_prescribed_angular_velocity) {
+        moved = &along->angular_velocity[i][1];
+    } else if (turns && known->row == ROW_body_prescribed_axis) {
+        turning_jet_move_axis(v, at, i, known->component, change, along);
+    } else if (SCENE_ANY_COMPOUND && turns && known->row == ROW_body_prescribed_orientation) {
+        move_prescribed_orientation(v, at, known, change, along);
+    }
+    if (moved != NULL) {
+        *vec3_part(moved, known->component) += change;
     }
 }
 
@@ -129,32 +123,23 @@ static double diagonal_slope(const struct model *m, const struct scene_jet *alon
                                                         along->displacement[contact_source(contact)][1])));
 }
 
-static void vary_factors(const struct model *m, struct scene_jet *along)
+/* Varies the factors of the laws, and the damping that depends on the onset of a contact. Until the end of
+ * initialization the onset is the start, and the damping follows the gap and gap rate there. */
+static void vary_laws(const struct model *m, struct linear_model *l)
 {
+    const struct scene_values *v = &m->state.values;
+    struct scene_jet *along = &l->along;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        along->law_slope[j] = model_law_slope(m, j, diagonal_slope(m, along, j));
-        if (SCENE_ANY_FRICTION &&
-            contact_slip_velocity_control(&m->state.values, j) == SLIP_VELOCITY_CONTROL_AUTOMATIC) {
-            along->slip_velocity_slope[j] =
-                1e-3 * diagonal_slope(m, along, j); /* prepare.c has this factor too */
+        const double slope = diagonal_slope(m, along, j);
+        along->law_slope[j] = model_law_slope(m, j, slope);
+        if (SCENE_ANY_FRICTION && contact_slip_velocity_control(v, j) == SLIP_VELOCITY_CONTROL_AUTOMATIC) {
+            along->slip_velocity_slope[j] = 1e-3 * slope; /* prepare.c has this factor too */
         }
-    }
-}
-
-/* Varies the damping that depends on the onset of a contact. Until the end of initialization the onset is the
- * start, and the damping follows the gap and gap rate there. */
-static void vary_onsets(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
-                        struct scene_jet *along)
-{
-    if (SCENE_ANY_HERTZ) {
-        const struct scene_values *v = &m->state.values;
-        for (int j = 0; !m->state.initialized && j < SCENE_CONTACTS; ++j) {
-            if (scene_damps_by_onset(v, j)) {
-                jet_of_contacts(v, q, at, along);
-                const struct contact_jet *contact = &along->contact[j];
-                along->law_slope[j] = contact_hunt_crossley_slope(
-                    onset_damping_slope(v, q, at, j, contact->gap[1], contact->gap_rate[1]));
-            }
+        if (SCENE_ANY_HERTZ && !m->state.initialized && scene_damps_by_onset(v, j)) {
+            const struct contact_jet *contact = &along->contact[j];
+            jet_of_contacts(v, l->q, &l->at, along);
+            along->law_slope[j] = contact_hunt_crossley_slope(
+                onset_damping_slope(v, l->q, &l->at, j, contact->gap[1], contact->gap_rate[1]));
         }
     }
 }
@@ -217,8 +202,7 @@ static void begin_path(const struct model *m, struct linear_model *l)
 static void finish_path(const struct model *m, struct linear_model *l)
 {
     const struct scene_values *v = &m->state.values;
-    vary_factors(m, &l->along);
-    vary_onsets(m, l->q, &l->at, &l->along);
+    vary_laws(m, l);
     jet_of_contacts(v, l->q, &l->at, &l->along);
     if (SCENE_ANY_FREE && m->state.initialized && !m->host.exchange) {
         /* The jump of an input that moves a body does the work that changes the energy stored in contacts. */
@@ -248,21 +232,6 @@ static enum model_status put_changes(const struct model *m, struct linear_model 
     return status;
 }
 
-/* Computes the sum of the changes by a known, each times its seed. */
-static enum model_status put_sum_of_changes(const struct model *m, struct linear_model *l,
-                                            const struct product *p, const struct variable *known,
-                                            double *value)
-{
-    *value = 0.0;
-    const enum model_status status = put_changes(m, l, &p->unknowns, p->seed, value);
-    return status != MODEL_OK || isfinite(*value)
-               ? status
-               : model_report(m, MODEL_DISCARD,
-                              "An adjoint derivative with respect to %s is beyond the range of numbers "
-                              "(allowed: finite).",
-                              known->name);
-}
-
 /* The adjoint product finds the effect of each known in turn. That is cheap enough, because inputs are few
  * and the effect of one costs as much as reading all outputs. */
 enum model_status model_product(struct model *m, const struct product *p)
@@ -281,7 +250,14 @@ enum model_status model_product(struct model *m, const struct product *p)
         for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
             move_inputs(&m->state.values, l.q, &l.at, first + k, p->adjoint ? 1.0 : *direction++, &l.along);
             if (p->adjoint) {
-                status = put_sum_of_changes(m, &l, p, first + k, values++);
+                *values = 0.0;
+                status = put_changes(m, &l, &p->unknowns, p->seed, values);
+                if (status == MODEL_OK && !isfinite(*values++)) {
+                    status = model_report(m, MODEL_DISCARD,
+                                          "An adjoint derivative with respect to %s is beyond the range of "
+                                          "numbers (allowed: finite).",
+                                          first[k].name);
+                }
                 begin_path(m, &l);
             }
         }

@@ -29,14 +29,6 @@ struct input_signal {
  * prescribed angular velocity, axis and external torque; where any is a compound, prescribed orientation. */
 enum { SIGNALS_EACH = SCENE_ANY_COMPOUND ? 22 : SCENE_ANY_ROTATION ? 18 : 9 };
 
-/* The values of those parameters that may be set between steps and of which the motion keeps no copy. */
-struct tunable_values {
-    struct vec3 gravity;                           /* [m/s^2] */
-    double relative_tolerance, absolute_tolerance; /* of the solver */
-    int32_t dashpot[SCENE_CONTACTS];
-    int32_t unused; /* fills the place of padding */
-};
-
 /* The state as it is saved: flat and without pointers. Doubles come first, which leaves no padding inside. */
 struct model_state {
     struct scene_values values;
@@ -46,7 +38,7 @@ struct model_state {
     uint64_t booked;
     double importer_tolerance; /* 0: none given */
     double start_time;
-    struct tunable_values in_force; /* while `tuned`: the parameters in force; `values` has new ones */
+    struct scene_values in_force; /* while `tuned`: the values before parameters were set between steps */
     uint8_t marks[SCENE_BODIES][SIGNALS_EACH];
     uint8_t signals_changed; /* model_apply_inputs has not seen some mark yet */
     uint8_t signals_open;    /* some mark is set since the last step */
@@ -59,11 +51,10 @@ struct model_state {
 };
 
 /* Which outputs are up to date; each value includes the ones before. The bits of a value tell which variables
- * can be read as they stand (enum variable_source). VARIABLE_FIXED only tells the first two values apart. */
+ * can be read as they stand (enum variable_source). */
 enum outputs {
     OUTPUTS_NONE = VARIABLE_GIVEN,
-    OUTPUTS_FIXED = OUTPUTS_NONE | VARIABLE_FIXED,  /* outputs of bodies that never move */
-    OUTPUTS_BODIES = OUTPUTS_FIXED | VARIABLE_BODY, /* displacement, position, velocity of all */
+    OUTPUTS_BODIES = OUTPUTS_NONE | VARIABLE_BODY, /* displacement, position, velocity of all */
     OUTPUTS_ALL = OUTPUTS_BODIES | VARIABLE_COMPUTED
 };
 
@@ -71,19 +62,12 @@ struct model {
     struct model_state state;
     struct model_host host;
     struct integrator integrator;
-    enum outputs outputs; /* the outputs that are up to date in state.values */
+    enum outputs outputs;               /* the outputs that are up to date in state.values */
+    const struct step_request *request; /* of the present step */
 };
 
 /* Whether the host wants messages of this status; asked before a costly message is made. */
 bool model_reports(const struct model *m, enum model_status status);
-
-/* Marks the outputs that change as out of date. */
-static inline void model_forget_outputs(struct model *m)
-{
-    if (m->outputs > OUTPUTS_FIXED) {
-        m->outputs = OUTPUTS_FIXED;
-    }
-}
 
 /* Formats and sends a message when the host wants the category. */
 CONTACT_COLD enum model_status model_report(const struct model *m, enum model_status status,
@@ -111,9 +95,15 @@ CONTACT_COLD enum model_status model_check_consistency(struct model *m);
  * would. */
 CONTACT_COLD void model_warn_of_idle(struct model *m);
 
-/* Whether a quaternion is zero and so is no rotation, and whether the prescribed orientation of a body is. */
-bool model_is_no_rotation(struct quaternion q);
+/* Whether the prescribed axis or orientation of a body is zero, so that it has no direction or is no
+ * rotation. */
+bool model_has_no_axis(const struct scene_values *v, int body);
 bool model_has_no_orientation(const struct scene_values *v, int body);
+
+/* Reports a vector of a body or an orientation that is zero: an error of the initialization, or an input
+ * (MODEL_DISCARD) that is therefore not in force. */
+enum model_status model_refuse_zero(const struct model *m, enum model_status status, int body,
+                                    const char *name);
 
 /* Whether the vector a, other than zero, has a part across the axis of a body that keeps its axis. */
 bool model_tilts_axis(const struct scene_values *v, int body, struct vec3 a);
@@ -146,9 +136,7 @@ void motion_close(struct integrator *integrator);
 /* Whether the solver's method uses a history that is not part of the saved state, as CVODE does. */
 bool motion_has_history(const struct scene_values *v);
 
-/* motion_place puts the free bodies to where they start. motion_begin then begins the motion: it settles the
- * regimes of the contacts. */
-void motion_place(const struct scene_values *v, struct scene_state *q);
+/* Begins the motion of bodies that are where they start: it settles the regimes of the contacts. */
 void motion_begin(const struct scene_values *v, struct scene_state *q);
 
 /* Changes the paths of the inputs and books the work that the change does. Returns false, and changes
@@ -156,17 +144,6 @@ void motion_begin(const struct scene_values *v, struct scene_state *q);
  * of contacts without a free body are laid onto the new tangent planes. */
 bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
                    bool jumps);
-
-/* New factors of the contacts, and by how much gravity has changed. */
-struct motion_tuning {
-    struct contact_coefficients factors[SCENE_CONTACTS];
-    bool law_changed[SCENE_CONTACTS]; /* the factors or the dashpot */
-    struct vec3 more_gravity;         /* [m/s^2] */
-};
-
-/* Takes over new factors and gravity, and books their work. `v` holds the new parameters. False: a force, a
- * factor or the work is not finite, and q is of no use. */
-bool motion_tune(const struct scene_values *v, struct scene_state *q, const struct motion_tuning *tuning);
 
 /* Moves the motion to the end of the requested step. */
 enum model_status motion_advance(struct model *m, const struct step_request *request);
@@ -176,13 +153,8 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
 bool motion_defer(struct model *m, double end_time);
 void motion_catch_up(struct model *m);
 
-/* Return sums that are finite only if the motion of the free bodies and the energies are. */
+/* Returns a sum that is finite only if the motion of the free bodies is. */
 double motion_size(const struct scene_values *v, const struct scene_state *q);
-double motion_energy(const struct scene_values *v, const struct scene_state *q,
-                     const struct scene_instant *at);
-
-/* Returns the speed [m/s] below which a speed counts as zero. */
-double motion_least_speed(const struct scene_values *v);
 
 /* Returns the state that outputs show. This is q where a body may be free, else `settled`, a copy of q with
  * the regimes that the present inputs ask for. Reading outputs leaves q as it is. */

@@ -40,7 +40,10 @@ struct variable {
     uint8_t tunable : 1; /* 1: a parameter that may be set between steps, or a value that depends on one */
 };
 
-bool variable_is_local(const struct variable *variable);
+static inline bool variable_is_local(const struct variable *variable)
+{
+    return variable->causality >= VARIABLE_STATE;
+}
 
 static inline size_t variable_size(const struct variable *variable)
 {
@@ -55,7 +58,6 @@ double variable_number(const struct variable *variable, const void *at);
 enum variable_source {
     VARIABLE_OFFSET = 0xffffff,
     VARIABLE_GIVEN = 0x1000000,    /* nothing, because the importer gave the value */
-    VARIABLE_FIXED = 0x2000000,    /* not used by variables; tells two values of enum outputs apart */
     VARIABLE_BODY = 0x4000000,     /* the motion of the bodies */
     VARIABLE_COMPUTED = 0x8000000, /* everything */
     VARIABLE_VECTOR = 0x10000000   /* beside another bit: the first of a vector's three components */
@@ -100,6 +102,10 @@ extern const double scene_state_nominals[];
 /* Returns the variable of a value reference, or NULL when the scene has none. The search takes the same time
  * for every reference. */
 const struct variable *scene_variable(uint32_t reference);
+
+/* Returns the first variable of a row, for the first body or contact from `element` on that has it; NULL:
+ * there is none. */
+const struct variable *variable_of_row(int row, int element);
 
 /* Returns the first component of the vector, or the scalar, that a value reference names; else NULL. The
  * reference of a vector is that of its first component. */
