@@ -31,7 +31,7 @@ static int add_cone(const struct contact_solid *solid, const struct separation_p
     return polynomial_add_sign_changes(&cone, places, count);
 }
 
-/* A distance of the centre from edges of zones [m], positive within them. */
+/* Returns a distance of the centre from edges of zones [m], positive within the zone. */
 typedef double zone_margin(const struct contact_solid *solid, struct vec3 c);
 
 static double whole_margin(const struct contact_solid *solid, struct vec3 c)

@@ -249,7 +249,7 @@ static void move_to(void *memory, double clock, struct scene_state *q)
     ode_unpack(&c->ode, q, NV_DATA_S(c->y));
 }
 
-/* Starts a phase from the motion; returns false where CVODE fails. c->problem refers to `v`, `q`. */
+/* Starts a phase from the motion; returns false where CVODE fails. c->ode refers to `v` and `q`. */
 static bool start_phase(struct cvode *c, const struct scene_values *v, struct scene_state *q)
 {
     struct scene_instant at;

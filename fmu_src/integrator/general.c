@@ -946,7 +946,7 @@ static enum advance_result make_step(struct general *g, const struct scene_state
 {
     struct general_end *end = &g->end;
     const double left = step->clock_end - q->clock;
-    /* a step goes beyond the end, and is read within, only where rounding allows the tolerance there */
+    /* a step reaches beyond the end, to be read there, only where rounding allows the tolerance */
     const bool reads = g->relative <= solver_relative_tolerance(g->ode.values);
     const double most = reads ? fmax(step->clock_limit - q->clock, left) : left;
     double longest = (double)INFINITY;

@@ -1076,7 +1076,7 @@ static void put_blocks_of_normals(const struct iteration *it, int c, int d, doub
     const int s = p->stages->stages;
     const struct radau_columns *columns = radau_step_columns(p);
     const struct normals *of = &it->normals[c];
-    double slope[2][RADAU_MOST_STAGES]; /* by_rate and by_gap of 1 N s and of 1 N s^2 on the bodies */
+    double slope[2][RADAU_MOST_STAGES]; /* response to 1 N over the step, by rate and by gap */
     for (int i = 0; i < s; ++i) {
         slope[0][i] = by_mass * p->length * of->by_rate[i];
         slope[1][i] = by_mass * p->length * p->length * of->by_gap[i];

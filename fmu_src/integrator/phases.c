@@ -105,8 +105,8 @@ static const struct scene_instant *advance_now(struct advance *step, const struc
 static const double LONGEST_HORIZON = 1e18;
 static const double HORIZON_GROWTH = 1e3;
 
-/* A flight of many short steps is searched a few times only, each time so many times as far as it has
- * come. */
+/* A search reaches this many times as far as the flight has come, so that a flight of many short steps is
+ * searched a few times only. */
 static const double SEARCH_GROWTH = 8.0;
 
 /* Returns the horizon of the search for regime changes [s]: the longer of the rest of the step and
@@ -237,7 +237,7 @@ static bool keeps_step(const struct scene_values *v, const struct scene_state *q
            scene_keeps_steps(v);
 }
 
-/* Whether that step reaches beyond the present: it goes on before an island is tried. */
+/* Whether the kept step of the general segment reaches beyond the present. It precedes a new island. */
 static bool general_goes_on(const struct scene_values *v, const struct scene_state *q)
 {
     return keeps_step(v, q) && q->unfinished.present == q->clock && q->unfinished.end > q->clock;
@@ -370,7 +370,7 @@ static void begin_form(struct pair_phase *all, enum phase_form form, double long
     all->lifts = false;
 }
 
-/* Makes the chain, as long as contacts that are none of it stay apart. */
+/* Makes the chain, up to the time for which the contacts outside it stay apart. */
 static bool make_chain(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
                        const struct scene_instant *at, double longest)
 {
@@ -444,8 +444,8 @@ static bool make_segments(struct pair_phase *all, const struct scene_values *v, 
     return true;
 }
 
-/* Makes a phase of at most a length. Contacts that act on each other are a chain or an island; where others
- * only stay apart for a while, pairs have segments. */
+/* Makes a phase of at most `longest` [s]: a chain or an island of contacts that act on each other, or the
+ * segments of pairs while all other contacts of their bodies stay apart. */
 static bool make_phase(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
                        const struct scene_instant *at, double longest)
 {
@@ -705,7 +705,6 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
                 ? restore_pairs(all, v, q)
                 : begin_pairs(all, v, q, fmax(step->clock_end, unforeseen_until(v, q, step)), step);
         if (!made) {
-            /* with the budget it came with: CVODE takes a budget of 0 as its default */
             return ADVANCE_FAILED;
         }
         q->integrator_fresh = 1;

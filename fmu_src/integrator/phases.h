@@ -4,8 +4,8 @@
  * these phases.
  *
  *   flight/          no contact transmits a force: closed form, for every method
- *   touch/           event_driven, contact pairs that share no free body: closed form, series, collocation;
- *                    without rotation and friction, and with them where touch/rubbing.h allows it
+ *   touch/           event_driven, contact pairs, chains and islands: closed form, series, collocation;
+ *                    bodies that turn or rub only in pairs that touch/rubbing.h allows
  *   general.c        event_driven, everything else in contact: Radau IIA
  *   cvode.c          SUNDIALS CVODE, BDF with an analytic Jacobian or Adams
  *   prescribed/      neither body of a contact is free: quadratures along the prescribed motion
@@ -38,7 +38,7 @@ struct advance {
 
 /*
  * Work is counted in units of some 3,000 instructions. An internal step in closed form or an event takes one
- * unit; segment_make returns the work of other segments. An evaluation of forces by the general segment takes
+ * unit; segment.work is the work of any other segment. An evaluation of forces by the general segment takes
  * 9,000 to 20,000 instructions, and a step of CVODE takes 50,000 to 300,000. A panel of the quadrature of a
  * prescribed contact takes 100,000 instructions.
  */
@@ -70,7 +70,7 @@ enum integrator_status {
     INTEGRATOR_DONE,       /* arrived at the end time */
     INTEGRATOR_STEP_LIMIT, /* solver.max_internal_steps reached; q holds the time and state so far */
     INTEGRATOR_STALLED,    /* contacts change without end, or nearly so; q holds the time and state so far */
-    INTEGRATOR_FAILED      /* the method gave up; q holds the last good state, integrator_message says why */
+    INTEGRATOR_FAILED      /* the method gave up; q holds the last good state, integrator.message says why */
 };
 
 enum { INTEGRATOR_MESSAGE_SIZE = 256 };

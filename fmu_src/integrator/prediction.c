@@ -302,7 +302,7 @@ struct separating {
     struct vec3 normal;
     double settle;                /* the gap counts as below zero up to this s */
     double gap_noise, rate_noise; /* rounding of gap and gap rate at the start [m], [m/s] */
-    double left;                  /* an integrator may leave the event function so far below zero */
+    double left;                  /* an integrator may leave the event function below zero by this much */
 };
 
 /* Returns the regime at the place s of the path, by a gap that has the digits of the gap at the start. The

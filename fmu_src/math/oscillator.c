@@ -47,7 +47,7 @@ struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, do
 {
     const double decay_rate = 0.5 * o->damping_rate;
     const double omega_d2 = o->omega2 - decay_rate * decay_rate;
-    /* y = exp(-decay_rate z) (y cos + start sin / omega_d) */
+    /* y(z) = exp(-decay_rate z) (y cos(omega_d z) + start sin(omega_d z) / omega_d) */
     const double start = y_rate + decay_rate * y;
     if (fabs(omega_d2) * 16.0 <= decay_rate * decay_rate) {
         /* |sin / omega_d| <= z cosh(decay_rate z / 4), and z exp(-decay_rate z / 4) <= 4 / (e decay_rate) */
@@ -63,7 +63,7 @@ struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, do
     return (struct oscillator_envelope){fabs(slow) + fabs(fast), o->omega2 / (decay_rate + spread)};
 }
 
-/* A shorter time is that of a power series [1 / (1 + damping_rate)]. */
+/* Up to this z, in units of 1 / (1 + damping_rate), a power series gives the changes of y and y'. */
 static const double SHORT_TIME = 0.1;
 
 static struct oscillator_increment increment_by_series(double damping_rate, double y, double y_rate, double z)

@@ -30,8 +30,8 @@ struct oscillator_rates {
 struct oscillator_rates oscillator_rates_of(const struct oscillator *o);
 
 /* |y| <= amplitude exp(-decay_rate z) for the free oscillation that starts with y and y'. The bound also
- * serves for sums of y and y', which solve the same equation. Below critical damping the amplitude is the
- * least possible one; near it and beyond it is the sum of both decays. */
+ * serves for sums of y and y', which solve the same equation. Well below critical damping the amplitude is
+ * the least possible one, well beyond it is the sum of both decays, and in between the bound is coarser. */
 struct oscillator_envelope {
     double amplitude, decay_rate;
 };

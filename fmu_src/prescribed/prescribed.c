@@ -827,8 +827,8 @@ static bool passes_event(struct span *s, const struct panel *left, const struct 
  * or circle, n reverses and the forces jump. Panels end right before it and begin right behind it.
  */
 
-/* Most doublings of the time that a source needs to leave the centre at its relative speed. A source that
- * takes longer than that stays in the centre. */
+/* Most doublings of the time in which a source leaves the centre at its present relative speed. A source that
+ * has not left the centre by then stays in it. */
 enum { LEAVING_DOUBLINGS = 10 };
 
 struct passage {

@@ -69,7 +69,7 @@ void transition_set_regime(const struct scene_values *v, struct scene_state *q, 
 void transition_change_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime, struct scene_instant *at);
 
-/* Takes an event of friction likewise: its regime changes, the regime of the law stays. */
+/* Changes the regime of friction after an event and begins a phase. The regime of the law stays. */
 void transition_change_friction(const struct scene_values *v, struct scene_state *q, int contact,
                                 enum ode_event event, struct scene_instant *at);
 

@@ -307,7 +307,7 @@ static double tail_of(const struct collocation *p, const struct nodal_vec3 *valu
 }
 
 /* Estimates the error from the last coefficients of the integrands. The integral of a Chebyshev polynomial is
- * smaller than the polynomial by its degree. */
+ * smaller than the polynomial by a factor of its degree. */
 static double tail_of_all(const struct collocation *p)
 {
     const int points = p->nodes->points;
@@ -683,7 +683,7 @@ static void set_frame(struct collocation *p)
     }
 }
 
-/* Sets x at the nodes to the equilibrium under the load at the start, and first guesses of n and H. */
+/* Makes first guesses of n, H and x. x is constant: its start, or in an averaged step its equilibrium. */
 static void start_step(struct collocation *p, const struct collocation_problem *from, double step,
                        enum collocation_kind kind, const struct lobatto *nodes)
 {
@@ -703,7 +703,7 @@ static void start_step(struct collocation *p, const struct collocation_problem *
     p->result.slow[0] = kind == COLLOCATION_AVERAGED ? load_at_start(p) / from->omega2 : from->deviation;
     p->result.y = from->deviation - p->result.slow[0];
     p->result.y_rate = kind == COLLOCATION_QUASI_STATIC ? 0.0 : p->half * p->local.rate.x;
-    p->result.oscillator = (struct oscillator){1.0, 0.0}; /* for a step without any */
+    p->result.oscillator = (struct oscillator){1.0, 0.0}; /* a quasi-static step has no other */
     if (!p->local.head_on) {
         guess_turning(p);
     }

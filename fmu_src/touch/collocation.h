@@ -60,7 +60,7 @@ struct collocation_problem {
 /* The problem in the frame of the start, that of rim.h. */
 struct collocation_local {
     double distance;      /* d at the start [m] */
-    struct vec3 frame[3]; /* its vectors in the world; only n if head-on */
+    struct vec3 frame[3]; /* a, e, b of rim.h in the world; about a centre n, 0, 0 if head-on */
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E */
     struct vec3 rate;                                         /* x' [m/s] as its first component */
@@ -129,17 +129,17 @@ bool collocation_finish(struct collocation *p);
 void collocation_deviation(const struct collocation *p, double s, double x[4]);
 void collocation_mismatch(const struct collocation *p, double s, double normal_mismatch[4]);
 
-/* Gives the contact force of an overdamped step, divided by m_red and times half^2 [m], half^2 (x'' - n.A -
- * |H|^2 / d^3) = -(omega2 x + damping_rate (x' + n.E)), and its first two derivatives. They are computed from
- * x'' and f, because the spring force and the dashpot force nearly cancel. */
+/* Gives the contact force of an overdamped step, divided by m_red and times half^2 [m], and its first two
+ * derivatives. It is x'' - half^2 f = -half^2 omega2 x - half damping_rate (x' + half n.E). It is computed
+ * from x'' and f, because the spring force and the dashpot force nearly cancel. */
 void collocation_overdamped_push(const struct collocation *p, double s, double push[3]);
 
 /* Gives x without y, the averaged deviation [m], and its first three derivatives with respect to s. */
 void collocation_averaged_deviation(const struct collocation *p, double s, double x[4]);
 
-/* Change of n and H, in the frame, by an oscillation (y, y') while load, acceleration and d stay constant. y
- * changes the rates of n and H by P y, where the factor P varies slowly. The integral of P y is -P (y' +
- * damping_rate y) / omega2, up to terms smaller by the ratio of the slow rate to the oscillation's. */
+/* What an oscillation y adds to n and H (collocation_result) at constant load, acceleration and d. y changes
+ * the rates of n and H by P y, where P varies slowly. The integral of P y is -P (y' + damping_rate y) /
+ * omega2, up to terms smaller by the ratio of the slow rate to the oscillation's. */
 struct collocation_correction {
     struct vec3 normal, momentum;
 };

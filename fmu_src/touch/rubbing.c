@@ -170,8 +170,8 @@ static bool slides_fully(const struct slide *f, double impulse)
     return f->slip - f->unit * f->per_impulse * impulse >= FULL_FRICTION * f->unit;
 }
 
-/* Returns a place up to which friction is full, within NEARLY v_0 of the slip or the last digit of where it
- * ceases to be: the quadrature that starts there is as good a little earlier. */
+/* Returns a place before the end of full friction, by at most NEARLY v_0 of the slip or the last digit of s.
+ * The quadrature that starts at this place is as good if it starts a little early. */
 static double end_of_full_friction(const struct slide *f, double end)
 {
     const double nearly = NEARLY / f->per_impulse; /* as an impulse */
@@ -329,8 +329,8 @@ static const double BELOW_ROUNDING = 0.01;
 
 /*
  * Integrates the way from one s to another by panels, or until the slip no longer matters for places. Panels
- * are halved until their error is below the segment's tolerance. `turning`: the axis of rotation changes, and
- * the rotation is integrated with them.
+ * are halved until their error is below the segment's tolerance. `turning`: the axis of rotation changes, so
+ * that the panels integrate the rotation too.
  */
 static void travel_on(const struct slide *f, double from, double to, double length, bool turning,
                       struct travel *way)
@@ -362,8 +362,8 @@ static void travel_on(const struct slide *f, double from, double to, double leng
     }
 }
 
-/* Whether friction turns the axis of rotation: the rotation is then no closed form. The part of it that two
- * rotations do not commute by is at most |omega x omega'| t^2 / 12. */
+/* Whether friction turns the axis of rotation, so that the rotation has no closed form. A rotation about the
+ * integral of omega would be wrong by some |omega x omega'| t^3 / 12 [rad], where omega' t = lost spun. */
 static bool axis_turns(const struct slide *f, double lost, double time)
 {
     const struct vec3 across = vec3_cross(f->rotation, f->spun);

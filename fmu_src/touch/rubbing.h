@@ -22,8 +22,8 @@ bool rubbing_allows(struct segment *p, const struct scene_values *v, const struc
 double rubbing_short_until(const struct segment *p, const struct scene_values *v, const struct scene_state *q,
                            int contact);
 
-/* segment_advance, with friction: the motion along the plane, the rotation of the source, and the impulses
- * and works of the friction force. */
+/* Does the work of segment_advance and adds what friction does: the motion along the plane, the rotation of
+ * the source, and the impulses and works of the friction force. */
 void rubbing_advance(struct segment *p, double from, double s, const struct scene_values *v,
                      struct scene_state *q, int contact);
 

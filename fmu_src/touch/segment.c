@@ -476,7 +476,7 @@ static double longest_step(const struct segment *p)
 static bool averaged_applies(const struct segment *p)
 {
     const struct pair_timescales *scales = &p->scales;
-    /* an oscillation below rounding counts as none, also where the load has faded */
+    /* an oscillation below rounding counts as none, even where no load is left */
     return collocated_applies(p) && scales->rates.slower >= SEPARATION_OF_RATES * scales->tangential_rate &&
            scales->oscillation < fmax(scales->equilibrium_depth, terminal_event_gap_noise(&p->pair));
 }
@@ -898,7 +898,7 @@ static struct torque_lever torque_lever_of(const struct contact_pair *pair)
     return lever;
 }
 
-/* Returns the integral of c x r'' with the part of C that counts. */
+/* Returns the integral of c x r'' up to the time of `change`, where `c` is the part of C that counts. */
 static struct vec3 by_lever(const struct contact_pair *pair, const struct pair_change *change,
                             const struct vec3 moment[PAIR_MOMENTS],
                             const struct vec3 c[SEPARATION_DEGREE + 1])

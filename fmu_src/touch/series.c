@@ -66,7 +66,7 @@ struct series_kind {
     bool first; /* order zero, at which a product has only one term */
 };
 
-/* These three are constants where the scene decides, also in a build without inlining. */
+/* The three functions below are constants where the scene decides them, even in a build without inlining. */
 static inline bool kind_by_root(struct series_kind kind)
 {
     return SCENE_ANY_HERTZ && kind.by_root;
@@ -437,8 +437,8 @@ enum { LAST_BY_ROOT = 5, LAST_BY_TIME = 2 };
 static const double LONGEST_SERIES = 16.0;
 
 /* Returns the step at which the first omitted term divided by the whole is `accuracy` (Jorba and Zou). The
- * step follows from the least radius of convergence of the last coefficients. A quotient of
- * zeros is ignored. */
+ * step follows from the least radius of convergence of the last coefficients. A quotient of zeros is
+ * ignored. */
 static double reliable_step(const struct pair_series *p, const struct series_work *z, double accuracy)
 {
     /* u is as large as its first coefficients, for s is of order one */
@@ -551,8 +551,8 @@ static struct vec3 vector_at(const struct pair_series *p, const series_row *rows
 }
 
 /* Returns the place of node i of a quadrature over [0, s], and writes its weight. Products of series have
- * coefficients beyond the last one. Twelve nodes integrate them to rounding, because a
- * series ends at a fourth of its radius of convergence. */
+ * coefficients beyond the last one. Twelve nodes integrate them to rounding, because a series ends within a
+ * third of its radius of convergence. */
 static double series_node(int i, double s, double *weight)
 {
     const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
