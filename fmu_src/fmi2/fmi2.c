@@ -281,8 +281,8 @@ static const char *status_kind_name(fmi2StatusKind kind)
     return (unsigned)kind < sizeof names / sizeof names[0] ? names[kind] : "(unknown)";
 }
 
-/* Answers a status function of the kind `answered`. No call ever returns fmi2Pending, so fmi2PendingStatus is
- * refused. */
+/* Answers a status function that knows only the kind named `answered`. No call ever returns fmi2Pending, so
+ * fmi2PendingStatus is refused. */
 static enum model_status tell_status(struct instance *instance, fmi2StatusKind kind, const char *answered,
                                      bool known, void *value, const void *answer, size_t size)
 {

@@ -299,7 +299,7 @@ static const double NOISE_OF_DECREASE = 0.1;
 /* The next step is shorter by this factor than the error would allow. */
 static const double SAFETY = 0.9;
 
-/* A step of three to six radians of the springs may span an impact: parts of general_length_of_springs. */
+/* A step of three to six radians of the springs, here in general_length_of_springs, may span an impact. */
 static const double SPANS_IMPACT[2] = {0.8, 1.5};
 
 /* Returns the stages of a long step. Twelve follow an impact in one step, where eight take four steps and

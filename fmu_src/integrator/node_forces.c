@@ -20,7 +20,7 @@ enum { ROWS_WHERE_IT_SWINGS = 2 };
  * each changes by `by_force` dF + `by_velocity` dU + `by_place` dX. The last three are those of the torque,
  * and each changes by `by_force` dF + `by_torque` dM + `by_spin` domega. Where the contact has one unknown,
  * there is one row, and dF has the direction `push`. Rows with a spring change by `by_spring` dxi as well;
- * `by_drive` is their change by what drives the spring (friction_spring_drive_of).
+ * `by_drive` is their change by the drive of the spring (friction_spring_drive_of).
  *
  * A displacement dD of the source's centre against the destination's turns n, by which the rows of the force
  * change by `by_swing` dD. */
@@ -43,8 +43,8 @@ struct node {
 };
 
 /* One spring of a contact at all stages. Linearized, it changes by dxi_i = sum `filter`_ij (rho_j + S dz_j).
- * Here rho is the rate by the law less the rate of the polynomial, and S dz is the change of the rate by what
- * drives the spring. `weight` is the filter where F_t drives the spring. Where the slip does, `weight` is the
+ * Here rho is the rate by the law less the rate of the polynomial, and S dz is the change of the rate by the
+ * spring's drive. `weight` is the filter where F_t drives the spring. Where the slip does, `weight` is the
  * filter times the matrix of integration, because the forces give the rates of the slip. */
 struct node_spring {
     bool is_there, is_force;
@@ -266,7 +266,7 @@ static void prepare(struct iteration *it)
     }
 }
 
-/* Returns what a change dz of what drives a spring adds to the spring's rate. */
+/* Returns the change of a spring's rate by a change dz of the spring's drive. */
 static struct vec3 driven_by(const struct friction_spring_drive *drive, struct vec3 dz)
 {
     const double along = (drive->along - drive->across) * vec3_dot(drive->unit, dz);
@@ -312,7 +312,7 @@ static void respond_along_normal(struct iteration *it, int stage, int index, con
 }
 
 /* Sets the rate of a spring and, if `slopes` is not NULL, how the response of its part changes with the
- * spring and with what drives it. */
+ * spring and with its drive. */
 static void respond_with_spring(struct iteration *it, int stage, int index, int part,
                                 const struct scene_instant *at, struct friction_state rubbing,
                                 struct vec3 opposing, const struct friction_response *slopes)
@@ -743,7 +743,7 @@ static void follow_spin(struct iteration *it, int body, const double *pending)
     }
 }
 
-/* The changes to come of a spring at all stages, and those of its rate by what drives it. */
+/* The changes to come of a spring at all stages, and those of its rate by its drive. */
 struct spring_change {
     struct vec3 spring[RADAU_MOST_STAGES], driven[RADAU_MOST_STAGES];
 };
@@ -757,7 +757,7 @@ static struct vec3 part_of_spring(const struct iteration *it, int stage, int con
                         it->node[stage][contact].drive[part].unit);
 }
 
-/* Sets the changes by what drives a spring, where the states that are no places change by `pending`. */
+/* Sets the changes of a spring's rate by its drive, where the states but the places change by `pending`. */
 static void drive_spring(const struct iteration *it, int contact, int part, const double *pending,
                          struct spring_change *to)
 {
@@ -801,7 +801,7 @@ static struct spring_change change_of_spring(const struct iteration *it, int con
     return to;
 }
 
-/* Adds to the rates of a spring what its changes to come and what drives it will change. */
+/* Adds to the rates of a spring the effect of the changes to come of the spring and of its drive. */
 static void follow_drive(struct iteration *it, int contact, int part, const double *pending)
 {
     const struct radau_step *p = &it->g->step;
@@ -1228,7 +1228,7 @@ static void guess_forces(struct iteration *it)
             it->node[i][j].force = vec3_from(goes_on ? rates + 3 * i : p->start_rates + impulse);
         }
         if (SCENE_ANY_ROLLING &&
-            it->contact[j].rows == MOST_ROWS) { /* the resistance and that of the force */
+            it->contact[j].rows == MOST_ROWS) { /* the guess of M contains the torque of the force */
             if (goes_on) {
                 radau_step_guess_rates(p, impulse + 3, 3, rates);
             }
@@ -1399,7 +1399,7 @@ static void evaluate_instant(struct iteration *it, double clock, const double *y
     struct scene_instant *at = &it->instant;
     ode_instant(&g->ode, clock, y, at);
     prepare_bodies(it);
-    it->rates = g->step.scratch; /* of the springs, which are not asked for */
+    it->rates = g->step.scratch; /* memory for the rates of the springs, which nothing reads here */
     it->contacts = it->rows = 0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(g->state, j)) {

@@ -53,7 +53,7 @@ struct collocation_problem {
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A [m/s^2, ...] */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E [m/s, ...] */
     bool has_mismatch;                                        /* whether E is other than zero */
-    bool at_rim; /* contact at a rim or a torus, where n, H and f follow from rim.h */
+    bool at_rim; /* contact at a rim or a torus; else the fields above give `rim` */
     struct rim_start rim;
 };
 

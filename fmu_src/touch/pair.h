@@ -117,9 +117,9 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change,
 
 enum { FRAME = 3 }; /* directions of a frame */
 
-/* The flight of a pair in a frame of its start: coefficients of time, across the axis of a cylinder. */
+/* The flight of a pair in a frame of its start, by powers of time; of a cylinder the part across the axis. */
 struct frame_flight {
-    struct vec3 frame[FRAME];                /* n, the tangential direction of the motion, across both */
+    struct vec3 frame[FRAME];                /* n, the tangential direction, across both; at a rim a, e, b */
     int dimensions;                          /* directions of motion: one head-on, two in a plane */
     int degree;                              /* degree of C; that of W is one less */
     double c[SEPARATION_DEGREE + 1][FRAME];  /* C [m, m/s, ...] */

@@ -972,7 +972,7 @@ struct face_path {
 static struct face_path face_path_of(const struct segment *p)
 {
     struct face_path path = {.segment = p, .flight = p->pair.flight};
-    if (p->pair.starts_rounded) { /* leave_centre has left C(0) across the axis alone */
+    if (p->pair.starts_rounded) { /* leave_centre (pair.c) has set C(0) without its part along the axis */
         path.flight.c[0] = vec3_axpy(path.flight.c[0], p->pair.axial, p->pair.shape.axis);
     }
     path.raised = zone_path_rounding(&p->pair.shape.solid, &path.flight);

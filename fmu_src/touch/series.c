@@ -103,8 +103,8 @@ struct series_sums {
     double n[FRAME], push[FRAME], r[FRAME];
 };
 
-/* Returns where in a reversed series the factors begin that coefficients 1, 2, ... of another series have in
- * coefficient i of the product of both. */
+/* Returns the place in a reversed series from which its terms multiply coefficients 1, 2, ... of another
+ * series in coefficient i of the product. */
 static inline const double *back_from(const double *back, int i)
 {
     return back + (TAYLOR_ORDER - i);
