@@ -47,7 +47,7 @@ struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, do
 {
     const double decay_rate = 0.5 * o->damping_rate;
     const double omega_d2 = o->omega2 - decay_rate * decay_rate;
-    /* y(z) = exp(-decay_rate z) (y cos(omega_d z) + start sin(omega_d z) / omega_d) */
+    /* y = exp(-decay_rate z) (y cos + start sin / omega_d) */
     const double start = y_rate + decay_rate * y;
     if (fabs(omega_d2) * 16.0 <= decay_rate * decay_rate) {
         /* |sin / omega_d| <= z cosh(decay_rate z / 4), and z exp(-decay_rate z / 4) <= 4 / (e decay_rate) */
@@ -63,40 +63,25 @@ struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, do
     return (struct oscillator_envelope){fabs(slow) + fabs(fast), o->omega2 / (decay_rate + spread)};
 }
 
-/* Up to this z, in units of 1 / (1 + damping_rate), a power series gives the changes of y and y'. */
-static const double SHORT_TIME = 0.1;
-
-static struct oscillator_increment increment_by_series(double damping_rate, double y, double y_rate, double z)
+struct oscillator_increment oscillator_increment(const struct oscillator *o, double x, double x_rate,
+                                                 double load, double z)
 {
-    double before = y;
-    double term = y_rate * z;
+    if (!(z > 0.0)) {
+        return (struct oscillator_increment){0.0, 0.0};
+    }
+    double before = x;
+    double term = x_rate * z;
     struct oscillator_increment begun = {term, 0.0};
     for (int n = 2; n < 12; ++n) { /* 0.1^12 / 12! is far below rounding */
-        const double next = -z * (z * before + damping_rate * term * (n - 1)) / (n * (n - 1));
+        const double force = n == 2 ? load - o->omega2 * before : -o->omega2 * before;
+        const double next = z * (z * force - o->damping_rate * term * (n - 1)) / (n * (n - 1));
         before = term;
         term = next;
-        begun.y += term;
-        begun.y_rate += n * term;
+        begun.x += term;
+        begun.x_rate += n * term;
     }
-    begun.y_rate = z > 0.0 ? begun.y_rate / z : 0.0;
+    begun.x_rate /= z;
     return begun;
-}
-
-CONTACT_NOT_FUSED struct oscillator_increment oscillator_increment_of(double damping_rate, double y,
-                                                                      double y_rate, double z)
-{
-    if (z * (1.0 + damping_rate) <= SHORT_TIME) {
-        return increment_by_series(damping_rate, y, y_rate, z);
-    }
-    const double omega_d = sqrt(1.0 - 0.25 * damping_rate * damping_rate);
-    const double half_angle = 0.5 * omega_d * z;
-    const double sine = sin(half_angle);
-    const double shrink_less = damping_rate > 0.0 ? expm1(-0.5 * damping_rate * z) : 0.0;
-    const double by_rate = 2.0 * (1.0 + shrink_less) * sine * cos(half_angle) / omega_d;
-    const double cosine_less = shrink_less + (1.0 + shrink_less) * (-2.0 * sine * sine);
-    const double by_y = cosine_less + 0.5 * damping_rate * by_rate;
-    return (struct oscillator_increment){y * by_y + y_rate * by_rate,
-                                         y_rate * (by_y - damping_rate * by_rate) - y * by_rate};
 }
 
 void oscillator_particular(const struct oscillator *o, const double *load, double *s, int terms)
@@ -119,4 +104,109 @@ void relaxation_particular(double rate, const double *load, double *s, int terms
         s[k] = (load[k] - (k + 1) * next) * inverse;
         next = s[k];
     }
+}
+
+/* Rates that differ by less than this part of their mean are not summed separately: the two terms would
+ * cancel. */
+static const double TOGETHER = 0.25;
+
+struct free_oscillation free_oscillation_of(double damping_rate, double y, double y_rate)
+{
+    struct free_oscillation d = {
+        .oscillator = {1.0, damping_rate}, .y = y, .y_rate = y_rate, .slower = 1.0, .faster = 1.0};
+    const double mean = 0.5 * damping_rate;
+    const double spread_square = (mean - 1.0) * (mean + 1.0);
+    d.omega_d = sqrt(fmax(1.0 - mean * mean, 0.0));
+    if (spread_square > 0.0) {
+        const double spread = sqrt(spread_square);
+        d.faster = mean + spread;
+        d.slower = 1.0 / d.faster;
+        d.distinct = spread > TOGETHER * mean;
+        d.by_slower = (y_rate + d.faster * y) / (2.0 * spread);
+        d.by_faster = -(y_rate + d.slower * y) / (2.0 * spread);
+    }
+    return d;
+}
+
+struct free_oscillation free_oscillation_of_dashpot(double y, double y_rate, double drift)
+{
+    return (struct free_oscillation){.oscillator = {0.0, 1.0},
+                                     .y = y,
+                                     .y_rate = y_rate,
+                                     .distinct = true,
+                                     .faster = 1.0,
+                                     .by_slower = y + (y_rate - drift),
+                                     .by_faster = drift - y_rate,
+                                     .drift = drift};
+}
+
+void free_oscillation_at(const struct free_oscillation *d, double s,
+                         double y[1 + FREE_OSCILLATION_DERIVATIVES])
+{
+    if (!d->distinct) {
+        const struct oscillator_basis basis = oscillator_basis_at(&d->oscillator, s);
+        y[0] = d->y * basis.y_of_y + d->y_rate * basis.y_of_rate;
+        y[1] = d->y * basis.rate_of_y + d->y_rate * basis.rate_of_rate;
+        for (int i = 2; i <= FREE_OSCILLATION_DERIVATIVES; ++i) {
+            y[i] = -d->oscillator.damping_rate * y[i - 1] - y[i - 2];
+        }
+        return;
+    }
+    double slow = d->by_slower * exp(-d->slower * s);
+    double fast = d->by_faster * exp(-d->faster * s);
+    for (int i = 0; i <= FREE_OSCILLATION_DERIVATIVES; ++i) {
+        y[i] = slow + fast;
+        slow *= -d->slower;
+        fast *= -d->faster;
+    }
+    y[0] += d->drift * s;
+    y[1] += d->drift;
+}
+
+CONTACT_NOT_FUSED struct oscillator_increment free_oscillation_since(const struct free_oscillation *d,
+                                                                     double s)
+{
+    const double damping_rate = d->oscillator.damping_rate;
+    if (s * (1.0 + damping_rate) <= OSCILLATOR_SERIES_RANGE) {
+        return oscillator_increment(&d->oscillator, d->y, d->y_rate, d->drift, s);
+    }
+    if (d->distinct) {
+        const double slow = d->by_slower * expm1(-d->slower * s);
+        const double fast = d->by_faster * expm1(-d->faster * s);
+        return (struct oscillator_increment){slow + fast + d->drift * s,
+                                             -(d->slower * slow + d->faster * fast)};
+    }
+    double by_rate;     /* e^(-mean s) sin(omega_d s) / omega_d, with the mean rate damping_rate / 2 */
+    double cosine_less; /* e^(-mean s) cos(omega_d s) - 1 */
+    if (d->omega_d > 0.0) {
+        const double half_angle = 0.5 * d->omega_d * s;
+        const double sine = sin(half_angle);
+        const double shrink_less = damping_rate > 0.0 ? expm1(-0.5 * damping_rate * s) : 0.0;
+        by_rate = 2.0 * (1.0 + shrink_less) * sine * cos(half_angle) / d->omega_d;
+        cosine_less = shrink_less + (1.0 + shrink_less) * (-2.0 * sine * sine);
+    } else {
+        by_rate = oscillator_basis_at(&d->oscillator, s).y_of_rate;
+        cosine_less = 0.5 * (expm1(-d->slower * s) + expm1(-d->faster * s));
+    }
+    const double by_y = cosine_less + 0.5 * damping_rate * by_rate;
+    return (struct oscillator_increment){d->y * by_y + d->y_rate * by_rate,
+                                         d->y_rate * (by_y - damping_rate * by_rate) - d->y * by_rate};
+}
+
+/* (-faster)^order by_faster exp(-faster s) + (-slower)^order by_slower exp(-slower s) = 0: with each order
+ * the zero moves on by log(faster / slower) / (faster - slower). */
+double free_oscillation_zero(const struct free_oscillation *d, int order)
+{
+    if (!(d->slower > 0.0)) { /* by_faster exp(-s) = drift */
+        const double left = d->drift / d->by_faster;
+        return order == 1 && left > 0.0 ? -log(left) : (double)INFINITY;
+    }
+    const double spread = d->faster - d->slower;
+    const double part = d->y_rate / (d->y + d->slower * d->y_rate);
+    if (!(spread * part > -1.0)) {
+        return (double)INFINITY;
+    }
+    const double first = spread > 0.0 ? log1p(spread * part) / spread : part;
+    const double further = spread > 0.0 ? log1p(spread / d->slower) / spread : 1.0;
+    return first + (order - 1) * further;
 }

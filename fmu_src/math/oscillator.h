@@ -38,14 +38,17 @@ struct oscillator_envelope {
 
 struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, double y, double y_rate);
 
-/* The changes of the free oscillation y and of y' since y(0) = y, y'(0) = y_rate, which keep the digits of a
- * small change: subtracting the start values from the closed form would lose them. omega2 is one, and the
- * damping is below the critical one. */
+/* The increments of x and x' since x(0) = x, x'(0) = x_rate under a constant load, by a power series:
+ * subtracting the start values from the closed form would lose the digits of a small increment. For z up to
+ * OSCILLATOR_SERIES_RANGE / (1 + damping_rate), omega2 up to 1. */
+static const double OSCILLATOR_SERIES_RANGE = 0.1;
+
 struct oscillator_increment {
-    double y, y_rate;
+    double x, x_rate;
 };
 
-struct oscillator_increment oscillator_increment_of(double damping_rate, double y, double y_rate, double z);
+struct oscillator_increment oscillator_increment(const struct oscillator *o, double x, double x_rate,
+                                                 double load, double z);
 
 /* Coefficients of the particular solution s for a polynomial load of `terms` coefficients. The recurrence is
  * finite. The coefficients of s are of the load's size where the slower rate exceeds the degree, and grow as
@@ -54,5 +57,45 @@ void oscillator_particular(const struct oscillator *o, const double *load, doubl
 
 /* Writes the coefficients of the particular solution s of x' + rate x = load. */
 void relaxation_particular(double rate, const double *load, double *s, int terms);
+
+/*
+ * The free oscillation y'' + damping_rate y' + y = 0 for any damping. Beyond critical damping
+ *
+ *   y = by_slower exp(-slower s) + by_faster exp(-faster s)
+ *   slower faster = 1,   slower + faster = damping_rate
+ *
+ * and for a dashpot without a spring, y'' + y' = drift: slower = 0, faster = 1, and drift s is added.
+ *
+ * y and each derivative keep full relative accuracy however far they have decayed, except near their zeros.
+ * Variable s >= 0: radians of the undamped oscillator, or decay times of the dashpot.
+ */
+
+enum { FREE_OSCILLATION_DERIVATIVES = 4 };
+
+struct free_oscillation {
+    struct oscillator oscillator; /* omega2 1, or 0 by a dashpot alone */
+    double y, y_rate;             /* at the start */
+    bool distinct;                /* whether the two rates differ enough to be summed separately */
+    double slower, faster;
+    double by_slower, by_faster;
+    double drift;
+    double omega_d; /* frequency of y, sqrt(1 - damping_rate^2 / 4); 0 from critical damping on */
+};
+
+struct free_oscillation free_oscillation_of(double damping_rate, double y, double y_rate);
+struct free_oscillation free_oscillation_of_dashpot(double y, double y_rate, double drift);
+
+/* Writes y and its first four derivatives at s. */
+void free_oscillation_at(const struct free_oscillation *d, double s,
+                         double y[1 + FREE_OSCILLATION_DERIVATIVES]);
+
+/* Returns the changes of y and y' from s = 0 to s. */
+struct oscillator_increment free_oscillation_since(const struct free_oscillation *d, double s);
+
+/* Returns the s at which the derivative of y of this order is zero. The damping must be nearly critical or
+ * more: each derivative then has one zero at most. The result is negative where the zero lies before the
+ * start, and INFINITY where there is none. It is only approximate where the damping is slightly below
+ * critical and y still oscillates. */
+double free_oscillation_zero(const struct free_oscillation *d, int order);
 
 #endif

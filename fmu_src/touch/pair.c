@@ -454,36 +454,105 @@ struct frame_flight frame_flight_at_rim(const struct contact_pair *from)
     return flight;
 }
 
-/* Lowest damped frequency in closed form [radians per s], at 0.97 of critical damping. A lower one decays
- * below rounding within one period. */
+/* Lowest damped frequency treated as an oscillation [radians per s], at 0.97 of critical damping. A lower one
+ * decays below rounding within one period. */
 static const double LOWEST_FREQUENCY = 0.25;
+
+/* A contact without a spring drifts towards the centre, d = 0, where |g| is the reach. A segment in closed
+ * form is made only if its bound of |g| without the drift is below DRIFT_STARTS of the reach, and it ends
+ * where the drift may take |g| to DRIFT_ENDS of the reach. The two differ, so that each segment has room for
+ * some drift, and DRIFT_ENDS is below 1, so that no segment reaches the centre. */
+static const double DRIFT_STARTS = 0.5;
+static const double DRIFT_ENDS = 0.75;
 
 static double along_normal(const struct contact_pair *from, int degree)
 {
     return from->shape.side * vec3_dot(from->normal, pair_across(from, from->flight.c[degree]));
 }
 
+/* Returns the bound below which |g| must stay [m]. */
+static double largest_gap(const struct contact_pair *from)
+{
+    return contact_may_reach_centre(&from->shape) ? contact_reach(&from->shape) : DBL_MAX;
+}
+
+static bool make_of_spring(struct pair_oscillation *p)
+{
+    const struct contact_pair *from = p->from;
+    p->stiffness = from->coefficients.k;
+    p->equilibrium = p->load;
+    p->y = from->gap - p->equilibrium;
+    p->free = free_oscillation_of(from->coefficients.c / from->reduced_mass / p->rate, p->y, p->y_rate);
+    p->omega_d = p->free.omega_d < LOWEST_FREQUENCY ? 0.0 : p->free.omega_d;
+    p->amplitude = oscillator_envelope_of(&p->free.oscillator, p->y, p->y_rate).amplitude;
+    return fabs(p->equilibrium) + p->amplitude < largest_gap(from);
+}
+
+static bool make_of_dashpot(struct pair_oscillation *p)
+{
+    const struct contact_pair *from = p->from;
+    p->stiffness = from->coefficients.c * p->rate;
+    p->omega_d = p->equilibrium = 0.0;
+    p->y = from->gap;
+    p->free = free_oscillation_of_dashpot(p->y, p->y_rate, p->load);
+    p->amplitude = fabs(p->y) + fabs(p->free.by_faster);
+    return p->amplitude < DRIFT_STARTS * largest_gap(from);
+}
+
 bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from)
 {
-    p->rate = sqrt(from->coefficients.k / from->reduced_mass);
-    p->from = from;
-    p->oscillator = (struct oscillator){1.0, from->coefficients.c / from->reduced_mass / p->rate};
-    p->omega_d = sqrt(fmax(1.0 - 0.25 * p->oscillator.damping_rate * p->oscillator.damping_rate, 0.0));
-    if (!(p->rate > 0.0 && p->omega_d >= LOWEST_FREQUENCY)) {
+    const bool has_spring = from->coefficients.k > 0.0;
+    p->rate = has_spring ? sqrt(from->coefficients.k / from->reduced_mass)
+                         : from->coefficients.c / from->reduced_mass;
+    if (!(p->rate > 0.0)) {
         return false;
     }
-    p->equilibrium = 2.0 * along_normal(from, 2) / (p->rate * p->rate);
-    p->y = from->gap - p->equilibrium;
+    p->from = from;
+    p->load = 2.0 * along_normal(from, 2) / (p->rate * p->rate);
     p->y_rate = pair_gap_derivative(from) / p->rate;
-    p->amplitude = oscillator_envelope_of(&p->oscillator, p->y, p->y_rate).amplitude;
-    return !contact_may_reach_centre(&from->shape) ||
-           fabs(p->equilibrium) + p->amplitude < contact_reach(&from->shape);
+    return has_spring ? make_of_spring(p) : make_of_dashpot(p);
+}
+
+double pair_oscillation_longest(const struct pair_oscillation *p)
+{
+    if (p->omega_d > 0.0) {
+        return (double)INFINITY;
+    }
+    const double longest = p->free.omega_d > 0.0 ? PI / p->free.omega_d : (double)INFINITY;
+    if (p->from->coefficients.k > 0.0 || !contact_may_reach_centre(&p->from->shape)) {
+        return longest;
+    }
+    const double free = DRIFT_ENDS * contact_reach(&p->from->shape) - p->amplitude;
+    return fmin(longest, free / fabs(p->free.drift));
+}
+
+/* Whether y or y' has decayed so far that its direct value is more accurate than the start value plus the
+ * increment. */
+static bool has_decayed(double now, double start)
+{
+    return 2.0 * fabs(now) < fabs(start);
+}
+
+static double gap_after_decay(const struct pair_oscillation *p, double y, double change)
+{
+    return has_decayed(y, p->y) ? p->equilibrium + y : p->from->gap + change;
+}
+
+/* Changes of y and y' since the start, which would lose digits if added to the start values, then y'' and
+ * y'''. */
+static void grow(const struct pair_oscillation *p, double s, double y[4])
+{
+    const struct oscillator_increment change = free_oscillation_since(&p->free, s);
+    y[0] = change.x;
+    y[1] = change.x_rate;
+    y[2] = -p->free.oscillator.damping_rate * (p->y_rate + y[1]) - (p->y + y[0]);
+    y[3] = -p->free.oscillator.damping_rate * y[2] - (p->y_rate + y[1]);
 }
 
 /* y' = exp(-damping_rate s / 2) (y_rate cos + sideways sin) of omega_d s. */
 double pair_oscillation_first_extremum(const struct pair_oscillation *p)
 {
-    const double sideways = -(p->y + 0.5 * p->oscillator.damping_rate * p->y_rate) / p->omega_d;
+    const double sideways = -(p->y + 0.5 * p->free.oscillator.damping_rate * p->y_rate) / p->omega_d;
     const double angle = p->y_rate == 0.0  ? PI
                          : p->y_rate < 0.0 ? atan2(-p->y_rate, sideways)
                                            : atan2(p->y_rate, -sideways);
@@ -493,12 +562,15 @@ double pair_oscillation_first_extremum(const struct pair_oscillation *p)
 bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_quantity quantity,
                                   double factor, double offset)
 {
+    if (!(p->from->coefficients.k > 0.0)) {
+        return false; /* without a spring the gap drifts */
+    }
     if (quantity == PAIR_GAP) {
         return p->amplitude < factor * p->equilibrium + offset;
     }
     const double k = p->from->coefficients.k;
     const double c = p->from->coefficients.c * p->rate;
-    const double bend = -p->oscillator.damping_rate * p->y_rate - p->y;
+    const double bend = -p->free.oscillator.damping_rate * p->y_rate - p->y;
     double equilibrium = 0.0;
     double start = p->rate * p->y_rate; /* value of the oscillating part at the start */
     double start_rate = p->rate * bend;
@@ -507,24 +579,70 @@ bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_qu
         start = k * p->y + c * p->y_rate;
         start_rate = k * p->y_rate + c * bend;
     }
-    return oscillator_envelope_of(&p->oscillator, start, start_rate).amplitude <
+    return oscillator_envelope_of(&p->free.oscillator, start, start_rate).amplitude <
            factor * equilibrium + offset;
+}
+
+/* Computes the force as F_n = m_red (g'' - side n.A). */
+static void sample_overdamped(const struct pair_oscillation *p, double s, struct pair_sample *sample)
+{
+    double y[1 + FREE_OSCILLATION_DERIVATIVES];
+    free_oscillation_at(&p->free, s, y);
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PAIR_GAP][i] = y[i];
+        sample->of[PAIR_GAP_RATE][i] = p->rate * y[1 + i];
+        sample->of[PAIR_FORCE][i] = p->stiffness * y[2 + i];
+    }
+    sample->of[PAIR_GAP][0] = gap_after_decay(p, y[0], free_oscillation_since(&p->free, s).x);
+    sample->of[PAIR_FORCE][0] -= p->stiffness * p->load;
 }
 
 void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample)
 {
     const struct pair_oscillation *p = pair_oscillation;
-    const struct oscillator_increment grown =
-        oscillator_increment_of(p->oscillator.damping_rate, p->y, p->y_rate, s);
-    double y[4] = {p->from->gap + grown.y, p->y_rate + grown.y_rate}; /* g and its derivatives */
-    y[2] = -p->oscillator.damping_rate * y[1] - (p->y + grown.y);
-    y[3] = -p->oscillator.damping_rate * y[2] - y[1];
+    double y[4];
+    if (!(p->omega_d > 0.0)) {
+        sample_overdamped(p, s, sample);
+        return;
+    }
+    grow(p, s, y);
+    y[0] += p->from->gap;
+    y[1] += p->y_rate;
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP][i] = y[i];
         sample->of[PAIR_GAP_RATE][i] = p->rate * y[i + 1];
         sample->of[PAIR_FORCE][i] =
             contact_linear_force(p->from->coefficients, y[i], sample->of[PAIR_GAP_RATE][i]);
     }
+}
+
+/* Returns the energy dissipated [J], by the oscillator's energy balance: p_nv g'^2 = -(m g'^2 / 2 + p_n (g -
+ * equilibrium)^2 / 2)', or without a spring -(m g'^2 / 2 - side m n.A g)'. */
+static double dissipated_by_dashpot(const struct pair_oscillation *p, const double grown[2])
+{
+    const bool has_spring = p->from->coefficients.k > 0.0;
+    const double by_rate = grown[1] * (2.0 * p->y_rate + grown[1]);
+    const double by_place = grown[0] * (has_spring ? 2.0 * p->y + grown[0] : -2.0 * p->load);
+    return p->from->coefficients.c > 0.0 ? -0.5 * p->stiffness * (by_rate + by_place) : 0.0;
+}
+
+/* Returns the gap; writes its rate per s and the changes of both since the start. */
+static double gap_grown(const struct pair_oscillation *p, double s, double grown[2], double *y_rate)
+{
+    double y[1 + FREE_OSCILLATION_DERIVATIVES];
+    if (p->omega_d > 0.0) {
+        grow(p, s, y);
+        grown[0] = y[0];
+        grown[1] = y[1];
+        *y_rate = p->y_rate + y[1];
+        return p->from->gap + grown[0];
+    }
+    const struct oscillator_increment since = free_oscillation_since(&p->free, s);
+    free_oscillation_at(&p->free, s, y);
+    grown[0] = since.x;
+    grown[1] = since.x_rate;
+    *y_rate = has_decayed(y[1], p->y_rate) ? y[1] : p->y_rate + since.x_rate;
+    return gap_after_decay(p, y[0], since.x);
 }
 
 struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,
@@ -542,18 +660,15 @@ struct pair_change pair_oscillation_advance(const void *pair_oscillation, double
     const struct contact_pair *from = p->from;
     const double time = s / p->rate;
     const double fall = 2.0 * along_normal(from, 2) * time;
-    const struct oscillator_increment grown =
-        oscillator_increment_of(p->oscillator.damping_rate, p->y, p->y_rate, s);
-    const double r = grown.y - (p->y_rate * s + 0.5 * fall * time);
-    const double r_rate = p->rate * grown.y_rate - fall;
-    struct pair_change change = pair_change_along_normal(from, time, r, r_rate, from->gap + grown.y);
+    double grown[2];
+    double y_rate;
+    const double gap = gap_grown(p, s, grown, &y_rate);
+    const double r = grown[0] - (p->y_rate * s + 0.5 * fall * time);
+    const double r_rate = p->rate * grown[1] - fall;
+    struct pair_change change = pair_change_along_normal(from, time, r, r_rate, gap);
     change.head_on = true;
-    change.gap_rate = p->rate * (p->y_rate + grown.y_rate);
-    if (from->coefficients.c > 0.0) {
-        /* by the oscillator's balance of energy: p_nv g'^2 = -(m g'^2 / 2 + p_n (g - equilibrium)^2 / 2)' */
-        const double by_rate = grown.y_rate * (2.0 * p->y_rate + grown.y_rate);
-        change.dissipated = -0.5 * from->coefficients.k * (by_rate + grown.y * (2.0 * p->y + grown.y));
-    }
+    change.gap_rate = p->rate * y_rate;
+    change.dissipated = dissipated_by_dashpot(p, grown);
     return change;
 }
 
@@ -562,7 +677,7 @@ struct pair_change pair_oscillation_advance(const void *pair_oscillation, double
  * where rho is g less the gap of the flight. With G_j the integral of t^j (g - g(0)), I_j that of t^j rho''
  * and J_j that of t^j g'
  *
- *   k (G_j + g(0) t^(j+1)/(j+1)) = -m_red I_j - c J_j
+ *   k (G_j + g(0) t^(j+1)/(j+1)) = -m_red I_j - c J_j,   without a spring 0 = m_red I_(j+1) + c J_(j+1)
  *   I_j = t^j rho' - j t^(j-1) rho + j (j-1) M_(j-2),    J_j = t^j (g - g(0)) - j G_(j-1)
  */
 void pair_oscillation_moments(const void *pair_oscillation, double s, const struct pair_change *change,
@@ -583,8 +698,12 @@ void pair_oscillation_moments(const void *pair_oscillation, double s, const stru
         const double second = j < 2 ? 0.0 : of[j - 2];
         const double inertia =
             power * rho_rate - (j > 0 ? j * (power / t) * rho : 0.0) + j * (j - 1) * second;
+        const double next =
+            power * t * rho_rate - (j + 1) * power * rho + (j > 0 ? (j + 1) * j * of[j - 1] : 0.0);
         const double damped = power * grown - j * before;
-        const double of_gap = -(p->reduced_mass * inertia + c * damped) / k - p->gap * power * t / (j + 1);
+        const double of_gap =
+            k > 0.0 ? -(p->reduced_mass * inertia + c * damped) / k - p->gap * power * t / (j + 1)
+                    : (power * t * grown + p->reduced_mass / c * next) / (j + 1);
         double flown = 0.0;
         for (int i = SEPARATION_DEGREE; i > 0; --i) {
             flown = t * (flown + p->shape.side * vec3_dot(p->normal, p->flight.c[i]) / (i + j + 1));

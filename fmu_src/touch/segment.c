@@ -259,6 +259,19 @@ static void add_extrema_of_oscillation(struct dense_output *w, const struct pair
     }
 }
 
+/* Adds samples at the extrema of gap, gap rate and force; each quantity has at most one extremum. */
+static void add_extrema_of_decay(struct segment *p)
+{
+    struct dense_output *w = &p->output;
+    for (int order = 1; order <= FREE_OSCILLATION_DERIVATIVES; ++order) {
+        const double extremum = free_oscillation_zero(&p->as.oscillation.free, order);
+        if (extremum > 0.0 && extremum < p->end) {
+            dense_output_add(w, extremum);
+        }
+    }
+    dense_output_add(w, p->end);
+}
+
 /* Whether the bodies never part and never change their regime. */
 static bool is_event_free(const struct segment *p)
 {
@@ -277,8 +290,8 @@ static bool closed_form_applies(const struct segment *p)
     return p->pair.is_head_on && !contact_is_rim(&p->pair.shape);
 }
 
-/* Makes the segment over all of p->longest where no event follows, else over a period of the oscillation at
- * most. */
+/* Makes the segment over all of p->longest where no event follows. Otherwise the segment lasts a period of
+ * the oscillation at most, or as long as the decay. */
 static bool closed_form_make(struct segment *p)
 {
     struct pair_oscillation *made = &p->as.oscillation;
@@ -287,17 +300,22 @@ static bool closed_form_make(struct segment *p)
     }
     p->clear_of_centre = true;
     p->unit = 1.0 / made->rate;
-    p->end = p->longest / p->unit;
-    if (p->end * p->unit < p->longest) {
-        p->end = nextafter(p->end, (double)INFINITY);
+    double end = p->longest / p->unit;
+    if (end * p->unit < p->longest) {
+        end = nextafter(end, (double)INFINITY);
     }
-    /* the samples are extrema of the gap, where the gap rate is zero */
-    p->largest_gap = fabs(made->equilibrium) + made->amplitude;
-    p->largest_rate = made->rate * made->amplitude;
+    p->end = fmin(end, pair_oscillation_longest(made));
     dense_output_add(&p->output, 0.0);
-    add_extrema_of_oscillation(&p->output, made, p->end);
+    if (made->omega_d > 0.0) {
+        /* the samples are extrema of the gap, where the gap rate is zero */
+        p->largest_gap = fabs(made->equilibrium) + made->amplitude;
+        p->largest_rate = made->rate * made->amplitude;
+        add_extrema_of_oscillation(&p->output, made, p->end);
+    } else {
+        add_extrema_of_decay(p);
+    }
     p->event_free = is_event_free(p);
-    p->end = p->event_free ? p->end : p->output.s[p->output.count - 1];
+    p->end = p->event_free ? end : p->output.s[p->output.count - 1];
     return true;
 }
 
