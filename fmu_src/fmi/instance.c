@@ -643,7 +643,7 @@ enum model_status instance_step(struct instance *instance, double point, double 
     if (status == MODEL_OK) {
         struct step_request whole = *request;
         whole.end_time = point + size;
-        status = model_step(instance->model, &whole);
+        status = model_step_requested(instance->model, &whole);
         if (status >= MODEL_ERROR) {
             instance->phase = status == MODEL_ERROR ? PHASE_ERROR : PHASE_FATAL;
         }

@@ -134,7 +134,7 @@ static double ask_owner(void *context, double end_time)
     return end_time;
 }
 
-enum model_status model_step(struct model *m, const struct step_request *request)
+enum model_status model_step_requested(struct model *m, const struct step_request *request)
 {
     if (!m->state.initialized) {
         return model_report(m, MODEL_ERROR, "A step to %s s before the end of the initialization.",
@@ -158,6 +158,11 @@ enum model_status model_step(struct model *m, const struct step_request *request
     const enum model_status status = take_step(m, &inner);
     m->outputs = OUTPUTS_NONE;
     return status;
+}
+
+enum model_status model_step(struct model *m, double end_time)
+{
+    return model_step_requested(m, &(const struct step_request){.end_time = end_time});
 }
 
 /* A saved state is struct model_state itself. */

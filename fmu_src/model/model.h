@@ -49,14 +49,16 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
  * that names both; all parameters can then still be set. */
 enum model_status model_exit_initialization(struct model *m);
 
-/* Integrates to the end time of the request (integrator/step_request.h), which lies after model_time. A
- * callback at_event may read the outputs of its instant, and may call no other function. MODEL_DISCARD:
- * solver.max_internal_steps ended the step earlier, at model_time. All values are then those of model_time,
- * where the next step may begin. */
-enum model_status model_step(struct model *m, const struct step_request *request);
+/* Integrates to end_time [s], which lies after model_time. MODEL_DISCARD: solver.max_internal_steps ended the
+ * step earlier, at model_time. All values are then those of model_time, where the next step may begin. */
+enum model_status model_step(struct model *m, double end_time);
+
+/* Does model_step with a request (integrator/step_request.h). A callback at_event may read the outputs of its
+ * instant, and may call no other function. */
+enum model_status model_step_requested(struct model *m, const struct step_request *request);
 
 /* Advances only the clock to end_time [s], where the flight of the bodies can be deferred (flight/flight.h).
- * Returns false, and does nothing, where model_step is needed. */
+ * Returns false, and does nothing, where model_step_requested is needed. */
 bool model_step_deferred(struct model *m, double end_time);
 
 double model_time(const struct model *m);
