@@ -3,8 +3,8 @@
  * modelDescription/variables.toml and the scene file (scene_variables.c); value references, ranges and order
  * are those of modelDescription.xml.
  */
-#ifndef MODEL_VARIABLE_H
-#define MODEL_VARIABLE_H
+#ifndef CONTACT_MODEL_VARIABLE_H
+#define CONTACT_MODEL_VARIABLE_H
 
 #include <stdbool.h>
 #include <stddef.h>

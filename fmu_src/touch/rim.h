@@ -14,8 +14,8 @@
  * A is the relative acceleration without the contact force. Vectors are in the frame of the start: a, e, b.
  * A motion in a plane through the axis has only the first two components.
  */
-#ifndef CONTACT_TOUCH_RIM_LOCAL_H
-#define CONTACT_TOUCH_RIM_LOCAL_H
+#ifndef CONTACT_TOUCH_RIM_H
+#define CONTACT_TOUCH_RIM_H
 
 #include "math/vec3.h"
 
