@@ -24,26 +24,6 @@ struct polynomial polynomial_derivative(const struct polynomial *p)
     return d;
 }
 
-struct polynomial polynomial_add(const struct polynomial *a, double factor, const struct polynomial *b)
-{
-    struct polynomial sum = {{0.0}, a->degree > b->degree ? a->degree : b->degree};
-    for (int i = 0; i <= sum.degree; ++i) {
-        sum.a[i] = (i <= a->degree ? a->a[i] : 0.0) + factor * (i <= b->degree ? b->a[i] : 0.0);
-    }
-    return sum;
-}
-
-struct polynomial polynomial_multiply(const struct polynomial *a, const struct polynomial *b)
-{
-    struct polynomial product = {{0.0}, a->degree + b->degree};
-    for (int i = 0; i <= a->degree; ++i) {
-        for (int j = 0; j <= b->degree; ++j) {
-            product.a[i + j] += a->a[i] * b->a[j];
-        }
-    }
-    return product;
-}
-
 static void value_and_slope(const void *data, double s, double *value, double *slope)
 {
     const struct polynomial *p = data;

@@ -16,12 +16,6 @@ double polynomial_at(const struct polynomial *p, double s);
 
 struct polynomial polynomial_derivative(const struct polynomial *p);
 
-/* a + factor b */
-struct polynomial polynomial_add(const struct polynomial *a, double factor, const struct polynomial *b);
-
-/* a b; the degrees together must not exceed POLYNOMIAL_MAX_DEGREE. */
-struct polynomial polynomial_multiply(const struct polynomial *a, const struct polynomial *b);
-
 /*
  * Every s in (0, 1) where p changes sign, ascending; returns how many (at most the degree). Between the roots
  * of its derivative p is monotone and has one root at most, so none is missed. Roots where p touches zero

@@ -128,12 +128,3 @@ double taylor_first_fall(const double *a, int terms, double end)
                ? root_in_bracket(taylor_and_slope, &series, fall.low * end, fall.high * end)
                : (double)INFINITY;
 }
-
-double taylor_integral(const double *a, int terms, double s)
-{
-    double sum = 0.0;
-    for (int i = terms - 1; i >= 0; --i) {
-        sum = sum * s + a[i] / (i + 1);
-    }
-    return sum * s;
-}

@@ -34,7 +34,4 @@ void taylor_root_function(const void *a, double s, double *value, double *slope)
 /* Returns the first place up to `end` at which the series falls through zero; INFINITY: it does not. */
 double taylor_first_fall(const double *a, int terms, double end);
 
-/* Returns the integral of the series from 0 to s. */
-double taylor_integral(const double *a, int terms, double s);
-
 #endif

@@ -198,10 +198,12 @@ TEST(all_sixteen_roots_of_degree_sixteen_are_found)
 {
     struct polynomial before = {{1.0}, 0};
     struct polynomial p = {{-1.0, 2.0}, 1};
-    const struct polynomial twice = {{-2.0, 4.0}, 1};
     while (p.degree < POLYNOMIAL_MAX_DEGREE) {
-        const struct polynomial product = polynomial_multiply(&twice, &p);
-        const struct polynomial next = polynomial_add(&product, -1.0, &before);
+        struct polynomial next = {{0.0}, p.degree + 1};
+        for (int i = 0; i <= p.degree; ++i) {
+            next.a[i] -= 2.0 * p.a[i] + before.a[i];
+            next.a[i + 1] += 4.0 * p.a[i];
+        }
         before = p;
         p = next;
     }
@@ -214,29 +216,20 @@ TEST(all_sixteen_roots_of_degree_sixteen_are_found)
     check_roots(&p, expected, POLYNOMIAL_MAX_DEGREE);
 }
 
-TEST(products_sums_and_derivatives_evaluate_to_those_of_the_values)
+TEST(the_derivative_evaluates_to_that_of_the_values)
 {
     struct random r = {42};
     for (int n = 0; n < 10000; ++n) {
         struct polynomial a = {{0.0}, random_index(&r, 9)};
-        struct polynomial b = {{0.0}, random_index(&r, 9)};
         for (int i = 0; i <= 8; ++i) {
             /* beyond the degree: not read */
             a.a[i] = i <= a.degree ? random_between(&r, -1.0, 1.0) : 1e9;
-            b.a[i] = i <= b.degree ? random_between(&r, -1.0, 1.0) : 1e9;
         }
         const double s = random_between(&r, 0.0, 1.0);
-        const double factor = random_between(&r, -3.0, 3.0);
-        const struct polynomial sum = polynomial_add(&a, factor, &b);
-        const struct polynomial product = polynomial_multiply(&a, &b);
         const struct polynomial slope = polynomial_derivative(&a);
-        const long double at_a = long_value(&a, s);
-        const long double at_b = long_value(&b, s);
         const long double h = 1e-4L;
         const long double near = 8.0L * (long_value(&a, s + h) - long_value(&a, s - h));
         const long double far = long_value(&a, s + 2.0L * h) - long_value(&a, s - 2.0L * h);
-        CHECK_CLOSE("a + f b", polynomial_at(&sum, s), at_a + factor * at_b, 256.0 * DBL_EPSILON);
-        CHECK_CLOSE("a b", polynomial_at(&product, s), at_a * at_b, 4096.0 * DBL_EPSILON);
         CHECK_CLOSE("a'", polynomial_at(&slope, s), (near - far) / (12.0L * h), 1e-11);
     }
 }
