@@ -32,7 +32,7 @@ bool contact_is_capped(const struct contact_shape *shape)
     return CONTACT_ANY_CAPS && shape->solid.half_height > 0.0;
 }
 
-static const struct skew_frame *skew_frame_of(const struct contact_solid *solid)
+const struct skew_frame *skew_frame_of(const struct contact_solid *solid)
 {
 #if CONTACT_ANY_SKEW
     return &solid->skew;
@@ -333,11 +333,6 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     return at;
 }
 
-bool contact_within_extents(const struct contact_shape *shape, double axial)
-{
-    return fabs(axial) <= shape->half_length;
-}
-
 struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at)
 {
     const bool flipped = (contact_is_cylinder(shape) || contact_is_torus(shape)) && shape->side < 0;
@@ -515,11 +510,6 @@ void contact_make_skew(struct contact_shape *shape, struct skew_axes axes)
     (void)shape;
     (void)axes;
 #endif
-}
-
-double contact_skew_sine(const struct contact_shape *shape)
-{
-    return skew_frame_of(&shape->solid)->sine;
 }
 
 /* Returns the factor of c in a, the place of the nearest point along e_s, within a zone; a is linear in c. */

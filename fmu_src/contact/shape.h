@@ -150,10 +150,6 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
  * rim, or from a time at which the axis pointed elsewhere. */
 void contact_hold_across(const struct contact_shape *side, struct vec3 w, struct contact_geometry *at);
 
-/* Whether the source's centre is between the destination's end planes; always true without end planes. A race
- * ends at the cylinder rho = R; no source that touches an outer race has rho > 2 R. */
-bool contact_within_extents(const struct contact_shape *shape, double axial);
-
 /* Returns the output e_c: towards the destination's centre (sphere) or the contact point (other shapes). */
 struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at);
 
@@ -252,8 +248,8 @@ enum { SKEW_ZONE = 8, SKEW_FACE = SKEW_ZONE + 4, SKEW_LAST = SKEW_ZONE + 8 };
 /* Makes the shape a pair of skew cylinders. */
 void contact_make_skew(struct contact_shape *shape, struct skew_axes axes);
 
-/* Returns the sine of the angle between the axes of skew cylinders. */
-double contact_skew_sine(const struct contact_shape *shape);
+/* Returns the frame of skew cylinders; of other shapes nothing in it counts. */
+const struct skew_frame *skew_frame_of(const struct contact_solid *solid);
 
 /* The face of skew cylinders reaches as far as |c.across[i]| <= half[i] [m], where i is 0 for the ends of the
  * source and 1 for those of the destination. `half` is INFINITY where a cylinder is infinite. */

@@ -335,7 +335,7 @@ static void warn_of_deep_start(const struct model *m, const struct scene_instant
     const struct contact_geometry *g = &at->geometry[contact];
     const double radius = shape.other_radius > 0.0 ? fmin(shape.source_radius, shape.other_radius)
                                                    : shape.source_radius; /* the other body is a plane */
-    if (!(-g->gap > DEEP_START * radius) || !scene_within_extents(&shape, g)) {
+    if (!(-g->gap > DEEP_START * radius) || scene_beyond_ends(&shape, g) > 0.0) {
         return;
     }
     model_report(
