@@ -497,12 +497,6 @@ double contact_stored_term(const struct contact_law *law, const struct contact_l
     return order > 0 ? energy + 0.5 * change->stiffness * taylor_multiply(gap, gap, order - 1) : energy;
 }
 
-double contact_dissipated_power(const struct contact_law *law, enum contact_regime regime,
-                                double normal_force, double gap, double gap_rate)
-{
-    return regime == REGIME_APART ? 0.0 : -(normal_force + contact_stored_slope(law, regime, gap)) * gap_rate;
-}
-
 double contact_dissipated_term(const struct contact_law *law, enum contact_regime regime,
                                const double *normal_force, const double *gap, const double *gap_rate,
                                int order)

@@ -159,9 +159,7 @@ double contact_stored_slope(const struct contact_law *law, enum contact_regime r
 double contact_stored_term(const struct contact_law *law, const struct contact_law *change,
                            enum contact_regime regime, const double *gap, int order);
 
-/* The dissipated power -(F_n + dE_c/dg) g' [W] during penetration, and its Taylor coefficient `order`. */
-double contact_dissipated_power(const struct contact_law *law, enum contact_regime regime,
-                                double normal_force, double gap, double gap_rate);
+/* Returns the Taylor coefficient `order` of the dissipated power -(F_n + dE_c/dg) g' [W] in contact. */
 double contact_dissipated_term(const struct contact_law *law, enum contact_regime regime,
                                const double *normal_force, const double *gap, const double *gap_rate,
                                int order);

@@ -553,16 +553,6 @@ struct vec3 contact_source_arm(const struct contact_shape *shape, struct vec3 no
     return contact_is_skew(shape) ? vec3_add(foot, radial) : radial;
 }
 
-static struct bounding_box around(struct vec3 centre, struct vec3 half)
-{
-    return (struct bounding_box){vec3_sub(centre, half), vec3_add(centre, half)};
-}
-
-struct bounding_box bounding_box_sphere(struct vec3 centre, double radius)
-{
-    return around(centre, vec3_make(radius, radius, radius));
-}
-
 static double half_extent(double radius, double e, double half_length)
 {
     return half_length * fabs(e) + radius * sqrt(fmax(0.0, (1.0 - e) * (1.0 + e)));
@@ -571,17 +561,10 @@ static double half_extent(double radius, double e, double half_length)
 struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, struct vec3 axis,
                                           double half_length)
 {
-    return around(centre, vec3_make(half_extent(radius, axis.x, half_length),
-                                    half_extent(radius, axis.y, half_length),
-                                    half_extent(radius, axis.z, half_length)));
-}
-
-struct bounding_box bounding_box_torus(struct vec3 centre, double radius, struct vec3 axis,
-                                       double ring_radius)
-{
-    const struct bounding_box ring = bounding_box_cylinder(centre, ring_radius, axis, 0.0);
-    const struct vec3 tube = {radius, radius, radius};
-    return (struct bounding_box){vec3_sub(ring.low, tube), vec3_add(ring.high, tube)};
+    const struct vec3 half = {half_extent(radius, axis.x, half_length),
+                              half_extent(radius, axis.y, half_length),
+                              half_extent(radius, axis.z, half_length)};
+    return (struct bounding_box){vec3_sub(centre, half), vec3_add(centre, half)};
 }
 
 static struct vec3 edges_of(const struct bounding_box *a, const struct bounding_box *b)

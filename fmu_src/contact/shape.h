@@ -277,18 +277,11 @@ struct bounding_box {
     struct vec3 low, high;
 };
 
-/* Returns the box of a sphere, whose half-extent is the radius in every direction. */
-struct bounding_box bounding_box_sphere(struct vec3 centre, double radius);
-
 /* Returns the box of a cylinder along the unit vector `axis` e, with the half-extent half_length |e_i| +
  * radius sqrt(1 - e_i^2) in direction i. half_length = 0 gives the box of the cross-section, which represents
  * an infinite cylinder. */
 struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, struct vec3 axis,
                                           double half_length);
-
-/* Returns the box of a torus around the unit vector `axis`, with the radii of its tube and its circle. */
-struct bounding_box bounding_box_torus(struct vec3 centre, double radius, struct vec3 axis,
-                                       double ring_radius);
 
 /* Returns the diagonal of the smallest box around a and b [m]. */
 double bounding_box_diagonal(const struct bounding_box *a, const struct bounding_box *b);

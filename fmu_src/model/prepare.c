@@ -512,10 +512,12 @@ static struct bounding_box body_box(const struct scene_values *v, int body, doub
         const double half_length = body_finite_length(v, body) ? 0.5 * body_length(v, body) : 0.0;
         return bounding_box_cylinder(centre, radius, body_unit_axis(v, body), half_length);
     }
-    if (SCENE_ANY_TORUS && body_shape(body) == SHAPE_TORUS) {
-        return bounding_box_torus(centre, radius, body_unit_axis(v, body), body_ring_radius(v, body));
+    struct bounding_box box = {centre, centre};
+    if (SCENE_ANY_TORUS && body_shape(body) == SHAPE_TORUS) { /* the circle inside the tube has this box */
+        box = bounding_box_cylinder(centre, body_ring_radius(v, body), body_unit_axis(v, body), 0.0);
     }
-    return bounding_box_sphere(centre, radius);
+    const struct vec3 around = {radius, radius, radius};
+    return (struct bounding_box){vec3_sub(box.low, around), vec3_add(box.high, around)};
 }
 
 /* Finds the boxes of both bodies, or of the parts of compounds that meet, at the start relative to the

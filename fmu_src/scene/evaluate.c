@@ -1433,8 +1433,9 @@ double energy_dissipated_power_of(const struct scene_values *v, const struct sce
 {
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    return contact_dissipated_power(&law, (enum contact_regime)q->contact[contact].regime,
-                                    at->normal_force[contact], g->gap, g->gap_rate);
+    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    const double force = at->normal_force[contact] + contact_stored_slope(&law, regime, g->gap);
+    return regime == REGIME_APART ? 0.0 : -force * g->gap_rate;
 }
 
 double energy_dissipated_power(const struct scene_values *v, const struct scene_state *q,
