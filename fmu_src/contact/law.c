@@ -173,15 +173,6 @@ double hertz_stiffness(const struct contact_shape *shape, double modulus)
     return hertz_elliptic_stiffness(modulus, fmin(along, curved), fmax(along, curved));
 }
 
-/* Largest r_s divided by r_d without conformity. The effective radius r_s r_d / (r_d - r_s) is here already
- * ten times r_s. */
-static const double CONFORMING = 0.9;
-
-bool hertz_is_conforming(const struct contact_shape *shape)
-{
-    return shape->side < 0 && shape->source_radius > CONFORMING * shape->other_radius;
-}
-
 /*
  * The damping that gives a free head-on impact the coefficient of restitution e: the speed after the impact
  * divided by the speed before. In a free impact no force but the contact force acts on the bodies. The

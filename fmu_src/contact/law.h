@@ -37,10 +37,6 @@ CONTACT_COLD double mindlin_ratio(struct contact_material source, struct contact
 /* Returns k_h [N/m^1.5] of a contact from E* [Pa]. A source inside must be smaller than the destination. */
 CONTACT_COLD double hertz_stiffness(const struct contact_shape *shape, double modulus);
 
-/* Whether the source is inside a destination that is hardly larger. Hertz's theory then fails, because it
- * assumes a contact area that is small compared with the bodies. */
-CONTACT_COLD bool hertz_is_conforming(const struct contact_shape *shape);
-
 /*
  * The normal force law and its regimes.
  *

@@ -58,11 +58,6 @@ bool contact_is_zoned(const struct contact_shape *shape)
     return contact_is_capped(shape) || contact_is_skew(shape);
 }
 
-bool contact_is_upside_down(const struct contact_shape *shape)
-{
-    return contact_is_capped(shape) && shape->solid.zone < 0;
-}
-
 bool contact_may_reach_centre(const struct contact_shape *shape)
 {
     return shape->side > 0 && !contact_is_plane(shape) && !contact_is_circle(shape);

@@ -114,9 +114,6 @@ bool contact_is_skew(const struct contact_shape *shape);
 
 bool contact_is_zoned(const struct contact_shape *shape);
 
-/* Whether the shape's axis is opposite to the body's, as at a capped cylinder's end to which -e_d points. */
-bool contact_is_upside_down(const struct contact_shape *shape);
-
 /* Whether a penetrating source may reach the destination's centre or axis, where n has no direction. Only an
  * outside contact may, except with a plane, a rim, whose zone ends before, or a torus, whose tube is thin. */
 bool contact_may_reach_centre(const struct contact_shape *shape);

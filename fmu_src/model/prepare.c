@@ -370,6 +370,10 @@ static enum model_status check_start(struct model *m)
     return MODEL_OK;
 }
 
+/* Largest r_s divided by r_d without conformity. The effective radius r_s r_d / (r_d - r_s) is here already
+ * ten times r_s. */
+static const double CONFORMING = 0.9;
+
 /* Warns of conforming surfaces. Hertz's theory assumes a contact area that is small compared with the
  * bodies. */
 static enum model_status warn_of_conforming(struct model *m)
@@ -379,7 +383,7 @@ static enum model_status warn_of_conforming(struct model *m)
     for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
         const struct contact_shape shape = scene_contact_shape(v, &m->state.motion, j);
         if (scene_is_hertz(v, j) && contact_penalty_control(v, j) == PENALTY_CONTROL_AUTOMATIC &&
-            hertz_is_conforming(&shape)) {
+            shape.side < 0 && shape.source_radius > CONFORMING * shape.other_radius) {
             status = model_report(m, MODEL_WARNING,
                                   "%s: %s.radius = %s m is hardly smaller than %s.radius = %s m around it: "
                                   "such surfaces follow each other, and the stiffness of Hertz's theory is "
