@@ -161,7 +161,7 @@ double hertz_stiffness(const struct contact_shape *shape, double modulus)
         return hertz_elliptic_stiffness(modulus, alone, alone);
     }
     if (contact_is_skew(shape)) {
-        return hertz_crossed_stiffness(modulus, r_s, r_d, contact_skew_sine(shape));
+        return hertz_crossed_stiffness(modulus, r_s, r_d, skew_frame_of(&shape->solid)->sine);
     }
     /* the coefficient is half of 1/r_s + 1/r_d outside, half of 1/r_s - 1/r_d inside */
     const double curved = 0.5 * (r_d + shape->side * r_s) / r_s / r_d;
@@ -171,15 +171,6 @@ double hertz_stiffness(const struct contact_shape *shape, double modulus)
         along = alone - 0.5 * shape->side * inward / (shape->solid.radius - inward * r_d);
     }
     return hertz_elliptic_stiffness(modulus, fmin(along, curved), fmax(along, curved));
-}
-
-/* Largest r_s divided by r_d without conformity. The effective radius r_s r_d / (r_d - r_s) is here already
- * ten times r_s. */
-static const double CONFORMING = 0.9;
-
-bool hertz_is_conforming(const struct contact_shape *shape)
-{
-    return shape->side < 0 && shape->source_radius > CONFORMING * shape->other_radius;
 }
 
 /*
@@ -495,12 +486,6 @@ double contact_stored_term(const struct contact_law *law, const struct contact_l
     }
     const double energy = 0.5 * law->stiffness * taylor_multiply(gap, gap, order);
     return order > 0 ? energy + 0.5 * change->stiffness * taylor_multiply(gap, gap, order - 1) : energy;
-}
-
-double contact_dissipated_power(const struct contact_law *law, enum contact_regime regime,
-                                double normal_force, double gap, double gap_rate)
-{
-    return regime == REGIME_APART ? 0.0 : -(normal_force + contact_stored_slope(law, regime, gap)) * gap_rate;
 }
 
 double contact_dissipated_term(const struct contact_law *law, enum contact_regime regime,

@@ -37,10 +37,6 @@ CONTACT_COLD double mindlin_ratio(struct contact_material source, struct contact
 /* Returns k_h [N/m^1.5] of a contact from E* [Pa]. A source inside must be smaller than the destination. */
 CONTACT_COLD double hertz_stiffness(const struct contact_shape *shape, double modulus);
 
-/* Whether the source is inside a destination that is hardly larger. Hertz's theory then fails, because it
- * assumes a contact area that is small compared with the bodies. */
-CONTACT_COLD bool hertz_is_conforming(const struct contact_shape *shape);
-
 /*
  * The normal force law and its regimes.
  *
@@ -159,9 +155,7 @@ double contact_stored_slope(const struct contact_law *law, enum contact_regime r
 double contact_stored_term(const struct contact_law *law, const struct contact_law *change,
                            enum contact_regime regime, const double *gap, int order);
 
-/* The dissipated power -(F_n + dE_c/dg) g' [W] during penetration, and its Taylor coefficient `order`. */
-double contact_dissipated_power(const struct contact_law *law, enum contact_regime regime,
-                                double normal_force, double gap, double gap_rate);
+/* Returns the Taylor coefficient `order` of the dissipated power -(F_n + dE_c/dg) g' [W] in contact. */
 double contact_dissipated_term(const struct contact_law *law, enum contact_regime regime,
                                const double *normal_force, const double *gap, const double *gap_rate,
                                int order);

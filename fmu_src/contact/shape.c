@@ -32,7 +32,7 @@ bool contact_is_capped(const struct contact_shape *shape)
     return CONTACT_ANY_CAPS && shape->solid.half_height > 0.0;
 }
 
-static const struct skew_frame *skew_frame_of(const struct contact_solid *solid)
+const struct skew_frame *skew_frame_of(const struct contact_solid *solid)
 {
 #if CONTACT_ANY_SKEW
     return &solid->skew;
@@ -56,11 +56,6 @@ bool contact_is_skew(const struct contact_shape *shape)
 bool contact_is_zoned(const struct contact_shape *shape)
 {
     return contact_is_capped(shape) || contact_is_skew(shape);
-}
-
-bool contact_is_upside_down(const struct contact_shape *shape)
-{
-    return contact_is_capped(shape) && shape->solid.zone < 0;
 }
 
 bool contact_may_reach_centre(const struct contact_shape *shape)
@@ -333,11 +328,6 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     return at;
 }
 
-bool contact_within_extents(const struct contact_shape *shape, double axial)
-{
-    return fabs(axial) <= shape->half_length;
-}
-
 struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at)
 {
     const bool flipped = (contact_is_cylinder(shape) || contact_is_torus(shape)) && shape->side < 0;
@@ -517,11 +507,6 @@ void contact_make_skew(struct contact_shape *shape, struct skew_axes axes)
 #endif
 }
 
-double contact_skew_sine(const struct contact_shape *shape)
-{
-    return skew_frame_of(&shape->solid)->sine;
-}
-
 /* Returns the factor of c in a, the place of the nearest point along e_s, within a zone; a is linear in c. */
 static struct vec3 skew_slope(const struct contact_solid *solid)
 {
@@ -563,16 +548,6 @@ struct vec3 contact_source_arm(const struct contact_shape *shape, struct vec3 no
     return contact_is_skew(shape) ? vec3_add(foot, radial) : radial;
 }
 
-static struct bounding_box around(struct vec3 centre, struct vec3 half)
-{
-    return (struct bounding_box){vec3_sub(centre, half), vec3_add(centre, half)};
-}
-
-struct bounding_box bounding_box_sphere(struct vec3 centre, double radius)
-{
-    return around(centre, vec3_make(radius, radius, radius));
-}
-
 static double half_extent(double radius, double e, double half_length)
 {
     return half_length * fabs(e) + radius * sqrt(fmax(0.0, (1.0 - e) * (1.0 + e)));
@@ -581,17 +556,10 @@ static double half_extent(double radius, double e, double half_length)
 struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, struct vec3 axis,
                                           double half_length)
 {
-    return around(centre, vec3_make(half_extent(radius, axis.x, half_length),
-                                    half_extent(radius, axis.y, half_length),
-                                    half_extent(radius, axis.z, half_length)));
-}
-
-struct bounding_box bounding_box_torus(struct vec3 centre, double radius, struct vec3 axis,
-                                       double ring_radius)
-{
-    const struct bounding_box ring = bounding_box_cylinder(centre, ring_radius, axis, 0.0);
-    const struct vec3 tube = {radius, radius, radius};
-    return (struct bounding_box){vec3_sub(ring.low, tube), vec3_add(ring.high, tube)};
+    const struct vec3 half = {half_extent(radius, axis.x, half_length),
+                              half_extent(radius, axis.y, half_length),
+                              half_extent(radius, axis.z, half_length)};
+    return (struct bounding_box){vec3_sub(centre, half), vec3_add(centre, half)};
 }
 
 static struct vec3 edges_of(const struct bounding_box *a, const struct bounding_box *b)

@@ -114,9 +114,6 @@ bool contact_is_skew(const struct contact_shape *shape);
 
 bool contact_is_zoned(const struct contact_shape *shape);
 
-/* Whether the shape's axis is opposite to the body's, as at a capped cylinder's end to which -e_d points. */
-bool contact_is_upside_down(const struct contact_shape *shape);
-
 /* Whether a penetrating source may reach the destination's centre or axis, where n has no direction. Only an
  * outside contact may, except with a plane, a rim, whose zone ends before, or a torus, whose tube is thin. */
 bool contact_may_reach_centre(const struct contact_shape *shape);
@@ -149,10 +146,6 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
 /* Makes n perpendicular to the axis of a cylinder where the centre is on the axis. n may come from a cap or a
  * rim, or from a time at which the axis pointed elsewhere. */
 void contact_hold_across(const struct contact_shape *side, struct vec3 w, struct contact_geometry *at);
-
-/* Whether the source's centre is between the destination's end planes; always true without end planes. A race
- * ends at the cylinder rho = R; no source that touches an outer race has rho > 2 R. */
-bool contact_within_extents(const struct contact_shape *shape, double axial);
 
 /* Returns the output e_c: towards the destination's centre (sphere) or the contact point (other shapes). */
 struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at);
@@ -252,8 +245,8 @@ enum { SKEW_ZONE = 8, SKEW_FACE = SKEW_ZONE + 4, SKEW_LAST = SKEW_ZONE + 8 };
 /* Makes the shape a pair of skew cylinders. */
 void contact_make_skew(struct contact_shape *shape, struct skew_axes axes);
 
-/* Returns the sine of the angle between the axes of skew cylinders. */
-double contact_skew_sine(const struct contact_shape *shape);
+/* Returns the frame of skew cylinders; of other shapes nothing in it counts. */
+const struct skew_frame *skew_frame_of(const struct contact_solid *solid);
 
 /* The face of skew cylinders reaches as far as |c.across[i]| <= half[i] [m], where i is 0 for the ends of the
  * source and 1 for those of the destination. `half` is INFINITY where a cylinder is infinite. */
@@ -281,18 +274,11 @@ struct bounding_box {
     struct vec3 low, high;
 };
 
-/* Returns the box of a sphere, whose half-extent is the radius in every direction. */
-struct bounding_box bounding_box_sphere(struct vec3 centre, double radius);
-
 /* Returns the box of a cylinder along the unit vector `axis` e, with the half-extent half_length |e_i| +
  * radius sqrt(1 - e_i^2) in direction i. half_length = 0 gives the box of the cross-section, which represents
  * an infinite cylinder. */
 struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, struct vec3 axis,
                                           double half_length);
-
-/* Returns the box of a torus around the unit vector `axis`, with the radii of its tube and its circle. */
-struct bounding_box bounding_box_torus(struct vec3 centre, double radius, struct vec3 axis,
-                                       double ring_radius);
 
 /* Returns the diagonal of the smallest box around a and b [m]. */
 double bounding_box_diagonal(const struct bounding_box *a, const struct bounding_box *b);

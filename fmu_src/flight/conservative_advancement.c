@@ -5,11 +5,6 @@
 #include "flight/conservative_advancement.h"
 #include "math/polynomial.h"
 
-struct axis_motion axis_motion_fixed(struct vec3 axis)
-{
-    return (struct axis_motion){.kind = AXIS_FIXED, .axis = axis};
-}
-
 struct axis_motion axis_motion_of_rotor(const struct rotor *rotor)
 {
     const bool turns = rotor_axis_speed(rotor) > 0.0;

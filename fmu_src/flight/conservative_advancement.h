@@ -33,7 +33,6 @@ struct axis_motion {
     struct vec3 inertia;
 };
 
-struct axis_motion axis_motion_fixed(struct vec3 axis);
 struct axis_motion axis_motion_of_rotor(const struct rotor *rotor);
 
 /* Return the motion from `count` <= AXIS_TERMS coefficients of an angular velocity, of which a constant one

@@ -57,11 +57,12 @@ struct axis_motion flight_axis_motion(const struct scene_values *v, const struct
         motion.from = -q->clock; /* the rotor's time is the clock */
         return motion;
     }
-    const struct body_inertia inertia = body_inertia_of(v, body);
     struct vec3 torque[ROTOR_TORQUES];
-    struct vec3 lambda[ROTOR_RATES];
+    struct vec3 lambda[ROTOR_RATES] = {body_spin_of(v, body, at)}; /* L / I_1, with which the axis turns */
     torque_from_now(v, q, body, torque);
-    rotor_rates_under_torque(at, inertia.transverse, inertia.axial, torque, lambda);
+    for (int i = 0; i < ROTOR_TORQUES; ++i) {
+        lambda[i + 1] = vec3_scale(1.0 / ((i + 1) * body_inertia_of(v, body).transverse), torque[i]);
+    }
     return axis_motion_prescribed(quaternion_third_axis(at->orientation), lambda, ROTOR_RATES);
 }
 

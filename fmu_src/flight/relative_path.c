@@ -86,7 +86,7 @@ static void put_levers(const struct scene_values *v, const struct scene_state *q
         path_shift(follows.angular_velocity, 3, clock);
         path_shift(follows.torque, 3, clock);
         path->lever_length[end] = length;
-        path->lever[end] = axis_motion_fixed(axis);
+        path->lever[end] = (struct axis_motion){.kind = AXIS_FIXED, .axis = axis};
         path->c[0] = vec3_axpy(path->c[0], end == 0 ? 1.0 : -1.0, lever); /* to the centres of mass */
         if (body_turns_freely(v, body)) {
             path->lever[end] = axis_motion_tumbling(vec3_scale(1.0 / length, part), turn,
@@ -122,7 +122,7 @@ struct advancement_path advancement_path_of(const struct scene_values *v, const 
     }
     put_levers(v, q, at, clock, contact, &path);
     if (SCENE_ANY_AXIS) {
-        path.axis = axis_motion_fixed(path.shape.axis);
+        path.axis = (struct axis_motion){.kind = AXIS_FIXED, .axis = path.shape.axis};
     }
     if (contact_tips(v, contact)) {
         const struct body_turn *turn = &at->turning.body[destination];

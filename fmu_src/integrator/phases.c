@@ -679,9 +679,10 @@ static double unforeseen_until(const struct scene_values *v, const struct scene_
     const double passed = q->clock + scene_remaining(q, step->start); /* between origin and start */
     double until = q->clock + HORIZON_GROWTH * fmax(passed, 0.0);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        /* a segment shows every change of its contact but the passage of a cylinder's end */
-        const bool foreseen =
-            contact_is_foreseen(v, q, j) && (!contact_pushes(v, q, j) || scene_ends_suddenly(v, j));
+        /* a segment shows every change of its contact but the passage of a cylinder's end; nothing foresees
+         * changes where bodies turn and a contact acts on them */
+        const bool foreseen = contact_pushes(v, q, j) ? !scene_turns(v) && scene_ends_suddenly(v, j)
+                                                      : !scene_turns(v) || !contact_is_coupled(v, q, j);
         until = fmin(until, q->contact[j].schedule.change_clock);
         until = foreseen ? fmin(until, q->horizon_clock) : until;
         if (SCENE_ANY_PRESCRIBED_CONTACT && contact_is_prescribed(v, j)) {

@@ -208,7 +208,7 @@ static enum contact_regime regime_at_time(const struct advancement_path *path, c
     const double gap = at.geometry.gap;
     const double rate = law_rate_at(path, &at, time);
     const enum contact_regime then =
-        contact_regime_of(law, gap, rate, scene_within_extents(&path->shape, &at.geometry));
+        contact_regime_of(law, gap, rate, scene_beyond_ends(&path->shape, &at.geometry) <= 0.0);
     if (then == present) {
         return present;
     }

@@ -158,18 +158,6 @@ double rotor_axis_speed(const struct rotor *rotor)
 enum { ROTOR_TERMS = 21 };
 static const double ROTOR_REACH = 8.0;
 
-void rotor_rates_under_torque(const struct body_turn *start, double transverse_inertia, double axial_inertia,
-                              const struct vec3 torque[ROTOR_TORQUES], struct vec3 lambda[ROTOR_RATES])
-{
-    const struct vec3 axis = quaternion_third_axis(start->orientation);
-    const double ratio = (axial_inertia - transverse_inertia) / transverse_inertia;
-    /* lambda is L / I_1, and the angular momentum L is I_1 omega + (I_3 - I_1) omega_3 e_3 */
-    lambda[0] = vec3_axpy(start->angular_velocity, ratio * vec3_dot(start->angular_velocity, axis), axis);
-    for (int i = 0; i < ROTOR_TORQUES; ++i) {
-        lambda[i + 1] = vec3_scale(1.0 / ((i + 1) * transverse_inertia), torque[i]);
-    }
-}
-
 /* Returns the longest step, at most `left`, whose angle a is at most ROTOR_REACH. */
 static double step_of(const struct vec3 lambda[ROTOR_RATES], double left)
 {

@@ -57,11 +57,6 @@ double rotor_axis_speed(const struct rotor *rotor);
 /* Coefficients of lambda and of a torque. */
 enum { ROTOR_RATES = 4, ROTOR_TORQUES = 3 };
 
-/* Sets the coefficients of lambda = L / I_1, the angular velocity with which the axis e_3 of a symmetric body
- * turns under a torque, with time zero at the state `start`. */
-void rotor_rates_under_torque(const struct body_turn *start, double transverse_inertia, double axial_inertia,
-                              const struct vec3 torque[ROTOR_TORQUES], struct vec3 lambda[ROTOR_RATES]);
-
 /* Returns an orientation after time >= 0 [s]. It stays as it is where steps become less than a rounding of
  * the time. */
 struct quaternion rotor_turned_after(const struct vec3 lambda[ROTOR_RATES], struct quaternion q, double time);

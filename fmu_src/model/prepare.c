@@ -335,7 +335,7 @@ static void warn_of_deep_start(const struct model *m, const struct scene_instant
     const struct contact_geometry *g = &at->geometry[contact];
     const double radius = shape.other_radius > 0.0 ? fmin(shape.source_radius, shape.other_radius)
                                                    : shape.source_radius; /* the other body is a plane */
-    if (!(-g->gap > DEEP_START * radius) || !scene_within_extents(&shape, g)) {
+    if (!(-g->gap > DEEP_START * radius) || scene_beyond_ends(&shape, g) > 0.0) {
         return;
     }
     model_report(
@@ -370,6 +370,10 @@ static enum model_status check_start(struct model *m)
     return MODEL_OK;
 }
 
+/* Largest r_s divided by r_d without conformity. The effective radius r_s r_d / (r_d - r_s) is here already
+ * ten times r_s. */
+static const double CONFORMING = 0.9;
+
 /* Warns of conforming surfaces. Hertz's theory assumes a contact area that is small compared with the
  * bodies. */
 static enum model_status warn_of_conforming(struct model *m)
@@ -379,7 +383,7 @@ static enum model_status warn_of_conforming(struct model *m)
     for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
         const struct contact_shape shape = scene_contact_shape(v, &m->state.motion, j);
         if (scene_is_hertz(v, j) && contact_penalty_control(v, j) == PENALTY_CONTROL_AUTOMATIC &&
-            hertz_is_conforming(&shape)) {
+            shape.side < 0 && shape.source_radius > CONFORMING * shape.other_radius) {
             status = model_report(m, MODEL_WARNING,
                                   "%s: %s.radius = %s m is hardly smaller than %s.radius = %s m around it: "
                                   "such surfaces follow each other, and the stiffness of Hertz's theory is "
@@ -512,10 +516,12 @@ static struct bounding_box body_box(const struct scene_values *v, int body, doub
         const double half_length = body_finite_length(v, body) ? 0.5 * body_length(v, body) : 0.0;
         return bounding_box_cylinder(centre, radius, body_unit_axis(v, body), half_length);
     }
-    if (SCENE_ANY_TORUS && body_shape(body) == SHAPE_TORUS) {
-        return bounding_box_torus(centre, radius, body_unit_axis(v, body), body_ring_radius(v, body));
+    struct bounding_box box = {centre, centre};
+    if (SCENE_ANY_TORUS && body_shape(body) == SHAPE_TORUS) { /* the circle inside the tube has this box */
+        box = bounding_box_cylinder(centre, body_ring_radius(v, body), body_unit_axis(v, body), 0.0);
     }
-    return bounding_box_sphere(centre, radius);
+    const struct vec3 around = {radius, radius, radius};
+    return (struct bounding_box){vec3_sub(box.low, around), vec3_add(box.high, around)};
 }
 
 /* Finds the boxes of both bodies, or of the parts of compounds that meet, at the start relative to the

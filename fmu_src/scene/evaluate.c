@@ -1169,9 +1169,10 @@ bool scene_shown_within(const struct scene_values *v, const struct scene_state *
                         const struct scene_instant *at, int contact, const struct contact_shape *shape)
 {
     const struct contact_geometry *g = &at->geometry[contact];
-    const bool within = scene_within_extents(shape, g);
+    const double beyond = scene_beyond_ends(shape, g);
+    const bool within = beyond <= 0.0;
     if (!SCENE_ANY_ENDS || !isfinite(shape->half_length) ||
-        fabs(scene_beyond_ends(shape, g)) > END_ROUNDINGS * rounding_of_axial(v, at, contact, shape)) {
+        fabs(beyond) > END_ROUNDINGS * rounding_of_axial(v, at, contact, shape)) {
         return within;
     }
     const bool overlaps = g->gap < -rounding_of_gap(v, at, contact);
@@ -1199,7 +1200,7 @@ enum contact_regime scene_regime(const struct scene_values *v, const struct scen
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    return regime_by_law(v, q, at, contact, g->gap, scene_within_extents(&shape, g));
+    return regime_by_law(v, q, at, contact, g->gap, scene_beyond_ends(&shape, g) <= 0.0);
 }
 
 enum contact_regime scene_regime_of_touching(const struct scene_values *v, const struct scene_state *q,
@@ -1432,8 +1433,9 @@ double energy_dissipated_power_of(const struct scene_values *v, const struct sce
 {
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    return contact_dissipated_power(&law, (enum contact_regime)q->contact[contact].regime,
-                                    at->normal_force[contact], g->gap, g->gap_rate);
+    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    const double force = at->normal_force[contact] + contact_stored_slope(&law, regime, g->gap);
+    return regime == REGIME_APART ? 0.0 : -force * g->gap_rate;
 }
 
 double energy_dissipated_power(const struct scene_values *v, const struct scene_state *q,

@@ -111,10 +111,9 @@ void scene_forces(const struct scene_values *v, const struct scene_state *q, dou
 void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
                     const struct body_state *bodies, struct scene_instant *at);
 
-/* Returns contact_within_extents; constant true in scenes without cylinders. */
-bool scene_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry);
-
-/* Returns how far the source is beyond a cylinder's ends [m], negative within; -INFINITY without ends. */
+/* Returns how far the source's centre is beyond the destination's end planes [m], at most zero within;
+ * -INFINITY without ends. A race ends at the cylinder rho = R; no source that touches an outer race has
+ * rho > 2 R. */
 double scene_beyond_ends(const struct contact_shape *shape, const struct contact_geometry *geometry);
 
 /* Returns 1 divided by the mass of a free body [1/kg]; zero for any other body. */

@@ -73,8 +73,9 @@ static void put_rotations(const struct scene_values *v, const struct scene_insta
         path->source[i] = along->angular_velocity[from][i];
         path->destination[i] = along->angular_velocity[to][i];
         if (contact_tips(v, contact)) {
-            path->axis[i] =
-                contact_is_upside_down(shape) ? vec3_scale(-1.0, along->axis[to][i]) : along->axis[to][i];
+            /* a shape's axis is opposite to the body's at a capped cylinder's end to which -e_d points */
+            const bool is_opposite = contact_is_capped(shape) && shape->solid.zone < 0;
+            path->axis[i] = vec3_scale(is_opposite ? -1.0 : 1.0, along->axis[to][i]);
         }
     }
     for (int i = 0; i < path->terms && !contact_is_skew(shape); ++i) {

@@ -303,11 +303,6 @@ bool contact_is_coupled(const struct scene_values *v, const struct scene_state *
            (body_moves_freely(v, destination) && body_is_loaded(q, destination, contact));
 }
 
-bool contact_is_foreseen(const struct scene_values *v, const struct scene_state *q, int contact)
-{
-    return !scene_turns(v) || (!contact_pushes(v, q, contact) && !contact_is_coupled(v, q, contact));
-}
-
 static bool has_caps(const struct scene_values *v, int body)
 {
     return SCENE_ANY_CAPS && body_shape(body) == SHAPE_CYLINDER && body_finite_length(v, body) &&
@@ -425,11 +420,6 @@ struct contact_shape scene_contact_shape_at(const struct scene_values *v, const 
         }
     }
     return shape;
-}
-
-bool scene_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry)
-{
-    return !SCENE_ANY_ENDS || contact_within_extents(shape, geometry->axial);
 }
 
 double scene_beyond_ends(const struct contact_shape *shape, const struct contact_geometry *geometry)

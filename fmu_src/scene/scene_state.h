@@ -342,9 +342,4 @@ bool contact_tips(const struct scene_values *v, int contact);
  * even while this one is apart. Constant false in scenes of one contact. */
 bool contact_is_coupled(const struct scene_values *v, const struct scene_state *q, int contact);
 
-/* Whether the next change of the contact's regime is predicted before the motion is integrated
- * (integrator/prediction.h). Where nothing turns or rubs, it always is. Elsewhere it is predicted only while
- * no other contact acts on the bodies and the contact transmits no force or its motion is prescribed. */
-bool contact_is_foreseen(const struct scene_values *v, const struct scene_state *q, int contact);
-
 #endif

@@ -70,19 +70,6 @@ static enum friction_regime friction_regime_of(const struct scene_state *q, int 
     return (enum friction_regime)q->contact[contact].friction_regime[part];
 }
 
-/* Whether a regime of friction lies beyond the change of an event, so that its margin is negative. */
-static bool is_beyond(enum friction_regime regime, enum ode_event event)
-{
-    switch (event) {
-    case ODE_EVENT_CAP:
-        return regime == FRICTION_CAPPED;
-    case ODE_EVENT_LIFT:
-        return regime == FRICTION_LIFTED;
-    default: /* ode_stick_event */
-        return regime != FRICTION_STICKING;
-    }
-}
-
 /* Returns the error of an opposed motion that the solver's tolerances allow [m/s, rad/s]. */
 static double tolerated_motion(const struct scene_values *v, const struct scene_instant *at, int contact,
                                int part)
@@ -111,7 +98,11 @@ double regime_friction_margin(const struct scene_values *v, const struct scene_s
         return 1.0;
     }
     const double margin = raised_friction_event(v, q, at, contact, event);
-    return is_beyond(friction_regime_of(q, contact, ode_event_part(event)), event) ? -margin : margin;
+    const enum friction_regime regime = friction_regime_of(q, contact, ode_event_part(event));
+    const bool is_beyond = event == ODE_EVENT_CAP    ? regime == FRICTION_CAPPED
+                           : event == ODE_EVENT_LIFT ? regime == FRICTION_LIFTED
+                                                     : regime != FRICTION_STICKING;
+    return is_beyond ? -margin : margin;
 }
 
 enum ode_event regime_friction_event(const struct scene_values *v, const struct scene_state *q,
@@ -218,12 +209,13 @@ static double impact_depth(const struct scene_values *v, const struct scene_stat
     return fmax(pow(part, 1.0 / power), pow(0.5 * load, 1.0 / (power - 1.0)));
 }
 
-/* Lifts all opposed motions of a contact, since the normal force lifts them together. */
-static void lift_all(const struct scene_values *v, struct scene_state *q, int contact)
+/* Changes all opposed motions of a contact, since the normal force lifts them together. */
+static void change_all(const struct scene_values *v, struct scene_state *q, int contact,
+                       void (*change)(const struct rubbed *))
 {
     for (int i = 0; i < contact_opposed(v, contact); ++i) {
         const struct rubbed r = rubbed_of(v, q, contact, i);
-        lift_friction(&r);
+        change(&r);
     }
 }
 
@@ -297,7 +289,7 @@ static void break_away(const struct rubbed *r)
     scene_now(r->v, r->q, &at);
     const enum friction_regime next = sliding_regime(law, at.normal_force[r->contact]);
     if (is_lifted(r, &at)) {
-        lift_all(r->v, r->q, r->contact);
+        change_all(r->v, r->q, r->contact, lift_friction);
         return;
     }
     set_friction_regime(r, next);
@@ -335,14 +327,6 @@ static void end_lifting(const struct rubbed *r)
         keep_sliding(r);
     } else {
         begin_friction(r);
-    }
-}
-
-static void end_all_lifting(const struct scene_values *v, struct scene_state *q, int contact)
-{
-    for (int i = 0; i < contact_opposed(v, contact); ++i) {
-        const struct rubbed r = rubbed_of(v, q, contact, i);
-        end_lifting(&r);
     }
 }
 
@@ -400,9 +384,9 @@ void turning_take_event(const struct scene_values *v, struct scene_state *q, int
     } else if (event == ODE_EVENT_CAP) {
         set_friction_regime(&r, regime == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED);
     } else if (regime == FRICTION_LIFTED) {
-        end_all_lifting(v, q, contact);
+        change_all(v, q, contact, end_lifting);
     } else {
-        lift_all(v, q, contact);
+        change_all(v, q, contact, lift_friction);
     }
 }
 
@@ -504,9 +488,8 @@ static enum contact_regime regime_at_jump(const struct scene_values *v, struct s
 {
     q->contact[contact].physics.accumulated_gap = DBL_MAX;
     scene_kinematics_now(v, q, at);
-    for (int i = 0; SCENE_ANY_FRICTION && contact_rubs(v, contact) && i < contact_opposed(v, contact); ++i) {
-        const struct rubbed r = rubbed_of(v, q, contact, i);
-        end_friction(&r);
+    if (SCENE_ANY_FRICTION && contact_rubs(v, contact)) {
+        change_all(v, q, contact, end_friction);
     }
     return scene_regime_of_touching(v, q, at, contact);
 }

@@ -37,12 +37,6 @@ static bool is_constant(const struct contact_pair *p, const struct pair_work *wo
     return work->order == 0 || (vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
 }
 
-static bool pair_is_head_on(const struct contact_pair *p)
-{
-    return is_constant(p, &p->work[0]) && is_constant(p, &p->work[1]) &&
-           flight_is_head_on(&p->shape, &p->flight, p->normal);
-}
-
 /* n is undefined at d = 0 and becomes the direction of motion; c, which is rounding there, is set along n. At
  * rest n keeps its direction, unless the relative acceleration outweighs the contact force along n and gives
  * n its own direction. */
@@ -140,7 +134,8 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
                       path_contradicts(v, q, contact_destination(contact));
     p->work[0] = work_on(p, v, q, contact_source(contact), -1.0);
     p->work[1] = work_on(p, v, q, contact_destination(contact), 1.0);
-    p->is_head_on = pair_is_head_on(p);
+    p->is_head_on = is_constant(p, &p->work[0]) && is_constant(p, &p->work[1]) &&
+                    flight_is_head_on(&p->shape, &p->flight, p->normal);
 }
 
 struct vec3 pair_across(const struct contact_pair *p, struct vec3 c)
