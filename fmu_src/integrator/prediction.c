@@ -448,7 +448,7 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
     if (SCENE_ANY_ADVANCEMENT && contact_advances(v, contact)) {
         return advancement_prediction(v, q, at, contact, horizon, budget);
     }
-    if (contact_is_capped(&shape)) {
+    if (SCENE_ANY_CAPS && contact_is_capped(&shape)) {
         return change_at_capped(v, q, at, contact, horizon, budget);
     }
     if (contact_pushes(v, q, contact)) {
