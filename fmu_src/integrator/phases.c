@@ -836,7 +836,7 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         if (result == ADVANCE_FAILED) {
             return INTEGRATOR_FAILED;
         }
-        if (result == ADVANCE_STEP_LIMIT) { /* a quadrature (prescribed.c) may end by a limit of its own */
+        if (result == ADVANCE_STEP_LIMIT) { /* a quadrature may end by a limit of its own */
             return advance_is_spent(step) ? INTEGRATOR_STEP_LIMIT : INTEGRATOR_STALLED;
         }
         if (result == ADVANCE_EVENT) {

@@ -448,7 +448,7 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
     if (SCENE_ANY_ADVANCEMENT && contact_advances(v, contact)) {
         return advancement_prediction(v, q, at, contact, horizon, budget);
     }
-    if (contact_is_capped(&shape)) {
+    if (SCENE_ANY_CAPS && contact_is_capped(&shape)) {
         return change_at_capped(v, q, at, contact, horizon, budget);
     }
     if (contact_pushes(v, q, contact)) {
@@ -458,9 +458,18 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
                                     horizon, present);
         return found;
     }
-    if (present == REGIME_APART && !contact_is_prescribed(v, contact) && !has_ends) {
+    const double rounding = has_ends ? rounding_of_axial(v, at, contact, &shape) : 0.0;
+    if (present == REGIME_APART && !contact_is_prescribed(v, contact) &&
+        (!has_ends || scene_beyond_ends(&shape, &at->geometry[contact]) < -rounding)) {
         found.next = touch_in_flight(v, q, at, &shape, contact, horizon);
-        return found;
+        if (!has_ends || !isfinite(found.next.after)) {
+            return found;
+        }
+        /* the touch is on the side if no end is passed before */
+        const struct separation_path path = separation_path_of(v, q, at, q->clock, contact);
+        if (!isfinite(passage_of_end(&shape, &path, rounding, 0.0, found.next.after, present).after)) {
+            return found;
+        }
     }
     return change_on_path(v, q, at, &shape, contact, horizon, budget);
 }

@@ -1091,10 +1091,9 @@ void zones_follow(const struct scene_values *v, struct scene_state *q, const str
                   int contact)
 {
     struct contact_state *state = &q->contact[contact];
-    const bool has_force =
-        state->regime == (int32_t)REGIME_COMPRESSION || state->regime == (int32_t)REGIME_RESTITUTION;
-    const bool is_prescribed = SCENE_ANY_ZONES && contact_is_prescribed(v, contact);
-    if (state->regime == (int32_t)REGIME_APART || (is_prescribed ? scene_turns(v) : !has_force)) {
+    const bool is_located =
+        contact_is_prescribed(v, contact) ? scene_turns(v) : state->regime == (int32_t)REGIME_SEPARATING;
+    if (state->regime == (int32_t)REGIME_APART || is_located) {
         state->zone = 0;
     } else if (SCENE_ANY_ZONES && state->zone == 0) {
         state->zone = at->geometry[contact].zone;

@@ -645,10 +645,10 @@ static struct rim_start start_about_centre(const struct collocation_problem *fro
     const struct vec3 n = from->normal;
     const double d = from->reach + from->deviation;
     const struct vec3 along = from->tangent;
-    const struct vec3 axis = vec3_cross(n, along);
+    const struct vec3 across = vec3_cross(n, along);
     const struct vec3 rate = flattened(
-        vec3_make(vec3_dot(n, from->rate), vec3_dot(axis, from->rate), vec3_dot(along, from->rate)));
-    return (struct rim_start){.frame = {n, axis, along},
+        vec3_make(vec3_dot(n, from->rate), vec3_dot(across, from->rate), vec3_dot(along, from->rate)));
+    return (struct rim_start){.frame = {n, across, along},
                               .distance = d,
                               .rho = d,
                               .cosine = 1.0,

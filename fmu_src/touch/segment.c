@@ -1146,32 +1146,6 @@ static const struct {
 #endif
 };
 
-/* A time less a given one, as the context of a root_function. */
-struct time_left {
-    time_function *time_of;
-    const void *of;
-    double time;
-};
-
-static void time_left_at(const void *time_left, double s, double *value, double *slope)
-{
-    const struct time_left *left = time_left;
-    double time[3];
-    left->time_of(left->of, s, time);
-    *value = time[0] - left->time;
-    *slope = time[1];
-}
-
-double segment_place_by(time_function *time_of, const void *of, double time, double end)
-{
-    const struct time_left left = {time_of, of, time};
-    struct root_bracket_end low = {.s = 0.0};
-    struct root_bracket_end high = {.s = end};
-    time_left_at(&left, low.s, &low.value, &low.slope);
-    time_left_at(&left, high.s, &high.value, &high.slope);
-    return high.value > 0.0 ? root_between(time_left_at, &left, low, high) : end;
-}
-
 double segment_time(const struct segment *p, double s)
 {
     double time[3] = {s * p->unit};
@@ -1187,7 +1161,7 @@ double segment_place(const struct segment *p, double time)
         return 0.0; /* after a start at the touch, time may be of second order in s: no root at 0 */
     }
     return kinds[p->kind].time != NULL
-               ? segment_place_by(kinds[p->kind].time, &p->as, time, fmin(p->end, p->terminal.s))
+               ? pair_place_by(kinds[p->kind].time, &p->as, time, fmin(p->end, p->terminal.s))
                : time / p->unit;
 }
 

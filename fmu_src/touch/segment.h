@@ -105,12 +105,6 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
 double segment_time(const struct segment *p, double s);
 double segment_place(const struct segment *p, double time);
 
-/* Sets the time since the start of a motion [s] at the place s, and its derivative by s. */
-typedef void time_function(const void *of, double s, double time[3]);
-
-/* Returns the place in [0, end] at a time [s], or `end` where that is earlier. */
-double segment_place_by(time_function *time_of, const void *of, double time, double end);
-
 /* Returns the motion from the segment's start to s. */
 struct pair_change segment_change(const struct segment *p, double s);
 

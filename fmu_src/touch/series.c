@@ -664,7 +664,7 @@ bool series_make(struct segment *p)
     p->unit = made->unit;
     p->end = fmin(made->step, parting > 0.0 ? parting : made->step);
     if (parting > 0.0 && series_time_at(made, p->end) > p->longest) {
-        p->end = segment_place_by(series_time, made, p->longest, p->end);
+        p->end = pair_place_by(series_time, made, p->longest, p->end);
         parting = p->end < parting ? (double)INFINITY : parting;
     }
     const int places = by_root ? PLACES_BY_ROOT : PLACES_BY_TIME;

@@ -99,6 +99,13 @@ def test_a_stiff_contact_keeps_the_digits_of_its_depth_over_ten_seconds(opened):
     check_relative("force", fmu["contact.normal_force"], 9.81, 1e-12)
 
 
+def test_hops_below_rounding_end_on_a_cylinder_with_open_ends(opened):
+    """Positions round away the gap of a ball that hops so low."""
+    values = {"source.initial_velocity": [0.0, 0.0, 1.0], "contact.penalty_factor": 1e20}
+    fmu = run(opened("BallOffRoller"), values | {"contact.viscous_penalty_factor": 1e9}, 20.0, 1, 1e-8)
+    check_relative("force", fmu["contact.normal_force"], 9.81, 1e-12)
+
+
 # Impacts under Hertz's law: the release is the end of one contact, not the start of another.
 
 
