@@ -204,6 +204,11 @@ class Known:
     def value(self, condition):
         """True, false, or None where it is not known"""
         condition = " ".join(condition.split())
+        asked = _split(condition, " ? ")[0]
+        if asked != condition:  # a choice binds less than && and ||
+            one, other = (self.value(choice) for choice in _choices(condition[len(asked) + 3 :]))
+            chosen = one == other or self.value(asked)
+            return None if chosen is None else one if chosen else other
         for sign, decides in (("||", True), ("&&", False)):
             parts = _split(condition, sign)
             if len(parts) > 1:

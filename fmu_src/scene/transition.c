@@ -448,7 +448,7 @@ static void close_rounded_gap(const struct scene_values *v, struct scene_state *
         gap <= 0.25 * rounding_of_gap(v, at, contact)) {
         return;
     }
-    q->contact[contact].physics.accumulated_gap = DBL_MAX; /* unknown; positions give the gap */
+    q->contact[contact].physics.accumulated_gap = DBL_MAX; /* not known: positions give the gap */
     projection_close_gap(v, q, contact);
     scene_rebase(v, q);
     scene_kinematics_now(v, q, at);
