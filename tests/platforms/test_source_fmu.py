@@ -211,7 +211,7 @@ DECIDED = [
     ("for (int i = 0; i < y && SCENE_B; ++i) {\n        a(i);\n    }\n    b(y);", "b(y);"),
     ("while (SCENE_A && y) {\n        a(y);\n    }", "while (y) {\n        a(y);\n    }"),
     ("const bool known = SCENE_B;\n    x = known && a(y);", "const bool known = SCENE_B;\n    x = false;"),
-    ("const bool known = a(y) ? b(y) : SCENE_A || c(y);\n    x = known && a(y);",
+    ("const bool known = a(y) ? b(y) : c(y) || SCENE_A;\n    x = known && a(y);",
         "const bool known = a(y) ? b(y) : true;\n    x = known && a(y);"),
     ("const bool SCENE_A = y;\n    x = SCENE_A && a(y);",
         "const bool SCENE_A = y;\n    x = SCENE_A && a(y);"),
