@@ -679,11 +679,11 @@ static const double PLACES_OF_TURN = 4096.0;
 static const double HARDLY_TURNS = 1.0 / 16.0;
 
 /* The search for the largest value of a quantity slow(s) + u(s) of an averaged segment. u oscillates with
- * extrema at omega s = phase + pi n. */
+ * extrema at omega s = phase + pi n, and is steepest at omega s = phase + steepest + pi n. */
 struct search {
     const struct segment *p;
     const struct event_function *what;
-    double omega, phase;
+    double omega, phase, steepest;
     double from, end; /* the search covers s between these places */
     double largest;   /* value found so far */
 };
@@ -691,8 +691,9 @@ struct search {
 /* The search about a place covers so many half turns of the oscillation before it and after it. */
 enum { HALF_TURNS = 2 };
 
-/* Raises the largest value to the tops next to a place, where the upper bound is `bound`. A turn too short to
- * be searched counts with this bound. */
+/* Raises the largest value to the tops next to a place, where the upper bound is `bound`. The slope of u is
+ * monotone between two samples, so that the sum has one top there at most. A turn too short to be searched
+ * counts with the bound. */
 static void search_about(struct search *f, double place, double bound)
 {
     const double half = PI / f->omega;
@@ -703,8 +704,9 @@ static void search_about(struct search *f, double place, double bound)
         f->largest = fmax(f->largest, bound);
         return;
     }
-    for (int i = -HALF_TURNS; i <= HALF_TURNS; ++i) {
-        const double s = fmin(fmax(extremum + i * half, f->from), f->end);
+    for (int i = -2 * HALF_TURNS; i <= 2 * HALF_TURNS; ++i) {
+        const double beyond = i % 2 == 0 ? 0.0 : f->steepest / f->omega;
+        const double s = fmin(fmax(extremum + floor(0.5 * i) * half + beyond, f->from), f->end);
         if (w.count == 0 || s > w.s[w.count - 1]) {
             dense_output_add(&w, s);
         }
@@ -766,7 +768,7 @@ static double largest_of_swinging(const struct segment *p, const struct event_fu
 {
     const enum pair_quantity quantity = what->quantity;
     const double last = what->factor * range->last->of[quantity][0];
-    struct search f = {p, what, omega, 0.0, range->from, range->to, fmax(known, last)};
+    struct search f = {p, what, omega, 0.0, 0.0, range->from, range->to, fmax(known, last)};
     struct pair_bound bound = pair_bound_of(&p->as.collocation, quantity, what->factor > 0.0 ? 1.0 : -1.0);
     double u;
     double rate;
@@ -774,6 +776,7 @@ static double largest_of_swinging(const struct segment *p, const struct event_fu
     /* the deviation x, of which u is a part, enters the penetration and the force with this sign */
     const double sign = -p->pair.shape.side;
     const double decay_rate = bound.envelope.decay_rate;
+    f.steepest = atan2(omega, decay_rate);
     f.phase = atan2(sign * (rate + decay_rate * u) / omega, sign * u) - atan2(decay_rate, omega);
     const double swing = bound.envelope.amplitude * exp(-decay_rate * range->from);
     const bool swings = dense_output_is_larger(&p->output, fabs(last) + swing, fabs(last));
@@ -886,7 +889,7 @@ static void peaks_note(struct segment *p, struct contact_peaks *peaks, double fr
 struct torque_lever {
     int moments;                          /* how many moments of r count */
     bool acts;                            /* whether there is a torque */
-    struct vec3 c[SEPARATION_DEGREE + 1]; /* the part of C that counts */
+    struct vec3 c[SEPARATION_DEGREE + 1]; /* part of C by which the force has a torque, by powers of time */
     /* at skew cylinders the foot, linear in c, which shortens the destination's lever; else c */
     struct vec3 foot[SEPARATION_DEGREE + 1];
 };
