@@ -161,7 +161,7 @@ double hertz_stiffness(const struct contact_shape *shape, double modulus)
         return hertz_elliptic_stiffness(modulus, alone, alone);
     }
     if (contact_is_skew(shape)) {
-        return hertz_crossed_stiffness(modulus, r_s, r_d, skew_frame_of(&shape->solid)->sine);
+        return hertz_crossed_stiffness(modulus, r_s, r_d, contact_skew_frame(&shape->solid)->sine);
     }
     /* the coefficient is half of 1/r_s + 1/r_d outside, half of 1/r_s - 1/r_d inside */
     const double curved = 0.5 * (r_d + shape->side * r_s) / r_s / r_d;

@@ -32,7 +32,7 @@ bool contact_is_capped(const struct contact_shape *shape)
     return CONTACT_ANY_CAPS && shape->solid.half_height > 0.0;
 }
 
-const struct skew_frame *skew_frame_of(const struct contact_solid *solid)
+const struct skew_frame *contact_skew_frame(const struct contact_solid *solid)
 {
 #if CONTACT_ANY_SKEW
     return &solid->skew;
@@ -45,7 +45,7 @@ const struct skew_frame *skew_frame_of(const struct contact_solid *solid)
 
 static bool solid_is_skew(const struct contact_solid *solid)
 {
-    return CONTACT_ANY_SKEW && skew_frame_of(solid)->axes.source_half > 0.0;
+    return CONTACT_ANY_SKEW && contact_skew_frame(solid)->axes.source_half > 0.0;
 }
 
 bool contact_is_skew(const struct contact_shape *shape)
@@ -183,7 +183,7 @@ static struct contact_geometry geometry_in(const struct contact_shape *shape, st
 
 struct skew_face contact_skew_face(const struct contact_solid *solid)
 {
-    const struct skew_frame *frame = skew_frame_of(solid);
+    const struct skew_frame *frame = contact_skew_frame(solid);
     return (struct skew_face){
         {frame->across_destination, frame->across_source},
         {frame->sine * frame->axes.source_half, frame->sine * frame->axes.destination_half}};
@@ -235,7 +235,7 @@ static double skew_margin(const struct skew_frame *frame, int zone, struct vec3 
 /* Returns the place of the edge or corner of the parallelogram that a zone is at, zero at its face [m]. */
 static struct vec3 skew_corner(const struct contact_solid *solid)
 {
-    const struct skew_axes *axes = &skew_frame_of(solid)->axes;
+    const struct skew_axes *axes = &contact_skew_frame(solid)->axes;
     const struct skew_ends at = skew_ends_of(solid->zone);
     const struct vec3 along_source =
         at.source != 0 ? vec3_scale(at.source * axes->source_half, axes->source) : vec3_make(0.0, 0.0, 0.0);
@@ -247,7 +247,7 @@ static struct vec3 skew_corner(const struct contact_solid *solid)
 /* Returns a pair of skew cylinders as c meets it in its zone. */
 static struct contact_shape skew_shape_in(struct contact_shape in)
 {
-    const struct skew_axes *axes = &skew_frame_of(&in.solid)->axes;
+    const struct skew_axes *axes = &contact_skew_frame(&in.solid)->axes;
     const struct skew_ends at = skew_ends_of(in.solid.zone);
     in.destination = in.solid.zone == 0                      ? SHAPE_SKEW
                      : at.source != 0 && at.destination != 0 ? SHAPE_SPHERE
@@ -255,7 +255,7 @@ static struct contact_shape skew_shape_in(struct contact_shape in)
                                                              : SHAPE_CYLINDER;
     in.axis = at.destination != 0 ? axes->source : axes->destination;
     if (in.destination == SHAPE_PLANE) { /* its outward normal is -n */
-        in.axis = vec3_scale(in.solid.zone < 0 ? 1.0 : -1.0, skew_frame_of(&in.solid)->normal);
+        in.axis = vec3_scale(in.solid.zone < 0 ? 1.0 : -1.0, contact_skew_frame(&in.solid)->normal);
     }
     return in;
 }
@@ -412,7 +412,7 @@ struct contact_shape contact_shape_in(const struct contact_shape *shape, int zon
 double contact_zone_margin(const struct contact_solid *solid, int zone, struct vec3 c)
 {
     if (solid_is_skew(solid)) {
-        const struct skew_frame *frame = skew_frame_of(solid);
+        const struct skew_frame *frame = contact_skew_frame(solid);
         return skew_margin(frame, zone, c);
     }
     const struct solid_place at = contact_place_at(solid, c);
@@ -459,7 +459,7 @@ int contact_zone_at(const struct contact_solid *solid, struct vec3 c)
         }
         return place.radial >= place.axial ? ZONE_SIDE : place.end * ZONE_CAP;
     }
-    const struct skew_frame *frame = skew_frame_of(solid);
+    const struct skew_frame *frame = contact_skew_frame(solid);
     int nearest = -SKEW_FACE;
     double most = skew_margin(frame, nearest, c);
     for (int zone = SKEW_ZONE; zone <= SKEW_LAST; ++zone) {
@@ -510,7 +510,7 @@ void contact_make_skew(struct contact_shape *shape, struct skew_axes axes)
 /* Returns the factor of c in a, the place of the nearest point along e_s, within a zone; a is linear in c. */
 static struct vec3 skew_slope(const struct contact_solid *solid)
 {
-    const struct skew_frame *frame = skew_frame_of(solid);
+    const struct skew_frame *frame = contact_skew_frame(solid);
     const struct skew_ends ends = skew_ends_of(solid->zone);
     if (ends.source != 0) {
         return vec3_make(0.0, 0.0, 0.0);
@@ -524,7 +524,7 @@ struct vec3 contact_foot_along(const struct contact_shape *shape, struct vec3 ch
     if (!contact_is_skew(shape)) {
         return vec3_make(0.0, 0.0, 0.0);
     }
-    const struct skew_axes *axes = &skew_frame_of(&shape->solid)->axes;
+    const struct skew_axes *axes = &contact_skew_frame(&shape->solid)->axes;
     return vec3_scale(vec3_dot(skew_slope(&shape->solid), change), axes->source);
 }
 
@@ -535,7 +535,7 @@ struct vec3 contact_foot(const struct contact_shape *shape, struct vec3 c)
     }
     const struct contact_shape in =
         shape->solid.zone != 0 ? *shape : contact_shape_in(shape, contact_zone_at(&shape->solid, c));
-    const struct skew_axes *axes = &skew_frame_of(&in.solid)->axes;
+    const struct skew_axes *axes = &contact_skew_frame(&in.solid)->axes;
     const struct skew_ends ends = skew_ends_of(in.solid.zone);
     const struct vec3 corner = skew_corner(&in.solid);
     const double end = ends.source != 0 ? ends.source * axes->source_half : 0.0;

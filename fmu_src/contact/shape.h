@@ -245,8 +245,9 @@ enum { SKEW_ZONE = 8, SKEW_FACE = SKEW_ZONE + 4, SKEW_LAST = SKEW_ZONE + 8 };
 /* Makes the shape a pair of skew cylinders. */
 void contact_make_skew(struct contact_shape *shape, struct skew_axes axes);
 
-/* Returns the frame of skew cylinders; of other shapes nothing in it counts. */
-const struct skew_frame *skew_frame_of(const struct contact_solid *solid);
+/* Returns the axes of skew cylinders and the angle between them. Other shapes have no such frame, and their
+ * result may not be used. */
+const struct skew_frame *contact_skew_frame(const struct contact_solid *solid);
 
 /* The face of skew cylinders reaches as far as |c.across[i]| <= half[i] [m], where i is 0 for the ends of the
  * source and 1 for those of the destination. `half` is INFINITY where a cylinder is infinite. */

@@ -380,7 +380,8 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
     }
     struct falling *gap = &at->of[ADVANCEMENT_GAP];
     if (contact_is_cylinder(&shape) && !contact_is_capped(&shape) && !(axis.speed > 0.0)) {
-        /* the gap at the side depends on the motion across the axis, the place along it on the rest */
+        /* the gap at the side changes by motion across the axis alone, the distance from the ends by motion
+         * along the axis alone */
         struct vec3 across[ADVANCEMENT_TERMS];
         struct vec3 along[ADVANCEMENT_TERMS];
         for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
@@ -558,7 +559,7 @@ struct advancement_result advancement_first(const struct advancement_path *path,
     struct advancement_path moving = *path; /* the axis motion moves on with the search */
     const struct advancement_search search = {&moving, change, functions_of(path)};
     double time = 0.0;
-    /* the last time at which the deciding function was not negative; -1: none */
+    /* the deciding function where it was last not negative; a time of -1: it has been negative throughout */
     struct root_bracket_end before = {-1.0, 0.0, 0.0};
     double length = horizon;
     for (long evaluations = 1; evaluations <= budget; ++evaluations) {

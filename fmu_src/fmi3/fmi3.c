@@ -496,8 +496,8 @@ CALL3(DeserializeFMUState, ANY, PHASES_ALL,
       state_block_deserialize(instance, bytes, size, state))
 
 /*
- * Functions that these FMUs refuse with a message. They exist because importers look for all functions of the
- * standard. They do not use their arguments.
+ * These FMUs refuse the functions below with a message. They exist because importers look for all functions
+ * of the standard. They do not use their arguments.
  */
 #ifdef __GNUC__
 #pragma GCC diagnostic push
