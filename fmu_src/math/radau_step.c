@@ -19,22 +19,7 @@ static inline int radau_padded(int count)
 static inline void radau_combine(double *restrict to, const double *row, int count, const double *from,
                                  int stride, int width)
 {
-    int i = 0;
-    for (; i + 4 * LANES <= width; i += 4 * LANES) { /* four sums at a time hide the latency of additions */
-        const double2 none = {0.0};
-        double2 sum[4] = {none, none, none, none};
-        for (int j = 0; j < count; ++j) {
-            const double *at = from + j * stride + i;
-            sum[0] += double2_at(at, 0) * row[j];
-            sum[1] += double2_at(at, LANES) * row[j];
-            sum[2] += double2_at(at, 2 * LANES) * row[j];
-            sum[3] += double2_at(at, 3 * LANES) * row[j];
-        }
-        for (int k = 0; k < 4; ++k) {
-            double2_put(to, i + k * LANES, sum[k]);
-        }
-    }
-    for (; i < width; i += 2 * LANES) {
+    for (int i = 0; i < width; i += 2 * LANES) {
         double2 low = {0.0};
         double2 high = {0.0};
         for (int j = 0; j < count; ++j) {
@@ -46,54 +31,12 @@ static inline void radau_combine(double *restrict to, const double *row, int cou
     }
 }
 
-/* Sets row i of `to` to what radau_combine makes of row i of the table; two rows at a time halve the loads.
- * */
+/* Sets row i of `to` to what radau_combine makes of row i of the table. */
 static inline void radau_combine_rows(double *restrict to, int to_stride, const double *table, int rows,
                                       int count, const double *from, int stride, int width)
 {
-    for (int i = 0; i < rows; i += 2) {
-        const int next = i + 1 < rows ? i + 1 : i; /* an odd last row is made twice */
-        int k = 0;
-        for (; k + 4 * LANES <= width; k += 4 * LANES) {
-            const double2 none = {0.0};
-            double2 one[4] = {none, none, none, none};
-            double2 two[4] = {none, none, none, none};
-            for (int j = 0; j < count; ++j) {
-                const double x = table[i * count + j];
-                const double y = table[next * count + j];
-                const double *at = from + j * stride + k;
-                one[0] += double2_at(at, 0) * x;
-                two[0] += double2_at(at, 0) * y;
-                one[1] += double2_at(at, LANES) * x;
-                two[1] += double2_at(at, LANES) * y;
-                one[2] += double2_at(at, 2 * LANES) * x;
-                two[2] += double2_at(at, 2 * LANES) * y;
-                one[3] += double2_at(at, 3 * LANES) * x;
-                two[3] += double2_at(at, 3 * LANES) * y;
-            }
-            for (int l = 0; l < 4; ++l) {
-                double2_put(to + i * to_stride, k + l * LANES, one[l]);
-                double2_put(to + next * to_stride, k + l * LANES, two[l]);
-            }
-        }
-        for (; k < width; k += 2 * LANES) {
-            const double2 none = {0.0};
-            double2 low[2] = {none, none};
-            double2 high[2] = {none, none};
-            for (int j = 0; j < count; ++j) {
-                const double x = table[i * count + j];
-                const double y = table[next * count + j];
-                const double *at = from + j * stride;
-                low[0] += double2_at(at, k) * x;
-                low[1] += double2_at(at, k) * y;
-                high[0] += double2_at(at, k + LANES) * x;
-                high[1] += double2_at(at, k + LANES) * y;
-            }
-            for (int l = 0; l < 2; ++l) {
-                double2_put(to + (l == 0 ? i : next) * to_stride, k, low[l]);
-                double2_put(to + (l == 0 ? i : next) * to_stride, k + LANES, high[l]);
-            }
-        }
+    for (int i = 0; i < rows; ++i) {
+        radau_combine(to + i * to_stride, table + i * count, count, from, stride, width);
     }
 }
 
