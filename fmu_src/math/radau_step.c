@@ -4,6 +4,7 @@
 
 #include "math/compiler.h"
 #include "math/nodes.h"
+#include "math/quaternion.h"
 #include "math/radau_step.h"
 
 /* Rows end with at least one zero, and their length is a multiple of this, for loops that take several
@@ -214,80 +215,33 @@ void radau_step_begin(struct radau_step *p, double clock, const double *y)
     }
 }
 
-/* Sets `product` to a b. Quaternions have their real part first. */
-CONTACT_NOT_FUSED static void multiply_quaternions(const double *a, const double *b, double *product)
+static struct quaternion quaternion_from(const double *q)
 {
-    product[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
-    product[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
-    product[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
-    product[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
+    return (struct quaternion){q[0], q[1], q[2], q[3]};
 }
 
-static void invert_quaternion(const double *a, double *inverse)
+static struct quaternion reciprocal_of(struct quaternion q)
 {
-    const double square = a[0] * a[0] + a[1] * a[1] + a[2] * a[2] + a[3] * a[3];
-    inverse[0] = a[0] / square;
-    for (int k = 1; k < 4; ++k) {
-        inverse[k] = -a[k] / square;
-    }
-}
-
-/* A row of quaternions: their real parts, then the three others. */
-enum { QUATERNIONS_IN_ROW = RADAU_MOST_STAGES + 2 };
-struct quaternion_row {
-    double part[4][QUATERNIONS_IN_ROW];
-};
-
-static inline void quaternion_in_row(const struct quaternion_row *row, int j, double *to)
-{
-    for (int k = 0; k < 4; ++k) {
-        to[k] = row->part[k][j];
-    }
-}
-
-/* Subtracts the products of a factor and each quaternion of another row, from `first` on. */
-static void subtract_row(struct quaternion_row *restrict to, const double *factor,
-                         const struct quaternion_row *from, int first, int count)
-{
-    for (int j = first / LANES * LANES; j < count; j += LANES) {
-        const double2 w = double2_at(from->part[0], j);
-        const double2 x = double2_at(from->part[1], j);
-        const double2 y = double2_at(from->part[2], j);
-        const double2 z = double2_at(from->part[3], j);
-        double2_put(to->part[0], j,
-                    double2_at(to->part[0], j) -
-                        (w * factor[0] - x * factor[1] - y * factor[2] - z * factor[3]));
-        double2_put(to->part[1], j,
-                    double2_at(to->part[1], j) -
-                        (x * factor[0] + w * factor[1] + z * factor[2] - y * factor[3]));
-        double2_put(to->part[2], j,
-                    double2_at(to->part[2], j) -
-                        (y * factor[0] - z * factor[1] + w * factor[2] + x * factor[3]));
-        double2_put(to->part[3], j,
-                    double2_at(to->part[3], j) -
-                        (z * factor[0] + y * factor[1] - x * factor[2] + w * factor[3]));
-    }
+    return quaternion_scale(1.0 / quaternion_dot(q, q), quaternion_inverse(q));
 }
 
 /* Writes the matrix I - h A_ij r_j, and its right side h sum A_ij r_j q behind each row, where r_j q are the
  * rates of the quaternion q at the start. */
-static void put_turning_matrix(const struct radau_step *p, int first, struct quaternion_row *matrix)
+static void put_turning_matrix(const struct radau_step *p, int first,
+                               struct quaternion matrix[][RADAU_MOST_STAGES + 1])
 {
     const int s = p->stages->stages;
-    double inverse[4];
-    invert_quaternion(p->y + first, inverse);
-    memset(matrix, 0, (size_t)s * sizeof *matrix);
+    const struct quaternion inverse = reciprocal_of(quaternion_from(p->y + first));
+    for (int i = 0; i < s; ++i) {
+        matrix[i][s] = (struct quaternion){0.0, 0.0, 0.0, 0.0};
+    }
     for (int j = 0; j < s; ++j) {
-        const double *rate = p->rates + j * p->stride + first;
-        double turning[4];
-        multiply_quaternions(rate, inverse, turning);
+        const struct quaternion rate = quaternion_from(p->rates + j * p->stride + first);
+        const struct quaternion turning = quaternion_product(rate, inverse);
         for (int i = 0; i < s; ++i) {
             const double weight = p->length * p->stages->integral[i * s + j];
-            matrix[i].part[0][j] = i == j ? 1.0 : 0.0;
-            for (int k = 0; k < 4; ++k) {
-                matrix[i].part[k][j] -= weight * turning[k];
-                matrix[i].part[k][s] += weight * rate[k];
-            }
+            matrix[i][j] = quaternion_axpy((struct quaternion){i == j, 0.0, 0.0, 0.0}, -weight, turning);
+            matrix[i][s] = quaternion_axpy(matrix[i][s], weight, rate);
         }
     }
 }
@@ -295,36 +249,29 @@ static void put_turning_matrix(const struct radau_step *p, int first, struct qua
 /* Sets the changes at the stages of a quaternion q' = r q, whose rates are given for its value at the start.
  * They solve a linear system whose entries are quaternions, eliminated like numbers in the order of their
  * products. Without pivots the entries do not grow, for turns of up to fifty radians (measured). */
-static void turn_quaternion(struct radau_step *p, int first)
+CONTACT_FLATTEN static void turn_quaternion(struct radau_step *p, int first)
 {
     const int s = p->stages->stages;
-    struct quaternion_row matrix[RADAU_MOST_STAGES];
-    double entry[4];
-    double inverse[4];
-    double product[4];
+    struct quaternion matrix[RADAU_MOST_STAGES][RADAU_MOST_STAGES + 1];
     put_turning_matrix(p, first, matrix);
     for (int k = 0; k < s; ++k) {
-        quaternion_in_row(matrix + k, k, entry);
-        invert_quaternion(entry, inverse);
+        const struct quaternion inverse = reciprocal_of(matrix[k][k]);
         for (int i = k + 1; i < s; ++i) {
-            quaternion_in_row(matrix + i, k, entry);
-            multiply_quaternions(entry, inverse, product);
-            subtract_row(matrix + i, product, matrix + k, k + 1, s + 1);
+            const struct quaternion factor = quaternion_product(matrix[i][k], inverse);
+            for (int j = k + 1; j <= s; ++j) {
+                matrix[i][j] = quaternion_axpy(matrix[i][j], -1.0, quaternion_product(factor, matrix[k][j]));
+            }
         }
     }
     for (int i = s - 1; i >= 0; --i) {
-        double side[4];
-        quaternion_in_row(matrix + i, s, side);
+        struct quaternion *side = &matrix[i][s];
         for (int j = i + 1; j < s; ++j) {
-            quaternion_in_row(matrix + i, j, entry);
-            multiply_quaternions(entry, p->change + j * p->stride + first, product);
-            for (int k = 0; k < 4; ++k) {
-                side[k] -= product[k];
-            }
+            *side = quaternion_axpy(*side, -1.0, quaternion_product(matrix[i][j], matrix[j][s]));
         }
-        quaternion_in_row(matrix + i, i, entry);
-        invert_quaternion(entry, inverse);
-        multiply_quaternions(inverse, side, p->change + i * p->stride + first);
+        *side = quaternion_product(reciprocal_of(matrix[i][i]), *side);
+        double *change = p->change + i * p->stride + first;
+        change[0] = side->w;
+        vec3_to(quaternion_vector(*side), change + 1);
     }
 }
 
