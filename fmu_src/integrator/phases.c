@@ -670,14 +670,13 @@ static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, st
 }
 
 /* Returns the clock up to which a phase that begins now may reach [s]. It reaches beyond the end of the
- * communication step, up to what is foreseen, but only in proportion to the time from the clock's origin to
- * the start of the step. An input that changes at every communication point moves the origin there: what
- * reaches beyond the next point would be wasted, and so would what reaches beyond the only step of a run. */
+ * communication step, up to what is foreseen, but only in proportion to the time before the step in which no
+ * input and no regime changed. What reaches beyond the next communication point would be wasted where an input
+ * changes at every point, and so would what reaches beyond the only step of a run. */
 static double unforeseen_until(const struct scene_values *v, const struct scene_state *q,
                                const struct advance *step)
 {
-    const double passed = q->clock + scene_remaining(q, step->start); /* between origin and start */
-    double until = q->clock + HORIZON_GROWTH * fmax(passed, 0.0);
+    double until = q->clock + HORIZON_GROWTH * step->passed;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         /* a segment shows every change of its contact but the passage of a cylinder's end; nothing foresees
          * changes where bodies turn and a contact acts on them */
@@ -932,6 +931,7 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
     catch_up(s, v, q, false);
     transition_begin_step(v, q, &step.now);
     step.is_now = true;
+    step.passed = q->clock;
     if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_keeps_steps(v)) {
         q->integrator_fresh = 1; /* CVODE's history is in no saved state: each step does without it */
     }

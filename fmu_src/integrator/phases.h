@@ -24,11 +24,12 @@
 enum advance_result { ADVANCE_REACHED, ADVANCE_EVENT, ADVANCE_STEP_LIMIT, ADVANCE_FAILED };
 
 struct advance {
-    double start;               /* in: the time at which the communication step began [s] */
-    double clock_end;           /* in: the advance ends at this clock at the latest [s] */
-    double clock_limit;         /* in: no end of the phase is foreseen before this clock [s] */
-    long budget;                /* in: most internal steps allowed; out: the number left */
-    long work;                  /* in: most work allowed, in the units below; out: the work left */
+    double start;       /* in: the time at which the communication step began [s] */
+    double passed;      /* in: the clock at that time [s]: no input and no regime has changed for so long */
+    double clock_end;   /* in: the advance ends at this clock at the latest [s] */
+    double clock_limit; /* in: no end of the phase is foreseen before this clock [s] */
+    long budget;        /* in: most internal steps allowed; out: the number left */
+    long work;          /* in: most work allowed, in the units below; out: the work left */
     struct scene_instant now;   /* the present instant, if `is_now`; see advance_now */
     bool is_now;                /* whether `now` is valid: code that moves the bodies clears it */
     int contact;                /* out, ADVANCE_EVENT: the contact whose regime changes at q->clock */
