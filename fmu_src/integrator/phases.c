@@ -109,11 +109,13 @@ static const double HORIZON_GROWTH = 1e3;
  * searched a few times only. */
 static const double SEARCH_GROWTH = 8.0;
 
-/* Returns the horizon of the search for regime changes [s]: the longer of the rest of the step and
- * SEARCH_GROWTH times the time since the phase began. */
-static double horizon_from(const struct scene_state *q, double remaining)
+/* Returns the horizon of the search for regime changes [s]. It is the longest of the rest of the step, of
+ * SEARCH_GROWTH times the time since the phase began, and of a pair's time without changes before the step,
+ * because flights between its impacts are often of one order of magnitude. */
+static double horizon_from(const struct scene_state *q, double remaining, double passed)
 {
-    const double horizon = fmax(remaining, SEARCH_GROWTH * q->clock);
+    const double horizon =
+        fmax(fmax(remaining, SCENE_CONTACTS == 1 ? passed : 0.0), SEARCH_GROWTH * q->clock);
     return fmin(horizon, fmax(LONGEST_HORIZON, HORIZON_GROWTH * q->clock));
 }
 
@@ -125,7 +127,7 @@ static inline void look_ahead(const struct scene_values *v, struct scene_state *
         return;
     }
     const struct scene_instant *at = advance_now(step, v, q);
-    double horizon = horizon_from(q, remaining);
+    double horizon = horizon_from(q, remaining, step->passed);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct prediction found = prediction_of(v, q, at, j, horizon, step->budget);
         horizon = found.searched;
@@ -670,13 +672,12 @@ static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, st
 }
 
 /* Returns the clock up to which a phase that begins now may reach [s]. It reaches beyond the end of the
- * communication step, up to what is foreseen, but only in proportion to the time before the step in which no
- * input and no regime changed. What reaches beyond the next communication point would be wasted where an input
- * changes at every point, and so would what reaches beyond the only step of a run. */
-static double unforeseen_until(const struct scene_values *v, const struct scene_state *q,
-                               const struct advance *step)
+ * communication step, up to what is foreseen, but only in proportion to `passed` [s], a time in which no input
+ * has changed. What reaches beyond the next communication point would be wasted where an input changes at every
+ * point, and so would what reaches beyond the only step of a run. */
+static double unforeseen_until(const struct scene_values *v, const struct scene_state *q, double passed)
 {
-    double until = q->clock + HORIZON_GROWTH * step->passed;
+    double until = q->clock + HORIZON_GROWTH * passed;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         /* a segment shows every change of its contact but the passage of a cylinder's end; nothing foresees
          * changes where bodies turn and a contact acts on them */
@@ -703,7 +704,7 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
         const bool made =
             q->phase.end > q->clock
                 ? restore_pairs(all, v, q)
-                : begin_pairs(all, v, q, fmax(step->clock_end, unforeseen_until(v, q, step)), step);
+                : begin_pairs(all, v, q, fmax(step->clock_end, unforeseen_until(v, q, step->passed)), step);
         if (!made) {
             return ADVANCE_FAILED;
         }
@@ -757,7 +758,9 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
 #if SCENE_HAS_GENERAL
     if (result == ADVANCE_FAILED && solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && scene_uses_ode(v)) {
         counter_add(&q->counters.fallbacks, 1);
-        step->clock_limit = fmax(step->clock_end, unforeseen_until(v, q, step));
+        /* a step that is read within has to be more accurate: right after a touch none is */
+        const double passed = fmax(q->clock + scene_remaining(q, step->start), 0.0);
+        step->clock_limit = fmax(step->clock_end, unforeseen_until(v, q, passed));
         result = general_advance(s->general, v, q, step);
     }
 #endif
