@@ -141,7 +141,7 @@ static bool climb(const struct dense_output *w, const struct event_function *wha
 static bool is_top(const struct event_function *what, const struct pair_sample *at)
 {
     const double slope = term_of(what, at, 1);
-    return slope * slope <= DBL_EPSILON * fabs(at->of[what->quantity][2] * term_of(what, at, 0));
+    return slope * slope <= -DBL_EPSILON * term_of(what, at, 2) * fabs(term_of(what, at, 0));
 }
 
 /* Whether a slope with an extremum between `low` and `high` stays clear of zero. The cubic through both ends
@@ -159,14 +159,14 @@ static bool stays_clear(const struct root_bracket_end *low, const struct root_br
 }
 
 /* Whether there is a top between `low` and `high`, which hold slopes. Where the quantity rises or falls at
- * both ends, one end moves to the extremum of the slope, so that the slope falls through zero between the
+ * both ends, or rests at one, one end moves to the extremum of the slope, so that the slope falls through zero between the
  * ends. */
 static bool brackets_top(const struct dense_output *w, const struct event_function *what,
                          struct root_bracket_end *low, struct root_bracket_end *high)
 {
     const struct probe bend = {w, what, 2};
-    const bool falls = low->value < 0.0 && high->value < 0.0 && low->slope > 0.0 && high->slope < 0.0;
-    const bool rises = low->value > 0.0 && high->value > 0.0 && low->slope < 0.0 && high->slope > 0.0;
+    const bool falls = low->value <= 0.0 && high->value < 0.0 && low->slope > 0.0 && high->slope < 0.0;
+    const bool rises = low->value > 0.0 && high->value >= 0.0 && low->slope < 0.0 && high->slope > 0.0;
     if ((falls || rises) && !stays_clear(low, high)) {
         *(falls ? low : high) = end_at(w, what, 1, root_in_bracket(probe_at, &bend, low->s, high->s));
     }

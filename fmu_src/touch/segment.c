@@ -733,8 +733,30 @@ static double summit_between(const struct search *f, const struct dense_output *
     return middle;
 }
 
-/* Searches about the summit of the upper bound, then about every other node whose bound exceeds the largest
- * value found, since a decaying oscillation may not reach its envelope at the summit. */
+/* Searches about the summit of the upper bound between the nodes i and i + 1, if there is one that exceeds the
+ * largest value found. */
+static void search_summit(struct search *f, const struct dense_output *bound, int i)
+{
+    if (i < 0 || i + 1 >= bound->count) {
+        return;
+    }
+    const double factor = f->what->factor;
+    const double *before = bound->at[i].of[f->what->quantity];
+    const double *after = bound->at[i + 1].of[f->what->quantity];
+    const double rise = factor * (after[0] - before[0]);
+    if ((rise > 0.0 || factor * before[1] > 0.0) && (rise < 0.0 || factor * after[1] < 0.0)) {
+        struct pair_sample at;
+        const double place = summit_between(f, bound, bound->s[i], bound->s[i + 1]);
+        bound->sampler(bound->segment, place, &at);
+        const double most = factor * at.of[f->what->quantity][0];
+        if (dense_output_is_larger(bound, most, f->largest)) {
+            search_about(f, place, most);
+        }
+    }
+}
+
+/* Searches about the highest summits of the upper bound, then about every other summit and node where the
+ * bound exceeds the largest value found, since a decaying oscillation may not reach its envelope. */
 static void search_swinging(struct search *f, const struct dense_output *bound)
 {
     const enum pair_quantity quantity = f->what->quantity;
@@ -743,21 +765,14 @@ static void search_swinging(struct search *f, const struct dense_output *bound)
     for (int i = 1; i < bound->count; ++i) {
         best = factor * (bound->at[i].of[quantity][0] - bound->at[best].of[quantity][0]) > 0.0 ? i : best;
     }
-    const double slope = factor * bound->at[best].of[quantity][1];
-    const int next = slope > 0.0 ? best + 1 : best - 1;
-    if (slope != 0.0 && next >= 0 && next < bound->count) {
-        struct pair_sample at;
-        const double place = summit_between(f, bound, fmin(bound->s[best], bound->s[next]),
-                                            fmax(bound->s[best], bound->s[next]));
-        bound->sampler(bound->segment, place, &at);
-        search_about(f, place, factor * at.of[quantity][0]);
-    }
+    search_summit(f, bound, best - 1);
+    search_summit(f, bound, best);
     for (int i = 0; i < bound->count; ++i) {
-        const int node = i == 0 ? best : i <= best ? i - 1 : i;
-        const double most = factor * bound->at[node].of[quantity][0];
+        const double most = factor * bound->at[i].of[quantity][0];
         if (dense_output_is_larger(bound, most, f->largest)) {
-            search_about(f, bound->s[node], most);
+            search_about(f, bound->s[i], most);
         }
+        search_summit(f, bound, i);
     }
 }
 

@@ -130,7 +130,8 @@ def random_pressed(random):
 
 
 @pytest.mark.parametrize("dashpot", ["unclamped", "non_adhesive"])
-@pytest.mark.parametrize("portion", [*seeds(1), 97004, 97007])  # tops within a swing that dies away
+# tops within a swing that dies away, a low top after it, a top after a start from rest
+@pytest.mark.parametrize("portion", [*seeds(1), 97004, 97007, 98014, 98041])
 def test_peaks_of_a_lasting_contact(opened, shape, dashpot, portion):
     """Set down, landing, settled or pressed deeper, from hardly damped to 100 times critical, under forces
     that change: all within one communication step"""
