@@ -1,8 +1,8 @@
 /*
  * Contacts between bodies that the importer moves: neither body is free or turns freely, so that every force
  * is a function of time. Impulses, energies and work are integrals of smooth functions between two changes of
- * a regime. The time is divided into panels, each integrated by a Gauss rule, and a panel is halved until the
- * sum over its halves agrees with the whole.
+ * a regime. The time is divided into panels, each integrated by a Lobatto rule, and a panel is halved until
+ * the sum over its halves agrees with the whole.
  *
  * Beside bodies that are free, a contact that neither turns nor rubs is integrated from one change of its
  * regime to the next, which integrator/prediction.c foresees. Everywhere else conservative advancement finds
