@@ -930,32 +930,22 @@ static struct span span_of(const struct scene_values *v, struct scene_state *q, 
                          .panel_cost = contact_has_springs(v, contact) ? ELASTIC_PANEL : 1};
 }
 
-/* Adds the integrals of a span to the impulses and energies of the scene. Scenes in which no body may be free
- * keep means over the span instead. */
+/* Adds the integrals of a span to the impulses and energies of the scene. */
 static void book_span(const struct span *s)
 {
     struct scene_state *q = s->c.q;
     struct contact_state *state = &q->contact[s->c.contact];
-    const struct vec3 force = vec3_from(s->sum + TERM_FORCE);
     struct contact_torques *torques = &state->torques;
+    state->physics.impulse = vec3_add(state->physics.impulse, vec3_from(s->sum + TERM_FORCE));
+    if (SCENE_ANY_TURNING) {
+        torques->source_impulse = vec3_add(torques->source_impulse, vec3_from(s->sum + TERM_SOURCE_TORQUE));
+        torques->destination_impulse =
+            vec3_add(torques->destination_impulse, vec3_from(s->sum + TERM_DESTINATION_TORQUE));
+    }
     if (SCENE_ANY_FREE) {
-        state->physics.impulse = vec3_add(state->physics.impulse, force);
         q->dissipated += s->sum[TERM_DISSIPATED];
         q->external_work += s->sum[TERM_WORK];
-    } else {
-        state->mean_force = vec3_scale(1.0 / s->length, force);
-    }
-    if (SCENE_ANY_TURNING) {
-        const struct vec3 source = vec3_from(s->sum + TERM_SOURCE_TORQUE);
-        const struct vec3 destination = vec3_from(s->sum + TERM_DESTINATION_TORQUE);
-        if (SCENE_ANY_FREE) {
-            torques->source_impulse = vec3_add(torques->source_impulse, source);
-            torques->destination_impulse = vec3_add(torques->destination_impulse, destination);
-            q->friction_energy += s->sum[TERM_FRICTION];
-        } else {
-            torques->source_mean = vec3_scale(1.0 / s->length, source);
-            torques->destination_mean = vec3_scale(1.0 / s->length, destination);
-        }
+        q->friction_energy += SCENE_ANY_TURNING ? s->sum[TERM_FRICTION] : 0.0;
     }
     if (scene_turns(s->c.v)) {
         put_springs_of(&s->c, &s->springs);
@@ -1090,14 +1080,6 @@ static const double STEPS_OF_PANEL = 5.0;
 
 /* This part serves scenes in which no body may be free: the regimes and forces of the present. */
 
-static void book_mean(struct contact_state *state, struct vec3 force, struct vec3 torque)
-{
-    state->mean_force = force;
-    if (SCENE_HAS_TORQUES) {
-        state->torques.destination_mean = torque;
-    }
-}
-
 void prescribed_settle(const struct scene_values *v, struct scene_state *q)
 {
     struct scene_instant at;
@@ -1116,16 +1098,11 @@ void prescribed_begin(const struct scene_values *v, struct scene_state *q)
 {
     struct scene_instant at;
     prescribed_settle(v, q);
-    scene_kinematics_now(v, q, &at);
-    scene_forces(v, q, q->clock, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        struct contact_state *state = &q->contact[j];
-        state->peaks = (struct contact_peaks){0.0, 0.0};
-        book_mean(state, vec3_make(0.0, 0.0, 0.0), vec3_make(0.0, 0.0, 0.0));
-        if (state->regime != REGIME_APART) {
-            contact_peaks_note(&state->peaks, at.normal_force[j], -at.geometry[j].gap);
-        }
+        q->contact[j].physics.impulse = vec3_make(0.0, 0.0, 0.0);
+        q->contact[j].torques = (struct contact_torques){0};
     }
+    transition_begin_step(v, q, &at);
 }
 
 /* Whether nothing moves against anything. The force of the present is then the mean. */
@@ -1142,8 +1119,10 @@ static bool takes_steady(const struct span *s)
     }
     if (state->regime != (int32_t)REGIME_APART) {
         scene_forces(s->c.v, s->c.q, s->c.q->clock, &at);
-        book_mean(state, at.source_force[j],
-                  SCENE_HAS_TORQUES ? scene_torque_of_force(&at, j) : vec3_make(0.0, 0.0, 0.0));
+        state->physics.impulse = vec3_scale(s->length, at.source_force[j]);
+        if (SCENE_HAS_TORQUES) {
+            state->torques.destination_impulse = vec3_scale(s->length, scene_torque_of_force(&at, j));
+        }
     }
     return true;
 }
