@@ -587,80 +587,58 @@ static void put_place(const struct span *s, double clock, const struct springs *
     events_at(&s->c, clock, springs, place->at);
 }
 
-/* An event function of a contact without a spring, as the argument of root_lowest. */
-struct dip {
-    const struct span *span;
-    int event;
-};
-
-static void dip_at(const void *data, double clock, double *value, double *slope)
+/* Computes all places of a panel; false where an event function may fall below zero between them and rise
+ * again, which shorter panels show. The functions of sticking may jump and are not looked at. */
+static bool put_places(const struct span *s, const struct panel *left, const struct panel *right,
+                       struct place place[PANEL_PLACES])
 {
-    const struct dip *dip = data;
-    double at[ODE_EVENTS_EACH];
-    events_at(&dip->span->c, clock, &dip->span->springs, at);
-    *value = at[dip->event];
-    *slope = (double)NAN; /* not needed */
-}
-
-/* Whether an event function of a contact without a spring falls below zero between three places. *after
- * becomes the clock at which the function is lowest. */
-static bool finds_dip(const struct span *s, const struct place place[3], double *after)
-{
-    for (int event = ODE_EVENT_LAW; event < ODE_EVENT_ZONE; ++event) {
-        const struct dip dip = {s, event};
-        struct root_place of[3];
-        for (int i = 0; i < 3; ++i) {
-            of[i] = (struct root_place){place[i].clock, place[i].at[event]};
-        }
-        if (event != (int)ode_stick_event(ode_event_part((enum ode_event)event)) && root_may_dip(of)) {
-            double low;
-            double slope;
-            *after = root_lowest(dip_at, &dip, of);
-            dip_at(&dip, *after, &low, &slope);
-            if (low < 0.0) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
-/* Finds the first two neighbouring places of a panel between which a regime ends; false: there are none. */
-static bool finds_event(const struct span *s, const struct panel *left, const struct panel *right,
-                        struct place *start, double *before, double *after)
-{
-    struct place place[PANEL_PLACES];
-    const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
-    if (!(contact_has_events(&law) || contact_rubs(s->c.v, s->c.contact))) {
-        return false;
-    }
     for (int i = 0; i < PANEL_PLACES; ++i) {
         const struct panel *half = i < PANEL_NODES ? left : right;
         const int node = i < PANEL_NODES ? i : i - PANEL_END;
         put_place(s, half->node[node].clock, &half->node[node].springs, &place[i]);
     }
-    *start = place[0];
-    for (int i = 1; i < PANEL_PLACES; ++i) {
-        *before = place[i - 1].clock;
-        *after = place[i].clock;
-        if (event_passed(place[i].at, start->at) != ODE_EVENT_GAP) {
-            return true;
-        }
-        if (i + 1 < PANEL_PLACES && finds_dip(s, &place[i - 1], after)) {
-            return true;
+    for (int i = 2; i < PANEL_PLACES; ++i) {
+        for (int event = ODE_EVENT_LAW; event < ODE_EVENT_ZONE; ++event) {
+            struct root_place of[3];
+            for (int k = 0; k < 3; ++k) {
+                of[k] = (struct root_place){place[i - 2 + k].clock, place[i - 2 + k].at[event]};
+            }
+            if (event != (int)ode_stick_event(ode_event_part((enum ode_event)event)) && root_may_dip(of)) {
+                return false;
+            }
         }
     }
-    return false;
+    return true;
+}
+
+/* Returns the first place of a panel before which a regime ends, or PANEL_PLACES if none does. */
+static int place_passed(const struct place place[PANEL_PLACES])
+{
+    int i = 1;
+    while (i < PANEL_PLACES && event_passed(place[i].at, place[0].at) == ODE_EVENT_GAP) {
+        ++i;
+    }
+    return i;
+}
+
+/* Whether a contact has events that its panels have to locate. */
+static bool span_has_events(const struct span *s)
+{
+    const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
+    return s->evaluations != NULL && (contact_has_events(&law) || contact_rubs(s->c.v, s->c.contact));
 }
 
 /* Panels that are computed for each one that the quadrature counts: a panel and its two halves. */
 enum { PANELS_COMPARED = 3 };
 
-/* Bisects between `before` and `after` until the clock of an event is known to rounding. Makes the panel that
- * ends just past the event. False: there is no such panel or no event. */
-static bool panel_to_event(const struct span *s, const struct place *start, double before, double after,
-                           struct panel *panel, int *event)
+/* Bisects between the places `passed` and before until the clock of an event is known to rounding. Makes the
+ * panel that ends just past the event. False: there is no such panel or no event. */
+static bool panel_to_event(const struct span *s, const struct place *place, int passed, struct panel *panel,
+                           int *event)
 {
+    const struct place *start = &place[0];
+    double before = place[passed - 1].clock;
+    double after = place[passed].clock;
     const struct springs first = s->springs;
     double now[ODE_EVENTS_EACH];
     int made = 0;
@@ -688,13 +666,13 @@ static bool panel_to_event(const struct span *s, const struct place *start, doub
     return *event != ODE_EVENT_GAP;
 }
 
-/* Integrates up to an event between two places of a panel and changes the regime. False: no panel that ends
- * at the event can be made; a shorter one may. */
-static bool pass_event(struct span *s, const struct place *start, double before, double after, double *clock)
+/* Integrates up to the event before a place of a panel and changes the regime. False: no panel that ends at
+ * the event can be made; a shorter one may. */
+static bool pass_event(struct span *s, const struct place *place, int passed, double *clock)
 {
     struct panel panel;
     int event;
-    if (!panel_to_event(s, start, before, after, &panel, &event)) {
+    if (!panel_to_event(s, place, passed, &panel, &event)) {
         return false;
     }
     add_sums(s, &panel);
@@ -863,6 +841,7 @@ CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, c
  * lies before `end` where no panels are left. */
 CONTACT_NOINLINE static double integrate_between(struct span *s, double from, double end)
 {
+    const bool has_events = span_has_events(s);
     double clock = from;
     double width = end - from;
     while (clock < end) {
@@ -891,16 +870,15 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
         const bool made = panel_make(&s->c, clock, to, &s->springs, &whole) &&
                           panel_make(&s->c, clock, middle, &s->springs, &left) &&
                           panel_make(&s->c, middle, to, &left.springs, &right);
-        if (divides && (!made || !panels_agree(s, &whole, &left, &right))) {
+        struct place place[PANEL_PLACES];
+        if (divides && (!made || !panels_agree(s, &whole, &left, &right) ||
+                        (has_events && !put_places(s, &left, &right, place)))) {
             width = 0.5 * (to - clock);
             continue;
         }
-        struct place start;
-        double before;
-        double after;
-        if (s->evaluations != NULL && made && divides &&
-            finds_event(s, &left, &right, &start, &before, &after)) {
-            width = pass_event(s, &start, before, after, &clock) ? 2.0 * width : 0.5 * (to - clock);
+        const int passed = has_events && made && divides ? place_passed(place) : PANEL_PLACES;
+        if (passed < PANEL_PLACES) {
+            width = pass_event(s, place, passed, &clock) ? 2.0 * width : 0.5 * (to - clock);
             continue;
         }
         width *= 2.0;
