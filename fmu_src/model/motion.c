@@ -148,9 +148,7 @@ static enum model_status advance_force_element(struct model *m, const struct ste
         return report_early_end(m, &whole, limit < PRESCRIBED_PANELS);
     }
     q->clock += length;
-    if (SCENE_ANY_FREE) {
-        q->step_length = length;
-    }
+    q->step_length = length;
     scene_rebase(v, q);
     if (SCENE_ANY_FREE) {
         transition_end_step(v, q);
@@ -253,8 +251,7 @@ double motion_size(const struct scene_values *v, const struct scene_state *q)
     }
     for (int j = 0; !SCENE_ANY_FREE && SUMS_UP_STEPS && j < SCENE_CONTACTS; ++j) {
         const struct contact_state *state = &q->contact[j];
-        const struct vec3 mean = state->mean_force;
-        sum += fabs(mean.x) + fabs(mean.y) + fabs(mean.z) + state->peaks.force + state->peaks.penetration;
+        sum += vec3_norm(state->physics.impulse) + state->peaks.force + state->peaks.penetration;
     }
     return sum;
 }

@@ -102,15 +102,7 @@ static double put_energies(struct scene_values *v, const struct scene_state *q,
 static double show_motion(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)
 {
     double sum = SCENE_ANY_FREE ? put_energies(v, q, at) : motion_size(v, q);
-    for (int j = 0; !SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
-        const struct contact_state *state = &q->contact[j];
-        put_contact_mean_force(v, j, state->mean_force);
-        put_contact_mean_source_torque(v, j, state->torques.source_mean);
-        put_contact_mean_destination_torque(v, j, state->torques.destination_mean);
-        put_contact_peak_force(v, j, state->peaks.force);
-        put_contact_peak_penetration(v, j, state->peaks.penetration);
-    }
-    for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
         sum += put_history(v, q, j);
     }
     return sum;

@@ -40,8 +40,13 @@ struct springs {
     struct vec3 of[OPPOSED];
 };
 
-/* The integrals over an interval of time. Springs follow by collocation at the same Gauss nodes, and have
- * order ten at the end. */
+/* A panel has the nodes of a Lobatto rule (math/node_tables.h), which include its ends: nothing that happens
+ * near an end escapes them. */
+enum { PANEL_NODES = 8, PANEL_END = PANEL_NODES - 1 };
+static const struct lobatto *const PANEL_RULE = &lobatto[LOBATTO_EIGHT];
+
+/* The integrals over an interval of time. Springs follow by collocation at the same nodes. Both have order 14
+ * at the end. */
 struct panel {
     double from, to;        /* clocks [s] */
     double sum[TERMS];      /* the integrals */
@@ -50,11 +55,12 @@ struct panel {
     struct springs springs; /* at the end */
     double moved[OPPOSED];  /* the integrals of the lengths of the opposed motions [m, rad] */
     double passed[OPPOSED]; /* the integrals of all terms whose difference the motion is, for its rounding */
+    /* the least rounding of the force [N] and of n [rad], and the least depth [m], of both ends */
+    double noise, tilt, depth;
     struct {
         double clock;
         struct springs springs;
-        struct vec3 slip, spin, normal;
-    } node[GAUSS_NODES];
+    } node[PANEL_NODES];
 };
 
 /* One contact over a length of time. */
@@ -164,37 +170,30 @@ static double rates_at(const struct prescribed_contact *c, const struct scene_in
     return speed;
 }
 
-/* COLLOCATION[i][j] is the integral from 0 to node i of the polynomial that is 1 at node j and 0 at the other
- * nodes of the Gauss rule on [0, 1]. The numbers were computed from this definition with 30 digits. */
-static const double COLLOCATION[GAUSS_NODES][GAUSS_NODES] = {
-    {0.059231721264047272, -0.019570364359076037, 0.011254400818642956, -0.0055937936608121849,
-     0.0015881129678659985},
-    {0.12815100567004528, 0.11965716762484162, -0.0245921146196422, 0.010318280670683357,
-     -0.002768994398769603},
-    {0.1137762880042246, 0.26000465168064152, 0.14222222222222222, -0.020690316430958285,
-     0.0046871545238699412},
-    {0.12123243692686415, 0.22899605457899988, 0.30903655906408664, 0.11965716762484162,
-     -0.0096875631419507397},
-    {0.11687532956022855, 0.24490812891049542, 0.27319004362580149, 0.25888469960875927,
-     0.059231721264047272}};
+/* Returns the integral from 0 to a node of the polynomial that is 1 at node `of` and 0 at the other nodes of
+ * a panel from 0 to 1. */
+static double panel_integral(int node, int of)
+{
+    return 0.5 * PANEL_RULE->integral[of * PANEL_NODES + node];
+}
 
-/* The unknowns are the components of the spring at all nodes. Each column of the matrix has a zero behind its
- * entries, as math/lu.h asks for. */
-enum { UNKNOWNS = 3 * GAUSS_NODES, COLUMN = UNKNOWNS + 1 };
+/* The unknowns are the components of the spring at all nodes but the start. Each column of the matrix has a
+ * zero behind its entries, as math/lu.h asks for. */
+enum { UNKNOWNS = 3 * PANEL_END, COLUMN = UNKNOWNS + 1 };
 
 /* The arguments of the spring's rate at one node; the spring itself is the unknown. */
 struct spring_node {
     struct friction_state rubbing;
     struct vec3 normal, normal_rate;
-    double factor; /* d time / d variable of the panel, which runs from 0 to 1 [s] */
 };
 
 struct spring_problem {
     enum opposed part;
     struct friction_law law;
     enum friction_regime regime;
-    struct spring_node node[GAUSS_NODES];
+    struct spring_node node[PANEL_NODES];
     struct vec3 start;
+    double length; /* of the panel [s] */
 };
 
 /* Returns xi' [m/s] at node i for a spring xi [m]. */
@@ -209,11 +208,11 @@ static struct vec3 spring_rate_at(const struct spring_problem *p, int i, struct 
 
 /* Sets the matrix by columns, which is the identity minus the derivatives of the integrated rates, and the
  * residual [m]. */
-static void put_equations(const struct spring_problem *p, const struct vec3 x[GAUSS_NODES],
+static void put_equations(const struct spring_problem *p, const struct vec3 x[PANEL_NODES],
                           double m[UNKNOWNS][COLUMN], double residual[COLUMN])
 {
-    struct vec3 rate[GAUSS_NODES];
-    for (int j = 0; j < GAUSS_NODES; ++j) {
+    struct vec3 rate[PANEL_NODES];
+    for (int j = 0; j < PANEL_NODES; ++j) {
         const struct spring_node *node = &p->node[j];
         struct friction_state rubbing = node->rubbing;
         rubbing.spring = x[j];
@@ -223,37 +222,34 @@ static void put_equations(const struct spring_problem *p, const struct vec3 x[GA
         const struct vec3 across = spins ? node->normal_rate : vec3_scale(-1.0, node->normal);
         const struct vec3 along =
             spins ? node->normal : node->normal_rate; /* opposed_turned: across (along.xi) */
-        for (int i = 0; i < GAUSS_NODES; ++i) {
-            const double weight = COLLOCATION[i][j] * node->factor;
+        for (int i = 1; j > 0 && i < PANEL_NODES; ++i) {
+            const double weight = panel_integral(i, j) * p->length;
             for (int a = 0; a < 3; ++a) {
                 for (int b = 0; b < 3; ++b) {
                     const double slope = slopes.by_spring[a][b] + vec3_get(across, a) * vec3_get(along, b);
-                    m[3 * j + b][3 * i + a] = (i == j && a == b) - weight * slope;
+                    m[3 * (j - 1) + b][3 * (i - 1) + a] = (i == j && a == b) - weight * slope;
                 }
             }
         }
     }
-    for (int i = 0; i < GAUSS_NODES; ++i) {
+    for (int i = 1; i < PANEL_NODES; ++i) {
         struct vec3 left = vec3_sub(p->start, x[i]);
-        for (int j = 0; j < GAUSS_NODES; ++j) {
-            left = vec3_axpy(left, COLLOCATION[i][j] * p->node[j].factor, rate[j]);
+        for (int j = 0; j < PANEL_NODES; ++j) {
+            left = vec3_axpy(left, panel_integral(i, j) * p->length, rate[j]);
         }
-        vec3_to(left, residual + 3 * i);
+        vec3_to(left, residual + 3 * (i - 1));
     }
 }
 
 /* Newton's method converges in two or three steps where the panel is short enough. */
 enum { NEWTON_STEPS = 12 };
-/* Largest last correction divided by the spring's length; and the largest one that rounding may leave where a
- * spring turns fast. */
-static const double NEWTON_PART = 1e-14;
-static const double NEWTON_NOISE = 1e-12;
+/* Largest last correction divided by the spring's length. The method squares errors, so that rounding alone
+ * is left behind such a correction. */
+static const double NEWTON_PART = 1e-9;
 
 /* Solves the equations for the springs x at the nodes. False: the panel is too long. */
-static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NODES])
+static bool solve_spring(const struct spring_problem *p, struct vec3 x[PANEL_NODES])
 {
-    double change = 0.0;
-    double size = 0.0;
     for (int step = 0; step < NEWTON_STEPS; ++step) {
         double m[UNKNOWNS][COLUMN] = {{0.0}};
         double by[COLUMN] = {0.0};
@@ -264,10 +260,10 @@ static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NOD
             return false;
         }
         lu_solve(matrix, by);
-        change = 0.0;
-        size = vec3_norm(p->start);
-        for (int i = 0; i < GAUSS_NODES; ++i) {
-            const struct vec3 d = vec3_from(by + 3 * i);
+        double change = 0.0;
+        double size = vec3_norm(p->start);
+        for (int i = 1; i < PANEL_NODES; ++i) {
+            const struct vec3 d = vec3_from(by + 3 * (i - 1));
             x[i] = vec3_add(x[i], d);
             change = fmax(change, vec3_norm(d));
             size = fmax(size, vec3_norm(x[i]));
@@ -279,7 +275,7 @@ static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NOD
             return true;
         }
     }
-    return change <= NEWTON_NOISE * size;
+    return false;
 }
 
 static enum friction_regime rubbing_regime(const struct prescribed_contact *c, int part)
@@ -288,88 +284,64 @@ static enum friction_regime rubbing_regime(const struct prescribed_contact *c, i
 }
 
 /* Sets one spring at the nodes and at the end of the panel. False: the panel is too long. */
-static bool put_spring(const struct prescribed_contact *c, bool graded, const struct springs *start, int part,
+static bool put_spring(const struct prescribed_contact *c, const struct springs *start, int part,
                        struct panel *panel)
 {
     struct spring_problem p = {.part = (enum opposed)part,
                                .law = scene_friction_law(c->v, c->q, c->contact, part),
                                .regime = rubbing_regime(c, part),
-                               .start = start->of[part]};
-    struct vec3 x[GAUSS_NODES];
-    for (int i = 0; i < GAUSS_NODES; ++i) {
+                               .start = start->of[part],
+                               .length = panel->to - panel->from};
+    struct vec3 x[PANEL_NODES];
+    for (int i = 0; i < PANEL_NODES; ++i) {
         struct scene_instant at;
         instant_at(c, panel->node[i].clock, start, &at);
         p.node[i] = (struct spring_node){.rubbing = turning_rubbing(&c->q->turning, &at, c->contact, part),
                                          .normal = at.geometry[c->contact].normal,
-                                         .normal_rate = turning_normal_rate(c->v, c->q, &at, c->contact),
-                                         .factor = (panel->to - panel->from) * gauss_place(i, graded).factor};
+                                         .normal_rate = turning_normal_rate(c->v, c->q, &at, c->contact)};
         x[i] = p.start;
     }
     if (!solve_spring(&p, x)) {
         return false;
     }
-    struct vec3 *end = &panel->springs.of[part];
-    *end = p.start;
-    for (int i = 0; i < GAUSS_NODES; ++i) {
+    for (int i = 0; i < PANEL_NODES; ++i) {
         panel->node[i].springs.of[part] = x[i];
-        *end = vec3_axpy(*end, 0.5 * GAUSS_WEIGHT[i] * p.node[i].factor, spring_rate_at(&p, i, x[i]));
     }
+    panel->springs.of[part] = x[PANEL_END];
     return true;
 }
 
 /* Sets the springs of friction, rolling and spinning at the nodes of the panel. The bodies' motion is
  * prescribed, so that no spring acts on another: they are solved one by one. */
-static bool put_springs(const struct prescribed_contact *c, bool graded, const struct springs *start,
-                        struct panel *panel)
+static bool put_springs(const struct prescribed_contact *c, const struct springs *start, struct panel *panel)
 {
     bool solved = true;
     for (int i = 0; i < OPPOSED; ++i) {
-        solved =
-            solved && (!contact_has_spring(c->v, c->contact, i) || put_spring(c, graded, start, i, panel));
+        solved = solved && (!contact_has_spring(c->v, c->contact, i) || put_spring(c, start, i, panel));
     }
     return solved;
-}
-
-/* Depth at an end of a panel as a fraction of the depth in its middle, below which the panel is graded
- * (math/nodes.h). Near the touch Hertz's force is proportional to the power 3/2 of time, which graded nodes
- * follow better. Elsewhere nodes without grading converge faster. */
-static const double SHALLOW = 0.1;
-
-static bool wants_grading(const struct prescribed_contact *c, double from, double to)
-{
-    const double clock[3] = {from, 0.5 * (from + to), to};
-    double gap[3];
-    if (!scene_is_hertz(c->v, c->contact)) {
-        return false;
-    }
-    for (int i = 0; i < 3; ++i) {
-        struct scene_instant at;
-        kinematics_at(c, clock[i], &at);
-        gap[i] = at.geometry[c->contact].gap;
-    }
-    return fmax(gap[0], gap[2]) > SHALLOW * gap[1];
 }
 
 /* Computes a panel; false where Newton's method finds no spring because the panel is too long. */
 CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, double from, double to,
                                         const struct springs *springs, struct panel *panel)
 {
-    const double half = 0.5 * (to - from);
-    const bool graded = wants_grading(c, from, to);
+    const double length = to - from;
     *panel = (struct panel){.from = from, .to = to, .springs = *springs};
-    for (int i = 0; i < GAUSS_NODES; ++i) {
-        panel->node[i].clock = from + half * gauss_place(i, graded).at;
+    panel->noise = panel->tilt = panel->depth = (double)INFINITY;
+    for (int i = 0; i < PANEL_NODES; ++i) {
+        panel->node[i].clock = i < PANEL_END ? from + 0.5 * length * (1.0 + PANEL_RULE->node[i]) : to;
         panel->node[i].springs = *springs;
     }
-    if (contact_has_springs(c->v, c->contact) && !put_springs(c, graded, springs, panel)) {
+    if (contact_has_springs(c->v, c->contact) && !put_springs(c, springs, panel)) {
         return false;
     }
-    for (int i = 0; i < GAUSS_NODES; ++i) {
+    for (int i = 0; i < PANEL_NODES; ++i) {
         struct scene_instant at;
         double rate[TERMS];
         double scale[TERMS];
         double lever[TERMS];
-        const double weight = half * GAUSS_WEIGHT[i] * gauss_place(i, graded).factor;
+        const double weight = length * panel_integral(PANEL_END, i);
         instant_at(c, panel->node[i].clock, &panel->node[i].springs, &at);
         panel->passed[OPPOSED_SLIP] += weight * rates_at(c, &at, rate, scale, lever);
         for (int k = 0; k < TERMS; ++k) {
@@ -377,11 +349,13 @@ CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, doub
             panel->size[k] += weight * scale[k];
             panel->lever[k] += weight * lever[k];
         }
-        panel->node[i].normal = at.geometry[c->contact].normal;
+        if (i % PANEL_END == 0) {
+            panel->noise = fmin(panel->noise, rounding_of_force(c->v, c->q, &at, c->contact));
+            panel->tilt = fmin(panel->tilt, rounding_of_normal(c->v, &at, c->contact));
+            panel->depth = fmin(panel->depth, -at.geometry[c->contact].gap);
+        }
         if (SCENE_ANY_TURNING) {
-            panel->node[i].slip = at.turning.slip[c->contact];
-            panel->node[i].spin = turning_spin(&at, c->contact);
-            panel->moved[OPPOSED_SLIP] += weight * vec3_norm(panel->node[i].slip);
+            panel->moved[OPPOSED_SLIP] += weight * vec3_norm(at.turning.slip[c->contact]);
             for (int k = 1; k < OPPOSED; ++k) {
                 const struct friction_state at_node = turning_rubbing(&c->q->turning, &at, c->contact, k);
                 panel->moved[k] += weight * vec3_norm(at_node.slip);
@@ -390,7 +364,7 @@ CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, doub
         }
     }
     if (SCENE_ANY_FREE) {
-        counter_add(&c->q->counters.force_evaluations, GAUSS_NODES);
+        counter_add(&c->q->counters.force_evaluations, PANEL_NODES);
     }
     return true;
 }
@@ -522,8 +496,8 @@ static void take_regime_event(const struct prescribed_contact *c, double clock, 
     }
 }
 
-/* Largest difference of a panel and its halves, divided by the size of their terms. The order ten of the
- * Gauss rule makes the error of the halves a thousandth of this difference. */
+/* Largest difference of a panel and its halves, divided by the size of their terms. The order 14 of the rule
+ * makes the error of the halves much smaller than this difference. */
 static const double PANELS_AGREE = 1e-12;
 /* Largest difference of a panel and its halves, divided by the integrals over the whole span. Where the
  * normal reverses in the centre the force jumps, and panels around the jump need not agree once they are so
@@ -533,112 +507,30 @@ static const double JUMPS_AGREE = 1e-14;
  * function so well shows its changes of sign at the nodes. */
 static const double EVENTS_AGREE = 1e-6;
 
-/* The cosine of the largest rotation of n between an end of a panel and the node next to it, 0.5 rad. An n
- * that turns further may reverse, in the centre. */
-static const double LARGEST_TURN_COSINE = 0.88;
-
-/* Slip speeds divided by v_0. Above SATURATED the term exp(-|v_t|/v_0) is rounding. Over a change by FOLLOWED
- * the interpolation between nodes follows this term. Below PROPORTIONAL friction is proportional to the
- * slip. */
-static const double SATURATED = 40.0;
-static const double FOLLOWED = 2.0;
-static const double PROPORTIONAL = 1e-6;
-
-/* A slip that is below this part of itself at the node next to an end may reverse close behind that node. The
- * nodes then show nothing of the corner, because the layer bends between the end and the node alone. */
-static const double NEARLY_REVERSED = 0.03;
-
-/* Whether two slips at neighbouring nodes resolve the layer of small slips in which regularized friction
- * reverses. The layer has the shape exp(-|v_t|/v_0), with a corner of the slope in its middle. */
-static bool sees_layer(const struct friction_law *law, struct vec3 slip, struct vec3 next)
-{
-    const double unit = law->slip_velocity;
-    const double speed = vec3_norm(slip);
-    if (law->kind != FRICTION_REGULARIZED) {
-        return true;
-    }
-    if (vec3_dot(slip, next) < NEARLY_REVERSED * speed * speed) {
-        return fmax(speed, vec3_norm(next)) <= PROPORTIONAL * unit;
-    }
-    return speed > SATURATED * unit || vec3_norm(vec3_sub(next, slip)) <= FOLLOWED * unit;
-}
-
-/* Whether both the layer of small slips and those of slow rolling and spinning are resolved between an end of
- * a panel and the node next to it. */
-static bool sees_layers(const struct span *s, const struct scene_instant *at, const struct panel *panel,
-                        int node)
-{
-    const int j = s->c.contact;
-    const struct friction_law law = scene_friction_law(s->c.v, s->c.q, j, OPPOSED_SLIP);
-    if (!sees_layer(&law, at->turning.slip[j], panel->node[node].slip)) {
-        return false;
-    }
-    if (!contact_resists(s->c.v, j)) {
-        return true;
-    }
-    const struct friction_law rolling = scene_friction_law(s->c.v, s->c.q, j, OPPOSED_ROLLING);
-    const struct friction_law spinning = scene_friction_law(s->c.v, s->c.q, j, OPPOSED_SPINNING);
-    const struct vec3 normal[2] = {at->geometry[j].normal, panel->node[node].normal};
-    const struct vec3 spin[2] = {turning_spin(at, j), panel->node[node].spin};
-    const double along[2] = {vec3_dot(spin[0], normal[0]), vec3_dot(spin[1], normal[1])};
-    return sees_layer(&rolling, vec3_axpy(spin[0], -along[0], normal[0]),
-                      vec3_axpy(spin[1], -along[1], normal[1])) &&
-           sees_layer(&spinning, vec3_scale(along[0], normal[0]), vec3_scale(along[1], normal[0]));
-}
-
-/* Whether n and the slip change so little between an end of a panel and the node next to it that the nodes
- * show every event. Where the bodies are concentric to rounding n has no meaning. */
-static bool sees_end(const struct span *s, const struct scene_instant *at, const struct panel *panel,
-                     int node)
-{
-    const int j = s->c.contact;
-    const struct contact_geometry *g = &at->geometry[j];
-    const bool has_direction = !g->degenerate && fabs(g->distance) > rounding_of_gap(s->c.v, at, j);
-    const double cosine = vec3_dot(g->normal, panel->node[node].normal);
-    return !(has_direction && !(cosine > LARGEST_TURN_COSINE)) &&
-           (!SCENE_ANY_FRICTION || sees_layers(s, at, panel, node));
-}
-
-/* Whether sees_end holds at the ends of both halves of a panel; `at` holds the instants at the panel's
- * ends. */
-static bool sees_ends(const struct span *s, const struct panel *left, const struct panel *right,
-                      const struct scene_instant at[2])
-{
-    struct scene_instant middle;
-    instant_at(&s->c, left->to, &left->springs, &middle);
-    return sees_end(s, &at[0], left, 0) && sees_end(s, &middle, left, GAUSS_NODES - 1) &&
-           sees_end(s, &middle, right, 0) && sees_end(s, &at[1], right, GAUSS_NODES - 1);
-}
-
 /* Whether a spring at the end of a panel and of its halves agrees, up to the rounding of the opposed motion,
- * of the normal force [N] at a depth [m] and of n [rad]. By a constant force L the spring changes by up to
- * L / k_t, and not faster than by L / c_t. */
+ * of the normal force and of n. By a constant force L the spring changes by up to L / k_t, and not faster
+ * than by L / c_t. */
 static bool springs_agree(const struct span *s, int part, const struct panel *whole, const struct panel *left,
-                          const struct panel *right, double force_noise, double depth, double tilt)
+                          const struct panel *right)
 {
     const struct friction_law law = scene_friction_law(s->c.v, s->c.q, s->c.contact, part);
     const struct vec3 spring = right->springs.of[part];
     const double way = vec3_norm(spring) + left->moved[part] + right->moved[part];
     const double by_force =
-        fmin(1.0 / friction_stiffness(&law, depth), (right->to - left->from) / law.damping);
-    const double noise = law.coefficient * force_noise * by_force + vec3_norm(spring) * tilt;
+        fmin(1.0 / friction_stiffness(&law, whole->depth), (right->to - left->from) / law.damping);
+    const double noise = law.coefficient * fmin(left->noise, right->noise) * by_force +
+                         vec3_norm(spring) * fmin(left->tilt, right->tilt);
     return vec3_norm(vec3_sub(spring, whole->springs.of[part])) <=
            4.0 * PANELS_AGREE * way + SPEED_ROUNDINGS * whole->passed[part] + noise;
 }
 
-/* Whether a panel and its halves agree. Near the centre n may be mere rounding at one end of the panel; the
- * rounding bound of the force at the other end then holds for nearly all of the time between. */
+/* Whether a panel and its halves agree. Near the centre n may be mere rounding at one or both ends of the
+ * panel; the least rounding bound of the force at the ends and in the middle then holds for nearly all of the
+ * time between. */
 CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct panel *whole,
                                           const struct panel *left, const struct panel *right)
 {
-    struct scene_instant at[2];
-    instant_at(&s->c, left->from, &left->springs, &at[0]);
-    instant_at(&s->c, right->to, &right->springs, &at[1]);
-    const double noise = fmin(rounding_of_force(s->c.v, s->c.q, &at[0], s->c.contact),
-                              rounding_of_force(s->c.v, s->c.q, &at[1], s->c.contact));
-    const double tilt = fmin(rounding_of_normal(s->c.v, &at[0], s->c.contact),
-                             rounding_of_normal(s->c.v, &at[1], s->c.contact));
-    const double depth = -fmax(at[0].geometry[s->c.contact].gap, at[1].geometry[s->c.contact].gap);
+    const double noise = fmin(left->noise, right->noise);
     for (int k = 0; k < TERMS; ++k) {
         const double size = left->size[k] + right->size[k];
         const double allowed =
@@ -651,15 +543,14 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
         }
     }
     for (int i = 0; i < OPPOSED; ++i) {
-        if (contact_has_spring(s->c.v, s->c.contact, i) &&
-            !springs_agree(s, i, whole, left, right, noise, depth, tilt)) {
+        if (contact_has_spring(s->c.v, s->c.contact, i) && !springs_agree(s, i, whole, left, right)) {
             return false;
         }
     }
-    return sees_ends(s, left, right, at);
+    return true;
 }
 
-/* Parts of a panel in the search for peaks. Each half of a panel has five nodes, so that no quantity has two
+/* Parts of a panel in the search for peaks. Each half of a panel has eight nodes, so that no quantity has two
  * extrema within a quarter of the panel. */
 enum { PANEL_PARTS = 4 };
 
@@ -687,8 +578,8 @@ struct place {
     double at[ODE_EVENTS_EACH];
 };
 
-/* Number of places in both halves of a panel: the start, the nodes and the end. */
-enum { PANEL_PLACES = 2 * GAUSS_NODES + 2 };
+/* Number of places in both halves of a panel, which share a node. */
+enum { PANEL_PLACES = 2 * PANEL_NODES - 1 };
 
 static void put_place(const struct span *s, double clock, const struct springs *springs, struct place *place)
 {
@@ -696,79 +587,58 @@ static void put_place(const struct span *s, double clock, const struct springs *
     events_at(&s->c, clock, springs, place->at);
 }
 
-/* An event function of a contact without a spring, as the argument of root_lowest. */
-struct dip {
-    const struct span *span;
-    int event;
-};
-
-static void dip_at(const void *data, double clock, double *value, double *slope)
+/* Computes all places of a panel; false where an event function may fall below zero between them and rise
+ * again, which shorter panels show. The functions of sticking may jump and are not looked at. */
+static bool put_places(const struct span *s, const struct panel *left, const struct panel *right,
+                       struct place place[PANEL_PLACES])
 {
-    const struct dip *dip = data;
-    double at[ODE_EVENTS_EACH];
-    events_at(&dip->span->c, clock, &dip->span->springs, at);
-    *value = at[dip->event];
-    *slope = (double)NAN; /* not needed */
-}
-
-/* Whether an event function of a contact without a spring falls below zero between three places. *after
- * becomes the clock at which the function is lowest. */
-static bool finds_dip(const struct span *s, const struct place place[3], double *after)
-{
-    for (int event = ODE_EVENT_LAW; event < ODE_EVENT_ZONE; ++event) {
-        const struct dip dip = {s, event};
-        struct root_place of[3];
-        for (int i = 0; i < 3; ++i) {
-            of[i] = (struct root_place){place[i].clock, place[i].at[event]};
-        }
-        if (event != (int)ode_stick_event(ode_event_part((enum ode_event)event)) && root_may_dip(of)) {
-            double low;
-            double slope;
-            *after = root_lowest(dip_at, &dip, of);
-            dip_at(&dip, *after, &low, &slope);
-            if (low < 0.0) {
-                return true;
+    for (int i = 0; i < PANEL_PLACES; ++i) {
+        const struct panel *half = i < PANEL_NODES ? left : right;
+        const int node = i < PANEL_NODES ? i : i - PANEL_END;
+        put_place(s, half->node[node].clock, &half->node[node].springs, &place[i]);
+    }
+    for (int i = 2; i < PANEL_PLACES; ++i) {
+        for (int event = ODE_EVENT_LAW; event < ODE_EVENT_ZONE; ++event) {
+            struct root_place of[3];
+            for (int k = 0; k < 3; ++k) {
+                of[k] = (struct root_place){place[i - 2 + k].clock, place[i - 2 + k].at[event]};
+            }
+            if (event != (int)ode_stick_event(ode_event_part((enum ode_event)event)) && root_may_dip(of)) {
+                return false;
             }
         }
     }
-    return false;
+    return true;
 }
 
-/* Finds the first two neighbouring places of a panel between which a regime ends; false: there are none. */
-static bool finds_event(const struct span *s, const struct panel *left, const struct panel *right,
-                        struct place *start, double *before, double *after)
+/* Returns the first place of a panel before which a regime ends, or PANEL_PLACES if none does. */
+static int place_passed(const struct place place[PANEL_PLACES])
 {
-    struct place place[PANEL_PLACES];
-    int count = 1;
-    put_place(s, left->from, &s->springs, &place[0]);
-    for (int i = 0; i < 2 * GAUSS_NODES; ++i) {
-        const struct panel *half = i < GAUSS_NODES ? left : right;
-        put_place(s, half->node[i % GAUSS_NODES].clock, &half->node[i % GAUSS_NODES].springs,
-                  &place[count++]);
+    int i = 1;
+    while (i < PANEL_PLACES && event_passed(place[i].at, place[0].at) == ODE_EVENT_GAP) {
+        ++i;
     }
-    put_place(s, right->to, &right->springs, &place[count++]);
-    *start = place[0];
-    for (int i = 1; i < count; ++i) {
-        *before = place[i - 1].clock;
-        *after = place[i].clock;
-        if (event_passed(place[i].at, start->at) != ODE_EVENT_GAP) {
-            return true;
-        }
-        if (i + 1 < count && finds_dip(s, &place[i - 1], after)) {
-            return true;
-        }
-    }
-    return false;
+    return i;
+}
+
+/* Whether a contact has events that its panels have to locate. */
+static bool span_has_events(const struct span *s)
+{
+    const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
+    return s->evaluations != NULL && (contact_has_events(&law) || contact_rubs(s->c.v, s->c.contact));
 }
 
 /* Panels that are computed for each one that the quadrature counts: a panel and its two halves. */
 enum { PANELS_COMPARED = 3 };
 
-/* Bisects between `before` and `after` until the clock of an event is known to rounding. Makes the panel that
- * ends just past the event. False: there is no such panel or no event. */
-static bool panel_to_event(const struct span *s, const struct place *start, double before, double after,
-                           struct panel *panel, int *event)
+/* Bisects between the places `passed` and before until the clock of an event is known to rounding. Makes the
+ * panel that ends just past the event. False: there is no such panel or no event. */
+static bool panel_to_event(const struct span *s, const struct place *place, int passed, struct panel *panel,
+                           int *event)
 {
+    const struct place *start = &place[0];
+    double before = place[passed - 1].clock;
+    double after = place[passed].clock;
     const struct springs first = s->springs;
     double now[ODE_EVENTS_EACH];
     int made = 0;
@@ -796,19 +666,13 @@ static bool panel_to_event(const struct span *s, const struct place *start, doub
     return *event != ODE_EVENT_GAP;
 }
 
-/* Whether an event ends a regime in the halves of a panel. If so, integrates up to the event and changes the
- * regime. */
-static bool passes_event(struct span *s, const struct panel *left, const struct panel *right, double *clock)
+/* Integrates up to the event before a place of a panel and changes the regime. False: no panel that ends at
+ * the event can be made; a shorter one may. */
+static bool pass_event(struct span *s, const struct place *place, int passed, double *clock)
 {
     struct panel panel;
-    struct place start;
-    double before;
-    double after;
     int event;
-    const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
-    if (!(contact_has_events(&law) || contact_rubs(s->c.v, s->c.contact)) ||
-        !finds_event(s, left, right, &start, &before, &after) ||
-        !panel_to_event(s, &start, before, after, &panel, &event)) {
+    if (!panel_to_event(s, place, passed, &panel, &event)) {
         return false;
     }
     add_sums(s, &panel);
@@ -977,6 +841,7 @@ CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, c
  * lies before `end` where no panels are left. */
 CONTACT_NOINLINE static double integrate_between(struct span *s, double from, double end)
 {
+    const bool has_events = span_has_events(s);
     double clock = from;
     double width = end - from;
     while (clock < end) {
@@ -1005,14 +870,18 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
         const bool made = panel_make(&s->c, clock, to, &s->springs, &whole) &&
                           panel_make(&s->c, clock, middle, &s->springs, &left) &&
                           panel_make(&s->c, middle, to, &left.springs, &right);
-        if (divides && (!made || !panels_agree(s, &whole, &left, &right))) {
+        struct place place[PANEL_PLACES];
+        if (divides && (!made || !panels_agree(s, &whole, &left, &right) ||
+                        (has_events && !put_places(s, &left, &right, place)))) {
             width = 0.5 * (to - clock);
             continue;
         }
-        width *= 2.0;
-        if (s->evaluations != NULL && made && divides && passes_event(s, &left, &right, &clock)) {
+        const int passed = has_events && made && divides ? place_passed(place) : PANEL_PLACES;
+        if (passed < PANEL_PLACES) {
+            width = pass_event(s, place, passed, &clock) ? 2.0 * width : 0.5 * (to - clock);
             continue;
         }
+        width *= 2.0;
         if (made) { /* else the time between is one rounding of the clock, and the integrals are zero */
             add_sums(s, &left);
             add_sums(s, &right);
@@ -1027,7 +896,7 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
 }
 
 /* Cost of a panel with a spring, divided by the cost of a panel without. */
-enum { ELASTIC_PANEL = 2 };
+enum { ELASTIC_PANEL = 3 };
 
 static struct span span_of(const struct scene_values *v, struct scene_state *q, int contact, double length,
                            long *panels)
@@ -1039,32 +908,22 @@ static struct span span_of(const struct scene_values *v, struct scene_state *q, 
                          .panel_cost = contact_has_springs(v, contact) ? ELASTIC_PANEL : 1};
 }
 
-/* Adds the integrals of a span to the impulses and energies of the scene. Scenes in which no body may be free
- * keep means over the span instead. */
+/* Adds the integrals of a span to the impulses and energies of the scene. */
 static void book_span(const struct span *s)
 {
     struct scene_state *q = s->c.q;
     struct contact_state *state = &q->contact[s->c.contact];
-    const struct vec3 force = vec3_from(s->sum + TERM_FORCE);
     struct contact_torques *torques = &state->torques;
+    state->physics.impulse = vec3_add(state->physics.impulse, vec3_from(s->sum + TERM_FORCE));
+    if (SCENE_ANY_TURNING) {
+        torques->source_impulse = vec3_add(torques->source_impulse, vec3_from(s->sum + TERM_SOURCE_TORQUE));
+        torques->destination_impulse =
+            vec3_add(torques->destination_impulse, vec3_from(s->sum + TERM_DESTINATION_TORQUE));
+    }
     if (SCENE_ANY_FREE) {
-        state->physics.impulse = vec3_add(state->physics.impulse, force);
         q->dissipated += s->sum[TERM_DISSIPATED];
         q->external_work += s->sum[TERM_WORK];
-    } else {
-        state->mean_force = vec3_scale(1.0 / s->length, force);
-    }
-    if (SCENE_ANY_TURNING) {
-        const struct vec3 source = vec3_from(s->sum + TERM_SOURCE_TORQUE);
-        const struct vec3 destination = vec3_from(s->sum + TERM_DESTINATION_TORQUE);
-        if (SCENE_ANY_FREE) {
-            torques->source_impulse = vec3_add(torques->source_impulse, source);
-            torques->destination_impulse = vec3_add(torques->destination_impulse, destination);
-            q->friction_energy += s->sum[TERM_FRICTION];
-        } else {
-            torques->source_mean = vec3_scale(1.0 / s->length, source);
-            torques->destination_mean = vec3_scale(1.0 / s->length, destination);
-        }
+        q->friction_energy += SCENE_ANY_TURNING ? s->sum[TERM_FRICTION] : 0.0;
     }
     if (scene_turns(s->c.v)) {
         put_springs_of(&s->c, &s->springs);
@@ -1199,14 +1058,6 @@ static const double STEPS_OF_PANEL = 5.0;
 
 /* This part serves scenes in which no body may be free: the regimes and forces of the present. */
 
-static void book_mean(struct contact_state *state, struct vec3 force, struct vec3 torque)
-{
-    state->mean_force = force;
-    if (SCENE_HAS_TORQUES) {
-        state->torques.destination_mean = torque;
-    }
-}
-
 void prescribed_settle(const struct scene_values *v, struct scene_state *q)
 {
     struct scene_instant at;
@@ -1225,16 +1076,11 @@ void prescribed_begin(const struct scene_values *v, struct scene_state *q)
 {
     struct scene_instant at;
     prescribed_settle(v, q);
-    scene_kinematics_now(v, q, &at);
-    scene_forces(v, q, q->clock, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        struct contact_state *state = &q->contact[j];
-        state->peaks = (struct contact_peaks){0.0, 0.0};
-        book_mean(state, vec3_make(0.0, 0.0, 0.0), vec3_make(0.0, 0.0, 0.0));
-        if (state->regime != REGIME_APART) {
-            contact_peaks_note(&state->peaks, at.normal_force[j], -at.geometry[j].gap);
-        }
+        q->contact[j].physics.impulse = vec3_make(0.0, 0.0, 0.0);
+        q->contact[j].torques = (struct contact_torques){0};
     }
+    transition_begin_step(v, q, &at);
 }
 
 /* Whether nothing moves against anything. The force of the present is then the mean. */
@@ -1251,8 +1097,10 @@ static bool takes_steady(const struct span *s)
     }
     if (state->regime != (int32_t)REGIME_APART) {
         scene_forces(s->c.v, s->c.q, s->c.q->clock, &at);
-        book_mean(state, at.source_force[j],
-                  SCENE_HAS_TORQUES ? scene_torque_of_force(&at, j) : vec3_make(0.0, 0.0, 0.0));
+        state->physics.impulse = vec3_scale(s->length, at.source_force[j]);
+        if (SCENE_HAS_TORQUES) {
+            state->torques.destination_impulse = vec3_scale(s->length, scene_torque_of_force(&at, j));
+        }
     }
     return true;
 }

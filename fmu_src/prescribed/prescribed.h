@@ -1,8 +1,8 @@
 /*
  * Contacts between bodies that the importer moves: neither body is free or turns freely, so that every force
  * is a function of time. Impulses, energies and work are integrals of smooth functions between two changes of
- * a regime. The time is divided into panels, each integrated by a Gauss rule, and a panel is halved until the
- * sum over its halves agrees with the whole.
+ * a regime. The time is divided into panels, each integrated by a Lobatto rule, and a panel is halved until
+ * the sum over its halves agrees with the whole.
  *
  * Beside bodies that are free, a contact that neither turns nor rubs is integrated from one change of its
  * regime to the next, which integrator/prediction.c foresees. Everywhere else conservative advancement finds
@@ -24,16 +24,15 @@ enum { PRESCRIBED_PANELS = 20000 };
 double prescribed_integrate(const struct scene_values *v, struct scene_state *q, double end, long *budget);
 
 /* Integrates the prescribed contacts over `length` seconds from the present, through all changes of regimes,
- * for scenes in which no body may be free and for force elements that turn or rub. The former get the mean
- * force instead of an impulse. The regimes and springs of q become those at the end. Returns false where
- * `panels` panels or the evaluations of the search for touches are used up; q is then undefined. */
+ * for scenes in which no body may be free and for force elements that turn or rub. The regimes and springs of
+ * q become those at the end. Returns false where `panels` panels or the evaluations of the search for touches
+ * are used up; q is then undefined. */
 bool prescribed_over(const struct scene_values *v, struct scene_state *q, double length, long panels);
 
 /* Sets the regimes of q to those of the present instant. */
 void prescribed_settle(const struct scene_values *v, struct scene_state *q);
 
-/* Sets the regimes to those of the present instant, the peaks to its force and penetration, the mean to
- * zero. */
+/* Begins a communication step with the regimes of the present instant and impulses of zero. */
 void prescribed_begin(const struct scene_values *v, struct scene_state *q);
 
 /* Projects the friction springs onto the new tangent planes after inputs have jumped. */

@@ -102,8 +102,6 @@ struct contact_torques {
     struct vec3 source_impulse, destination_impulse; /* since initialization [N m s] */
     /* the impulses at the start of the communication step [N m s] */
     struct vec3 source_mark, destination_mark;
-    /* means over the last communication step, kept where no body may be free [N m] */
-    struct vec3 source_mean, destination_mean;
 };
 
 /* The largest values over the last communication step. */
@@ -133,8 +131,6 @@ struct contact_state {
     double onset_damping; /* with restitution: chi of the present or the last contact [s/m] */
     struct contact_peaks peaks;
     struct contact_torques torques;
-    /* mean force on the source over the last communication step, kept where no body may be free [N] */
-    struct vec3 mean_force;
     struct contact_physics physics;
     struct contact_record record;
     struct contact_schedule schedule;

@@ -616,7 +616,7 @@ void transition_scale_force_error(struct scene_state *q, int contact, struct con
 static void note_instant(struct scene_state *q, const struct scene_instant *at)
 {
     note_peaks_of(q, at);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+    for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
         q->contact[j].normal = at->geometry[j].normal;
     }
 }
