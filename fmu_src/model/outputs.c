@@ -65,20 +65,15 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
 static double put_energies(struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at)
 {
-    const bool turns = scene_turns(v);
-    const double kinetic = energy_kinetic_of(v, at);
-    const double potential = energy_potential(v, at, gravity(v));
-    const double stored = energy_stored(v, q, at);
-    const double rotational = turns ? energy_rotational_of(v, at) : 0.0;
-    const double tangential = turns ? energy_tangential_of(v, q, at) : 0.0;
-    const double total =
-        kinetic + potential + stored + q->dissipated - q->external_work + (rotational + q->friction_energy);
-    put_energy_kinetic(v, kinetic);
-    put_energy_potential(v, potential);
-    put_energy_contact(v, stored);
-    put_energy_rotational(v, rotational);
-    put_energy_tangential(v, tangential);
-    put_energy_friction(v, q->friction_energy - tangential);
+    const struct scene_energies energy = scene_energies_of(v, q, at);
+    const double total = energy.kinetic + energy.potential + energy.stored + q->dissipated -
+                         q->external_work + (energy.rotational + q->friction_energy);
+    put_energy_kinetic(v, energy.kinetic);
+    put_energy_potential(v, energy.potential);
+    put_energy_contact(v, energy.stored);
+    put_energy_rotational(v, energy.rotational);
+    put_energy_tangential(v, energy.tangential);
+    put_energy_friction(v, q->friction_energy - energy.tangential);
     put_energy_dissipated(v, q->dissipated);
     put_energy_external_work(v, q->external_work);
     put_energy_total(v, total);
@@ -127,7 +122,7 @@ bool model_has_derivatives(const struct variable *variable)
 static double energy_term(const struct model *m, const struct scene_jet *along, int row, int order)
 {
     const struct scene_values *v = &m->state.values;
-    const struct jet_energies energy = jet_energies_of(v, &m->state.motion, along, order);
+    const struct scene_energies energy = jet_energies_of(v, &m->state.motion, along, order);
     switch (row) {
     case ROW_energy_kinetic:
         return energy.kinetic;
@@ -291,7 +286,7 @@ static double distance_term(const struct scene_values *v, const struct contact_s
         const int destination = contact_destination(contact);
         struct vec3 c[JET_TERMS] = {{0.0, 0.0, 0.0}}, rate[JET_TERMS] = {{0.0, 0.0, 0.0}};
         struct vec3 axis[JET_TERMS] = {shape->solid.axis};
-        struct vec3 across[JET_TERMS];
+        struct vec3 across[JET_TERMS], to_axis[JET_TERMS];
         double axial[JET_TERMS];
         double rho[JET_TERMS];
         for (int i = 1; i < JET_TERMS; ++i) {
@@ -303,7 +298,8 @@ static double distance_term(const struct scene_values *v, const struct contact_s
         }
         jet_add_levers(along, contact, c, rate);
         c[0] = at->separation[contact];
-        jet_of_axis_distance(c, axis, across, axial, rho);
+        jet_across(c, axis, across, axial);
+        jet_direction(across, rho, to_axis);
         return order > 0 && !(rho[0] > 0.0) ? 0.0 : rho[order];
     }
     return along->contact[contact].distance[order];
@@ -332,7 +328,7 @@ static struct vec3 contact_vector_term(const struct scene_jet *along, const stru
     case ROW_contact_friction_force:
         return turning->friction_force[order];
     case ROW_contact_slip_velocity:
-        return turning->slip[order];
+        return turning->motion[OPPOSED_SLIP][order];
     case ROW_contact_source_torque:
         return turning->source_torque[order];
     case ROW_contact_destination_torque:

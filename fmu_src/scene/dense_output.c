@@ -250,7 +250,7 @@ static void scene_at(const struct scene_output *o, double clock, const bool *met
     if (o->move) {
         o->move(o->mover, clock, q);
     }
-    scene_evaluate_met(o->values, q, clock, q->body, &q->turning, met, at);
+    scene_evaluate(o->values, q, clock, q->body, &q->turning, met, at);
 }
 
 static void put_sample(const struct contact_jet *jet, struct pair_sample *sample)

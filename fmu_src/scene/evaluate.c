@@ -628,24 +628,18 @@ CONTACT_FLATTEN void scene_forces(const struct scene_values *v, const struct sce
     put_forces(v, q, clock, NULL, NULL, at);
 }
 
-void scene_evaluate_met(const struct scene_values *v, const struct scene_state *q, double clock,
-                        const struct body_state *bodies, const struct turning_state *turning, const bool *met,
-                        struct scene_instant *at)
+void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
+                    const struct body_state *bodies, const struct turning_state *turning, const bool *met,
+                    struct scene_instant *at)
 {
     if (met == NULL && !scene_turns(v)) { /* the frequent path */
-        scene_evaluate(v, q, clock, bodies, at);
+        scene_kinematics(v, q, clock, bodies, at);
+        scene_forces(v, q, clock, at);
         return;
     }
     scene_place_bodies(v, q, clock, bodies, turning, at);
     scene_meet(v, q, met, at);
     put_forces_turning(v, q, clock, scene_turns(v) ? turning : NULL, met, at);
-}
-
-void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
-                    const struct body_state *bodies, struct scene_instant *at)
-{
-    scene_kinematics(v, q, clock, bodies, at);
-    scene_forces(v, q, clock, at);
 }
 
 void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
@@ -1356,17 +1350,6 @@ void scene_rebase(const struct scene_values *v, struct scene_state *q)
     advance_base(q);
 }
 
-double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at)
-{
-    double sum = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            sum += 0.5 * body_mass(v, i) * vec3_dot(at->velocity[i], at->velocity[i]);
-        }
-    }
-    return sum;
-}
-
 double energy_potential(const struct scene_values *v, const struct scene_instant *at, struct vec3 field)
 {
     double sum = 0.0;
@@ -1385,34 +1368,6 @@ double body_rotational_energy(const struct scene_values *v, int body, const stru
            vec3_dot(turn->angular_velocity, body_spin_of(v, body, turn));
 }
 
-double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at)
-{
-    double sum = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_turns_freely(v, i)) {
-            sum += body_rotational_energy(v, i, &at->turning.body[i]);
-        }
-    }
-    return sum;
-}
-
-double energy_tangential_of(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at)
-{
-    double sum = 0.0;
-    for (int k = 0; k < SCENE_CONTACTS * OPPOSED; ++k) {
-        const int j = k / OPPOSED;
-        const int part = k % OPPOSED;
-        if (contact_has_spring(v, j, part) && q->contact[j].regime != (int32_t)REGIME_APART) {
-            const struct friction_law law = scene_friction_law(v, q, j, part);
-            const struct friction_state rubbing = turning_rubbing(&q->turning, at, j, part);
-            sum += friction_stored_energy(&law, (enum friction_regime)q->contact[j].friction_regime[part],
-                                          rubbing);
-        }
-    }
-    return sum;
-}
-
 double energy_stored(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at)
 {
@@ -1422,6 +1377,32 @@ double energy_stored(const struct scene_values *v, const struct scene_state *q,
         if (regime != REGIME_APART) {
             const struct contact_law law = scene_contact_law(v, q, j);
             sum += contact_stored_energy(&law, regime, at->geometry[j].gap);
+        }
+    }
+    return sum;
+}
+
+struct scene_energies scene_energies_of(const struct scene_values *v, const struct scene_state *q,
+                                        const struct scene_instant *at)
+{
+    struct scene_energies sum = {.potential = energy_potential(v, at, gravity(v)),
+                                 .stored = energy_stored(v, q, at)};
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            sum.kinetic += 0.5 * body_mass(v, i) * vec3_dot(at->velocity[i], at->velocity[i]);
+        }
+        if (body_turns_freely(v, i)) {
+            sum.rotational += body_rotational_energy(v, i, &at->turning.body[i]);
+        }
+    }
+    for (int k = 0; k < SCENE_CONTACTS * OPPOSED; ++k) {
+        const int j = k / OPPOSED;
+        const int part = k % OPPOSED;
+        if (contact_has_spring(v, j, part) && q->contact[j].regime != (int32_t)REGIME_APART) {
+            const struct friction_law law = scene_friction_law(v, q, j, part);
+            const struct friction_state rubbing = turning_rubbing(&q->turning, at, j, part);
+            sum.tangential += friction_stored_energy(
+                &law, (enum friction_regime)q->contact[j].friction_regime[part], rubbing);
         }
     }
     return sum;

@@ -94,10 +94,11 @@ void scene_place_bodies(const struct scene_values *v, const struct scene_state *
 void scene_meet(const struct scene_values *v, const struct scene_state *q, const bool *met,
                 struct scene_instant *at);
 
-/* Does the work of scene_evaluate with the rotations and springs in `turning`. */
-void scene_evaluate_met(const struct scene_values *v, const struct scene_state *q, double clock,
-                        const struct body_state *bodies, const struct turning_state *turning, const bool *met,
-                        struct scene_instant *at);
+/* Computes the kinematics, accelerations and forces of the instant in the regimes of q, with the rotations
+ * and springs in `turning`. */
+void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
+                    const struct body_state *bodies, const struct turning_state *turning, const bool *met,
+                    struct scene_instant *at);
 
 /* Returns the shape of a contact with the destination's axis at the instant. */
 struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,
@@ -106,10 +107,6 @@ struct contact_shape scene_contact_shape_at(const struct scene_values *v, const 
 /* Completes an instant that has kinematics by the accelerations and forces in the regimes of q. */
 void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
                   struct scene_instant *at);
-
-/* Computes the kinematics, accelerations and forces of the instant in the regimes of q. */
-void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
-                    const struct body_state *bodies, struct scene_instant *at);
 
 /* Returns how far the source's centre is beyond the destination's end planes [m], at most zero within;
  * -INFINITY without ends. A race ends at the cylinder rho = R; no source that touches an outer race has
@@ -395,15 +392,15 @@ enum contact_regime onset_note(const struct scene_values *v, struct scene_state 
 /* Energies of the scene [J]. The sum kinetic + potential + contact + dissipated - external work stays
  * constant. Where something turns or rubs, rotational + tangential + friction are added to this sum. */
 
-/* Returns the sum of m v^2 / 2 over the free bodies. */
-double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at);
+/* `stored` is the energy of the normal forces, `tangential` that of the springs of friction. */
+struct scene_energies {
+    double kinetic, potential, rotational, stored, tangential;
+};
+struct scene_energies scene_energies_of(const struct scene_values *v, const struct scene_state *q,
+                                        const struct scene_instant *at);
 
-/* Return the rotational energy omega.L / 2 of a body, the sum over freely turning bodies, and the
- * energy of the friction springs. */
+/* Returns the rotational energy omega.L / 2 of a body. */
 double body_rotational_energy(const struct scene_values *v, int body, const struct body_turn *turn);
-double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at);
-double energy_tangential_of(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at);
 
 /* Returns the potential energy in a field g [m/s^2], minus the sum of m g.x over the free bodies; the field
  * is gravity, or a change of gravity. */

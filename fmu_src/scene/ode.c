@@ -185,9 +185,12 @@ static void turning_unpack(const struct scene_ode *ode, const double *y, struct 
     }
 }
 
-static void set_three(double *sizes, double size)
+/* Sets the sizes of the components of a vector in y to its length, or to `least` if this is larger. */
+static void set_size(const double *y, int index, double least, double *sizes)
 {
-    sizes[0] = sizes[1] = sizes[2] = size;
+    for (int k = 0; index >= 0 && k < 3; ++k) {
+        sizes[index + k] = fmax(vec3_norm(vec3_from(y + index)), least);
+    }
 }
 
 /* Returns the depth [m], which falls through zero where contact ends. Between the ends of a cylinder, at the
@@ -197,13 +200,14 @@ static void set_three(double *sizes, double size)
 static double depth_to_parting(const struct scene_ode *ode, const struct contact_shape *shape,
                                const struct contact_geometry *g, int contact)
 {
-    const double depth = ode->gap_offset[contact] - g->gap;
+    const double offset = ode->offset[contact][ODE_EVENT_GAP];
+    const double depth = offset - g->gap;
     const double half = shape->half_length;
     if (!SCENE_ANY_ENDS || !isfinite(half)) {
         return depth;
     }
     const double within = (half - fabs(g->axial)) * 0.5 * (1.0 + fabs(g->axial) / half);
-    return depth * (ode->gap_offset[contact] + within) / half;
+    return depth * (offset + within) / half;
 }
 
 static bool breaks_away(const struct turning_laws *laws)
@@ -212,8 +216,8 @@ static bool breaks_away(const struct turning_laws *laws)
            laws->rubbing_regime[OPPOSED_SLIP] == FRICTION_STICKING;
 }
 
-/* Sets the event functions of friction. Sticking ends at the lesser of mu_s F_n and F_max; each of the two
- * has an event function, because the minimum is not smooth. */
+/* Sets the event functions of friction without offsets. Sticking ends at the lesser of mu_s F_n and F_max;
+ * each of the two has an event function, because the minimum is not smooth. */
 static void friction_events(const struct scene_ode *ode, double clock, const struct turning_state *turning,
                             const struct scene_instant *at, int contact, double *out)
 {
@@ -228,21 +232,18 @@ static void friction_events(const struct scene_ode *ode, double clock, const str
     for (int i = 0; i < contact_opposed(ode->values, contact); ++i) {
         const struct friction_state rubbing = turning_rubbing(turning, at, contact, i);
         out[ode_stick_event(i)] =
-            ode->stick_offset[contact][i] +
             friction_stick_event(&laws.rubbing[i], laws.rubbing_regime[i], rubbing, force_rate);
     }
-    out[ODE_EVENT_CAP] = ode->cap_offset[contact] + friction_cap_event(law, regime, force);
+    out[ODE_EVENT_CAP] = friction_cap_event(law, regime, force);
     if (breaks_away(&laws)) {
         const double carried = vec3_norm(
             friction_force(law, FRICTION_STICKING, turning_rubbing(turning, at, contact, OPPOSED_SLIP)));
-        out[ODE_EVENT_STICK] =
-            ode->stick_offset[contact][OPPOSED_SLIP] + law->static_coefficient * force - carried;
-        out[ODE_EVENT_CAP] = ode->cap_offset[contact] + law->largest - carried;
+        out[ODE_EVENT_STICK] = law->static_coefficient * force - carried;
+        out[ODE_EVENT_CAP] = law->largest - carried;
     }
     if (contact_may_pull(&laws.normal)) {
         const struct contact_geometry *g = &at->geometry[contact];
-        const double push = contact_push(&laws.normal, g->gap, g->gap_rate);
-        out[ODE_EVENT_LIFT] = ode->lift_offset[contact] + friction_lift_event(regime, push);
+        out[ODE_EVENT_LIFT] = friction_lift_event(regime, contact_push(&laws.normal, g->gap, g->gap_rate));
     }
 }
 
@@ -251,6 +252,7 @@ static void friction_events(const struct scene_ode *ode, double clock, const str
 static void contact_events(const struct scene_ode *ode, const struct scene_instant *at, int contact,
                            double out[ODE_EVENTS_EACH])
 {
+    const double *offset = ode->offset[contact];
     const enum contact_regime regime = (enum contact_regime)ode->state->contact[contact].regime;
     const bool is_coupled = contact_is_coupled(ode->values, ode->state, contact);
     const struct contact_geometry *g = &at->geometry[contact];
@@ -260,11 +262,11 @@ static void contact_events(const struct scene_ode *ode, const struct scene_insta
     struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
     shape.half_length = is_coupled || scene_turns(ode->values) ? shape.half_length : (double)INFINITY;
     if (regime == REGIME_APART) {
-        out[ODE_EVENT_GAP] = ode->gap_offset[contact] + fmax(g->gap, scene_beyond_ends(&shape, g));
+        out[ODE_EVENT_GAP] = offset[ODE_EVENT_GAP] + fmax(g->gap, scene_beyond_ends(&shape, g));
     } else {
         const struct contact_law law = scene_contact_law(ode->values, ode->state, contact);
         out[ODE_EVENT_GAP] = depth_to_parting(ode, &shape, g, contact);
-        out[ODE_EVENT_LAW] = ode->margin_offset[contact] + contact_event(&law, regime, g->gap, g->gap_rate);
+        out[ODE_EVENT_LAW] = offset[ODE_EVENT_LAW] + contact_event(&law, regime, g->gap, g->gap_rate);
     }
 }
 
@@ -283,6 +285,7 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
                              double tolerated, double relative, double absolute,
                              double events[ODE_EVENTS_EACH])
 {
+    double *offset = ode->offset[contact];
     const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
     const double force = at->normal_force[contact];
     const struct contact_geometry *g = &at->geometry[contact];
@@ -295,16 +298,19 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
     for (int i = 0; i < contact_opposed(ode->values, contact); ++i) {
         const double of_motion =
             i == OPPOSED_SLIP ? tolerated : relative * turning_spin_size(at, contact) + absolute;
-        ode->stick_offset[contact][i] =
+        offset[ode_stick_event(i)] =
             2.0 * stick_rounding(&laws.rubbing[i], laws.rubbing_regime[i], force, of_force, of_motion);
     }
-    ode->cap_offset[contact] = breaks_away(&laws) ? ode->stick_offset[contact][OPPOSED_SLIP]
-                                                  : 2.0 * laws.rubbing[OPPOSED_SLIP].coefficient * rounding;
+    offset[ODE_EVENT_CAP] = breaks_away(&laws) ? offset[ODE_EVENT_STICK]
+                                               : 2.0 * laws.rubbing[OPPOSED_SLIP].coefficient * rounding;
     /* the error of contact_push, which is F_n, or its factor under Hertz's law */
-    ode->lift_offset[contact] =
+    offset[ODE_EVENT_LIFT] =
         2.0 *
         (contact_is_hertz(&laws.normal) ? 8.0 * DBL_EPSILON + laws.normal.damping * tolerated : rounding);
     friction_events(ode, ode->state->clock, &ode->state->turning, at, contact, events);
+    for (int i = ODE_EVENT_STICK; i < ODE_EVENT_ZONE; ++i) {
+        events[i] += offset[i];
+    }
 }
 
 /* Sets the offsets of friction's event functions, so that each starts above zero. The speeds have errors of
@@ -313,18 +319,14 @@ static void turning_begin(struct scene_ode *ode, const struct scene_instant *at,
                           double tolerated, double relative, double absolute)
 {
     double events[ODE_EVENTS_EACH];
-    memset(ode->stick_offset[contact], 0, sizeof ode->stick_offset[contact]);
-    ode->cap_offset[contact] = ode->lift_offset[contact] = 0.0;
     if (!SCENE_ANY_FRICTION || !contact_transmits(ode->state, contact) ||
         !contact_rubs(ode->values, contact)) {
         return; /* `events` has no room for events of friction */
     }
     turning_friction_events(ode, at, contact, tolerated, relative, absolute, events);
-    for (int i = 0; i < OPPOSED; ++i) {
-        ode->stick_offset[contact][i] += 2.0 * fmax(-events[ode_stick_event(i)], 0.0);
+    for (int i = ODE_EVENT_STICK; i < ODE_EVENT_ZONE; ++i) {
+        ode->offset[contact][i] += 2.0 * fmax(-events[i], 0.0);
     }
-    ode->cap_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_CAP], 0.0);
-    ode->lift_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_LIFT], 0.0);
 }
 
 /* Returns the relative acceleration of the bodies by everything but the contact itself [m/s^2]. */
@@ -344,20 +346,16 @@ void ode_leave_centres(const struct scene_values *v, struct scene_state *q)
         return;
     }
     struct scene_instant at;
+    const struct vec3 none = {0.0, 0.0, 0.0};
     scene_now(v, q, &at);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (at.geometry[j].degenerate) {
-            const struct contact_shape shape = scene_contact_shape(v, q, j);
-            q->contact[j].normal =
-                singularity_escape(&shape, at.rate[j], vec3_make(0.0, 0.0, 0.0), q->contact[j].normal);
-        }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (at.geometry[j].degenerate && contact_is_coupled(v, q, j)) {
+    for (int k = 0; k < 2 * SCENE_CONTACTS; ++k) { /* first all by their velocities */
+        const int j = k % SCENE_CONTACTS;
+        const bool loaded = k >= SCENE_CONTACTS;
+        if (at.geometry[j].degenerate && (!loaded || contact_is_coupled(v, q, j))) {
             const struct contact_shape shape = scene_contact_shape(v, q, j);
             scene_now(v, q, &at); /* the direction of one contact changes the forces on the next */
-            q->contact[j].normal = singularity_escape(&shape, at.rate[j], acceleration_by_others(v, &at, j),
-                                                      q->contact[j].normal);
+            const struct vec3 by_others = loaded ? acceleration_by_others(v, &at, j) : none;
+            q->contact[j].normal = singularity_escape(&shape, at.rate[j], by_others, q->contact[j].normal);
         }
     }
 }
@@ -372,21 +370,24 @@ static double momentum_scale(const struct scene_values *v, double energy)
     return sqrt(2.0 * lightest * energy);
 }
 
-/* gap_offset is twice the gap's rounding bound, because the gap at the start may itself be wrong by one
- * bound. rounding_margin_offset (scene/evaluate.h) gives the reasons for margin_offset. */
+/* The gap's offset is twice its rounding bound, because the gap at the start may itself be wrong by one
+ * bound. rounding_margin_offset (scene/evaluate.h) gives the reasons for the law's offset. */
 void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double relative, double absolute)
 {
     const struct scene_values *v = ode->values;
-    ode->energy_scale = energy_kinetic_of(v, at) + energy_stored(v, ode->state, at);
-    if (scene_turns(v)) {
-        ode->energy_scale += energy_rotational_of(v, at);
-    }
+    const struct scene_energies energy = scene_energies_of(v, ode->state, at);
+    ode->energy_scale = energy.kinetic + energy.stored + energy.rotational;
     ode->momentum_scale = momentum_scale(v, ode->energy_scale);
+    memset(ode->offset, 0, sizeof ode->offset);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double tolerated = relative * vec3_norm(at->rate[j]) + absolute;
-        ode->gap_offset[j] = 2.0 * rounding_of_gap(v, at, j);
-        ode->zone_offset[j] = ode->gap_offset[j] + 2.0 * fmax(-zones_margin(v, ode->state, at, j), 0.0);
-        ode->margin_offset[j] = rounding_margin_offset(v, ode->state, at, j, tolerated);
+        double *offset = ode->offset[j];
+        offset[ODE_EVENT_GAP] = 2.0 * rounding_of_gap(v, at, j);
+        offset[ODE_EVENT_LAW] = rounding_margin_offset(v, ode->state, at, j, tolerated);
+        if (SCENE_ANY_ZONES) {
+            const double outside = fmax(-zones_margin(v, ode->state, at, j), 0.0);
+            offset[ODE_EVENT_ZONE] = offset[ODE_EVENT_GAP] + 2.0 * outside;
+        }
         if (scene_turns(v)) {
             turning_begin(ode, at, j, tolerated, relative, absolute);
         }
@@ -407,68 +408,61 @@ static void unpack_bodies(const struct scene_ode *ode, double clock, const doubl
     }
 }
 
-void ode_pack(const struct scene_ode *ode, double *y)
+/* Copies `count` numbers of the state into y, or from y into the state. */
+static void copy_numbers(bool packs, double *y, void *state, size_t count)
+{
+    memcpy(packs ? y : state, packs ? state : y, count * sizeof *y);
+}
+
+/* Copies the states that y holds as q does, all but the rotations, into y or from y. */
+static void copy_states(const struct scene_ode *ode, bool packs, struct scene_state *q, double *y)
 {
     const struct ode_layout *layout = &ode->layout;
-    const struct scene_state *q = ode->state;
     const bool turns = scene_turns(ode->values);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout->body[i] >= 0) {
-            vec3_to(q->body[i].moved, y + layout->body[i]);
-            vec3_to(q->body[i].velocity, y + layout->body[i] + 3);
-        }
-        if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
-            const struct body_turn *turn = &q->turning.body[i];
-            vec3_to(body_spin_of(ode->values, i, turn), y + layout->spin[i]);
-            four_to(turn->orientation, y + layout->orientation[i]);
+            copy_numbers(packs, y + layout->body[i], &q->body[i], BODY_STATES);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         for (int i = 0; i < OPPOSED; ++i) {
             if (layout->spring[j][i] >= 0) {
-                vec3_to(q->turning.spring[j][i], y + layout->spring[j][i]);
+                copy_numbers(packs, y + layout->spring[j][i], &q->turning.spring[j][i], 3);
             }
         }
         if (layout->met[j]) {
-            vec3_to(q->contact[j].physics.impulse, y + layout->impulse[j]);
+            copy_numbers(packs, y + layout->impulse[j], &q->contact[j].physics.impulse, 3);
         }
         if (layout->met[j] && turns) {
-            vec3_to(q->contact[j].torques.source_impulse, y + layout->impulse[j] + 3);
-            vec3_to(q->contact[j].torques.destination_impulse, y + layout->impulse[j] + 6);
+            copy_numbers(packs, y + layout->impulse[j] + 3, &q->contact[j].torques.source_impulse, 3);
+            copy_numbers(packs, y + layout->impulse[j] + 6, &q->contact[j].torques.destination_impulse, 3);
         }
     }
-    y[layout->dissipated] = q->dissipated;
-    y[layout->dissipated + 1] = q->external_work;
+    copy_numbers(packs, y + layout->dissipated, &q->dissipated, 1);
+    copy_numbers(packs, y + layout->dissipated + 1, &q->external_work, 1);
     if (turns) {
-        y[layout->dissipated + 2] = q->friction_energy;
+        copy_numbers(packs, y + layout->dissipated + 2, &q->friction_energy, 1);
+    }
+}
+
+void ode_pack(const struct scene_ode *ode, double *y)
+{
+    const struct ode_layout *layout = &ode->layout;
+    copy_states(ode, true, (struct scene_state *)ode->state, y);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
+            const struct body_turn *turn = &ode->state->turning.body[i];
+            vec3_to(body_spin_of(ode->values, i, turn), y + layout->spin[i]);
+            four_to(turn->orientation, y + layout->orientation[i]);
+        }
     }
 }
 
 void ode_unpack(const struct scene_ode *ode, struct scene_state *q, const double *y)
 {
-    const struct ode_layout *layout = &ode->layout;
-    const bool turns = scene_turns(ode->values);
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (layout->body[i] >= 0) {
-            const double *at = y + layout->body[i];
-            q->body[i] = (struct body_state){vec3_from(at), vec3_from(at + 3)};
-        }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (layout->met[j]) {
-            const double *impulse = y + layout->impulse[j];
-            q->contact[j].physics.impulse = vec3_from(impulse);
-            if (turns) {
-                q->contact[j].torques.source_impulse = vec3_from(impulse + 3);
-                q->contact[j].torques.destination_impulse = vec3_from(impulse + 6);
-            }
-        }
-    }
-    q->dissipated = y[layout->dissipated];
-    q->external_work = y[layout->dissipated + 1];
-    if (turns) {
+    copy_states(ode, false, q, (double *)y);
+    if (scene_turns(ode->values)) {
         turning_unpack(ode, y, &q->turning);
-        q->friction_energy = y[layout->dissipated + 2];
     }
 }
 
@@ -481,7 +475,7 @@ void ode_instant(const struct scene_ode *ode, double clock, const double *y, str
         turning = ode->state->turning;
         turning_unpack(ode, y, &turning);
     }
-    scene_evaluate_met(ode->values, ode->state, clock, bodies, &turning, met_of(ode), at);
+    scene_evaluate(ode->values, ode->state, clock, bodies, &turning, met_of(ode), at);
 }
 
 void ode_other_motion(const struct scene_ode *ode, double clock, struct scene_instant *at)
@@ -627,28 +621,23 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
     const struct ode_layout *layout = &ode->layout;
     const int impulses = scene_turns(ode->values) ? TURNING_IMPULSES : 3;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const int index = layout->body[i];
-        if (index >= 0) {
-            set_three(sizes + index, vec3_norm(vec3_from(y + index)));
-            set_three(sizes + index + 3, vec3_norm(vec3_from(y + index + 3)));
+        if (layout->body[i] >= 0) {
+            set_size(y, layout->body[i], 0.0, sizes);
+            set_size(y, layout->body[i] + 3, 0.0, sizes);
         }
         if (layout->spin[i] >= 0) {
-            set_three(sizes + layout->spin[i], vec3_norm(vec3_from(y + layout->spin[i])));
+            set_size(y, layout->spin[i], 0.0, sizes);
             four_to((struct quaternion){1.0, 1.0, 1.0, 1.0}, sizes + layout->orientation[i]);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double lever = contact_source_radius(ode->values, j) + vec3_norm(contact_source_part(j));
         for (int i = 0; i < OPPOSED; ++i) {
-            const int spring = layout->spring[j][i];
-            if (spring >= 0) {
-                set_three(sizes + spring, vec3_norm(vec3_from(y + spring)));
-            }
+            set_size(y, layout->spring[j][i], 0.0, sizes);
         }
         for (int k = 0; layout->met[j] && k < impulses; k += 3) {
-            const int index = layout->impulse[j] + k;
             const double least = k == 0 ? ode->momentum_scale : lever * ode->momentum_scale;
-            set_three(sizes + index, fmax(vec3_norm(vec3_from(y + index)), least));
+            set_size(y, layout->impulse[j] + k, least, sizes);
         }
     }
     for (int i = layout->dissipated; i < layout->size; ++i) {
@@ -880,10 +869,10 @@ void ode_events_at(const struct scene_ode *ode, double clock, const double *y, c
             friction_events(ode, clock, &turning, at, j, out);
         }
         if (SCENE_ANY_ZONES) {
-            out[ODE_EVENT_ZONE] = ode->zone_offset[j] + zones_margin(v, ode->state, at, j);
+            out[ODE_EVENT_ZONE] = zones_margin(v, ode->state, at, j);
         }
         for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
-            out[i] = not_zero(out[i]);
+            out[i] = not_zero(i > ODE_EVENT_LAW ? ode->offset[j][i] + out[i] : out[i]);
         }
     }
 }

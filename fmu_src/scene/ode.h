@@ -98,12 +98,8 @@ struct scene_ode {
     /* gives the motion of a body that y leaves out, at a clock; NULL: y leaves out none */
     struct body_state (*flight)(const struct scene_values *v, const struct scene_state *q, int body,
                                 double clock);
-    double gap_offset[SCENE_CONTACTS];    /* is added to event function 0 [m] */
-    double margin_offset[SCENE_CONTACTS]; /* is added to event function 1, in the unit of that function */
-    /* are added to the event functions of friction: of sticking, 3 and 4, in the units of these functions */
-    double stick_offset[SCENE_CONTACTS][OPPOSED], cap_offset[SCENE_CONTACTS], lift_offset[SCENE_CONTACTS];
-    double zone_offset[SCENE_CONTACTS];  /* is added to the event function ODE_EVENT_ZONE [m] */
-    double energy_scale, momentum_scale; /* sizes at the start of the phase [J], [N s] */
+    double offset[SCENE_CONTACTS][ODE_EVENTS_EACH]; /* are added to the event functions, in their units */
+    double energy_scale, momentum_scale;            /* sizes at the start of the phase [J], [N s] */
 };
 
 /* Sets n of each contact with d = 0 to the escape direction (scene/evaluate.h). */

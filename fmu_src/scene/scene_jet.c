@@ -119,11 +119,11 @@ static void put_offset(const struct contact_shape *shape, const struct contact_p
     if (!contact_is_cylinder(shape) && !contact_is_circle(shape)) {
         return;
     }
-    jet_of_axis_distance(path->c, path->axis, across, axial, rho);
+    jet_across(path->c, path->axis, across, axial);
     memcpy(&offset[1], &across[1], 2 * sizeof offset[1]);
     if (contact_is_circle(shape)) {
-        struct vec3 to_axis[JET_TERMS] = {vec3_scale(1.0 / rho[0], across[0])};
-        jet_divide(across, rho, to_axis);
+        struct vec3 to_axis[JET_TERMS];
+        jet_direction(across, rho, to_axis);
         rho[0] -= shape->solid.radius;
         axial[0] += shape->solid.half_height;
         for (int i = 1; i < JET_TERMS; ++i) {
@@ -132,31 +132,22 @@ static void put_offset(const struct contact_shape *shape, const struct contact_p
     }
 }
 
-/* Sets the terms of d and n. From d n = offset follow d' = n.offset' and d n' = offset' - d' n. A plane has
- * n = -e, and where d = 0 n is constant; both have d' = (n.c)'. */
+/* Sets the terms of d and n, the length and the direction of the offset. A plane has n = -e, and where d = 0
+ * n is constant; both have d' = (n.c)'. */
 static void put_distance(const struct contact_shape *shape, const struct contact_geometry *g,
                          const struct contact_path *path, struct contact_jet *jet)
 {
     struct vec3 offset[JET_TERMS] = {g->offset};
-    put_offset(shape, path, offset);
+    if (contact_turns(shape, g)) {
+        put_offset(shape, path, offset);
+        jet_direction(offset, jet->distance, jet->normal);
+        return;
+    }
     jet->normal[0] = g->normal;
     jet->distance[0] = g->distance;
     for (int i = 1; i < path->terms; ++i) {
-        jet->normal[i] = vec3_make(0.0, 0.0, 0.0);
-        if (contact_is_plane(shape)) {
-            jet->normal[i] = vec3_scale(-1.0, path->axis[i]);
-        }
+        jet->normal[i] = vec3_scale(contact_is_plane(shape) ? -1.0 : 0.0, path->axis[i]);
         jet->distance[i] = jet_dot(jet->normal, path->c, i);
-        if (contact_turns(shape, g)) {
-            double sum = 0.0;
-            for (int k = 1; k <= i; ++k) {
-                sum += k * vec3_dot(jet->normal[i - k], offset[k]);
-            }
-            jet->distance[i] = sum / i;
-            const struct vec3 turned = vec3_sub(offset[i], jet_scale(jet->distance, jet->normal, i));
-            jet->normal[i] =
-                vec3_make(turned.x / g->distance, turned.y / g->distance, turned.z / g->distance);
-        }
     }
 }
 
@@ -173,25 +164,22 @@ static void put_normal_force(const struct contact_shape *shape, const struct con
     }
 }
 
-/* Sets the terms of the lever arms and of the slip of a contact whose normal is known. */
+/* Sets the terms of the lever arms, of the slip and of omega of a contact whose normal is known. */
 static void put_slip(const struct contact_shape *shape, const struct contact_path *path,
                      const struct contact_jet *jet, struct turning_jet *turning)
 {
-    struct vec3 far[JET_TERMS];
-    struct vec3 all[JET_TERMS];
-    double along_normal[JET_TERMS];
+    struct vec3 all[JET_TERMS] = {{0.0, 0.0, 0.0}};
     for (int i = 0; i < path->terms; ++i) {
         const struct vec3 foot =
             i == 0 ? contact_foot(shape, path->c[0]) : contact_foot_along(shape, path->c[i]);
         turning->source_arm[i] = contact_source_arm(shape, jet->normal[i], foot);
-        far[i] = vec3_sub(turning->source_arm[i], path->c[i]);
-        turning->destination_arm[i] = far[i];
+        turning->destination_arm[i] = vec3_sub(turning->source_arm[i], path->c[i]);
         const struct vec3 past = vec3_sub(turning_jet_cross(path->source, turning->source_arm, i),
-                                          turning_jet_cross(path->destination, far, i));
+                                          turning_jet_cross(path->destination, turning->destination_arm, i));
         all[i] = vec3_sub(past, path->w[i]);
-        along_normal[i] = jet_dot(all, jet->normal, i);
-        turning->slip[i] = vec3_sub(all[i], jet_scale(along_normal, jet->normal, i));
+        turning->spin[i] = vec3_sub(path->source[i], path->destination[i]);
     }
+    opposed_laid_terms(OPPOSED_SLIP, all, jet->normal, turning->motion[OPPOSED_SLIP]);
 }
 
 /* Adds the lever arms of compound bodies to those from the centres of the spheres. */
@@ -207,60 +195,55 @@ static void add_levers_to_arms(const struct scene_jet *along, int contact, struc
     }
 }
 
-/* Returns the change of a spring by a jump of n: the spring before the jump is laid anew. */
-static struct vec3 laid_change(enum opposed part, struct vec3 before, const struct contact_jet *jet)
+/* Returns the arguments of the law that opposes a motion along the path. Where the inputs jump, the spring
+ * before the jump is laid anew. */
+static struct friction_path friction_path_of(const struct scene_state *q, const struct scene_jet *along,
+                                             int contact, int part)
 {
-    const struct vec3 n = jet->normal[0];
-    const struct vec3 by_normal = vec3_scale(vec3_dot(before, n), jet->normal[1]);
-    const struct vec3 along = vec3_axpy(by_normal, vec3_dot(before, jet->normal[1]), n);
-    return part == OPPOSED_SPINNING ? along : vec3_scale(-1.0, along);
-}
-
-/* Sets the terms of the force or torque that opposes a motion and of the energy that its spring stores. */
-static void put_opposing(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_jet *along, int contact, int part, struct contact_jet *jet,
-                         struct turning_jet *turning)
-{
-    const struct friction_law law = scene_friction_law(v, q, contact, part);
-    const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
-    const bool slips = part == OPPOSED_SLIP;
-    struct friction_path path = {.slip_velocity_slope = slips ? along->slip_velocity_slope[contact] : 0.0};
+    const struct contact_jet *jet = &along->contact[contact];
+    struct friction_path path = {.slip_velocity_slope =
+                                     part == OPPOSED_SLIP ? along->slip_velocity_slope[contact] : 0.0};
     memcpy(path.normal_force, jet->normal_force, sizeof path.normal_force);
-    memcpy(path.slip, turning->motion[part], sizeof path.slip);
+    memcpy(path.slip, along->turning[contact].motion[part], sizeof path.slip);
     memcpy(path.spring, along->spring[contact][part], sizeof path.spring);
     path.spring[0] = q->turning.spring[contact][part];
     for (int i = 0; i < JET_TERMS; ++i) {
         path.depth[i] = -jet->gap[i];
     }
     if (along->jumps) {
-        path.spring[1] = vec3_add(path.spring[1],
-                                  laid_change((enum opposed)part, along->spring_before[contact][part], jet));
+        const struct vec3 before[JET_TERMS] = {along->spring_before[contact][part]};
+        struct vec3 laid[JET_TERMS];
+        opposed_laid_terms((enum opposed)part, before, jet->normal, laid);
+        path.spring[1] = vec3_add(path.spring[1], laid[1]);
     }
-    struct vec3 force[JET_TERMS];
-    double stored[JET_TERMS];
-    friction_force_terms(&law, regime, &path, force);
-    friction_stored_terms(&law, regime, &path, stored);
-    for (int i = 0; i < JET_TERMS; ++i) {
-        struct vec3 *sum = slips ? turning->friction_force : turning->resistance;
-        sum[i] = vec3_add(sum[i], force[i]);
-        turning->stored[i] += stored[i];
-        jet->source_force[i] = slips ? vec3_add(jet->source_force[i], force[i]) : jet->source_force[i];
-    }
+    return path;
 }
 
-/* Sets the terms of omega and of the opposed motions, and of what opposes them. */
-static void put_friction(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_jet *along, const struct contact_path *path, int contact,
-                         struct contact_jet *jet, struct turning_jet *turning)
+/* Sets the terms of the opposed motions, of the forces and torques that oppose them, and of the energy that
+ * their springs store. */
+static void put_friction(const struct scene_values *v, const struct scene_state *q, int contact,
+                         struct scene_jet *along)
 {
+    struct contact_jet *jet = &along->contact[contact];
+    struct turning_jet *turning = &along->turning[contact];
     const bool rubs = contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
-    for (int i = 0; i < path->terms; ++i) {
-        turning->spin[i] = vec3_sub(path->source[i], path->destination[i]);
-    }
-    for (int part = 0; part < contact_opposed(v, contact); ++part) {
-        opposed_terms((enum opposed)part, turning->slip, turning->spin, jet->normal, turning->motion[part]);
-        if (SCENE_ANY_FRICTION && rubs) {
-            put_opposing(v, q, along, contact, part, jet, turning);
+    for (int part = 0; SCENE_ANY_FRICTION && rubs && part < contact_opposed(v, contact); ++part) {
+        const bool slips = part == OPPOSED_SLIP;
+        struct vec3 *sum = slips ? turning->friction_force : turning->resistance;
+        struct vec3 force[JET_TERMS];
+        double stored[JET_TERMS];
+        if (!slips) {
+            opposed_laid_terms((enum opposed)part, turning->spin, jet->normal, turning->motion[part]);
+        }
+        const struct friction_law law = scene_friction_law(v, q, contact, part);
+        const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
+        const struct friction_path path = friction_path_of(q, along, contact, part);
+        friction_force_terms(&law, regime, &path, force);
+        friction_stored_terms(&law, regime, &path, stored);
+        for (int i = 0; i < JET_TERMS; ++i) {
+            sum[i] = vec3_add(sum[i], force[i]);
+            turning->stored[i] += stored[i];
+            jet->source_force[i] = slips ? vec3_add(jet->source_force[i], force[i]) : jet->source_force[i];
         }
     }
 }
@@ -275,7 +258,7 @@ static void put_turning(const struct scene_values *v, const struct scene_state *
     memset(turning, 0, sizeof *turning);
     put_slip(shape, path, jet, turning);
     add_levers_to_arms(along, contact, turning);
-    put_friction(v, q, along, path, contact, jet, turning);
+    put_friction(v, q, contact, along);
     for (int i = 0; i < path->terms; ++i) {
         turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
         turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
@@ -347,11 +330,12 @@ static void put_given_axis(const struct body_path *path, double clock, struct ve
 {
     struct vec3 a[3];
     double length[JET_TERMS];
+    struct vec3 unit[JET_TERMS];
     memcpy(a, path->axis, sizeof a);
     path_shift(a, 3, clock);
-    jet_length(a, length);
+    jet_direction(a, length, unit);
     if (length[0] > 0.0) {
-        jet_divide(a, length, e);
+        memcpy(&e[1], &unit[1], 2 * sizeof e[1]);
     }
 }
 
@@ -527,15 +511,29 @@ static struct vec3 put_principal_axes(const struct scene_values *v, const struct
     return vec3_make(inertia.transverse, inertia.transverse, inertia.axial);
 }
 
+/* Puts the first terms of sum f_k (e_k.a) e_k over the principal axes e_k. */
+static void put_along_axes(struct vec3 axis[3][JET_TERMS], struct vec3 f, const struct vec3 *a, int terms,
+                           struct vec3 *sum)
+{
+    for (int i = 0; i < terms; ++i) {
+        sum[i] = vec3_make(0.0, 0.0, 0.0);
+    }
+    for (int k = 0; k < 3; ++k) {
+        double part[JET_TERMS];
+        for (int i = 0; i < terms; ++i) {
+            part[i] = jet_dot(a, axis[k], i);
+            sum[i] = vec3_axpy(sum[i], vec3_get(f, k), jet_scale(part, axis[k], i));
+        }
+    }
+}
+
 /* The angular acceleration is omega' = sum e_k (e_k.(tau - omega x L)) / I_k, where L = sum I_k (e_k.omega)
  * e_k with the principal axes e_k. */
 struct vec3 turning_jet_half_jerk(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_instant *at, const struct scene_jet *along, int body)
 {
-    struct vec3 axis[3][JET_TERMS];
-    struct vec3 momentum[2] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    struct vec3 axis[3][JET_TERMS], momentum[2], faster[2];
     struct vec3 by[2] = {turning_torque_on(v, q, q->clock, at, body), along->torque[body]};
-    struct vec3 sum = {0.0, 0.0, 0.0};
     const struct vec3 *omega = along->angular_velocity[body];
     const struct vec3 inertia = put_principal_axes(v, along, body, axis);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -548,20 +546,12 @@ struct vec3 turning_jet_half_jerk(const struct scene_values *v, const struct sce
         }
     }
     by[1] = body_part_that_turns(v, body, by[1]);
-    for (int k = 0; k < 3; ++k) {
-        const double part[2] = {jet_dot(omega, axis[k], 0), jet_dot(omega, axis[k], 1)};
-        for (int i = 0; i < 2; ++i) {
-            momentum[i] = vec3_axpy(momentum[i], vec3_get(inertia, k), jet_scale(part, axis[k], i));
-        }
-    }
+    put_along_axes(axis, inertia, omega, 2, momentum);
     for (int i = 0; i < 2; ++i) {
         by[i] = vec3_sub(by[i], turning_jet_cross(omega, momentum, i));
     }
-    for (int k = 0; k < 3; ++k) {
-        const double part[2] = {jet_dot(by, axis[k], 0), jet_dot(by, axis[k], 1)};
-        sum = vec3_axpy(sum, 0.5 / vec3_get(inertia, k), jet_scale(part, axis[k], 1));
-    }
-    return sum;
+    put_along_axes(axis, vec3_make(1.0 / inertia.x, 1.0 / inertia.y, 1.0 / inertia.z), by, 2, faster);
+    return vec3_scale(0.5, faster[1]);
 }
 
 /* Takes away the part of a vector that does not turn the normal of a circle, (R / rho) b (b.w_g), in which b
@@ -571,9 +561,9 @@ static void take_hoop(const struct contact_geometry *g, const struct contact_pat
 {
     struct vec3 radial[JET_TERMS];
     double axial[JET_TERMS], rho[JET_TERMS];
-    jet_of_axis_distance(path->c, path->axis, radial, axial, rho);
-    struct vec3 to_axis[JET_TERMS] = {vec3_scale(1.0 / rho[0], radial[0])};
-    jet_divide(radial, rho, to_axis);
+    struct vec3 to_axis[JET_TERMS];
+    jet_across(path->c, path->axis, radial, axial);
+    jet_direction(radial, rho, to_axis);
     const struct vec3 b[2] = {turning_jet_cross(path->axis, to_axis, 0),
                               turning_jet_cross(path->axis, to_axis, 1)};
     const double part[2] = {g->circumferential_part, -g->circumferential_part * rho[1] / rho[0]};
@@ -605,10 +595,9 @@ static void put_normal_rate(const struct contact_shape *shape, const struct cont
         if (contact_is_circle(shape)) {
             take_hoop(g, path, across);
         }
-        struct vec3 turned[JET_TERMS] = {vec3_scale(1.0 / g->distance, across[0])};
-        jet_divide(across, jet->distance, turned);
-        rate[0] = vec3_add(rate[0], turned[0]);
-        rate[1] = vec3_add(rate[1], turned[1]);
+        const struct vec3 turned = vec3_scale(1.0 / g->distance, across[0]);
+        rate[0] = vec3_add(rate[0], turned);
+        rate[1] = vec3_axpy(rate[1], 1.0 / g->distance, vec3_axpy(across[1], -jet->distance[1], turned));
     }
 }
 
@@ -619,22 +608,17 @@ struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct
 {
     const struct friction_law law = scene_friction_law(v, q, contact, part);
     const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
-    const struct friction_state rubbing = turning_rubbing(&q->turning, at, contact, part);
-    const struct friction_slopes slopes = friction_spring_rate_slopes(&law, regime, rubbing);
     const struct contact_jet *jet = &along->contact[contact];
-    const struct vec3 spring[2] = {rubbing.spring, along->spring[contact][part][1]};
     struct vec3 rate[2];
     if (q->contact[contact].regime == (int32_t)REGIME_APART) {
         return vec3_make(0.0, 0.0, 0.0);
     }
+    const struct friction_path rubbing = friction_path_of(q, along, contact, part);
     const struct contact_shape shape = scene_shape_met(v, q, at, contact);
     const struct contact_path path = path_of(v, at, along, &shape, contact);
     put_normal_rate(&shape, &at->geometry[contact], &path, jet, rate);
-    const double stiffened = -friction_stiffening(&law, rubbing.depth) * jet->gap[1]; /* friction.h */
-    const struct vec3 by_law =
-        friction_slopes_along(&slopes, jet->normal_force[1], along->turning[contact].motion[part][1],
-                              vec3_axpy(spring[1], stiffened, spring[0]));
-    return vec3_add(by_law, opposed_turned_change((enum opposed)part, spring, jet->normal, rate));
+    return vec3_add(friction_spring_rate_change(&law, regime, &rubbing),
+                    opposed_turned_change((enum opposed)part, rubbing.spring, jet->normal, rate));
 }
 
 /* Sets the second-order terms of rotations and springs from contacts known to the first order; without `all`
@@ -734,7 +718,7 @@ double turning_jet_friction_power_of(const struct scene_values *v, const struct 
     const struct turning_jet *jet = &along->turning[contact];
     double power = 0.0;
     if (contact_rubs(v, contact)) {
-        power -= jet_dot(jet->friction_force, jet->slip, order);
+        power -= jet_dot(jet->friction_force, jet->motion[OPPOSED_SLIP], order);
     }
     if (contact_resists(v, contact)) {
         power -= jet_dot(jet->resistance, jet->spin, order);
@@ -751,28 +735,20 @@ double turning_jet_friction_power(const struct scene_values *v, const struct sce
     return power;
 }
 
-/* Returns coefficient `order` of the rotational energy of a body, the sum of I_k (omega.e_k)^2 / 2 over the
- * principal axes. */
+/* Returns coefficient `order` of the rotational energy omega.L / 2 of a body. */
 static double rotational_term(const struct scene_values *v, const struct scene_jet *along, int body,
                               int order)
 {
-    struct vec3 axis[3][JET_TERMS];
+    struct vec3 axis[3][JET_TERMS], momentum[JET_TERMS];
     const struct vec3 inertia = put_principal_axes(v, along, body, axis);
-    double sum = 0.0;
-    for (int k = 0; k < 3; ++k) {
-        double spin[JET_TERMS];
-        for (int i = 0; i <= order; ++i) {
-            spin[i] = jet_dot(along->angular_velocity[body], axis[k], i);
-        }
-        sum += 0.5 * vec3_get(inertia, k) * taylor_multiply(spin, spin, order);
-    }
-    return sum;
+    put_along_axes(axis, inertia, along->angular_velocity[body], order + 1, momentum);
+    return 0.5 * jet_dot(along->angular_velocity[body], momentum, order);
 }
 
-struct jet_energies jet_energies_of(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_jet *along, int order)
+struct scene_energies jet_energies_of(const struct scene_values *v, const struct scene_state *q,
+                                      const struct scene_jet *along, int order)
 {
-    struct jet_energies sum = {0.0, 0.0, 0.0, 0.0, 0.0};
+    struct scene_energies sum = {0.0, 0.0, 0.0, 0.0, 0.0};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
             const double mass = body_mass(v, i);

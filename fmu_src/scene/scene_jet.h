@@ -12,7 +12,7 @@
 
 /* The jet of one contact's entries in struct turning_instant, and of the energy that its springs store. */
 struct turning_jet {
-    struct vec3 source_arm[JET_TERMS], destination_arm[JET_TERMS], slip[JET_TERMS];
+    struct vec3 source_arm[JET_TERMS], destination_arm[JET_TERMS];
     struct vec3 friction_force[JET_TERMS], source_torque[JET_TERMS], destination_torque[JET_TERMS];
     double stored[JET_TERMS]; /* energy of the springs of friction, rolling and spinning [J] */
     struct vec3 spin[JET_TERMS], resistance[JET_TERMS]; /* omega and M; M only where SCENE_ANY_ROLLING */
@@ -107,12 +107,8 @@ double free_bodies_dissipated_power(const struct scene_values *v, const struct s
 double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_jet *along, int order);
 
-/* The coefficients of one order of the energies along the path [J/s^order in time]. `stored` is the energy of
- * the normal forces, `tangential` the energy of the springs of friction. */
-struct jet_energies {
-    double kinetic, potential, rotational, stored, tangential;
-};
-struct jet_energies jet_energies_of(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_jet *along, int order);
+/* Returns the coefficients of one order of the energies along the path [J/s^order in time]. */
+struct scene_energies jet_energies_of(const struct scene_values *v, const struct scene_state *q,
+                                      const struct scene_jet *along, int order);
 
 #endif
