@@ -155,6 +155,29 @@ static double gap_at(const struct contact_shape *shape, double distance)
     return fills_shell(shape) ? (other - source) - distance : (other - distance) - source;
 }
 
+/* Sets the offset from a circle, where n points to the circle's nearest point. Let a be the unit vector from
+ * the source's centre to the axis, perpendicular to the axis, and e the axis. Relative to the source's
+ * centre, the centre of the circle is at rho a - beyond e; the nearest point of the circle is its radius R
+ * times a closer. On the axis all points of the circle are equally near, and a may be any of the unit vectors
+ * across the axis. */
+static void put_circle(const struct contact_shape *shape, struct vec3 c, struct contact_geometry *at)
+{
+    const double axial = vec3_dot(c, shape->axis);
+    struct vec3 across = vec3_axpy(c, -axial, shape->axis);
+    double rho = vec3_norm(across); /* above R in the zone of a rim */
+    if (contact_is_torus(shape) && !(rho > DBL_MIN)) {
+        rho = DBL_EPSILON * shape->solid.radius;
+        across = vec3_scale(rho, across_axis(shape->axis));
+    }
+    const double radial = rho - shape->solid.radius;
+    const double beyond = -axial - shape->solid.half_height;
+    at->offset = vec3_axpy(vec3_scale(radial / rho, across), -beyond, shape->axis);
+    at->circumferential = vec3_cross(shape->axis, vec3_scale(1.0 / rho, across));
+    at->circumferential_part = shape->solid.radius / rho;
+    at->gap_terms = shape->solid.radius + shape->solid.half_height;
+    at->axial = shape->solid.race * rho + (shape->solid.race < 0 ? 2.0 * shape->solid.radius : 0.0);
+}
+
 static struct contact_geometry geometry_in(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
                                            struct vec3 fallback)
 {
@@ -162,6 +185,8 @@ static struct contact_geometry geometry_in(const struct contact_shape *shape, st
     if (contact_is_cylinder(shape)) {
         at.axial = vec3_dot(c, shape->axis);
         at.offset = contact_across_axis(shape, c, at.axial);
+    } else if (contact_is_circle(shape)) {
+        put_circle(shape, c, &at);
     }
     if (contact_is_plane(shape)) {
         at.normal = vec3_sub(vec3_make(0.0, 0.0, 0.0), shape->axis);
@@ -176,7 +201,7 @@ static struct contact_geometry geometry_in(const struct contact_shape *shape, st
             (struct vec3){at.offset.x / at.distance, at.offset.y / at.distance, at.offset.z / at.distance};
     }
     at.gap = gap_at(shape, at.distance);
-    at.gap_terms = fills_shell(shape) ? contact_reach(shape) : shape->source_radius + shape->other_radius;
+    at.gap_terms += fills_shell(shape) ? contact_reach(shape) : shape->source_radius + shape->other_radius;
     at.gap_rate = shape->side * vec3_dot(at.normal, w);
     return at;
 }
@@ -260,40 +285,6 @@ static struct contact_shape skew_shape_in(struct contact_shape in)
     return in;
 }
 
-/* Returns the geometry of a circle, where n points to the circle's nearest point. Let a be the unit vector
- * from the source's centre to the axis, perpendicular to the axis, and e the axis. Relative to the source's
- * centre, the centre of the circle is at rho a - beyond e; the nearest point of the circle is its radius R
- * times a closer. On the axis all points of the circle are equally near, and a may be any of the unit vectors
- * across the axis. */
-static struct contact_geometry geometry_of_circle(const struct contact_shape *shape, struct vec3 c,
-                                                  struct vec3 w, struct vec3 fallback)
-{
-    struct contact_geometry at = {.normal = fallback};
-    const double axial = vec3_dot(c, shape->axis);
-    struct vec3 across = vec3_axpy(c, -axial, shape->axis);
-    double rho = vec3_norm(across); /* above R in the zone of a rim */
-    if (contact_is_torus(shape) && !(rho > DBL_MIN)) {
-        rho = DBL_EPSILON * shape->solid.radius;
-        across = vec3_scale(rho, across_axis(shape->axis));
-    }
-    const double radial = rho - shape->solid.radius;
-    const double beyond = -axial - shape->solid.half_height;
-    at.offset = vec3_axpy(vec3_scale(radial / rho, across), -beyond, shape->axis);
-    at.distance = vec3_norm(vec3_make(radial, beyond, 0.0));
-    at.degenerate = !(at.distance > 0.0);
-    if (!at.degenerate) {
-        at.normal = vec3_scale(1.0 / at.distance, at.offset);
-    }
-    at.circumferential = vec3_cross(shape->axis, vec3_scale(1.0 / rho, across));
-    at.circumferential_part = shape->solid.radius / rho;
-    at.gap = gap_at(shape, at.distance);
-    at.gap_terms =
-        shape->source_radius + shape->other_radius + shape->solid.radius + shape->solid.half_height;
-    at.gap_rate = shape->side * vec3_dot(at.normal, w);
-    at.axial = shape->solid.race * rho + (shape->solid.race < 0 ? 2.0 * shape->solid.radius : 0.0);
-    return at;
-}
-
 void contact_hold_across(const struct contact_shape *side, struct vec3 w, struct contact_geometry *at)
 {
     const struct vec3 across = contact_across(side, at->normal);
@@ -305,9 +296,6 @@ void contact_hold_across(const struct contact_shape *side, struct vec3 w, struct
 struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
                                             struct vec3 fallback)
 {
-    if (contact_is_torus(shape)) {
-        return geometry_of_circle(shape, c, w, fallback);
-    }
     if (!contact_is_zoned(shape)) {
         return geometry_in(shape, c, w, fallback);
     }
@@ -316,8 +304,7 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
         in = contact_shape_in(shape, contact_zone_at(&shape->solid, c));
     }
     c = contact_is_skew(&in) ? vec3_sub(c, skew_corner(&in.solid)) : c;
-    struct contact_geometry at =
-        contact_is_rim(&in) ? geometry_of_circle(&in, c, w, fallback) : geometry_in(&in, c, w, fallback);
+    struct contact_geometry at = geometry_in(&in, c, w, fallback);
     if (at.degenerate && contact_is_cylinder(&in)) {
         contact_hold_across(&in, w, &at);
     }

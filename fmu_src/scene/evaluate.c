@@ -1045,17 +1045,6 @@ double turning_friction_power_of(const struct scene_values *v, const struct scen
     return power;
 }
 
-double turning_friction_power(const struct scene_values *v, const struct scene_instant *at)
-{
-    double sum = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_rubs(v, j)) {
-            sum += turning_friction_power_of(v, at, j);
-        }
-    }
-    return sum;
-}
-
 /* A distance d may count as zero only below this fraction of the bodies' size (contact_reach). */
 static const double CENTRE = 1e-9;
 
@@ -1416,16 +1405,6 @@ double energy_dissipated_power_of(const struct scene_values *v, const struct sce
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
     const double force = at->normal_force[contact] + contact_stored_slope(&law, regime, g->gap);
     return regime == REGIME_APART ? 0.0 : -force * g->gap_rate;
-}
-
-double energy_dissipated_power(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_instant *at)
-{
-    double sum = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        sum += energy_dissipated_power_of(v, q, at, j);
-    }
-    return sum;
 }
 
 void present_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity)

@@ -290,10 +290,9 @@ double turning_normal_force_rate(const struct scene_values *v, const struct scen
 struct vec3 turning_spin(const struct scene_instant *at, int contact);
 double turning_spin_size(const struct scene_instant *at, int contact);
 
-/* Return the power that friction with its springs and the resistance to rolling take, -F_t.v_t - M.omega, of
- * a contact and summed over all contacts [W]. */
+/* Returns the power that friction with its springs and the resistance to rolling take in a contact,
+ * -F_t.v_t - M.omega [W]. */
 double turning_friction_power_of(const struct scene_values *v, const struct scene_instant *at, int contact);
-double turning_friction_power(const struct scene_values *v, const struct scene_instant *at);
 
 /* Whether d = 0 within rounding, by positions or by the accumulated gap. Solid bodies may reach this
  * singularity, where n is undefined and reverses; the escape direction takes the place of n. */
@@ -410,11 +409,16 @@ double energy_potential(const struct scene_values *v, const struct scene_instant
 double energy_stored(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at);
 
-/* Return the power that the dashpot of a contact dissipates, and the sum over all contacts [W]. */
+/* Returns the power that the dashpot of a contact dissipates [W]. */
 double energy_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_instant *at, int contact);
-double energy_dissipated_power(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_instant *at);
+
+/* Powers summed over bodies and contacts [W]: of the dashpots; of the external forces and torques and of the
+ * drives of prescribed motions; of friction with its springs and of the resistances to rolling and
+ * spinning. */
+struct scene_powers {
+    double dissipated, external, friction;
+};
 
 /* Sets a body's outputs displacement, position and velocity to these values, or to those of the present. */
 void present_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity);

@@ -535,22 +535,24 @@ void ode_rates_without_contact(const struct scene_ode *ode, double clock, double
     }
 }
 
-double ode_external_power(const struct scene_ode *ode, double clock, const struct scene_instant *at)
+struct scene_powers ode_powers(const struct scene_ode *ode, double clock, const struct scene_instant *at)
 {
-    double power = 0.0;
+    struct scene_powers sum = {0.0, 0.0, 0.0};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (ode->layout.body[i] >= 0) {
-            power += vec3_dot(path_at(ode->state->path[i].force, 3, clock), at->velocity[i]);
+            sum.external += vec3_dot(path_at(ode->state->path[i].force, 3, clock), at->velocity[i]);
         }
         if (ode->layout.spin[i] >= 0) {
             const struct vec3 torque = path_at(ode->state->path[i].torque, 3, clock);
-            power += vec3_dot(torque, at->turning.body[i].angular_velocity);
+            sum.external += vec3_dot(torque, at->turning.body[i].angular_velocity);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        power += ode->layout.met[j] ? scene_driving_power(ode->values, at, j) : 0.0;
+        sum.dissipated += energy_dissipated_power_of(ode->values, ode->state, at, j);
+        sum.external += ode->layout.met[j] ? scene_driving_power(ode->values, at, j) : 0.0;
+        sum.friction += contact_rubs(ode->values, j) ? turning_friction_power_of(ode->values, at, j) : 0.0;
     }
-    return power;
+    return sum;
 }
 
 /* Writes the rates of all states at an instant. */
@@ -593,10 +595,11 @@ static void put_scene_rates(const struct scene_ode *ode, double clock, const dou
             }
         }
     }
-    rates[layout->dissipated] = energy_dissipated_power(v, ode->state, at);
-    rates[layout->dissipated + 1] = ode_external_power(ode, clock, at);
+    const struct scene_powers power = ode_powers(ode, clock, at);
+    rates[layout->dissipated] = power.dissipated;
+    rates[layout->dissipated + 1] = power.external;
     if (turns) {
-        rates[layout->dissipated + 2] = turning_friction_power(v, at);
+        rates[layout->dissipated + 2] = power.friction;
     }
 }
 

@@ -144,9 +144,8 @@ int ode_event_passed(const struct scene_ode *ode, const double *y);
  * results do not depend on the place. An energy or impulse counts as at least that of the free bodies. */
 void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes);
 
-/* Returns the power [W] of the external forces and torques on the bodies whose motion y holds, plus the power
- * of the drives of prescribed bodies. */
-double ode_external_power(const struct scene_ode *ode, double clock, const struct scene_instant *at);
+/* Returns the powers; of external forces and torques those on the bodies whose motion y holds. */
+struct scene_powers ode_powers(const struct scene_ode *ode, double clock, const struct scene_instant *at);
 
 /* Computes the instant at y. */
 void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at);

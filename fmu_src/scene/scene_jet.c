@@ -56,27 +56,20 @@ void jet_add_levers(const struct scene_jet *along, int contact, struct vec3 c[JE
  * the rotations of both bodies, the axis of the shape. */
 struct contact_path {
     struct vec3 c[JET_TERMS], w[JET_TERMS], seen[JET_TERMS];
-    struct vec3 source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
+    const struct vec3 *source, *destination; /* angular velocities */
+    struct vec3 axis[JET_TERMS];
     int terms; /* number of terms that are wanted */
 };
 
-/* Puts the rotations of both bodies and the motion of the shape's axis. */
-static void put_rotations(const struct scene_values *v, const struct scene_instant *at,
-                          const struct scene_jet *along, const struct contact_shape *shape, int contact,
-                          struct contact_path *path)
+/* Puts the motion of the shape's axis, and the rate of c as the destination sees it. */
+static void put_seen(const struct scene_values *v, const struct scene_jet *along,
+                     const struct contact_shape *shape, int contact, struct contact_path *path)
 {
-    const int from = contact_source(contact);
     const int to = contact_destination(contact);
-    path->source[0] = at->turning.body[from].angular_velocity;
-    path->destination[0] = at->turning.body[to].angular_velocity;
-    for (int i = 1; i < path->terms; ++i) {
-        path->source[i] = along->angular_velocity[from][i];
-        path->destination[i] = along->angular_velocity[to][i];
-        if (contact_tips(v, contact)) {
-            /* a shape's axis is opposite to the body's at a capped cylinder's end to which -e_d points */
-            const bool is_opposite = contact_is_capped(shape) && shape->solid.zone < 0;
-            path->axis[i] = vec3_scale(is_opposite ? -1.0 : 1.0, along->axis[to][i]);
-        }
+    for (int i = 1; contact_tips(v, contact) && i < path->terms; ++i) {
+        /* a shape's axis is opposite to the body's at a capped cylinder's end to which -e_d points */
+        const bool is_opposite = contact_is_capped(shape) && shape->solid.zone < 0;
+        path->axis[i] = vec3_scale(is_opposite ? -1.0 : 1.0, along->axis[to][i]);
     }
     for (int i = 0; i < path->terms && !contact_is_skew(shape); ++i) {
         path->seen[i] = vec3_sub(path->w[i], turning_jet_cross(path->destination, path->c, i));
@@ -91,6 +84,8 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
     const int to = contact_destination(contact);
     struct contact_path path;
     memset(&path, 0, sizeof path);
+    path.source = along->angular_velocity[from];
+    path.destination = along->angular_velocity[to];
     path.terms = along->first_order ? 2 : JET_TERMS;
     for (int i = 1; i < path.terms; ++i) {
         path.c[i] = vec3_sub(along->displacement[to][i], along->displacement[from][i]);
@@ -102,7 +97,7 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
     path.axis[0] = shape->axis;
     memcpy(path.seen, path.w, sizeof path.seen);
     if (SCENE_ANY_TURNING && scene_turns(v)) {
-        put_rotations(v, at, along, shape, contact, &path);
+        put_seen(v, along, shape, contact, &path);
     }
     return path;
 }
@@ -419,39 +414,6 @@ struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct sce
     return vec3_scale(0.5 / body_mass(v, body), force);
 }
 
-double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_jet *along, int order)
-{
-    const bool turns = SCENE_ANY_ROTATION && scene_turns(v);
-    double power = 0.0;
-    double turning = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            const struct vec3 force[2] = {path_at(q->path[i].force, 3, q->clock), along->force[i]};
-            power += jet_dot(force, along->velocity[i], order);
-        }
-        if (turns && body_turns_freely(v, i)) {
-            const struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
-            turning += jet_dot(torque, along->angular_velocity[i], order);
-        }
-    }
-    for (int end = 0; end < 2 * SCENE_CONTACTS; ++end) {
-        const int j = end / 2;
-        const bool is_source = end % 2 == 0;
-        const int body = is_source ? contact_source(j) : contact_destination(j);
-        if (body_is_prescribed(v, body)) {
-            const double given = jet_dot(along->contact[j].source_force, along->velocity[body], order);
-            power += is_source ? -given : given;
-        }
-        if (turns && body_turn_is_prescribed(v, body)) {
-            const struct vec3 *torque =
-                is_source ? along->turning[j].source_torque : along->turning[j].destination_torque;
-            turning -= jet_dot(torque, along->angular_velocity[body], order);
-        }
-    }
-    return power + turning;
-}
-
 double jet_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
                                const struct scene_jet *along, int contact, int order)
 {
@@ -461,14 +423,54 @@ double jet_dissipated_power_of(const struct scene_values *v, const struct scene_
                                    jet->gap, jet->gap_rate, order);
 }
 
-double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_jet *along, int order)
+double turning_jet_friction_power_of(const struct scene_values *v, const struct scene_jet *along, int contact,
+                                     int order)
 {
+    const struct turning_jet *jet = &along->turning[contact];
     double power = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        power += jet_dissipated_power_of(v, q, along, j, order);
+    if (contact_rubs(v, contact)) {
+        power -= jet_dot(jet->friction_force, jet->motion[OPPOSED_SLIP], order);
+    }
+    if (contact_resists(v, contact)) {
+        power -= jet_dot(jet->resistance, jet->spin, order);
     }
     return power;
+}
+
+struct scene_powers jet_powers_of(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_jet *along, int order)
+{
+    const bool turns = SCENE_ANY_ROTATION && scene_turns(v);
+    struct scene_powers sum = {0.0, 0.0, 0.0};
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            const struct vec3 force[2] = {path_at(q->path[i].force, 3, q->clock), along->force[i]};
+            sum.external += jet_dot(force, along->velocity[i], order);
+        }
+        if (turns && body_turns_freely(v, i)) {
+            const struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
+            sum.external += jet_dot(torque, along->angular_velocity[i], order);
+        }
+    }
+    for (int end = 0; end < 2 * SCENE_CONTACTS; ++end) {
+        const int j = end / 2;
+        const bool is_source = end % 2 == 0;
+        const int body = is_source ? contact_source(j) : contact_destination(j);
+        if (body_is_prescribed(v, body)) {
+            const double given = jet_dot(along->contact[j].source_force, along->velocity[body], order);
+            sum.external += is_source ? -given : given;
+        }
+        if (turns && body_turn_is_prescribed(v, body)) {
+            const struct vec3 *torque =
+                is_source ? along->turning[j].source_torque : along->turning[j].destination_torque;
+            sum.external -= jet_dot(torque, along->angular_velocity[body], order);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        sum.dissipated += jet_dissipated_power_of(v, q, along, j, order);
+        sum.friction += SCENE_ANY_TURNING ? turning_jet_friction_power_of(v, along, j, order) : 0.0;
+    }
+    return sum;
 }
 
 /* Puts the rates of the free bodies' accelerations from the contact forces. */
@@ -487,11 +489,10 @@ static void put_work(const struct scene_values *v, const struct scene_state *q, 
 {
     along->time[1] = 1.0;
     for (int i = 1; i < JET_TERMS; ++i) {
-        along->dissipated[i] = free_bodies_dissipated_power(v, q, along, i - 1) / i;
-        along->external_work[i] = free_bodies_external_power(v, q, along, i - 1) / i;
-        if (SCENE_ANY_TURNING) {
-            along->friction[i] = turning_jet_friction_power(v, along, i - 1) / i;
-        }
+        const struct scene_powers power = jet_powers_of(v, q, along, i - 1);
+        along->dissipated[i] = power.dissipated / i;
+        along->external_work[i] = power.external / i;
+        along->friction[i] = power.friction / i;
     }
 }
 
@@ -710,29 +711,6 @@ void turning_jet_move_orientation(int body, struct quaternion unit, double lengt
     const struct vec3 turned =
         vec3_scale(2.0, quaternion_vector(quaternion_product(by, quaternion_inverse(unit))));
     along->axis[body][1] = vec3_add(along->axis[body][1], vec3_cross(turned, quaternion_third_axis(unit)));
-}
-
-double turning_jet_friction_power_of(const struct scene_values *v, const struct scene_jet *along, int contact,
-                                     int order)
-{
-    const struct turning_jet *jet = &along->turning[contact];
-    double power = 0.0;
-    if (contact_rubs(v, contact)) {
-        power -= jet_dot(jet->friction_force, jet->motion[OPPOSED_SLIP], order);
-    }
-    if (contact_resists(v, contact)) {
-        power -= jet_dot(jet->resistance, jet->spin, order);
-    }
-    return power;
-}
-
-double turning_jet_friction_power(const struct scene_values *v, const struct scene_jet *along, int order)
-{
-    double power = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        power += turning_jet_friction_power_of(v, along, j, order);
-    }
-    return power;
 }
 
 /* Returns coefficient `order` of the rotational energy omega.L / 2 of a body. */

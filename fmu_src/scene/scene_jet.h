@@ -88,23 +88,16 @@ CONTACT_COLD void turning_jet_move_orientation(int body, struct quaternion unit,
 CONTACT_COLD void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at,
                                         int body, int component, double change, struct scene_jet *along);
 
-/* Return coefficient `order` of the power that friction and its springs take in all contacts, and in one
- * [W]. */
-CONTACT_COLD double turning_jet_friction_power(const struct scene_values *v, const struct scene_jet *along,
-                                               int order);
-CONTACT_COLD double turning_jet_friction_power_of(const struct scene_values *v, const struct scene_jet *along,
-                                                  int contact, int order);
-
 /* Returns half the rate of a free body's acceleration by external and contact forces [m/s^3 in time]. */
 struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body);
 
-/* Return coefficient `order`, 0 or 1, of the power of dissipation in one contact and in all, and of the power
- * of the external forces on free bodies and of the drives of prescribed bodies [W]. */
+/* Return coefficient `order`, 0 or 1, of the power of dissipation and of friction in one contact, and of all
+ * powers [W]. */
 double jet_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
                                const struct scene_jet *along, int contact, int order);
-double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_jet *along, int order);
-double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
+CONTACT_COLD double turning_jet_friction_power_of(const struct scene_values *v, const struct scene_jet *along,
+                                                  int contact, int order);
+struct scene_powers jet_powers_of(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_jet *along, int order);
 
 /* Returns the coefficients of one order of the energies along the path [J/s^order in time]. */
