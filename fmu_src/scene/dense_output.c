@@ -107,36 +107,6 @@ double dense_output_first_event(const struct dense_output *w, const struct event
     return fall;
 }
 
-/* Rise to the top as a fraction of the present value, below which a parabola gives the top to rounding. */
-static const double NEAR_TOP = 1e-10;
-
-/* Most steps of Newton's method, which converges quadratically; where it does not, the caller bisects. */
-enum { CLIMBS = 6 };
-
-/* Goes by Newton's method from s to a top of factor times quantity inside [low, high]. *largest is raised to
- * the largest value met. Returns false where no top was reached. */
-static bool climb(const struct dense_output *w, const struct event_function *what, double s, double low,
-                  double high, double *largest)
-{
-    for (int k = 0; k < CLIMBS; ++k) {
-        struct pair_sample at;
-        w->sampler(w->segment, s, &at);
-        const double value = term_of(what, &at, 0);
-        const double slope = term_of(what, &at, 1);
-        const double step = -slope / term_of(what, &at, 2);
-        *largest = fmax(*largest, value);
-        if (!(s + step >= low && s + step <= high && slope * step >= 0.0)) {
-            return false;
-        }
-        if (slope * step <= NEAR_TOP * fabs(value)) {
-            *largest = fmax(*largest, value + 0.5 * slope * step);
-            return true;
-        }
-        s += step;
-    }
-    return false;
-}
-
 /* Whether a sample is itself the top, to rounding. */
 static bool is_top(const struct event_function *what, const struct pair_sample *at)
 {
@@ -203,9 +173,8 @@ static double larger_between(const struct dense_output *w, const struct event_fu
         (is_top(what, at) || is_top(what, next) || !may_be_larger(w, what, &low, &high, at, next, largest))) {
         return largest;
     }
-    if (brackets_top(w, what, &low, &high) &&
-        !climb(w, what, root_guess(low, high), low.s, high.s, &largest)) {
-        const double top = root_in_bracket(probe_at, &slope, low.s, high.s);
+    if (brackets_top(w, what, &low, &high)) {
+        const double top = root_between(probe_at, &slope, low, high);
         largest = fmax(largest, end_at(w, what, 0, top).value);
     }
     return largest;
