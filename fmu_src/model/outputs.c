@@ -192,20 +192,9 @@ static double put_rubbing(struct scene_values *v, const struct scene_state *q, c
 /* Sets the sums of the forces and torques of the contacts of a compound body about its centre of mass. */
 static void put_contact_sums(struct scene_values *v, const struct scene_instant *at, int body)
 {
-    struct vec3 force = {0.0, 0.0, 0.0};
-    struct vec3 torque = {0.0, 0.0, 0.0};
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_source(j) == body) {
-            force = vec3_add(force, at->source_force[j]);
-            torque = vec3_add(torque, at->turning.source_torque[j]);
-        }
-        if (contact_destination(j) == body) {
-            force = vec3_sub(force, at->source_force[j]);
-            torque = vec3_add(torque, at->turning.destination_torque[j]);
-        }
-    }
-    put_body_contact_force(v, body, force);
-    put_body_contact_torque(v, body, torque);
+    const struct contact_load sum = scene_load_on(at, body);
+    put_body_contact_force(v, body, sum.force);
+    put_body_contact_torque(v, body, sum.torque);
 }
 
 /* Completes the instant by rotation and friction, and sets the outputs of bodies that turn and contacts that
@@ -245,25 +234,6 @@ static struct vec3 resistance_term(double side, const struct turning_jet *turnin
     return row == ROW_contact_rolling_torque ? turning->resistance[order]
            : row == ROW_contact_rolling_rate ? vec3_sub(turning->spin[order], jet_scale(along, normal, order))
                                              : vec3_make(side * along[order], 0.0, 0.0);
-}
-
-/* Returns coefficient `order` of the sum of the forces or torques of the contacts of a compound body. */
-static struct vec3 contact_sum_term(const struct scene_jet *along, const struct variable *variable, int order)
-{
-    const int body = variable->element;
-    const bool torque = variable->row == ROW_body_contact_torque;
-    struct vec3 sum = {0.0, 0.0, 0.0};
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct vec3 force = along->contact[j].source_force[order];
-        if (contact_source(j) == body) {
-            sum = vec3_add(sum, torque ? along->turning[j].source_torque[order] : force);
-        }
-        if (contact_destination(j) == body) {
-            sum =
-                vec3_add(sum, torque ? along->turning[j].destination_torque[order] : vec3_scale(-1.0, force));
-        }
-    }
-    return sum;
 }
 
 /* Returns coefficient `order` of the place at which both forces of a contact act, on the source's surface. */
@@ -383,8 +353,9 @@ double output_term(const struct model *m, const struct scene_state *q, const str
     case ROW_body_current_axis:
         return vec3_get(along->axis[j][order], k);
     case ROW_body_contact_force:
+        return SCENE_ANY_COMPOUND ? vec3_get(jet_load_on(along, j, order).force, k) : 0.0;
     case ROW_body_contact_torque:
-        return SCENE_ANY_COMPOUND ? vec3_get(contact_sum_term(along, variable, order), k) : 0.0;
+        return SCENE_ANY_COMPOUND ? vec3_get(jet_load_on(along, j, order).torque, k) : 0.0;
     case ROW_body_orientation:
         orientation = along->orientation[j][order];
         return *quaternion_part(&orientation, k);

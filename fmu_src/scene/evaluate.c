@@ -865,6 +865,22 @@ struct vec3 body_part_that_turns(const struct scene_values *v, int body, struct 
     return vec3_scale(vec3_dot(a, e), e);
 }
 
+struct contact_load scene_load_on(const struct scene_instant *at, int body)
+{
+    struct contact_load sum = {.force = {0.0, 0.0, 0.0}};
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_source(j) == body) {
+            sum.force = vec3_add(sum.force, at->source_force[j]);
+            sum.torque = vec3_add(sum.torque, at->turning.source_torque[j]);
+        }
+        if (contact_destination(j) == body) {
+            sum.force = vec3_sub(sum.force, at->source_force[j]);
+            sum.torque = vec3_add(sum.torque, at->turning.destination_torque[j]);
+        }
+    }
+    return sum;
+}
+
 struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct scene_instant *at, int body)
 {
@@ -872,15 +888,7 @@ struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_s
     if (body_turns_freely(v, body)) {
         torque = path_at(q->path[body].torque, 3, clock);
     }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_source(j) == body) {
-            torque = vec3_add(torque, at->turning.source_torque[j]);
-        }
-        if (contact_destination(j) == body) {
-            torque = vec3_add(torque, at->turning.destination_torque[j]);
-        }
-    }
-    return body_part_that_turns(v, body, torque);
+    return body_part_that_turns(v, body, vec3_add(torque, scene_load_on(at, body).torque));
 }
 
 struct vec3 turning_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,

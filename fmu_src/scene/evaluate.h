@@ -254,6 +254,13 @@ double rounding_margin_offset(const struct scene_values *v, const struct scene_s
  * its axis the part along the axis. A bearing takes the torques across that axis; the model leaves it out. */
 struct vec3 body_part_that_turns(const struct scene_values *v, int body, struct vec3 a);
 
+/* Returns the sums of the forces [N] and torques [N m] of the contacts of a body; the torques only where
+ * scene_turns. */
+struct contact_load {
+    struct vec3 force, torque;
+};
+struct contact_load scene_load_on(const struct scene_instant *at, int body);
+
 /* Returns the part that turns a body of the sum of contact torques and external torque about its centre
  * [N m]. */
 struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_state *q, double clock,

@@ -651,119 +651,90 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
 /* This part computes the Jacobian column by column, from the jets of the contacts along a change of one
  * state. */
 
-/* A Jacobian, by columns. */
-struct jacobian {
-    double *at;
-    int size;
-};
-
-static void add_entry(struct jacobian m, int row, int column, double value)
-{
-    m.at[column * m.size + row] += value;
-}
-
-static void add_three(struct jacobian m, int row, int column, double factor, struct vec3 a)
-{
-    for (int k = 0; k < 3; ++k) {
-        add_entry(m, row + k, column, factor * vec3_get(a, k));
-    }
-}
-
-/* Data that all parts of the Jacobian need. */
+/* Data that all columns of the Jacobian need. */
 struct linearization {
     const struct scene_ode *ode;
-    double clock;
     const double *y;
-    struct jacobian matrix;
-    struct scene_state q; /* with the springs of y */
+    double *columns;
+    struct scene_state q; /* with the clock and the springs of y */
     struct scene_instant at;
     struct scene_jet along; /* the path, along one state */
 };
 
-/* Adds a change of the force, times `sign`, and a change of the torque on a body, or of the power of its
- * drives. */
-static void add_to_body(const struct linearization *l, int column, int body, double sign, struct vec3 force,
-                        struct vec3 torque)
+/* Writes the changes of all rates along the path, as put_scene_rates writes the rates. */
+static void put_rate_changes(const struct linearization *l, double *changes)
 {
     const struct scene_values *v = l->ode->values;
     const struct ode_layout *layout = &l->ode->layout;
-    if (layout->body[body] >= 0) {
-        add_three(l->matrix, layout->body[body] + 3, column, sign / body_mass(v, body), force);
-    } else if (body_is_prescribed(v, body)) {
-        add_entry(l->matrix, layout->dissipated + 1, column, -sign * vec3_dot(force, l->at.velocity[body]));
-    }
-    if (layout->spin[body] >= 0) {
-        add_three(l->matrix, layout->spin[body], column, 1.0 / body_inertia_of(v, body).transverse, torque);
-    } else if (body_turn_is_prescribed(v, body)) {
-        add_entry(l->matrix, layout->dissipated + 1, column,
-                  -vec3_dot(torque, l->at.turning.body[body].angular_velocity));
-    }
-}
-
-/* Adds what the change does to a contact, and by it to its bodies, springs and integrals. */
-static void add_contact_change(struct linearization *l, int contact, int column)
-{
-    const struct scene_values *v = l->ode->values;
-    const struct ode_layout *layout = &l->ode->layout;
-    const struct turning_jet *turning = &l->along.turning[contact];
-    if (l->q.contact[contact].regime == (int32_t)REGIME_APART) {
-        return;
-    }
-    jet_of_contact(v, &l->q, &l->at, contact, &l->along);
-    const struct vec3 force = l->along.contact[contact].source_force[1];
-    add_to_body(l, column, contact_source(contact), 1.0, force, turning->source_torque[1]);
-    add_to_body(l, column, contact_destination(contact), -1.0, force, turning->destination_torque[1]);
-    for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
-        if (layout->spring[contact][i] >= 0) {
-            add_three(l->matrix, layout->spring[contact][i], column, 1.0,
-                      turning_jet_spring_change(v, &l->q, &l->at, &l->along, contact, i));
+    const struct scene_jet *along = &l->along;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (layout->body[i] >= 0) {
+            vec3_to(along->velocity[i][1], changes + layout->body[i]);
+            vec3_to(vec3_scale(2.0, free_bodies_half_jerk(v, along, i)), changes + layout->body[i] + 3);
+        }
+        if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
+            const struct vec3 torque = body_part_that_turns(v, i, jet_load_on(along, i, 1).torque);
+            const struct quaternion given = four_from(l->y + layout->orientation[i]);
+            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), changes + layout->spin[i]);
+            four_to(quaternion_axpy(
+                        quaternion_rate(given, along->angular_velocity[i][1]), 1.0,
+                        quaternion_rate(along->given_orientation[i], l->at.turning.body[i].angular_velocity)),
+                    changes + layout->orientation[i]);
         }
     }
-    const int impulse = layout->impulse[contact];
-    add_three(l->matrix, impulse, column, 1.0, force);
-    add_entry(l->matrix, layout->dissipated, column,
-              jet_dissipated_power_of(v, &l->q, &l->along, contact, 1));
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        double *impulse = changes + layout->impulse[j];
+        vec3_to(along->contact[j].source_force[1], impulse);
+        if (scene_turns(v)) {
+            vec3_to(along->turning[j].source_torque[1], impulse + 3);
+            vec3_to(along->turning[j].destination_torque[1], impulse + 6);
+        }
+    }
+    const struct scene_powers power = jet_powers_of(v, &l->q, along, 1);
+    changes[layout->dissipated] = power.dissipated;
+    changes[layout->dissipated + 1] = power.external;
     if (scene_turns(v)) {
-        add_three(l->matrix, impulse + 3, column, 1.0, turning->source_torque[1]);
-        add_three(l->matrix, impulse + 6, column, 1.0, turning->destination_torque[1]);
-        add_entry(l->matrix, layout->dissipated + 2, column,
-                  turning_jet_friction_power_of(v, &l->along, contact, 1));
+        changes[layout->dissipated + 2] = power.friction;
     }
 }
 
-/* Adds a column: what the change of one state of a body does to the rates of its place and orientation, to
- * the power of the loads on it, and to its contacts. Takes the change back. */
-static void add_column(struct linearization *l, int body, int column)
+/* Writes a column: what the change of a state of `body`, or of a spring of `contact`, does to all rates. */
+static void put_column(struct linearization *l, int body, int contact, int column)
 {
+    const struct scene_values *v = l->ode->values;
     const struct ode_layout *layout = &l->ode->layout;
-    const struct body_path *path = &l->q.path[body];
-    struct scene_jet *along = &l->along;
-    double power = 0.0;
-    if (layout->body[body] >= 0) {
-        add_three(l->matrix, layout->body[body], column, 1.0, along->velocity[body][1]);
-        power = vec3_dot(path_at(path->force, 3, l->clock), along->velocity[body][1]);
-    }
-    if (SCENE_ANY_ROTATION && layout->spin[body] >= 0) {
-        const int row = layout->orientation[body];
-        const struct vec3 faster = along->angular_velocity[body][1];
-        const struct quaternion rate = quaternion_axpy(
-            quaternion_rate(four_from(l->y + row), faster), 1.0,
-            quaternion_rate(along->given_orientation[body], l->at.turning.body[body].angular_velocity));
-        add_entry(l->matrix, row, column, rate.w);
-        add_three(l->matrix, row + 1, column, 1.0, quaternion_vector(rate));
-        power += vec3_dot(path_at(path->torque, 3, l->clock), faster);
-    }
-    add_entry(l->matrix, layout->dissipated + 1, column, power);
-    for (int j = 0; column < layout->coupled && j < SCENE_CONTACTS; ++j) {
-        if (contact_source(j) == body || contact_destination(j) == body) {
-            add_contact_change(l, j, column);
+    double *changes = l->columns + column * layout->size;
+    bool moves[SCENE_CONTACTS];
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        moves[j] = column < layout->coupled && l->q.contact[j].regime != (int32_t)REGIME_APART &&
+                   (j == contact || contact_source(j) == body || contact_destination(j) == body);
+        if (moves[j]) {
+            jet_of_contact(v, &l->q, &l->at, j, scene_turns(v), &l->along);
         }
     }
-    along->displacement[body][1] = along->velocity[body][1] = along->angular_velocity[body][1] =
-        vec3_make(0.0, 0.0, 0.0);
-    if (SCENE_ANY_AXIS) {
-        along->axis[body][1] = vec3_make(0.0, 0.0, 0.0);
+    put_rate_changes(l, changes);
+    for (int k = 0; SCENE_ANY_SPRINGS && k < SCENE_CONTACTS * OPPOSED; ++k) {
+        const int spring = layout->spring[k / OPPOSED][k % OPPOSED];
+        if (spring >= 0 && moves[k / OPPOSED]) {
+            vec3_to(turning_jet_spring_change(v, &l->q, &l->at, &l->along, k / OPPOSED, k % OPPOSED),
+                    changes + spring);
+        }
     }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (moves[j]) {
+            memset(&l->along.contact[j], 0, sizeof l->along.contact[j]);
+            memset(&l->along.turning[j], 0, sizeof l->along.turning[j]);
+        }
+    }
+}
+
+/* Writes the column of a state of a body. Takes the change of the state back. */
+static void put_column_of_body(struct linearization *l, int body, int column)
+{
+    struct scene_jet *along = &l->along;
+    put_column(l, body, -1, column);
+    along->displacement[body][1] = along->velocity[body][1] = along->angular_velocity[body][1] =
+        along->axis[body][1] = vec3_make(0.0, 0.0, 0.0);
     along->orientation[body][1] = along->given_orientation[body] = (struct quaternion){0.0, 0.0, 0.0, 0.0};
 }
 
@@ -793,24 +764,24 @@ static void change_orientation(struct linearization *l, int body, int k)
         body_flatness(v, body), vec3_axpy(vec3_scale(vec3_dot(spin, change), e), vec3_dot(spin, e), change));
 }
 
-/* Adds the columns of a body's states. */
-static void add_columns_of_body(struct linearization *l, int body)
+/* Writes the columns of a body's states. */
+static void put_columns_of_body(struct linearization *l, int body)
 {
     const struct ode_layout *layout = &l->ode->layout;
     for (int k = 0; k < BODY_STATES && layout->body[body] >= 0; ++k) {
         vec3_set(k < 3 ? &l->along.displacement[body][1] : &l->along.velocity[body][1], k % 3, 1.0);
-        add_column(l, body, layout->body[body] + k);
+        put_column_of_body(l, body, layout->body[body] + k);
     }
     for (int k = 0; SCENE_ANY_ROTATION && k < 3 && layout->spin[body] >= 0; ++k) {
         struct vec3 spin = {0.0, 0.0, 0.0};
         vec3_set(&spin, k, 1.0);
         l->along.angular_velocity[body][1] =
             body_rotation_of(l->ode->values, body, l->at.turning.body[body].orientation, spin);
-        add_column(l, body, layout->spin[body] + k);
+        put_column_of_body(l, body, layout->spin[body] + k);
     }
     for (int k = 0; SCENE_ANY_ROTATION && k < 4 && layout->spin[body] >= 0; ++k) {
         change_orientation(l, body, k);
-        add_column(l, body, layout->orientation[body] + k);
+        put_column_of_body(l, body, layout->orientation[body] + k);
     }
 }
 
@@ -818,20 +789,24 @@ void ode_jacobian(const void *scene_ode, double clock, const double *y, double *
 {
     const struct scene_ode *ode = scene_ode;
     const int size = ode->layout.size;
-    struct linearization l = {.ode = ode, .clock = clock, .y = y, .matrix = {columns, size}};
+    struct linearization l = {.ode = ode, .y = y, .columns = columns};
     memset(columns, 0, (size_t)size * (size_t)size * sizeof *columns);
     l.along.first_order = true;
     scene_state_copy(ode->values, ode->state, &l.q);
+    l.q.clock = clock;
     ode_instant(ode, clock, y, &l.at);
     if (scene_turns(ode->values)) {
         turning_unpack(ode, y, &l.q.turning);
-        for (int i = 0; i < SCENE_BODIES; ++i) {
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        l.along.velocity[i][0] = l.at.velocity[i];
+        if (scene_turns(ode->values)) {
             l.along.orientation[i][0] = l.at.turning.body[i].orientation;
             l.along.angular_velocity[i][0] = l.at.turning.body[i].angular_velocity;
         }
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        add_columns_of_body(&l, i);
+        put_columns_of_body(&l, i);
     }
     for (int k = 0; SCENE_ANY_SPRINGS && k < 3 * OPPOSED * SCENE_CONTACTS; ++k) {
         const int contact = k / (3 * OPPOSED);
@@ -839,7 +814,7 @@ void ode_jacobian(const void *scene_ode, double clock, const double *y, double *
         if (ode->layout.spring[contact][part] >= 0) {
             struct vec3 *spring = &l.along.spring[contact][part][1];
             vec3_set(spring, k % 3, 1.0);
-            add_contact_change(&l, contact, ode->layout.spring[contact][part] + k % 3);
+            put_column(&l, -1, contact, ode->layout.spring[contact][part] + k % 3);
             *spring = vec3_make(0.0, 0.0, 0.0);
         }
     }

@@ -265,9 +265,8 @@ static void put_turning(const struct scene_values *v, const struct scene_state *
     }
 }
 
-/* Sets the series of one contact. If `rubs`, these include the slip, friction and torques. */
-static void put_contact_jet(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at, int contact, bool rubs, struct scene_jet *along)
+void jet_of_contact(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
+                    int contact, bool rubs, struct scene_jet *along)
 {
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
     const struct contact_shape shape = scene_shape_met(v, q, at, contact);
@@ -281,28 +280,14 @@ static void put_contact_jet(const struct scene_values *v, const struct scene_sta
     }
 }
 
-/* Sets the series of the contacts that `met` marks; NULL marks all. */
-static void put_contact_jets(const struct scene_values *v, const struct scene_state *q,
-                             const struct scene_instant *at, const bool *met, bool rubs,
-                             struct scene_jet *along)
+void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
+                     const struct scene_instant *at, const bool *met, bool rubs, struct scene_jet *along)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (!(along->touching && q->contact[j].regime == (int32_t)REGIME_APART) && (!met || met[j])) {
-            put_contact_jet(v, q, at, j, rubs, along);
+            jet_of_contact(v, q, at, j, rubs, along);
         }
     }
-}
-
-void jet_of_contact(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
-                    int contact, struct scene_jet *along)
-{
-    put_contact_jet(v, q, at, contact, scene_turns(v), along);
-}
-
-void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
-                     const struct scene_instant *at, struct scene_jet *along)
-{
-    put_contact_jets(v, q, at, NULL, true, along);
 }
 
 /* Puts the orientation's terms from the angular velocity: q' = (0, omega) q / 2. */
@@ -403,38 +388,26 @@ static void put_bodies(const struct scene_values *v, const struct scene_state *q
     }
 }
 
+struct contact_load jet_load_on(const struct scene_jet *along, int body, int order)
+{
+    struct contact_load sum = {.force = {0.0, 0.0, 0.0}};
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_source(j) == body) {
+            sum.force = vec3_add(sum.force, along->contact[j].source_force[order]);
+            sum.torque = vec3_add(sum.torque, along->turning[j].source_torque[order]);
+        }
+        if (contact_destination(j) == body) {
+            sum.force = vec3_sub(sum.force, along->contact[j].source_force[order]);
+            sum.torque = vec3_add(sum.torque, along->turning[j].destination_torque[order]);
+        }
+    }
+    return sum;
+}
+
 struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body)
 {
-    struct vec3 force = along->force[body];
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct vec3 source_force = along->contact[j].source_force[1];
-        const int sign = (contact_source(j) == body) - (contact_destination(j) == body);
-        force = vec3_axpy(force, sign, source_force);
-    }
+    const struct vec3 force = vec3_add(along->force[body], jet_load_on(along, body, 1).force);
     return vec3_scale(0.5 / body_mass(v, body), force);
-}
-
-double jet_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_jet *along, int contact, int order)
-{
-    const struct contact_jet *jet = &along->contact[contact];
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    return contact_dissipated_term(&law, (enum contact_regime)q->contact[contact].regime, jet->normal_force,
-                                   jet->gap, jet->gap_rate, order);
-}
-
-double turning_jet_friction_power_of(const struct scene_values *v, const struct scene_jet *along, int contact,
-                                     int order)
-{
-    const struct turning_jet *jet = &along->turning[contact];
-    double power = 0.0;
-    if (contact_rubs(v, contact)) {
-        power -= jet_dot(jet->friction_force, jet->motion[OPPOSED_SLIP], order);
-    }
-    if (contact_resists(v, contact)) {
-        power -= jet_dot(jet->resistance, jet->spin, order);
-    }
-    return power;
 }
 
 struct scene_powers jet_powers_of(const struct scene_values *v, const struct scene_state *q,
@@ -467,8 +440,17 @@ struct scene_powers jet_powers_of(const struct scene_values *v, const struct sce
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        sum.dissipated += jet_dissipated_power_of(v, q, along, j, order);
-        sum.friction += SCENE_ANY_TURNING ? turning_jet_friction_power_of(v, along, j, order) : 0.0;
+        const struct contact_jet *jet = &along->contact[j];
+        const struct turning_jet *turning = &along->turning[j];
+        const struct contact_law law = scene_contact_law(v, q, j);
+        sum.dissipated += contact_dissipated_term(&law, (enum contact_regime)q->contact[j].regime,
+                                                  jet->normal_force, jet->gap, jet->gap_rate, order);
+        if (contact_rubs(v, j)) {
+            sum.friction -= jet_dot(turning->friction_force, turning->motion[OPPOSED_SLIP], order);
+        }
+        if (contact_resists(v, j)) {
+            sum.friction -= jet_dot(turning->resistance, turning->spin, order);
+        }
     }
     return sum;
 }
@@ -537,16 +519,7 @@ struct vec3 turning_jet_half_jerk(const struct scene_values *v, const struct sce
     struct vec3 by[2] = {turning_torque_on(v, q, q->clock, at, body), along->torque[body]};
     const struct vec3 *omega = along->angular_velocity[body];
     const struct vec3 inertia = put_principal_axes(v, along, body, axis);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct turning_jet *turning = &along->turning[j];
-        if (contact_source(j) == body) {
-            by[1] = vec3_add(by[1], turning->source_torque[1]);
-        }
-        if (contact_destination(j) == body) {
-            by[1] = vec3_add(by[1], turning->destination_torque[1]);
-        }
-    }
-    by[1] = body_part_that_turns(v, body, by[1]);
+    by[1] = body_part_that_turns(v, body, vec3_add(by[1], jet_load_on(along, body, 1).torque));
     put_along_axes(axis, inertia, omega, 2, momentum);
     for (int i = 0; i < 2; ++i) {
         by[i] = vec3_sub(by[i], turning_jet_cross(omega, momentum, i));
@@ -649,7 +622,7 @@ static void put_contacts(const struct scene_values *v, const struct scene_state 
 {
     const bool all = met == NULL;
     const bool moves = !scene_is_force_element(v);
-    put_contact_jets(v, q, at, moves ? NULL : met, all || (moves && scene_turns(v)), along);
+    jet_of_contacts(v, q, at, moves ? NULL : met, all || (moves && scene_turns(v)), along);
     if (scene_turns(v)) {
         put_turning_changes(v, q, at, all, along);
     }
@@ -657,7 +630,7 @@ static void put_contacts(const struct scene_values *v, const struct scene_state 
         put_jerk(v, q, along);
     }
     if (moves || (all && scene_turns(v))) {
-        put_contact_jets(v, q, at, met, all, along);
+        jet_of_contacts(v, q, at, met, all, along);
     }
 }
 

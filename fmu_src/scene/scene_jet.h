@@ -44,13 +44,16 @@ struct scene_jet {
     double time[JET_TERMS], dissipated[JET_TERMS], external_work[JET_TERMS];
 };
 
-/* Computes the contacts' part of the jet from the bodies and the factors. */
-CONTACT_COLD void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_instant *at, struct scene_jet *along);
-
-/* Computes the part of one contact, which is not apart. */
+/* Computes the part of one contact, which is not apart, from the bodies and the factors. If `rubs`, this part
+ * has the slip, friction and torques. */
 CONTACT_COLD void jet_of_contact(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_instant *at, int contact, struct scene_jet *along);
+                                 const struct scene_instant *at, int contact, bool rubs,
+                                 struct scene_jet *along);
+
+/* Computes the parts of the contacts that `met` marks; NULL marks all. */
+CONTACT_COLD void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_instant *at, const bool *met, bool rubs,
+                                  struct scene_jet *along);
 
 /* Computes the whole jet in time. Free bodies follow Newton's law; prescribed bodies follow their velocity,
  * which counts as the derivative of their displacement. */
@@ -88,15 +91,13 @@ CONTACT_COLD void turning_jet_move_orientation(int body, struct quaternion unit,
 CONTACT_COLD void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at,
                                         int body, int component, double change, struct scene_jet *along);
 
+/* Returns coefficient `order` of the sums of the forces and torques of the contacts of a body. */
+struct contact_load jet_load_on(const struct scene_jet *along, int body, int order);
+
 /* Returns half the rate of a free body's acceleration by external and contact forces [m/s^3 in time]. */
 struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body);
 
-/* Return coefficient `order`, 0 or 1, of the power of dissipation and of friction in one contact, and of all
- * powers [W]. */
-double jet_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_jet *along, int contact, int order);
-CONTACT_COLD double turning_jet_friction_power_of(const struct scene_values *v, const struct scene_jet *along,
-                                                  int contact, int order);
+/* Returns coefficient `order`, 0 or 1, of the powers [W]. */
 struct scene_powers jet_powers_of(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_jet *along, int order);
 
