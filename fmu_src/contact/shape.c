@@ -178,6 +178,15 @@ static void put_circle(const struct contact_shape *shape, struct vec3 c, struct 
     at->axial = shape->solid.race * rho + (shape->solid.race < 0 ? 2.0 * shape->solid.radius : 0.0);
 }
 
+/* Makes n perpendicular to the axis of a cylinder where the centre is on the axis. n may come from a cap or a
+ * rim, or from a time at which the axis pointed elsewhere. */
+static void hold_across(const struct contact_shape *side, struct contact_geometry *at)
+{
+    const struct vec3 across = contact_across(side, at->normal);
+    const double size = vec3_norm(across);
+    at->normal = size > 0.0 ? vec3_scale(1.0 / size, across) : contact_default_normal(side);
+}
+
 static struct contact_geometry geometry_in(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
                                            struct vec3 fallback)
 {
@@ -199,6 +208,9 @@ static struct contact_geometry geometry_in(const struct contact_shape *shape, st
     if (contact_turns(shape, &at)) {
         at.normal =
             (struct vec3){at.offset.x / at.distance, at.offset.y / at.distance, at.offset.z / at.distance};
+    }
+    if (at.degenerate && contact_is_cylinder(shape)) {
+        hold_across(shape, &at);
     }
     at.gap = gap_at(shape, at.distance);
     at.gap_terms += fills_shell(shape) ? contact_reach(shape) : shape->source_radius + shape->other_radius;
@@ -285,14 +297,6 @@ static struct contact_shape skew_shape_in(struct contact_shape in)
     return in;
 }
 
-void contact_hold_across(const struct contact_shape *side, struct vec3 w, struct contact_geometry *at)
-{
-    const struct vec3 across = contact_across(side, at->normal);
-    const double size = vec3_norm(across);
-    at->normal = size > 0.0 ? vec3_scale(1.0 / size, across) : contact_default_normal(side);
-    at->gap_rate = side->side * vec3_dot(at->normal, w);
-}
-
 struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
                                             struct vec3 fallback)
 {
@@ -305,9 +309,6 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     }
     c = contact_is_skew(&in) ? vec3_sub(c, skew_corner(&in.solid)) : c;
     struct contact_geometry at = geometry_in(&in, c, w, fallback);
-    if (at.degenerate && contact_is_cylinder(&in)) {
-        contact_hold_across(&in, w, &at);
-    }
     at.zone = in.solid.zone;
     if (contact_is_skew(&in)) {
         at.gap_terms += vec3_max_abs(skew_corner(&in.solid));
@@ -415,48 +416,44 @@ double contact_zone_margin(const struct contact_solid *solid, int zone, struct v
     return fmin(at.radial, beyond);
 }
 
-int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c, struct vec3 rate,
-                      double rounding)
+/* Returns the zone with the largest margin at c, but not the zone `except`. */
+static int nearest_zone(const struct contact_solid *solid, int except, struct vec3 c)
 {
-    static const int zones[] = {ZONE_SIDE, ZONE_RIM, -ZONE_RIM, ZONE_CAP, -ZONE_CAP};
-    /* 16 roundings ahead the zone is clear, unless c moves along the edge of two */
-    const double speed = vec3_norm(rate);
-    const struct vec3 ahead = speed > 0.0 ? vec3_axpy(c, 16.0 * rounding / speed, rate) : c;
-    if (solid_is_skew(solid)) {
-        return contact_zone_at(solid, ahead);
-    }
+    static const int capped[] = {ZONE_SIDE, ZONE_RIM, -ZONE_RIM, ZONE_CAP, -ZONE_CAP};
+    const bool is_skew = solid_is_skew(solid);
+    const int count = is_skew ? SKEW_LAST - SKEW_ZONE + 2 : (int)(sizeof capped / sizeof capped[0]);
     double most = -(double)INFINITY;
-    int next = 0;
-    for (size_t i = 0; i < sizeof zones / sizeof zones[0]; ++i) {
-        const double margin = contact_zone_margin(solid, zones[i], ahead);
-        if (zones[i] != zone && margin > most) {
-            next = zones[i];
-            most = margin;
-        }
-    }
-    return next;
-}
-
-int contact_zone_at(const struct contact_solid *solid, struct vec3 c)
-{
-    if (!solid_is_skew(solid)) {
-        const struct solid_place place = contact_place_at(solid, c);
-        if (place.radial > 0.0 && place.axial > 0.0) {
-            return place.end * ZONE_RIM;
-        }
-        return place.radial >= place.axial ? ZONE_SIDE : place.end * ZONE_CAP;
-    }
-    const struct skew_frame *frame = contact_skew_frame(solid);
-    int nearest = -SKEW_FACE;
-    double most = skew_margin(frame, nearest, c);
-    for (int zone = SKEW_ZONE; zone <= SKEW_LAST; ++zone) {
-        const double margin = skew_margin(frame, zone, c);
-        if (margin > most) {
+    int nearest = 0;
+    for (int i = 0; i < count; ++i) {
+        const int zone = !is_skew ? capped[i] : i == 0 ? -SKEW_FACE : SKEW_ZONE + i - 1;
+        const double margin = contact_zone_margin(solid, zone, c);
+        if (zone != except && margin > most) {
             nearest = zone;
             most = margin;
         }
     }
     return nearest;
+}
+
+int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c, struct vec3 rate,
+                      double rounding)
+{
+    /* 16 roundings ahead the zone is clear, unless c moves along the edge of two */
+    const double speed = vec3_norm(rate);
+    const struct vec3 ahead = speed > 0.0 ? vec3_axpy(c, 16.0 * rounding / speed, rate) : c;
+    return nearest_zone(solid, solid_is_skew(solid) ? 0 : zone, ahead);
+}
+
+int contact_zone_at(const struct contact_solid *solid, struct vec3 c)
+{
+    if (solid_is_skew(solid)) {
+        return nearest_zone(solid, 0, c);
+    }
+    const struct solid_place place = contact_place_at(solid, c);
+    if (place.radial > 0.0 && place.axial > 0.0) {
+        return place.end * ZONE_RIM;
+    }
+    return place.radial >= place.axial ? ZONE_SIDE : place.end * ZONE_CAP;
 }
 
 bool contact_zone_jumps(const struct contact_solid *solid, int zone, int next, struct vec3 c, double distance,

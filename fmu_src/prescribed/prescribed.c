@@ -475,9 +475,8 @@ static void events_at(const struct prescribed_contact *c, double clock, const st
     }
     if (contact_has_events(&law)) {
         const struct contact_geometry *g = &at.geometry[c->contact];
-        const struct contact_slopes slopes = contact_event_slopes(&law, regime_of(c), g->gap, g->gap_rate);
         events[ODE_EVENT_LAW] = contact_event(&law, regime_of(c), g->gap, g->gap_rate) +
-                                rounding_of_event(c->v, &law, &slopes, &at, c->contact, error);
+                                rounding_of_event(c->v, c->q, &at, c->contact, error);
     }
 }
 

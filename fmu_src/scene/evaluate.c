@@ -325,16 +325,14 @@ static void put_axis(const struct scene_values *v, const struct scene_state *q, 
 }
 
 /* Sets arms and slip of a contact whose geometry is known, by its shape. */
-static void put_arms_and_slip(const struct contact_shape *whole, int contact, struct scene_instant *at)
+static void put_arms_and_slip(const struct contact_shape *shape, int contact, struct scene_instant *at)
 {
     struct turning_instant *turning = &at->turning;
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_shape shape =
-        contact_is_skew(whole) && g->zone != 0 ? contact_shape_in(whole, g->zone) : *whole;
     const struct vec3 arm =
-        contact_source_arm(&shape, g->normal, contact_foot(&shape, at->separation[contact]));
+        contact_source_arm(shape, g->normal, contact_foot(shape, at->separation[contact]));
     turning->source_arm[contact] = arm;
     turning->destination_arm[contact] = vec3_sub(arm, at->separation[contact]);
     const struct vec3 past =
@@ -516,9 +514,6 @@ void scene_meet(const struct scene_values *v, const struct scene_state *q, const
             turns ? scene_contact_shape_at(v, q, at, j) : scene_contact_shape(v, q, j);
         const struct vec3 rate = turns ? rate_in_destination(v, at, j) : at->rate[j];
         at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate, q->contact[j].normal);
-        if (turns && at->geometry[j].degenerate && contact_is_cylinder(&shape)) {
-            contact_hold_across(&shape, rate, &at->geometry[j]);
-        }
         if (turns) {
             put_arms_and_slip(&shape, j, at);
         }
@@ -792,12 +787,15 @@ static double rate_rounding(const struct scene_values *v, const struct contact_l
            tolerated;
 }
 
-double rounding_of_event(const struct scene_values *v, const struct contact_law *law,
-                         const struct contact_slopes *slopes, const struct scene_instant *at, int contact,
-                         double tolerated)
+double rounding_of_event(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, int contact, double tolerated)
 {
-    return fabs(slopes->by_gap) * rounding_of_gap(v, at, contact) +
-           fabs(slopes->by_rate) * rate_rounding(v, law, at, contact, tolerated);
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct contact_slopes slopes =
+        contact_event_slopes(&law, (enum contact_regime)q->contact[contact].regime, g->gap, g->gap_rate);
+    return fabs(slopes.by_gap) * rounding_of_gap(v, at, contact) +
+           fabs(slopes.by_rate) * rate_rounding(v, &law, at, contact, tolerated);
 }
 
 double rounding_margin_offset(const struct scene_values *v, const struct scene_state *q,
@@ -807,9 +805,7 @@ double rounding_margin_offset(const struct scene_values *v, const struct scene_s
     const struct contact_geometry *g = &at->geometry[contact];
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
     const double event = contact_event(&law, regime, g->gap, g->gap_rate);
-    const struct contact_slopes slopes = contact_event_slopes(&law, regime, g->gap, g->gap_rate);
-    const double rounding = rounding_of_event(v, &law, &slopes, at, contact, tolerated);
-    return 2.0 * (fmax(-event, 0.0) + rounding);
+    return 2.0 * (fmax(-event, 0.0) + rounding_of_event(v, q, at, contact, tolerated));
 }
 
 /* Returns the accumulated gap [m], or DBL_MAX or INFINITY where none is known. */

@@ -227,11 +227,10 @@ double rounding_of_normal(const struct scene_values *v, const struct scene_insta
  * velocities. */
 double rounding_of_rate(const struct scene_instant *at, int contact);
 
-/* Returns a bound of the error of the law's event function (contact_event), which has these slopes, by
- * rounding and by an error of the speeds of `tolerated` [m/s]. */
-double rounding_of_event(const struct scene_values *v, const struct contact_law *law,
-                         const struct contact_slopes *slopes, const struct scene_instant *at, int contact,
-                         double tolerated);
+/* Returns a bound of the error of the law's event function (contact_event) by rounding and by an error of the
+ * speeds of `tolerated` [m/s]. */
+double rounding_of_event(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, int contact, double tolerated);
 
 /* Returns a bound of the error of a contact's normal force by the rounding of g, n and n.w [N]. */
 double rounding_of_force(const struct scene_values *v, const struct scene_state *q,

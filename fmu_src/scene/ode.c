@@ -49,53 +49,52 @@ static bool find_bodies(const struct scene_values *v, const struct scene_state *
     return all;
 }
 
-/* The group of each body and contact: of an island, or of one that nothing couples to others. */
-struct groups {
-    int count;
-    int body[SCENE_BODIES], contact[SCENE_CONTACTS]; /* -1: a contact that is apart */
-};
-
-static void find_groups(const struct scene_values *v, const struct scene_state *q, struct groups *to)
+/* Numbers the groups of bodies, which are the islands and what nothing couples to others, and the groups of
+ * contacts in `layout`. */
+static void find_groups(const struct scene_values *v, const struct scene_state *q, int of_body[SCENE_BODIES],
+                        struct ode_layout *layout)
 {
     if (SCENE_CONTACTS == 1 || q == NULL) {
-        *to = (struct groups){.count = 1};
+        layout->groups = 1;
+        memset(of_body, 0, SCENE_BODIES * sizeof *of_body);
+        memset(layout->island, 0, sizeof layout->island);
         return;
     }
     const struct islands islands = scene_islands(v, q);
-    to->count = islands.count;
-    memset(to->body, -1, sizeof to->body);
+    layout->groups = islands.count;
+    memset(of_body, -1, SCENE_BODIES * sizeof *of_body);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        to->contact[j] = islands.of[j];
+        layout->island[j] = islands.of[j];
         for (int end = 0; end < 2 && islands.of[j] >= 0; ++end) {
-            to->body[end == 0 ? contact_source(j) : contact_destination(j)] = islands.of[j];
+            of_body[end == 0 ? contact_source(j) : contact_destination(j)] = islands.of[j];
         }
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        to->body[i] = to->body[i] < 0 ? to->count++ : to->body[i];
+        of_body[i] = of_body[i] < 0 ? layout->groups++ : of_body[i];
     }
 }
 
 /* Lays out those states of one group on which the rates of other states depend. */
 static void lay_out_group(const struct scene_values *v, const bool has[SCENE_BODIES],
-                          const struct groups *groups, int group, struct ode_layout *layout, int *next)
+                          const int of_body[SCENE_BODIES], int group, struct ode_layout *layout, int *next)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (groups->body[i] == group) {
+        if (of_body[i] == group) {
             layout->body[i] = take_states(has[i] && body_is_free(v, i), BODY_STATES, next);
         }
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (groups->body[i] == group) {
+        if (of_body[i] == group) {
             layout->spin[i] = take_states(has[i] && body_turns_freely(v, i), 3, next);
         }
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (groups->body[i] == group) {
+        if (of_body[i] == group) {
             layout->orientation[i] = take_states(layout->spin[i] >= 0 && body_tips(v, i), 4, next);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        for (int i = 0; groups->contact[j] == group && i < OPPOSED; ++i) {
+        for (int i = 0; layout->island[j] == group && i < OPPOSED; ++i) {
             layout->spring[j][i] = take_states(contact_has_spring(v, j, i), 3, next);
         }
     }
@@ -104,18 +103,16 @@ static void lay_out_group(const struct scene_values *v, const bool has[SCENE_BOD
 struct ode_layout ode_layout_of(const struct scene_values *v, const struct scene_state *q)
 {
     struct ode_layout layout;
-    struct groups groups;
+    int of_body[SCENE_BODIES];
     bool has[SCENE_BODIES];
     int next = 0;
     layout.is_whole = find_bodies(v, q, has);
-    find_groups(v, q, &groups);
-    memcpy(layout.island, groups.contact, sizeof layout.island);
+    find_groups(v, q, of_body, &layout);
     memset(layout.spring, -1, sizeof layout.spring);
     memset(layout.spin, -1, sizeof layout.spin);
     memset(layout.orientation, -1, sizeof layout.orientation);
-    layout.groups = groups.count;
-    for (int group = 0; group < groups.count; ++group) {
-        lay_out_group(v, has, &groups, group, &layout, &next);
+    for (int group = 0; group < layout.groups; ++group) {
+        lay_out_group(v, has, of_body, group, &layout, &next);
         layout.group_end[group] = next;
     }
     layout.coupled = next;
