@@ -262,9 +262,9 @@ static double distance_term(const struct scene_values *v, const struct contact_s
         for (int i = 1; i < JET_TERMS; ++i) {
             c[i] = vec3_sub(along->displacement[destination][i],
                             along->displacement[contact_source(contact)][i]);
-            if (SCENE_ANY_TURNING) {
-                axis[i] = body_turns(v, destination) ? along->axis[destination][i] : axis[i];
-            }
+        }
+        if (body_turns(v, destination)) {
+            jet_axis_of(along, destination, axis);
         }
         jet_add_levers(along, contact, c, rate);
         c[0] = at->separation[contact];
@@ -342,6 +342,7 @@ double output_term(const struct model *m, const struct scene_state *q, const str
     const bool starting = !m->state.initialized;
     const bool touches = j < SCENE_CONTACTS && q->contact[j].regime != REGIME_APART;
     struct quaternion orientation;
+    struct vec3 axis[JET_TERMS];
     switch (variable->row) {
     case ROW_body_displacement:
     case ROW_body_position:
@@ -351,7 +352,8 @@ double output_term(const struct model *m, const struct scene_state *q, const str
     case ROW_body_angular_velocity:
         return vec3_get(along->angular_velocity[j][order], k);
     case ROW_body_current_axis:
-        return vec3_get(along->axis[j][order], k);
+        jet_axis_of(along, j, axis);
+        return vec3_get(axis[order], k);
     case ROW_body_contact_force:
         return SCENE_ANY_COMPOUND ? vec3_get(jet_load_on(along, j, order).force, k) : 0.0;
     case ROW_body_contact_torque:

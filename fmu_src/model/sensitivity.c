@@ -185,7 +185,6 @@ static void begin_path(const struct model *m, struct linear_model *l)
         if (SCENE_ANY_TURNING) {
             l->along.angular_velocity[i][0] = l->at.turning.body[i].angular_velocity;
             l->along.orientation[i][0] = l->at.turning.body[i].orientation;
-            l->along.axis[i][0] = quaternion_third_axis(l->at.turning.body[i].orientation);
         }
     }
     if (SCENE_ANY_TURNING) {

@@ -311,19 +311,6 @@ void turning_place(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-/* Sets the axis of a destination. */
-static void put_axis(const struct scene_values *v, const struct scene_state *q, int contact,
-                     struct scene_instant *at)
-{
-    const int destination = contact_destination(contact);
-    at->turning.axis[contact] = vec3_make(0.0, 0.0, 0.0);
-    if (SCENE_ANY_AXIS) {
-        at->turning.axis[contact] = contact_tips(v, contact)
-                                        ? quaternion_third_axis(at->turning.body[destination].orientation)
-                                        : q->contact[contact].parameters.axis;
-    }
-}
-
 /* Sets arms and slip of a contact whose geometry is known, by its shape. */
 static void put_arms_and_slip(const struct contact_shape *shape, int contact, struct scene_instant *at)
 {
@@ -409,7 +396,6 @@ void turning_complete(const struct scene_values *v, const struct scene_state *q,
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_shape shape = scene_contact_shape(v, q, j);
-        put_axis(v, q, j, at);
         put_arms_and_slip(&shape, j, at);
         turning_of_contact(v, q, &q->turning, j, at);
     }
@@ -507,12 +493,8 @@ void scene_meet(const struct scene_values *v, const struct scene_state *q, const
             continue;
         }
         put_separation(v, q, j, at);
-        if (turns) {
-            put_axis(v, q, j, at);
-        }
-        const struct contact_shape shape =
-            turns ? scene_contact_shape_at(v, q, at, j) : scene_contact_shape(v, q, j);
-        const struct vec3 rate = turns ? rate_in_destination(v, at, j) : at->rate[j];
+        const struct contact_shape shape = scene_contact_shape_at(v, q, at, j);
+        const struct vec3 rate = rate_in_destination(v, at, j);
         at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate, q->contact[j].normal);
         if (turns) {
             put_arms_and_slip(&shape, j, at);

@@ -14,7 +14,6 @@
  * turning_complete alone. */
 struct turning_instant {
     struct body_turn body[SCENE_BODIES];         /* identity and zero for a body that does not turn */
-    struct vec3 axis[SCENE_CONTACTS];            /* e_d as it has turned; zero for a sphere */
     struct vec3 source_arm[SCENE_CONTACTS];      /* p - x_src = r_s e, of a compound R o + r_s e [m] */
     struct vec3 destination_arm[SCENE_CONTACTS]; /* p - x_dst [m] */
     struct vec3 slip[SCENE_CONTACTS];            /* v_t [m/s] */

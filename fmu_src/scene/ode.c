@@ -731,7 +731,7 @@ static void put_column_of_body(struct linearization *l, int body, int column)
     struct scene_jet *along = &l->along;
     put_column(l, body, -1, column);
     along->displacement[body][1] = along->velocity[body][1] = along->angular_velocity[body][1] =
-        along->axis[body][1] = vec3_make(0.0, 0.0, 0.0);
+        vec3_make(0.0, 0.0, 0.0);
     along->orientation[body][1] = along->given_orientation[body] = (struct quaternion){0.0, 0.0, 0.0, 0.0};
 }
 
@@ -755,10 +755,11 @@ static void change_orientation(struct linearization *l, int body, int k)
         along->angular_velocity[body][1] = vec3_sub(vec3_cross(r, turn->angular_velocity), held);
         return;
     }
-    const struct vec3 change = along->axis[body][1];
-    const struct vec3 e = quaternion_third_axis(turn->orientation);
-    along->angular_velocity[body][1] = vec3_scale(
-        body_flatness(v, body), vec3_axpy(vec3_scale(vec3_dot(spin, change), e), vec3_dot(spin, e), change));
+    struct vec3 e[JET_TERMS];
+    jet_axis_of(along, body, e);
+    along->angular_velocity[body][1] =
+        vec3_scale(body_flatness(v, body),
+                   vec3_axpy(vec3_scale(vec3_dot(spin, e[1]), e[0]), vec3_dot(spin, e[0]), e[1]));
 }
 
 /* Writes the columns of a body's states. */

@@ -29,6 +29,11 @@ static void put_turned(const struct quaternion q[JET_TERMS], struct vec3 a, stru
     }
 }
 
+void jet_axis_of(const struct scene_jet *along, int body, struct vec3 axis[JET_TERMS])
+{
+    put_turned(along->orientation[body], vec3_make(0.0, 0.0, 1.0), axis);
+}
+
 /* Puts the terms of the lever arm R o of a contact's end (0: source, 1: destination), as in scene_lever. */
 static void put_lever(const struct scene_jet *along, int contact, int end, struct vec3 lever[JET_TERMS])
 {
@@ -65,11 +70,13 @@ struct contact_path {
 static void put_seen(const struct scene_values *v, const struct scene_jet *along,
                      const struct contact_shape *shape, int contact, struct contact_path *path)
 {
-    const int to = contact_destination(contact);
-    for (int i = 1; contact_tips(v, contact) && i < path->terms; ++i) {
+    if (contact_tips(v, contact)) {
         /* a shape's axis is opposite to the body's at a capped cylinder's end to which -e_d points */
-        const bool is_opposite = contact_is_capped(shape) && shape->solid.zone < 0;
-        path->axis[i] = vec3_scale(is_opposite ? -1.0 : 1.0, along->axis[to][i]);
+        const double sign = contact_is_capped(shape) && shape->solid.zone < 0 ? -1.0 : 1.0;
+        jet_axis_of(along, contact_destination(contact), path->axis);
+        for (int i = 0; i < JET_TERMS; ++i) {
+            path->axis[i] = vec3_scale(sign, path->axis[i]);
+        }
     }
     for (int i = 0; i < path->terms && !contact_is_skew(shape); ++i) {
         path->seen[i] = vec3_sub(path->w[i], turning_jet_cross(path->destination, path->c, i));
@@ -298,13 +305,6 @@ static void put_orientation(const struct vec3 omega[2], struct quaternion q[JET_
         0.5, quaternion_axpy(quaternion_rate(q[0], omega[1]), 1.0, quaternion_rate(q[1], omega[0])));
 }
 
-/* Puts the terms of a body's axis e from e' = omega x e. */
-static void put_turning_axis(const struct vec3 *omega, struct vec3 e[JET_TERMS])
-{
-    e[1] = vec3_cross(omega[0], e[0]);
-    e[2] = vec3_scale(0.5, turning_jet_cross(omega, e, 1));
-}
-
 /* Puts the jet of an axis whose direction is a polynomial that need not have unit length. */
 static void put_given_axis(const struct body_path *path, double clock, struct vec3 e[JET_TERMS])
 {
@@ -323,9 +323,8 @@ static void put_prescribed(const struct scene_state *q, int body, struct scene_j
 {
     const struct body_path *path = &q->path[body];
     struct vec3 *omega = along->angular_velocity[body];
-    struct vec3 *e = along->axis[body];
+    struct vec3 e[JET_TERMS] = {quaternion_third_axis(along->orientation[body][0])};
     omega[2] = path->angular_velocity[2];
-    put_turning_axis(omega, e);
     struct vec3 seen[2] = {omega[0], omega[1]};
     if (path->turn_follows != TURN_FOLLOWS_VELOCITY && body_has_axis(body)) {
         put_given_axis(path, q->clock, e);
@@ -347,7 +346,6 @@ static void put_turning_bodies(const struct scene_values *v, const struct scene_
     for (int i = 0; i < SCENE_BODIES; ++i) {
         along->angular_velocity[i][0] = at->turning.body[i].angular_velocity;
         along->orientation[i][0] = at->turning.body[i].orientation;
-        along->axis[i][0] = quaternion_third_axis(at->turning.body[i].orientation);
         if (SCENE_ANY_ROTATION) {
             along->angular_velocity[i][1] = turning_acceleration(v, q, q->clock, at, i);
             if (body_turn_is_prescribed(v, i)) {
@@ -355,7 +353,6 @@ static void put_turning_bodies(const struct scene_values *v, const struct scene_
             } else if (body_turns_freely(v, i)) {
                 const struct body_path *path = &q->path[i];
                 along->torque[i] = path_slope(path->torque, q->clock);
-                put_turning_axis(along->angular_velocity[i], along->axis[i]);
                 put_orientation(along->angular_velocity[i], along->orientation[i]);
             }
         }
@@ -528,51 +525,49 @@ struct vec3 turning_jet_half_jerk(const struct scene_values *v, const struct sce
     return vec3_scale(0.5, faster[1]);
 }
 
-/* Takes away the part of a vector that does not turn the normal of a circle, (R / rho) b (b.w_g), in which b
- * is the unit vector along the circle and rho the distance from its axis. */
-static void take_hoop(const struct contact_geometry *g, const struct contact_path *path,
-                      struct vec3 across[JET_TERMS])
+/* Takes a factor times the part of w along a unit vector away from `across`, in the first two terms. */
+static void take_along(const struct vec3 *unit, const double factor[2], const struct vec3 *w,
+                       struct vec3 across[2])
 {
-    struct vec3 radial[JET_TERMS];
-    double axial[JET_TERMS], rho[JET_TERMS];
-    struct vec3 to_axis[JET_TERMS];
-    jet_across(path->c, path->axis, radial, axial);
-    jet_direction(radial, rho, to_axis);
-    const struct vec3 b[2] = {turning_jet_cross(path->axis, to_axis, 0),
-                              turning_jet_cross(path->axis, to_axis, 1)};
-    const double part[2] = {g->circumferential_part, -g->circumferential_part * rho[1] / rho[0]};
-    const double rate[2] = {jet_dot(b, path->seen, 0), jet_dot(b, path->seen, 1)};
+    double rate[2], along[2];
     for (int i = 0; i < 2; ++i) {
-        const double along[2] = {part[0] * rate[0], part[0] * rate[1] + part[1] * rate[0]};
-        across[i] = vec3_sub(across[i], jet_scale(along, b, i));
+        rate[i] = jet_dot(unit, w, i);
+        along[i] = taylor_multiply(factor, rate, i);
+        across[i] = vec3_sub(across[i], jet_scale(along, unit, i));
     }
 }
 
-/* Sets n' = across / d + omega_d x n and its change along the path, where `across` is the part of w_g that
- * turns n (contact_turning_part). */
+/* Sets n' = T w_g / d + omega_d x n and its change along the path (contact_turning_part). */
 static void put_normal_rate(const struct contact_shape *shape, const struct contact_geometry *g,
                             const struct contact_path *path, const struct contact_jet *jet,
                             struct vec3 rate[2])
 {
-    struct vec3 across[JET_TERMS] = {{0.0, 0.0, 0.0}};
+    const double whole[2] = {1.0, 0.0};
+    struct vec3 across[2] = {path->seen[0], path->seen[1]};
     for (int i = 0; i < 2; ++i) {
         rate[i] = contact_is_skew(shape) ? vec3_make(0.0, 0.0, 0.0)
                                          : turning_jet_cross(path->destination, jet->normal, i);
-        const double opening[2] = {jet_dot(path->seen, jet->normal, 0), jet_dot(path->seen, jet->normal, 1)};
-        const double axial[2] = {jet_dot(path->seen, path->axis, 0), jet_dot(path->seen, path->axis, 1)};
-        across[i] = vec3_sub(path->seen[i], jet_scale(opening, jet->normal, i));
-        if (contact_is_cylinder(shape)) {
-            across[i] = vec3_sub(across[i], jet_scale(axial, path->axis, i));
-        }
     }
-    if (contact_turns(shape, g)) {
-        if (contact_is_circle(shape)) {
-            take_hoop(g, path, across);
-        }
-        const struct vec3 turned = vec3_scale(1.0 / g->distance, across[0]);
-        rate[0] = vec3_add(rate[0], turned);
-        rate[1] = vec3_axpy(rate[1], 1.0 / g->distance, vec3_axpy(across[1], -jet->distance[1], turned));
+    if (!contact_turns(shape, g)) {
+        return;
     }
+    take_along(jet->normal, whole, path->seen, across);
+    if (contact_is_cylinder(shape)) {
+        take_along(path->axis, whole, path->seen, across);
+    }
+    if (contact_is_circle(shape)) {
+        struct vec3 radial[JET_TERMS], to_axis[JET_TERMS];
+        double axial[JET_TERMS], rho[JET_TERMS];
+        jet_across(path->c, path->axis, radial, axial);
+        jet_direction(radial, rho, to_axis);
+        const double part[2] = {g->circumferential_part, -g->circumferential_part * rho[1] / rho[0]};
+        const struct vec3 b[2] = {turning_jet_cross(path->axis, to_axis, 0),
+                                  turning_jet_cross(path->axis, to_axis, 1)};
+        take_along(b, part, path->seen, across);
+    }
+    const struct vec3 turned = vec3_scale(1.0 / g->distance, across[0]);
+    rate[0] = vec3_add(rate[0], turned);
+    rate[1] = vec3_axpy(rate[1], 1.0 / g->distance, vec3_axpy(across[1], -jet->distance[1], turned));
 }
 
 /* xi' is the sum of the law's rate f(F_n, v_t, xi) and opposed_turned. */
@@ -669,7 +664,6 @@ void turning_jet_move_axis(const struct scene_values *v, const struct scene_inst
     struct vec3 by = {0.0, 0.0, 0.0};
     vec3_set(&by, component, change / length);
     by = vec3_axpy(by, -vec3_dot(by, e), e);
-    along->axis[body][1] = vec3_add(along->axis[body][1], by);
     const struct quaternion turned = quaternion_rate(at->turning.body[body].orientation, vec3_cross(e, by));
     along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, turned);
 }
@@ -680,10 +674,6 @@ void turning_jet_move_orientation(int body, struct quaternion unit, double lengt
     struct quaternion by = {component == 0, component == 1, component == 2, component == 3};
     by = quaternion_scale(change / length, quaternion_axpy(by, -quaternion_dot(by, unit), unit));
     along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, by);
-    /* With by = 1/2 (0, r) unit, a quaternion product, the body turns by the rotation vector r. */
-    const struct vec3 turned =
-        vec3_scale(2.0, quaternion_vector(quaternion_product(by, quaternion_inverse(unit))));
-    along->axis[body][1] = vec3_add(along->axis[body][1], vec3_cross(turned, quaternion_third_axis(unit)));
 }
 
 /* Returns coefficient `order` of the rotational energy omega.L / 2 of a body. */

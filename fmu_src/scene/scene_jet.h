@@ -27,7 +27,6 @@ struct scene_jet {
     struct contact_law law_slope[SCENE_CONTACTS];
     struct contact_jet contact[SCENE_CONTACTS];
     struct vec3 angular_velocity[SCENE_BODIES][JET_TERMS];
-    struct vec3 axis[SCENE_BODIES][JET_TERMS]; /* the third axis of the body's frame */
     struct quaternion orientation[SCENE_BODIES][JET_TERMS];
     /* d/ds of the orientation that an importer's integrator sets, a quaternion of any length */
     struct quaternion given_orientation[SCENE_BODIES];
@@ -76,6 +75,9 @@ CONTACT_COLD struct vec3 turning_jet_half_jerk(const struct scene_values *v, con
 CONTACT_COLD struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct scene_state *q,
                                                    const struct scene_instant *at,
                                                    const struct scene_jet *along, int contact, int part);
+
+/* Puts the terms of the third axis of a body's frame. */
+CONTACT_COLD void jet_axis_of(const struct scene_jet *along, int body, struct vec3 axis[JET_TERMS]);
 
 /* Adds the terms by which lever arms of compound bodies change the separation c and its rate w; w[i] takes
  * those of omega x R o. The orientations and angular velocities of `along` must be set. */
