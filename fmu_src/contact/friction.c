@@ -144,17 +144,11 @@ struct vec3 friction_force(const struct friction_law *law, enum friction_regime 
                                        : vec3_scale(-limit, direction_of(force).unit);
 }
 
-/* Derivatives of F_t with respect to a friction_state: component i with respect to component j. */
-struct friction_slopes {
-    struct vec3 by_normal_force;
-    double by_slip[3][3], by_spring[3][3];
-};
-
-/* Returns the derivatives of F_t. */
-CONTACT_NOT_FUSED static struct friction_slopes
+/* Returns the derivatives of F_t by v_t, xi and F_n. */
+CONTACT_NOT_FUSED static struct friction_response
 friction_force_slopes(const struct friction_law *law, enum friction_regime regime, struct friction_state at)
 {
-    struct friction_slopes slopes = {.by_slip = {{0.0}}, .by_spring = {{0.0}}};
+    struct friction_response slopes = {.by_slip = {{0.0}}};
     const double limit = friction_limit(law, regime, at.normal_force);
     if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
         return slopes;
@@ -286,22 +280,16 @@ struct friction_response friction_response_of(const struct friction_law *law, en
             vec3_scale(-limit_slope(law, regime) * by_force * part / (1.0 - part), f.unit);
         return response;
     }
-    const struct friction_slopes slopes = friction_force_slopes(law, regime, at);
-    response.by_normal_force = vec3_scale(-admittance, slopes.by_normal_force);
+    response = friction_force_slopes(law, regime, at);
+    response.by_normal_force = vec3_scale(-admittance, response.by_normal_force);
     for (int i = 0; i < 3; ++i) {
         response.by_force[i][i] = admittance;
         for (int j = 0; j < 3; ++j) {
-            response.by_slip[i][j] = -admittance * slopes.by_slip[i][j];
-            response.by_spring[i][j] = -admittance * slopes.by_spring[i][j];
+            response.by_slip[i][j] *= -admittance;
+            response.by_spring[i][j] *= -admittance;
         }
     }
     return response;
-}
-
-/* Whether the rate of the spring follows F_t alone (struct friction_spring_drive). */
-static bool spring_follows_force(const struct friction_law *law, enum friction_regime regime)
-{
-    return friction_has_spring(law, regime) && has_dashpot(law) && regime != FRICTION_STICKING;
 }
 
 struct friction_spring_drive friction_spring_drive_of(const struct friction_law *law,
@@ -313,7 +301,7 @@ struct friction_spring_drive friction_spring_drive_of(const struct friction_law 
     }
     if (regime == FRICTION_STICKING) {
         drive.along = drive.across = 1.0;
-    } else if (spring_follows_force(law, regime)) {
+    } else if (has_dashpot(law)) {
         drive.is_force = true;
         drive.decay = stiffness_at(law, at) / law->damping;
         drive.along = drive.across = -1.0 / law->damping;
@@ -331,18 +319,11 @@ struct friction_spring_drive friction_spring_drive_of(const struct friction_law 
 struct vec3 friction_spring_rate_under(const struct friction_law *law, enum friction_regime regime,
                                        struct friction_state at, struct vec3 force)
 {
-    if (!friction_has_spring(law, regime)) {
-        return vec3_make(0.0, 0.0, 0.0);
-    }
-    if (regime == FRICTION_STICKING) {
-        return at.slip;
-    }
-    if (has_dashpot(law)) {
-        return vec3_scale(-1.0 / law->damping, vec3_axpy(force, stiffness_at(law, at), at.spring));
-    }
-    const struct vec3 unit = direction_of(at.spring).unit;
-    const double limit = friction_limit(law, regime, at.normal_force);
-    return vec3_scale(turning_factor(law, at, limit), vec3_axpy(at.slip, -vec3_dot(at.slip, unit), unit));
+    const struct friction_spring_drive drive = friction_spring_drive_of(law, regime, at);
+    const struct vec3 z = drive.is_force ? force : at.slip;
+    const double along = (drive.along - drive.across) * vec3_dot(drive.unit, z);
+    const struct vec3 rate = vec3_axpy(vec3_scale(drive.across, z), along, drive.unit);
+    return drive.is_force ? vec3_axpy(rate, -drive.decay, at.spring) : rate;
 }
 
 bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime)

@@ -273,30 +273,23 @@ CONTACT_COLD static double restitution_hunt_crossley(double restitution, enum da
                                             : first_met(dissipates_too_little, e, 1.0 / e);
 }
 
+/* Whether the law gives a force in a regime. */
+static bool regime_pushes(enum contact_regime regime)
+{
+    return regime == REGIME_COMPRESSION || regime == REGIME_RESTITUTION;
+}
+
 struct contact_coefficients contact_coefficients_of(const struct contact_law *law, enum contact_regime regime)
 {
-    struct contact_coefficients coefficients = {0.0, 0.0};
-    if (contact_is_hertz(law)) {
-        return coefficients;
+    if (contact_is_hertz(law) || !regime_pushes(regime)) {
+        return (struct contact_coefficients){0.0, 0.0};
     }
-    if (regime == REGIME_COMPRESSION || regime == REGIME_RESTITUTION) {
-        coefficients.k = law->stiffness;
-    }
-    if (regime == REGIME_COMPRESSION) {
-        coefficients.c = law->damping;
-    }
-    return coefficients;
+    return (struct contact_coefficients){law->stiffness, regime == REGIME_COMPRESSION ? law->damping : 0.0};
 }
 
 struct contact_coefficients contact_factors_of(const struct contact_law *law)
 {
     return (struct contact_coefficients){law->stiffness, law->damping};
-}
-
-/* Whether the law gives a force in a regime. */
-static bool regime_pushes(enum contact_regime regime)
-{
-    return regime == REGIME_COMPRESSION || regime == REGIME_RESTITUTION;
 }
 
 /* Returns the damping factor chi of Hertz's law in a regime [s/m]. */
@@ -451,9 +444,7 @@ double contact_stored_energy(const struct contact_law *law, enum contact_regime 
 
 double contact_stored_slope(const struct contact_law *law, enum contact_regime regime, double gap)
 {
-    return regime == REGIME_APART  ? 0.0
-           : contact_is_hertz(law) ? -law->stiffness * three_halves(gap)
-                                   : law->stiffness * gap;
+    return regime == REGIME_APART ? 0.0 : -contact_force(law, REGIME_RESTITUTION, gap, 0.0);
 }
 
 /* The rate of the energy along a path is the spring's force times the rate of the depth. */

@@ -312,14 +312,16 @@ void turning_place(const struct scene_values *v, struct scene_state *q)
 }
 
 /* Sets arms and slip of a contact whose geometry is known, by its shape. */
-static void put_arms_and_slip(const struct contact_shape *shape, int contact, struct scene_instant *at)
+static void put_arms_and_slip(const struct contact_shape *whole, int contact, struct scene_instant *at)
 {
     struct turning_instant *turning = &at->turning;
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const struct contact_geometry *g = &at->geometry[contact];
+    const struct contact_shape shape =
+        contact_is_skew(whole) && g->zone != 0 ? contact_shape_in(whole, g->zone) : *whole;
     const struct vec3 arm =
-        contact_source_arm(shape, g->normal, contact_foot(shape, at->separation[contact]));
+        contact_source_arm(&shape, g->normal, contact_foot(&shape, at->separation[contact]));
     turning->source_arm[contact] = arm;
     turning->destination_arm[contact] = vec3_sub(arm, at->separation[contact]);
     const struct vec3 past =
@@ -368,24 +370,16 @@ static void turning_of_contact(const struct scene_values *v, const struct scene_
                                const struct turning_state *state, int contact, struct scene_instant *at)
 {
     struct turning_instant *turning = &at->turning;
-    struct vec3 opposing[OPPOSED] = {{0.0, 0.0, 0.0}};
     const bool rubs = contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
+    turning->friction_force[contact] = turning->resistance[contact] = vec3_make(0.0, 0.0, 0.0);
     for (int i = 0; rubs && i < contact_opposed(v, contact); ++i) {
         const struct friction_law law = scene_friction_law(v, q, contact, i);
-        const struct friction_state rubbing = turning_rubbing(state, at, contact, i);
-        opposing[i] =
-            friction_force(&law, (enum friction_regime)q->contact[contact].friction_regime[i], rubbing);
+        const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[i];
+        struct vec3 *sum =
+            i == OPPOSED_SLIP ? &turning->friction_force[contact] : &turning->resistance[contact];
+        *sum = vec3_add(*sum, friction_force(&law, regime, turning_rubbing(state, at, contact, i)));
     }
-    turning->friction_force[contact] = opposing[OPPOSED_SLIP];
-    if (rubs) {
-        at->source_force[contact] = vec3_add(at->source_force[contact], opposing[OPPOSED_SLIP]);
-    }
-    if (SCENE_ANY_ROLLING) {
-        turning->resistance[contact] = vec3_make(0.0, 0.0, 0.0);
-        for (int i = 1; i < contact_opposed(v, contact); ++i) {
-            turning->resistance[contact] = vec3_add(turning->resistance[contact], opposing[i]);
-        }
-    }
+    at->source_force[contact] = vec3_add(at->source_force[contact], turning->friction_force[contact]);
     put_torques(v, at, contact);
 }
 
@@ -889,13 +883,8 @@ struct turning_laws turning_laws_of(const struct scene_values *v, const struct s
 {
     struct turning_laws laws = {.normal = scene_contact_law(v, q, contact),
                                 .regime = (enum contact_regime)q->contact[contact].regime};
-    const int parts = contact_opposed(v, contact);
     for (int i = 0; i < OPPOSED; ++i) {
-        if (i < parts) {
-            laws.rubbing[i] = scene_friction_law(v, q, contact, i);
-        } else {
-            laws.rubbing[i].kind = FRICTION_NONE;
-        }
+        laws.rubbing[i] = scene_friction_law(v, q, contact, i);
         laws.rubbing_regime[i] = SCENE_ANY_FRICTION
                                      ? (enum friction_regime)q->contact[contact].friction_regime[i]
                                      : FRICTION_LIFTED;

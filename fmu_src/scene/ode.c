@@ -81,15 +81,7 @@ static void lay_out_group(const struct scene_values *v, const bool has[SCENE_BOD
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (of_body[i] == group) {
             layout->body[i] = take_states(has[i] && body_is_free(v, i), BODY_STATES, next);
-        }
-    }
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (of_body[i] == group) {
             layout->spin[i] = take_states(has[i] && body_turns_freely(v, i), 3, next);
-        }
-    }
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (of_body[i] == group) {
             layout->orientation[i] = take_states(layout->spin[i] >= 0 && body_tips(v, i), 4, next);
         }
     }
@@ -110,7 +102,6 @@ struct ode_layout ode_layout_of(const struct scene_values *v, const struct scene
     find_groups(v, q, of_body, &layout);
     memset(layout.spring, -1, sizeof layout.spring);
     memset(layout.spin, -1, sizeof layout.spin);
-    memset(layout.orientation, -1, sizeof layout.orientation);
     for (int group = 0; group < layout.groups; ++group) {
         lay_out_group(v, has, of_body, group, &layout, &next);
         layout.group_end[group] = next;
@@ -735,31 +726,23 @@ static void put_column_of_body(struct linearization *l, int body, int column)
     along->orientation[body][1] = along->given_orientation[body] = (struct quaternion){0.0, 0.0, 0.0, 0.0};
 }
 
-/* Changes component k of the orientation in y, a quaternion of any length, at constant L / I_1. As the axis
- * changes, omega changes too. A compound body, whose omega is M L / I_1, turns by a vector r, and omega
- * changes by r x omega - M (r x L / I_1). */
+/* Changes component k of the orientation in y, a quaternion of any length, at constant L / I_1. As the body
+ * turns by a vector r, its angular velocity omega = M L / I_1 changes by r x omega - M (r x L / I_1). */
 static void change_orientation(struct linearization *l, int body, int k)
 {
     const struct scene_values *v = l->ode->values;
     const struct body_turn *turn = &l->at.turning.body[body];
     const struct quaternion q = four_from(l->y + l->ode->layout.orientation[body]);
     const struct vec3 spin = vec3_from(l->y + l->ode->layout.spin[body]);
+    const struct quaternion back = quaternion_inverse(turn->orientation);
     struct scene_jet *along = &l->along;
     along->given_orientation[body] = (struct quaternion){k == 0, k == 1, k == 2, k == 3};
     turning_jet_move_orientation(body, turn->orientation, sqrt(quaternion_dot(q, q)), k, 1.0, along);
-    if (body_is_compound(body)) {
-        const struct quaternion back = quaternion_inverse(turn->orientation);
-        const struct vec3 r =
-            vec3_scale(2.0, quaternion_vector(quaternion_product(along->orientation[body][1], back)));
-        const struct vec3 held = body_rotation_of(v, body, turn->orientation, vec3_cross(r, spin));
-        along->angular_velocity[body][1] = vec3_sub(vec3_cross(r, turn->angular_velocity), held);
-        return;
-    }
-    struct vec3 e[JET_TERMS];
-    jet_axis_of(along, body, e);
-    along->angular_velocity[body][1] =
-        vec3_scale(body_flatness(v, body),
-                   vec3_axpy(vec3_scale(vec3_dot(spin, e[1]), e[0]), vec3_dot(spin, e[0]), e[1]));
+    const struct vec3 r =
+        vec3_scale(2.0, quaternion_vector(quaternion_product(along->orientation[body][1], back)));
+    const struct vec3 turned = body_part_that_turns(v, body, vec3_cross(r, turn->angular_velocity));
+    const struct vec3 held = body_rotation_of(v, body, turn->orientation, vec3_cross(r, spin));
+    along->angular_velocity[body][1] = vec3_sub(turned, held);
 }
 
 /* Writes the columns of a body's states. */
@@ -938,20 +921,16 @@ static bool keeps_energy(const struct scene_values *v, const struct scene_state 
            body_is_undriven(v, q, contact_destination(contact));
 }
 
-/* The terms of the energy of a contact's relative motion [J]. */
-struct relative_energy {
-    double kinetic, stored, potential;
-};
-
-/* The potential counts only where one body is not free, because two free bodies fall together. */
-static struct relative_energy relative_energy_of(const struct scene_values *v, const struct scene_state *q,
-                                                 const struct scene_instant *at, int contact)
+/* Returns the terms of the energy of a contact's relative motion [J]. The potential counts only where one
+ * body is not free, because two free bodies fall together. */
+static struct scene_energies relative_energy_of(const struct scene_values *v, const struct scene_state *q,
+                                                const struct scene_instant *at, int contact)
 {
     const struct contact_law law = scene_contact_law(v, q, contact);
     const double mass = 1.0 / scene_inverse_mass(v, contact);
     const bool source_is_free = body_is_free(v, contact_source(contact));
     const bool destination_is_free = body_is_free(v, contact_destination(contact));
-    struct relative_energy energy = {
+    struct scene_energies energy = {
         .kinetic = 0.5 * mass * vec3_dot(at->rate[contact], at->rate[contact]),
         .stored = contact_stored_energy(&law, (enum contact_regime)q->contact[contact].regime,
                                         at->geometry[contact].gap)};
@@ -967,7 +946,7 @@ double projection_balance(const struct scene_values *v, const struct scene_state
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (keeps_energy(v, q, j)) {
-            const struct relative_energy energy = relative_energy_of(v, q, at, j);
+            const struct scene_energies energy = relative_energy_of(v, q, at, j);
             return energy.kinetic + energy.stored + energy.potential;
         }
     }
@@ -1007,7 +986,7 @@ static const double MOST_STEPS = 1e4;
 
 /* Whether the missing energy [J] exceeds the rounding of its terms, but is explained by an error of
  * `tolerated` [m/s] and by rounding in each step of the integrator. */
-static bool is_integration_error(double missing, const struct relative_energy *energy, double mass,
+static bool is_integration_error(double missing, const struct scene_energies *energy, double mass,
                                  double gap_rate, double speed, double tolerated)
 {
     const double terms = energy->kinetic + energy->stored + fabs(energy->potential);
@@ -1028,7 +1007,7 @@ void projection_restore_energy(const struct scene_values *v, struct scene_state 
     const int destination = contact_destination(contact);
     const double by_both = scene_inverse_mass(v, contact);
     const double gap_rate = at.geometry[contact].gap_rate;
-    const struct relative_energy energy = relative_energy_of(v, q, &at, contact);
+    const struct scene_energies energy = relative_energy_of(v, q, &at, contact);
     const double missing = q->phase_energy - (energy.kinetic + energy.stored + energy.potential);
     if (!is_integration_error(missing, &energy, 1.0 / by_both, gap_rate, vec3_norm(at.rate[contact]),
                               tolerated)) {

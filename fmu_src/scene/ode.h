@@ -7,9 +7,9 @@
  *
  * and where bodies turn or rub (scene_turns)
  *
- *   y = (moved, v of each free body; L / I_1 [rad/s] of each body of free rotation;
- *        orientation (w, x, y, z) of those with an axis; spring xi [m] of each elastic friction, theta [rad]
- *        of each elastic resistance to rolling or spinning;
+ *   y = (moved, v of each free body, L / I_1 [rad/s] of each body of free rotation, orientation (w, x, y, z)
+ *        of those with an axis, body by body; spring xi [m] of each elastic friction, theta [rad] of each
+ *        elastic resistance to rolling or spinning;
  *        orientation of the spheres among them;
  *        impulse, impulse of torque on the source and on the destination of each contact [N s, N m s];
  *        dissipated energy, external work, work on friction and its springs [J])

@@ -262,13 +262,11 @@ static void put_turning(const struct scene_values *v, const struct scene_state *
     add_levers_to_arms(along, contact, turning);
     put_friction(v, q, contact, along);
     for (int i = 0; i < path->terms; ++i) {
-        turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
-        turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
-        if (contact_resists(v, contact)) {
-            const struct vec3 resistance = turning->resistance[i];
-            turning->source_torque[i] = vec3_add(turning->source_torque[i], resistance);
-            turning->destination_torque[i] = vec3_sub(turning->destination_torque[i], resistance);
-        }
+        const struct vec3 resistance = turning->resistance[i];
+        turning->source_torque[i] =
+            vec3_add(turning_jet_cross(turning->source_arm, jet->source_force, i), resistance);
+        turning->destination_torque[i] =
+            vec3_sub(turning_jet_cross(jet->source_force, turning->destination_arm, i), resistance);
     }
 }
 
