@@ -144,11 +144,11 @@ struct vec3 friction_force(const struct friction_law *law, enum friction_regime 
                                        : vec3_scale(-limit, direction_of(force).unit);
 }
 
-/* Returns the derivatives of F_t. */
-CONTACT_NOT_FUSED static struct friction_slopes
+/* Returns the derivatives of F_t by v_t, xi and F_n. */
+CONTACT_NOT_FUSED static struct friction_response
 friction_force_slopes(const struct friction_law *law, enum friction_regime regime, struct friction_state at)
 {
-    struct friction_slopes slopes = {.by_slip = {{0.0}}, .by_spring = {{0.0}}};
+    struct friction_response slopes = {.by_slip = {{0.0}}};
     const double limit = friction_limit(law, regime, at.normal_force);
     if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
         return slopes;
@@ -187,30 +187,17 @@ struct vec3 opposed_laid(enum opposed part, struct vec3 spring, struct vec3 norm
     return part == OPPOSED_SPINNING ? along : vec3_sub(spring, along);
 }
 
-/* Least length of the turning spring divided by its typical length. A shorter spring turns faster, up to this
- * length. The bound changes the rate at the typical length by a fraction of 1e-10. */
-static const double SHORTEST = 1e-5;
-
-/* Sliding friction without a dashpot keeps the length |xi|, and the slip only turns the spring: xi' is the
- * factor `value` [1] times the part of the slip across xi. `by_limit` and `by_length` are the derivatives of
- * the factor with respect to L and |xi|. */
-struct turning_factor {
-    double value, by_limit, by_length;
-};
-
-static struct turning_factor turning_factor_of(double k, double limit, double length)
+/* Returns the factor by which sliding friction without a dashpot turns its spring: xi' is this factor [1]
+ * times the part of the slip across xi, and keeps the length |xi|. */
+static double turning_factor(const struct friction_law *law, struct friction_state at, double limit)
 {
-    const double floor = SHORTEST * k * length;
+    const double reach = stiffness_at(law, at) * vec3_norm(at.spring);
+    const double floor = FRICTION_LEAST_LENGTH * reach;
     const double square = limit * limit + floor * floor;
-    if (!(square > 0.0)) {
-        return (struct turning_factor){0.0, 0.0, 0.0};
-    }
-    const double excess = (limit * limit - floor * floor) / (square * square);
-    return (struct turning_factor){k * length * limit / square, -k * length * excess, k * limit * excess};
+    return square > 0.0 ? reach * limit / square : 0.0;
 }
 
-/* Whether a regime has a spring: without a dashpot no force holds the spring of a contact that is lifted. */
-static bool has_spring(const struct friction_law *law, enum friction_regime regime)
+bool friction_has_spring(const struct friction_law *law, enum friction_regime regime)
 {
     return law->kind == FRICTION_ELASTIC && (regime != FRICTION_LIFTED || has_dashpot(law));
 }
@@ -218,78 +205,13 @@ static bool has_spring(const struct friction_law *law, enum friction_regime regi
 struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
                                  struct friction_state at)
 {
-    if (!has_spring(law, regime)) {
-        return vec3_make(0.0, 0.0, 0.0);
-    }
-    if (regime == FRICTION_STICKING) {
-        return at.slip;
-    }
-    const double limit = friction_limit(law, regime, at.normal_force);
-    const struct direction f = direction_of(carried(law, at));
-    if (has_dashpot(law)) {
-        const struct vec3 excess = vec3_axpy(vec3_scale(limit, f.unit), -stiffness_at(law, at), at.spring);
-        return vec3_scale(1.0 / law->damping, excess);
-    }
-    const struct vec3 across = vec3_axpy(at.slip, -vec3_dot(at.slip, f.unit), f.unit);
-    const double length = vec3_norm(at.spring);
-    return vec3_scale(turning_factor_of(stiffness_at(law, at), limit, length).value, across);
-}
-
-static struct friction_slopes damped_spring_slopes(const struct friction_law *law,
-                                                   enum friction_regime regime, struct friction_state at)
-{
-    struct friction_slopes slopes = friction_force_slopes(law, regime, at);
-    const double factor = -1.0 / law->damping; /* xi' = -(F_t + k_t xi) / c_t */
-    slopes.by_normal_force = vec3_scale(factor, slopes.by_normal_force);
-    for (int i = 0; i < 3; ++i) {
-        slopes.by_spring[i][i] += stiffness_at(law, at);
-        for (int j = 0; j < 3; ++j) {
-            slopes.by_slip[i][j] *= factor;
-            slopes.by_spring[i][j] *= factor;
-        }
-    }
-    return slopes;
-}
-
-/* Returns the derivatives of xi' = f P v_t with u = xi / |xi|, P = I - u u^T and the turning factor f(L,
- * |xi|). The derivative with respect to xi is f_|xi| P v_t u^T - f / |xi| ((u . v_t) P + u (P v_t)^T), where
- * f_|xi| is df/d|xi|. */
-static struct friction_slopes direction_slopes(const struct friction_law *law, enum friction_regime regime,
-                                               struct friction_state at)
-{
-    struct friction_slopes slopes;
-    const struct direction xi = direction_of(at.spring);
-    const double along = vec3_dot(at.slip, xi.unit);
-    const struct vec3 across = vec3_axpy(at.slip, -along, xi.unit);
-    const double limit = friction_limit(law, regime, at.normal_force);
-    const struct turning_factor factor = turning_factor_of(stiffness_at(law, at), limit, xi.length);
-    const double per_length = xi.length > 0.0 ? factor.value / xi.length : 0.0;
-    slopes.by_normal_force = vec3_scale(factor.by_limit * limit_slope(law, regime), across);
-    set_axial(slopes.by_slip, xi.unit, 0.0, factor.value);
-    set_axial(slopes.by_spring, xi.unit, 0.0, -per_length * along);
-    matrix3_add_outer(slopes.by_spring, factor.by_length, across, xi.unit);
-    matrix3_add_outer(slopes.by_spring, -per_length, xi.unit, across);
-    return slopes;
-}
-
-struct friction_slopes friction_spring_rate_slopes(const struct friction_law *law,
-                                                   enum friction_regime regime, struct friction_state at)
-{
-    struct friction_slopes slopes = {.by_slip = {{0.0}}, .by_spring = {{0.0}}};
-    if (!has_spring(law, regime)) {
-        return slopes;
-    }
-    if (regime == FRICTION_STICKING) {
-        set_axial(slopes.by_slip, at.slip, 1.0, 1.0);
-        return slopes;
-    }
-    return has_dashpot(law) ? damped_spring_slopes(law, regime, at) : direction_slopes(law, regime, at);
+    return friction_spring_rate_under(law, regime, at, friction_force(law, regime, at));
 }
 
 struct vec3 friction_spring(const struct friction_law *law, enum friction_regime regime,
                             struct friction_state at)
 {
-    if (!has_spring(law, regime)) {
+    if (!friction_has_spring(law, regime)) {
         return vec3_make(0.0, 0.0, 0.0);
     }
     if (!slides(regime) || has_dashpot(law)) {
@@ -358,34 +280,28 @@ struct friction_response friction_response_of(const struct friction_law *law, en
             vec3_scale(-limit_slope(law, regime) * by_force * part / (1.0 - part), f.unit);
         return response;
     }
-    const struct friction_slopes slopes = friction_force_slopes(law, regime, at);
-    response.by_normal_force = vec3_scale(-admittance, slopes.by_normal_force);
+    response = friction_force_slopes(law, regime, at);
+    response.by_normal_force = vec3_scale(-admittance, response.by_normal_force);
     for (int i = 0; i < 3; ++i) {
         response.by_force[i][i] = admittance;
         for (int j = 0; j < 3; ++j) {
-            response.by_slip[i][j] = -admittance * slopes.by_slip[i][j];
-            response.by_spring[i][j] = -admittance * slopes.by_spring[i][j];
+            response.by_slip[i][j] *= -admittance;
+            response.by_spring[i][j] *= -admittance;
         }
     }
     return response;
-}
-
-/* Whether the rate of the spring follows F_t alone (struct friction_spring_drive). */
-static bool spring_follows_force(const struct friction_law *law, enum friction_regime regime)
-{
-    return has_spring(law, regime) && has_dashpot(law) && regime != FRICTION_STICKING;
 }
 
 struct friction_spring_drive friction_spring_drive_of(const struct friction_law *law,
                                                       enum friction_regime regime, struct friction_state at)
 {
     struct friction_spring_drive drive = {.is_force = false};
-    if (!has_spring(law, regime)) {
+    if (!friction_has_spring(law, regime)) {
         return drive;
     }
     if (regime == FRICTION_STICKING) {
         drive.along = drive.across = 1.0;
-    } else if (spring_follows_force(law, regime)) {
+    } else if (has_dashpot(law)) {
         drive.is_force = true;
         drive.decay = stiffness_at(law, at) / law->damping;
         drive.along = drive.across = -1.0 / law->damping;
@@ -393,7 +309,7 @@ struct friction_spring_drive friction_spring_drive_of(const struct friction_law 
         const struct direction xi = direction_of(at.spring);
         const double limit = friction_limit(law, regime, at.normal_force);
         drive.unit = xi.unit;
-        drive.across = turning_factor_of(stiffness_at(law, at), limit, xi.length).value;
+        drive.across = turning_factor(law, at, limit);
         drive.decay =
             xi.length > 0.0 ? fmax(drive.across / xi.length * vec3_dot(at.slip, xi.unit), 0.0) : 0.0;
     }
@@ -403,10 +319,11 @@ struct friction_spring_drive friction_spring_drive_of(const struct friction_law 
 struct vec3 friction_spring_rate_under(const struct friction_law *law, enum friction_regime regime,
                                        struct friction_state at, struct vec3 force)
 {
-    if (!spring_follows_force(law, regime)) {
-        return friction_spring_rate(law, regime, at);
-    }
-    return vec3_scale(-1.0 / law->damping, vec3_axpy(force, stiffness_at(law, at), at.spring));
+    const struct friction_spring_drive drive = friction_spring_drive_of(law, regime, at);
+    const struct vec3 z = drive.is_force ? force : at.slip;
+    const double along = (drive.along - drive.across) * vec3_dot(drive.unit, z);
+    const struct vec3 rate = vec3_axpy(vec3_scale(drive.across, z), along, drive.unit);
+    return drive.is_force ? vec3_axpy(rate, -drive.decay, at.spring) : rate;
 }
 
 bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime)

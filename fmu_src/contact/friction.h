@@ -82,12 +82,6 @@ struct friction_state {
     double depth_rate;   /* delta' [m/s], for the onset and the stick event alone */
 };
 
-/* Derivatives of a vector with respect to a friction_state: component i with respect to component j. */
-struct friction_slopes {
-    struct vec3 by_normal_force;
-    double by_slip[3][3], by_spring[3][3];
-};
-
 /* Least penetration [m] at which k_t is evaluated, so that divisions by k_t at the touch have their limits.
  * Its power 3/2 is far above the least double. */
 #define FRICTION_LEAST_DEPTH 1e-100
@@ -109,13 +103,18 @@ enum friction_regime friction_sliding_regime(const struct friction_law *law, dou
 enum friction_regime friction_onset_regime(const struct friction_law *law, struct friction_state at,
                                            double normal_force_rate);
 
-/* Return F_t on the source [N], xi' [m/s] and the derivatives of xi'. */
+/* Return F_t on the source [N] and xi' [m/s]. */
 struct vec3 friction_force(const struct friction_law *law, enum friction_regime regime,
                            struct friction_state at);
 struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
                                  struct friction_state at);
-struct friction_slopes friction_spring_rate_slopes(const struct friction_law *law,
-                                                   enum friction_regime regime, struct friction_state at);
+
+/* Least length of the turning spring divided by its typical length. A shorter spring turns faster, up to this
+ * length. The bound changes the rate at the typical length by a fraction of 1e-10. */
+#define FRICTION_LEAST_LENGTH 1e-5
+
+/* Whether a regime has a spring: without a dashpot no force holds the spring of a contact that is lifted. */
+bool friction_has_spring(const struct friction_law *law, enum friction_regime regime);
 
 /* Returns the rate at which the normal, with the rate n', turns the spring of an opposed motion [m/s, rad/s]:
  * a spring across n stays across it, and a spring along n stays along it. */

@@ -32,30 +32,18 @@ static double three_halves(double gap)
     return gap < 0.0 ? -gap * sqrt(-gap) : 0.0;
 }
 
-/* Sets the Taylor coefficients 0..order of delta^exponent. */
-static void power_of_depth(const double *gap, double exponent, int order, double power[TAYLOR_TERMS])
+/* Sets the Taylor coefficients 0..order of the spring's force per stiffness: of -g, or under Hertz's law of
+ * delta^(3/2), which is zero where the path begins at g >= 0. */
+static void put_spring_terms(const struct contact_law *law, const double *gap, int order,
+                             double spring[TAYLOR_TERMS])
 {
     double depth[TAYLOR_TERMS];
     for (int i = 0; i <= order; ++i) {
         depth[i] = -gap[i];
-        power[i] = depth[0] > 0.0 ? taylor_power(depth, exponent, power, i) : 0.0;
+        spring[i] = !contact_is_hertz(law) ? depth[i]
+                    : depth[0] > 0.0       ? taylor_power(depth, 1.5, spring, i)
+                                           : 0.0;
     }
-}
-
-/* Return the Taylor coefficient `order` of the stored energy and of the spring's part of F_n along a path,
- * from the coefficients 0..order of g. Both are zero where the path begins at g >= 0. */
-static double hertz_energy_term(double stiffness, const double *gap, int order)
-{
-    double power[TAYLOR_TERMS];
-    power_of_depth(gap, 2.5, order, power);
-    return 0.4 * stiffness * power[order];
-}
-
-static double hertz_spring_term(double stiffness, const double *gap, int order)
-{
-    double power[TAYLOR_TERMS];
-    power_of_depth(gap, 1.5, order, power);
-    return stiffness * power[order];
 }
 
 double hertz_modulus(struct contact_material source, struct contact_material destination)
@@ -285,30 +273,23 @@ CONTACT_COLD static double restitution_hunt_crossley(double restitution, enum da
                                             : first_met(dissipates_too_little, e, 1.0 / e);
 }
 
+/* Whether the law gives a force in a regime. */
+static bool regime_pushes(enum contact_regime regime)
+{
+    return regime == REGIME_COMPRESSION || regime == REGIME_RESTITUTION;
+}
+
 struct contact_coefficients contact_coefficients_of(const struct contact_law *law, enum contact_regime regime)
 {
-    struct contact_coefficients coefficients = {0.0, 0.0};
-    if (contact_is_hertz(law)) {
-        return coefficients;
+    if (contact_is_hertz(law) || !regime_pushes(regime)) {
+        return (struct contact_coefficients){0.0, 0.0};
     }
-    if (regime == REGIME_COMPRESSION || regime == REGIME_RESTITUTION) {
-        coefficients.k = law->stiffness;
-    }
-    if (regime == REGIME_COMPRESSION) {
-        coefficients.c = law->damping;
-    }
-    return coefficients;
+    return (struct contact_coefficients){law->stiffness, regime == REGIME_COMPRESSION ? law->damping : 0.0};
 }
 
 struct contact_coefficients contact_factors_of(const struct contact_law *law)
 {
     return (struct contact_coefficients){law->stiffness, law->damping};
-}
-
-/* Whether the law gives a force in a regime. */
-static bool regime_pushes(enum contact_regime regime)
-{
-    return regime == REGIME_COMPRESSION || regime == REGIME_RESTITUTION;
 }
 
 /* Returns the damping factor chi of Hertz's law in a regime [s/m]. */
@@ -366,36 +347,30 @@ struct contact_slopes contact_force_slopes(const struct contact_law *law, enum c
     return (struct contact_slopes){-linear.k, -linear.c};
 }
 
-/* Returns the coefficient of Hertz's force, with the changes of its factors along the path: a change of k_h
- * scales the whole force, a change of chi only its viscous part. */
-static double hertz_term(const struct contact_law *law, const struct contact_law *change,
-                         enum contact_regime regime, const double *gap, const double *gap_rate, int order)
+/* Along the path a change of k_h scales the whole force of Hertz's law, a change of chi only its viscous
+ * part. */
+double contact_force_term(const struct contact_law *law, const struct contact_law *change,
+                          enum contact_regime regime, const double *gap, const double *gap_rate, int order)
 {
-    double power[TAYLOR_TERMS];
+    if (!contact_is_hertz(law)) {
+        const struct contact_coefficients linear = contact_coefficients_of(law, regime);
+        const struct contact_coefficients slope = contact_coefficients_of(change, regime);
+        const double force = contact_linear_force(linear, gap[order], gap_rate[order]);
+        return order > 0 ? force + contact_linear_force(slope, gap[order - 1], gap_rate[order - 1]) : force;
+    }
+    double spring[TAYLOR_TERMS];
     const double chi = hertz_damping_in(law, regime);
     if (!regime_pushes(regime)) {
         return 0.0;
     }
-    power_of_depth(gap, 1.5, order, power);
-    double force = law->stiffness * (power[order] - chi * taylor_multiply(power, gap_rate, order));
+    put_spring_terms(law, gap, order, spring);
+    double force = law->stiffness * (spring[order] - chi * taylor_multiply(spring, gap_rate, order));
     if (order > 0) {
-        const double viscous = taylor_multiply(power, gap_rate, order - 1);
-        force += change->stiffness * (power[order - 1] - chi * viscous) -
+        const double viscous = taylor_multiply(spring, gap_rate, order - 1);
+        force += change->stiffness * (spring[order - 1] - chi * viscous) -
                  law->stiffness * hertz_damping_in(change, regime) * viscous;
     }
     return force;
-}
-
-double contact_force_term(const struct contact_law *law, const struct contact_law *change,
-                          enum contact_regime regime, const double *gap, const double *gap_rate, int order)
-{
-    if (contact_is_hertz(law)) {
-        return hertz_term(law, change, regime, gap, gap_rate, order);
-    }
-    const struct contact_coefficients linear = contact_coefficients_of(law, regime);
-    const struct contact_coefficients slope = contact_coefficients_of(change, regime);
-    const double force = contact_linear_force(linear, gap[order], gap_rate[order]);
-    return order > 0 ? force + contact_linear_force(slope, gap[order - 1], gap_rate[order - 1]) : force;
 }
 
 bool contact_has_events(const struct contact_law *law)
@@ -469,23 +444,25 @@ double contact_stored_energy(const struct contact_law *law, enum contact_regime 
 
 double contact_stored_slope(const struct contact_law *law, enum contact_regime regime, double gap)
 {
-    return regime == REGIME_APART  ? 0.0
-           : contact_is_hertz(law) ? -law->stiffness * three_halves(gap)
-                                   : law->stiffness * gap;
+    return regime == REGIME_APART ? 0.0 : -contact_force(law, REGIME_RESTITUTION, gap, 0.0);
 }
 
+/* The rate of the energy along a path is the spring's force times the rate of the depth. */
 double contact_stored_term(const struct contact_law *law, const struct contact_law *change,
                            enum contact_regime regime, const double *gap, int order)
 {
-    if (regime == REGIME_APART) {
-        return 0.0;
+    double spring[TAYLOR_TERMS];
+    if (order == 0 || regime == REGIME_APART) {
+        return contact_stored_energy(law, regime, gap[0]);
     }
-    if (contact_is_hertz(law)) {
-        const double energy = hertz_energy_term(law->stiffness, gap, order);
-        return order > 0 ? energy + hertz_energy_term(change->stiffness, gap, order - 1) : energy;
+    const struct contact_law changed = {.stiffness = change->stiffness, .law = law->law};
+    const struct contact_law constant = {.law = law->law};
+    double energy = contact_stored_term(&changed, &constant, regime, gap, order - 1);
+    put_spring_terms(law, gap, order - 1, spring);
+    for (int i = 1; i <= order; ++i) {
+        energy -= law->stiffness * spring[order - i] * gap[i] * i / order;
     }
-    const double energy = 0.5 * law->stiffness * taylor_multiply(gap, gap, order);
-    return order > 0 ? energy + 0.5 * change->stiffness * taylor_multiply(gap, gap, order - 1) : energy;
+    return energy;
 }
 
 double contact_dissipated_term(const struct contact_law *law, enum contact_regime regime,
@@ -493,9 +470,10 @@ double contact_dissipated_term(const struct contact_law *law, enum contact_regim
                                int order)
 {
     double viscous[TAYLOR_TERMS]; /* F_n + dE_c/dg */
+    double spring[TAYLOR_TERMS];
+    put_spring_terms(law, gap, order, spring);
     for (int i = 0; i <= order; ++i) {
-        viscous[i] = normal_force[i] + (contact_is_hertz(law) ? -hertz_spring_term(law->stiffness, gap, i)
-                                                              : law->stiffness * gap[i]);
+        viscous[i] = normal_force[i] - law->stiffness * spring[i];
     }
     return regime == REGIME_APART ? 0.0 : -taylor_multiply(viscous, gap_rate, order);
 }

@@ -155,6 +155,38 @@ static double gap_at(const struct contact_shape *shape, double distance)
     return fills_shell(shape) ? (other - source) - distance : (other - distance) - source;
 }
 
+/* Sets the offset from a circle, where n points to the circle's nearest point. Let a be the unit vector from
+ * the source's centre to the axis, perpendicular to the axis, and e the axis. Relative to the source's
+ * centre, the centre of the circle is at rho a - beyond e; the nearest point of the circle is its radius R
+ * times a closer. On the axis all points of the circle are equally near, and a may be any of the unit vectors
+ * across the axis. */
+static void put_circle(const struct contact_shape *shape, struct vec3 c, struct contact_geometry *at)
+{
+    const double axial = vec3_dot(c, shape->axis);
+    struct vec3 across = vec3_axpy(c, -axial, shape->axis);
+    double rho = vec3_norm(across); /* above R in the zone of a rim */
+    if (contact_is_torus(shape) && !(rho > DBL_MIN)) {
+        rho = DBL_EPSILON * shape->solid.radius;
+        across = vec3_scale(rho, across_axis(shape->axis));
+    }
+    const double radial = rho - shape->solid.radius;
+    const double beyond = -axial - shape->solid.half_height;
+    at->offset = vec3_axpy(vec3_scale(radial / rho, across), -beyond, shape->axis);
+    at->circumferential = vec3_cross(shape->axis, vec3_scale(1.0 / rho, across));
+    at->circumferential_part = shape->solid.radius / rho;
+    at->gap_terms = shape->solid.radius + shape->solid.half_height;
+    at->axial = shape->solid.race * rho + (shape->solid.race < 0 ? 2.0 * shape->solid.radius : 0.0);
+}
+
+/* Makes n perpendicular to the axis of a cylinder where the centre is on the axis. n may come from a cap or a
+ * rim, or from a time at which the axis pointed elsewhere. */
+static void hold_across(const struct contact_shape *side, struct contact_geometry *at)
+{
+    const struct vec3 across = contact_across(side, at->normal);
+    const double size = vec3_norm(across);
+    at->normal = size > 0.0 ? vec3_scale(1.0 / size, across) : contact_default_normal(side);
+}
+
 static struct contact_geometry geometry_in(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
                                            struct vec3 fallback)
 {
@@ -162,6 +194,8 @@ static struct contact_geometry geometry_in(const struct contact_shape *shape, st
     if (contact_is_cylinder(shape)) {
         at.axial = vec3_dot(c, shape->axis);
         at.offset = contact_across_axis(shape, c, at.axial);
+    } else if (contact_is_circle(shape)) {
+        put_circle(shape, c, &at);
     }
     if (contact_is_plane(shape)) {
         at.normal = vec3_sub(vec3_make(0.0, 0.0, 0.0), shape->axis);
@@ -175,8 +209,11 @@ static struct contact_geometry geometry_in(const struct contact_shape *shape, st
         at.normal =
             (struct vec3){at.offset.x / at.distance, at.offset.y / at.distance, at.offset.z / at.distance};
     }
+    if (at.degenerate && contact_is_cylinder(shape)) {
+        hold_across(shape, &at);
+    }
     at.gap = gap_at(shape, at.distance);
-    at.gap_terms = fills_shell(shape) ? contact_reach(shape) : shape->source_radius + shape->other_radius;
+    at.gap_terms += fills_shell(shape) ? contact_reach(shape) : shape->source_radius + shape->other_radius;
     at.gap_rate = shape->side * vec3_dot(at.normal, w);
     return at;
 }
@@ -260,54 +297,9 @@ static struct contact_shape skew_shape_in(struct contact_shape in)
     return in;
 }
 
-/* Returns the geometry of a circle, where n points to the circle's nearest point. Let a be the unit vector
- * from the source's centre to the axis, perpendicular to the axis, and e the axis. Relative to the source's
- * centre, the centre of the circle is at rho a - beyond e; the nearest point of the circle is its radius R
- * times a closer. On the axis all points of the circle are equally near, and a may be any of the unit vectors
- * across the axis. */
-static struct contact_geometry geometry_of_circle(const struct contact_shape *shape, struct vec3 c,
-                                                  struct vec3 w, struct vec3 fallback)
-{
-    struct contact_geometry at = {.normal = fallback};
-    const double axial = vec3_dot(c, shape->axis);
-    struct vec3 across = vec3_axpy(c, -axial, shape->axis);
-    double rho = vec3_norm(across); /* above R in the zone of a rim */
-    if (contact_is_torus(shape) && !(rho > DBL_MIN)) {
-        rho = DBL_EPSILON * shape->solid.radius;
-        across = vec3_scale(rho, across_axis(shape->axis));
-    }
-    const double radial = rho - shape->solid.radius;
-    const double beyond = -axial - shape->solid.half_height;
-    at.offset = vec3_axpy(vec3_scale(radial / rho, across), -beyond, shape->axis);
-    at.distance = vec3_norm(vec3_make(radial, beyond, 0.0));
-    at.degenerate = !(at.distance > 0.0);
-    if (!at.degenerate) {
-        at.normal = vec3_scale(1.0 / at.distance, at.offset);
-    }
-    at.circumferential = vec3_cross(shape->axis, vec3_scale(1.0 / rho, across));
-    at.circumferential_part = shape->solid.radius / rho;
-    at.gap = gap_at(shape, at.distance);
-    at.gap_terms =
-        shape->source_radius + shape->other_radius + shape->solid.radius + shape->solid.half_height;
-    at.gap_rate = shape->side * vec3_dot(at.normal, w);
-    at.axial = shape->solid.race * rho + (shape->solid.race < 0 ? 2.0 * shape->solid.radius : 0.0);
-    return at;
-}
-
-void contact_hold_across(const struct contact_shape *side, struct vec3 w, struct contact_geometry *at)
-{
-    const struct vec3 across = contact_across(side, at->normal);
-    const double size = vec3_norm(across);
-    at->normal = size > 0.0 ? vec3_scale(1.0 / size, across) : contact_default_normal(side);
-    at->gap_rate = side->side * vec3_dot(at->normal, w);
-}
-
 struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
                                             struct vec3 fallback)
 {
-    if (contact_is_torus(shape)) {
-        return geometry_of_circle(shape, c, w, fallback);
-    }
     if (!contact_is_zoned(shape)) {
         return geometry_in(shape, c, w, fallback);
     }
@@ -316,11 +308,7 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
         in = contact_shape_in(shape, contact_zone_at(&shape->solid, c));
     }
     c = contact_is_skew(&in) ? vec3_sub(c, skew_corner(&in.solid)) : c;
-    struct contact_geometry at =
-        contact_is_rim(&in) ? geometry_of_circle(&in, c, w, fallback) : geometry_in(&in, c, w, fallback);
-    if (at.degenerate && contact_is_cylinder(&in)) {
-        contact_hold_across(&in, w, &at);
-    }
+    struct contact_geometry at = geometry_in(&in, c, w, fallback);
     at.zone = in.solid.zone;
     if (contact_is_skew(&in)) {
         at.gap_terms += vec3_max_abs(skew_corner(&in.solid));
@@ -428,48 +416,44 @@ double contact_zone_margin(const struct contact_solid *solid, int zone, struct v
     return fmin(at.radial, beyond);
 }
 
-int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c, struct vec3 rate,
-                      double rounding)
+/* Returns the zone with the largest margin at c, but not the zone `except`. */
+static int nearest_zone(const struct contact_solid *solid, int except, struct vec3 c)
 {
-    static const int zones[] = {ZONE_SIDE, ZONE_RIM, -ZONE_RIM, ZONE_CAP, -ZONE_CAP};
-    /* 16 roundings ahead the zone is clear, unless c moves along the edge of two */
-    const double speed = vec3_norm(rate);
-    const struct vec3 ahead = speed > 0.0 ? vec3_axpy(c, 16.0 * rounding / speed, rate) : c;
-    if (solid_is_skew(solid)) {
-        return contact_zone_at(solid, ahead);
-    }
+    static const int capped[] = {ZONE_SIDE, ZONE_RIM, -ZONE_RIM, ZONE_CAP, -ZONE_CAP};
+    const bool is_skew = solid_is_skew(solid);
+    const int count = is_skew ? SKEW_LAST - SKEW_ZONE + 2 : (int)(sizeof capped / sizeof capped[0]);
     double most = -(double)INFINITY;
-    int next = 0;
-    for (size_t i = 0; i < sizeof zones / sizeof zones[0]; ++i) {
-        const double margin = contact_zone_margin(solid, zones[i], ahead);
-        if (zones[i] != zone && margin > most) {
-            next = zones[i];
-            most = margin;
-        }
-    }
-    return next;
-}
-
-int contact_zone_at(const struct contact_solid *solid, struct vec3 c)
-{
-    if (!solid_is_skew(solid)) {
-        const struct solid_place place = contact_place_at(solid, c);
-        if (place.radial > 0.0 && place.axial > 0.0) {
-            return place.end * ZONE_RIM;
-        }
-        return place.radial >= place.axial ? ZONE_SIDE : place.end * ZONE_CAP;
-    }
-    const struct skew_frame *frame = contact_skew_frame(solid);
-    int nearest = -SKEW_FACE;
-    double most = skew_margin(frame, nearest, c);
-    for (int zone = SKEW_ZONE; zone <= SKEW_LAST; ++zone) {
-        const double margin = skew_margin(frame, zone, c);
-        if (margin > most) {
+    int nearest = 0;
+    for (int i = 0; i < count; ++i) {
+        const int zone = !is_skew ? capped[i] : i == 0 ? -SKEW_FACE : SKEW_ZONE + i - 1;
+        const double margin = contact_zone_margin(solid, zone, c);
+        if (zone != except && margin > most) {
             nearest = zone;
             most = margin;
         }
     }
     return nearest;
+}
+
+int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c, struct vec3 rate,
+                      double rounding)
+{
+    /* 16 roundings ahead the zone is clear, unless c moves along the edge of two */
+    const double speed = vec3_norm(rate);
+    const struct vec3 ahead = speed > 0.0 ? vec3_axpy(c, 16.0 * rounding / speed, rate) : c;
+    return nearest_zone(solid, solid_is_skew(solid) ? 0 : zone, ahead);
+}
+
+int contact_zone_at(const struct contact_solid *solid, struct vec3 c)
+{
+    if (solid_is_skew(solid)) {
+        return nearest_zone(solid, 0, c);
+    }
+    const struct solid_place place = contact_place_at(solid, c);
+    if (place.radial > 0.0 && place.axial > 0.0) {
+        return place.end * ZONE_RIM;
+    }
+    return place.radial >= place.axial ? ZONE_SIDE : place.end * ZONE_CAP;
 }
 
 bool contact_zone_jumps(const struct contact_solid *solid, int zone, int next, struct vec3 c, double distance,

@@ -143,10 +143,6 @@ double contact_reach(const struct contact_shape *shape);
 struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
                                             struct vec3 fallback);
 
-/* Makes n perpendicular to the axis of a cylinder where the centre is on the axis. n may come from a cap or a
- * rim, or from a time at which the axis pointed elsewhere. */
-void contact_hold_across(const struct contact_shape *side, struct vec3 w, struct contact_geometry *at);
-
 /* Returns the output e_c: towards the destination's centre (sphere) or the contact point (other shapes). */
 struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at);
 

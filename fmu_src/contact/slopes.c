@@ -22,41 +22,32 @@ struct vec3 jet_scale(const double *a, const struct vec3 *b, int order)
     return sum;
 }
 
-void jet_length(const struct vec3 a[JET_TERMS], double length[JET_TERMS])
+void jet_direction(const struct vec3 a[JET_TERMS], double length[JET_TERMS], struct vec3 unit[JET_TERMS])
 {
+    memset(length, 0, JET_TERMS * sizeof *length);
+    memset(unit, 0, JET_TERMS * sizeof *unit);
     length[0] = vec3_norm(a[0]);
-    for (int i = 1; i < JET_TERMS; ++i) {
-        length[i] = 0.0;
-    }
-    if (length[0] > 0.0) {
-        length[1] = vec3_dot(a[0], a[1]) / length[0];
-        length[2] =
-            (0.5 * vec3_dot(a[1], a[1]) + vec3_dot(a[0], a[2]) - 0.5 * length[1] * length[1]) / length[0];
+    if (!(length[0] > 0.0)) {
+        length[1] = vec3_norm(a[1]);
+        length[2] = length[1] > 0.0 ? vec3_dot(a[1], a[2]) / length[1] : 0.0;
         return;
     }
-    length[1] = vec3_norm(a[1]);
-    length[2] = length[1] > 0.0 ? vec3_dot(a[1], a[2]) / length[1] : 0.0;
-}
-
-void jet_divide(const struct vec3 a[JET_TERMS], const double by[JET_TERMS], struct vec3 quotient[JET_TERMS])
-{
-    for (int i = 1; i < JET_TERMS; ++i) {
-        struct vec3 rest = a[i];
+    for (int i = 0; i < JET_TERMS; ++i) {
         for (int k = 1; k <= i; ++k) {
-            rest = vec3_axpy(rest, -by[k], quotient[i - k]);
+            length[i] += k * vec3_dot(unit[i - k], a[k]) / i;
         }
-        quotient[i] = vec3_scale(1.0 / by[0], rest);
+        const struct vec3 rest = i > 0 ? vec3_sub(a[i], jet_scale(length, unit, i)) : a[0];
+        unit[i] = vec3_make(rest.x / length[0], rest.y / length[0], rest.z / length[0]);
     }
 }
 
-void jet_of_axis_distance(const struct vec3 c[JET_TERMS], const struct vec3 axis[JET_TERMS],
-                          struct vec3 across[JET_TERMS], double axial[JET_TERMS], double rho[JET_TERMS])
+void jet_across(const struct vec3 c[JET_TERMS], const struct vec3 axis[JET_TERMS],
+                struct vec3 across[JET_TERMS], double axial[JET_TERMS])
 {
     for (int i = 0; i < JET_TERMS; ++i) {
         axial[i] = jet_dot(c, axis, i);
         across[i] = vec3_sub(c[i], jet_scale(axial, axis, i));
     }
-    jet_length(across, rho);
 }
 
 /* Sets the coefficients of the largest friction force L [N] in the regime. */
@@ -111,8 +102,9 @@ static void put_regularized(const struct friction_law *law, const struct frictio
     double s[JET_TERMS];
     double factor[JET_TERMS];
     double weight[JET_TERMS];
+    struct vec3 unit[JET_TERMS];
     const double v_0 = law->slip_velocity;
-    jet_length(path->slip, speed);
+    jet_direction(path->slip, speed, unit);
     const double z = speed[0] / v_0;
     put_saturation(z, s);
     factor[0] = s[0] / v_0;
@@ -131,7 +123,7 @@ void friction_force_terms(const struct friction_law *law, enum friction_regime r
     double stiffness[JET_TERMS];
     double length[JET_TERMS];
     struct vec3 pull[JET_TERMS]; /* of spring and dashpot */
-    struct vec3 unit[JET_TERMS] = {{0.0, 0.0, 0.0}};
+    struct vec3 unit[JET_TERMS];
     memset(force, 0, JET_TERMS * sizeof *force);
     if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
         return;
@@ -145,26 +137,53 @@ void friction_force_terms(const struct friction_law *law, enum friction_regime r
     for (int i = 0; i < JET_TERMS; ++i) {
         pull[i] = vec3_axpy(jet_scale(stiffness, path->spring, i), law->damping, path->slip[i]);
     }
-    jet_length(pull, length);
-    if (regime != FRICTION_STICKING && length[0] > 0.0) {
-        unit[0] = vec3_make(pull[0].x / length[0], pull[0].y / length[0], pull[0].z / length[0]);
-        jet_divide(pull, length, unit);
-    }
+    jet_direction(pull, length, unit);
     for (int i = 0; i < JET_TERMS; ++i) {
         force[i] = vec3_scale(-1.0, regime == FRICTION_STICKING ? pull[i] : jet_scale(limit, unit, i));
     }
 }
 
-void opposed_terms(enum opposed part, const struct vec3 slip[JET_TERMS], const struct vec3 omega[JET_TERMS],
-                   const struct vec3 normal[JET_TERMS], struct vec3 motion[JET_TERMS])
+/* xi' is -(F_t + k_t xi) / c_t with a dashpot; without one it is the part of the slip across xi times the
+ * factor k_t |xi| / (L + (1e-5 k_t |xi|)^2 / L). */
+struct vec3 friction_spring_rate_change(const struct friction_law *law, enum friction_regime regime,
+                                        const struct friction_path *path)
+{
+    struct vec3 force[JET_TERMS], unit[JET_TERMS], across[2];
+    double stiffness[JET_TERMS], limit[JET_TERMS], length[JET_TERMS];
+    double reach[2], factor[2], top[2], square[2], along[2];
+    if (!friction_has_spring(law, regime)) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    if (regime == FRICTION_STICKING) {
+        return path->slip[1];
+    }
+    put_stiffness(law, path, stiffness);
+    if (law->damping > 0.0) {
+        friction_force_terms(law, regime, path, force);
+        return vec3_scale(-1.0 / law->damping, vec3_add(force[1], jet_scale(stiffness, path->spring, 1)));
+    }
+    put_limit(law, regime, path, limit);
+    jet_direction(path->spring, length, unit);
+    for (int i = 0; i < 2; ++i) {
+        const double floor = FRICTION_LEAST_LENGTH * FRICTION_LEAST_LENGTH;
+        reach[i] = taylor_multiply(stiffness, length, i);
+        top[i] = taylor_multiply(reach, limit, i);
+        square[i] = taylor_multiply(limit, limit, i) + floor * taylor_multiply(reach, reach, i);
+        along[i] = jet_dot(path->slip, unit, i);
+        across[i] = vec3_sub(path->slip[i], jet_scale(along, unit, i));
+        factor[i] = reach[0] > 0.0 && square[0] > 0.0 ? taylor_divide(top, square, factor, i) : 0.0;
+    }
+    return jet_scale(factor, across, 1);
+}
+
+void opposed_laid_terms(enum opposed part, const struct vec3 a[JET_TERMS],
+                        const struct vec3 normal[JET_TERMS], struct vec3 laid[JET_TERMS])
 {
     double along[JET_TERMS];
     for (int i = 0; i < JET_TERMS; ++i) {
-        along[i] = jet_dot(omega, normal, i);
+        along[i] = jet_dot(a, normal, i);
         const struct vec3 spinning = jet_scale(along, normal, i);
-        motion[i] = part == OPPOSED_SLIP       ? slip[i]
-                    : part == OPPOSED_SPINNING ? spinning
-                                               : vec3_sub(omega[i], spinning);
+        laid[i] = part == OPPOSED_SPINNING ? spinning : vec3_sub(a[i], spinning);
     }
 }
 
@@ -200,19 +219,4 @@ void friction_stored_terms(const struct friction_law *law, enum friction_regime 
             is_limit ? taylor_divide(square, stiffness, twice, i) : taylor_multiply(stiffness, square, i);
         stored[i] = 0.5 * twice[i];
     }
-}
-
-static struct vec3 matrix_times(double m[3][3], struct vec3 a)
-{
-    return vec3_make(m[0][0] * a.x + m[0][1] * a.y + m[0][2] * a.z,
-                     m[1][0] * a.x + m[1][1] * a.y + m[1][2] * a.z,
-                     m[2][0] * a.x + m[2][1] * a.y + m[2][2] * a.z);
-}
-
-struct vec3 friction_slopes_along(const struct friction_slopes *slopes, double normal_force, struct vec3 slip,
-                                  struct vec3 spring)
-{
-    struct friction_slopes m = *slopes;
-    const struct vec3 by_motion = vec3_add(matrix_times(m.by_slip, slip), matrix_times(m.by_spring, spring));
-    return vec3_axpy(by_motion, normal_force, m.by_normal_force);
 }

@@ -50,10 +50,14 @@ struct friction_path {
 CONTACT_COLD void friction_force_terms(const struct friction_law *law, enum friction_regime regime,
                                        const struct friction_path *path, struct vec3 force[JET_TERMS]);
 
-/* Sets the series of an opposed motion (contact/friction.h) from those of the slip, omega and n. */
-CONTACT_COLD void opposed_terms(enum opposed part, const struct vec3 slip[JET_TERMS],
-                                const struct vec3 omega[JET_TERMS], const struct vec3 normal[JET_TERMS],
-                                struct vec3 motion[JET_TERMS]);
+/* Returns the change of xi' along a path, without what the normal turns (opposed_turned). */
+CONTACT_COLD struct vec3 friction_spring_rate_change(const struct friction_law *law,
+                                                     enum friction_regime regime,
+                                                     const struct friction_path *path);
+
+/* Sets the series of the part of a vector in which an opposed motion takes place (opposed_laid). */
+CONTACT_COLD void opposed_laid_terms(enum opposed part, const struct vec3 a[JET_TERMS],
+                                     const struct vec3 normal[JET_TERMS], struct vec3 laid[JET_TERMS]);
 
 /* Returns the change along a path of the rate at which n turns a spring (opposed_turned), from the first two
  * terms of the spring, of n and of n'. */
@@ -64,22 +68,14 @@ CONTACT_COLD struct vec3 opposed_turned_change(enum opposed part, const struct v
 CONTACT_COLD void friction_stored_terms(const struct friction_law *law, enum friction_regime regime,
                                         const struct friction_path *path, double stored[JET_TERMS]);
 
-/* Sets the series of the length of a vector. */
-CONTACT_COLD void jet_length(const struct vec3 a[JET_TERMS], double length[JET_TERMS]);
+/* Sets the series of the length and of the direction of a vector. The direction is zero where the vector is;
+ * its length then has the coefficients for s > 0. */
+CONTACT_COLD void jet_direction(const struct vec3 a[JET_TERMS], double length[JET_TERMS],
+                                struct vec3 unit[JET_TERMS]);
 
-/* Sets coefficients 1 and 2 of the quotient a / by; quotient[0] is given. */
-CONTACT_COLD void jet_divide(const struct vec3 a[JET_TERMS], const double by[JET_TERMS],
-                             struct vec3 quotient[JET_TERMS]);
-
-/* Sets the series of the part of c across an axis, of the component along the axis, and of the length rho of
- * the part across. */
-CONTACT_COLD void jet_of_axis_distance(const struct vec3 c[JET_TERMS], const struct vec3 axis[JET_TERMS],
-                                       struct vec3 across[JET_TERMS], double axial[JET_TERMS],
-                                       double rho[JET_TERMS]);
-
-/* Returns the change of F_t or of the spring's rate for given changes of F_n, slip and spring. */
-struct vec3 friction_slopes_along(const struct friction_slopes *slopes, double normal_force, struct vec3 slip,
-                                  struct vec3 spring);
+/* Sets the series of the part of c across an axis and of the component along the axis. */
+CONTACT_COLD void jet_across(const struct vec3 c[JET_TERMS], const struct vec3 axis[JET_TERMS],
+                             struct vec3 across[JET_TERMS], double axial[JET_TERMS]);
 
 /* The laws and their regimes: of the normal force, and of friction and both resistances (enum opposed). */
 struct turning_laws {

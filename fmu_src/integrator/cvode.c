@@ -305,7 +305,8 @@ static void tidy_event(struct cvode *c, const struct scene_values *v, struct sce
 {
     struct scene_instant at;
     scene_now(v, q, &at);
-    const bool at_gap = fabs(at.geometry[step->contact].gap) <= 4.0 * c->ode.gap_offset[step->contact];
+    const bool at_gap =
+        fabs(at.geometry[step->contact].gap) <= 4.0 * c->ode.offset[step->contact][ODE_EVENT_GAP];
     if (step->regime == REGIME_APART && at_gap) {
         const double speed = vec3_norm(at.rate[step->contact]);
         projection_close_gap(v, q, step->contact);

@@ -177,9 +177,9 @@ static void smooth_friction(struct general *g, int contact, int part)
     if (!friction_compares_forces(&law, regime)) {
         return;
     }
-    smooth_limit(g, contact, &law, ode_stick_event(part), g->ode.stick_offset[contact][part]);
+    smooth_limit(g, contact, &law, ode_stick_event(part), g->ode.offset[contact][ode_stick_event(part)]);
     if (part == OPPOSED_SLIP && regime == FRICTION_STICKING) {
-        smooth_limit(g, contact, &law, ODE_EVENT_CAP, g->ode.cap_offset[contact]);
+        smooth_limit(g, contact, &law, ODE_EVENT_CAP, g->ode.offset[contact][ODE_EVENT_CAP]);
     }
 }
 
@@ -885,7 +885,7 @@ static bool parts_at_gap(const struct general *g, const struct scene_values *v, 
     const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
     const double beyond = scene_beyond_ends(&shape, &at->geometry[contact]);
     const double gap = fabs(at->geometry[contact].gap);
-    return gap <= 4.0 * g->ode.gap_offset[contact] || (scene_turns(v) && gap <= fabs(beyond));
+    return gap <= 4.0 * g->ode.offset[contact][ODE_EVENT_GAP] || (scene_turns(v) && gap <= fabs(beyond));
 }
 
 /* Moves free bodies back along their velocities to a gap of zero. A shift along the normal would change the

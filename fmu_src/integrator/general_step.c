@@ -144,7 +144,7 @@ double general_length_of_sliding(const struct general *g)
     struct scene_jet along;
     double least = (double)INFINITY;
     bool known = false;
-    scene_evaluate(v, q, q->clock, q->body, &at);
+    scene_evaluate(v, q, q->clock, q->body, &q->turning, NULL, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const int count = q->contact[j].regime == REGIME_APART ? 0 : contact_opposed(v, j);
         for (int i = 0; i < count; ++i) {
@@ -159,7 +159,8 @@ double general_length_of_sliding(const struct general *g)
                 known = true;
             }
             const struct turning_jet *jet = &along.turning[j];
-            least = fmin(least, i == OPPOSED_SLIP ? length_of_opposed(o, g->relative, jet->slip[0], jet->slip)
+            const struct vec3 *slip = jet->motion[OPPOSED_SLIP];
+            least = fmin(least, i == OPPOSED_SLIP ? length_of_opposed(o, g->relative, slip[0], slip)
                                                   : length_of_opposed(o, g->relative, o->slip, jet->spin));
         }
     }

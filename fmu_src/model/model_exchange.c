@@ -194,14 +194,14 @@ double model_exchange_rate(const struct scene_values *v, const struct scene_stat
         turned = orientation_rate(q, along, rate->element);
         return body_turns_freely(v, rate->element) ? *quaternion_part(&turned, rate->component) : 0.0;
     case ROW_energy_friction_power:
-        return !scene_turns(v) ? 0.0
-               : along         ? turning_jet_friction_power(v, along, 1)
-                               : turning_friction_power(v, at);
     case ROW_energy_dissipated_power:
-        return along ? free_bodies_dissipated_power(v, q, along, 1) : energy_dissipated_power(v, q, at);
     case ROW_energy_external_power: {
         const struct scene_ode ode = {.values = v, .state = q, .layout = ode_layout_of(v, NULL)};
-        return along ? free_bodies_external_power(v, q, along, 1) : ode_external_power(&ode, q->clock, at);
+        const struct scene_powers power =
+            along ? jet_powers_of(v, q, along, 1) : ode_powers(&ode, q->clock, at);
+        return rate->row == ROW_energy_friction_power     ? power.friction
+               : rate->row == ROW_energy_dissipated_power ? power.dissipated
+                                                          : power.external;
     }
     default:
         return vec3_get(vector_rate(v, q, at, along, rate), rate->component);

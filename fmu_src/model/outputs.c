@@ -65,20 +65,15 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
 static double put_energies(struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at)
 {
-    const bool turns = scene_turns(v);
-    const double kinetic = energy_kinetic_of(v, at);
-    const double potential = energy_potential(v, at, gravity(v));
-    const double stored = energy_stored(v, q, at);
-    const double rotational = turns ? energy_rotational_of(v, at) : 0.0;
-    const double tangential = turns ? energy_tangential_of(v, q, at) : 0.0;
-    const double total =
-        kinetic + potential + stored + q->dissipated - q->external_work + (rotational + q->friction_energy);
-    put_energy_kinetic(v, kinetic);
-    put_energy_potential(v, potential);
-    put_energy_contact(v, stored);
-    put_energy_rotational(v, rotational);
-    put_energy_tangential(v, tangential);
-    put_energy_friction(v, q->friction_energy - tangential);
+    const struct scene_energies energy = scene_energies_of(v, q, at);
+    const double total = energy.kinetic + energy.potential + energy.stored + q->dissipated -
+                         q->external_work + (energy.rotational + q->friction_energy);
+    put_energy_kinetic(v, energy.kinetic);
+    put_energy_potential(v, energy.potential);
+    put_energy_contact(v, energy.stored);
+    put_energy_rotational(v, energy.rotational);
+    put_energy_tangential(v, energy.tangential);
+    put_energy_friction(v, q->friction_energy - energy.tangential);
     put_energy_dissipated(v, q->dissipated);
     put_energy_external_work(v, q->external_work);
     put_energy_total(v, total);
@@ -119,7 +114,7 @@ bool model_has_derivatives(const struct variable *variable)
 static double energy_term(const struct model *m, const struct scene_jet *along, int row, int order)
 {
     const struct scene_values *v = &m->state.values;
-    const struct jet_energies energy = jet_energies_of(v, &m->state.motion, along, order);
+    const struct scene_energies energy = jet_energies_of(v, &m->state.motion, along, order);
     switch (row) {
     case ROW_energy_kinetic:
         return energy.kinetic;
@@ -189,20 +184,9 @@ static double put_rubbing(struct scene_values *v, const struct scene_state *q, c
 /* Sets the sums of the forces and torques of the contacts of a compound body about its centre of mass. */
 static void put_contact_sums(struct scene_values *v, const struct scene_instant *at, int body)
 {
-    struct vec3 force = {0.0, 0.0, 0.0};
-    struct vec3 torque = {0.0, 0.0, 0.0};
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_source(j) == body) {
-            force = vec3_add(force, at->source_force[j]);
-            torque = vec3_add(torque, at->turning.source_torque[j]);
-        }
-        if (contact_destination(j) == body) {
-            force = vec3_sub(force, at->source_force[j]);
-            torque = vec3_add(torque, at->turning.destination_torque[j]);
-        }
-    }
-    put_body_contact_force(v, body, force);
-    put_body_contact_torque(v, body, torque);
+    const struct contact_load sum = scene_load_on(at, body);
+    put_body_contact_force(v, body, sum.force);
+    put_body_contact_torque(v, body, sum.torque);
 }
 
 /* Completes the instant by rotation and friction, and sets the outputs of bodies that turn and contacts that
@@ -244,25 +228,6 @@ static struct vec3 resistance_term(double side, const struct turning_jet *turnin
                                              : vec3_make(side * along[order], 0.0, 0.0);
 }
 
-/* Returns coefficient `order` of the sum of the forces or torques of the contacts of a compound body. */
-static struct vec3 contact_sum_term(const struct scene_jet *along, const struct variable *variable, int order)
-{
-    const int body = variable->element;
-    const bool torque = variable->row == ROW_body_contact_torque;
-    struct vec3 sum = {0.0, 0.0, 0.0};
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct vec3 force = along->contact[j].source_force[order];
-        if (contact_source(j) == body) {
-            sum = vec3_add(sum, torque ? along->turning[j].source_torque[order] : force);
-        }
-        if (contact_destination(j) == body) {
-            sum =
-                vec3_add(sum, torque ? along->turning[j].destination_torque[order] : vec3_scale(-1.0, force));
-        }
-    }
-    return sum;
-}
-
 /* Returns coefficient `order` of the place at which both forces of a contact act, on the source's surface. */
 static struct vec3 source_point_term(const struct scene_jet *along, const struct contact_shape *shape,
                                      int contact, int order)
@@ -283,19 +248,20 @@ static double distance_term(const struct scene_values *v, const struct contact_s
         const int destination = contact_destination(contact);
         struct vec3 c[JET_TERMS] = {{0.0, 0.0, 0.0}}, rate[JET_TERMS] = {{0.0, 0.0, 0.0}};
         struct vec3 axis[JET_TERMS] = {shape->solid.axis};
-        struct vec3 across[JET_TERMS];
+        struct vec3 across[JET_TERMS], to_axis[JET_TERMS];
         double axial[JET_TERMS];
         double rho[JET_TERMS];
         for (int i = 1; i < JET_TERMS; ++i) {
             c[i] = vec3_sub(along->displacement[destination][i],
                             along->displacement[contact_source(contact)][i]);
-            if (SCENE_ANY_TURNING) {
-                axis[i] = body_turns(v, destination) ? along->axis[destination][i] : axis[i];
-            }
+        }
+        if (body_turns(v, destination)) {
+            jet_axis_of(along, destination, axis);
         }
         jet_add_levers(along, contact, c, rate);
         c[0] = at->separation[contact];
-        jet_of_axis_distance(c, axis, across, axial, rho);
+        jet_across(c, axis, across, axial);
+        jet_direction(across, rho, to_axis);
         return order > 0 && !(rho[0] > 0.0) ? 0.0 : rho[order];
     }
     return along->contact[contact].distance[order];
@@ -324,7 +290,7 @@ static struct vec3 contact_vector_term(const struct scene_jet *along, const stru
     case ROW_contact_friction_force:
         return turning->friction_force[order];
     case ROW_contact_slip_velocity:
-        return turning->slip[order];
+        return turning->motion[OPPOSED_SLIP][order];
     case ROW_contact_source_torque:
         return turning->source_torque[order];
     case ROW_contact_destination_torque:
@@ -368,6 +334,7 @@ double output_term(const struct model *m, const struct scene_state *q, const str
     const bool starting = !m->state.initialized;
     const bool touches = j < SCENE_CONTACTS && q->contact[j].regime != REGIME_APART;
     struct quaternion orientation;
+    struct vec3 axis[JET_TERMS];
     switch (variable->row) {
     case ROW_body_displacement:
     case ROW_body_position:
@@ -377,10 +344,12 @@ double output_term(const struct model *m, const struct scene_state *q, const str
     case ROW_body_angular_velocity:
         return vec3_get(along->angular_velocity[j][order], k);
     case ROW_body_current_axis:
-        return vec3_get(along->axis[j][order], k);
+        jet_axis_of(along, j, axis);
+        return vec3_get(axis[order], k);
     case ROW_body_contact_force:
+        return SCENE_ANY_COMPOUND ? vec3_get(jet_load_on(along, j, order).force, k) : 0.0;
     case ROW_body_contact_torque:
-        return SCENE_ANY_COMPOUND ? vec3_get(contact_sum_term(along, variable, order), k) : 0.0;
+        return SCENE_ANY_COMPOUND ? vec3_get(jet_load_on(along, j, order).torque, k) : 0.0;
     case ROW_body_orientation:
         orientation = along->orientation[j][order];
         return *quaternion_part(&orientation, k);

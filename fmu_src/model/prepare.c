@@ -353,8 +353,8 @@ static enum model_status check_start(struct model *m)
     scene_now(v, &m->state.motion, &at);
     double sum = 0.0;
     if (SCENE_ANY_FREE && !scene_is_force_element(v)) {
-        sum = energy_kinetic_of(v, &at) + energy_potential(v, &at, gravity(v)) +
-              energy_stored(v, &m->state.motion, &at);
+        const struct scene_energies energy = scene_energies_of(v, &m->state.motion, &at);
+        sum = energy.kinetic + energy.potential + energy.stored;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         sum += at.normal_force[j];

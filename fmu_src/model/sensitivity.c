@@ -137,7 +137,7 @@ static void vary_laws(const struct model *m, struct linear_model *l)
         }
         if (SCENE_ANY_HERTZ && !m->state.initialized && scene_damps_by_onset(v, j)) {
             const struct contact_jet *contact = &along->contact[j];
-            jet_of_contacts(v, l->q, &l->at, along);
+            jet_of_contacts(v, l->q, &l->at, NULL, true, along);
             along->law_slope[j] = contact_hunt_crossley_slope(
                 onset_damping_slope(v, l->q, &l->at, j, contact->gap[1], contact->gap_rate[1]));
         }
@@ -185,7 +185,6 @@ static void begin_path(const struct model *m, struct linear_model *l)
         if (SCENE_ANY_TURNING) {
             l->along.angular_velocity[i][0] = l->at.turning.body[i].angular_velocity;
             l->along.orientation[i][0] = l->at.turning.body[i].orientation;
-            l->along.axis[i][0] = quaternion_third_axis(l->at.turning.body[i].orientation);
         }
     }
     if (SCENE_ANY_TURNING) {
@@ -203,7 +202,7 @@ static void finish_path(const struct model *m, struct linear_model *l)
 {
     const struct scene_values *v = &m->state.values;
     vary_laws(m, l);
-    jet_of_contacts(v, l->q, &l->at, &l->along);
+    jet_of_contacts(v, l->q, &l->at, NULL, true, &l->along);
     if (SCENE_ANY_FREE && m->state.initialized && !m->host.exchange) {
         /* The jump of an input that moves a body does the work that changes the energy stored in contacts. */
         l->along.external_work[1] = jet_energies_of(v, l->q, &l->along, 1).stored;

@@ -101,7 +101,7 @@ CONTACT_NOINLINE static void instant_at(const struct prescribed_contact *c, doub
     bool met[SCENE_CONTACTS] = {false};
     met[c->contact] = true;
     put_springs_of(c, springs);
-    scene_evaluate_met(c->v, c->q, clock, c->q->body, &c->q->turning, met, at);
+    scene_evaluate(c->v, c->q, clock, c->q->body, &c->q->turning, met, at);
 }
 
 /* Sets the torques, the power that friction takes, and the sum of the lengths of both lever arms [m]. Returns
@@ -217,7 +217,15 @@ static void put_equations(const struct spring_problem *p, const struct vec3 x[PA
         struct friction_state rubbing = node->rubbing;
         rubbing.spring = x[j];
         rate[j] = spring_rate_at(p, j, x[j]);
-        const struct friction_slopes slopes = friction_spring_rate_slopes(&p->law, p->regime, rubbing);
+        struct friction_path path = {.normal_force = {rubbing.normal_force},
+                                     .depth = {rubbing.depth},
+                                     .slip = {rubbing.slip},
+                                     .spring = {x[j]}};
+        struct vec3 by_spring[3];
+        for (int b = 0; b < 3; ++b) {
+            path.spring[1] = vec3_make(b == 0, b == 1, b == 2);
+            by_spring[b] = friction_spring_rate_change(&p->law, p->regime, &path);
+        }
         const bool spins = p->part == OPPOSED_SPINNING;
         const struct vec3 across = spins ? node->normal_rate : vec3_scale(-1.0, node->normal);
         const struct vec3 along =
@@ -226,7 +234,7 @@ static void put_equations(const struct spring_problem *p, const struct vec3 x[PA
             const double weight = panel_integral(i, j) * p->length;
             for (int a = 0; a < 3; ++a) {
                 for (int b = 0; b < 3; ++b) {
-                    const double slope = slopes.by_spring[a][b] + vec3_get(across, a) * vec3_get(along, b);
+                    const double slope = vec3_get(by_spring[b], a) + vec3_get(across, a) * vec3_get(along, b);
                     m[3 * (j - 1) + b][3 * (i - 1) + a] = (i == j && a == b) - weight * slope;
                 }
             }
@@ -441,9 +449,8 @@ static void events_at(const struct prescribed_contact *c, double clock, const st
     }
     if (contact_has_events(&law)) {
         const struct contact_geometry *g = &at.geometry[c->contact];
-        const struct contact_slopes slopes = contact_event_slopes(&law, regime_of(c), g->gap, g->gap_rate);
         events[ODE_EVENT_LAW] = contact_event(&law, regime_of(c), g->gap, g->gap_rate) +
-                                rounding_of_event(c->v, &law, &slopes, &at, c->contact, error);
+                                rounding_of_event(c->v, c->q, &at, c->contact, error);
     }
 }
 

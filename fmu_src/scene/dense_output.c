@@ -107,36 +107,6 @@ double dense_output_first_event(const struct dense_output *w, const struct event
     return fall;
 }
 
-/* Rise to the top as a fraction of the present value, below which a parabola gives the top to rounding. */
-static const double NEAR_TOP = 1e-10;
-
-/* Most steps of Newton's method, which converges quadratically; where it does not, the caller bisects. */
-enum { CLIMBS = 6 };
-
-/* Goes by Newton's method from s to a top of factor times quantity inside [low, high]. *largest is raised to
- * the largest value met. Returns false where no top was reached. */
-static bool climb(const struct dense_output *w, const struct event_function *what, double s, double low,
-                  double high, double *largest)
-{
-    for (int k = 0; k < CLIMBS; ++k) {
-        struct pair_sample at;
-        w->sampler(w->segment, s, &at);
-        const double value = term_of(what, &at, 0);
-        const double slope = term_of(what, &at, 1);
-        const double step = -slope / term_of(what, &at, 2);
-        *largest = fmax(*largest, value);
-        if (!(s + step >= low && s + step <= high && slope * step >= 0.0)) {
-            return false;
-        }
-        if (slope * step <= NEAR_TOP * fabs(value)) {
-            *largest = fmax(*largest, value + 0.5 * slope * step);
-            return true;
-        }
-        s += step;
-    }
-    return false;
-}
-
 /* Whether a sample is itself the top, to rounding. */
 static bool is_top(const struct event_function *what, const struct pair_sample *at)
 {
@@ -203,9 +173,8 @@ static double larger_between(const struct dense_output *w, const struct event_fu
         (is_top(what, at) || is_top(what, next) || !may_be_larger(w, what, &low, &high, at, next, largest))) {
         return largest;
     }
-    if (brackets_top(w, what, &low, &high) &&
-        !climb(w, what, root_guess(low, high), low.s, high.s, &largest)) {
-        const double top = root_in_bracket(probe_at, &slope, low.s, high.s);
+    if (brackets_top(w, what, &low, &high)) {
+        const double top = root_between(probe_at, &slope, low, high);
         largest = fmax(largest, end_at(w, what, 0, top).value);
     }
     return largest;
@@ -233,13 +202,6 @@ double dense_output_largest(const struct dense_output *w, const struct event_fun
 const struct event_function dense_output_force = {PAIR_FORCE, 1.0, 0.0};
 const struct event_function dense_output_penetration = {PAIR_GAP, -1.0, 0.0};
 
-static void put_terms(double of[3], const double term[JET_TERMS])
-{
-    of[0] = term[0];
-    of[1] = term[1];
-    of[2] = 2.0 * term[2];
-}
-
 /* Puts the scene at a clock, or only the contacts in `met`. */
 static void scene_at(const struct scene_output *o, double clock, const bool *met, struct scene_state *q,
                      struct scene_instant *at)
@@ -250,14 +212,18 @@ static void scene_at(const struct scene_output *o, double clock, const bool *met
     if (o->move) {
         o->move(o->mover, clock, q);
     }
-    scene_evaluate_met(o->values, q, clock, q->body, &q->turning, met, at);
+    scene_evaluate(o->values, q, clock, q->body, &q->turning, met, at);
 }
 
 static void put_sample(const struct contact_jet *jet, struct pair_sample *sample)
 {
-    put_terms(sample->of[PAIR_GAP], jet->gap);
-    put_terms(sample->of[PAIR_GAP_RATE], jet->gap_rate);
-    put_terms(sample->of[PAIR_FORCE], jet->normal_force);
+    for (int i = 0; i < JET_TERMS;
+         ++i) { /* a derivative is the coefficient times i!, which is i for 1 and 2 */
+        const double factor = i < 2 ? 1.0 : 2.0;
+        sample->of[PAIR_GAP][i] = factor * jet->gap[i];
+        sample->of[PAIR_GAP_RATE][i] = factor * jet->gap_rate[i];
+        sample->of[PAIR_FORCE][i] = factor * jet->normal_force[i];
+    }
 }
 
 /* Samples the scene; serves as a dense_output_sampler, whose variable is the clock [s]. */

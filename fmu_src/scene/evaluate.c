@@ -311,19 +311,6 @@ void turning_place(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-/* Sets the axis of a destination. */
-static void put_axis(const struct scene_values *v, const struct scene_state *q, int contact,
-                     struct scene_instant *at)
-{
-    const int destination = contact_destination(contact);
-    at->turning.axis[contact] = vec3_make(0.0, 0.0, 0.0);
-    if (SCENE_ANY_AXIS) {
-        at->turning.axis[contact] = contact_tips(v, contact)
-                                        ? quaternion_third_axis(at->turning.body[destination].orientation)
-                                        : q->contact[contact].parameters.axis;
-    }
-}
-
 /* Sets arms and slip of a contact whose geometry is known, by its shape. */
 static void put_arms_and_slip(const struct contact_shape *whole, int contact, struct scene_instant *at)
 {
@@ -383,24 +370,16 @@ static void turning_of_contact(const struct scene_values *v, const struct scene_
                                const struct turning_state *state, int contact, struct scene_instant *at)
 {
     struct turning_instant *turning = &at->turning;
-    struct vec3 opposing[OPPOSED] = {{0.0, 0.0, 0.0}};
     const bool rubs = contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
+    turning->friction_force[contact] = turning->resistance[contact] = vec3_make(0.0, 0.0, 0.0);
     for (int i = 0; rubs && i < contact_opposed(v, contact); ++i) {
         const struct friction_law law = scene_friction_law(v, q, contact, i);
-        const struct friction_state rubbing = turning_rubbing(state, at, contact, i);
-        opposing[i] =
-            friction_force(&law, (enum friction_regime)q->contact[contact].friction_regime[i], rubbing);
+        const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[i];
+        struct vec3 *sum =
+            i == OPPOSED_SLIP ? &turning->friction_force[contact] : &turning->resistance[contact];
+        *sum = vec3_add(*sum, friction_force(&law, regime, turning_rubbing(state, at, contact, i)));
     }
-    turning->friction_force[contact] = opposing[OPPOSED_SLIP];
-    if (rubs) {
-        at->source_force[contact] = vec3_add(at->source_force[contact], opposing[OPPOSED_SLIP]);
-    }
-    if (SCENE_ANY_ROLLING) {
-        turning->resistance[contact] = vec3_make(0.0, 0.0, 0.0);
-        for (int i = 1; i < contact_opposed(v, contact); ++i) {
-            turning->resistance[contact] = vec3_add(turning->resistance[contact], opposing[i]);
-        }
-    }
+    at->source_force[contact] = vec3_add(at->source_force[contact], turning->friction_force[contact]);
     put_torques(v, at, contact);
 }
 
@@ -411,7 +390,6 @@ void turning_complete(const struct scene_values *v, const struct scene_state *q,
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_shape shape = scene_contact_shape(v, q, j);
-        put_axis(v, q, j, at);
         put_arms_and_slip(&shape, j, at);
         turning_of_contact(v, q, &q->turning, j, at);
     }
@@ -509,16 +487,9 @@ void scene_meet(const struct scene_values *v, const struct scene_state *q, const
             continue;
         }
         put_separation(v, q, j, at);
-        if (turns) {
-            put_axis(v, q, j, at);
-        }
-        const struct contact_shape shape =
-            turns ? scene_contact_shape_at(v, q, at, j) : scene_contact_shape(v, q, j);
-        const struct vec3 rate = turns ? rate_in_destination(v, at, j) : at->rate[j];
+        const struct contact_shape shape = scene_contact_shape_at(v, q, at, j);
+        const struct vec3 rate = rate_in_destination(v, at, j);
         at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate, q->contact[j].normal);
-        if (turns && at->geometry[j].degenerate && contact_is_cylinder(&shape)) {
-            contact_hold_across(&shape, rate, &at->geometry[j]);
-        }
         if (turns) {
             put_arms_and_slip(&shape, j, at);
         }
@@ -628,24 +599,18 @@ CONTACT_FLATTEN void scene_forces(const struct scene_values *v, const struct sce
     put_forces(v, q, clock, NULL, NULL, at);
 }
 
-void scene_evaluate_met(const struct scene_values *v, const struct scene_state *q, double clock,
-                        const struct body_state *bodies, const struct turning_state *turning, const bool *met,
-                        struct scene_instant *at)
+void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
+                    const struct body_state *bodies, const struct turning_state *turning, const bool *met,
+                    struct scene_instant *at)
 {
     if (met == NULL && !scene_turns(v)) { /* the frequent path */
-        scene_evaluate(v, q, clock, bodies, at);
+        scene_kinematics(v, q, clock, bodies, at);
+        scene_forces(v, q, clock, at);
         return;
     }
     scene_place_bodies(v, q, clock, bodies, turning, at);
     scene_meet(v, q, met, at);
     put_forces_turning(v, q, clock, scene_turns(v) ? turning : NULL, met, at);
-}
-
-void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
-                    const struct body_state *bodies, struct scene_instant *at)
-{
-    scene_kinematics(v, q, clock, bodies, at);
-    scene_forces(v, q, clock, at);
 }
 
 void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
@@ -798,12 +763,15 @@ static double rate_rounding(const struct scene_values *v, const struct contact_l
            tolerated;
 }
 
-double rounding_of_event(const struct scene_values *v, const struct contact_law *law,
-                         const struct contact_slopes *slopes, const struct scene_instant *at, int contact,
-                         double tolerated)
+double rounding_of_event(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, int contact, double tolerated)
 {
-    return fabs(slopes->by_gap) * rounding_of_gap(v, at, contact) +
-           fabs(slopes->by_rate) * rate_rounding(v, law, at, contact, tolerated);
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct contact_slopes slopes =
+        contact_event_slopes(&law, (enum contact_regime)q->contact[contact].regime, g->gap, g->gap_rate);
+    return fabs(slopes.by_gap) * rounding_of_gap(v, at, contact) +
+           fabs(slopes.by_rate) * rate_rounding(v, &law, at, contact, tolerated);
 }
 
 double rounding_margin_offset(const struct scene_values *v, const struct scene_state *q,
@@ -813,9 +781,7 @@ double rounding_margin_offset(const struct scene_values *v, const struct scene_s
     const struct contact_geometry *g = &at->geometry[contact];
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
     const double event = contact_event(&law, regime, g->gap, g->gap_rate);
-    const struct contact_slopes slopes = contact_event_slopes(&law, regime, g->gap, g->gap_rate);
-    const double rounding = rounding_of_event(v, &law, &slopes, at, contact, tolerated);
-    return 2.0 * (fmax(-event, 0.0) + rounding);
+    return 2.0 * (fmax(-event, 0.0) + rounding_of_event(v, q, at, contact, tolerated));
 }
 
 /* Returns the accumulated gap [m], or DBL_MAX or INFINITY where none is known. */
@@ -871,6 +837,22 @@ struct vec3 body_part_that_turns(const struct scene_values *v, int body, struct 
     return vec3_scale(vec3_dot(a, e), e);
 }
 
+struct contact_load scene_load_on(const struct scene_instant *at, int body)
+{
+    struct contact_load sum = {.force = {0.0, 0.0, 0.0}};
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_source(j) == body) {
+            sum.force = vec3_add(sum.force, at->source_force[j]);
+            sum.torque = vec3_add(sum.torque, at->turning.source_torque[j]);
+        }
+        if (contact_destination(j) == body) {
+            sum.force = vec3_sub(sum.force, at->source_force[j]);
+            sum.torque = vec3_add(sum.torque, at->turning.destination_torque[j]);
+        }
+    }
+    return sum;
+}
+
 struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct scene_instant *at, int body)
 {
@@ -878,15 +860,7 @@ struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_s
     if (body_turns_freely(v, body)) {
         torque = path_at(q->path[body].torque, 3, clock);
     }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_source(j) == body) {
-            torque = vec3_add(torque, at->turning.source_torque[j]);
-        }
-        if (contact_destination(j) == body) {
-            torque = vec3_add(torque, at->turning.destination_torque[j]);
-        }
-    }
-    return body_part_that_turns(v, body, torque);
+    return body_part_that_turns(v, body, vec3_add(torque, scene_load_on(at, body).torque));
 }
 
 struct vec3 turning_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
@@ -909,13 +883,8 @@ struct turning_laws turning_laws_of(const struct scene_values *v, const struct s
 {
     struct turning_laws laws = {.normal = scene_contact_law(v, q, contact),
                                 .regime = (enum contact_regime)q->contact[contact].regime};
-    const int parts = contact_opposed(v, contact);
     for (int i = 0; i < OPPOSED; ++i) {
-        if (i < parts) {
-            laws.rubbing[i] = scene_friction_law(v, q, contact, i);
-        } else {
-            laws.rubbing[i].kind = FRICTION_NONE;
-        }
+        laws.rubbing[i] = scene_friction_law(v, q, contact, i);
         laws.rubbing_regime[i] = SCENE_ANY_FRICTION
                                      ? (enum friction_regime)q->contact[contact].friction_regime[i]
                                      : FRICTION_LIFTED;
@@ -1049,17 +1018,6 @@ double turning_friction_power_of(const struct scene_values *v, const struct scen
         power -= vec3_dot(at->turning.resistance[contact], turning_spin(at, contact));
     }
     return power;
-}
-
-double turning_friction_power(const struct scene_values *v, const struct scene_instant *at)
-{
-    double sum = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_rubs(v, j)) {
-            sum += turning_friction_power_of(v, at, j);
-        }
-    }
-    return sum;
 }
 
 /* A distance d may count as zero only below this fraction of the bodies' size (contact_reach). */
@@ -1356,17 +1314,6 @@ void scene_rebase(const struct scene_values *v, struct scene_state *q)
     advance_base(q);
 }
 
-double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at)
-{
-    double sum = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            sum += 0.5 * body_mass(v, i) * vec3_dot(at->velocity[i], at->velocity[i]);
-        }
-    }
-    return sum;
-}
-
 double energy_potential(const struct scene_values *v, const struct scene_instant *at, struct vec3 field)
 {
     double sum = 0.0;
@@ -1385,34 +1332,6 @@ double body_rotational_energy(const struct scene_values *v, int body, const stru
            vec3_dot(turn->angular_velocity, body_spin_of(v, body, turn));
 }
 
-double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at)
-{
-    double sum = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_turns_freely(v, i)) {
-            sum += body_rotational_energy(v, i, &at->turning.body[i]);
-        }
-    }
-    return sum;
-}
-
-double energy_tangential_of(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at)
-{
-    double sum = 0.0;
-    for (int k = 0; k < SCENE_CONTACTS * OPPOSED; ++k) {
-        const int j = k / OPPOSED;
-        const int part = k % OPPOSED;
-        if (contact_has_spring(v, j, part) && q->contact[j].regime != (int32_t)REGIME_APART) {
-            const struct friction_law law = scene_friction_law(v, q, j, part);
-            const struct friction_state rubbing = turning_rubbing(&q->turning, at, j, part);
-            sum += friction_stored_energy(&law, (enum friction_regime)q->contact[j].friction_regime[part],
-                                          rubbing);
-        }
-    }
-    return sum;
-}
-
 double energy_stored(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at)
 {
@@ -1427,6 +1346,32 @@ double energy_stored(const struct scene_values *v, const struct scene_state *q,
     return sum;
 }
 
+struct scene_energies scene_energies_of(const struct scene_values *v, const struct scene_state *q,
+                                        const struct scene_instant *at)
+{
+    struct scene_energies sum = {.potential = energy_potential(v, at, gravity(v)),
+                                 .stored = energy_stored(v, q, at)};
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            sum.kinetic += 0.5 * body_mass(v, i) * vec3_dot(at->velocity[i], at->velocity[i]);
+        }
+        if (body_turns_freely(v, i)) {
+            sum.rotational += body_rotational_energy(v, i, &at->turning.body[i]);
+        }
+    }
+    for (int k = 0; k < SCENE_CONTACTS * OPPOSED; ++k) {
+        const int j = k / OPPOSED;
+        const int part = k % OPPOSED;
+        if (contact_has_spring(v, j, part) && q->contact[j].regime != (int32_t)REGIME_APART) {
+            const struct friction_law law = scene_friction_law(v, q, j, part);
+            const struct friction_state rubbing = turning_rubbing(&q->turning, at, j, part);
+            sum.tangential += friction_stored_energy(
+                &law, (enum friction_regime)q->contact[j].friction_regime[part], rubbing);
+        }
+    }
+    return sum;
+}
+
 double energy_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_instant *at, int contact)
 {
@@ -1435,16 +1380,6 @@ double energy_dissipated_power_of(const struct scene_values *v, const struct sce
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
     const double force = at->normal_force[contact] + contact_stored_slope(&law, regime, g->gap);
     return regime == REGIME_APART ? 0.0 : -force * g->gap_rate;
-}
-
-double energy_dissipated_power(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_instant *at)
-{
-    double sum = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        sum += energy_dissipated_power_of(v, q, at, j);
-    }
-    return sum;
 }
 
 void present_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity)

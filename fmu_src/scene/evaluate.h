@@ -14,7 +14,6 @@
  * turning_complete alone. */
 struct turning_instant {
     struct body_turn body[SCENE_BODIES];         /* identity and zero for a body that does not turn */
-    struct vec3 axis[SCENE_CONTACTS];            /* e_d as it has turned; zero for a sphere */
     struct vec3 source_arm[SCENE_CONTACTS];      /* p - x_src = r_s e, of a compound R o + r_s e [m] */
     struct vec3 destination_arm[SCENE_CONTACTS]; /* p - x_dst [m] */
     struct vec3 slip[SCENE_CONTACTS];            /* v_t [m/s] */
@@ -94,10 +93,11 @@ void scene_place_bodies(const struct scene_values *v, const struct scene_state *
 void scene_meet(const struct scene_values *v, const struct scene_state *q, const bool *met,
                 struct scene_instant *at);
 
-/* Does the work of scene_evaluate with the rotations and springs in `turning`. */
-void scene_evaluate_met(const struct scene_values *v, const struct scene_state *q, double clock,
-                        const struct body_state *bodies, const struct turning_state *turning, const bool *met,
-                        struct scene_instant *at);
+/* Computes the kinematics, accelerations and forces of the instant in the regimes of q, with the rotations
+ * and springs in `turning`. */
+void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
+                    const struct body_state *bodies, const struct turning_state *turning, const bool *met,
+                    struct scene_instant *at);
 
 /* Returns the shape of a contact with the destination's axis at the instant. */
 struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,
@@ -106,10 +106,6 @@ struct contact_shape scene_contact_shape_at(const struct scene_values *v, const 
 /* Completes an instant that has kinematics by the accelerations and forces in the regimes of q. */
 void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
                   struct scene_instant *at);
-
-/* Computes the kinematics, accelerations and forces of the instant in the regimes of q. */
-void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
-                    const struct body_state *bodies, struct scene_instant *at);
 
 /* Returns how far the source's centre is beyond the destination's end planes [m], at most zero within;
  * -INFINITY without ends. A race ends at the cylinder rho = R; no source that touches an outer race has
@@ -230,11 +226,10 @@ double rounding_of_normal(const struct scene_values *v, const struct scene_insta
  * velocities. */
 double rounding_of_rate(const struct scene_instant *at, int contact);
 
-/* Returns a bound of the error of the law's event function (contact_event), which has these slopes, by
- * rounding and by an error of the speeds of `tolerated` [m/s]. */
-double rounding_of_event(const struct scene_values *v, const struct contact_law *law,
-                         const struct contact_slopes *slopes, const struct scene_instant *at, int contact,
-                         double tolerated);
+/* Returns a bound of the error of the law's event function (contact_event) by rounding and by an error of the
+ * speeds of `tolerated` [m/s]. */
+double rounding_of_event(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, int contact, double tolerated);
 
 /* Returns a bound of the error of a contact's normal force by the rounding of g, n and n.w [N]. */
 double rounding_of_force(const struct scene_values *v, const struct scene_state *q,
@@ -256,6 +251,13 @@ double rounding_margin_offset(const struct scene_values *v, const struct scene_s
 /* Returns the part of an angular velocity or a torque that turns a body: all of it, or for a body that keeps
  * its axis the part along the axis. A bearing takes the torques across that axis; the model leaves it out. */
 struct vec3 body_part_that_turns(const struct scene_values *v, int body, struct vec3 a);
+
+/* Returns the sums of the forces [N] and torques [N m] of the contacts of a body; the torques only where
+ * scene_turns. */
+struct contact_load {
+    struct vec3 force, torque;
+};
+struct contact_load scene_load_on(const struct scene_instant *at, int body);
 
 /* Returns the part that turns a body of the sum of contact torques and external torque about its centre
  * [N m]. */
@@ -293,10 +295,9 @@ double turning_normal_force_rate(const struct scene_values *v, const struct scen
 struct vec3 turning_spin(const struct scene_instant *at, int contact);
 double turning_spin_size(const struct scene_instant *at, int contact);
 
-/* Return the power that friction with its springs and the resistance to rolling take, -F_t.v_t - M.omega, of
- * a contact and summed over all contacts [W]. */
+/* Returns the power that friction with its springs and the resistance to rolling take in a contact,
+ * -F_t.v_t - M.omega [W]. */
 double turning_friction_power_of(const struct scene_values *v, const struct scene_instant *at, int contact);
-double turning_friction_power(const struct scene_values *v, const struct scene_instant *at);
 
 /* Whether d = 0 within rounding, by positions or by the accumulated gap. Solid bodies may reach this
  * singularity, where n is undefined and reverses; the escape direction takes the place of n. */
@@ -395,15 +396,15 @@ enum contact_regime onset_note(const struct scene_values *v, struct scene_state 
 /* Energies of the scene [J]. The sum kinetic + potential + contact + dissipated - external work stays
  * constant. Where something turns or rubs, rotational + tangential + friction are added to this sum. */
 
-/* Returns the sum of m v^2 / 2 over the free bodies. */
-double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at);
+/* `stored` is the energy of the normal forces, `tangential` that of the springs of friction. */
+struct scene_energies {
+    double kinetic, potential, rotational, stored, tangential;
+};
+struct scene_energies scene_energies_of(const struct scene_values *v, const struct scene_state *q,
+                                        const struct scene_instant *at);
 
-/* Return the rotational energy omega.L / 2 of a body, the sum over freely turning bodies, and the
- * energy of the friction springs. */
+/* Returns the rotational energy omega.L / 2 of a body. */
 double body_rotational_energy(const struct scene_values *v, int body, const struct body_turn *turn);
-double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at);
-double energy_tangential_of(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at);
 
 /* Returns the potential energy in a field g [m/s^2], minus the sum of m g.x over the free bodies; the field
  * is gravity, or a change of gravity. */
@@ -413,11 +414,16 @@ double energy_potential(const struct scene_values *v, const struct scene_instant
 double energy_stored(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at);
 
-/* Return the power that the dashpot of a contact dissipates, and the sum over all contacts [W]. */
+/* Returns the power that the dashpot of a contact dissipates [W]. */
 double energy_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_instant *at, int contact);
-double energy_dissipated_power(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_instant *at);
+
+/* Powers summed over bodies and contacts [W]: of the dashpots; of the external forces and torques and of the
+ * drives of prescribed motions; of friction with its springs and of the resistances to rolling and
+ * spinning. */
+struct scene_powers {
+    double dissipated, external, friction;
+};
 
 /* Sets a body's outputs displacement, position and velocity to these values, or to those of the present. */
 void present_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity);

@@ -49,53 +49,44 @@ static bool find_bodies(const struct scene_values *v, const struct scene_state *
     return all;
 }
 
-/* The group of each body and contact: of an island, or of one that nothing couples to others. */
-struct groups {
-    int count;
-    int body[SCENE_BODIES], contact[SCENE_CONTACTS]; /* -1: a contact that is apart */
-};
-
-static void find_groups(const struct scene_values *v, const struct scene_state *q, struct groups *to)
+/* Numbers the groups of bodies, which are the islands and what nothing couples to others, and the groups of
+ * contacts in `layout`. */
+static void find_groups(const struct scene_values *v, const struct scene_state *q, int of_body[SCENE_BODIES],
+                        struct ode_layout *layout)
 {
     if (SCENE_CONTACTS == 1 || q == NULL) {
-        *to = (struct groups){.count = 1};
+        layout->groups = 1;
+        memset(of_body, 0, SCENE_BODIES * sizeof *of_body);
+        memset(layout->island, 0, sizeof layout->island);
         return;
     }
     const struct islands islands = scene_islands(v, q);
-    to->count = islands.count;
-    memset(to->body, -1, sizeof to->body);
+    layout->groups = islands.count;
+    memset(of_body, -1, SCENE_BODIES * sizeof *of_body);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        to->contact[j] = islands.of[j];
+        layout->island[j] = islands.of[j];
         for (int end = 0; end < 2 && islands.of[j] >= 0; ++end) {
-            to->body[end == 0 ? contact_source(j) : contact_destination(j)] = islands.of[j];
+            of_body[end == 0 ? contact_source(j) : contact_destination(j)] = islands.of[j];
         }
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        to->body[i] = to->body[i] < 0 ? to->count++ : to->body[i];
+        of_body[i] = of_body[i] < 0 ? layout->groups++ : of_body[i];
     }
 }
 
 /* Lays out those states of one group on which the rates of other states depend. */
 static void lay_out_group(const struct scene_values *v, const bool has[SCENE_BODIES],
-                          const struct groups *groups, int group, struct ode_layout *layout, int *next)
+                          const int of_body[SCENE_BODIES], int group, struct ode_layout *layout, int *next)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (groups->body[i] == group) {
+        if (of_body[i] == group) {
             layout->body[i] = take_states(has[i] && body_is_free(v, i), BODY_STATES, next);
-        }
-    }
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (groups->body[i] == group) {
             layout->spin[i] = take_states(has[i] && body_turns_freely(v, i), 3, next);
-        }
-    }
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (groups->body[i] == group) {
             layout->orientation[i] = take_states(layout->spin[i] >= 0 && body_tips(v, i), 4, next);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        for (int i = 0; groups->contact[j] == group && i < OPPOSED; ++i) {
+        for (int i = 0; layout->island[j] == group && i < OPPOSED; ++i) {
             layout->spring[j][i] = take_states(contact_has_spring(v, j, i), 3, next);
         }
     }
@@ -104,18 +95,15 @@ static void lay_out_group(const struct scene_values *v, const bool has[SCENE_BOD
 struct ode_layout ode_layout_of(const struct scene_values *v, const struct scene_state *q)
 {
     struct ode_layout layout;
-    struct groups groups;
+    int of_body[SCENE_BODIES];
     bool has[SCENE_BODIES];
     int next = 0;
     layout.is_whole = find_bodies(v, q, has);
-    find_groups(v, q, &groups);
-    memcpy(layout.island, groups.contact, sizeof layout.island);
+    find_groups(v, q, of_body, &layout);
     memset(layout.spring, -1, sizeof layout.spring);
     memset(layout.spin, -1, sizeof layout.spin);
-    memset(layout.orientation, -1, sizeof layout.orientation);
-    layout.groups = groups.count;
-    for (int group = 0; group < groups.count; ++group) {
-        lay_out_group(v, has, &groups, group, &layout, &next);
+    for (int group = 0; group < layout.groups; ++group) {
+        lay_out_group(v, has, of_body, group, &layout, &next);
         layout.group_end[group] = next;
     }
     layout.coupled = next;
@@ -185,9 +173,12 @@ static void turning_unpack(const struct scene_ode *ode, const double *y, struct 
     }
 }
 
-static void set_three(double *sizes, double size)
+/* Sets the sizes of the components of a vector in y to its length, or to `least` if this is larger. */
+static void set_size(const double *y, int index, double least, double *sizes)
 {
-    sizes[0] = sizes[1] = sizes[2] = size;
+    for (int k = 0; index >= 0 && k < 3; ++k) {
+        sizes[index + k] = fmax(vec3_norm(vec3_from(y + index)), least);
+    }
 }
 
 /* Returns the depth [m], which falls through zero where contact ends. Between the ends of a cylinder, at the
@@ -197,13 +188,14 @@ static void set_three(double *sizes, double size)
 static double depth_to_parting(const struct scene_ode *ode, const struct contact_shape *shape,
                                const struct contact_geometry *g, int contact)
 {
-    const double depth = ode->gap_offset[contact] - g->gap;
+    const double offset = ode->offset[contact][ODE_EVENT_GAP];
+    const double depth = offset - g->gap;
     const double half = shape->half_length;
     if (!SCENE_ANY_ENDS || !isfinite(half)) {
         return depth;
     }
     const double within = (half - fabs(g->axial)) * 0.5 * (1.0 + fabs(g->axial) / half);
-    return depth * (ode->gap_offset[contact] + within) / half;
+    return depth * (offset + within) / half;
 }
 
 static bool breaks_away(const struct turning_laws *laws)
@@ -212,8 +204,8 @@ static bool breaks_away(const struct turning_laws *laws)
            laws->rubbing_regime[OPPOSED_SLIP] == FRICTION_STICKING;
 }
 
-/* Sets the event functions of friction. Sticking ends at the lesser of mu_s F_n and F_max; each of the two
- * has an event function, because the minimum is not smooth. */
+/* Sets the event functions of friction without offsets. Sticking ends at the lesser of mu_s F_n and F_max;
+ * each of the two has an event function, because the minimum is not smooth. */
 static void friction_events(const struct scene_ode *ode, double clock, const struct turning_state *turning,
                             const struct scene_instant *at, int contact, double *out)
 {
@@ -228,21 +220,18 @@ static void friction_events(const struct scene_ode *ode, double clock, const str
     for (int i = 0; i < contact_opposed(ode->values, contact); ++i) {
         const struct friction_state rubbing = turning_rubbing(turning, at, contact, i);
         out[ode_stick_event(i)] =
-            ode->stick_offset[contact][i] +
             friction_stick_event(&laws.rubbing[i], laws.rubbing_regime[i], rubbing, force_rate);
     }
-    out[ODE_EVENT_CAP] = ode->cap_offset[contact] + friction_cap_event(law, regime, force);
+    out[ODE_EVENT_CAP] = friction_cap_event(law, regime, force);
     if (breaks_away(&laws)) {
         const double carried = vec3_norm(
             friction_force(law, FRICTION_STICKING, turning_rubbing(turning, at, contact, OPPOSED_SLIP)));
-        out[ODE_EVENT_STICK] =
-            ode->stick_offset[contact][OPPOSED_SLIP] + law->static_coefficient * force - carried;
-        out[ODE_EVENT_CAP] = ode->cap_offset[contact] + law->largest - carried;
+        out[ODE_EVENT_STICK] = law->static_coefficient * force - carried;
+        out[ODE_EVENT_CAP] = law->largest - carried;
     }
     if (contact_may_pull(&laws.normal)) {
         const struct contact_geometry *g = &at->geometry[contact];
-        const double push = contact_push(&laws.normal, g->gap, g->gap_rate);
-        out[ODE_EVENT_LIFT] = ode->lift_offset[contact] + friction_lift_event(regime, push);
+        out[ODE_EVENT_LIFT] = friction_lift_event(regime, contact_push(&laws.normal, g->gap, g->gap_rate));
     }
 }
 
@@ -251,6 +240,7 @@ static void friction_events(const struct scene_ode *ode, double clock, const str
 static void contact_events(const struct scene_ode *ode, const struct scene_instant *at, int contact,
                            double out[ODE_EVENTS_EACH])
 {
+    const double *offset = ode->offset[contact];
     const enum contact_regime regime = (enum contact_regime)ode->state->contact[contact].regime;
     const bool is_coupled = contact_is_coupled(ode->values, ode->state, contact);
     const struct contact_geometry *g = &at->geometry[contact];
@@ -260,11 +250,11 @@ static void contact_events(const struct scene_ode *ode, const struct scene_insta
     struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
     shape.half_length = is_coupled || scene_turns(ode->values) ? shape.half_length : (double)INFINITY;
     if (regime == REGIME_APART) {
-        out[ODE_EVENT_GAP] = ode->gap_offset[contact] + fmax(g->gap, scene_beyond_ends(&shape, g));
+        out[ODE_EVENT_GAP] = offset[ODE_EVENT_GAP] + fmax(g->gap, scene_beyond_ends(&shape, g));
     } else {
         const struct contact_law law = scene_contact_law(ode->values, ode->state, contact);
         out[ODE_EVENT_GAP] = depth_to_parting(ode, &shape, g, contact);
-        out[ODE_EVENT_LAW] = ode->margin_offset[contact] + contact_event(&law, regime, g->gap, g->gap_rate);
+        out[ODE_EVENT_LAW] = offset[ODE_EVENT_LAW] + contact_event(&law, regime, g->gap, g->gap_rate);
     }
 }
 
@@ -283,6 +273,7 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
                              double tolerated, double relative, double absolute,
                              double events[ODE_EVENTS_EACH])
 {
+    double *offset = ode->offset[contact];
     const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
     const double force = at->normal_force[contact];
     const struct contact_geometry *g = &at->geometry[contact];
@@ -295,16 +286,19 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
     for (int i = 0; i < contact_opposed(ode->values, contact); ++i) {
         const double of_motion =
             i == OPPOSED_SLIP ? tolerated : relative * turning_spin_size(at, contact) + absolute;
-        ode->stick_offset[contact][i] =
+        offset[ode_stick_event(i)] =
             2.0 * stick_rounding(&laws.rubbing[i], laws.rubbing_regime[i], force, of_force, of_motion);
     }
-    ode->cap_offset[contact] = breaks_away(&laws) ? ode->stick_offset[contact][OPPOSED_SLIP]
-                                                  : 2.0 * laws.rubbing[OPPOSED_SLIP].coefficient * rounding;
+    offset[ODE_EVENT_CAP] = breaks_away(&laws) ? offset[ODE_EVENT_STICK]
+                                               : 2.0 * laws.rubbing[OPPOSED_SLIP].coefficient * rounding;
     /* the error of contact_push, which is F_n, or its factor under Hertz's law */
-    ode->lift_offset[contact] =
+    offset[ODE_EVENT_LIFT] =
         2.0 *
         (contact_is_hertz(&laws.normal) ? 8.0 * DBL_EPSILON + laws.normal.damping * tolerated : rounding);
     friction_events(ode, ode->state->clock, &ode->state->turning, at, contact, events);
+    for (int i = ODE_EVENT_STICK; i < ODE_EVENT_ZONE; ++i) {
+        events[i] += offset[i];
+    }
 }
 
 /* Sets the offsets of friction's event functions, so that each starts above zero. The speeds have errors of
@@ -313,18 +307,14 @@ static void turning_begin(struct scene_ode *ode, const struct scene_instant *at,
                           double tolerated, double relative, double absolute)
 {
     double events[ODE_EVENTS_EACH];
-    memset(ode->stick_offset[contact], 0, sizeof ode->stick_offset[contact]);
-    ode->cap_offset[contact] = ode->lift_offset[contact] = 0.0;
     if (!SCENE_ANY_FRICTION || !contact_transmits(ode->state, contact) ||
         !contact_rubs(ode->values, contact)) {
         return; /* `events` has no room for events of friction */
     }
     turning_friction_events(ode, at, contact, tolerated, relative, absolute, events);
-    for (int i = 0; i < OPPOSED; ++i) {
-        ode->stick_offset[contact][i] += 2.0 * fmax(-events[ode_stick_event(i)], 0.0);
+    for (int i = ODE_EVENT_STICK; i < ODE_EVENT_ZONE; ++i) {
+        ode->offset[contact][i] += 2.0 * fmax(-events[i], 0.0);
     }
-    ode->cap_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_CAP], 0.0);
-    ode->lift_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_LIFT], 0.0);
 }
 
 /* Returns the relative acceleration of the bodies by everything but the contact itself [m/s^2]. */
@@ -344,20 +334,16 @@ void ode_leave_centres(const struct scene_values *v, struct scene_state *q)
         return;
     }
     struct scene_instant at;
+    const struct vec3 none = {0.0, 0.0, 0.0};
     scene_now(v, q, &at);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (at.geometry[j].degenerate) {
-            const struct contact_shape shape = scene_contact_shape(v, q, j);
-            q->contact[j].normal =
-                singularity_escape(&shape, at.rate[j], vec3_make(0.0, 0.0, 0.0), q->contact[j].normal);
-        }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (at.geometry[j].degenerate && contact_is_coupled(v, q, j)) {
+    for (int k = 0; k < 2 * SCENE_CONTACTS; ++k) { /* first all by their velocities */
+        const int j = k % SCENE_CONTACTS;
+        const bool loaded = k >= SCENE_CONTACTS;
+        if (at.geometry[j].degenerate && (!loaded || contact_is_coupled(v, q, j))) {
             const struct contact_shape shape = scene_contact_shape(v, q, j);
             scene_now(v, q, &at); /* the direction of one contact changes the forces on the next */
-            q->contact[j].normal = singularity_escape(&shape, at.rate[j], acceleration_by_others(v, &at, j),
-                                                      q->contact[j].normal);
+            const struct vec3 by_others = loaded ? acceleration_by_others(v, &at, j) : none;
+            q->contact[j].normal = singularity_escape(&shape, at.rate[j], by_others, q->contact[j].normal);
         }
     }
 }
@@ -372,21 +358,24 @@ static double momentum_scale(const struct scene_values *v, double energy)
     return sqrt(2.0 * lightest * energy);
 }
 
-/* gap_offset is twice the gap's rounding bound, because the gap at the start may itself be wrong by one
- * bound. rounding_margin_offset (scene/evaluate.h) gives the reasons for margin_offset. */
+/* The gap's offset is twice its rounding bound, because the gap at the start may itself be wrong by one
+ * bound. rounding_margin_offset (scene/evaluate.h) gives the reasons for the law's offset. */
 void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double relative, double absolute)
 {
     const struct scene_values *v = ode->values;
-    ode->energy_scale = energy_kinetic_of(v, at) + energy_stored(v, ode->state, at);
-    if (scene_turns(v)) {
-        ode->energy_scale += energy_rotational_of(v, at);
-    }
+    const struct scene_energies energy = scene_energies_of(v, ode->state, at);
+    ode->energy_scale = energy.kinetic + energy.stored + energy.rotational;
     ode->momentum_scale = momentum_scale(v, ode->energy_scale);
+    memset(ode->offset, 0, sizeof ode->offset);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double tolerated = relative * vec3_norm(at->rate[j]) + absolute;
-        ode->gap_offset[j] = 2.0 * rounding_of_gap(v, at, j);
-        ode->zone_offset[j] = ode->gap_offset[j] + 2.0 * fmax(-zones_margin(v, ode->state, at, j), 0.0);
-        ode->margin_offset[j] = rounding_margin_offset(v, ode->state, at, j, tolerated);
+        double *offset = ode->offset[j];
+        offset[ODE_EVENT_GAP] = 2.0 * rounding_of_gap(v, at, j);
+        offset[ODE_EVENT_LAW] = rounding_margin_offset(v, ode->state, at, j, tolerated);
+        if (SCENE_ANY_ZONES) {
+            const double outside = fmax(-zones_margin(v, ode->state, at, j), 0.0);
+            offset[ODE_EVENT_ZONE] = offset[ODE_EVENT_GAP] + 2.0 * outside;
+        }
         if (scene_turns(v)) {
             turning_begin(ode, at, j, tolerated, relative, absolute);
         }
@@ -407,68 +396,61 @@ static void unpack_bodies(const struct scene_ode *ode, double clock, const doubl
     }
 }
 
-void ode_pack(const struct scene_ode *ode, double *y)
+/* Copies `count` numbers of the state into y, or from y into the state. */
+static void copy_numbers(bool packs, double *y, void *state, size_t count)
+{
+    memcpy(packs ? y : state, packs ? state : y, count * sizeof *y);
+}
+
+/* Copies the states that y holds as q does, all but the rotations, into y or from y. */
+static void copy_states(const struct scene_ode *ode, bool packs, struct scene_state *q, double *y)
 {
     const struct ode_layout *layout = &ode->layout;
-    const struct scene_state *q = ode->state;
     const bool turns = scene_turns(ode->values);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout->body[i] >= 0) {
-            vec3_to(q->body[i].moved, y + layout->body[i]);
-            vec3_to(q->body[i].velocity, y + layout->body[i] + 3);
-        }
-        if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
-            const struct body_turn *turn = &q->turning.body[i];
-            vec3_to(body_spin_of(ode->values, i, turn), y + layout->spin[i]);
-            four_to(turn->orientation, y + layout->orientation[i]);
+            copy_numbers(packs, y + layout->body[i], &q->body[i], BODY_STATES);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         for (int i = 0; i < OPPOSED; ++i) {
             if (layout->spring[j][i] >= 0) {
-                vec3_to(q->turning.spring[j][i], y + layout->spring[j][i]);
+                copy_numbers(packs, y + layout->spring[j][i], &q->turning.spring[j][i], 3);
             }
         }
         if (layout->met[j]) {
-            vec3_to(q->contact[j].physics.impulse, y + layout->impulse[j]);
+            copy_numbers(packs, y + layout->impulse[j], &q->contact[j].physics.impulse, 3);
         }
         if (layout->met[j] && turns) {
-            vec3_to(q->contact[j].torques.source_impulse, y + layout->impulse[j] + 3);
-            vec3_to(q->contact[j].torques.destination_impulse, y + layout->impulse[j] + 6);
+            copy_numbers(packs, y + layout->impulse[j] + 3, &q->contact[j].torques.source_impulse, 3);
+            copy_numbers(packs, y + layout->impulse[j] + 6, &q->contact[j].torques.destination_impulse, 3);
         }
     }
-    y[layout->dissipated] = q->dissipated;
-    y[layout->dissipated + 1] = q->external_work;
+    copy_numbers(packs, y + layout->dissipated, &q->dissipated, 1);
+    copy_numbers(packs, y + layout->dissipated + 1, &q->external_work, 1);
     if (turns) {
-        y[layout->dissipated + 2] = q->friction_energy;
+        copy_numbers(packs, y + layout->dissipated + 2, &q->friction_energy, 1);
+    }
+}
+
+void ode_pack(const struct scene_ode *ode, double *y)
+{
+    const struct ode_layout *layout = &ode->layout;
+    copy_states(ode, true, (struct scene_state *)ode->state, y);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
+            const struct body_turn *turn = &ode->state->turning.body[i];
+            vec3_to(body_spin_of(ode->values, i, turn), y + layout->spin[i]);
+            four_to(turn->orientation, y + layout->orientation[i]);
+        }
     }
 }
 
 void ode_unpack(const struct scene_ode *ode, struct scene_state *q, const double *y)
 {
-    const struct ode_layout *layout = &ode->layout;
-    const bool turns = scene_turns(ode->values);
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (layout->body[i] >= 0) {
-            const double *at = y + layout->body[i];
-            q->body[i] = (struct body_state){vec3_from(at), vec3_from(at + 3)};
-        }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (layout->met[j]) {
-            const double *impulse = y + layout->impulse[j];
-            q->contact[j].physics.impulse = vec3_from(impulse);
-            if (turns) {
-                q->contact[j].torques.source_impulse = vec3_from(impulse + 3);
-                q->contact[j].torques.destination_impulse = vec3_from(impulse + 6);
-            }
-        }
-    }
-    q->dissipated = y[layout->dissipated];
-    q->external_work = y[layout->dissipated + 1];
-    if (turns) {
+    copy_states(ode, false, q, (double *)y);
+    if (scene_turns(ode->values)) {
         turning_unpack(ode, y, &q->turning);
-        q->friction_energy = y[layout->dissipated + 2];
     }
 }
 
@@ -481,7 +463,7 @@ void ode_instant(const struct scene_ode *ode, double clock, const double *y, str
         turning = ode->state->turning;
         turning_unpack(ode, y, &turning);
     }
-    scene_evaluate_met(ode->values, ode->state, clock, bodies, &turning, met_of(ode), at);
+    scene_evaluate(ode->values, ode->state, clock, bodies, &turning, met_of(ode), at);
 }
 
 void ode_other_motion(const struct scene_ode *ode, double clock, struct scene_instant *at)
@@ -541,22 +523,24 @@ void ode_rates_without_contact(const struct scene_ode *ode, double clock, double
     }
 }
 
-double ode_external_power(const struct scene_ode *ode, double clock, const struct scene_instant *at)
+struct scene_powers ode_powers(const struct scene_ode *ode, double clock, const struct scene_instant *at)
 {
-    double power = 0.0;
+    struct scene_powers sum = {0.0, 0.0, 0.0};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (ode->layout.body[i] >= 0) {
-            power += vec3_dot(path_at(ode->state->path[i].force, 3, clock), at->velocity[i]);
+            sum.external += vec3_dot(path_at(ode->state->path[i].force, 3, clock), at->velocity[i]);
         }
         if (ode->layout.spin[i] >= 0) {
             const struct vec3 torque = path_at(ode->state->path[i].torque, 3, clock);
-            power += vec3_dot(torque, at->turning.body[i].angular_velocity);
+            sum.external += vec3_dot(torque, at->turning.body[i].angular_velocity);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        power += ode->layout.met[j] ? scene_driving_power(ode->values, at, j) : 0.0;
+        sum.dissipated += energy_dissipated_power_of(ode->values, ode->state, at, j);
+        sum.external += ode->layout.met[j] ? scene_driving_power(ode->values, at, j) : 0.0;
+        sum.friction += contact_rubs(ode->values, j) ? turning_friction_power_of(ode->values, at, j) : 0.0;
     }
-    return power;
+    return sum;
 }
 
 /* Writes the rates of all states at an instant. */
@@ -599,10 +583,11 @@ static void put_scene_rates(const struct scene_ode *ode, double clock, const dou
             }
         }
     }
-    rates[layout->dissipated] = energy_dissipated_power(v, ode->state, at);
-    rates[layout->dissipated + 1] = ode_external_power(ode, clock, at);
+    const struct scene_powers power = ode_powers(ode, clock, at);
+    rates[layout->dissipated] = power.dissipated;
+    rates[layout->dissipated + 1] = power.external;
     if (turns) {
-        rates[layout->dissipated + 2] = turning_friction_power(v, at);
+        rates[layout->dissipated + 2] = power.friction;
     }
 }
 
@@ -627,28 +612,23 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
     const struct ode_layout *layout = &ode->layout;
     const int impulses = scene_turns(ode->values) ? TURNING_IMPULSES : 3;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const int index = layout->body[i];
-        if (index >= 0) {
-            set_three(sizes + index, vec3_norm(vec3_from(y + index)));
-            set_three(sizes + index + 3, vec3_norm(vec3_from(y + index + 3)));
+        if (layout->body[i] >= 0) {
+            set_size(y, layout->body[i], 0.0, sizes);
+            set_size(y, layout->body[i] + 3, 0.0, sizes);
         }
         if (layout->spin[i] >= 0) {
-            set_three(sizes + layout->spin[i], vec3_norm(vec3_from(y + layout->spin[i])));
+            set_size(y, layout->spin[i], 0.0, sizes);
             four_to((struct quaternion){1.0, 1.0, 1.0, 1.0}, sizes + layout->orientation[i]);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double lever = contact_source_radius(ode->values, j) + vec3_norm(contact_source_part(j));
         for (int i = 0; i < OPPOSED; ++i) {
-            const int spring = layout->spring[j][i];
-            if (spring >= 0) {
-                set_three(sizes + spring, vec3_norm(vec3_from(y + spring)));
-            }
+            set_size(y, layout->spring[j][i], 0.0, sizes);
         }
         for (int k = 0; layout->met[j] && k < impulses; k += 3) {
-            const int index = layout->impulse[j] + k;
             const double least = k == 0 ? ode->momentum_scale : lever * ode->momentum_scale;
-            set_three(sizes + index, fmax(vec3_norm(vec3_from(y + index)), least));
+            set_size(y, layout->impulse[j] + k, least, sizes);
         }
     }
     for (int i = layout->dissipated; i < layout->size; ++i) {
@@ -659,166 +639,130 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
 /* This part computes the Jacobian column by column, from the jets of the contacts along a change of one
  * state. */
 
-/* A Jacobian, by columns. */
-struct jacobian {
-    double *at;
-    int size;
-};
-
-static void add_entry(struct jacobian m, int row, int column, double value)
-{
-    m.at[column * m.size + row] += value;
-}
-
-static void add_three(struct jacobian m, int row, int column, double factor, struct vec3 a)
-{
-    for (int k = 0; k < 3; ++k) {
-        add_entry(m, row + k, column, factor * vec3_get(a, k));
-    }
-}
-
-/* Data that all parts of the Jacobian need. */
+/* Data that all columns of the Jacobian need. */
 struct linearization {
     const struct scene_ode *ode;
-    double clock;
     const double *y;
-    struct jacobian matrix;
-    struct scene_state q; /* with the springs of y */
+    double *columns;
+    struct scene_state q; /* with the clock and the springs of y */
     struct scene_instant at;
     struct scene_jet along; /* the path, along one state */
 };
 
-/* Adds a change of the force, times `sign`, and a change of the torque on a body, or of the power of its
- * drives. */
-static void add_to_body(const struct linearization *l, int column, int body, double sign, struct vec3 force,
-                        struct vec3 torque)
+/* Writes the changes of all rates along the path, as put_scene_rates writes the rates. */
+static void put_rate_changes(const struct linearization *l, double *changes)
 {
     const struct scene_values *v = l->ode->values;
     const struct ode_layout *layout = &l->ode->layout;
-    if (layout->body[body] >= 0) {
-        add_three(l->matrix, layout->body[body] + 3, column, sign / body_mass(v, body), force);
-    } else if (body_is_prescribed(v, body)) {
-        add_entry(l->matrix, layout->dissipated + 1, column, -sign * vec3_dot(force, l->at.velocity[body]));
-    }
-    if (layout->spin[body] >= 0) {
-        add_three(l->matrix, layout->spin[body], column, 1.0 / body_inertia_of(v, body).transverse, torque);
-    } else if (body_turn_is_prescribed(v, body)) {
-        add_entry(l->matrix, layout->dissipated + 1, column,
-                  -vec3_dot(torque, l->at.turning.body[body].angular_velocity));
-    }
-}
-
-/* Adds what the change does to a contact, and by it to its bodies, springs and integrals. */
-static void add_contact_change(struct linearization *l, int contact, int column)
-{
-    const struct scene_values *v = l->ode->values;
-    const struct ode_layout *layout = &l->ode->layout;
-    const struct turning_jet *turning = &l->along.turning[contact];
-    if (l->q.contact[contact].regime == (int32_t)REGIME_APART) {
-        return;
-    }
-    jet_of_contact(v, &l->q, &l->at, contact, &l->along);
-    const struct vec3 force = l->along.contact[contact].source_force[1];
-    add_to_body(l, column, contact_source(contact), 1.0, force, turning->source_torque[1]);
-    add_to_body(l, column, contact_destination(contact), -1.0, force, turning->destination_torque[1]);
-    for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
-        if (layout->spring[contact][i] >= 0) {
-            add_three(l->matrix, layout->spring[contact][i], column, 1.0,
-                      turning_jet_spring_change(v, &l->q, &l->at, &l->along, contact, i));
+    const struct scene_jet *along = &l->along;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (layout->body[i] >= 0) {
+            vec3_to(along->velocity[i][1], changes + layout->body[i]);
+            vec3_to(vec3_scale(2.0, free_bodies_half_jerk(v, along, i)), changes + layout->body[i] + 3);
+        }
+        if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
+            const struct vec3 torque = body_part_that_turns(v, i, jet_load_on(along, i, 1).torque);
+            const struct quaternion given = four_from(l->y + layout->orientation[i]);
+            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), changes + layout->spin[i]);
+            four_to(quaternion_axpy(
+                        quaternion_rate(given, along->angular_velocity[i][1]), 1.0,
+                        quaternion_rate(along->given_orientation[i], l->at.turning.body[i].angular_velocity)),
+                    changes + layout->orientation[i]);
         }
     }
-    const int impulse = layout->impulse[contact];
-    add_three(l->matrix, impulse, column, 1.0, force);
-    add_entry(l->matrix, layout->dissipated, column,
-              jet_dissipated_power_of(v, &l->q, &l->along, contact, 1));
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        double *impulse = changes + layout->impulse[j];
+        vec3_to(along->contact[j].source_force[1], impulse);
+        if (scene_turns(v)) {
+            vec3_to(along->turning[j].source_torque[1], impulse + 3);
+            vec3_to(along->turning[j].destination_torque[1], impulse + 6);
+        }
+    }
+    const struct scene_powers power = jet_powers_of(v, &l->q, along, 1);
+    changes[layout->dissipated] = power.dissipated;
+    changes[layout->dissipated + 1] = power.external;
     if (scene_turns(v)) {
-        add_three(l->matrix, impulse + 3, column, 1.0, turning->source_torque[1]);
-        add_three(l->matrix, impulse + 6, column, 1.0, turning->destination_torque[1]);
-        add_entry(l->matrix, layout->dissipated + 2, column,
-                  turning_jet_friction_power_of(v, &l->along, contact, 1));
+        changes[layout->dissipated + 2] = power.friction;
     }
 }
 
-/* Adds a column: what the change of one state of a body does to the rates of its place and orientation, to
- * the power of the loads on it, and to its contacts. Takes the change back. */
-static void add_column(struct linearization *l, int body, int column)
+/* Writes a column: what the change of a state of `body`, or of a spring of `contact`, does to all rates. */
+static void put_column(struct linearization *l, int body, int contact, int column)
 {
+    const struct scene_values *v = l->ode->values;
     const struct ode_layout *layout = &l->ode->layout;
-    const struct body_path *path = &l->q.path[body];
-    struct scene_jet *along = &l->along;
-    double power = 0.0;
-    if (layout->body[body] >= 0) {
-        add_three(l->matrix, layout->body[body], column, 1.0, along->velocity[body][1]);
-        power = vec3_dot(path_at(path->force, 3, l->clock), along->velocity[body][1]);
-    }
-    if (SCENE_ANY_ROTATION && layout->spin[body] >= 0) {
-        const int row = layout->orientation[body];
-        const struct vec3 faster = along->angular_velocity[body][1];
-        const struct quaternion rate = quaternion_axpy(
-            quaternion_rate(four_from(l->y + row), faster), 1.0,
-            quaternion_rate(along->given_orientation[body], l->at.turning.body[body].angular_velocity));
-        add_entry(l->matrix, row, column, rate.w);
-        add_three(l->matrix, row + 1, column, 1.0, quaternion_vector(rate));
-        power += vec3_dot(path_at(path->torque, 3, l->clock), faster);
-    }
-    add_entry(l->matrix, layout->dissipated + 1, column, power);
-    for (int j = 0; column < layout->coupled && j < SCENE_CONTACTS; ++j) {
-        if (contact_source(j) == body || contact_destination(j) == body) {
-            add_contact_change(l, j, column);
+    double *changes = l->columns + column * layout->size;
+    bool moves[SCENE_CONTACTS];
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        moves[j] = column < layout->coupled && l->q.contact[j].regime != (int32_t)REGIME_APART &&
+                   (j == contact || contact_source(j) == body || contact_destination(j) == body);
+        if (moves[j]) {
+            jet_of_contact(v, &l->q, &l->at, j, scene_turns(v), &l->along);
         }
     }
+    put_rate_changes(l, changes);
+    for (int k = 0; SCENE_ANY_SPRINGS && k < SCENE_CONTACTS * OPPOSED; ++k) {
+        const int spring = layout->spring[k / OPPOSED][k % OPPOSED];
+        if (spring >= 0 && moves[k / OPPOSED]) {
+            vec3_to(turning_jet_spring_change(v, &l->q, &l->at, &l->along, k / OPPOSED, k % OPPOSED),
+                    changes + spring);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (moves[j]) {
+            memset(&l->along.contact[j], 0, sizeof l->along.contact[j]);
+            memset(&l->along.turning[j], 0, sizeof l->along.turning[j]);
+        }
+    }
+}
+
+/* Writes the column of a state of a body. Takes the change of the state back. */
+static void put_column_of_body(struct linearization *l, int body, int column)
+{
+    struct scene_jet *along = &l->along;
+    put_column(l, body, -1, column);
     along->displacement[body][1] = along->velocity[body][1] = along->angular_velocity[body][1] =
         vec3_make(0.0, 0.0, 0.0);
-    if (SCENE_ANY_AXIS) {
-        along->axis[body][1] = vec3_make(0.0, 0.0, 0.0);
-    }
     along->orientation[body][1] = along->given_orientation[body] = (struct quaternion){0.0, 0.0, 0.0, 0.0};
 }
 
-/* Changes component k of the orientation in y, a quaternion of any length, at constant L / I_1. As the axis
- * changes, omega changes too. A compound body, whose omega is M L / I_1, turns by a vector r, and omega
- * changes by r x omega - M (r x L / I_1). */
+/* Changes component k of the orientation in y, a quaternion of any length, at constant L / I_1. As the body
+ * turns by a vector r, its angular velocity omega = M L / I_1 changes by r x omega - M (r x L / I_1). */
 static void change_orientation(struct linearization *l, int body, int k)
 {
     const struct scene_values *v = l->ode->values;
     const struct body_turn *turn = &l->at.turning.body[body];
     const struct quaternion q = four_from(l->y + l->ode->layout.orientation[body]);
     const struct vec3 spin = vec3_from(l->y + l->ode->layout.spin[body]);
+    const struct quaternion back = quaternion_inverse(turn->orientation);
     struct scene_jet *along = &l->along;
     along->given_orientation[body] = (struct quaternion){k == 0, k == 1, k == 2, k == 3};
     turning_jet_move_orientation(body, turn->orientation, sqrt(quaternion_dot(q, q)), k, 1.0, along);
-    if (body_is_compound(body)) {
-        const struct quaternion back = quaternion_inverse(turn->orientation);
-        const struct vec3 r =
-            vec3_scale(2.0, quaternion_vector(quaternion_product(along->orientation[body][1], back)));
-        const struct vec3 held = body_rotation_of(v, body, turn->orientation, vec3_cross(r, spin));
-        along->angular_velocity[body][1] = vec3_sub(vec3_cross(r, turn->angular_velocity), held);
-        return;
-    }
-    const struct vec3 change = along->axis[body][1];
-    const struct vec3 e = quaternion_third_axis(turn->orientation);
-    along->angular_velocity[body][1] = vec3_scale(
-        body_flatness(v, body), vec3_axpy(vec3_scale(vec3_dot(spin, change), e), vec3_dot(spin, e), change));
+    const struct vec3 r =
+        vec3_scale(2.0, quaternion_vector(quaternion_product(along->orientation[body][1], back)));
+    const struct vec3 turned = body_part_that_turns(v, body, vec3_cross(r, turn->angular_velocity));
+    const struct vec3 held = body_rotation_of(v, body, turn->orientation, vec3_cross(r, spin));
+    along->angular_velocity[body][1] = vec3_sub(turned, held);
 }
 
-/* Adds the columns of a body's states. */
-static void add_columns_of_body(struct linearization *l, int body)
+/* Writes the columns of a body's states. */
+static void put_columns_of_body(struct linearization *l, int body)
 {
     const struct ode_layout *layout = &l->ode->layout;
     for (int k = 0; k < BODY_STATES && layout->body[body] >= 0; ++k) {
         vec3_set(k < 3 ? &l->along.displacement[body][1] : &l->along.velocity[body][1], k % 3, 1.0);
-        add_column(l, body, layout->body[body] + k);
+        put_column_of_body(l, body, layout->body[body] + k);
     }
     for (int k = 0; SCENE_ANY_ROTATION && k < 3 && layout->spin[body] >= 0; ++k) {
         struct vec3 spin = {0.0, 0.0, 0.0};
         vec3_set(&spin, k, 1.0);
         l->along.angular_velocity[body][1] =
             body_rotation_of(l->ode->values, body, l->at.turning.body[body].orientation, spin);
-        add_column(l, body, layout->spin[body] + k);
+        put_column_of_body(l, body, layout->spin[body] + k);
     }
     for (int k = 0; SCENE_ANY_ROTATION && k < 4 && layout->spin[body] >= 0; ++k) {
         change_orientation(l, body, k);
-        add_column(l, body, layout->orientation[body] + k);
+        put_column_of_body(l, body, layout->orientation[body] + k);
     }
 }
 
@@ -826,20 +770,24 @@ void ode_jacobian(const void *scene_ode, double clock, const double *y, double *
 {
     const struct scene_ode *ode = scene_ode;
     const int size = ode->layout.size;
-    struct linearization l = {.ode = ode, .clock = clock, .y = y, .matrix = {columns, size}};
+    struct linearization l = {.ode = ode, .y = y, .columns = columns};
     memset(columns, 0, (size_t)size * (size_t)size * sizeof *columns);
     l.along.first_order = true;
     scene_state_copy(ode->values, ode->state, &l.q);
+    l.q.clock = clock;
     ode_instant(ode, clock, y, &l.at);
     if (scene_turns(ode->values)) {
         turning_unpack(ode, y, &l.q.turning);
-        for (int i = 0; i < SCENE_BODIES; ++i) {
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        l.along.velocity[i][0] = l.at.velocity[i];
+        if (scene_turns(ode->values)) {
             l.along.orientation[i][0] = l.at.turning.body[i].orientation;
             l.along.angular_velocity[i][0] = l.at.turning.body[i].angular_velocity;
         }
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        add_columns_of_body(&l, i);
+        put_columns_of_body(&l, i);
     }
     for (int k = 0; SCENE_ANY_SPRINGS && k < 3 * OPPOSED * SCENE_CONTACTS; ++k) {
         const int contact = k / (3 * OPPOSED);
@@ -847,7 +795,7 @@ void ode_jacobian(const void *scene_ode, double clock, const double *y, double *
         if (ode->layout.spring[contact][part] >= 0) {
             struct vec3 *spring = &l.along.spring[contact][part][1];
             vec3_set(spring, k % 3, 1.0);
-            add_contact_change(&l, contact, ode->layout.spring[contact][part] + k % 3);
+            put_column(&l, -1, contact, ode->layout.spring[contact][part] + k % 3);
             *spring = vec3_make(0.0, 0.0, 0.0);
         }
     }
@@ -880,10 +828,10 @@ void ode_events_at(const struct scene_ode *ode, double clock, const double *y, c
             friction_events(ode, clock, &turning, at, j, out);
         }
         if (SCENE_ANY_ZONES) {
-            out[ODE_EVENT_ZONE] = ode->zone_offset[j] + zones_margin(v, ode->state, at, j);
+            out[ODE_EVENT_ZONE] = zones_margin(v, ode->state, at, j);
         }
         for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
-            out[i] = not_zero(out[i]);
+            out[i] = not_zero(i > ODE_EVENT_LAW ? ode->offset[j][i] + out[i] : out[i]);
         }
     }
 }
@@ -973,20 +921,16 @@ static bool keeps_energy(const struct scene_values *v, const struct scene_state 
            body_is_undriven(v, q, contact_destination(contact));
 }
 
-/* The terms of the energy of a contact's relative motion [J]. */
-struct relative_energy {
-    double kinetic, stored, potential;
-};
-
-/* The potential counts only where one body is not free, because two free bodies fall together. */
-static struct relative_energy relative_energy_of(const struct scene_values *v, const struct scene_state *q,
-                                                 const struct scene_instant *at, int contact)
+/* Returns the terms of the energy of a contact's relative motion [J]. The potential counts only where one
+ * body is not free, because two free bodies fall together. */
+static struct scene_energies relative_energy_of(const struct scene_values *v, const struct scene_state *q,
+                                                const struct scene_instant *at, int contact)
 {
     const struct contact_law law = scene_contact_law(v, q, contact);
     const double mass = 1.0 / scene_inverse_mass(v, contact);
     const bool source_is_free = body_is_free(v, contact_source(contact));
     const bool destination_is_free = body_is_free(v, contact_destination(contact));
-    struct relative_energy energy = {
+    struct scene_energies energy = {
         .kinetic = 0.5 * mass * vec3_dot(at->rate[contact], at->rate[contact]),
         .stored = contact_stored_energy(&law, (enum contact_regime)q->contact[contact].regime,
                                         at->geometry[contact].gap)};
@@ -1002,7 +946,7 @@ double projection_balance(const struct scene_values *v, const struct scene_state
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (keeps_energy(v, q, j)) {
-            const struct relative_energy energy = relative_energy_of(v, q, at, j);
+            const struct scene_energies energy = relative_energy_of(v, q, at, j);
             return energy.kinetic + energy.stored + energy.potential;
         }
     }
@@ -1042,7 +986,7 @@ static const double MOST_STEPS = 1e4;
 
 /* Whether the missing energy [J] exceeds the rounding of its terms, but is explained by an error of
  * `tolerated` [m/s] and by rounding in each step of the integrator. */
-static bool is_integration_error(double missing, const struct relative_energy *energy, double mass,
+static bool is_integration_error(double missing, const struct scene_energies *energy, double mass,
                                  double gap_rate, double speed, double tolerated)
 {
     const double terms = energy->kinetic + energy->stored + fabs(energy->potential);
@@ -1063,7 +1007,7 @@ void projection_restore_energy(const struct scene_values *v, struct scene_state 
     const int destination = contact_destination(contact);
     const double by_both = scene_inverse_mass(v, contact);
     const double gap_rate = at.geometry[contact].gap_rate;
-    const struct relative_energy energy = relative_energy_of(v, q, &at, contact);
+    const struct scene_energies energy = relative_energy_of(v, q, &at, contact);
     const double missing = q->phase_energy - (energy.kinetic + energy.stored + energy.potential);
     if (!is_integration_error(missing, &energy, 1.0 / by_both, gap_rate, vec3_norm(at.rate[contact]),
                               tolerated)) {

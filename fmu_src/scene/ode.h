@@ -7,9 +7,9 @@
  *
  * and where bodies turn or rub (scene_turns)
  *
- *   y = (moved, v of each free body; L / I_1 [rad/s] of each body of free rotation;
- *        orientation (w, x, y, z) of those with an axis; spring xi [m] of each elastic friction, theta [rad]
- *        of each elastic resistance to rolling or spinning;
+ *   y = (moved, v of each free body, L / I_1 [rad/s] of each body of free rotation, orientation (w, x, y, z)
+ *        of those with an axis, body by body; spring xi [m] of each elastic friction, theta [rad] of each
+ *        elastic resistance to rolling or spinning;
  *        orientation of the spheres among them;
  *        impulse, impulse of torque on the source and on the destination of each contact [N s, N m s];
  *        dissipated energy, external work, work on friction and its springs [J])
@@ -98,12 +98,8 @@ struct scene_ode {
     /* gives the motion of a body that y leaves out, at a clock; NULL: y leaves out none */
     struct body_state (*flight)(const struct scene_values *v, const struct scene_state *q, int body,
                                 double clock);
-    double gap_offset[SCENE_CONTACTS];    /* is added to event function 0 [m] */
-    double margin_offset[SCENE_CONTACTS]; /* is added to event function 1, in the unit of that function */
-    /* are added to the event functions of friction: of sticking, 3 and 4, in the units of these functions */
-    double stick_offset[SCENE_CONTACTS][OPPOSED], cap_offset[SCENE_CONTACTS], lift_offset[SCENE_CONTACTS];
-    double zone_offset[SCENE_CONTACTS];  /* is added to the event function ODE_EVENT_ZONE [m] */
-    double energy_scale, momentum_scale; /* sizes at the start of the phase [J], [N s] */
+    double offset[SCENE_CONTACTS][ODE_EVENTS_EACH]; /* are added to the event functions, in their units */
+    double energy_scale, momentum_scale;            /* sizes at the start of the phase [J], [N s] */
 };
 
 /* Sets n of each contact with d = 0 to the escape direction (scene/evaluate.h). */
@@ -148,9 +144,8 @@ int ode_event_passed(const struct scene_ode *ode, const double *y);
  * results do not depend on the place. An energy or impulse counts as at least that of the free bodies. */
 void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes);
 
-/* Returns the power [W] of the external forces and torques on the bodies whose motion y holds, plus the power
- * of the drives of prescribed bodies. */
-double ode_external_power(const struct scene_ode *ode, double clock, const struct scene_instant *at);
+/* Returns the powers; of external forces and torques those on the bodies whose motion y holds. */
+struct scene_powers ode_powers(const struct scene_ode *ode, double clock, const struct scene_instant *at);
 
 /* Computes the instant at y. */
 void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at);

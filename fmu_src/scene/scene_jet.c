@@ -29,6 +29,11 @@ static void put_turned(const struct quaternion q[JET_TERMS], struct vec3 a, stru
     }
 }
 
+void jet_axis_of(const struct scene_jet *along, int body, struct vec3 axis[JET_TERMS])
+{
+    put_turned(along->orientation[body], vec3_make(0.0, 0.0, 1.0), axis);
+}
+
 /* Puts the terms of the lever arm R o of a contact's end (0: source, 1: destination), as in scene_lever. */
 static void put_lever(const struct scene_jet *along, int contact, int end, struct vec3 lever[JET_TERMS])
 {
@@ -56,26 +61,21 @@ void jet_add_levers(const struct scene_jet *along, int contact, struct vec3 c[JE
  * the rotations of both bodies, the axis of the shape. */
 struct contact_path {
     struct vec3 c[JET_TERMS], w[JET_TERMS], seen[JET_TERMS];
-    struct vec3 source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
+    const struct vec3 *source, *destination; /* angular velocities */
+    struct vec3 axis[JET_TERMS];
     int terms; /* number of terms that are wanted */
 };
 
-/* Puts the rotations of both bodies and the motion of the shape's axis. */
-static void put_rotations(const struct scene_values *v, const struct scene_instant *at,
-                          const struct scene_jet *along, const struct contact_shape *shape, int contact,
-                          struct contact_path *path)
+/* Puts the motion of the shape's axis, and the rate of c as the destination sees it. */
+static void put_seen(const struct scene_values *v, const struct scene_jet *along,
+                     const struct contact_shape *shape, int contact, struct contact_path *path)
 {
-    const int from = contact_source(contact);
-    const int to = contact_destination(contact);
-    path->source[0] = at->turning.body[from].angular_velocity;
-    path->destination[0] = at->turning.body[to].angular_velocity;
-    for (int i = 1; i < path->terms; ++i) {
-        path->source[i] = along->angular_velocity[from][i];
-        path->destination[i] = along->angular_velocity[to][i];
-        if (contact_tips(v, contact)) {
-            /* a shape's axis is opposite to the body's at a capped cylinder's end to which -e_d points */
-            const bool is_opposite = contact_is_capped(shape) && shape->solid.zone < 0;
-            path->axis[i] = vec3_scale(is_opposite ? -1.0 : 1.0, along->axis[to][i]);
+    if (contact_tips(v, contact)) {
+        /* a shape's axis is opposite to the body's at a capped cylinder's end to which -e_d points */
+        const double sign = contact_is_capped(shape) && shape->solid.zone < 0 ? -1.0 : 1.0;
+        jet_axis_of(along, contact_destination(contact), path->axis);
+        for (int i = 0; i < JET_TERMS; ++i) {
+            path->axis[i] = vec3_scale(sign, path->axis[i]);
         }
     }
     for (int i = 0; i < path->terms && !contact_is_skew(shape); ++i) {
@@ -91,6 +91,8 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
     const int to = contact_destination(contact);
     struct contact_path path;
     memset(&path, 0, sizeof path);
+    path.source = along->angular_velocity[from];
+    path.destination = along->angular_velocity[to];
     path.terms = along->first_order ? 2 : JET_TERMS;
     for (int i = 1; i < path.terms; ++i) {
         path.c[i] = vec3_sub(along->displacement[to][i], along->displacement[from][i]);
@@ -102,7 +104,7 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
     path.axis[0] = shape->axis;
     memcpy(path.seen, path.w, sizeof path.seen);
     if (SCENE_ANY_TURNING && scene_turns(v)) {
-        put_rotations(v, at, along, shape, contact, &path);
+        put_seen(v, along, shape, contact, &path);
     }
     return path;
 }
@@ -119,11 +121,11 @@ static void put_offset(const struct contact_shape *shape, const struct contact_p
     if (!contact_is_cylinder(shape) && !contact_is_circle(shape)) {
         return;
     }
-    jet_of_axis_distance(path->c, path->axis, across, axial, rho);
+    jet_across(path->c, path->axis, across, axial);
     memcpy(&offset[1], &across[1], 2 * sizeof offset[1]);
     if (contact_is_circle(shape)) {
-        struct vec3 to_axis[JET_TERMS] = {vec3_scale(1.0 / rho[0], across[0])};
-        jet_divide(across, rho, to_axis);
+        struct vec3 to_axis[JET_TERMS];
+        jet_direction(across, rho, to_axis);
         rho[0] -= shape->solid.radius;
         axial[0] += shape->solid.half_height;
         for (int i = 1; i < JET_TERMS; ++i) {
@@ -132,31 +134,22 @@ static void put_offset(const struct contact_shape *shape, const struct contact_p
     }
 }
 
-/* Sets the terms of d and n. From d n = offset follow d' = n.offset' and d n' = offset' - d' n. A plane has
- * n = -e, and where d = 0 n is constant; both have d' = (n.c)'. */
+/* Sets the terms of d and n, the length and the direction of the offset. A plane has n = -e, and where d = 0
+ * n is constant; both have d' = (n.c)'. */
 static void put_distance(const struct contact_shape *shape, const struct contact_geometry *g,
                          const struct contact_path *path, struct contact_jet *jet)
 {
     struct vec3 offset[JET_TERMS] = {g->offset};
-    put_offset(shape, path, offset);
+    if (contact_turns(shape, g)) {
+        put_offset(shape, path, offset);
+        jet_direction(offset, jet->distance, jet->normal);
+        return;
+    }
     jet->normal[0] = g->normal;
     jet->distance[0] = g->distance;
     for (int i = 1; i < path->terms; ++i) {
-        jet->normal[i] = vec3_make(0.0, 0.0, 0.0);
-        if (contact_is_plane(shape)) {
-            jet->normal[i] = vec3_scale(-1.0, path->axis[i]);
-        }
+        jet->normal[i] = vec3_scale(contact_is_plane(shape) ? -1.0 : 0.0, path->axis[i]);
         jet->distance[i] = jet_dot(jet->normal, path->c, i);
-        if (contact_turns(shape, g)) {
-            double sum = 0.0;
-            for (int k = 1; k <= i; ++k) {
-                sum += k * vec3_dot(jet->normal[i - k], offset[k]);
-            }
-            jet->distance[i] = sum / i;
-            const struct vec3 turned = vec3_sub(offset[i], jet_scale(jet->distance, jet->normal, i));
-            jet->normal[i] =
-                vec3_make(turned.x / g->distance, turned.y / g->distance, turned.z / g->distance);
-        }
     }
 }
 
@@ -173,25 +166,22 @@ static void put_normal_force(const struct contact_shape *shape, const struct con
     }
 }
 
-/* Sets the terms of the lever arms and of the slip of a contact whose normal is known. */
+/* Sets the terms of the lever arms, of the slip and of omega of a contact whose normal is known. */
 static void put_slip(const struct contact_shape *shape, const struct contact_path *path,
                      const struct contact_jet *jet, struct turning_jet *turning)
 {
-    struct vec3 far[JET_TERMS];
-    struct vec3 all[JET_TERMS];
-    double along_normal[JET_TERMS];
+    struct vec3 all[JET_TERMS] = {{0.0, 0.0, 0.0}};
     for (int i = 0; i < path->terms; ++i) {
         const struct vec3 foot =
             i == 0 ? contact_foot(shape, path->c[0]) : contact_foot_along(shape, path->c[i]);
         turning->source_arm[i] = contact_source_arm(shape, jet->normal[i], foot);
-        far[i] = vec3_sub(turning->source_arm[i], path->c[i]);
-        turning->destination_arm[i] = far[i];
+        turning->destination_arm[i] = vec3_sub(turning->source_arm[i], path->c[i]);
         const struct vec3 past = vec3_sub(turning_jet_cross(path->source, turning->source_arm, i),
-                                          turning_jet_cross(path->destination, far, i));
+                                          turning_jet_cross(path->destination, turning->destination_arm, i));
         all[i] = vec3_sub(past, path->w[i]);
-        along_normal[i] = jet_dot(all, jet->normal, i);
-        turning->slip[i] = vec3_sub(all[i], jet_scale(along_normal, jet->normal, i));
+        turning->spin[i] = vec3_sub(path->source[i], path->destination[i]);
     }
+    opposed_laid_terms(OPPOSED_SLIP, all, jet->normal, turning->motion[OPPOSED_SLIP]);
 }
 
 /* Adds the lever arms of compound bodies to those from the centres of the spheres. */
@@ -207,60 +197,55 @@ static void add_levers_to_arms(const struct scene_jet *along, int contact, struc
     }
 }
 
-/* Returns the change of a spring by a jump of n: the spring before the jump is laid anew. */
-static struct vec3 laid_change(enum opposed part, struct vec3 before, const struct contact_jet *jet)
+/* Returns the arguments of the law that opposes a motion along the path. Where the inputs jump, the spring
+ * before the jump is laid anew. */
+static struct friction_path friction_path_of(const struct scene_state *q, const struct scene_jet *along,
+                                             int contact, int part)
 {
-    const struct vec3 n = jet->normal[0];
-    const struct vec3 by_normal = vec3_scale(vec3_dot(before, n), jet->normal[1]);
-    const struct vec3 along = vec3_axpy(by_normal, vec3_dot(before, jet->normal[1]), n);
-    return part == OPPOSED_SPINNING ? along : vec3_scale(-1.0, along);
-}
-
-/* Sets the terms of the force or torque that opposes a motion and of the energy that its spring stores. */
-static void put_opposing(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_jet *along, int contact, int part, struct contact_jet *jet,
-                         struct turning_jet *turning)
-{
-    const struct friction_law law = scene_friction_law(v, q, contact, part);
-    const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
-    const bool slips = part == OPPOSED_SLIP;
-    struct friction_path path = {.slip_velocity_slope = slips ? along->slip_velocity_slope[contact] : 0.0};
+    const struct contact_jet *jet = &along->contact[contact];
+    struct friction_path path = {.slip_velocity_slope =
+                                     part == OPPOSED_SLIP ? along->slip_velocity_slope[contact] : 0.0};
     memcpy(path.normal_force, jet->normal_force, sizeof path.normal_force);
-    memcpy(path.slip, turning->motion[part], sizeof path.slip);
+    memcpy(path.slip, along->turning[contact].motion[part], sizeof path.slip);
     memcpy(path.spring, along->spring[contact][part], sizeof path.spring);
     path.spring[0] = q->turning.spring[contact][part];
     for (int i = 0; i < JET_TERMS; ++i) {
         path.depth[i] = -jet->gap[i];
     }
     if (along->jumps) {
-        path.spring[1] = vec3_add(path.spring[1],
-                                  laid_change((enum opposed)part, along->spring_before[contact][part], jet));
+        const struct vec3 before[JET_TERMS] = {along->spring_before[contact][part]};
+        struct vec3 laid[JET_TERMS];
+        opposed_laid_terms((enum opposed)part, before, jet->normal, laid);
+        path.spring[1] = vec3_add(path.spring[1], laid[1]);
     }
-    struct vec3 force[JET_TERMS];
-    double stored[JET_TERMS];
-    friction_force_terms(&law, regime, &path, force);
-    friction_stored_terms(&law, regime, &path, stored);
-    for (int i = 0; i < JET_TERMS; ++i) {
-        struct vec3 *sum = slips ? turning->friction_force : turning->resistance;
-        sum[i] = vec3_add(sum[i], force[i]);
-        turning->stored[i] += stored[i];
-        jet->source_force[i] = slips ? vec3_add(jet->source_force[i], force[i]) : jet->source_force[i];
-    }
+    return path;
 }
 
-/* Sets the terms of omega and of the opposed motions, and of what opposes them. */
-static void put_friction(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_jet *along, const struct contact_path *path, int contact,
-                         struct contact_jet *jet, struct turning_jet *turning)
+/* Sets the terms of the opposed motions, of the forces and torques that oppose them, and of the energy that
+ * their springs store. */
+static void put_friction(const struct scene_values *v, const struct scene_state *q, int contact,
+                         struct scene_jet *along)
 {
+    struct contact_jet *jet = &along->contact[contact];
+    struct turning_jet *turning = &along->turning[contact];
     const bool rubs = contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
-    for (int i = 0; i < path->terms; ++i) {
-        turning->spin[i] = vec3_sub(path->source[i], path->destination[i]);
-    }
-    for (int part = 0; part < contact_opposed(v, contact); ++part) {
-        opposed_terms((enum opposed)part, turning->slip, turning->spin, jet->normal, turning->motion[part]);
-        if (SCENE_ANY_FRICTION && rubs) {
-            put_opposing(v, q, along, contact, part, jet, turning);
+    for (int part = 0; SCENE_ANY_FRICTION && rubs && part < contact_opposed(v, contact); ++part) {
+        const bool slips = part == OPPOSED_SLIP;
+        struct vec3 *sum = slips ? turning->friction_force : turning->resistance;
+        struct vec3 force[JET_TERMS];
+        double stored[JET_TERMS];
+        if (!slips) {
+            opposed_laid_terms((enum opposed)part, turning->spin, jet->normal, turning->motion[part]);
+        }
+        const struct friction_law law = scene_friction_law(v, q, contact, part);
+        const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
+        const struct friction_path path = friction_path_of(q, along, contact, part);
+        friction_force_terms(&law, regime, &path, force);
+        friction_stored_terms(&law, regime, &path, stored);
+        for (int i = 0; i < JET_TERMS; ++i) {
+            sum[i] = vec3_add(sum[i], force[i]);
+            turning->stored[i] += stored[i];
+            jet->source_force[i] = slips ? vec3_add(jet->source_force[i], force[i]) : jet->source_force[i];
         }
     }
 }
@@ -275,21 +260,18 @@ static void put_turning(const struct scene_values *v, const struct scene_state *
     memset(turning, 0, sizeof *turning);
     put_slip(shape, path, jet, turning);
     add_levers_to_arms(along, contact, turning);
-    put_friction(v, q, along, path, contact, jet, turning);
+    put_friction(v, q, contact, along);
     for (int i = 0; i < path->terms; ++i) {
-        turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
-        turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
-        if (contact_resists(v, contact)) {
-            const struct vec3 resistance = turning->resistance[i];
-            turning->source_torque[i] = vec3_add(turning->source_torque[i], resistance);
-            turning->destination_torque[i] = vec3_sub(turning->destination_torque[i], resistance);
-        }
+        const struct vec3 resistance = turning->resistance[i];
+        turning->source_torque[i] =
+            vec3_add(turning_jet_cross(turning->source_arm, jet->source_force, i), resistance);
+        turning->destination_torque[i] =
+            vec3_sub(turning_jet_cross(jet->source_force, turning->destination_arm, i), resistance);
     }
 }
 
-/* Sets the series of one contact. If `rubs`, these include the slip, friction and torques. */
-static void put_contact_jet(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at, int contact, bool rubs, struct scene_jet *along)
+void jet_of_contact(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
+                    int contact, bool rubs, struct scene_jet *along)
 {
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
     const struct contact_shape shape = scene_shape_met(v, q, at, contact);
@@ -303,28 +285,14 @@ static void put_contact_jet(const struct scene_values *v, const struct scene_sta
     }
 }
 
-/* Sets the series of the contacts that `met` marks; NULL marks all. */
-static void put_contact_jets(const struct scene_values *v, const struct scene_state *q,
-                             const struct scene_instant *at, const bool *met, bool rubs,
-                             struct scene_jet *along)
+void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
+                     const struct scene_instant *at, const bool *met, bool rubs, struct scene_jet *along)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (!(along->touching && q->contact[j].regime == (int32_t)REGIME_APART) && (!met || met[j])) {
-            put_contact_jet(v, q, at, j, rubs, along);
+            jet_of_contact(v, q, at, j, rubs, along);
         }
     }
-}
-
-void jet_of_contact(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
-                    int contact, struct scene_jet *along)
-{
-    put_contact_jet(v, q, at, contact, scene_turns(v), along);
-}
-
-void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
-                     const struct scene_instant *at, struct scene_jet *along)
-{
-    put_contact_jets(v, q, at, NULL, true, along);
 }
 
 /* Puts the orientation's terms from the angular velocity: q' = (0, omega) q / 2. */
@@ -335,23 +303,17 @@ static void put_orientation(const struct vec3 omega[2], struct quaternion q[JET_
         0.5, quaternion_axpy(quaternion_rate(q[0], omega[1]), 1.0, quaternion_rate(q[1], omega[0])));
 }
 
-/* Puts the terms of a body's axis e from e' = omega x e. */
-static void put_turning_axis(const struct vec3 *omega, struct vec3 e[JET_TERMS])
-{
-    e[1] = vec3_cross(omega[0], e[0]);
-    e[2] = vec3_scale(0.5, turning_jet_cross(omega, e, 1));
-}
-
 /* Puts the jet of an axis whose direction is a polynomial that need not have unit length. */
 static void put_given_axis(const struct body_path *path, double clock, struct vec3 e[JET_TERMS])
 {
     struct vec3 a[3];
     double length[JET_TERMS];
+    struct vec3 unit[JET_TERMS];
     memcpy(a, path->axis, sizeof a);
     path_shift(a, 3, clock);
-    jet_length(a, length);
+    jet_direction(a, length, unit);
     if (length[0] > 0.0) {
-        jet_divide(a, length, e);
+        memcpy(&e[1], &unit[1], 2 * sizeof e[1]);
     }
 }
 
@@ -359,9 +321,8 @@ static void put_prescribed(const struct scene_state *q, int body, struct scene_j
 {
     const struct body_path *path = &q->path[body];
     struct vec3 *omega = along->angular_velocity[body];
-    struct vec3 *e = along->axis[body];
+    struct vec3 e[JET_TERMS] = {quaternion_third_axis(along->orientation[body][0])};
     omega[2] = path->angular_velocity[2];
-    put_turning_axis(omega, e);
     struct vec3 seen[2] = {omega[0], omega[1]};
     if (path->turn_follows != TURN_FOLLOWS_VELOCITY && body_has_axis(body)) {
         put_given_axis(path, q->clock, e);
@@ -383,7 +344,6 @@ static void put_turning_bodies(const struct scene_values *v, const struct scene_
     for (int i = 0; i < SCENE_BODIES; ++i) {
         along->angular_velocity[i][0] = at->turning.body[i].angular_velocity;
         along->orientation[i][0] = at->turning.body[i].orientation;
-        along->axis[i][0] = quaternion_third_axis(at->turning.body[i].orientation);
         if (SCENE_ANY_ROTATION) {
             along->angular_velocity[i][1] = turning_acceleration(v, q, q->clock, at, i);
             if (body_turn_is_prescribed(v, i)) {
@@ -391,7 +351,6 @@ static void put_turning_bodies(const struct scene_values *v, const struct scene_
             } else if (body_turns_freely(v, i)) {
                 const struct body_path *path = &q->path[i];
                 along->torque[i] = path_slope(path->torque, q->clock);
-                put_turning_axis(along->angular_velocity[i], along->axis[i]);
                 put_orientation(along->angular_velocity[i], along->orientation[i]);
             }
         }
@@ -424,31 +383,41 @@ static void put_bodies(const struct scene_values *v, const struct scene_state *q
     }
 }
 
+struct contact_load jet_load_on(const struct scene_jet *along, int body, int order)
+{
+    struct contact_load sum = {.force = {0.0, 0.0, 0.0}};
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_source(j) == body) {
+            sum.force = vec3_add(sum.force, along->contact[j].source_force[order]);
+            sum.torque = vec3_add(sum.torque, along->turning[j].source_torque[order]);
+        }
+        if (contact_destination(j) == body) {
+            sum.force = vec3_sub(sum.force, along->contact[j].source_force[order]);
+            sum.torque = vec3_add(sum.torque, along->turning[j].destination_torque[order]);
+        }
+    }
+    return sum;
+}
+
 struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body)
 {
-    struct vec3 force = along->force[body];
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct vec3 source_force = along->contact[j].source_force[1];
-        const int sign = (contact_source(j) == body) - (contact_destination(j) == body);
-        force = vec3_axpy(force, sign, source_force);
-    }
+    const struct vec3 force = vec3_add(along->force[body], jet_load_on(along, body, 1).force);
     return vec3_scale(0.5 / body_mass(v, body), force);
 }
 
-double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
+struct scene_powers jet_powers_of(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_jet *along, int order)
 {
     const bool turns = SCENE_ANY_ROTATION && scene_turns(v);
-    double power = 0.0;
-    double turning = 0.0;
+    struct scene_powers sum = {0.0, 0.0, 0.0};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
             const struct vec3 force[2] = {path_at(q->path[i].force, 3, q->clock), along->force[i]};
-            power += jet_dot(force, along->velocity[i], order);
+            sum.external += jet_dot(force, along->velocity[i], order);
         }
         if (turns && body_turns_freely(v, i)) {
             const struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
-            turning += jet_dot(torque, along->angular_velocity[i], order);
+            sum.external += jet_dot(torque, along->angular_velocity[i], order);
         }
     }
     for (int end = 0; end < 2 * SCENE_CONTACTS; ++end) {
@@ -457,34 +426,28 @@ double free_bodies_external_power(const struct scene_values *v, const struct sce
         const int body = is_source ? contact_source(j) : contact_destination(j);
         if (body_is_prescribed(v, body)) {
             const double given = jet_dot(along->contact[j].source_force, along->velocity[body], order);
-            power += is_source ? -given : given;
+            sum.external += is_source ? -given : given;
         }
         if (turns && body_turn_is_prescribed(v, body)) {
             const struct vec3 *torque =
                 is_source ? along->turning[j].source_torque : along->turning[j].destination_torque;
-            turning -= jet_dot(torque, along->angular_velocity[body], order);
+            sum.external -= jet_dot(torque, along->angular_velocity[body], order);
         }
     }
-    return power + turning;
-}
-
-double jet_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_jet *along, int contact, int order)
-{
-    const struct contact_jet *jet = &along->contact[contact];
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    return contact_dissipated_term(&law, (enum contact_regime)q->contact[contact].regime, jet->normal_force,
-                                   jet->gap, jet->gap_rate, order);
-}
-
-double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_jet *along, int order)
-{
-    double power = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        power += jet_dissipated_power_of(v, q, along, j, order);
+        const struct contact_jet *jet = &along->contact[j];
+        const struct turning_jet *turning = &along->turning[j];
+        const struct contact_law law = scene_contact_law(v, q, j);
+        sum.dissipated += contact_dissipated_term(&law, (enum contact_regime)q->contact[j].regime,
+                                                  jet->normal_force, jet->gap, jet->gap_rate, order);
+        if (contact_rubs(v, j)) {
+            sum.friction -= jet_dot(turning->friction_force, turning->motion[OPPOSED_SLIP], order);
+        }
+        if (contact_resists(v, j)) {
+            sum.friction -= jet_dot(turning->resistance, turning->spin, order);
+        }
     }
-    return power;
+    return sum;
 }
 
 /* Puts the rates of the free bodies' accelerations from the contact forces. */
@@ -503,11 +466,10 @@ static void put_work(const struct scene_values *v, const struct scene_state *q, 
 {
     along->time[1] = 1.0;
     for (int i = 1; i < JET_TERMS; ++i) {
-        along->dissipated[i] = free_bodies_dissipated_power(v, q, along, i - 1) / i;
-        along->external_work[i] = free_bodies_external_power(v, q, along, i - 1) / i;
-        if (SCENE_ANY_TURNING) {
-            along->friction[i] = turning_jet_friction_power(v, along, i - 1) / i;
-        }
+        const struct scene_powers power = jet_powers_of(v, q, along, i - 1);
+        along->dissipated[i] = power.dissipated / i;
+        along->external_work[i] = power.external / i;
+        along->friction[i] = power.friction / i;
     }
 }
 
@@ -527,89 +489,83 @@ static struct vec3 put_principal_axes(const struct scene_values *v, const struct
     return vec3_make(inertia.transverse, inertia.transverse, inertia.axial);
 }
 
+/* Puts the first terms of sum f_k (e_k.a) e_k over the principal axes e_k. */
+static void put_along_axes(struct vec3 axis[3][JET_TERMS], struct vec3 f, const struct vec3 *a, int terms,
+                           struct vec3 *sum)
+{
+    for (int i = 0; i < terms; ++i) {
+        sum[i] = vec3_make(0.0, 0.0, 0.0);
+    }
+    for (int k = 0; k < 3; ++k) {
+        double part[JET_TERMS];
+        for (int i = 0; i < terms; ++i) {
+            part[i] = jet_dot(a, axis[k], i);
+            sum[i] = vec3_axpy(sum[i], vec3_get(f, k), jet_scale(part, axis[k], i));
+        }
+    }
+}
+
 /* The angular acceleration is omega' = sum e_k (e_k.(tau - omega x L)) / I_k, where L = sum I_k (e_k.omega)
  * e_k with the principal axes e_k. */
 struct vec3 turning_jet_half_jerk(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_instant *at, const struct scene_jet *along, int body)
 {
-    struct vec3 axis[3][JET_TERMS];
-    struct vec3 momentum[2] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    struct vec3 axis[3][JET_TERMS], momentum[2], faster[2];
     struct vec3 by[2] = {turning_torque_on(v, q, q->clock, at, body), along->torque[body]};
-    struct vec3 sum = {0.0, 0.0, 0.0};
     const struct vec3 *omega = along->angular_velocity[body];
     const struct vec3 inertia = put_principal_axes(v, along, body, axis);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct turning_jet *turning = &along->turning[j];
-        if (contact_source(j) == body) {
-            by[1] = vec3_add(by[1], turning->source_torque[1]);
-        }
-        if (contact_destination(j) == body) {
-            by[1] = vec3_add(by[1], turning->destination_torque[1]);
-        }
-    }
-    by[1] = body_part_that_turns(v, body, by[1]);
-    for (int k = 0; k < 3; ++k) {
-        const double part[2] = {jet_dot(omega, axis[k], 0), jet_dot(omega, axis[k], 1)};
-        for (int i = 0; i < 2; ++i) {
-            momentum[i] = vec3_axpy(momentum[i], vec3_get(inertia, k), jet_scale(part, axis[k], i));
-        }
-    }
+    by[1] = body_part_that_turns(v, body, vec3_add(by[1], jet_load_on(along, body, 1).torque));
+    put_along_axes(axis, inertia, omega, 2, momentum);
     for (int i = 0; i < 2; ++i) {
         by[i] = vec3_sub(by[i], turning_jet_cross(omega, momentum, i));
     }
-    for (int k = 0; k < 3; ++k) {
-        const double part[2] = {jet_dot(by, axis[k], 0), jet_dot(by, axis[k], 1)};
-        sum = vec3_axpy(sum, 0.5 / vec3_get(inertia, k), jet_scale(part, axis[k], 1));
-    }
-    return sum;
+    put_along_axes(axis, vec3_make(1.0 / inertia.x, 1.0 / inertia.y, 1.0 / inertia.z), by, 2, faster);
+    return vec3_scale(0.5, faster[1]);
 }
 
-/* Takes away the part of a vector that does not turn the normal of a circle, (R / rho) b (b.w_g), in which b
- * is the unit vector along the circle and rho the distance from its axis. */
-static void take_hoop(const struct contact_geometry *g, const struct contact_path *path,
-                      struct vec3 across[JET_TERMS])
+/* Takes a factor times the part of w along a unit vector away from `across`, in the first two terms. */
+static void take_along(const struct vec3 *unit, const double factor[2], const struct vec3 *w,
+                       struct vec3 across[2])
 {
-    struct vec3 radial[JET_TERMS];
-    double axial[JET_TERMS], rho[JET_TERMS];
-    jet_of_axis_distance(path->c, path->axis, radial, axial, rho);
-    struct vec3 to_axis[JET_TERMS] = {vec3_scale(1.0 / rho[0], radial[0])};
-    jet_divide(radial, rho, to_axis);
-    const struct vec3 b[2] = {turning_jet_cross(path->axis, to_axis, 0),
-                              turning_jet_cross(path->axis, to_axis, 1)};
-    const double part[2] = {g->circumferential_part, -g->circumferential_part * rho[1] / rho[0]};
-    const double rate[2] = {jet_dot(b, path->seen, 0), jet_dot(b, path->seen, 1)};
+    double rate[2], along[2];
     for (int i = 0; i < 2; ++i) {
-        const double along[2] = {part[0] * rate[0], part[0] * rate[1] + part[1] * rate[0]};
-        across[i] = vec3_sub(across[i], jet_scale(along, b, i));
+        rate[i] = jet_dot(unit, w, i);
+        along[i] = taylor_multiply(factor, rate, i);
+        across[i] = vec3_sub(across[i], jet_scale(along, unit, i));
     }
 }
 
-/* Sets n' = across / d + omega_d x n and its change along the path, where `across` is the part of w_g that
- * turns n (contact_turning_part). */
+/* Sets n' = T w_g / d + omega_d x n and its change along the path (contact_turning_part). */
 static void put_normal_rate(const struct contact_shape *shape, const struct contact_geometry *g,
                             const struct contact_path *path, const struct contact_jet *jet,
                             struct vec3 rate[2])
 {
-    struct vec3 across[JET_TERMS] = {{0.0, 0.0, 0.0}};
+    const double whole[2] = {1.0, 0.0};
+    struct vec3 across[2] = {path->seen[0], path->seen[1]};
     for (int i = 0; i < 2; ++i) {
         rate[i] = contact_is_skew(shape) ? vec3_make(0.0, 0.0, 0.0)
                                          : turning_jet_cross(path->destination, jet->normal, i);
-        const double opening[2] = {jet_dot(path->seen, jet->normal, 0), jet_dot(path->seen, jet->normal, 1)};
-        const double axial[2] = {jet_dot(path->seen, path->axis, 0), jet_dot(path->seen, path->axis, 1)};
-        across[i] = vec3_sub(path->seen[i], jet_scale(opening, jet->normal, i));
-        if (contact_is_cylinder(shape)) {
-            across[i] = vec3_sub(across[i], jet_scale(axial, path->axis, i));
-        }
     }
-    if (contact_turns(shape, g)) {
-        if (contact_is_circle(shape)) {
-            take_hoop(g, path, across);
-        }
-        struct vec3 turned[JET_TERMS] = {vec3_scale(1.0 / g->distance, across[0])};
-        jet_divide(across, jet->distance, turned);
-        rate[0] = vec3_add(rate[0], turned[0]);
-        rate[1] = vec3_add(rate[1], turned[1]);
+    if (!contact_turns(shape, g)) {
+        return;
     }
+    take_along(jet->normal, whole, path->seen, across);
+    if (contact_is_cylinder(shape)) {
+        take_along(path->axis, whole, path->seen, across);
+    }
+    if (contact_is_circle(shape)) {
+        struct vec3 radial[JET_TERMS], to_axis[JET_TERMS];
+        double axial[JET_TERMS], rho[JET_TERMS];
+        jet_across(path->c, path->axis, radial, axial);
+        jet_direction(radial, rho, to_axis);
+        const double part[2] = {g->circumferential_part, -g->circumferential_part * rho[1] / rho[0]};
+        const struct vec3 b[2] = {turning_jet_cross(path->axis, to_axis, 0),
+                                  turning_jet_cross(path->axis, to_axis, 1)};
+        take_along(b, part, path->seen, across);
+    }
+    const struct vec3 turned = vec3_scale(1.0 / g->distance, across[0]);
+    rate[0] = vec3_add(rate[0], turned);
+    rate[1] = vec3_axpy(rate[1], 1.0 / g->distance, vec3_axpy(across[1], -jet->distance[1], turned));
 }
 
 /* xi' is the sum of the law's rate f(F_n, v_t, xi) and opposed_turned. */
@@ -619,22 +575,17 @@ struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct
 {
     const struct friction_law law = scene_friction_law(v, q, contact, part);
     const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
-    const struct friction_state rubbing = turning_rubbing(&q->turning, at, contact, part);
-    const struct friction_slopes slopes = friction_spring_rate_slopes(&law, regime, rubbing);
     const struct contact_jet *jet = &along->contact[contact];
-    const struct vec3 spring[2] = {rubbing.spring, along->spring[contact][part][1]};
     struct vec3 rate[2];
     if (q->contact[contact].regime == (int32_t)REGIME_APART) {
         return vec3_make(0.0, 0.0, 0.0);
     }
+    const struct friction_path rubbing = friction_path_of(q, along, contact, part);
     const struct contact_shape shape = scene_shape_met(v, q, at, contact);
     const struct contact_path path = path_of(v, at, along, &shape, contact);
     put_normal_rate(&shape, &at->geometry[contact], &path, jet, rate);
-    const double stiffened = -friction_stiffening(&law, rubbing.depth) * jet->gap[1]; /* friction.h */
-    const struct vec3 by_law =
-        friction_slopes_along(&slopes, jet->normal_force[1], along->turning[contact].motion[part][1],
-                              vec3_axpy(spring[1], stiffened, spring[0]));
-    return vec3_add(by_law, opposed_turned_change((enum opposed)part, spring, jet->normal, rate));
+    return vec3_add(friction_spring_rate_change(&law, regime, &rubbing),
+                    opposed_turned_change((enum opposed)part, rubbing.spring, jet->normal, rate));
 }
 
 /* Sets the second-order terms of rotations and springs from contacts known to the first order; without `all`
@@ -664,7 +615,7 @@ static void put_contacts(const struct scene_values *v, const struct scene_state 
 {
     const bool all = met == NULL;
     const bool moves = !scene_is_force_element(v);
-    put_contact_jets(v, q, at, moves ? NULL : met, all || (moves && scene_turns(v)), along);
+    jet_of_contacts(v, q, at, moves ? NULL : met, all || (moves && scene_turns(v)), along);
     if (scene_turns(v)) {
         put_turning_changes(v, q, at, all, along);
     }
@@ -672,7 +623,7 @@ static void put_contacts(const struct scene_values *v, const struct scene_state 
         put_jerk(v, q, along);
     }
     if (moves || (all && scene_turns(v))) {
-        put_contact_jets(v, q, at, met, all, along);
+        jet_of_contacts(v, q, at, met, all, along);
     }
 }
 
@@ -711,7 +662,6 @@ void turning_jet_move_axis(const struct scene_values *v, const struct scene_inst
     struct vec3 by = {0.0, 0.0, 0.0};
     vec3_set(&by, component, change / length);
     by = vec3_axpy(by, -vec3_dot(by, e), e);
-    along->axis[body][1] = vec3_add(along->axis[body][1], by);
     const struct quaternion turned = quaternion_rate(at->turning.body[body].orientation, vec3_cross(e, by));
     along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, turned);
 }
@@ -722,57 +672,22 @@ void turning_jet_move_orientation(int body, struct quaternion unit, double lengt
     struct quaternion by = {component == 0, component == 1, component == 2, component == 3};
     by = quaternion_scale(change / length, quaternion_axpy(by, -quaternion_dot(by, unit), unit));
     along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, by);
-    /* With by = 1/2 (0, r) unit, a quaternion product, the body turns by the rotation vector r. */
-    const struct vec3 turned =
-        vec3_scale(2.0, quaternion_vector(quaternion_product(by, quaternion_inverse(unit))));
-    along->axis[body][1] = vec3_add(along->axis[body][1], vec3_cross(turned, quaternion_third_axis(unit)));
 }
 
-double turning_jet_friction_power_of(const struct scene_values *v, const struct scene_jet *along, int contact,
-                                     int order)
-{
-    const struct turning_jet *jet = &along->turning[contact];
-    double power = 0.0;
-    if (contact_rubs(v, contact)) {
-        power -= jet_dot(jet->friction_force, jet->slip, order);
-    }
-    if (contact_resists(v, contact)) {
-        power -= jet_dot(jet->resistance, jet->spin, order);
-    }
-    return power;
-}
-
-double turning_jet_friction_power(const struct scene_values *v, const struct scene_jet *along, int order)
-{
-    double power = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        power += turning_jet_friction_power_of(v, along, j, order);
-    }
-    return power;
-}
-
-/* Returns coefficient `order` of the rotational energy of a body, the sum of I_k (omega.e_k)^2 / 2 over the
- * principal axes. */
+/* Returns coefficient `order` of the rotational energy omega.L / 2 of a body. */
 static double rotational_term(const struct scene_values *v, const struct scene_jet *along, int body,
                               int order)
 {
-    struct vec3 axis[3][JET_TERMS];
+    struct vec3 axis[3][JET_TERMS], momentum[JET_TERMS];
     const struct vec3 inertia = put_principal_axes(v, along, body, axis);
-    double sum = 0.0;
-    for (int k = 0; k < 3; ++k) {
-        double spin[JET_TERMS];
-        for (int i = 0; i <= order; ++i) {
-            spin[i] = jet_dot(along->angular_velocity[body], axis[k], i);
-        }
-        sum += 0.5 * vec3_get(inertia, k) * taylor_multiply(spin, spin, order);
-    }
-    return sum;
+    put_along_axes(axis, inertia, along->angular_velocity[body], order + 1, momentum);
+    return 0.5 * jet_dot(along->angular_velocity[body], momentum, order);
 }
 
-struct jet_energies jet_energies_of(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_jet *along, int order)
+struct scene_energies jet_energies_of(const struct scene_values *v, const struct scene_state *q,
+                                      const struct scene_jet *along, int order)
 {
-    struct jet_energies sum = {0.0, 0.0, 0.0, 0.0, 0.0};
+    struct scene_energies sum = {0.0, 0.0, 0.0, 0.0, 0.0};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
             const double mass = body_mass(v, i);

@@ -12,7 +12,7 @@
 
 /* The jet of one contact's entries in struct turning_instant, and of the energy that its springs store. */
 struct turning_jet {
-    struct vec3 source_arm[JET_TERMS], destination_arm[JET_TERMS], slip[JET_TERMS];
+    struct vec3 source_arm[JET_TERMS], destination_arm[JET_TERMS];
     struct vec3 friction_force[JET_TERMS], source_torque[JET_TERMS], destination_torque[JET_TERMS];
     double stored[JET_TERMS]; /* energy of the springs of friction, rolling and spinning [J] */
     struct vec3 spin[JET_TERMS], resistance[JET_TERMS]; /* omega and M; M only where SCENE_ANY_ROLLING */
@@ -27,7 +27,6 @@ struct scene_jet {
     struct contact_law law_slope[SCENE_CONTACTS];
     struct contact_jet contact[SCENE_CONTACTS];
     struct vec3 angular_velocity[SCENE_BODIES][JET_TERMS];
-    struct vec3 axis[SCENE_BODIES][JET_TERMS]; /* the third axis of the body's frame */
     struct quaternion orientation[SCENE_BODIES][JET_TERMS];
     /* d/ds of the orientation that an importer's integrator sets, a quaternion of any length */
     struct quaternion given_orientation[SCENE_BODIES];
@@ -44,13 +43,16 @@ struct scene_jet {
     double time[JET_TERMS], dissipated[JET_TERMS], external_work[JET_TERMS];
 };
 
-/* Computes the contacts' part of the jet from the bodies and the factors. */
-CONTACT_COLD void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_instant *at, struct scene_jet *along);
-
-/* Computes the part of one contact, which is not apart. */
+/* Computes the part of one contact, which is not apart, from the bodies and the factors. If `rubs`, this part
+ * has the slip, friction and torques. */
 CONTACT_COLD void jet_of_contact(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_instant *at, int contact, struct scene_jet *along);
+                                 const struct scene_instant *at, int contact, bool rubs,
+                                 struct scene_jet *along);
+
+/* Computes the parts of the contacts that `met` marks; NULL marks all. */
+CONTACT_COLD void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_instant *at, const bool *met, bool rubs,
+                                  struct scene_jet *along);
 
 /* Computes the whole jet in time. Free bodies follow Newton's law; prescribed bodies follow their velocity,
  * which counts as the derivative of their displacement. */
@@ -74,6 +76,9 @@ CONTACT_COLD struct vec3 turning_jet_spring_change(const struct scene_values *v,
                                                    const struct scene_instant *at,
                                                    const struct scene_jet *along, int contact, int part);
 
+/* Puts the terms of the third axis of a body's frame. */
+CONTACT_COLD void jet_axis_of(const struct scene_jet *along, int body, struct vec3 axis[JET_TERMS]);
+
 /* Adds the terms by which lever arms of compound bodies change the separation c and its rate w; w[i] takes
  * those of omega x R o. The orientations and angular velocities of `along` must be set. */
 CONTACT_COLD void jet_add_levers(const struct scene_jet *along, int contact, struct vec3 c[JET_TERMS],
@@ -88,31 +93,18 @@ CONTACT_COLD void turning_jet_move_orientation(int body, struct quaternion unit,
 CONTACT_COLD void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at,
                                         int body, int component, double change, struct scene_jet *along);
 
-/* Return coefficient `order` of the power that friction and its springs take in all contacts, and in one
- * [W]. */
-CONTACT_COLD double turning_jet_friction_power(const struct scene_values *v, const struct scene_jet *along,
-                                               int order);
-CONTACT_COLD double turning_jet_friction_power_of(const struct scene_values *v, const struct scene_jet *along,
-                                                  int contact, int order);
+/* Returns coefficient `order` of the sums of the forces and torques of the contacts of a body. */
+struct contact_load jet_load_on(const struct scene_jet *along, int body, int order);
 
 /* Returns half the rate of a free body's acceleration by external and contact forces [m/s^3 in time]. */
 struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body);
 
-/* Return coefficient `order`, 0 or 1, of the power of dissipation in one contact and in all, and of the power
- * of the external forces on free bodies and of the drives of prescribed bodies [W]. */
-double jet_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_jet *along, int contact, int order);
-double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_jet *along, int order);
-double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
+/* Returns coefficient `order`, 0 or 1, of the powers [W]. */
+struct scene_powers jet_powers_of(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_jet *along, int order);
 
-/* The coefficients of one order of the energies along the path [J/s^order in time]. `stored` is the energy of
- * the normal forces, `tangential` the energy of the springs of friction. */
-struct jet_energies {
-    double kinetic, potential, rotational, stored, tangential;
-};
-struct jet_energies jet_energies_of(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_jet *along, int order);
+/* Returns the coefficients of one order of the energies along the path [J/s^order in time]. */
+struct scene_energies jet_energies_of(const struct scene_values *v, const struct scene_state *q,
+                                      const struct scene_jet *along, int order);
 
 #endif

@@ -413,9 +413,9 @@ struct contact_shape scene_contact_shape_at(const struct scene_values *v, const 
 {
     struct contact_shape shape = scene_contact_shape(v, q, contact);
     if (contact_tips(v, contact)) {
-        shape.axis = at->turning.axis[contact];
+        shape.axis = quaternion_third_axis(at->turning.body[contact_destination(contact)].orientation);
         if (contact_is_capped(&shape)) {
-            shape.solid.axis = at->turning.axis[contact];
+            shape.solid.axis = shape.axis;
             shape = shape.solid.zone != 0 ? contact_shape_in(&shape, shape.solid.zone) : shape;
         }
     }

@@ -31,10 +31,9 @@ double regime_dashpot_margin(const struct scene_values *v, const struct scene_st
         return 1.0;
     }
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_slopes slopes = contact_event_slopes(&law, regime, g->gap, g->gap_rate);
     const double tolerated =
         solver_relative_tolerance(v) * vec3_norm(at->rate[contact]) + solver_absolute_tolerance(v);
-    const double rounding = rounding_of_event(v, &law, &slopes, at, contact, tolerated);
+    const double rounding = rounding_of_event(v, q, at, contact, tolerated);
     const double margin = contact_event_force(&law, contact_event(&law, regime, g->gap, g->gap_rate) +
                                                         MARGIN_ROUNDINGS * rounding);
     return regime == REGIME_COMPRESSION ? margin : -margin;
