@@ -1,5 +1,8 @@
 #include <math.h>
+#include <string.h>
 
+#include "math/compiler.h"
+#include "math/nodes.h"
 #include "math/polynomial.h"
 #include "math/series.h"
 
@@ -10,6 +13,29 @@ double taylor_multiply(const double *a, const double *b, int order)
         sum += a[i] * b[order - i];
     }
     return sum;
+}
+
+void taylor_put(struct two_way *to, int order, double value)
+{
+    to->row[order] = value;
+    to->back[TAYLOR_ORDER - order] = value;
+}
+
+/* Four sums, of every fourth term each, need not wait for each other. */
+double taylor_product(const double *a, const struct two_way *b, int order)
+{
+    const double *back = b->back + (TAYLOR_ORDER - order);
+    double2 sum[2 * PARTS];
+    memset(sum, 0, sizeof sum);
+    for (int k = 0; k <= order; k += 2 * PARTS * LANES) {
+        for (int l = 0; l < 2 * PARTS; ++l) {
+            sum[l] += double2_at(a, k + l * LANES) * double2_at(back, k + l * LANES);
+        }
+    }
+    for (int l = 0; l < PARTS; ++l) {
+        sum[l] += sum[l + PARTS];
+    }
+    return parts_together(sum);
 }
 
 double taylor_root(const double *s, const double *r, int order)
@@ -63,10 +89,11 @@ void taylor_derivatives(const double *a, int terms, double s, double out[3])
 {
     out[0] = out[1] = out[2] = 0.0;
     for (int i = terms - 1; i >= 0; --i) {
-        out[2] = out[2] * s + 2.0 * out[1];
+        out[2] = out[2] * s + out[1];
         out[1] = out[1] * s + out[0];
         out[0] = out[0] * s + a[i];
     }
+    out[2] *= 2.0;
 }
 
 /* A series as the context of a root_function. */

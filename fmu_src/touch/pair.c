@@ -409,7 +409,7 @@ static bool put_in_frame(const struct frame_flight *flight, struct vec3 a, doubl
     return fabs(out[2]) > OUT_OF_PLANE * vec3_norm(a);
 }
 
-/* Puts C, C' and W into the frame and sets their degree. Returns whether the motion leaves the plane of the
+/* Puts C and W into the frame and sets their degree. Returns whether the motion leaves the plane of the
  * first two directions. */
 static bool put_flight_in_frame(struct frame_flight *flight, const struct contact_pair *from, bool at_rim)
 {
@@ -422,9 +422,6 @@ static bool put_flight_in_frame(struct frame_flight *flight, const struct contac
         leaves_plane = put_in_frame(flight, at_rim ? c : pair_across(from, c), flight->c[i]) || leaves_plane;
         leaves_plane =
             put_in_frame(flight, at_rim ? w : pair_across(from, w), flight->w[i - 1]) || leaves_plane;
-        for (int j = 0; j < FRAME; ++j) {
-            flight->c_rate[i - 1][j] = i * flight->c[i][j];
-        }
     }
     return leaves_plane;
 }

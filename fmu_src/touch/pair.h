@@ -119,12 +119,11 @@ enum { FRAME = 3 }; /* directions of a frame */
 
 /* The flight of a pair in a frame of its start, by powers of time; of a cylinder the part across the axis. */
 struct frame_flight {
-    struct vec3 frame[FRAME];                /* n, the tangential direction, across both; at a rim a, e, b */
-    int dimensions;                          /* directions of motion: one head-on, two in a plane */
-    int degree;                              /* degree of C; that of W is one less */
-    double c[SEPARATION_DEGREE + 1][FRAME];  /* C [m, m/s, ...] */
-    double c_rate[SEPARATION_DEGREE][FRAME]; /* C' [m/s, ...] */
-    double w[SEPARATION_DEGREE][FRAME];      /* W [m/s, ...] */
+    struct vec3 frame[FRAME];               /* n, the tangential direction, across both; at a rim a, e, b */
+    int dimensions;                         /* directions of motion: one head-on, two in a plane */
+    int degree;                             /* degree of C; that of W is one less */
+    double c[SEPARATION_DEGREE + 1][FRAME]; /* C [m, m/s, ...] */
+    double w[SEPARATION_DEGREE][FRAME];     /* W [m/s, ...] */
 };
 
 struct frame_flight frame_flight_of(const struct contact_pair *from);

@@ -11,6 +11,7 @@
 #include "math/nodes.h"
 #include "math/series.h"
 #include "scene/dense_output.h"
+#include "touch/expansion.h"
 #include "touch/pair.h"
 
 /* The kinds that the linear law uses stand in order of preference; the table in segment.c gives the
@@ -24,22 +25,16 @@ enum segment_kind {
     SEGMENT_HERTZ_ELASTIC
 };
 
-typedef double series_row[TAYLOR_TERMS];
-
-/* A contact pair by power series (series.c). */
+/* A contact pair by power series (series.c). Body 1 stands for the deviation of the separation from its
+ * flight. */
 struct pair_series {
     const struct contact_pair *from;
     struct frame_flight flight;
-    bool by_root;        /* whether u = sqrt(delta) is integrated; else the law is linear */
-    double unit;         /* time per s [s], or [s/sqrt(m)] */
-    double step;         /* the sums are as exact as asked for up to this s */
-    series_row time;     /* t since the start [s] */
-    series_row opened;   /* g [m], or u [sqrt(m)] */
-    series_row rate;     /* g' as the law sees it [m/s] */
-    series_row drag;     /* -(dt/ds) / unit times the dashpot's part of F_n; by u [N sqrt(m)], else [N] */
-    series_row r[FRAME]; /* deviation of the separation from flight [m] */
-    series_row r_rate[FRAME]; /* r' [m/s] */
-    series_row radial, axial; /* at a rim: how far the centre is beyond side and cap [m] */
+    struct expansion terms;
+    struct expansion_row row;
+    struct expansion_body body[2];
+    struct expansion_rim rim;
+    double mismatch[EXPANSION_FLOWN];
 };
 
 /* An undamped head-on impact under Hertz's law (hertz.c). */

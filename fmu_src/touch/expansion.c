@@ -1,0 +1,382 @@
+#include "touch/expansion.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "contact/shape.h"
+#include "math/compiler.h"
+#include "math/nodes.h"
+
+/* Properties of the series as constants of its code, in which one contact then costs a fifth less. */
+struct expansion_kind {
+    int axes;
+    bool is_paced, is_alone; /* alone: one contact along the first axes */
+};
+
+static inline int axis_of(struct expansion_kind kind, const struct expansion *s, int a)
+{
+    return kind.is_alone ? a : s->axis[a];
+}
+
+static inline int expansion_rows(struct expansion_kind kind, const struct expansion *s)
+{
+    return kind.is_alone ? 1 : s->rows;
+}
+
+/* Whether the u of row n is the pace. */
+static inline bool gives_pace(struct expansion_kind kind, const struct expansion *s, int n)
+{
+    return SCENE_ANY_HERTZ && kind.is_paced && (kind.is_alone || n == s->paced_by);
+}
+
+/* Returns coefficient i of the series times the pace. */
+static inline double paced(struct expansion_kind kind, const struct expansion *s, const double *a, int i)
+{
+    return kind.is_paced ? taylor_product(a, &s->pace, i) : a[i];
+}
+
+/* Sets coefficient i of the powers of time. */
+static void put_time(struct expansion_kind kind, struct expansion *s, int i)
+{
+    for (int p = 2; p <= s->degree; ++p) {
+        taylor_put(&s->power_of_time[p], i,
+                   kind.is_paced ? taylor_product(s->power_of_time[1].row, &s->power_of_time[p - 1], i)
+                   : i == p      ? s->power_of_time[p - 1].row[p - 1] * s->unit
+                                 : 0.0);
+    }
+}
+
+/* Returns coefficient i of a polynomial of time along an axis, less its value at the start. Most
+ * are of degree two at most. */
+static inline double flown_term(const struct expansion *s, const double *of, int degree, int k, int i)
+{
+    double sum = of[EXPANSION_AXES + k] * s->power_of_time[1].row[i] +
+                 of[2 * EXPANSION_AXES + k] * s->power_of_time[2].row[i];
+    for (int p = 3; p <= degree; ++p) {
+        sum += of[EXPANSION_AXES * p + k] * s->power_of_time[p].row[i];
+    }
+    return sum;
+}
+
+double expansion_separation(const struct expansion *s, const double *flown, const int end[2], int k, int i)
+{
+    return flown_term(s, flown, s->degree, k, i) + s->body[end[1]].moved[k][i] - s->body[end[0]].moved[k][i];
+}
+
+/* Changes f from coefficient i of c to coefficient i of f at a rim: the nearest point of the circle moves,
+ * unless the motion is in a plane through the axis. */
+static void put_nearest(struct expansion_rim *rim, int axes, int i, double f[EXPANSION_AXES])
+{
+    f[1] += i == 0 ? rim->half_height : 0.0;
+    rim->axial[i] = -f[1];
+    if (axes == 2) {
+        f[0] -= i == 0 ? rim->radius : 0.0;
+        rim->radial[i] = f[0];
+        return;
+    }
+    rim->across[0][i] = f[0];
+    rim->across[1][i] = f[2];
+    rim->rho_squared[i] = taylor_multiply(rim->across[0], rim->across[0], i) +
+                          taylor_multiply(rim->across[1], rim->across[1], i);
+    rim->rho[i] = taylor_root(rim->rho_squared, rim->rho, i);
+    for (int j = 0; j < 2; ++j) {
+        rim->a[j][i] = taylor_divide(rim->across[j], rim->rho, rim->a[j], i);
+        f[2 * j] -= rim->radius * rim->a[j][i];
+    }
+    rim->radial[i] = rim->rho[i] - (i == 0 ? rim->radius : 0.0);
+}
+
+/* Sets f to its coefficient i: the vector along n, of length d. */
+static void put_pointer(struct expansion_kind kind, const struct expansion *s, struct expansion_row *r, int i,
+                        double f[EXPANSION_AXES])
+{
+    double along = 0.0;
+    for (int a = 0; a < kind.axes; ++a) {
+        const int k = axis_of(kind, s, a);
+        f[k] = i == 0 ? r->flown[k] : expansion_separation(s, r->flown, r->end, k, i);
+        along += f[k] * r->axis[k];
+    }
+    for (int a = 0; a < kind.axes; ++a) {
+        const int k = axis_of(kind, s, a);
+        f[k] -= along * r->axis[k];
+    }
+    if (CONTACT_ANY_CIRCLE && r->rim != NULL) {
+        put_nearest(r->rim, kind.axes, i, f);
+    }
+}
+
+/* Sets coefficient i > 0 of n, and the part of the push that lower coefficients make. Returns that of n.w.
+ * One loop for all products costs less than one for each, because they share factors. */
+static inline double put_normal(struct expansion_kind kind, const struct expansion *s,
+                                struct expansion_row *r, int i, const double f[EXPANSION_AXES])
+{
+    double2 n[EXPANSION_AXES][PARTS];
+    double2 push[EXPANSION_AXES][PARTS];
+    double2 speed[PARTS];
+    memset(n, 0, sizeof n);
+    memset(push, 0, sizeof push);
+    memset(speed, 0, sizeof speed);
+    r->d[i] = r->side * r->gap[i];
+    for (int k = 0; k <= i; k += LANES) {
+        const double2 d = double2_at(r->d, k);
+        const double2 impulse = double2_at(r->impulse, k);
+        for (int a = 0; a < kind.axes; ++a) {
+            const int j = axis_of(kind, s, a);
+            const double2 normal = double2_at(r->n[j].back + (TAYLOR_ORDER - i), k);
+            n[a][part(k)] += d * normal;
+            push[a][part(k)] += impulse * normal;
+            speed[part(k)] += double2_at(r->rate_of_c[j], k) * normal;
+        }
+    }
+    double sum = parts_together(speed);
+    for (int a = 0; a < kind.axes; ++a) {
+        const int k = axis_of(kind, s, a);
+        const double normal = (f[k] - parts_together(n[a])) * r->by_distance;
+        taylor_put(&r->n[k], i, normal);
+        sum += r->rate_of_c[k][0] * normal;
+        r->lower_push[k] = parts_together(push[a]) + r->impulse[0] * normal;
+    }
+    return sum;
+}
+
+/* Sets coefficient i of w, of n and of g'. */
+static void put_motion(struct expansion_kind kind, const struct expansion *s, struct expansion_row *r, int i)
+{
+    double f[EXPANSION_AXES] = {0.0};
+    double speed = 0.0;
+    for (int a = 0; a < kind.axes; ++a) {
+        const int k = axis_of(kind, s, a);
+        const double rate = flown_term(s, r->flown_rate, s->degree - 1, k, i) +
+                            s->body[r->end[1]].rate[k][i] - s->body[r->end[0]].rate[k][i];
+        r->rate_of_c[k][i] = rate + (i == 0 ? r->flown_rate[k] : 0.0);
+        speed += r->n[k].row[0] * rate;
+    }
+    if (!r->is_straight) {
+        put_pointer(kind, s, r, i, f);
+        speed = i > 0 ? put_normal(kind, s, r, i, f) : speed;
+    }
+    r->rate[i] = i > 0 ? r->side * speed : r->rate[0]; /* the start is known */
+}
+
+/* Returns coefficient i of dg/dt. */
+static double opening(struct expansion_kind kind, const struct expansion *s, const struct expansion_row *r,
+                      int i)
+{
+    double sum = r->rate[i];
+    for (int p = 0; SCENE_ANY_PRESCRIBED && r->mismatch != NULL && p < s->degree; ++p) {
+        for (int a = 0; a < kind.axes; ++a) {
+            const int k = axis_of(kind, s, a);
+            const double power =
+                p == 0 ? r->n[k].row[i] : taylor_product(s->power_of_time[p].row, &r->n[k], i);
+            sum += r->side * r->mismatch[EXPANSION_AXES * p + k] * power;
+        }
+    }
+    return sum;
+}
+
+/* Sets coefficient i of the depth. The pace's own gap is -u^2. */
+static void put_depth(const struct expansion *s, struct expansion_row *r, bool is_pace, int i)
+{
+    if (is_pace) {
+        r->depth[i] = taylor_product(s->pace.row, &s->pace, i);
+        r->gap[i] = i == 0 ? r->gap[0] : -r->depth[i];
+    } else if (r->is_hertz) {
+        r->depth[i] = i == 0 ? fmax(-r->gap[0], 0.0) : -r->gap[i];
+    }
+}
+
+/* Sets coefficient i of p = delta^(3/2), and returns that of the force under Hertz's law. A contact
+ * in touch has delta p' = 3/2 delta' p; where one begins as the pace does, delta goes with s^2. */
+static double put_power(const struct expansion *s, struct expansion_row *r, bool is_pace, int i)
+{
+    double power = i == 0 ? r->depth[0] * sqrt(r->depth[0]) : 0.0;
+    const bool follows = !is_pace && r->depth[0] > 0.0 && i > 0;
+    r->slope[i] = i * r->depth[i];
+    if (follows) {
+        const double sloped = taylor_product(r->slope, &r->power, i);
+        power = (2.5 * sloped - i * taylor_product(r->depth, &r->power, i)) / (i * r->depth[0]);
+    } else if (is_pace) {
+        power = taylor_product(r->depth, &s->pace, i);
+    } else if (i >= 3) {
+        power = taylor_power(r->depth + 2, 1.5, r->power.row + 3, i - 3);
+    }
+    taylor_put(&r->power, i, power);
+    return r->k * (power - (r->c > 0.0 ? r->c * taylor_product(r->rate, &r->power, i) : 0.0));
+}
+
+static inline void put_force(struct expansion_kind kind, const struct expansion *s, struct expansion_row *r,
+                             bool is_pace, int i)
+{
+    r->force[i] =
+        SCENE_ANY_HERTZ && r->is_hertz ? put_power(s, r, is_pace, i) : -r->k * r->gap[i] - r->c * r->rate[i];
+    r->impulse[i] = paced(kind, s, r->force, i);
+}
+
+/* Sets coefficient i + 1 of what a contact integrates, and its part of the rates of its bodies. */
+static inline void push_bodies(struct expansion_kind kind, struct expansion *s, struct expansion_row *r,
+                               int i)
+{
+    struct expansion_body *source = &s->body[r->end[0]];
+    struct expansion_body *destination = &s->body[r->end[1]];
+    const double unit = s->unit / (i + 1) * r->side;
+    for (int a = 0; a < kind.axes; ++a) {
+        const int k = axis_of(kind, s, a);
+        const double pushed = unit * (r->impulse[i] * r->n[k].row[0] + r->lower_push[k]);
+        r->pushed[k][i + 1] = pushed;
+        source->rate[k][i + 1] -= pushed * source->by_mass;
+        destination->rate[k][i + 1] += pushed * destination->by_mass;
+    }
+}
+
+/* Sets coefficient i + 1 of time, bodies and gaps. A gap whose normal does not turn follows from the places
+ * of its bodies, where the pace makes its integral a product. */
+static void put_integrals(struct expansion_kind kind, struct expansion *s, int i)
+{
+    const double unit = s->unit / (i + 1);
+    taylor_put(&s->power_of_time[1], i + 1, unit * s->pace.row[i]);
+    put_time(kind, s, i + 1);
+    for (int n = 0; n < expansion_rows(kind, s); ++n) {
+        push_bodies(kind, s, &s->row[n], i);
+    }
+    for (int b = 1; b < s->bodies; ++b) {
+        for (int a = 0; a < kind.axes; ++a) {
+            const int k = axis_of(kind, s, a);
+            s->body[b].moved[k][i + 1] = unit * paced(kind, s, s->body[b].rate[k], i);
+        }
+    }
+    for (int n = 0; n < expansion_rows(kind, s); ++n) {
+        struct expansion_row *r = &s->row[n];
+        if (gives_pace(kind, s, n)) {
+            taylor_put(&s->pace, i + 1, -0.5 * unit * opening(kind, s, r, i));
+        } else if (!kind.is_paced) {
+            r->gap[i + 1] = unit * opening(kind, s, r, i);
+        } else if (!r->is_straight) {
+            r->gap[i + 1] = unit * paced(kind, s, r->rate, i);
+        } else {
+            double moved = 0.0;
+            for (int a = 0; a < kind.axes; ++a) {
+                const int k = axis_of(kind, s, a);
+                moved += r->n[k].row[0] * expansion_separation(s, r->flown, r->end, k, i + 1);
+            }
+            r->gap[i + 1] = r->side * moved;
+        }
+    }
+}
+
+static inline void make_orders(struct expansion_kind kind, struct expansion *s, int begin, int end)
+{
+    for (int i = begin; i < end; ++i) {
+        for (int n = 0; n < expansion_rows(kind, s); ++n) {
+            struct expansion_row *r = &s->row[n];
+            put_depth(s, r, gives_pace(kind, s, n), i);
+            put_motion(kind, s, r, i);
+            put_force(kind, s, r, gives_pace(kind, s, n), i);
+        }
+        if (i < TAYLOR_ORDER) {
+            put_integrals(kind, s, i);
+        }
+    }
+}
+
+static inline void make_alone(struct expansion *s, int begin, int end, bool is_paced)
+{
+    if (s->axes == 1) {
+        make_orders((struct expansion_kind){1, is_paced, true}, s, begin, end);
+    } else if (s->axes == 2) {
+        make_orders((struct expansion_kind){2, is_paced, true}, s, begin, end);
+    } else {
+        make_orders((struct expansion_kind){EXPANSION_AXES, is_paced, true}, s, begin, end);
+    }
+}
+
+CONTACT_FLATTEN void expansion_make(struct expansion *s, int begin, int end)
+{
+    if (s->rows > 1 || s->axis[s->axes - 1] >= s->axes) {
+        make_orders((struct expansion_kind){s->axes, s->paced_by >= 0, false}, s, begin, end);
+    } else if (s->paced_by >= 0) {
+        make_alone(s, begin, end, true);
+    } else {
+        make_alone(s, begin, end, false);
+    }
+}
+
+void expansion_add_powers(struct expansion *s, int degree)
+{
+    for (int p = s->degree + 1; p <= degree; ++p) {
+        for (int i = 0; i < TAYLOR_TERMS; ++i) {
+            taylor_put(&s->power_of_time[p], i,
+                       taylor_product(s->power_of_time[1].row, &s->power_of_time[p - 1], i));
+        }
+        s->degree = p;
+    }
+}
+
+/* The first coefficients give the size of the whole, since s is of order one. In an impact from the touch the
+ * push begins with the power 5 of s. */
+enum { SCALE_TERMS = 8 };
+
+/* Number of last coefficients that give the error: in a free impact from the touch only every fifth
+ * coefficient of a series by u is not zero. */
+enum { LAST_TERMS = 5 };
+
+/* Longest step [units]. Without a force the series are finite sums, and if the unit is the time of passage
+ * the last terms may underflow. */
+static const double LONGEST_SERIES = 16.0;
+
+double expansion_reliable(const struct expansion *s, double opened, double pushed, double accuracy)
+{
+    double pace = 0.0;
+    double growth = -(double)INFINITY; /* minus the binary logarithm of the radius of convergence */
+    for (int i = 0; i < SCALE_TERMS; ++i) {
+        pace = larger(fabs(s->pace.row[i]), pace);
+        for (int n = 0; n < s->rows; ++n) {
+            opened = larger(fabs(s->row[n].gap[i]), opened);
+            for (int k = 0; k < EXPANSION_AXES; ++k) {
+                pushed = larger(fabs(s->row[n].pushed[k][i]), pushed);
+            }
+        }
+    }
+    for (int i = TAYLOR_TERMS - LAST_TERMS; i < TAYLOR_TERMS; ++i) {
+        double part = larger(fabs(s->pace.row[i]) / pace, 0.0);
+        for (int n = 0; n < s->rows; ++n) {
+            const struct expansion_row *r = &s->row[n];
+            part = n == s->paced_by ? part : larger(fabs(r->gap[i]) / opened, part);
+            for (int k = 0; k < EXPANSION_AXES; ++k) {
+                part = larger(fabs(r->n[k].row[i]), larger(fabs(r->pushed[k][i]) / pushed, part));
+            }
+        }
+        growth = larger(log2(part) / i, growth);
+    }
+    return fmin(LONGEST_SERIES, exp2(log2(accuracy) / TAYLOR_TERMS - growth));
+}
+
+double expansion_time_at(const struct expansion *s, double place)
+{
+    return taylor_at(s->power_of_time[1].row, TAYLOR_TERMS, place);
+}
+
+double expansion_node(int i, double place, double *weight)
+{
+    const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
+    *weight = 0.5 * place * nodes->integral[i * LOBATTO_MAX + LOBATTO_MAX - 1];
+    return 0.5 * place * (1.0 + nodes->node[i]);
+}
+
+double expansion_dissipated(const struct expansion *s, double place)
+{
+    double sum = 0.0;
+    for (int n = 0; n < s->rows; ++n) {
+        const struct expansion_row *r = &s->row[n];
+        for (int i = 0; r->c > 0.0 && i < LOBATTO_MAX; ++i) {
+            double weight;
+            const double at = expansion_node(i, place, &weight);
+            const double pace = s->paced_by < 0 ? 1.0 : taylor_at(s->pace.row, TAYLOR_TERMS, at);
+            const double rate = taylor_at(r->rate, TAYLOR_TERMS, at);
+            const double power = !r->is_hertz       ? 1.0
+                                 : n == s->paced_by ? r->k * pace * pace * pace
+                                                    : r->k * taylor_at(r->power.row, TAYLOR_TERMS, at);
+            sum += weight * pace * r->c * power * rate * rate;
+        }
+    }
+    return s->unit * sum;
+}
