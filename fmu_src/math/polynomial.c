@@ -351,62 +351,33 @@ struct bernstein_fall bernstein_first_fall(const double *coefficients, int count
     return stays && !(deep.low < (double)INFINITY) ? first_fall_of_sum(coefficients, count, 0.0) : deep;
 }
 
-/* The sum of binomial(n, k) c_k t^k (1 - t)^(n - k) is taken as Horner's scheme in t / (1 - t) where t is
- * below one half, and from the other end above. All products have the signs of their coefficients, so that
- * no digits are lost but those of the sum itself. */
-double bernstein_at(const double *coefficients, int count, double place)
-{
-    const bool turned = place > 0.5;
-    const double near = turned ? 1.0 - place : place;
-    const double far = turned ? place : 1.0 - place;
-    const double ratio = near / far;
-    const int n = count - 1;
-    double binomial = 1.0;
-    double power = 1.0;
-    double sum = 0.0;
-    for (int k = 0; k < count; ++k) {
-        sum += binomial * power * coefficients[turned ? n - k : k];
-        binomial *= (double)(n - k) / (k + 1);
-        power *= ratio;
-    }
-    double scale = 1.0;
-    for (int k = 0; k < n; ++k) {
-        scale *= far;
-    }
-    return scale * sum;
-}
+/* The polynomial of Bernstein coefficients plus an offset, as the context of a root_function. */
+struct bernstein_sum {
+    const double *coefficients;
+    int count;
+    double offset;
+};
 
-/* Two places this close, as a part of the farther one, are not told apart. */
-static const double CLOSEST = 1e-15;
-
-/* The Illinois method: a false position that stays on one side is halved. Where the secant rounds to an end
- * of the bracket, as that of a straight line does, the next place is one rounding farther in: only that
- * tells on which side of it the root is. */
-double bernstein_root(const double *coefficients, int count, struct bernstein_fall fall)
+/* De Casteljau's scheme. All weights are positive, so that no digits are lost but those of the sum itself. */
+static void bernstein_and_slope(const void *data, double s, double *value, double *slope)
 {
-    double low = fall.low;
-    double high = fall.high;
-    double above = bernstein_at(coefficients, count, low) + fall.offset;
-    double below = bernstein_at(coefficients, count, high) + fall.offset;
-    int side = 0;
-    for (int i = 0; i < 100 && high - low > CLOSEST * high && above > 0.0 && below < 0.0; ++i) {
-        const double closest = 0.5 * CLOSEST * high;
-        const double secant = low + (high - low) * (above / (above - below));
-        const double middle = fmin(fmax(secant, low + closest), high - closest);
-        const double value = bernstein_at(coefficients, count, middle) + fall.offset;
-        if (value > 0.0) {
-            low = middle;
-            above = value;
-            below *= side > 0 ? 0.5 : 1.0;
-            side = 1;
-        } else {
-            high = middle;
-            below = value;
-            above *= side < 0 ? 0.5 : 1.0;
-            side = -1;
+    const struct bernstein_sum *sum = data;
+    double row[BERNSTEIN_MOST];
+    memcpy(row, sum->coefficients, (size_t)sum->count * sizeof *row);
+    *slope = 0.0;
+    for (int left = sum->count - 1; left > 0; --left) {
+        *slope = (sum->count - 1) * (row[1] - row[0]); /* right in the last round */
+        for (int i = 0; i < left; ++i) {
+            row[i] = (1.0 - s) * row[i] + s * row[i + 1];
         }
     }
-    return high;
+    *value = row[0] + sum->offset;
+}
+
+double bernstein_root(const double *coefficients, int count, struct bernstein_fall fall)
+{
+    const struct bernstein_sum sum = {coefficients, count, fall.offset};
+    return root_from(bernstein_and_slope, &sum, fall.low, fall.high, -1.0, 0.5 * (fall.low + fall.high));
 }
 
 /* By de Casteljau's scheme, first up to `to`, then from `from` on. */

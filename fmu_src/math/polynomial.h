@@ -81,8 +81,6 @@ double bernstein_root(const double *coefficients, int count, struct bernstein_fa
 /* Restricts Bernstein coefficients to the polynomial between two places of [0, 1]. */
 void bernstein_restrict(double *coefficients, int count, double from, double to);
 
-double bernstein_at(const double *coefficients, int count, double place);
-
 /* Replaces the coefficients a[k] of the polynomial's sum of a[k] s^k by its Bernstein coefficients. */
 void bernstein_from_powers(double *coefficients, int count);
 
