@@ -145,52 +145,40 @@ int polynomial_add_sign_changes(const struct polynomial *p, double *sorted, int 
 }
 
 /* Longest step, relative to s, after which convergence is predicted instead of tested. */
-static const double SHORT_STEP = 1e-6;
-
-/*
- * Whether `next` is the root to rounding, so that the function need not be evaluated there. Newton's step
- * misses the root by curvature step^2 / (2 slope), and by the error of the slope, estimated from the secant.
- * Both must be below rounding. False while there is no earlier point (NaN).
- */
-static bool is_the_last(struct root_bracket_end now, struct root_bracket_end before, double next)
-{
-    const double step = next - now.s;
-    const double length = now.s - before.s;
-    const double bend = (now.slope - before.slope) / length;
-    const double slope_error = (now.value - before.value) / length - 0.5 * (now.slope + before.slope);
-    return fabs(step) <= SHORT_STEP * next &&
-           fabs(bend * step * step) + fabs(slope_error * step) <= 0.25 * DBL_EPSILON * fabs(now.slope * next);
-}
+static const double SHORT_STEP = 1e-8;
 
 static double root_from(root_function *f, const void *data, double low, double high, double rising, double s)
 {
-    struct root_bracket_end before = {(double)NAN, (double)NAN, (double)NAN};
+    double last = 0.0; /* length of the last step of Newton's method, 0: there was none */
     /* Bisection alone would need about 1100 halvings to reach the smallest double, Newton a handful of
      * steps. */
     for (int i = 0; i < 1200; ++i) {
-        struct root_bracket_end now = {.s = s};
-        f(data, s, &now.value, &now.slope);
-        if (now.value == 0.0) {
+        double value;
+        double slope;
+        f(data, s, &value, &slope);
+        if (value == 0.0) {
             return s;
         }
-        if (rising * now.value < 0.0) {
+        if (rising * value < 0.0) {
             low = s;
         } else {
             high = s;
         }
-        double next = s - now.value / now.slope;
-        if (fabs(next - s) <= DBL_EPSILON * s) {
+        double next = s - value / slope;
+        const double step = fabs(next - s);
+        if (step <= DBL_EPSILON * s) {
             return s; /* converged; s is now an end of the bracket, so bisection would leave it */
         }
-        if (!(next > low && next < high)) {
-            next = 0.5 * (low + high);
-        } else if (is_the_last(now, before, next)) {
-            return next;
+        const bool inside = next > low && next < high;
+        if (inside && step <= SHORT_STEP * next &&
+            step * step * step <= 0.25 * DBL_EPSILON * next * last * last) {
+            return next; /* each step squares the error: the following one would be step^3 / last^2 */
         }
+        last = inside ? step : 0.0;
+        next = inside ? next : 0.5 * (low + high);
         if (next <= low || next >= high) {
             return next;
         }
-        before = now;
         s = next;
     }
     return s;
