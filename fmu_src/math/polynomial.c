@@ -192,15 +192,8 @@ double root_in_bracket(root_function *f, const void *data, double low, double hi
     return root_from(f, data, low, high, value < 0.0 ? 1.0 : -1.0, 0.5 * (low + high));
 }
 
-/* Takes the function between two extrema for half a cosine. */
-static double guess_between_extrema(struct root_bracket_end low, struct root_bracket_end high)
-{
-    const double mean = (low.value + high.value) / (high.value - low.value);
-    return low.s + acos(mean) / PI * (high.s - low.s);
-}
-
 /* A few steps of Newton's method from the secant, as long as they stay inside. */
-static double guess_by_cubic(struct root_bracket_end low, struct root_bracket_end high)
+double root_guess(struct root_bracket_end low, struct root_bracket_end high)
 {
     const double length = high.s - low.s;
     const double slope = length * low.slope;
@@ -216,13 +209,7 @@ static double guess_by_cubic(struct root_bracket_end low, struct root_bracket_en
         }
         x = next;
     }
-    return low.s + x * length;
-}
-
-double root_guess(struct root_bracket_end low, struct root_bracket_end high)
-{
-    const bool extrema = low.slope == 0.0 && high.slope == 0.0;
-    const double guess = extrema ? guess_between_extrema(low, high) : guess_by_cubic(low, high);
+    const double guess = low.s + x * length;
     return guess > low.s && guess < high.s ? guess : 0.5 * (low.s + high.s);
 }
 

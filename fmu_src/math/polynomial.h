@@ -41,8 +41,7 @@ struct root_bracket_end {
     double s, value, slope;
 };
 
-/* A first guess of the root: the root of the cubic through both ends, or of half a cosine if both ends are
- * extrema. */
+/* A first guess of the root: that of the cubic through both ends. */
 double root_guess(struct root_bracket_end low, struct root_bracket_end high);
 
 /* Returns the root in a bracket whose ends hold value and slope of f; f is not zero at `low`. */
