@@ -64,8 +64,8 @@ enum { ROTOR_TORQUES = 3 };
 struct body_turn rotor_of_three_after(const struct body_turn *start, struct vec3 inertia,
                                       const struct vec3 torque[ROTOR_TORQUES], double time);
 
-/* Returns an orientation after time >= 0 [s] under an angular velocity that is a polynomial of time: that of a
- * body with three moments of one, whose torque is the rate of the angular velocity. */
+/* Returns an orientation after time >= 0 [s] under an angular velocity that is a polynomial of time. It is
+ * that of a body with three moments of one, whose torque is the rate of the angular velocity. */
 struct quaternion rotor_turned_after(const struct vec3 omega[ROTOR_TORQUES], struct quaternion q,
                                      double time);
 

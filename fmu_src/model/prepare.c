@@ -44,7 +44,6 @@ static enum model_status check_inertia(struct model *m, int body)
 static enum model_status check_rotation(struct model *m, int body)
 {
     const struct scene_values *v = &m->state.values;
-    const char *name = scene_body_name(body);
     if (model_has_no_orientation(v, body)) {
         return model_refuse_zero(m, MODEL_ERROR, body, "prescribed_orientation");
     }
@@ -60,6 +59,7 @@ static enum model_status check_rotation(struct model *m, int body)
         omega = turns ? body_initial_angular_velocity(v, body) : body_prescribed_angular_velocity(v, body);
     }
     if (SCENE_ANY_KEPT_AXIS && model_tilts_axis(v, body, omega)) {
+        const char *name = scene_body_name(body);
         return model_report(m, MODEL_ERROR,
                             "%s.%s = (%g, %g, %g) rad/s contradicts %s.axis: a cylinder that touches a "
                             "cylinder turns about its own axis (allowed: multiples of the axis).",
