@@ -12,68 +12,46 @@ struct axis_motion axis_motion_of_rotor(const struct rotor *rotor)
         .kind = turns ? AXIS_PRECESSES : AXIS_FIXED, .axis = rotor->axis, .rotor = *rotor};
 }
 
-struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *rate, int count)
-{
-    if (path_is_steady(rate, count)) {
-        /* a steady turn is the torque-free rotation of a sphere (equal moments of inertia) */
-        const struct body_turn start = {quaternion_between(vec3_make(0.0, 0.0, 1.0), axis), rate[0]};
-        struct rotor rotor = rotor_from(start, 1.0, 1.0);
-        rotor.axis = axis;
-        return axis_motion_of_rotor(&rotor);
-    }
-    struct axis_motion motion = {.kind = AXIS_PRESCRIBED, .axis = axis};
-    memcpy(motion.coefficient, rate, (size_t)count * sizeof *rate);
-    return motion;
-}
-
-struct axis_motion axis_motion_following(const struct vec3 *direction, int count)
-{
-    struct axis_motion motion = {.kind = path_is_steady(direction, count) ? AXIS_FIXED : AXIS_FOLLOWS};
-    motion.axis = vec3_scale(1.0 / vec3_norm(direction[0]), direction[0]);
-    memcpy(motion.coefficient, direction, (size_t)count * sizeof *direction);
-    return motion;
-}
-
-/* Sets a polynomial and its first two derivatives at `time` after its origin. */
-static void polynomial_of_vectors(const struct vec3 coefficient[AXIS_TERMS], double time, struct vec3 at[3])
-{
-    at[0] = at[1] = at[2] = vec3_make(0.0, 0.0, 0.0);
-    for (int i = AXIS_TERMS - 1; i >= 0; --i) {
-        at[2] = vec3_axpy(vec3_scale(2.0, at[1]), time, at[2]);
-        at[1] = vec3_axpy(at[0], time, at[1]);
-        at[0] = vec3_axpy(coefficient[i], time, at[0]);
-    }
-}
-
-static struct rotor_axis following_axis_at(const struct axis_motion *motion, double time)
-{
-    struct rotor_axis now = {motion->axis, vec3_make(0.0, 0.0, 0.0)};
-    struct vec3 at[3];
-    polynomial_of_vectors(motion->coefficient, time, at);
-    const double length = vec3_norm(at[0]);
-    if (length > 0.0) {
-        now.axis = vec3_scale(1.0 / length, at[0]);
-        now.rate = vec3_scale(1.0 / length, vec3_axpy(at[1], -vec3_dot(at[1], now.axis), now.axis));
-    }
-    return now;
-}
-
-static struct rotor_axis prescribed_axis_at(const struct axis_motion *motion, double time)
-{
-    const double since = time - motion->from;
-    struct vec3 at[3];
-    polynomial_of_vectors(motion->coefficient, since, at);
-    const struct quaternion turned = rotor_turned_after(motion->coefficient, quaternion_identity(), since);
-    const struct vec3 axis = quaternion_rotate(turned, motion->axis);
-    return (struct rotor_axis){axis, vec3_cross(at[0], axis)};
-}
-
 struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct body_turn *body, struct vec3 inertia,
                                         const struct vec3 torque[ROTOR_TORQUES])
 {
     struct axis_motion motion = {.kind = AXIS_TUMBLES, .axis = axis, .body = *body, .inertia = inertia};
     memcpy(motion.coefficient, torque, ROTOR_TORQUES * sizeof *torque);
     return motion;
+}
+
+struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 rate[AXIS_TERMS])
+{
+    const struct body_turn start = {quaternion_identity(), rate[0]};
+    if (path_is_steady(rate, AXIS_TERMS)) {
+        /* a steady turn is the torque-free rotation of a sphere (equal moments of inertia) */
+        struct rotor rotor = rotor_from(start, 1.0, 1.0);
+        rotor.axis = axis;
+        return axis_motion_of_rotor(&rotor);
+    }
+    const struct vec3 torque[ROTOR_TORQUES] = {rate[1], vec3_scale(2.0, rate[2])};
+    return axis_motion_tumbling(axis, &start, vec3_make(1.0, 1.0, 1.0), torque);
+}
+
+struct axis_motion axis_motion_following(const struct vec3 direction[AXIS_TERMS])
+{
+    struct axis_motion motion = {.kind = path_is_steady(direction, AXIS_TERMS) ? AXIS_FIXED : AXIS_FOLLOWS};
+    motion.axis = vec3_scale(1.0 / vec3_norm(direction[0]), direction[0]);
+    memcpy(motion.coefficient, direction, AXIS_TERMS * sizeof *direction);
+    return motion;
+}
+
+static struct rotor_axis following_axis_at(const struct axis_motion *motion, double time)
+{
+    struct rotor_axis now = {motion->axis, vec3_make(0.0, 0.0, 0.0)};
+    const struct vec3 at = path_at(motion->coefficient, AXIS_TERMS, time);
+    const struct vec3 rate = path_slope(motion->coefficient, time);
+    const double length = vec3_norm(at);
+    if (length > 0.0) {
+        now.axis = vec3_scale(1.0 / length, at);
+        now.rate = vec3_scale(1.0 / length, vec3_axpy(rate, -vec3_dot(rate, now.axis), now.axis));
+    }
+    return now;
 }
 
 static struct rotor_axis tumbling_axis_at(const struct axis_motion *motion, double time)
@@ -90,14 +68,10 @@ static struct rotor_axis axis_motion_at(const struct axis_motion *motion, double
     switch (CONTACT_ANY_ROTATION ? motion->kind : AXIS_FIXED) {
     case AXIS_PRECESSES:
         return rotor_axis_at(&motion->rotor, time - motion->from);
-    case AXIS_PRESCRIBED:
-        return prescribed_axis_at(motion, time);
     case AXIS_FOLLOWS:
         return following_axis_at(motion, time);
     case AXIS_TUMBLES:
-        if (CONTACT_ANY_COMPOUND) {
-            return tumbling_axis_at(motion, time);
-        } /* fall through */
+        return tumbling_axis_at(motion, time);
     case AXIS_FIXED:
     default:
         return (struct rotor_axis){motion->axis, vec3_make(0.0, 0.0, 0.0)};
@@ -107,12 +81,7 @@ static struct rotor_axis axis_motion_at(const struct axis_motion *motion, double
 /* Moves the origin `from` to `time`. */
 static void axis_motion_move_on(struct axis_motion *motion, double time)
 {
-    if (CONTACT_ANY_ROTATION && motion->kind == AXIS_PRESCRIBED && time > motion->from) {
-        motion->axis = prescribed_axis_at(motion, time).axis;
-        path_shift(motion->coefficient, AXIS_TERMS, time - motion->from);
-        motion->from = time;
-    }
-    if (CONTACT_ANY_COMPOUND && motion->kind == AXIS_TUMBLES && time > motion->from) {
+    if (CONTACT_ANY_ROTATION && motion->kind == AXIS_TUMBLES && time > motion->from) {
         motion->body =
             rotor_of_three_after(&motion->body, motion->inertia, motion->coefficient, time - motion->from);
         path_shift(motion->coefficient, ROTOR_TORQUES, time - motion->from);
@@ -126,22 +95,6 @@ void advancement_move_on(struct advancement_path *path, double time)
     for (int end = 0; CONTACT_ANY_COMPOUND && end < 2; ++end) {
         axis_motion_move_on(&path->lever[end], time);
     }
-}
-
-/* Bounds of a vector polynomial over some time: of its size (least, most) and of its derivatives' sizes. */
-struct vector_sizes {
-    double least, most, first, second;
-};
-
-static struct vector_sizes sizes_within(const struct vec3 coefficient[AXIS_TERMS], double time, double length)
-{
-    struct vec3 at[3];
-    polynomial_of_vectors(coefficient, time, at);
-    const double third = 6.0 * vec3_norm(coefficient[3]);
-    const double second = vec3_norm(at[2]) + third * length;
-    const double first = vec3_norm(at[1]) + second * length;
-    const double start = vec3_norm(at[0]);
-    return (struct vector_sizes){start - first * length, start + first * length, first, second};
 }
 
 /*
@@ -183,20 +136,18 @@ static struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, d
     if (!CONTACT_ANY_ROTATION || motion->kind == AXIS_FIXED) {
         return (struct axis_bounds){0.0, 0.0};
     }
-    if (CONTACT_ANY_COMPOUND && motion->kind == AXIS_TUMBLES) {
+    if (motion->kind == AXIS_TUMBLES) {
         return tumbling_bounds(motion, time, length);
     }
-    const struct vector_sizes size = sizes_within(motion->coefficient, time - motion->from, length);
-    if (motion->kind == AXIS_PRESCRIBED) {
-        /* e x e'' = e x (lambda' x e) - (lambda.e) lambda x e; the last part is at most |lambda|^2/2 */
-        return (struct axis_bounds){size.most, size.first + 0.5 * size.most * size.most};
-    }
     /* e = a/|a|: |e'| <= |a'|/|a| and |e x e''| <= (|a''| + 2 |a'| |e'|)/|a| */
-    if (!(size.least > 0.0)) {
+    const double second = 2.0 * vec3_norm(motion->coefficient[2]);
+    const double first = vec3_norm(path_slope(motion->coefficient, time)) + second * length;
+    const double least = vec3_norm(path_at(motion->coefficient, AXIS_TERMS, time)) - first * length;
+    if (!(least > 0.0)) {
         return (struct axis_bounds){(double)INFINITY, (double)INFINITY};
     }
-    const double speed = size.first / size.least;
-    return (struct axis_bounds){speed, (size.second + 2.0 * size.first * speed) / size.least};
+    const double speed = first / least;
+    return (struct axis_bounds){speed, (second + 2.0 * first * speed) / least};
 }
 
 /* Returns an upper bound of the second derivatives of the lever arms [m/s^2]: for b = |b| e it is

@@ -14,31 +14,30 @@
 #include "contact/shape.h"
 #include "math/rotor.h"
 
-enum { AXIS_TERMS = ROTOR_RATES };
+enum { AXIS_TERMS = ROTOR_TORQUES };
 
-enum axis_motion_kind { AXIS_FIXED, AXIS_PRECESSES, AXIS_PRESCRIBED, AXIS_FOLLOWS, AXIS_TUMBLES };
+enum axis_motion_kind { AXIS_FIXED, AXIS_PRECESSES, AXIS_FOLLOWS, AXIS_TUMBLES };
 
 struct axis_motion {
     enum axis_motion_kind kind;
     struct vec3 axis; /* e_d at time `from`; for AXIS_FIXED at any time */
-    /* origin of the times below [s]; for AXIS_PRESCRIBED it moves on with the search */
+    /* origin of the times below [s]; for AXIS_TUMBLES it moves on with the search */
     double from;
     struct rotor rotor; /* for AXIS_PRECESSES */
-    /* coefficients of a polynomial of the time since `from`: of lambda in e' = lambda x e for
-     * AXIS_PRESCRIBED, of the direction of e for AXIS_FOLLOWS */
+    /* coefficients of a polynomial of the time since `from`: of the direction of e for AXIS_FOLLOWS, of the
+     * torque for AXIS_TUMBLES */
     struct vec3 coefficient[AXIS_TERMS];
-    /* for AXIS_TUMBLES: the body at `from`, in whose frame the axis is `axis`, and its moments of inertia;
-     * `coefficient` has the torque by powers of the time since `from` */
+    /* for AXIS_TUMBLES: the body at `from`, in whose frame the axis is `axis`, and its moments of inertia */
     struct body_turn body;
     struct vec3 inertia;
 };
 
 struct axis_motion axis_motion_of_rotor(const struct rotor *rotor);
 
-/* Return the motion from `count` <= AXIS_TERMS coefficients of an angular velocity, of which a constant one
- * makes a steady turn, and from those of a direction. */
-struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *rate, int count);
-struct axis_motion axis_motion_following(const struct vec3 *direction, int count);
+/* Return the motion from the coefficients of an angular velocity, of which a constant one makes a steady
+ * turn, and from those of a direction. */
+struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 rate[AXIS_TERMS]);
+struct axis_motion axis_motion_following(const struct vec3 direction[AXIS_TERMS]);
 
 /* Returns the motion of a direction, given in the body's frame, of a body with three moments of inertia. */
 struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct body_turn *body, struct vec3 inertia,

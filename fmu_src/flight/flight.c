@@ -58,12 +58,12 @@ struct axis_motion flight_axis_motion(const struct scene_values *v, const struct
         return motion;
     }
     struct vec3 torque[ROTOR_TORQUES];
-    struct vec3 lambda[ROTOR_RATES] = {body_spin_of(v, body, at)}; /* L / I_1, with which the axis turns */
     torque_from_now(v, q, body, torque);
-    for (int i = 0; i < ROTOR_TORQUES; ++i) {
-        lambda[i + 1] = vec3_scale(1.0 / ((i + 1) * body_inertia_of(v, body).transverse), torque[i]);
-    }
-    return axis_motion_prescribed(quaternion_third_axis(at->orientation), lambda, ROTOR_RATES);
+    /* the axis turns with L / I_1, as that of a body with three moments I_1 does */
+    const double inertia = body_inertia_of(v, body).transverse;
+    const struct body_turn whole = {quaternion_identity(), body_spin_of(v, body, at)};
+    return axis_motion_tumbling(quaternion_third_axis(at->orientation), &whole,
+                                vec3_make(inertia, inertia, inertia), torque);
 }
 
 /* Least discriminant as a fraction of the sum of its two terms' sizes. Below it the parabola may just touch

@@ -92,7 +92,7 @@ static void put_levers(const struct scene_values *v, const struct scene_state *q
             path->lever[end] = axis_motion_tumbling(vec3_scale(1.0 / length, part), turn,
                                                     body_principal_inertia(v, body), follows.torque);
         } else if (body_turn_is_prescribed(v, body) && follows.turn_follows == TURN_FOLLOWS_VELOCITY) {
-            path->lever[end] = axis_motion_prescribed(axis, follows.angular_velocity, 3);
+            path->lever[end] = axis_motion_prescribed(axis, follows.angular_velocity);
         }
     }
 }
@@ -104,9 +104,8 @@ static struct axis_motion prescribed_axis(const struct scene_state *q, const str
     path_shift(path.angular_velocity, 3, clock);
     path_shift(path.axis, 3, clock);
     const bool by_axis = path.turn_follows != TURN_FOLLOWS_VELOCITY && !vec3_is_zero(path.axis[0]);
-    return by_axis
-               ? axis_motion_following(path.axis, 3)
-               : axis_motion_prescribed(quaternion_third_axis(turn->orientation), path.angular_velocity, 3);
+    return by_axis ? axis_motion_following(path.axis)
+                   : axis_motion_prescribed(quaternion_third_axis(turn->orientation), path.angular_velocity);
 }
 
 struct advancement_path advancement_path_of(const struct scene_values *v, const struct scene_state *q,

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "math/checksum.h"
 #include "scene.h"
 
 bool step_plainly_in_order(const struct instance *instance, double point, double size)
@@ -764,18 +765,10 @@ static unsigned char *model_bytes(void *block)
     return (unsigned char *)block + sizeof(struct block_header);
 }
 
-/* Returns the checksum FNV-1a by words of 32 bits; any one altered word changes it. */
 static uint32_t block_checksum(const void *block)
 {
-    const unsigned char *bytes = block;
-    const size_t size = block_size();
-    uint32_t hash = 2166136261u;
-    for (size_t i = CHECKED_FROM; i < size; i += sizeof hash) {
-        uint32_t word;
-        memcpy(&word, bytes + i, sizeof word);
-        hash = (hash ^ word) * 16777619u;
-    }
-    return hash;
+    return checksum_of(CHECKSUM_START, (const unsigned char *)block + CHECKED_FROM,
+                       block_size() - CHECKED_FROM);
 }
 
 static void write_block(struct instance *instance, void *block)

@@ -50,15 +50,6 @@ void nodal_values_of(const struct lobatto *nodes, const double *a, double *value
     }
 }
 
-double nodal_polynomial_at(const double *a, int terms, double s)
-{
-    double sum = 0.0;
-    for (int k = terms - 1; k >= 0; --k) {
-        sum = sum * (s - 1.0) + a[k];
-    }
-    return sum;
-}
-
 double nodal_slope(const double *a, int terms, double s)
 {
     double sum = 0.0;

@@ -145,52 +145,40 @@ int polynomial_add_sign_changes(const struct polynomial *p, double *sorted, int 
 }
 
 /* Longest step, relative to s, after which convergence is predicted instead of tested. */
-static const double SHORT_STEP = 1e-6;
-
-/*
- * Whether `next` is the root to rounding, so that the function need not be evaluated there. Newton's step
- * misses the root by curvature step^2 / (2 slope), and by the error of the slope, estimated from the secant.
- * Both must be below rounding. False while there is no earlier point (NaN).
- */
-static bool is_the_last(struct root_bracket_end now, struct root_bracket_end before, double next)
-{
-    const double step = next - now.s;
-    const double length = now.s - before.s;
-    const double bend = (now.slope - before.slope) / length;
-    const double slope_error = (now.value - before.value) / length - 0.5 * (now.slope + before.slope);
-    return fabs(step) <= SHORT_STEP * next &&
-           fabs(bend * step * step) + fabs(slope_error * step) <= 0.25 * DBL_EPSILON * fabs(now.slope * next);
-}
+static const double SHORT_STEP = 1e-8;
 
 static double root_from(root_function *f, const void *data, double low, double high, double rising, double s)
 {
-    struct root_bracket_end before = {(double)NAN, (double)NAN, (double)NAN};
+    double last = 0.0; /* length of the last step of Newton's method, 0: there was none */
     /* Bisection alone would need about 1100 halvings to reach the smallest double, Newton a handful of
      * steps. */
     for (int i = 0; i < 1200; ++i) {
-        struct root_bracket_end now = {.s = s};
-        f(data, s, &now.value, &now.slope);
-        if (now.value == 0.0) {
+        double value;
+        double slope;
+        f(data, s, &value, &slope);
+        if (value == 0.0) {
             return s;
         }
-        if (rising * now.value < 0.0) {
+        if (rising * value < 0.0) {
             low = s;
         } else {
             high = s;
         }
-        double next = s - now.value / now.slope;
-        if (fabs(next - s) <= DBL_EPSILON * s) {
+        double next = s - value / slope;
+        const double step = fabs(next - s);
+        if (step <= DBL_EPSILON * s) {
             return s; /* converged; s is now an end of the bracket, so bisection would leave it */
         }
-        if (!(next > low && next < high)) {
-            next = 0.5 * (low + high);
-        } else if (is_the_last(now, before, next)) {
-            return next;
+        const bool inside = next > low && next < high;
+        if (inside && step <= SHORT_STEP * next &&
+            step * step * step <= 0.25 * DBL_EPSILON * next * last * last) {
+            return next; /* each step squares the error: the following one would be step^3 / last^2 */
         }
+        last = inside ? step : 0.0;
+        next = inside ? next : 0.5 * (low + high);
         if (next <= low || next >= high) {
             return next;
         }
-        before = now;
         s = next;
     }
     return s;
@@ -204,15 +192,8 @@ double root_in_bracket(root_function *f, const void *data, double low, double hi
     return root_from(f, data, low, high, value < 0.0 ? 1.0 : -1.0, 0.5 * (low + high));
 }
 
-/* Takes the function between two extrema for half a cosine. */
-static double guess_between_extrema(struct root_bracket_end low, struct root_bracket_end high)
-{
-    const double mean = (low.value + high.value) / (high.value - low.value);
-    return low.s + acos(mean) / PI * (high.s - low.s);
-}
-
 /* A few steps of Newton's method from the secant, as long as they stay inside. */
-static double guess_by_cubic(struct root_bracket_end low, struct root_bracket_end high)
+double root_guess(struct root_bracket_end low, struct root_bracket_end high)
 {
     const double length = high.s - low.s;
     const double slope = length * low.slope;
@@ -228,13 +209,7 @@ static double guess_by_cubic(struct root_bracket_end low, struct root_bracket_en
         }
         x = next;
     }
-    return low.s + x * length;
-}
-
-double root_guess(struct root_bracket_end low, struct root_bracket_end high)
-{
-    const bool extrema = low.slope == 0.0 && high.slope == 0.0;
-    const double guess = extrema ? guess_between_extrema(low, high) : guess_by_cubic(low, high);
+    const double guess = low.s + x * length;
     return guess > low.s && guess < high.s ? guess : 0.5 * (low.s + high.s);
 }
 
@@ -351,62 +326,33 @@ struct bernstein_fall bernstein_first_fall(const double *coefficients, int count
     return stays && !(deep.low < (double)INFINITY) ? first_fall_of_sum(coefficients, count, 0.0) : deep;
 }
 
-/* The sum of binomial(n, k) c_k t^k (1 - t)^(n - k) is taken as Horner's scheme in t / (1 - t) where t is
- * below one half, and from the other end above. All products have the signs of their coefficients, so that
- * no digits are lost but those of the sum itself. */
-double bernstein_at(const double *coefficients, int count, double place)
-{
-    const bool turned = place > 0.5;
-    const double near = turned ? 1.0 - place : place;
-    const double far = turned ? place : 1.0 - place;
-    const double ratio = near / far;
-    const int n = count - 1;
-    double binomial = 1.0;
-    double power = 1.0;
-    double sum = 0.0;
-    for (int k = 0; k < count; ++k) {
-        sum += binomial * power * coefficients[turned ? n - k : k];
-        binomial *= (double)(n - k) / (k + 1);
-        power *= ratio;
-    }
-    double scale = 1.0;
-    for (int k = 0; k < n; ++k) {
-        scale *= far;
-    }
-    return scale * sum;
-}
+/* The polynomial of Bernstein coefficients plus an offset, as the context of a root_function. */
+struct bernstein_sum {
+    const double *coefficients;
+    int count;
+    double offset;
+};
 
-/* Two places this close, as a part of the farther one, are not told apart. */
-static const double CLOSEST = 1e-15;
-
-/* The Illinois method: a false position that stays on one side is halved. Where the secant rounds to an end
- * of the bracket, as that of a straight line does, the next place is one rounding farther in: only that
- * tells on which side of it the root is. */
-double bernstein_root(const double *coefficients, int count, struct bernstein_fall fall)
+/* De Casteljau's scheme. All weights are positive, so that no digits are lost but those of the sum itself. */
+static void bernstein_and_slope(const void *data, double s, double *value, double *slope)
 {
-    double low = fall.low;
-    double high = fall.high;
-    double above = bernstein_at(coefficients, count, low) + fall.offset;
-    double below = bernstein_at(coefficients, count, high) + fall.offset;
-    int side = 0;
-    for (int i = 0; i < 100 && high - low > CLOSEST * high && above > 0.0 && below < 0.0; ++i) {
-        const double closest = 0.5 * CLOSEST * high;
-        const double secant = low + (high - low) * (above / (above - below));
-        const double middle = fmin(fmax(secant, low + closest), high - closest);
-        const double value = bernstein_at(coefficients, count, middle) + fall.offset;
-        if (value > 0.0) {
-            low = middle;
-            above = value;
-            below *= side > 0 ? 0.5 : 1.0;
-            side = 1;
-        } else {
-            high = middle;
-            below = value;
-            above *= side < 0 ? 0.5 : 1.0;
-            side = -1;
+    const struct bernstein_sum *sum = data;
+    double row[BERNSTEIN_MOST];
+    memcpy(row, sum->coefficients, (size_t)sum->count * sizeof *row);
+    *slope = 0.0;
+    for (int left = sum->count - 1; left > 0; --left) {
+        *slope = (sum->count - 1) * (row[1] - row[0]); /* right in the last round */
+        for (int i = 0; i < left; ++i) {
+            row[i] = (1.0 - s) * row[i] + s * row[i + 1];
         }
     }
-    return high;
+    *value = row[0] + sum->offset;
+}
+
+double bernstein_root(const double *coefficients, int count, struct bernstein_fall fall)
+{
+    const struct bernstein_sum sum = {coefficients, count, fall.offset};
+    return root_from(bernstein_and_slope, &sum, fall.low, fall.high, -1.0, 0.5 * (fall.low + fall.high));
 }
 
 /* By de Casteljau's scheme, first up to `to`, then from `from` on. */

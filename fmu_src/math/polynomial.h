@@ -41,8 +41,7 @@ struct root_bracket_end {
     double s, value, slope;
 };
 
-/* A first guess of the root: the root of the cubic through both ends, or of half a cosine if both ends are
- * extrema. */
+/* A first guess of the root: that of the cubic through both ends. */
 double root_guess(struct root_bracket_end low, struct root_bracket_end high);
 
 /* Returns the root in a bracket whose ends hold value and slope of f; f is not zero at `low`. */
@@ -80,8 +79,6 @@ double bernstein_root(const double *coefficients, int count, struct bernstein_fa
 
 /* Restricts Bernstein coefficients to the polynomial between two places of [0, 1]. */
 void bernstein_restrict(double *coefficients, int count, double from, double to);
-
-double bernstein_at(const double *coefficients, int count, double place);
 
 /* Replaces the coefficients a[k] of the polynomial's sum of a[k] s^k by its Bernstein coefficients. */
 void bernstein_from_powers(double *coefficients, int count);

@@ -150,65 +150,7 @@ double rotor_axis_speed(const struct rotor *rotor)
     return rotor_precession(rotor) * vec3_norm(vec3_cross(rotor->direction, rotor->axis));
 }
 
-/*
- * Coefficient n of the series in t/step is at most exp(a)/8^n, where a is the angle that the sizes of
- * lambda's terms would turn by in 8 steps (Cauchy's bound). With a <= 8, of a constant lambda a step of one
- * radian, what follows 21 terms is below exp(8)/8^22 = 4e-17 of a rotation.
- */
 enum { ROTOR_TERMS = 21 };
-static const double ROTOR_REACH = 8.0;
-
-/* Returns the longest step, at most `left`, whose angle a is at most ROTOR_REACH. */
-static double step_of(const struct vec3 lambda[ROTOR_RATES], double left)
-{
-    double size[ROTOR_RATES];
-    for (int i = 0; i < ROTOR_RATES; ++i) {
-        size[i] = vec3_norm(lambda[i]);
-    }
-    double step = left;
-    for (;;) {
-        double angle = 0.0;
-        for (int i = ROTOR_RATES - 1; i >= 0; --i) {
-            angle = ROTOR_REACH * step * (size[i] / (i + 1) + angle);
-        }
-        if (!(angle > ROTOR_REACH)) {
-            return step;
-        }
-        step *= fmax(0.999 * ROTOR_REACH / angle, 0.5); /* the angle grows no slower than the step */
-    }
-}
-
-/* The orientation turned by lambda: (n + 1) q_(n+1) = sum_i step^(i+1) (0, lambda_i) q_(n-i) / 2. */
-static struct quaternion turned_by_series(const struct vec3 lambda[ROTOR_RATES], double step,
-                                          struct quaternion q)
-{
-    struct quaternion term[ROTOR_TERMS + 1] = {q};
-    for (int n = 0; n < ROTOR_TERMS; ++n) {
-        struct quaternion sum = {0.0, 0.0, 0.0, 0.0};
-        double power = step;
-        for (int i = 0; i < ROTOR_RATES && i <= n; ++i) {
-            sum = quaternion_axpy(sum, power, quaternion_rate(term[n - i], lambda[i]));
-            power *= step;
-        }
-        term[n + 1] = quaternion_scale(1.0 / (n + 1), sum);
-        q = quaternion_axpy(q, 1.0, term[n + 1]);
-    }
-    return quaternion_unit(q);
-}
-
-struct quaternion rotor_turned_after(const struct vec3 lambda[ROTOR_RATES], struct quaternion q, double time)
-{
-    struct vec3 rate[ROTOR_RATES] = {lambda[0], lambda[1], lambda[2], lambda[3]};
-    double before = (double)INFINITY;
-    for (double left = time; left > 0.0 && left < before;) { /* where a step is rounding beside the rest */
-        const double step = step_of(rate, left);
-        q = turned_by_series(rate, step, q);
-        path_shift(rate, ROTOR_RATES, step);
-        before = left;
-        left -= step;
-    }
-    return q;
-}
 
 static struct vec3 quotient(struct vec3 a, struct vec3 by)
 {
@@ -270,7 +212,8 @@ struct body_turn rotor_of_three_after(const struct body_turn *start, struct vec3
     struct vec3 momentum = quaternion_rotate(
         q, vec3_make(inertia.x * omega.x, inertia.y * omega.y, inertia.z * omega.z)); /* L, in the world */
     const double least = fmin(inertia.x, fmin(inertia.y, inertia.z));
-    for (double left = time; left > 0.0;) {
+    double before = (double)INFINITY;
+    for (double left = time; left > 0.0 && left < before;) { /* where a step is rounding beside the rest */
         const struct vec3 in_body = quaternion_rotate(quaternion_inverse(q), momentum);
         const double rate = vec3_norm(in_body) / least + sqrt(vec3_norm(moment[0]) / least) +
                             cbrt(vec3_norm(moment[1]) / least) + sqrt(sqrt(vec3_norm(moment[2]) / least));
@@ -288,8 +231,16 @@ struct body_turn rotor_of_three_after(const struct body_turn *start, struct vec3
             momentum = vec3_axpy(momentum, pow(step, i + 1) / (i + 1), moment[i]);
         }
         path_shift(moment, ROTOR_TORQUES, step);
+        before = left;
         left -= step;
     }
     omega = quotient(quaternion_rotate(quaternion_inverse(q), momentum), inertia);
     return (struct body_turn){q, quaternion_rotate(q, omega)};
+}
+
+struct quaternion rotor_turned_after(const struct vec3 omega[ROTOR_TORQUES], struct quaternion q, double time)
+{
+    const struct body_turn start = {q, omega[0]};
+    const struct vec3 torque[ROTOR_TORQUES] = {omega[1], vec3_scale(2.0, omega[2])};
+    return rotor_of_three_after(&start, vec3_make(1.0, 1.0, 1.0), torque, time).orientation;
 }

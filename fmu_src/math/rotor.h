@@ -49,19 +49,6 @@ double rotor_precession(const struct rotor *rotor);
 double rotor_axis_speed(const struct rotor *rotor);
 
 /*
- * An orientation q under an angular velocity lambda that is a polynomial of time, by power series of time:
- * q' = (0, lambda) q / 2. Each step spans a radian at most, over which the series leave less than rounding,
- * so that errors are those of rounding only; the cost is in proportion to the turns.
- */
-
-/* Coefficients of lambda and of a torque. */
-enum { ROTOR_RATES = 4, ROTOR_TORQUES = 3 };
-
-/* Returns an orientation after time >= 0 [s]. It stays as it is where steps become less than a rounding of
- * the time. */
-struct quaternion rotor_turned_after(const struct vec3 lambda[ROTOR_RATES], struct quaternion q, double time);
-
-/*
  * The rigid body with three moments of inertia I under a torque tau, by power series of time. The quaternion
  * q is the body's orientation, and q* is its inverse. L is the angular momentum, the integral of tau; l has
  * the components of L in the body's frame, and omega those of the angular velocity. The equations of Euler
@@ -69,9 +56,17 @@ struct quaternion rotor_turned_after(const struct vec3 lambda[ROTOR_RATES], stru
  *
  *   l' = l x omega + q* tau q,   omega = l / I by components,   q' = q (0, omega) / 2
  *
- * Each step keeps L, so that errors are those of rounding only; the cost is in proportion to the turns.
+ * Each step keeps L, so that errors are those of rounding only; the cost is in proportion to the turns. The
+ * body stays as it is where steps become less than a rounding of the time. A torque has three coefficients.
  */
+enum { ROTOR_TORQUES = 3 };
+
 struct body_turn rotor_of_three_after(const struct body_turn *start, struct vec3 inertia,
                                       const struct vec3 torque[ROTOR_TORQUES], double time);
+
+/* Returns an orientation after time >= 0 [s] under an angular velocity that is a polynomial of time. It is
+ * that of a body with three moments of one, whose torque is the rate of the angular velocity. */
+struct quaternion rotor_turned_after(const struct vec3 omega[ROTOR_TORQUES], struct quaternion q,
+                                     double time);
 
 #endif

@@ -79,10 +79,10 @@ static double indicator_of(const struct scene_values *v, const struct scene_stat
 
 /* Returns a checksum of the states that events may make jump: the energies, and the friction springs where
  * sliding begins or ends. */
-static uint64_t booked_states(const struct scene_state *q)
+static uint32_t booked_states(const struct scene_state *q)
 {
     const double energies[2] = {q->dissipated, q->external_work};
-    uint64_t mark = checksum_of(CHECKSUM_START, energies, sizeof energies);
+    uint32_t mark = checksum_of(CHECKSUM_START, energies, sizeof energies);
     for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS * OPPOSED; ++j) {
         const struct vec3 spring = q->turning.spring[j / OPPOSED][j % OPPOSED];
         const double values[3] = {spring.x, spring.y, spring.z};

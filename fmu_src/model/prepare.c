@@ -19,13 +19,7 @@ static enum model_status check_inertia(struct model *m, int body)
     const char *name = scene_body_name(body);
     const bool tilts = body_tips(v, body);
     if (body_inertia_control(v, body) == INERTIA_CONTROL_AUTOMATIC) {
-        return !tilts || body_shape(body) != SHAPE_CYLINDER || body_finite_length(v, body)
-                   ? MODEL_OK
-                   : model_report(m, MODEL_ERROR,
-                                  "%s.inertia_control = automatic contradicts %s.finite_length = false: an "
-                                  "infinite cylinder has no inertia of its own (allowed: user_defined, or "
-                                  "%s.finite_length = true).",
-                                  name, name, name);
+        return MODEL_OK;
     }
     if (body_is_compound(body)) {
         const struct vec3 of = body_principal_inertia(v, body);
@@ -50,7 +44,6 @@ static enum model_status check_inertia(struct model *m, int body)
 static enum model_status check_rotation(struct model *m, int body)
 {
     const struct scene_values *v = &m->state.values;
-    const char *name = scene_body_name(body);
     if (model_has_no_orientation(v, body)) {
         return model_refuse_zero(m, MODEL_ERROR, body, "prescribed_orientation");
     }
@@ -66,84 +59,17 @@ static enum model_status check_rotation(struct model *m, int body)
         omega = turns ? body_initial_angular_velocity(v, body) : body_prescribed_angular_velocity(v, body);
     }
     if (SCENE_ANY_KEPT_AXIS && model_tilts_axis(v, body, omega)) {
+        const char *name = scene_body_name(body);
         return model_report(m, MODEL_ERROR,
                             "%s.%s = (%g, %g, %g) rad/s contradicts %s.axis: a cylinder that touches a "
                             "cylinder turns about its own axis (allowed: multiples of the axis).",
                             name, turns ? "initial_angular_velocity" : "prescribed_angular_velocity", omega.x,
                             omega.y, omega.z, name);
     }
-    if (!SCENE_ANY_FREE_ROTATION || !turns) {
-        return MODEL_OK;
-    }
-    if (body_shape(body) == SHAPE_PLANE) {
-        return model_report(
-            m, MODEL_ERROR,
-            "%s.rotation = free contradicts its shape: a plane has no inertia (allowed: none, "
-            "prescribed).",
-            name);
-    }
-    return check_inertia(m, body);
+    return SCENE_ANY_FREE_ROTATION && turns ? check_inertia(m, body) : MODEL_OK;
 }
 
-/* Refuses viscous_only under Hertz's law, which always has a spring. Refuses a coefficient of restitution
- * without a spring, which would cause no rebound; the linear law also needs the mass of a free body. */
-static enum model_status check_law(struct model *m, int contact)
-{
-    const struct scene_values *v = &m->state.values;
-    const char *name = scene_contact_name(contact);
-    const char *source = scene_body_name(contact_source(contact));
-    const char *destination = scene_body_name(contact_destination(contact));
-    if (scene_is_hertz(v, contact) && contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.penalty_control = viscous_only contradicts %s.law = hertz (allowed: "
-                            "automatic, user_defined; viscous_only with law linear).",
-                            name, name);
-    }
-    if (scene_is_hertz(v, contact) && body_keeps_axis(contact_source(contact)) &&
-        !contact_has_skew_axes(v, contact) &&
-        contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC) {
-        return model_report(
-            m, MODEL_ERROR,
-            "%s.penalty_control = automatic contradicts %s.law = hertz: Hertz's theory has no power 3/2 for "
-            "the contact of two parallel cylinders along a line (allowed: user_defined, or law linear).",
-            name, name);
-    }
-    if (!SCENE_ANY_RESTITUTION || contact_viscous_control(v, contact) != VISCOUS_CONTROL_RESTITUTION ||
-        contact_method(v, contact) == METHOD_PENALTY) {
-        return MODEL_OK;
-    }
-    if (contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.viscous_control = restitution contradicts %s.penalty_control = viscous_only: "
-                            "without a spring there is no rebound (allowed: automatic, user_defined).",
-                            name, name);
-    }
-    if (contact_is_prescribed(v, contact) && !scene_is_hertz(v, contact)) {
-        return model_report(
-            m, MODEL_ERROR,
-            "%s.viscous_control = restitution contradicts the motion of %s and %s: neither is free, and p_nv "
-            "depends on their masses (allowed: %s.motion = free or %s.motion = free).",
-            name, source, destination, source, destination);
-    }
-    const bool automatic = contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC;
-    const bool hertz = scene_is_hertz(v, contact); /* an automatic k_h is above zero, because moduli are */
-    const double factor = hertz       ? (automatic ? 1.0 : contact_hertz_stiffness(v, contact))
-                          : automatic ? contact_penalty_multiplier(v, contact)
-                                      : contact_penalty_factor(v, contact);
-    if (factor == 0.0) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.viscous_control = restitution contradicts %s.%s = 0: without a spring there "
-                            "is no rebound (allowed: a factor above 0).",
-                            name, name,
-                            hertz       ? "hertz_stiffness"
-                            : automatic ? "penalty_multiplier"
-                                        : "penalty_factor");
-    }
-    return MODEL_OK;
-}
-
-/* Checks that the static coefficient of elastic friction is not below the sliding one, and that a tangential
- * stiffness which follows the normal one has Hertz's law to follow. */
+/* Checks that the static coefficient of elastic friction is not below the sliding one. */
 static enum model_status check_friction(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
@@ -157,57 +83,19 @@ static enum model_status check_friction(struct model *m, int contact)
                             name, shortest_digits(static_coefficient).text, name,
                             shortest_digits(coefficient).text);
     }
-    if (SCENE_ANY_MINDLIN && contact_has_spring(v, contact, OPPOSED_SLIP) && !scene_is_hertz(v, contact) &&
-        contact_tangential_law(v, contact) == TANGENTIAL_LAW_MINDLIN) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.tangential_law = mindlin contradicts %s.law = linear, whose stiffness is "
-                            "constant (allowed: linear; mindlin with law hertz).",
-                            name, name);
-    }
     return MODEL_OK;
-}
-
-/* Checks a destination with caps, which is a solid cylinder of finite length, and then the law. */
-static enum model_status check_ends(struct model *m, int contact)
-{
-    const struct scene_values *v = &m->state.values;
-    const int body = contact_destination(contact);
-    const char *name = scene_contact_name(contact);
-    const char *destination = scene_body_name(body);
-    if (!SCENE_ANY_CAPS || body_ends(v, body) != ENDS_CAPPED) {
-        return check_law(m, contact);
-    }
-    if (!body_finite_length(v, body)) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.ends = capped contradicts %s.finite_length = false: an infinite cylinder has "
-                            "no ends (allowed: capped with finite_length = true).",
-                            destination, destination);
-    }
-    if (contact_location(v, contact) == LOCATION_INSIDE) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.location = inside contradicts %s.ends = capped: a capped cylinder is a solid "
-                            "(allowed: automatic, outside; inside with ends = open).",
-                            name, destination);
-    }
-    return check_law(m, contact);
 }
 
 /* Least sine of the angle between skew axes. The place of contact keeps ten digits beyond it. */
 static const double LEAST_SKEW = 1e-6;
 
-/* Checks cylinders with skew axes, which touch from outside and are not nearly parallel. */
+/* Checks that the axes of cylinders with skew axes are not nearly parallel. */
 static enum model_status check_skew(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
     const char *name = scene_contact_name(contact);
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    if (contact_location(v, contact) == LOCATION_INSIDE) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.location = inside contradicts %s.axes = skew: cylinders with skew axes touch "
-                            "from outside (allowed: automatic, outside; inside with axes = parallel).",
-                            name, name);
-    }
     const double sine = vec3_norm(vec3_cross(body_unit_axis(v, source), body_unit_axis(v, destination)));
     const struct vec3 axis = body_axis(v, destination);
     return sine >= LEAST_SKEW
@@ -283,19 +171,11 @@ static enum model_status check_contact(struct model *m, int contact)
                             "a source smaller than its hollow destination).",
                             name, source, shortest_digits(r_s).text, destination, shortest_digits(r_d).text);
     }
-    if (contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY &&
-        contact_method(v, contact) == METHOD_PENALTY) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.penalty_control = viscous_only contradicts %s.method = penalty (allowed: "
-                            "viscous_only with penalty_dynamic).",
-                            name, name);
-    }
     enum model_status status = MODEL_OK;
     if (SCENE_ANY_TORUS && body_shape(contact_destination(contact)) == SHAPE_TORUS) {
         status = check_ring(m, contact, r_s, r_d);
     }
     status = SCENE_ANY_AXIS && status == MODEL_OK ? check_axes(m, contact) : status;
-    status = status == MODEL_OK ? check_ends(m, contact) : status;
     return status == MODEL_OK ? check_friction(m, contact) : status;
 }
 
@@ -482,6 +362,10 @@ void model_warn_of_idle(struct model *m)
 
 enum model_status model_check_consistency(struct model *m)
 {
+    const char *refusal = scene_refusal(&m->state.values);
+    if (refusal) {
+        return model_report(m, MODEL_ERROR, "%s", refusal);
+    }
     if (SCENE_ANY_ROTATION) {
         for (int i = 0; i < SCENE_BODIES; ++i) {
             const enum model_status status = check_rotation(m, i);

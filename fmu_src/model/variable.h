@@ -94,6 +94,10 @@ struct scene_values;
  * it. */
 int scene_choice(const struct scene_values *v, int row, int element);
 
+/* Returns the message on the first parameters that contradict each other (`refused` of variables.toml); NULL:
+ * none do. */
+const char *scene_refusal(const struct scene_values *v);
+
 /* Positions in scene_variables of the SCENE_STATES states, of their rates, and of the SCENE_INDICATORS event
  * indicators; then the nominal values of the states. */
 extern const uint16_t scene_states[], scene_rates[], scene_indicators[];

@@ -213,8 +213,7 @@ static struct quaternion turned_by(const struct vec3 *omega, double clock, struc
     if (path_is_steady(omega, 3)) { /* the angular velocity is constant */
         return quaternion_unit(quaternion_product(quaternion_of_rotation(vec3_scale(clock, omega[0])), q));
     }
-    const struct vec3 rate[ROTOR_RATES] = {omega[0], omega[1], omega[2]};
-    return rotor_turned_after(rate, q, clock);
+    return rotor_turned_after(omega, q, clock);
 }
 
 double turning_prescribed_steps(const struct scene_values *v, const struct scene_state *q, double length)

@@ -3,6 +3,7 @@
 
 #include "contact/choices.h"
 #include "math/compiler.h"
+#include "math/series.h"
 #include "touch/collocation.h"
 
 /* Whether E is other than zero, which it is only with a body that the importer moves. */
@@ -429,7 +430,7 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
     if (!p->local.head_on) {
         const int points = p->nodes->points;
         tilt[0] += nodal_integral(p->result.tilt_rate, points, s) - p->result.normal_correction.y;
-        tilt[1] = nodal_polynomial_at(p->result.tilt_rate, points, s);
+        tilt[1] = taylor_at(p->result.tilt_rate, points, s - 1.0);
         tilt[2] = nodal_slope(p->result.tilt_rate, points, s);
         /* the oscillation y changes the tilt, too: see correction_of */
         double slow[4];
@@ -542,11 +543,11 @@ static double along_oscillation(const struct collocation *p, const double *a, do
     }
     if (decays) {
         relaxation_particular(factor, scaled, q, points);
-        return nodal_polynomial_at(q, points, s) * y - nodal_polynomial_at(q, points, 0.0) * p->result.y;
+        return taylor_at(q, points, s - 1.0) * y - taylor_at(q, points, -1.0) * p->result.y;
     }
     oscillator_particular(&mirrored, scaled, q, points);
-    return nodal_polynomial_at(q, points, s) * y + nodal_slope(q, points, s) * y_rate / mirrored.omega2 -
-           (nodal_polynomial_at(q, points, 0.0) * p->result.y +
+    return taylor_at(q, points, s - 1.0) * y + nodal_slope(q, points, s) * y_rate / mirrored.omega2 -
+           (taylor_at(q, points, -1.0) * p->result.y +
             nodal_slope(q, points, 0.0) * p->result.y_rate / mirrored.omega2);
 }
 
@@ -599,7 +600,7 @@ static double moment_of_oscillation(const struct collocation *p, const double *v
     (void)nodal_integrate(p->nodes, values, sum);
     nodal_coefficients(p->nodes, sum, b);
     const double y = x[0] - slow[0];
-    return nodal_polynomial_at(b, points, s) * y - along_oscillation(p, b, s, y, x[1] - slow[1]);
+    return taylor_at(b, points, s - 1.0) * y - along_oscillation(p, b, s, y, x[1] - slow[1]);
 }
 
 struct vec3 collocation_moment(const struct collocation *p, int power, double s)

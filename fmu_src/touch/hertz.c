@@ -5,6 +5,7 @@
 #include "math/node_tables.h"
 #include "math/nodes.h"
 #include "math/polynomial.h"
+#include "math/series.h"
 #include "touch/segment.h"
 
 /*
@@ -455,7 +456,7 @@ static double misses_start(const double *values, double start)
 {
     nodal_values a;
     nodal_coefficients(&radau, values, a);
-    return fabs(nodal_polynomial_at(a, SLOW_NODES, 0.0) - start);
+    return fabs(taylor_at(a, SLOW_NODES, -1.0) - start);
 }
 
 /* After LOOK_AFTER sweeps misses_start of delta shows whether fast motion is left. A step is given up if

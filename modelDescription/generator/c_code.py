@@ -245,6 +245,20 @@ def uses(resolved: Resolved) -> list[Use]:
     return result
 
 
+def refusals(resolved: Resolved) -> list[tuple[str, str]]:
+    """Conditions in C under which parameters contradict each other, and the messages."""
+    return [
+        (" && ".join(f"({_is_one_of(cell, numbers)})" for cell, numbers in choices if cell.open), text)
+        for choices, text in resolved.refusals()
+        if any(cell.open for cell, _ in choices)
+    ]
+
+
+def _is_one_of(cell: Cell, numbers: set[int]) -> str:
+    value = f"{cell.row.c_name}(v, {cell.element})"
+    return " || ".join(f"{value} == {constant(cell.row, number)}" for number in sorted(numbers))
+
+
 def _whose(row: Row, choice: str) -> tuple[str, str]:
     """Whose choice `when` speaks of, and the key of its row."""
     group, _, field = choice.removeprefix("any ").partition(".")

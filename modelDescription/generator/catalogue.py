@@ -55,6 +55,7 @@ class Row:
     of_plane: dict = field(default_factory=dict)  # what differs where body or destination is a plane
     of_torus: dict = field(default_factory=dict)
     when: tuple[dict, ...] = ()
+    refused: tuple[dict, ...] = ()  # of a choice: what contradicts it, and the message
     tolerance: bool = False
     tunable: bool = False  # a parameter that may be set between steps, or what follows from such
     discrete: bool = False  # an output that changes at communication points and events only

@@ -37,7 +37,7 @@ class Conditions:
             return self.may_need_general in items
         if choice == SCENE_SEVERAL:
             return (len(self.scene.contacts) > 1) in items
-        for other in self._choices(choice, cell):
+        for other in self.choices(choice, cell):
             if other.row.type.items:  # of these a scene may leave a choice some only
                 items = [item for item in items if other.row.type.item(item)]
             wanted = [number_of(other.row, item) for item in items]
@@ -45,7 +45,7 @@ class Conditions:
                 return True
         return False
 
-    def _choices(self, choice: str, cell) -> list:
+    def choices(self, choice: str, cell) -> list:
         """The cells that `choice`, in `when` of the cell's row, speaks of."""
         anyone = choice.startswith("any ")
         group, _, field = choice.removeprefix("any ").partition(".")
@@ -62,7 +62,7 @@ class Conditions:
             for choice, items in alternative.items():
                 if self.possible(choice, items, cell):
                     continue
-                others = self._choices(choice, cell)
+                others = self.choices(choice, cell)
                 pins += [f"{one.name} = {_item(one.row, self.constants.get(one.name))}" for one in others]
                 wanted = " or ".join(str(item).lower() for item in items)
                 remedies += [f"{one.name} = {wanted}" for one in others]

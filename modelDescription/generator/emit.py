@@ -189,6 +189,7 @@ def _context(resolved: Resolved) -> dict:
         "reals": c_code.reals(resolved),
         "uses": (uses := c_code.uses(resolved)),
         "choices": list({use.choice.key: use.choice for use in uses}.values()),
+        "refusals": c_code.refusals(resolved),
         "positions": c_code.positions(resolved),
         "nominals": c_code.nominals(resolved),
         "state_of": _state_of(resolved),

@@ -45,6 +45,21 @@ class Resolved:
     def has(self, key: str) -> bool:
         return any(cell.open for cell in self.of(key))
 
+    def refusals(self):
+        """Parameters that may contradict each other, as far as they are not pinned otherwise: cells with the
+        values in question, and the message."""
+        conditions = Conditions(self.cells, {}, self.scene)
+        for cell in self.cells:
+            for refused in cell.row.refused:
+                choices = []
+                for key, items in refused["if"].items():
+                    for other in conditions.choices(key, cell):
+                        numbers = {number_of(other.row, item) for item in items} - {None}
+                        choices.append((other, numbers if other.open else numbers & {other.value}))
+                if len(choices) == len(refused["if"]) and all(numbers for _, numbers in choices):
+                    names = _names(self.scene, cell.row, cell.element)
+                    yield choices, refused["text"].format(**names)
+
     def in_role(self, role: str) -> list["Variable"]:
         """States, their rates or event indicators, in the order of modelDescription.xml."""
         return [variable for variable in self.variables if variable.cell.row.role == role]
@@ -119,29 +134,34 @@ def resolve(scene: Scene, catalogue: Catalogue) -> Resolved:
     return Resolved(scene, catalogue, tuple(cells), variables, cvode, general)
 
 
+def _names(scene: Scene, row: Row, element: int) -> dict[str, str]:
+    """What descriptions and messages call a body, or a contact and its bodies."""
+    if row.owner != "contact":
+        return {"body": scene.bodies[element].name} if row.owner == "body" else {}
+    contact = scene.contacts[element]
+    ends = {end: scene.bodies[getattr(contact, end)].name for end in ("source", "destination")}
+    return {"contact": contact.name, **ends}
+
+
 def _cells_of(row: Row, scene: Scene):
     """The row's cell for each element that has it; `present` and `pinned` are settled later."""
     if row.owner == "body":
         for i, body in enumerate(scene.bodies):
             if body.has(row):
                 name, block = f"{body.name}.{row.field}", 1 + 2 * body.number
-                yield _cell(row.of_shape(body.shape), scene, i, name, block, body=body.name)
+                yield _cell(row.of_shape(body.shape), scene, i, name, block)
     elif row.owner == "contact":
         for j, contact in enumerate(scene.contacts):
-            names = {
-                "source": scene.bodies[contact.source].name,
-                "destination": scene.bodies[contact.destination].name,
-            }
             hit = scene.bodies[contact.destination]
-            if not hit.has(row):
-                continue
-            name = f"{contact.name}.{row.field}"
-            yield _cell(row.of_shape(hit.shape), scene, j, name, 2 + 2 * contact.number, **names)
+            if hit.has(row):
+                name, block = f"{contact.name}.{row.field}", 2 + 2 * contact.number
+                yield _cell(row.of_shape(hit.shape), scene, j, name, block)
     else:
         yield _cell(row, scene, 0, row.key, 0)
 
 
-def _cell(row: Row, scene: Scene, element: int, name: str, block: int, **names: str) -> Cell:
+def _cell(row: Row, scene: Scene, element: int, name: str, block: int) -> Cell:
+    names = _names(scene, row, element)
     letters = {"r": names.get("body", ""), "b": names.get("body", "")}
     if row.owner == "body" and len(scene.contacts) == 1:  # a pair keeps the symbols of the equations
         contact = scene.contacts[0]

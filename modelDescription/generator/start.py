@@ -18,6 +18,9 @@ DEEP = 0.1
 def check_start(resolved: Resolved) -> list[str]:
     """Raises InputError for what no FMU would accept; returns warnings, one line each."""
     start = Start(resolved)
+    for choices, text in resolved.refusals():
+        if all(cell.value in numbers for cell, numbers in choices):
+            raise resolved.scene.error(text)
     for body, one in enumerate(resolved.scene.bodies):
         start.check_orientation(body) if one.parts else None
     for index, contact in enumerate(resolved.scene.contacts):
@@ -58,15 +61,10 @@ class Start:
 
     def check(self, index: int, contact: Contact) -> None:
         source, destination = contact.source, contact.destination
-        if self.is_plane(destination):
-            self.check_axis(destination)
-            self.check_method(index, contact)
-            return
-        self.check_method(index, contact)
         for body in (source, destination):
             if self.scene.bodies[body].shape not in ("sphere", "compound"):
                 self.check_axis(body)
-        if contact.destination_part or not self.is_item("contact.location", index, "inside"):
+        if not self.has_location(contact) or not self.is_item("contact.location", index, "inside"):
             return
         large = self.cell("body.radius", destination)
         small, part = self.radius(source, contact.source_part), contact.source_part
@@ -92,61 +90,12 @@ class Start:
     def is_plane(self, body: int) -> bool:
         return self.scene.bodies[body].shape == "plane"
 
-    def check_method(self, index: int, contact: Contact) -> None:
-        viscous_only = self.is_item("contact.penalty_control", index, "viscous_only")
-        if viscous_only and self.is_item("contact.method", index, "penalty"):
-            raise self.scene.error(
-                f"{contact.name}.penalty_control = viscous_only contradicts {contact.name}.method = penalty: "
-                "no force would be left (allowed: viscous_only with penalty_dynamic)"
-            )
-        hertz = self.is_item("contact.law", index, "hertz")
-        if viscous_only and hertz:
-            raise self.scene.error(
-                f"{contact.name}.penalty_control = viscous_only contradicts {contact.name}.law = hertz "
-                "(allowed: automatic, user_defined; viscous_only with law linear)"
-            )
-        if self.is_item("contact.tangential_law", index, "mindlin") and not hertz:
-            raise self.scene.error(
-                f"{contact.name}.tangential_law = mindlin contradicts {contact.name}.law = linear, whose "
-                "stiffness is constant (allowed: linear; mindlin with law hertz)"
-            )
-        self.check_restitution(index, contact, viscous_only, hertz)
-
     def check_axis(self, body: int) -> None:
         axis = self.cell("body.axis", body)
         if not any(axis.value):
             raise self.scene.error(
                 f"'{axis.name}' is {list(axis.value)!r}, which has no direction "
                 "(allowed: at least one component other than zero)"
-            )
-
-    def check_restitution(self, index: int, contact: Contact, viscous_only: bool, hertz: bool) -> None:
-        """A coefficient of restitution needs a spring, and a body that can rebound."""
-        if not self.is_item("contact.viscous_control", index, "restitution") or self.is_item(
-            "contact.method", index, "penalty"
-        ):
-            return
-        said = f"{contact.name}.viscous_control = restitution contradicts"
-        if viscous_only:
-            raise self.scene.error(
-                f"{said} {contact.name}.penalty_control = viscous_only: without a spring there is no rebound "
-                "(allowed: automatic, user_defined)"
-            )
-        ends = (contact.source, contact.destination)
-        if not hertz and not any(self.is_item("body.motion", body, "free") for body in ends):
-            first, second = (self.scene.bodies[body].name for body in ends)
-            raise self.scene.error(
-                f"{said} the motion of {first} and {second}: neither is free, and p_nv depends on their "
-                f"masses (allowed: {first}.motion = free or {second}.motion = free)"
-            )
-        given = self.is_item("contact.penalty_control", index, "user_defined")
-        if hertz and not given:  # a modulus is never zero
-            return
-        spring = "hertz_stiffness" if hertz else "penalty_factor" if given else "penalty_multiplier"
-        factor = self.cell(f"contact.{spring}", index)
-        if factor.value == 0.0:
-            raise self.scene.error(
-                f"{said} {factor.name} = 0: without a spring there is no rebound (allowed: a factor above 0)"
             )
 
     def centre(self, body: int, part: Part | None = None) -> list[float]:

@@ -12,7 +12,7 @@ from .errors import InputError, allowed
 ROW_KEYS = {
     "vr", "type", "causality", "start", "start_destination", "min", "max", "dim", "symbol", "description",
     "shape", "absent", "of_plane", "of_torus",
-    "when", "tolerance", "depends", "discrete", "role", "rate_of", "reinit",
+    "when", "refused", "tolerance", "depends", "discrete", "role", "rate_of", "reinit",
     "tilts", "kept", "tunable",
 }  # fmt: skip
 TYPE_KEYS = {"base", "quantity", "unit", "display", "min", "max", "nominal", "description", "items"}
@@ -79,7 +79,7 @@ def _row(key: str, entry: dict, types: dict[str, Type], shown: str) -> Row:
     if entry.get("tunable") and entry["causality"] not in ("parameter", "calculatedParameter"):
         raise InputError(shown, f"{where}: 'tunable' belongs to parameters and only to them")
     fields = {**entry, "type": types[entry["type"]]}
-    for several in ("when", "shape"):
+    for several in ("when", "shape", "refused"):
         fields[several] = tuple(entry.get(several, ()))
     for of in {"of_plane", "of_torus"} & entry.keys():
         fields[of] = _of_shape(entry[of], types, where, shown, of)
@@ -87,7 +87,7 @@ def _row(key: str, entry: dict, types: dict[str, Type], shown: str) -> Row:
 
 
 def _of_shape(entry: dict, types: dict[str, Type], where: str, shown: str, of: str) -> dict:
-    known = ("type", "description")
+    known = ("type", "description", "refused")
     for unknown in entry.keys() - set(known):
         raise InputError(shown, f"{where}: unknown key '{of}.{unknown}' {allowed(known)}")
     return {**entry, "type": types[entry["type"]]} if "type" in entry else dict(entry)
@@ -134,6 +134,12 @@ def _check_references(catalogue: Catalogue, shown: str) -> None:
                 raise InputError(
                     shown, f'[variable."{row.key}"]: value reference {vr} is out of 1..99 or that of {other}'
                 )
+        for refused in (*row.refused, *row.of_plane.get("refused", ())):
+            for key in refused["if"]:
+                if key.replace("destination.", "body.").replace("source.", "body.") not in catalogue.rows:
+                    raise InputError(
+                        shown, f"[variable.\"{row.key}\"]: unknown variable '{key}' in 'refused'"
+                    )
         for alternative in row.when:
             for choice in alternative:
                 plain = (

@@ -54,6 +54,17 @@ int scene_choice(const struct scene_values *v, int row, int element)
     }
 }
 
+const char *scene_refusal(const struct scene_values *v)
+{
+    (void)v;
+{% for condition, text in refusals %}
+    if ({{ condition }}) {
+        return "{{ text }}.";
+    }
+{% endfor %}
+    return NULL;
+}
+
 {% for name, places in positions.items() %}
 const uint16_t scene_{{ name }}[] = { {{- places | join(", ") or "0" -}} };
 {% endfor %}

@@ -1,23 +1,13 @@
 #include "forge.h"
 
+#include "math/checksum.h"
 #include "model/state.h"
 
 enum { CHANGES_AT_MOST = 64 };
 
-static uint32_t fnv_32(const uint8_t *bytes, size_t size)
-{
-    uint32_t hash = 2166136261u;
-    for (size_t i = 0; i < size; i += sizeof hash) {
-        uint32_t word;
-        memcpy(&word, bytes + i, sizeof word);
-        hash = (hash ^ word) * 16777619u;
-    }
-    return hash;
-}
-
 void forge_checksum(uint8_t *block, size_t size)
 {
-    const uint32_t checksum = fnv_32(block + CHECKED_FROM, size - CHECKED_FROM);
+    const uint32_t checksum = checksum_of(CHECKSUM_START, block + CHECKED_FROM, size - CHECKED_FROM);
     memcpy(block + HEADER_CHECKSUM, &checksum, sizeof checksum);
 }
 

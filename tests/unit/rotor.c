@@ -135,7 +135,7 @@ TEST(without_a_torque_it_is_the_closed_form)
             rotor_of_three_after(&start, vec3_make(1.0, 1.0, axial), NO_TORQUE, time);
         check_states(&got, &expected, 1e-12L, 4.0);
         const double along = vec3_dot(start.angular_velocity, rotor.axis);
-        const struct vec3 lambda[ROTOR_RATES] = {
+        const struct vec3 lambda[ROTOR_TORQUES] = {
             vec3_axpy(start.angular_velocity, (axial - 1.0) * along, rotor.axis)}; /* L / I_1 */
         const struct quaternion turned = rotor_turned_after(lambda, quaternion_identity(), time);
         CHECK_VECTOR("axis alone", quaternion_rotate(turned, rotor.axis), rotor_axis_at(&rotor, time).axis,
