@@ -672,9 +672,9 @@ static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, st
 }
 
 /* Returns the clock up to which a phase that begins now may reach [s]. It reaches beyond the end of the
- * communication step, up to what is foreseen, but only in proportion to `passed` [s], a time in which no input
- * has changed. What reaches beyond the next communication point would be wasted where an input changes at every
- * point, and so would what reaches beyond the only step of a run. */
+ * communication step, up to what is foreseen, but only in proportion to `passed` [s], a time in which no
+ * input has changed. What reaches beyond the next communication point would be wasted where an input changes
+ * at every point, and so would what reaches beyond the only step of a run. */
 static double unforeseen_until(const struct scene_values *v, const struct scene_state *q, double passed)
 {
     double until = q->clock + HORIZON_GROWTH * passed;

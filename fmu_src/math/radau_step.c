@@ -227,8 +227,8 @@ static struct quaternion reciprocal_of(struct quaternion q)
 
 /* Writes the matrix I - h A_ij r_j, and its right side h sum A_ij r_j q behind each row, where r_j q are the
  * rates of the quaternion q at the start. */
-static void put_turning_matrix(const struct radau_step *p, int first,
-                               struct quaternion matrix[][RADAU_MOST_STAGES + 1])
+CONTACT_NOT_FUSED static void put_turning_matrix(const struct radau_step *p, int first,
+                                                 struct quaternion matrix[][RADAU_MOST_STAGES + 1])
 {
     const int s = p->stages->stages;
     const struct quaternion inverse = reciprocal_of(quaternion_from(p->y + first));
@@ -249,7 +249,7 @@ static void put_turning_matrix(const struct radau_step *p, int first,
 /* Sets the changes at the stages of a quaternion q' = r q, whose rates are given for its value at the start.
  * They solve a linear system whose entries are quaternions, eliminated like numbers in the order of their
  * products. Without pivots the entries do not grow, for turns of up to fifty radians (measured). */
-CONTACT_FLATTEN static void turn_quaternion(struct radau_step *p, int first)
+CONTACT_NOT_FUSED CONTACT_FLATTEN static void turn_quaternion(struct radau_step *p, int first)
 {
     const int s = p->stages->stages;
     struct quaternion matrix[RADAU_MOST_STAGES][RADAU_MOST_STAGES + 1];

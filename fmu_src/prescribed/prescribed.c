@@ -43,7 +43,7 @@ struct springs {
 /* A panel has the nodes of a Lobatto rule (math/node_tables.h), which include its ends: nothing that happens
  * near an end escapes them. */
 enum { PANEL_NODES = 8, PANEL_END = PANEL_NODES - 1 };
-static const struct lobatto *const PANEL_RULE = &lobatto[LOBATTO_EIGHT];
+#define PANEL_RULE (&lobatto[LOBATTO_EIGHT])
 
 /* The integrals over an interval of time. Springs follow by collocation at the same nodes. Both have order 14
  * at the end. */

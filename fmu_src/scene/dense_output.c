@@ -129,8 +129,8 @@ static bool stays_clear(const struct root_bracket_end *low, const struct root_br
 }
 
 /* Whether there is a top between `low` and `high`, which hold slopes. Where the quantity rises or falls at
- * both ends, or rests at one, one end moves to the extremum of the slope, so that the slope falls through zero between the
- * ends. */
+ * both ends, or rests at one, one end moves to the extremum of the slope, so that the slope falls through zero
+ * between the ends. */
 static bool brackets_top(const struct dense_output *w, const struct event_function *what,
                          struct root_bracket_end *low, struct root_bracket_end *high)
 {
@@ -217,9 +217,8 @@ static void scene_at(const struct scene_output *o, double clock, const bool *met
 
 static void put_sample(const struct contact_jet *jet, struct pair_sample *sample)
 {
-    for (int i = 0; i < JET_TERMS;
-         ++i) { /* a derivative is the coefficient times i!, which is i for 1 and 2 */
-        const double factor = i < 2 ? 1.0 : 2.0;
+    for (int i = 0; i < JET_TERMS; ++i) {
+        const double factor = i < 2 ? 1.0 : 2.0; /* a derivative is the coefficient times i! */
         sample->of[PAIR_GAP][i] = factor * jet->gap[i];
         sample->of[PAIR_GAP_RATE][i] = factor * jet->gap_rate[i];
         sample->of[PAIR_FORCE][i] = factor * jet->normal_force[i];

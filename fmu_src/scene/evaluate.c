@@ -370,12 +370,17 @@ static void turning_of_contact(const struct scene_values *v, const struct scene_
 {
     struct turning_instant *turning = &at->turning;
     const bool rubs = contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
-    turning->friction_force[contact] = turning->resistance[contact] = vec3_make(0.0, 0.0, 0.0);
+    turning->friction_force[contact] = vec3_make(0.0, 0.0, 0.0);
+    if (SCENE_ANY_ROLLING) {
+        turning->resistance[contact] = vec3_make(0.0, 0.0, 0.0);
+    }
     for (int i = 0; rubs && i < contact_opposed(v, contact); ++i) {
         const struct friction_law law = scene_friction_law(v, q, contact, i);
         const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[i];
-        struct vec3 *sum =
-            i == OPPOSED_SLIP ? &turning->friction_force[contact] : &turning->resistance[contact];
+        struct vec3 *sum = &turning->friction_force[contact];
+        if (SCENE_ANY_ROLLING && i != OPPOSED_SLIP) {
+            sum = &turning->resistance[contact];
+        }
         *sum = vec3_add(*sum, friction_force(&law, regime, turning_rubbing(state, at, contact, i)));
     }
     at->source_force[contact] = vec3_add(at->source_force[contact], turning->friction_force[contact]);

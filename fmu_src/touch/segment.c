@@ -733,8 +733,8 @@ static double summit_between(const struct search *f, const struct dense_output *
     return middle;
 }
 
-/* Searches about the summit of the upper bound between the nodes i and i + 1, if there is one that exceeds the
- * largest value found. */
+/* Searches about the summit of the upper bound between the nodes i and i + 1, if there is one and it exceeds
+ * the largest value found. */
 static void search_summit(struct search *f, const struct dense_output *bound, int i)
 {
     if (i < 0 || i + 1 >= bound->count) {

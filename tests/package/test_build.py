@@ -36,13 +36,19 @@ def test_a_new_scene_of_many_bodies_is_the_shipped_one_by_another_name(folder, s
 
 def test_a_scene_that_cannot_be_initialized_is_refused_with_the_sentence_of_the_fmu(folder, capsys):
     """Its steps are told on the way, with the scene, though nobody looks at a terminal."""
-    new(["Endless", "--shape", "cylinder", "--pinned", "tube.motion=free", "--pinned", "tube.rotation=free"])
-    with pytest.raises(UserError, match="an infinite cylinder has no inertia of its own") as refused:
-        build(["Endless.toml", "--fmi", "3"])
-    assert "Endless.toml: this scene cannot run: " in str(refused.value)
-    assert not (folder / "Endless.fmu").exists()
+    static = [
+        "--pinned",
+        "contact.friction_coefficient=0.5",
+        "--pinned",
+        "contact.static_friction_coefficient=0.1",
+    ]
+    new(["Slips", "--shape", "plane", "--pinned", "contact.friction=elastic", *static])
+    with pytest.raises(UserError, match="contradicts contact.friction_coefficient") as refused:
+        build(["Slips.toml", "--fmi", "3"])
+    assert "Slips.toml: this scene cannot run: " in str(refused.value)
+    assert not (folder / "Slips.fmu").exists()
     told = capsys.readouterr().err.splitlines()
-    assert told[:2] == ["Endless: configuring", "Endless: compiling"] and told[-1] == "Endless: initializing"
+    assert told[:2] == ["Slips: configuring", "Slips: compiling"] and told[-1] == "Slips: initializing"
     assert len([line for line in told if "steps done" in line]) > 1
 
 
