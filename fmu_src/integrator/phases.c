@@ -758,7 +758,8 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
 #if SCENE_HAS_GENERAL
     if (result == ADVANCE_FAILED && solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && scene_uses_ode(v)) {
         counter_add(&q->counters.fallbacks, 1);
-        /* a step that is read within has to be more accurate: right after a touch none is */
+        /* A step of the general segment that goes on beyond the communication point must be more accurate.
+         * Right after a touch that costs more than it saves. */
         const double passed = fmax(q->clock + scene_remaining(q, step->start), 0.0);
         step->clock_limit = fmax(step->clock_end, unforeseen_until(v, q, passed));
         result = general_advance(s->general, v, q, step);

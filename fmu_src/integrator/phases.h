@@ -25,7 +25,7 @@ enum advance_result { ADVANCE_REACHED, ADVANCE_EVENT, ADVANCE_STEP_LIMIT, ADVANC
 
 struct advance {
     double start;       /* in: the time at which the communication step began [s] */
-    double passed;      /* in: the clock at that time [s]: no input and no regime has changed for so long */
+    double passed;      /* in: the clock at that time [s], for which no input and no regime has changed */
     double clock_end;   /* in: the advance ends at this clock at the latest [s] */
     double clock_limit; /* in: no end of the phase is foreseen before this clock [s] */
     long budget;        /* in: most internal steps allowed; out: the number left */

@@ -49,8 +49,8 @@ static inline void nodal_put_vec3(struct nodal_vec3 *row, int node, struct vec3 
 void nodal_coefficients(const struct lobatto *nodes, const double *values, double *a);
 void nodal_values_of(const struct lobatto *nodes, const double *a, double *values);
 
-/* A polynomial of `terms` coefficients at s: its slope, its value with three derivatives. taylor_at has its
- * value alone, at s - 1. */
+/* Return the slope of a polynomial of `terms` coefficients at s, and its value with three derivatives. Where
+ * the value alone is needed, taylor_at (math/series.h) returns it. It takes s - 1 as its argument. */
 double nodal_slope(const double *a, int terms, double s);
 void nodal_derivatives(const double *a, int terms, double s, double out[4]);
 

@@ -336,7 +336,7 @@ void ode_leave_centres(const struct scene_values *v, struct scene_state *q)
     struct scene_instant at;
     const struct vec3 none = {0.0, 0.0, 0.0};
     scene_now(v, q, &at);
-    for (int k = 0; k < 2 * SCENE_CONTACTS; ++k) { /* first all by their velocities */
+    for (int k = 0; k < 2 * SCENE_CONTACTS; ++k) { /* in the first round by velocities only */
         const int j = k % SCENE_CONTACTS;
         const bool loaded = k >= SCENE_CONTACTS;
         if (at.geometry[j].degenerate && (!loaded || contact_is_coupled(v, q, j))) {
@@ -402,7 +402,7 @@ static void copy_numbers(bool packs, double *y, void *state, size_t count)
     memcpy(packs ? y : state, packs ? state : y, count * sizeof *y);
 }
 
-/* Copies the states that y holds as q does, all but the rotations, into y or from y. */
+/* Copies states into y or from y: all but the rotations, which y holds in another form than q. */
 static void copy_states(const struct scene_ode *ode, bool packs, struct scene_state *q, double *y)
 {
     const struct ode_layout *layout = &ode->layout;
@@ -644,7 +644,7 @@ struct linearization {
     const struct scene_ode *ode;
     const double *y;
     double *columns;
-    struct scene_state q; /* with the clock and the springs of y */
+    struct scene_state q; /* the state, with the clock and the springs of y */
     struct scene_instant at;
     struct scene_jet along; /* the path, along one state */
 };
