@@ -223,15 +223,21 @@ static void bernstein_of(const struct radau_stages *stages, const double *values
     }
 }
 
-/* Computes the Bernstein coefficients of one event function; returns false where all are positive. */
+/* Computes the Bernstein coefficients of one event function. Returns false where all are positive, and where
+ * the function is constant. */
 static bool may_fall(const struct general *g, int event, double of[RADAU_MOST_STAGES + 1], double *largest)
 {
     const int count = g->step.stages->stages + 1;
     bool falls = false;
+    bool changes = false;
     *largest = 0.0;
     for (int i = 0; i < count; ++i) {
         const double size = fabs(g->events[i][event]);
         *largest = size > *largest ? size : *largest;
+        changes = changes || g->events[i][event] != g->events[0][event];
+    }
+    if (!changes) {
+        return false;
     }
     bernstein_of(g->step.stages, &g->events[0][event], ODE_EVENTS, of);
     of[0] = g->events[0][event];
@@ -240,16 +246,6 @@ static bool may_fall(const struct general *g, int event, double of[RADAU_MOST_ST
         falls = falls || !(of[k] > 0.0);
     }
     return falls;
-}
-
-static bool event_is_constant(const struct general *g, int event)
-{
-    for (int i = 0; i <= g->step.stages->stages; ++i) {
-        if (g->events[i][event] != g->events[0][event]) {
-            return false;
-        }
-    }
-    return true;
 }
 
 /* Returns the event function at a place of the step, for the state given by the polynomial of the states. */
@@ -346,7 +342,7 @@ static double fall_within(struct general *g, int event, double limit)
     const double of_polynomial = g->relative * fmax(g->error_within, 1.0);
     double of[RADAU_MOST_STAGES + 1];
     double largest;
-    if (event_is_constant(g, event) || !may_fall(g, event, of, &largest)) {
+    if (!may_fall(g, event, of, &largest)) {
         return (double)INFINITY;
     }
     const double noise = NOISE * largest + of_polynomial * g->event_size[event];
