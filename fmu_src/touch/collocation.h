@@ -53,17 +53,14 @@ struct collocation_problem {
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A [m/s^2, ...] */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E [m/s, ...] */
     bool has_mismatch;                                        /* whether E is other than zero */
-    bool at_rim; /* contact at a rim or a torus; else the fields above give `rim` */
-    struct rim_start rim;
+    bool at_rim;          /* contact at a rim or a torus; else the fields above give `rim` */
+    struct rim_start rim; /* a step about a centre sets it: n, across both, the tangent in place of a, e, b */
 };
 
-/* The problem in the frame of the start, that of rim.h. */
+/* The problem in the frame of the start, rim.frame. */
 struct collocation_local {
-    double distance;      /* d at the start [m] */
-    struct vec3 frame[3]; /* a, e, b of rim.h in the world; about a centre n, 0, 0 if head-on */
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E */
-    struct vec3 rate;                                         /* x' [m/s] as its first component */
     bool head_on;                                             /* c' and A are along n, which is constant */
 };
 

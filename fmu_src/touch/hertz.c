@@ -474,7 +474,7 @@ static bool sweeps_have_converged(double last, double before)
 /* Makes one sweep of n and H; returns the largest change in radians. */
 static double slow_turn(const struct slow_motion *p)
 {
-    return collocation_turn(p->step) / p->step->local.distance;
+    return collocation_turn(p->step) / p->step->from.rim.distance;
 }
 
 static bool slow_iterate(struct slow_motion *p, double depth_tolerance)
@@ -541,7 +541,7 @@ static bool slow_is_accurate(const struct slow_motion *p, double tolerance, doub
     const struct nodal_vec3 *turned = &p->step->result.n;
     const double *rows[3] = {turned->x, turned->y, turned->z};
     for (int j = 0; j < 3 && !p->step->local.head_on; ++j) {
-        if (!(p->step->local.distance * misses_start(rows[j], 0.0) <= tolerance)) {
+        if (!(p->step->from.rim.distance * misses_start(rows[j], 0.0) <= tolerance)) {
             return false;
         }
     }
