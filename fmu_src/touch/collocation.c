@@ -345,16 +345,6 @@ bool collocation_finish(struct collocation *p)
 
 static void sum_up(struct collocation *p)
 {
-    /* y_rate does not count here: it is far larger than x in a stiff contact */
-    double largest = fabs(p->result.y);
-    for (int k = 0; k < p->nodes->points; ++k) {
-        largest = larger(fabs(p->result.slow[k]), largest);
-    }
-    p->result.terms = p->nodes->points;
-    while (p->result.terms > 1 &&
-           fabs(p->result.slow[p->result.terms - 1]) <= DBL_EPSILON * DBL_EPSILON * largest) {
-        p->result.terms -= 1;
-    }
     p->result.interior_error = tail_of_all(p);
     if (has_mismatch(p)) {
         nodal_values values;
@@ -450,7 +440,7 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
 void collocation_averaged_deviation(const struct collocation *p, double s, double x[4])
 {
     if (p->kind != COLLOCATION_QUASI_STATIC) {
-        nodal_derivatives(p->result.slow, p->result.terms, s, x);
+        nodal_derivatives(p->result.slow, p->nodes->points, s, x);
         return;
     }
     double rate[4];

@@ -84,7 +84,6 @@ struct collocation_result {
     nodal_values slow_rate;           /* in a quasi-static step: dx/ds, coefficients of s - 1 [m] */
     nodal_values normal_mismatch;     /* half n.E, coefficients of s - 1 [m] */
     nodal_values tilt_rate;           /* n_rate.y at a rim, coefficients of s - 1 [rad]; else zero */
-    int terms;                        /* number of coefficients of `slow` above rounding */
     /* the oscillator of y, with rates per unit of s; an averaged step adds the mean of -half^2 df/dx to its
      * omega2 */
     struct oscillator oscillator;

@@ -755,18 +755,12 @@ static void search_summit(struct search *f, const struct dense_output *bound, in
     }
 }
 
-/* Searches about the highest summits of the upper bound, then about every other summit and node where the
- * bound exceeds the largest value found, since a decaying oscillation may not reach its envelope. */
+/* Searches about every summit of the upper bound and every node where the bound exceeds the largest value
+ * found, since a decaying oscillation may not reach its envelope. */
 static void search_swinging(struct search *f, const struct dense_output *bound)
 {
     const enum pair_quantity quantity = f->what->quantity;
     const double factor = f->what->factor;
-    int best = 0;
-    for (int i = 1; i < bound->count; ++i) {
-        best = factor * (bound->at[i].of[quantity][0] - bound->at[best].of[quantity][0]) > 0.0 ? i : best;
-    }
-    search_summit(f, bound, best - 1);
-    search_summit(f, bound, best);
     for (int i = 0; i < bound->count; ++i) {
         const double most = factor * bound->at[i].of[quantity][0];
         if (dense_output_is_larger(bound, most, f->largest)) {
