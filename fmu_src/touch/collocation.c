@@ -100,22 +100,6 @@ static double load_at_start(const struct collocation *p)
     return rim_slopes_at(&at, p->local.acceleration[0]).load - mismatch;
 }
 
-static void guess_turning(struct collocation *p)
-{
-    const struct rim_state at = rim_state_at_start(p);
-    const struct rim_slopes first = rim_slopes_at(&at, p->local.acceleration[0]);
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const double t = p->half * (1.0 + p->nodes->node[i]);
-        struct rim_slopes slopes = first;
-        slopes.azimuth += 0.5 * t * first.azimuth_momentum / (at.rho * at.rho);
-        slopes.tilt += 0.5 * t * first.tilt_momentum / (at.d * at.d);
-        double rates[4];
-        rim_change_rates(&p->from.rim, &slopes, rates);
-        nodal_put_vec3(&p->result.n, i, vec3_make(t * rates[0], t * rates[1], 0.0));
-        nodal_put_vec3(&p->result.h, i, vec3_make(t * rates[2], t * rates[3], 0.0));
-    }
-}
-
 /* Sets half^2 f [m] at the nodes, and the softening, which is half of -half^2 df/dx by the centrifugal
  * terms. */
 static void load_at_nodes(const struct collocation *p, double *values, double *softening)
@@ -496,8 +480,8 @@ void collocation_overdamped_push(const struct collocation *p, double s, double p
     }
 }
 
-/* Returns the integral from 0 to s of the polynomial `a` times (x - y)', and of damping_rate (n.E)^2. The nodes'
- * quadrature is exact for products of two polynomials. */
+/* Returns the integral from 0 to s of the polynomial `a` times (x - y)', and of damping_rate (n.E)^2. The
+ * nodes' quadrature is exact for products of two polynomials. */
 static double along_slow(const struct collocation *p, const double *a, double s)
 {
     const int points = p->nodes->points;
@@ -662,7 +646,8 @@ static void set_frame(struct collocation *p)
     }
 }
 
-/* Makes first guesses of n, H and x. x is constant: its start, or in an averaged step its equilibrium. */
+/* Makes first guesses: n and H as at the start, and a constant x, which is its start, or its equilibrium in
+ * an averaged step. */
 static void start_step(struct collocation *p, const struct collocation_problem *from, double step,
                        enum collocation_kind kind, const struct lobatto *nodes)
 {
@@ -682,9 +667,6 @@ static void start_step(struct collocation *p, const struct collocation_problem *
     p->result.y = from->deviation - p->result.slow[0];
     p->result.y_rate = kind == COLLOCATION_QUASI_STATIC ? 0.0 : p->half * p->from.radial;
     p->result.oscillator = (struct oscillator){1.0, 0.0}; /* a quasi-static step has no other */
-    if (!p->local.head_on) {
-        guess_turning(p);
-    }
     note_angles(p);
     for (int i = 0; i < nodes->points; ++i) {
         p->result.x[i] = p->result.slow[0];
