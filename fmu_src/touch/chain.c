@@ -495,8 +495,8 @@ bool chain_make(struct chain *c, const struct scene_values *v, const struct scen
 /* A peak is looked for where it may exceed the one known by this part. */
 static const double CHAIN_WORTH = 1e-9;
 
-/* Returns the larger one of a known depth and the depths at the ends of a piece and at its first top [m]. In a
- * radian of the fastest mode a gap has one extremum at most that counts. */
+/* Returns the larger one of a known depth and the depths at the ends of a piece and at its first top [m]. In
+ * a radian of the fastest mode a gap has one extremum at most that counts. */
 static double deepest_in(const struct chain *c, int row, const struct chain_piece *piece, double known)
 {
     double depth[CHAIN_TERMS];
