@@ -29,7 +29,7 @@ import textwrap
 from decimal import Decimal
 from pathlib import Path
 
-LOBATTO = (4, 8, 12)
+LOBATTO = (8, 12)
 RADAU = 12
 STAGES = (4, 8, 12)
 REST = Decimal(1) / 1024  # RADAU_REST of node_tables.h

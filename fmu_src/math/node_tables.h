@@ -6,9 +6,8 @@
 /* Both ends are nodes, so that the load is exact at the start, where the free oscillation is separated from
  * the particular solution. Twelve points integrate about one radian of a slow motion to full accuracy; more
  * points would need more sweeps. The cost of a sweep is the square of the number of points. Eight points
- * reach half as far, four a tenth. The numbers are multiples of four, because nodes.c computes four sums at a
- * time. */
-enum lobatto_size { LOBATTO_FOUR, LOBATTO_EIGHT, LOBATTO_TWELVE, LOBATTO_SIZES };
+ * reach half as far. The numbers are multiples of four, because nodes.c computes four sums at a time. */
+enum lobatto_size { LOBATTO_EIGHT, LOBATTO_TWELVE, LOBATTO_SIZES };
 
 enum { LOBATTO_MAX = 12 };
 

@@ -15,14 +15,14 @@ static inline bool has_mismatch(const struct collocation *p)
 /* These two functions turn a vector of the world into the frame of the start, and back. */
 static inline struct vec3 collocation_in_frame(const struct collocation *p, struct vec3 a)
 {
-    return vec3_make(vec3_dot(p->local.frame[0], a), vec3_dot(p->local.frame[1], a),
-                     vec3_dot(p->local.frame[2], a));
+    return vec3_make(vec3_dot(p->from.rim.frame[0], a), vec3_dot(p->from.rim.frame[1], a),
+                     vec3_dot(p->from.rim.frame[2], a));
 }
 
 static inline struct vec3 collocation_in_world(const struct collocation *p, struct vec3 a)
 {
-    return vec3_axpy(vec3_axpy(vec3_scale(a.x, p->local.frame[0]), a.y, p->local.frame[1]), a.z,
-                     p->local.frame[2]);
+    return vec3_axpy(vec3_axpy(vec3_scale(a.x, p->from.rim.frame[0]), a.y, p->from.rim.frame[1]), a.z,
+                     p->from.rim.frame[2]);
 }
 
 static struct vec3 at_row(const struct nodal_vec3 *row, int i)
@@ -100,22 +100,6 @@ static double load_at_start(const struct collocation *p)
     return rim_slopes_at(&at, p->local.acceleration[0]).load - mismatch;
 }
 
-static void guess_turning(struct collocation *p)
-{
-    const struct rim_state at = rim_state_at_start(p);
-    const struct rim_slopes first = rim_slopes_at(&at, p->local.acceleration[0]);
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const double t = p->half * (1.0 + p->nodes->node[i]);
-        struct rim_slopes slopes = first;
-        slopes.azimuth += 0.5 * t * first.azimuth_momentum / (at.rho * at.rho);
-        slopes.tilt += 0.5 * t * first.tilt_momentum / (at.d * at.d);
-        double rates[4];
-        rim_change_rates(&p->from.rim, &slopes, rates);
-        nodal_put_vec3(&p->result.n, i, vec3_make(t * rates[0], t * rates[1], 0.0));
-        nodal_put_vec3(&p->result.h, i, vec3_make(t * rates[2], t * rates[3], 0.0));
-    }
-}
-
 /* Sets half^2 f [m] at the nodes, and the softening, which is half of -half^2 df/dx by the centrifugal
  * terms. */
 static void load_at_nodes(const struct collocation *p, double *values, double *softening)
@@ -151,7 +135,7 @@ static double integrate_two(const struct collocation *p, const struct nodal_vec3
 /* Makes one sweep of the momenta and the angles; returns the largest change [m]. */
 static double turn(struct collocation *p)
 {
-    const double distance = p->local.distance;
+    const double distance = p->from.rim.distance;
     const double scale = p->from.rim.rho / distance;
     const struct rim_state start = rim_state_at_start(p);
     const struct collocation_correction correction =
@@ -204,7 +188,7 @@ static void oscillator_response(struct collocation *p, double softening)
     nodal_values_of(p->nodes, p->result.slow, p->result.x);
     p->result.oscillator.omega2 += softening;
     p->result.y = p->from.deviation - p->result.x[0];
-    p->result.y_rate = p->half * p->local.rate.x - nodal_slope(p->result.slow, points, 0.0);
+    p->result.y_rate = p->half * p->from.radial - nodal_slope(p->result.slow, points, 0.0);
 }
 
 /* (D + slower)(D + faster) x = load with D = d/ds. u = (D + slower) x is the particular solution of (D +
@@ -218,7 +202,7 @@ static void overdamped_response(struct collocation *p)
     nodal_values rate = {0.0};
     relaxation_particular(rates.faster, p->result.load, u, points);
     nodal_values_of(p->nodes, u, u_at_nodes);
-    const double fast = p->half * p->local.rate.x + rates.slower * p->from.deviation - u_at_nodes[0];
+    const double fast = p->half * p->from.radial + rates.slower * p->from.deviation - u_at_nodes[0];
     p->result.y = -fast / (rates.faster - rates.slower);
     p->result.y_rate = -rates.faster * p->result.y;
     for (int i = 0; i < points; ++i) {
@@ -260,7 +244,7 @@ static double apply_load(struct collocation *p, const double *values, double sof
         change = larger(fabs(p->result.slow[i] - before[i]), change);
     }
     const double size = size_of_deviation(p);
-    return change > COEFFICIENT_ROUNDING * size ? change * fmax(1.0, p->local.distance / size) : 0.0;
+    return change > COEFFICIENT_ROUNDING * size ? change * fmax(1.0, p->from.rim.distance / size) : 0.0;
 }
 
 /* Updates the load f at the nodes, then x under this load. */
@@ -319,12 +303,12 @@ static double tail_of_all(const struct collocation *p)
     const double left_out = 0.25 * ldexp(of_deviation, 2 - points);
     const bool is_overdamped = p->kind == COLLOCATION_OVERDAMPED;
     const double by_deviation =
-        is_overdamped && size > 0.0 ? left_out * larger(1.0, p->local.distance / size) : left_out;
+        is_overdamped && size > 0.0 ? left_out * larger(1.0, p->from.rim.distance / size) : left_out;
     if (p->local.head_on) {
         return by_deviation;
     }
-    const double by_normal = p->local.distance * tail_of(p, &p->result.n_rate);
-    const double by_momentum = 2.0 * p->half / p->local.distance * tail_of(p, &p->result.h_rate);
+    const double by_normal = p->from.rim.distance * tail_of(p, &p->result.n_rate);
+    const double by_momentum = 2.0 * p->half / p->from.rim.distance * tail_of(p, &p->result.h_rate);
     return larger(by_deviation, larger(by_normal, by_momentum) / points);
 }
 
@@ -345,16 +329,6 @@ bool collocation_finish(struct collocation *p)
 
 static void sum_up(struct collocation *p)
 {
-    /* y_rate does not count here: it is far larger than x in a stiff contact */
-    double largest = fabs(p->result.y);
-    for (int k = 0; k < p->nodes->points; ++k) {
-        largest = larger(fabs(p->result.slow[k]), largest);
-    }
-    p->result.terms = p->nodes->points;
-    while (p->result.terms > 1 &&
-           fabs(p->result.slow[p->result.terms - 1]) <= DBL_EPSILON * DBL_EPSILON * largest) {
-        p->result.terms -= 1;
-    }
     p->result.interior_error = tail_of_all(p);
     if (has_mismatch(p)) {
         nodal_values values;
@@ -420,7 +394,7 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
         p->local.head_on ? rim_state_by(p, none, none, x[0]) : rim_state_then(p, s, x);
     return (struct collocation_change){
         collocation_in_world(p, rim_moved(&p->from.rim, &then)),
-        collocation_in_world(p, rim_gained(&p->from.rim, &then, p->local.rate.x, x[1] / p->half)), x[0]};
+        collocation_in_world(p, rim_gained(&p->from.rim, &then, p->from.radial, x[1] / p->half)), x[0]};
 }
 
 void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
@@ -450,7 +424,7 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
 void collocation_averaged_deviation(const struct collocation *p, double s, double x[4])
 {
     if (p->kind != COLLOCATION_QUASI_STATIC) {
-        nodal_derivatives(p->result.slow, p->result.terms, s, x);
+        nodal_derivatives(p->result.slow, p->nodes->points, s, x);
         return;
     }
     double rate[4];
@@ -506,24 +480,22 @@ void collocation_overdamped_push(const struct collocation *p, double s, double p
     }
 }
 
-/* Returns the integral of the polynomial `a` times (x - y)' from 0 to s. */
+/* Returns the integral from 0 to s of the polynomial `a` times (x - y)', and of damping_rate (n.E)^2. The
+ * nodes' quadrature is exact for products of two polynomials. */
 static double along_slow(const struct collocation *p, const double *a, double s)
 {
     const int points = p->nodes->points;
-    nodal_values product;
-    nodal_values slope = {0.0};
-    nodal_values values;
-    nodal_values values_of_slope;
-    for (int k = 0; k < points; ++k) {
-        slope[k] = k + 1 < points ? (k + 1) * p->result.slow[k + 1] : 0.0;
-    }
-    nodal_values_of(p->nodes, a, values);
-    nodal_values_of(p->nodes, slope, values_of_slope);
+    double sum = 0.0;
     for (int i = 0; i < points; ++i) {
-        values[i] *= values_of_slope[i];
+        const double at = 0.5 * s * (1.0 + p->nodes->node[i]);
+        double part = taylor_at(a, points, at - 1.0) * nodal_slope(p->result.slow, points, at);
+        if (has_mismatch(p)) {
+            const double mismatch = taylor_at(p->result.normal_mismatch, points, at - 1.0);
+            part += p->half * p->from.damping_rate * mismatch * mismatch;
+        }
+        sum += 0.5 * s * p->nodes->integral[i * points + points - 1] * part;
     }
-    nodal_coefficients(p->nodes, values, product);
-    return nodal_integral(product, points, s);
+    return sum;
 }
 
 /* Returns the integral of the polynomial `a` times y' from 0 to s, in closed form. With a spring (Q y + Q' y'
@@ -567,22 +539,14 @@ double collocation_dissipated(const struct collocation *p, double s)
         a[k] =
             p->result.load[k] + (has_mismatch(p) ? 2.0 * damping_rate * p->result.normal_mismatch[k] : 0.0);
     }
-    const double start_rate = p->half * p->local.rate.x;
+    const double start_rate = p->half * p->from.radial;
     const double x0 = p->from.deviation;
     const double y = x[0] - slow[0];
     const double dissipated_energy =
         0.5 * ((start_rate - x[1]) * (start_rate + x[1]) + omega2 * (x0 - x[0]) * (x0 + x[0]) +
                softening * (p->result.y - y) * (p->result.y + y));
-    double sum = dissipated_energy + along_slow(p, a, s) + along_oscillation(p, a, s, y, x[1] - slow[1]);
-    if (has_mismatch(p)) {
-        nodal_values values;
-        nodal_values_of(p->nodes, p->result.normal_mismatch, values);
-        for (int i = 0; i < p->nodes->points; ++i) {
-            values[i] *= values[i];
-        }
-        nodal_coefficients(p->nodes, values, a);
-        sum += damping_rate * nodal_integral(a, p->nodes->points, s);
-    }
+    const double sum =
+        dissipated_energy + along_slow(p, a, s) + along_oscillation(p, a, s, y, x[1] - slow[1]);
     return sum / (p->half * p->half);
 }
 
@@ -673,8 +637,6 @@ static void set_frame(struct collocation *p)
     if (!at_rim) {
         p->from.rim = start_about_centre(&p->from);
     }
-    memcpy(p->local.frame, p->from.rim.frame, sizeof p->local.frame);
-    p->local.rate = vec3_make(p->from.radial, 0.0, 0.0);
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
         const struct vec3 acceleration = collocation_in_frame(p, p->from.acceleration[i]);
         p->local.acceleration[i] = at_rim ? acceleration : flattened(acceleration);
@@ -684,7 +646,8 @@ static void set_frame(struct collocation *p)
     }
 }
 
-/* Makes first guesses of n, H and x. x is constant: its start, or in an averaged step its equilibrium. */
+/* Makes first guesses: n and H as at the start, and a constant x, which is its start, or its equilibrium in
+ * an averaged step. */
 static void start_step(struct collocation *p, const struct collocation_problem *from, double step,
                        enum collocation_kind kind, const struct lobatto *nodes)
 {
@@ -692,7 +655,6 @@ static void start_step(struct collocation *p, const struct collocation_problem *
     p->nodes = nodes;
     p->kind = kind;
     p->half = 0.5 * step;
-    p->local.distance = from->reach + from->deviation;
     p->local.head_on = is_head_on(from);
     p->result.normal_correction = p->result.momentum_correction = vec3_make(0.0, 0.0, 0.0);
     set_frame(p);
@@ -703,11 +665,8 @@ static void start_step(struct collocation *p, const struct collocation_problem *
     memset(p->result.normal_mismatch, 0, sizeof p->result.normal_mismatch);
     p->result.slow[0] = kind == COLLOCATION_AVERAGED ? load_at_start(p) / from->omega2 : from->deviation;
     p->result.y = from->deviation - p->result.slow[0];
-    p->result.y_rate = kind == COLLOCATION_QUASI_STATIC ? 0.0 : p->half * p->local.rate.x;
+    p->result.y_rate = kind == COLLOCATION_QUASI_STATIC ? 0.0 : p->half * p->from.radial;
     p->result.oscillator = (struct oscillator){1.0, 0.0}; /* a quasi-static step has no other */
-    if (!p->local.head_on) {
-        guess_turning(p);
-    }
     note_angles(p);
     for (int i = 0; i < nodes->points; ++i) {
         p->result.x[i] = p->result.slow[0];

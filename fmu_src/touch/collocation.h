@@ -53,17 +53,14 @@ struct collocation_problem {
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A [m/s^2, ...] */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E [m/s, ...] */
     bool has_mismatch;                                        /* whether E is other than zero */
-    bool at_rim; /* contact at a rim or a torus; else the fields above give `rim` */
-    struct rim_start rim;
+    bool at_rim;          /* contact at a rim or a torus; else the fields above give `rim` */
+    struct rim_start rim; /* a step about a centre sets it: n, across both, the tangent in place of a, e, b */
 };
 
-/* The problem in the frame of the start, that of rim.h. */
+/* The problem in the frame of the start, rim.frame. */
 struct collocation_local {
-    double distance;      /* d at the start [m] */
-    struct vec3 frame[3]; /* a, e, b of rim.h in the world; about a centre n, 0, 0 if head-on */
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E */
-    struct vec3 rate;                                         /* x' [m/s] as its first component */
     bool head_on;                                             /* c' and A are along n, which is constant */
 };
 
@@ -87,7 +84,6 @@ struct collocation_result {
     nodal_values slow_rate;           /* in a quasi-static step: dx/ds, coefficients of s - 1 [m] */
     nodal_values normal_mismatch;     /* half n.E, coefficients of s - 1 [m] */
     nodal_values tilt_rate;           /* n_rate.y at a rim, coefficients of s - 1 [rad]; else zero */
-    int terms;                        /* number of coefficients of `slow` above rounding */
     /* the oscillator of y, with rates per unit of s; an averaged step adds the mean of -half^2 df/dx to its
      * omega2 */
     struct oscillator oscillator;

@@ -241,20 +241,19 @@ static const double NO_FORCE = 0.5 * DBL_EPSILON;
  * step of up to 2^25 s, about a year, to zero. */
 enum { HALVINGS = 1100 };
 
-/* Bounds of penetration [m] and relative acceleration [m/s^2] after a time without contact force. */
-struct coasting {
-    double depth, acceleration;
-};
-
-static struct coasting coasting_to(const struct contact_pair *from, double time)
+/* Whether the force is negligible up to a time after a start at the touch [s], by bounds of penetration and
+ * acceleration. */
+static bool coasts_until(const struct contact_pair *from, double time)
 {
-    const struct vec3 *c = from->flight.c;
     const double load = pair_load(from) / from->reduced_mass;
-    const double cubic = vec3_norm(c[3]) * time;
-    const double quartic = vec3_norm(c[4]) * time * time;
+    const double cubic = vec3_norm(from->flight.c[3]) * time;
+    const double quartic = vec3_norm(from->flight.c[4]) * time * time;
     const double speed = fabs(pair_gap_derivative(from));
-    return (struct coasting){fmax(-from->gap, 0.0) + time * (speed + time * (0.5 * load + cubic + quartic)),
-                             load + 6.0 * cubic + 12.0 * quartic};
+    const double depth = fmax(-from->gap, 0.0) + time * (speed + time * (0.5 * load + cubic + quartic));
+    const double acceleration = load + 6.0 * cubic + 12.0 * quartic;
+    /* the factor is four because penetration, speed and load add one depth each, and the force grows a little
+     * faster than the depth */
+    return depth <= 4.0 * hertz_depth_under(from, NO_FORCE * acceleration);
 }
 
 bool hertz_hardly_parts(const struct contact_pair *from, double speed)
@@ -275,13 +274,7 @@ double hertz_coasting_time(const struct segment *p)
         return 0.0;
     }
     double time = p->longest;
-    for (int i = 0; i < HALVINGS && time > 0.0; ++i) {
-        const struct coasting then = coasting_to(from, time);
-        /* the factor is four because penetration, speed and load add one depth each, and the force grows a
-         * little faster than the depth */
-        if (then.depth <= 4.0 * hertz_depth_under(from, NO_FORCE * then.acceleration)) {
-            return time;
-        }
+    for (int i = 0; i < HALVINGS && !coasts_until(from, time); ++i) {
         time *= 0.5;
     }
     return time;
@@ -459,11 +452,6 @@ static double misses_start(const double *values, double start)
     return fabs(taylor_at(a, SLOW_NODES, -1.0) - start);
 }
 
-/* After LOOK_AFTER sweeps misses_start of delta shows whether fast motion is left. A step is given up if
- * misses_start exceeds TOO_FAST times the tolerance. */
-enum { LOOK_AFTER = 2 };
-static const double TOO_FAST = 1e3;
-
 /* Whether the changes still to come add up to less than SLOW_SWEPT if they fall by the ratio of the last two
  * changes. */
 static bool sweeps_have_converged(double last, double before)
@@ -474,10 +462,10 @@ static bool sweeps_have_converged(double last, double before)
 /* Makes one sweep of n and H; returns the largest change in radians. */
 static double slow_turn(const struct slow_motion *p)
 {
-    return collocation_turn(p->step) / p->step->local.distance;
+    return collocation_turn(p->step) / p->step->from.rim.distance;
 }
 
-static bool slow_iterate(struct slow_motion *p, double depth_tolerance)
+static bool slow_iterate(struct slow_motion *p)
 {
     struct slow_newton newton;
     nodal_values load;
@@ -518,9 +506,6 @@ static bool slow_iterate(struct slow_motion *p, double depth_tolerance)
             (void)slow_turn(p); /* makes n and H consistent with the final depth */
             return true;
         }
-        if (i == LOOK_AFTER && misses_start(p->depth, p->depth_start) > TOO_FAST * depth_tolerance) {
-            return false;
-        }
     }
     return false;
 }
@@ -541,7 +526,7 @@ static bool slow_is_accurate(const struct slow_motion *p, double tolerance, doub
     const struct nodal_vec3 *turned = &p->step->result.n;
     const double *rows[3] = {turned->x, turned->y, turned->z};
     for (int j = 0; j < 3 && !p->step->local.head_on; ++j) {
-        if (!(p->step->local.distance * misses_start(rows[j], 0.0) <= tolerance)) {
+        if (!(p->step->from.rim.distance * misses_start(rows[j], 0.0) <= tolerance)) {
             return false;
         }
     }
@@ -562,7 +547,7 @@ static bool quasi_static_solve(struct segment *segment, double step, double tole
                             .depth_start = -from->gap,
                             .rate_start = -0.5 * step * pair_gap_derivative(from)};
     collocation_begin(made, &segment->scales.problem, step, COLLOCATION_QUASI_STATIC, &radau);
-    if (!slow_iterate(&p, depth_tolerance) || !slow_is_accurate(&p, tolerance, depth_tolerance)) {
+    if (!slow_iterate(&p) || !slow_is_accurate(&p, tolerance, depth_tolerance)) {
         return false;
     }
     for (int i = 0; i < SLOW_NODES; ++i) {

@@ -409,40 +409,26 @@ static bool put_in_frame(const struct frame_flight *flight, struct vec3 a, doubl
     return fabs(out[2]) > OUT_OF_PLANE * vec3_norm(a);
 }
 
-/* Puts C and W into the frame and sets their degree. Returns whether the motion leaves the plane of the
- * first two directions. */
-static bool put_flight_in_frame(struct frame_flight *flight, const struct contact_pair *from, bool at_rim)
+struct frame_flight frame_flight_of(const struct contact_pair *from)
 {
+    struct frame_flight flight = {
+        .frame = {from->normal, tangent_of(from)}, .degree = 1, .c = {{from->distance, 0.0, 0.0}}};
+    const bool at_rim = contact_is_circle(&from->shape);
     bool leaves_plane = false;
-    flight->degree = 1;
+    flight.frame[2] = vec3_cross(flight.frame[0], flight.frame[1]);
+    if (at_rim) {
+        const struct rim_start rim = pair_rim_start(from);
+        memcpy(flight.frame, rim.frame, sizeof flight.frame);
+        (void)put_in_frame(&flight, from->flight.c[0], flight.c[0]);
+    }
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
         const struct vec3 c = from->flight.c[i];
         const struct vec3 w = from->flight.w[i - 1];
-        flight->degree = vec3_is_zero(c) && vec3_is_zero(w) ? flight->degree : i;
-        leaves_plane = put_in_frame(flight, at_rim ? c : pair_across(from, c), flight->c[i]) || leaves_plane;
-        leaves_plane =
-            put_in_frame(flight, at_rim ? w : pair_across(from, w), flight->w[i - 1]) || leaves_plane;
+        flight.degree = vec3_is_zero(c) && vec3_is_zero(w) ? flight.degree : i;
+        leaves_plane = put_in_frame(&flight, pair_across(from, c), flight.c[i]) || leaves_plane;
+        leaves_plane = put_in_frame(&flight, pair_across(from, w), flight.w[i - 1]) || leaves_plane;
     }
-    return leaves_plane;
-}
-
-struct frame_flight frame_flight_of(const struct contact_pair *from)
-{
-    struct frame_flight flight = {.frame = {from->normal, tangent_of(from)},
-                                  .c = {{from->distance, 0.0, 0.0}}};
-    flight.frame[2] = vec3_cross(flight.frame[0], flight.frame[1]);
-    const bool leaves_plane = put_flight_in_frame(&flight, from, false);
-    flight.dimensions = vec3_is_zero(flight.frame[1]) ? 1 : leaves_plane ? 3 : 2;
-    return flight;
-}
-
-struct frame_flight frame_flight_at_rim(const struct contact_pair *from)
-{
-    const struct rim_start rim = pair_rim_start(from);
-    struct frame_flight flight = {.degree = 1};
-    memcpy(flight.frame, rim.frame, sizeof flight.frame);
-    (void)put_in_frame(&flight, from->flight.c[0], flight.c[0]);
-    flight.dimensions = put_flight_in_frame(&flight, from, true) ? 3 : 2;
+    flight.dimensions = !at_rim && vec3_is_zero(flight.frame[1]) ? 1 : leaves_plane ? 3 : 2;
     return flight;
 }
 

@@ -126,11 +126,9 @@ struct frame_flight {
     double w[SEPARATION_DEGREE][FRAME];     /* W [m/s, ...] */
 };
 
+/* Returns the flight. At a rim the frame is that of rim.h, where two directions suffice in a plane through
+ * the axis. */
 struct frame_flight frame_flight_of(const struct contact_pair *from);
-
-/* Returns the flight at a rim in the frame of rim.h, with no projection; two directions suffice in a plane
- * through the axis. */
-struct frame_flight frame_flight_at_rim(const struct contact_pair *from);
 
 /*
  * A contact pair in head-on motion: along the normal alone, under a constant relative acceleration along the

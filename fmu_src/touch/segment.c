@@ -211,11 +211,7 @@ static struct terminal_event terminal_event_first(struct segment *p)
  * a factor below four. */
 static double deepest_of(const struct segment *p)
 {
-    double deepest = 0.25 * p->largest_gap;
-    for (int i = 0; i < p->output.count; ++i) {
-        deepest = fmax(deepest, fabs(p->output.at[i].of[PAIR_GAP][0]));
-    }
-    return 4.0 * deepest;
+    return p->largest_gap > 0.0 ? p->largest_gap : 4.0 * largest_size(p, PAIR_GAP);
 }
 
 /* Returns the s at which d = 0 and n reverses; INFINITY where that is not within the segment. */
@@ -398,10 +394,6 @@ static bool collocated_stays_off_centre(const struct segment *p)
  * about 15 sweeps. */
 static const double LONG_STEP = 2.5;
 
-/* Lengths of a step up to which four or eight nodes are tried first [radians of the tangential motion]. */
-static const double FOUR_NODES = 0.05;
-static const double EIGHT_NODES = 0.5;
-
 enum { AVERAGED_ATTEMPTS = 12 };
 
 /* Length by which an averaged step ends before an event [radians of the oscillator]: COLLOCATED_SHORTEST, so
@@ -460,14 +452,6 @@ static double event_free_until(const struct segment *p)
     return fmin(parts, positive_until(p, &margin));
 }
 
-static enum lobatto_size nodes_for(double radians)
-{
-    if (radians <= FOUR_NODES) {
-        return LOBATTO_FOUR;
-    }
-    return radians <= EIGHT_NODES ? LOBATTO_EIGHT : LOBATTO_TWELVE;
-}
-
 /* Whether a step is accurate if n and H contain the oscillation to first order only. */
 static bool averaged_is_accurate(const struct segment *p, double step)
 {
@@ -504,13 +488,10 @@ static bool averaged_make(struct segment *p)
     const struct pair_timescales *scales = &p->scales;
     const double d = scales->problem.reach;
     double step = longest_step(p);
-    enum lobatto_size size = LOBATTO_FOUR;
     for (int i = 0; i < AVERAGED_ATTEMPTS && step * scales->rates.slower >= COLLOCATED_SHORTEST; ++i) {
         struct pair_collocation *made = &p->as.collocation;
-        const enum lobatto_size enough = nodes_for(scales->tangential_rate * step);
-        size = enough > size ? enough : size;
-        if (!collocation_make(&made->step, &scales->problem, step, COLLOCATION_AVERAGED, &lobatto[size],
-                              0.1 * p->tolerance)) {
+        if (!collocation_make(&made->step, &scales->problem, step, COLLOCATION_AVERAGED,
+                              &lobatto[LOBATTO_TWELVE], 0.1 * p->tolerance)) {
             step *= 0.5;
             continue;
         }
@@ -519,8 +500,7 @@ static bool averaged_make(struct segment *p)
         const double tail = made->step.nodes->points * made->step.result.interior_error;
         const double error = tail * (10.0 * tail / d);
         if (!(error <= p->tolerance)) {
-            step *= size == LOBATTO_TWELVE ? 0.5 : 1.0;
-            size += size == LOBATTO_TWELVE ? 0 : 1;
+            step *= 0.5;
             continue;
         }
         collocated_sample(p);
@@ -755,18 +735,12 @@ static void search_summit(struct search *f, const struct dense_output *bound, in
     }
 }
 
-/* Searches about the highest summits of the upper bound, then about every other summit and node where the
- * bound exceeds the largest value found, since a decaying oscillation may not reach its envelope. */
+/* Searches about every summit of the upper bound and every node where the bound exceeds the largest value
+ * found, since a decaying oscillation may not reach its envelope. */
 static void search_swinging(struct search *f, const struct dense_output *bound)
 {
     const enum pair_quantity quantity = f->what->quantity;
     const double factor = f->what->factor;
-    int best = 0;
-    for (int i = 1; i < bound->count; ++i) {
-        best = factor * (bound->at[i].of[quantity][0] - bound->at[best].of[quantity][0]) > 0.0 ? i : best;
-    }
-    search_summit(f, bound, best - 1);
-    search_summit(f, bound, best);
     for (int i = 0; i < bound->count; ++i) {
         const double most = factor * bound->at[i].of[quantity][0];
         if (dense_output_is_larger(bound, most, f->largest)) {
@@ -1272,10 +1246,6 @@ static void make_up_to(struct segment *p, double longest)
     }
 }
 
-/* `tolerance` bounds the error of the whole segment, which is not small for a contact that ends within this
- * first part of it: the segment is made again with twice the contact's length. */
-static const double EARLY_EVENT = 1e-3;
-
 /* A collocated step is most accurate at its end. If a zone ends within, the step is made to end there, longer
  * by this part so that the edge is found again. */
 static const double BEYOND_EDGE = 1e-6;
@@ -1309,9 +1279,6 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
         if (inside < (double)INFINITY) {
             make_up_to(p, inside);
         }
-    }
-    if (is_collocated(p) && p->terminal.s > 0.0 && p->terminal.s < EARLY_EVENT * p->end) {
-        make_up_to(p, 2.0 * p->terminal.s * p->unit);
     }
     terminal_event_at_centre(p);
     if (SCENE_ANY_ZONES) {
