@@ -261,39 +261,59 @@ static double sine_remainder(double x, bool next)
     return (1.0 - square * sum) / (next ? 24.0 : 6.0);
 }
 
-static struct mode_at mode_at(const struct chain *c, int k, double t)
+/* How modes go on within a time: sin(x) / omega, its integral, and cos(x). */
+struct mode_step {
+    double first, second, cosine;
+};
+
+static struct mode_step mode_step_of(double omega, double t)
 {
-    const double omega = c->frequency[k];
     const double x = omega * t;
-    const double square = omega * omega;
-    const double cube = t * t * t;
     const double sine = sin(0.5 * x);
-    const double turned = 2.0 * sine * sine; /* 1 - cos(x) */
-    /* integrals of cos(omega t), the first to the fourth */
-    const double first = x > 0.0 ? 2.0 * sine * cos(0.5 * x) / omega : t;
-    const double second = x > 0.0 ? turned / square : 0.5 * t * t;
-    const double third = x < 1.0 ? cube * sine_remainder(x, false) : (t - first) / square;
-    const double fourth = x < 1.0 ? cube * t * sine_remainder(x, true) : (0.5 * t * t - second) / square;
-    const double change = c->start_rate[k] * first + c->start_bend[k] * second;
-    return (struct mode_at){
-        .change = change,
-        .rate = c->start_rate[k] * (1.0 - turned) + c->start_bend[k] * first,
-        .bend = c->start_bend[k] - square * change,
-        .integral = c->start[k] * t + c->start_rate[k] * second + c->start_bend[k] * third,
-        .second = 0.5 * c->start[k] * t * t + c->start_rate[k] * third + c->start_bend[k] * fourth};
+    const double square = 2.0 * sine * sine;
+    return (struct mode_step){.first = x > 0.0 ? 2.0 * sine * cos(0.5 * x) / omega : t,
+                              .second = x > 0.0 ? square / (omega * omega) : 0.5 * t * t,
+                              .cosine = 1.0 - square};
 }
 
-/* All modes at one time since the start. */
+/* Moves a mode on, but not its integrals. */
+static void mode_go_on(const struct chain *c, int k, const struct mode_step *by, struct mode_at *mode)
+{
+    mode->change += mode->rate * by->first + mode->bend * by->second;
+    mode->rate = mode->rate * by->cosine + mode->bend * by->first;
+    mode->bend = c->start_bend[k] - c->frequency[k] * c->frequency[k] * mode->change;
+}
+
+static struct mode_at mode_at(const struct chain *c, int k, double t, bool with_integrals)
+{
+    const double omega = c->frequency[k];
+    const struct mode_step by = mode_step_of(omega, t);
+    struct mode_at mode = {.rate = c->start_rate[k], .bend = c->start_bend[k]};
+    mode_go_on(c, k, &by, &mode);
+    if (with_integrals && t > 0.0) {
+        const double x = omega * t;
+        const double square = omega * omega;
+        const double cube = t * t * t;
+        const double third = x < 1.0 ? cube * sine_remainder(x, false) : (t - by.first) / square;
+        const double fourth =
+            x < 1.0 ? cube * t * sine_remainder(x, true) : (0.5 * t * t - by.second) / square;
+        mode.integral = c->start[k] * t + c->start_rate[k] * by.second + c->start_bend[k] * third;
+        mode.second = 0.5 * c->start[k] * t * t + c->start_rate[k] * third + c->start_bend[k] * fourth;
+    }
+    return mode;
+}
+
+/* All modes at one time since the start; contacts apart need the integrals. */
 struct chain_instant {
     double time;
     struct mode_at mode[CHAIN_MOST];
 };
 
-static void chain_at(const struct chain *c, double time, struct chain_instant *at)
+static void chain_at(const struct chain *c, double time, struct chain_instant *at, bool with_integrals)
 {
     at->time = time;
     for (int k = 0; k < c->touching; ++k) {
-        at->mode[k] = mode_at(c, k, time);
+        at->mode[k] = mode_at(c, k, time, with_integrals);
     }
 }
 
@@ -357,7 +377,7 @@ static void make_piece(const struct chain *c, double from, double to, struct cha
 {
     const double square = (to - from) * (to - from);
     piece->length = to - from;
-    chain_at(c, from, &piece->start);
+    chain_at(c, from, &piece->start, c->rows > c->touching);
     for (int k = 0; k < c->touching; ++k) {
         const struct mode_at *mode = &piece->start.mode[k];
         const double stiffness = c->frequency[k] * c->frequency[k];
@@ -495,52 +515,77 @@ bool chain_make(struct chain *c, const struct scene_values *v, const struct scen
 /* A peak is looked for where it may exceed the one known by this part. */
 static const double CHAIN_WORTH = 1e-9;
 
-/* Returns the larger one of a known depth and the depths at the ends of a piece and at its first top [m]. In
- * a radian of the fastest mode a gap has one extremum at most that counts. */
-static double deepest_in(const struct chain *c, int row, const struct chain_piece *piece, double known)
+/* In this part of a radian of the fastest mode a gap has one extremum at most that counts. */
+static const double CHAIN_PART = 0.5;
+
+/* The search for the peak of a contact in touch. */
+struct chain_peak {
+    struct gap_at before; /* at the start of the present part */
+    double depth;         /* the largest so far [m] */
+    double deepest;       /* bound of the depth [m] */
+};
+
+/* Raises the depth to that at the end of a part, or at a top within. */
+static void raise_peak(struct chain_peak *peak, const struct chain *c, int row,
+                       const struct chain_instant *end, double length)
 {
-    double depth[CHAIN_TERMS];
-    double slope[CHAIN_TERMS - 1];
-    make_event(c, row, piece, chain_gap_at(c, row, &piece->start), depth);
-    depth[0] -= c->offset[row];
-    for (int n = 1; n < CHAIN_TERMS; ++n) {
-        slope[n - 1] = n * depth[n];
+    const struct gap_at before = peak->before;
+    const struct gap_at after = chain_gap_at(c, row, end);
+    const double most = fmin(-length * before.rate - before.gap, length * after.rate - after.gap);
+    peak->before = after;
+    peak->depth = fmax(peak->depth, -after.gap);
+    if (before.rate < 0.0 && after.rate > 0.0 && most > peak->depth * (1.0 + CHAIN_WORTH)) {
+        const struct root_bracket_end low = {end->time - length, before.rate, before.bend};
+        const struct root_bracket_end high = {end->time, after.rate, after.bend};
+        struct chain_instant at;
+        chain_at(c, root_guess(low, high), &at, false);
+        const struct gap_at top =
+            chain_gap_at(c, row, &at); /* one step of Newton's method leads to the top */
+        peak->depth = fmax(peak->depth, 0.5 * top.rate * top.rate / top.bend - top.gap);
     }
-    const double end = taylor_at(depth, CHAIN_TERMS, 1.0);
-    const double end_slope = taylor_at(slope, CHAIN_TERMS - 1, 1.0);
-    known = fmax(known, fmax(depth[0], end));
-    if (slope[0] > 0.0 && end_slope < 0.0 &&
-        fmin(depth[0] + slope[0], end - end_slope) > known * (1.0 + CHAIN_WORTH)) {
-        const double top = taylor_first_fall(slope, CHAIN_TERMS - 1, 1.0);
-        known = fmax(known, taylor_at(depth, CHAIN_TERMS, top));
-    }
-    return known;
 }
 
 /* Notes the largest forces and depths of the contacts in touch between two times. */
 static void note_peaks_of_chain(const struct chain *c, double from, double to, const struct scene_values *v,
                                 struct scene_state *q)
 {
+    struct chain_peak peak[CHAIN_MOST];
+    struct mode_step step[CHAIN_MOST];
+    struct chain_instant at;
     bool any = true;
+    const double part = CHAIN_PART / c->fastest;
+    chain_at(c, from, &at, false);
+    for (int k = 0; k < c->touching && from + part < to; ++k) {
+        step[k] = mode_step_of(c->frequency[k], part);
+    }
+    for (int i = 0; i < c->touching; ++i) {
+        peak[i].before = chain_gap_at(c, i, &at);
+        peak[i].depth = fmax(q->contact[c->contact[i]].peaks.penetration, -peak[i].before.gap);
+        peak[i].deepest = -c->least[i];
+    }
     for (double time = from; time < to && any;) {
-        struct chain_piece piece;
-        const double next = fmin(time + 1.0 / c->fastest, to);
+        const double next = fmin(time + part, to);
         any = false;
-        make_piece(c, time, next, &piece);
+        for (int k = 0; k < c->touching && next < to; ++k) {
+            mode_go_on(c, k, &step[k], &at.mode[k]);
+        }
+        if (next < to) {
+            at.time = next;
+        } else {
+            chain_at(c, to, &at, false);
+        }
         for (int i = 0; i < c->touching; ++i) {
-            struct contact_peaks *peaks = &q->contact[c->contact[i]].peaks;
-            if (-c->least[i] > peaks->penetration * (1.0 + CHAIN_WORTH)) {
+            if (peak[i].deepest > peak[i].depth * (1.0 + CHAIN_WORTH)) {
                 any = true;
-                peaks->penetration = deepest_in(c, i, &piece, peaks->penetration);
+                raise_peak(&peak[i], c, i, &at, next - time);
             }
         }
         time = next;
     }
     for (int i = 0; i < c->touching; ++i) {
         const struct contact_law law = scene_contact_law(v, q, c->contact[i]);
-        struct contact_peaks *peaks = &q->contact[c->contact[i]].peaks;
-        contact_peaks_note(peaks, contact_force(&law, REGIME_COMPRESSION, -peaks->penetration, 0.0),
-                           peaks->penetration);
+        contact_peaks_note(&q->contact[c->contact[i]].peaks,
+                           contact_force(&law, REGIME_COMPRESSION, -peak[i].depth, 0.0), peak[i].depth);
     }
 }
 
@@ -558,7 +603,7 @@ void chain_advance(const struct chain *c, double from, double time, const struct
     if (from < time) {
         note_peaks_of_chain(c, from, time, v, q);
     }
-    chain_at(c, time, &at);
+    chain_at(c, time, &at, true);
     for (int i = 0; i < c->touching; ++i) {
         const int contact = c->contact[i];
         struct contact_state *state = &q->contact[contact];
