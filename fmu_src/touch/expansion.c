@@ -10,7 +10,7 @@
 /* Properties of the series as constants of its code, in which one contact then costs a fifth less. */
 struct expansion_kind {
     int axes;
-    bool is_paced, is_alone; /* alone: one contact along the first axes */
+    bool is_paced, is_alone; /* alone: one contact in the frame of a pair, which pushes body 1 only */
 };
 
 static inline int axis_of(struct expansion_kind kind, const struct expansion *s, int a)
@@ -35,21 +35,25 @@ static inline double paced(struct expansion_kind kind, const struct expansion *s
     return kind.is_paced ? taylor_product(a, &s->pace, i) : a[i];
 }
 
-/* Sets coefficient i of the powers of time. */
+/* Sets coefficient i of the powers of time. Without a pace each has only one. */
 static void put_time(struct expansion_kind kind, struct expansion *s, int i)
 {
     for (int p = 2; p <= s->degree; ++p) {
-        taylor_put(&s->power_of_time[p], i,
-                   kind.is_paced ? taylor_product(s->power_of_time[1].row, &s->power_of_time[p - 1], i)
-                   : i == p      ? s->power_of_time[p - 1].row[p - 1] * s->unit
-                                 : 0.0);
+        if (kind.is_paced || i == p) {
+            taylor_put(&s->power_of_time[p], i,
+                       taylor_product(s->power_of_time[1].row, &s->power_of_time[p - 1], i));
+        }
     }
 }
 
 /* Returns coefficient i of a polynomial of time along an axis, less its value at the start. Most
  * are of degree two at most. */
-static inline double flown_term(const struct expansion *s, const double *of, int degree, int k, int i)
+static inline double flown_term(struct expansion_kind kind, const struct expansion *s, const double *of,
+                                int degree, int k, int i)
 {
+    if (!kind.is_paced) {
+        return i > 0 && i <= degree ? of[EXPANSION_AXES * i + k] * s->power_of_time[i].row[i] : 0.0;
+    }
     double sum = of[EXPANSION_AXES + k] * s->power_of_time[1].row[i] +
                  of[2 * EXPANSION_AXES + k] * s->power_of_time[2].row[i];
     for (int p = 3; p <= degree; ++p) {
@@ -58,9 +62,16 @@ static inline double flown_term(const struct expansion *s, const double *of, int
     return sum;
 }
 
+static inline double separation_term(struct expansion_kind kind, const struct expansion *s,
+                                     const double *flown, const int end[2], int k, int i)
+{
+    return flown_term(kind, s, flown, s->degree, k, i) + s->body[kind.is_alone ? 1 : end[1]].moved[k][i] -
+           (kind.is_alone ? 0.0 : s->body[end[0]].moved[k][i]);
+}
+
 double expansion_separation(const struct expansion *s, const double *flown, const int end[2], int k, int i)
 {
-    return flown_term(s, flown, s->degree, k, i) + s->body[end[1]].moved[k][i] - s->body[end[0]].moved[k][i];
+    return separation_term((struct expansion_kind){.is_paced = s->paced_by >= 0}, s, flown, end, k, i);
 }
 
 /* Changes f from coefficient i of c to coefficient i of f at a rim: the nearest point of the circle moves,
@@ -93,10 +104,10 @@ static void put_pointer(struct expansion_kind kind, const struct expansion *s, s
     double along = 0.0;
     for (int a = 0; a < kind.axes; ++a) {
         const int k = axis_of(kind, s, a);
-        f[k] = i == 0 ? r->flown[k] : expansion_separation(s, r->flown, r->end, k, i);
+        f[k] = i == 0 ? r->flown[k] : separation_term(kind, s, r->flown, r->end, k, i);
         along += f[k] * r->axis[k];
     }
-    for (int a = 0; a < kind.axes; ++a) {
+    for (int a = 0; a < kind.axes && !kind.is_alone; ++a) {
         const int k = axis_of(kind, s, a);
         f[k] -= along * r->axis[k];
     }
@@ -117,7 +128,7 @@ static inline double put_normal(struct expansion_kind kind, const struct expansi
     memset(push, 0, sizeof push);
     memset(speed, 0, sizeof speed);
     r->d[i] = r->side * r->gap[i];
-    for (int k = 0; k <= i; k += LANES) {
+    for (int k = 1; k <= i; k += LANES) {
         const double2 d = double2_at(r->d, k);
         const double2 impulse = double2_at(r->impulse, k);
         for (int a = 0; a < kind.axes; ++a) {
@@ -146,12 +157,13 @@ static void put_motion(struct expansion_kind kind, const struct expansion *s, st
     double speed = 0.0;
     for (int a = 0; a < kind.axes; ++a) {
         const int k = axis_of(kind, s, a);
-        const double rate = flown_term(s, r->flown_rate, s->degree - 1, k, i) +
-                            s->body[r->end[1]].rate[k][i] - s->body[r->end[0]].rate[k][i];
+        const double rate = flown_term(kind, s, r->flown_rate, s->degree - 1, k, i) +
+                            s->body[kind.is_alone ? 1 : r->end[1]].rate[k][i] -
+                            (kind.is_alone ? 0.0 : s->body[r->end[0]].rate[k][i]);
         r->rate_of_c[k][i] = rate + (i == 0 ? r->flown_rate[k] : 0.0);
         speed += r->n[k].row[0] * rate;
     }
-    if (!r->is_straight) {
+    if (kind.axes > 1 && (kind.is_alone || !r->is_straight)) {
         put_pointer(kind, s, r, i, f);
         speed = i > 0 ? put_normal(kind, s, r, i, f) : speed;
     }
@@ -175,30 +187,47 @@ static double opening(struct expansion_kind kind, const struct expansion *s, con
 }
 
 /* Sets coefficient i of the depth. The pace's own gap is -u^2. */
-static void put_depth(const struct expansion *s, struct expansion_row *r, bool is_pace, int i)
+static void put_depth(struct expansion_kind kind, const struct expansion *s, struct expansion_row *r,
+                      bool is_pace, int i)
 {
     if (is_pace) {
-        r->depth[i] = taylor_product(s->pace.row, &s->pace, i);
-        r->gap[i] = i == 0 ? r->gap[0] : -r->depth[i];
-    } else if (r->is_hertz) {
-        r->depth[i] = i == 0 ? fmax(-r->gap[0], 0.0) : -r->gap[i];
+        taylor_put(&r->depth, i, taylor_product(s->pace.row, &s->pace, i));
+        r->gap[i] = i == 0 ? r->gap[0] : -r->depth.row[i];
+    } else if (!kind.is_alone && r->is_hertz) {
+        r->depth.row[i] = i == 0 ? fmax(-r->gap[0], 0.0) : -r->gap[i];
     }
 }
 
-/* Sets coefficient i of p = delta^(3/2), and returns that of the force under Hertz's law. A contact
- * in touch has delta p' = 3/2 delta' p; where one begins as the pace does, delta goes with s^2. */
-static double put_power(const struct expansion *s, struct expansion_row *r, bool is_pace, int i)
+/* Returns coefficient `order` > 0 of p = a^(3/2) from a p' = 3/2 a' p. In `back` stand coefficients order,
+ * order - 1 ... of p; the first one is zero so far. */
+static inline double power_term(const double *a, const double *back, int order)
 {
-    double power = i == 0 ? r->depth[0] * sqrt(r->depth[0]) : 0.0;
-    const bool follows = !is_pace && r->depth[0] > 0.0 && i > 0;
-    r->slope[i] = i * r->depth[i];
-    if (follows) {
-        const double sloped = taylor_product(r->slope, &r->power, i);
-        power = (2.5 * sloped - i * taylor_product(r->depth, &r->power, i)) / (i * r->depth[0]);
-    } else if (is_pace) {
-        power = taylor_product(r->depth, &s->pace, i);
-    } else if (i >= 3) {
-        power = taylor_power(r->depth + 2, 1.5, r->power.row + 3, i - 3);
+    const double first[] = {-order, 2.5 - order};
+    double2 weight = double2_at(first, 0);
+    double2 sum[PARTS];
+    memset(sum, 0, sizeof sum);
+    for (int k = 0; k <= order; k += LANES) {
+        sum[part(k)] += weight * double2_at(a, k) * double2_at(back, k);
+        weight += LANES * 2.5;
+    }
+    return parts_together(sum) / (order * a[0]);
+}
+
+/* Sets coefficient i of p = delta^(3/2), and returns that of the force under Hertz's law. Both have the pace
+ * as a factor where a contact is alone. Where one begins as the pace does, delta goes with s^2. */
+static double put_power(struct expansion_kind kind, const struct expansion *s, struct expansion_row *r,
+                        bool is_pace, int i)
+{
+    const bool begins = !(r->depth.row[0] > 0.0);
+    const double *a = r->depth.row + (begins ? 2 : 0);
+    const int order = begins ? i - 3 : i;
+    double power = 0.0;
+    if (is_pace) {
+        power = taylor_product(r->depth.row, kind.is_alone ? &r->depth : &s->pace, i);
+    } else if (order == 0) {
+        power = a[0] * sqrt(a[0]);
+    } else if (order > 0) {
+        power = power_term(a, r->power.back + (TAYLOR_ORDER - i), order);
     }
     taylor_put(&r->power, i, power);
     return r->k * (power - (r->c > 0.0 ? r->c * taylor_product(r->rate, &r->power, i) : 0.0));
@@ -207,9 +236,9 @@ static double put_power(const struct expansion *s, struct expansion_row *r, bool
 static inline void put_force(struct expansion_kind kind, const struct expansion *s, struct expansion_row *r,
                              bool is_pace, int i)
 {
-    r->force[i] =
-        SCENE_ANY_HERTZ && r->is_hertz ? put_power(s, r, is_pace, i) : -r->k * r->gap[i] - r->c * r->rate[i];
-    r->impulse[i] = paced(kind, s, r->force, i);
+    const bool is_hertz = SCENE_ANY_HERTZ && (kind.is_alone ? kind.is_paced : r->is_hertz);
+    r->force[i] = is_hertz ? put_power(kind, s, r, is_pace, i) : -r->k * r->gap[i] - r->c * r->rate[i];
+    r->impulse[i] = kind.is_alone ? r->force[i] : paced(kind, s, r->force, i);
 }
 
 /* Sets coefficient i + 1 of what a contact integrates, and its part of the rates of its bodies. */
@@ -217,14 +246,16 @@ static inline void push_bodies(struct expansion_kind kind, struct expansion *s, 
                                int i)
 {
     struct expansion_body *source = &s->body[r->end[0]];
-    struct expansion_body *destination = &s->body[r->end[1]];
+    struct expansion_body *destination = &s->body[kind.is_alone ? 1 : r->end[1]];
     const double unit = s->unit / (i + 1) * r->side;
     for (int a = 0; a < kind.axes; ++a) {
         const int k = axis_of(kind, s, a);
         const double pushed = unit * (r->impulse[i] * r->n[k].row[0] + r->lower_push[k]);
         r->pushed[k][i + 1] = pushed;
-        source->rate[k][i + 1] -= pushed * source->by_mass;
         destination->rate[k][i + 1] += pushed * destination->by_mass;
+        if (!kind.is_alone) {
+            source->rate[k][i + 1] -= pushed * source->by_mass;
+        }
     }
 }
 
@@ -238,7 +269,7 @@ static void put_integrals(struct expansion_kind kind, struct expansion *s, int i
     for (int n = 0; n < expansion_rows(kind, s); ++n) {
         push_bodies(kind, s, &s->row[n], i);
     }
-    for (int b = 1; b < s->bodies; ++b) {
+    for (int b = 1; b < (kind.is_alone ? 2 : s->bodies); ++b) {
         for (int a = 0; a < kind.axes; ++a) {
             const int k = axis_of(kind, s, a);
             s->body[b].moved[k][i + 1] = unit * paced(kind, s, s->body[b].rate[k], i);
@@ -256,7 +287,7 @@ static void put_integrals(struct expansion_kind kind, struct expansion *s, int i
             double moved = 0.0;
             for (int a = 0; a < kind.axes; ++a) {
                 const int k = axis_of(kind, s, a);
-                moved += r->n[k].row[0] * expansion_separation(s, r->flown, r->end, k, i + 1);
+                moved += r->n[k].row[0] * separation_term(kind, s, r->flown, r->end, k, i + 1);
             }
             r->gap[i + 1] = r->side * moved;
         }
@@ -268,7 +299,7 @@ static inline void make_orders(struct expansion_kind kind, struct expansion *s, 
     for (int i = begin; i < end; ++i) {
         for (int n = 0; n < expansion_rows(kind, s); ++n) {
             struct expansion_row *r = &s->row[n];
-            put_depth(s, r, gives_pace(kind, s, n), i);
+            put_depth(kind, s, r, gives_pace(kind, s, n), i);
             put_motion(kind, s, r, i);
             put_force(kind, s, r, gives_pace(kind, s, n), i);
         }
@@ -291,7 +322,7 @@ static inline void make_alone(struct expansion *s, int begin, int end, bool is_p
 
 CONTACT_FLATTEN void expansion_make(struct expansion *s, int begin, int end)
 {
-    if (s->rows > 1 || s->axis[s->axes - 1] >= s->axes) {
+    if (!s->is_framed) {
         make_orders((struct expansion_kind){s->axes, s->paced_by >= 0, false}, s, begin, end);
     } else if (s->paced_by >= 0) {
         make_alone(s, begin, end, true);
@@ -352,7 +383,7 @@ double expansion_reliable(const struct expansion *s, double opened, double pushe
 
 double expansion_time_at(const struct expansion *s, double place)
 {
-    return taylor_at(s->power_of_time[1].row, TAYLOR_TERMS, place);
+    return s->paced_by < 0 ? s->unit * place : taylor_at(s->power_of_time[1].row, TAYLOR_TERMS, place);
 }
 
 double expansion_node(int i, double place, double *weight)

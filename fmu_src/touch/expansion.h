@@ -48,11 +48,10 @@ struct expansion_row {
     double by_distance;          /* 1/d at the start [1/m] */
     double axis[EXPANSION_AXES]; /* axis of the destination if it is a cylinder; else zero [1] */
     double flown[EXPANSION_FLOWN], flown_rate[EXPANSION_FLOWN]; /* coefficients of C and C' in time */
-    taylor_row gap, rate, force;                                /* g [m], g' [m/s], F [N] */
+    taylor_row gap, rate, force;                                /* g [m], g' [m/s], F [N] or, alone, F pace */
     taylor_row impulse;                                         /* F pace [N] */
-    taylor_row depth, slope;           /* delta under Hertz's law, i times its coefficient i */
-    struct two_way power;              /* delta^(3/2) */
-    taylor_row pushed[EXPANSION_AXES]; /* momentum given to the destination [N s] */
+    struct two_way depth, power;                                /* delta and delta^(3/2) under Hertz's law */
+    taylor_row pushed[EXPANSION_AXES];                          /* momentum given to the destination [N s] */
     double lower_push[EXPANSION_AXES]; /* the part of the next push by lower coefficients */
     struct two_way n[EXPANSION_AXES];
     taylor_row d;                         /* from coefficient 1 on [m] */
@@ -81,6 +80,7 @@ struct expansion {
     int rows, bodies; /* body 0 stands for all on which no contact acts */
     struct expansion_row *row;
     struct expansion_body *body;
+    bool is_framed;                 /* body 1 is the reduced mass of one contact in the frame of a pair */
     int axes, axis[EXPANSION_AXES]; /* the axes along which contact forces act */
     int degree;                     /* of the flights in time */
     int paced_by;                   /* the row whose u is the pace; -1: the pace is one */

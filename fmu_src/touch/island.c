@@ -250,7 +250,7 @@ static bool agrees(const struct island *s, double place)
         const struct expansion_row *r = &s->terms.row[n];
         largest = fmax(largest, fmax(fabs(r->force[0]), fabs(taylor_at(r->force, TAYLOR_TERMS, place))));
         if (SCENE_ANY_HERTZ && r->is_hertz && n != s->terms.paced_by) {
-            const double depth = fmax(taylor_at(r->depth, TAYLOR_TERMS, place), 0.0);
+            const double depth = fmax(taylor_at(r->depth.row, TAYLOR_TERMS, place), 0.0);
             const double power = taylor_at(r->power.row, TAYLOR_TERMS, place);
             worst = fmax(worst, r->k * fabs(power - depth * sqrt(depth)));
         }
@@ -416,6 +416,7 @@ bool island_make(struct island *s, const struct scene_values *v, const struct sc
                  const struct scene_instant *at, double longest, double quiet)
 {
     s->terms.rows = 0;
+    s->terms.is_framed = false;
     s->terms.row = s->row;
     s->terms.body = s->body;
     s->terms.bodies = s->terms.degree = 1;

@@ -62,11 +62,12 @@ static void begin_series(struct pair_series *p, const struct contact_pair *from,
     p->flight = frame_flight_of(from);
     memset(&p->terms, 0, sizeof p->terms);
     memset(r, 0, sizeof *r);
-    memset(p->body, 0, sizeof p->body);
+    memset(&p->body[1], 0, sizeof p->body[1]); /* body 0 does not move */
     p->terms.rows = 1;
     p->terms.bodies = 2;
     p->terms.row = r;
     p->terms.body = p->body;
+    p->terms.is_framed = true;
     p->terms.axes = p->flight.dimensions;
     p->terms.degree = p->flight.degree;
     p->terms.paced_by = by_root ? 0 : -1;
