@@ -15,7 +15,7 @@ struct expansion_kind {
 
 static inline int axis_of(struct expansion_kind kind, const struct expansion *s, int a)
 {
-    return kind.is_alone ? a : s->axis[a];
+    return kind.is_alone ? a : s->along[a];
 }
 
 static inline int expansion_rows(struct expansion_kind kind, const struct expansion *s)
@@ -105,9 +105,9 @@ static void put_pointer(struct expansion_kind kind, const struct expansion *s, s
     for (int a = 0; a < kind.axes; ++a) {
         const int k = axis_of(kind, s, a);
         f[k] = i == 0 ? r->flown[k] : separation_term(kind, s, r->flown, r->end, k, i);
-        along += f[k] * r->axis[k];
+        along += CONTACT_ANY_CYLINDER ? f[k] * r->axis[k] : 0.0;
     }
-    for (int a = 0; a < kind.axes && !kind.is_alone; ++a) {
+    for (int a = 0; CONTACT_ANY_CYLINDER && a < kind.axes && !kind.is_alone; ++a) {
         const int k = axis_of(kind, s, a);
         f[k] -= along * r->axis[k];
     }

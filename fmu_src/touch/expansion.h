@@ -80,11 +80,11 @@ struct expansion {
     int rows, bodies; /* body 0 stands for all on which no contact acts */
     struct expansion_row *row;
     struct expansion_body *body;
-    bool is_framed;                 /* body 1 is the reduced mass of one contact in the frame of a pair */
-    int axes, axis[EXPANSION_AXES]; /* the axes along which contact forces act */
-    int degree;                     /* of the flights in time */
-    int paced_by;                   /* the row whose u is the pace; -1: the pace is one */
-    double unit;                    /* [s], or [s/sqrt(m)] */
+    bool is_framed;                  /* body 1 is the reduced mass of one contact in the frame of a pair */
+    int axes, along[EXPANSION_AXES]; /* the axes along which contact forces act */
+    int degree;                      /* of the flights in time */
+    int paced_by;                    /* the row whose u is the pace; -1: the pace is one */
+    double unit;                     /* [s], or [s/sqrt(m)] */
     struct two_way pace, power_of_time[SEPARATION_DEGREE + 1]; /* powers from the first one on [s, s^2...] */
 };
 

@@ -148,7 +148,7 @@ static void find_axes(struct island *s)
             }
         }
         if (lives) {
-            s->terms.axis[s->terms.axes++] = k;
+            s->terms.along[s->terms.axes++] = k;
         }
     }
     for (int i = 0; i < s->terms.rows; ++i) {
@@ -302,7 +302,7 @@ static double farthest(const struct island *s, const struct expansion_body *body
     for (int a = 0; a < s->terms.axes; ++a) {
         double length = 0.0;
         for (int i = TAYLOR_ORDER; i > 0; --i) {
-            length = s->end * (length + fabs(body->moved[s->terms.axis[a]][i]));
+            length = s->end * (length + fabs(body->moved[s->terms.along[a]][i]));
         }
         sum += length;
     }
@@ -515,7 +515,7 @@ static struct vec3 three_at(const struct island *s, const taylor_row *rows, doub
 {
     double of[EXPANSION_AXES] = {0.0};
     for (int a = 0; a < s->terms.axes; ++a) {
-        of[s->terms.axis[a]] = taylor_at(rows[s->terms.axis[a]], TAYLOR_TERMS, place);
+        of[s->terms.along[a]] = taylor_at(rows[s->terms.along[a]], TAYLOR_TERMS, place);
     }
     return vec3_from(of);
 }
@@ -546,8 +546,8 @@ static void add_island_torque(const struct island *s, const struct expansion_row
         const double at = expansion_node(i, place, &weight);
         for (int a = 0; a < s->terms.axes; ++a) {
             double of[3];
-            taylor_derivatives(r->pushed[s->terms.axis[a]], TAYLOR_TERMS, at, of);
-            push[s->terms.axis[a]] = -of[1];
+            taylor_derivatives(r->pushed[s->terms.along[a]], TAYLOR_TERMS, at, of);
+            push[s->terms.along[a]] = -of[1];
         }
         *sum = vec3_axpy(*sum, weight, vec3_cross(island_separation_at(s, r, at), vec3_from(push)));
     }
