@@ -129,7 +129,7 @@ static bool stays_clear(const struct root_bracket_end *low, const struct root_br
 }
 
 /* Whether there is a top between `low` and `high`, which hold slopes. Where the quantity rises or falls at
- * both ends, or rests at one, one end moves to the extremum of the slope, so that the slope falls through zero
+ * both ends, or rests at one, one end moves to the extremum of the slope. The slope then falls through zero
  * between the ends. */
 static bool brackets_top(const struct dense_output *w, const struct event_function *what,
                          struct root_bracket_end *low, struct root_bracket_end *high)

@@ -43,7 +43,7 @@ def test_a_scene_that_cannot_be_initialized_is_refused_with_the_sentence_of_the_
         "contact.static_friction_coefficient=0.1",
     ]
     new(["Slips", "--shape", "plane", "--pinned", "contact.friction=elastic", *static])
-    with pytest.raises(UserError, match="contradicts contact.friction_coefficient") as refused:
+    with pytest.raises(UserError, match=r"contradicts contact\.friction_coefficient") as refused:
         build(["Slips.toml", "--fmi", "3"])
     assert "Slips.toml: this scene cannot run: " in str(refused.value)
     assert not (folder / "Slips.fmu").exists()
