@@ -45,7 +45,7 @@
 /* For sums of products with both signs side by side: gcc 12 makes fused operations of them for processors
  * that have these, though -ffp-contract=off forbids it. */
 #if CONTACT_GNU_C && !defined __clang__
-#define CONTACT_NOT_FUSED __attribute__((optimize("no-tree-slp-vectorize")))
+#define CONTACT_NOT_FUSED __attribute__((optimize("no-tree-slp-vectorize", "no-tree-loop-vectorize")))
 #else
 #define CONTACT_NOT_FUSED
 #endif

@@ -344,8 +344,11 @@ double output_term(const struct model *m, const struct scene_state *q, const str
     case ROW_body_angular_velocity:
         return vec3_get(along->angular_velocity[j][order], k);
     case ROW_body_current_axis:
-        jet_axis_of(along, j, axis);
-        return vec3_get(axis[order], k);
+        if (SCENE_ANY_ROTATION) {
+            jet_axis_of(along, j, axis);
+            return vec3_get(axis[order], k);
+        }
+        return 0.0;
     case ROW_body_contact_force:
         return SCENE_ANY_COMPOUND ? vec3_get(jet_load_on(along, j, order).force, k) : 0.0;
     case ROW_body_contact_torque:

@@ -148,7 +148,10 @@ static void put_distance(const struct contact_shape *shape, const struct contact
     jet->normal[0] = g->normal;
     jet->distance[0] = g->distance;
     for (int i = 1; i < path->terms; ++i) {
-        jet->normal[i] = vec3_scale(contact_is_plane(shape) ? -1.0 : 0.0, path->axis[i]);
+        jet->normal[i] = vec3_make(0.0, 0.0, 0.0);
+        if (contact_is_plane(shape)) {
+            jet->normal[i] = vec3_scale(-1.0, path->axis[i]);
+        }
         jet->distance[i] = jet_dot(jet->normal, path->c, i);
     }
 }
@@ -262,11 +265,13 @@ static void put_turning(const struct scene_values *v, const struct scene_state *
     add_levers_to_arms(along, contact, turning);
     put_friction(v, q, contact, along);
     for (int i = 0; i < path->terms; ++i) {
-        const struct vec3 resistance = turning->resistance[i];
-        turning->source_torque[i] =
-            vec3_add(turning_jet_cross(turning->source_arm, jet->source_force, i), resistance);
-        turning->destination_torque[i] =
-            vec3_sub(turning_jet_cross(jet->source_force, turning->destination_arm, i), resistance);
+        turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
+        turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
+        if (contact_resists(v, contact)) {
+            const struct vec3 resistance = turning->resistance[i];
+            turning->source_torque[i] = vec3_add(turning->source_torque[i], resistance);
+            turning->destination_torque[i] = vec3_sub(turning->destination_torque[i], resistance);
+        }
     }
 }
 
