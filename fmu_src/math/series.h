@@ -13,15 +13,15 @@ enum { TAYLOR_ORDER = 24, TAYLOR_TERMS = TAYLOR_ORDER + 1 };
 /* Rows of coefficients end with zeros, because products take four terms at a time. */
 typedef double taylor_row[TAYLOR_TERMS + 3];
 
-/* A series, and in `back` the same in reversed order: coefficient j at [TAYLOR_ORDER - j]. Products read both
- * of their factors forwards, two terms in one instruction. */
+/* `row` holds the coefficients of a series, and `back` holds them in reversed order: coefficient j is at
+ * back[TAYLOR_ORDER - j]. taylor_product reads both rows forwards, two terms in one instruction. */
 struct two_way {
     taylor_row row, back;
 };
 
 void taylor_put(struct two_way *to, int order, double value);
 
-/* Coefficient of the product of a series and another one. Coefficients that are not known yet are zero. */
+/* Returns a coefficient of the product of the series a and b. Coefficients not known yet have to be zero. */
 double taylor_product(const double *a, const struct two_way *b, int order);
 
 /* Coefficient of a b */

@@ -45,8 +45,8 @@ struct springs {
 enum { PANEL_NODES = 8, PANEL_END = PANEL_NODES - 1 };
 #define PANEL_RULE (&lobatto[LOBATTO_EIGHT])
 
-/* The integrals over an interval of time. Springs follow by collocation at the same nodes. Both have order 14
- * at the end. */
+/* The integrals over an interval of time, by the Lobatto rule. The springs are found by collocation at the
+ * nodes of this rule. Integrals and springs have the order 14 at the end of the panel. */
 struct panel {
     double from, to;        /* clocks [s] */
     double sum[TERMS];      /* the integrals */
@@ -55,8 +55,9 @@ struct panel {
     struct springs springs; /* at the end */
     double moved[OPPOSED];  /* the integrals of the lengths of the opposed motions [m, rad] */
     double passed[OPPOSED]; /* the integrals of all terms whose difference the motion is, for its rounding */
-    /* the least rounding of the force [N] and of n [rad], and the least depth [m], of both ends */
-    double noise, tilt, depth;
+    double noise;           /* rounding of the force, the smaller of those at both ends [N] */
+    double tilt;            /* rounding of n, the smaller of those at both ends [rad] */
+    double depth;           /* penetration, the smaller of those at both ends [m] */
     struct {
         double clock;
         struct springs springs;

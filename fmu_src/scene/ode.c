@@ -49,8 +49,8 @@ static bool find_bodies(const struct scene_values *v, const struct scene_state *
     return all;
 }
 
-/* Numbers the groups of bodies, which are the islands and what nothing couples to others, and the groups of
- * contacts in `layout`. */
+/* Writes the number of the group of each body to `of_body`, and that of each contact to layout->island. A
+ * group is an island, or a body that belongs to none. */
 static void find_groups(const struct scene_values *v, const struct scene_state *q, int of_body[SCENE_BODIES],
                         struct ode_layout *layout)
 {

@@ -692,8 +692,8 @@ void collocation_begin(struct collocation *p, const struct collocation_problem *
 }
 
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
-                      enum collocation_kind kind, const struct lobatto *nodes, double tolerance)
+                      enum collocation_kind kind, double tolerance)
 {
-    collocation_begin(p, from, step, kind, nodes);
+    collocation_begin(p, from, step, kind, &lobatto[LOBATTO_TWELVE]);
     return iterate(p, tolerance);
 }

@@ -101,12 +101,12 @@ struct collocation {
     struct collocation_result result;
 };
 
-/* Makes a step and returns whether the iteration converged to `tolerance` [m]. The product of the step [s]
- * and the oscillator's rates (oscillator_rates_of) [1/s] must be
+/* Makes a step at twelve Lobatto nodes and returns whether the iteration converged to `tolerance` [m]. The
+ * product of the step [s] and the oscillator's rates (oscillator_rates_of) [1/s] must be
  *   averaged   the slower 3 or more (oscillator_particular)
  *   overdamped   the faster 3 or more and four times the slower or more, the slower not much more than 3 */
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
-                      enum collocation_kind kind, const struct lobatto *nodes, double tolerance);
+                      enum collocation_kind kind, double tolerance);
 
 /*
  * These functions are the parts of a quasi-static step. Its caller finds the deviation x at the nodes, and

@@ -116,8 +116,9 @@ static void put_pointer(struct expansion_kind kind, const struct expansion *s, s
     }
 }
 
-/* Sets coefficient i > 0 of n, and the part of the push that lower coefficients make. Returns that of n.w.
- * One loop for all products costs less than one for each, because they share factors. */
+/* Sets coefficient i > 0 of n, and the part of the push (push_bodies) that follows from lower coefficients of
+ * n and of the impulse. Returns coefficient i of n.w. One loop for all products costs less than one for each,
+ * because they share factors. */
 static inline double put_normal(struct expansion_kind kind, const struct expansion *s,
                                 struct expansion_row *r, int i, const double f[EXPANSION_AXES])
 {

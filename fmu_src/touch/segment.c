@@ -491,7 +491,7 @@ static bool averaged_make(struct segment *p)
     for (int i = 0; i < AVERAGED_ATTEMPTS && step * scales->rates.slower >= COLLOCATED_SHORTEST; ++i) {
         struct pair_collocation *made = &p->as.collocation;
         if (!collocation_make(&made->step, &scales->problem, step, COLLOCATION_AVERAGED,
-                              &lobatto[LOBATTO_TWELVE], 0.1 * p->tolerance)) {
+                              0.1 * p->tolerance)) {
             step *= 0.5;
             continue;
         }
@@ -553,8 +553,7 @@ static bool overdamped_try(struct segment *p, double step)
     struct collocation *made = &p->as.collocation.step;
     const double turned = ERROR_OF_LOAD * HYSTERESIS * p->scales.problem.reach;
     const double tolerance = has_margin(p) ? fmin(0.1 * p->tolerance, turned) : 0.1 * p->tolerance;
-    return collocation_make(made, &p->scales.problem, step, COLLOCATION_OVERDAMPED, &lobatto[LOBATTO_TWELVE],
-                            tolerance) &&
+    return collocation_make(made, &p->scales.problem, step, COLLOCATION_OVERDAMPED, tolerance) &&
            made->result.interior_error <= p->tolerance;
 }
 

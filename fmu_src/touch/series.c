@@ -86,7 +86,7 @@ static void begin_series(struct pair_series *p, const struct contact_pair *from,
     memcpy(r->flown_rate, p->flight.w, sizeof p->flight.w);
     for (int j = 0; j < FRAME; ++j) {
         p->terms.along[j] = j;
-        /* away from a rim n is the first direction of the frame */
+        /* Away from a rim, n at the start is the first direction of the frame, without rounding. */
         const double along = j == 0 ? 1.0 : 0.0;
         taylor_put(&r->n[j], 0, at_rim ? vec3_dot(p->flight.frame[j], from->normal) : along);
         r->rate[0] += r->side * r->n[j].row[0] * p->flight.w[0][j];
