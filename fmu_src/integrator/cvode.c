@@ -108,7 +108,7 @@ static int newton_matrix(double clock, N_Vector y, N_Vector rate, SUNMatrix matr
     (void)rate, (void)jacobian_ok, (void)unused1, (void)unused2, (void)unused3;
     const struct cvode *c = problem;
     *jacobian_now = 1;
-    ode_jacobian(&c->ode, clock, NV_DATA_S(y), SM_DATA_D(matrix));
+    ode_jacobian(&c->ode, c->size, clock, NV_DATA_S(y), SM_DATA_D(matrix));
     return SUNMatScaleAddI(-gamma, matrix);
 }
 

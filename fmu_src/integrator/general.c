@@ -667,6 +667,12 @@ static void general_rates(void *general, double clock, const double *y, double *
     ode_rates(&g->ode, clock, y, rates);
 }
 
+static void general_slopes(void *general, double clock, const double *y, double *slopes)
+{
+    const struct general *g = general;
+    ode_jacobian(&g->ode, g->ode.layout.coupled, clock, y, slopes);
+}
+
 /* Returns the problem of the states of g->ode.layout. */
 static struct radau_problem problem_of(struct general *g, const struct scene_values *v)
 {
@@ -682,7 +688,7 @@ static struct radau_problem problem_of(struct general *g, const struct scene_val
                                     .place = g->place,
                                     .speed = g->speed,
                                     .rates = general_rates,
-                                    .slopes = node_forces_slopes};
+                                    .slopes = general_slopes};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         for (int k = 0; k < 3 && layout->body[i] >= 0; ++k) {
             g->place[problem.paired] = layout->body[i] + k;

@@ -24,7 +24,7 @@ double general_length_of_springs(const struct general *g)
     for (int i = 0; i < p->problem.paired; ++i) {
         double sum = 0.0; /* effect of all positions on one speed [1/s^2] */
         for (int j = 0; j < p->problem.paired; ++j) {
-            sum += fabs(p->by_places[j * p->others + p->speed_among[i]]);
+            sum += fabs(radau_slope_of(p, p->problem.speed[i], p->problem.place[j]));
         }
         square = fmax(square, sum);
     }
@@ -182,11 +182,11 @@ static double rounding_of_rates(const struct general *g, int left)
     double by_others = 0.0;
     for (int j = 0; j < p->problem.paired; ++j) {
         if (p->group_of[p->speed_among[j]] == p->group_of[left]) {
-            by_places += fabs(p->by_places[j * p->others + left]);
+            by_places += fabs(radau_slope_of(p, p->other[left], p->problem.place[j]));
         }
     }
     for (int j = radau_group_begin(p, left); j < radau_group_end(p, left); ++j) {
-        by_others += fabs(p->by_others[j * p->others + left]) * g->size_of[p->other[j]];
+        by_others += fabs(radau_slope_of(p, p->other[left], p->other[j])) * g->size_of[p->other[j]];
     }
     return by_places * g->rounding[p->group_of[left]].place + ROUNDING_OF_STATES * by_others;
 }
@@ -204,7 +204,7 @@ static void allow_rounding(struct general *g)
     double most = 0.0;
     for (int i = 0; i < p->problem.paired; ++i) {
         double *of_group = spring + p->group_of[p->speed_among[i]];
-        *of_group = fmax(*of_group, fabs(p->by_places[i * p->others + p->speed_among[i]]));
+        *of_group = fmax(*of_group, fabs(radau_slope_of(p, p->problem.speed[i], p->problem.place[i])));
     }
     for (int i = 0; i < p->problem.groups; ++i) {
         const struct general_rounding *of = &g->rounding[i];
@@ -213,7 +213,7 @@ static void allow_rounding(struct general *g)
         most = fmax(most, impulse[i]);
     }
     for (int i = 0; i < p->others; ++i) {
-        const double decay = fabs(p->by_others[i * p->others + i]);
+        const double decay = fabs(radau_slope_of(p, p->other[i], p->other[i]));
         rounding[i] = rounding_of_rates(g, i) / fmax(fastest[p->group_of[i]], decay);
     }
     for (int j = 0; j < p->problem.paired; ++j) {
@@ -439,12 +439,12 @@ static void note_errors(struct general *g)
     }
 }
 
-/* Returns the fastest decay of a state that is no position [1/s], by the slopes `by_others`. */
-static double fastest_decay_of(const struct radau_step *p, const double *by_others)
+/* Returns the fastest decay of a state that is no position [1/s], by slopes at the start or at the end. */
+static double fastest_decay_of(const struct radau_step *p, const double *slopes)
 {
     double most = 0.0;
     for (int i = 0; i < p->others; ++i) {
-        most = fmax(most, fabs(by_others[i * p->others + i]));
+        most = fmax(most, fabs(slopes[p->other[i] * (p->problem.coupled + 1)]));
     }
     return most;
 }
@@ -487,7 +487,7 @@ void general_begin(struct general *g, double clock, const double *y)
 {
     radau_step_begin(&g->step, clock, y);
     note_touches(g);
-    g->fastest_decay = fastest_decay_of(&g->step, g->step.by_others);
+    g->fastest_decay = fastest_decay_of(&g->step, g->step.slopes);
     note_errors(g);
     if (!(g->longest > 0.0)) {
         g->longest = general_length_of_springs(g);
@@ -532,7 +532,7 @@ double general_finish_step(struct general *g)
     const double of_start = general_rubs(g) ? g->within_share * radau_step_start_error(p) : 0.0;
     g->error_of_start = p->length * g->fastest_decay > LEAST_DECAY ? of_start : 0.0;
     const bool ends =
-        general_rubs(g) && fastest_decay_of(p, p->end_others) < END_OF_ROLLING * g->fastest_decay;
+        general_rubs(g) && fastest_decay_of(p, p->end_slopes) < END_OF_ROLLING * g->fastest_decay;
     g->error_of_rolling = ends ? error.within : 0.0;
     return fmax(fmax(g->error_at_end, g->error_of_rolling), g->error_of_start);
 }

@@ -22,10 +22,6 @@ int node_forces_unknowns(const struct scene_values *v);
  * this length [s]. */
 int node_forces_stages(const struct general *g, double length);
 
-/* Adds the slopes of the rates of g->step.others at an instant, as math/radau_step.h asks for them; `general`
- * is the struct general. */
-void node_forces_slopes(void *general, double clock, const double *y, double *by_others, double *by_places);
-
 /* Solves the stages of g->step from their guess; false where the iterations do not converge. Where the guess
  * is far from the end of the step, `set_weights` sets the errors allowed anew after the first iteration; it
  * is NULL elsewhere. */

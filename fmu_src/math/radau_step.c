@@ -109,7 +109,7 @@ size_t radau_step_memory(const struct radau_problem *problem)
     const size_t n = (size_t)radau_padded(problem->size);
     const size_t s = RADAU_MOST_STAGES;
     const size_t all = (size_t)radau_padded(rows_of_all(problem));
-    const size_t doubles = (8 * s + 1) * n + 4 * n * n + 7 * n + (all + 1) * all;
+    const size_t doubles = (8 * s + 1) * n + 2 * n * n + 7 * n + (all + 1) * all;
     const size_t ints = 4 * n + 1 + all;
     return doubles * sizeof(double) + ints * sizeof(int);
 }
@@ -164,8 +164,8 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     p->scratch = take(&next, s * n);
     p->more = take(&next, s * n);
     p->chebyshev = take(&next, (s + 1) * n);
-    p->by_others = take(&next, n * n);
-    p->by_places = take(&next, n * n);
+    p->slopes = take(&next, n * n);
+    p->end_slopes = take(&next, n * n);
     p->y = take(&next, n);
     p->start_rates = take(&next, n);
     p->weight = take(&next, n);
@@ -173,8 +173,6 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     p->end_y = take(&next, n);
     p->re = take(&next, n);
     const int all = radau_padded(rows_of_all(problem));
-    p->end_others = take(&next, n * n);
-    p->end_places = take(&next, n * n);
     p->side = take(&next, all);
     p->all = (struct lu_matrix){.stride = all, .re = take(&next, all * all)};
     int *whole = (int *)(void *)next;
@@ -186,32 +184,20 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     list_others(p);
 }
 
-/* Evaluates the slopes of the rates of the others at a state. */
-static void evaluate_slopes(struct radau_step *p, double clock, const double *y, double *by_others,
-                            double *by_places)
-{
-    const struct radau_problem *problem = &p->problem;
-    const size_t row = (size_t)p->others * sizeof(double);
-    memset(by_others, 0, (size_t)p->others * row);
-    memset(by_places, 0, (size_t)problem->paired * row);
-    problem->slopes(problem->context, clock, y, by_others, by_places);
-    p->evaluations += 1;
-}
-
 /* A step usually begins with the states for which the step before has found its error. */
 void radau_step_begin(struct radau_step *p, double clock, const double *y)
 {
     const struct radau_problem *problem = &p->problem;
-    const size_t row = (size_t)p->others * sizeof(double);
+    const size_t coupled = (size_t)problem->coupled;
     p->start = clock;
     memcpy(p->y, y, (size_t)problem->size * sizeof *y);
     problem->rates(problem->context, clock, y, p->start_rates);
     p->evaluations += 1;
-    if (p->end_clock == clock && memcmp(p->end_y, y, (size_t)problem->coupled * sizeof *y) == 0) {
-        memcpy(p->by_others, p->end_others, (size_t)p->others * row);
-        memcpy(p->by_places, p->end_places, (size_t)problem->paired * row);
+    if (p->end_clock == clock && memcmp(p->end_y, y, coupled * sizeof *y) == 0) {
+        memcpy(p->slopes, p->end_slopes, coupled * coupled * sizeof *y);
     } else {
-        evaluate_slopes(p, clock, p->y, p->by_others, p->by_places);
+        problem->slopes(problem->context, clock, p->y, p->slopes);
+        p->evaluations += 1;
     }
 }
 
@@ -527,24 +513,23 @@ static void solve_groups(const struct radau_step *p, struct lu_matrix m, double 
     }
 }
 
-/* Factors I - h J of the states left; with the effect of the places, if `by_places` is not NULL. */
-static bool factor_dying(struct radau_step *p, struct lu_matrix system, const double *by_others,
-                         const double *by_places)
+/* Factors I - h J of the states left, and if `follows` with the effect of the places that follow them. */
+static bool factor_dying(struct radau_step *p, struct lu_matrix system, const double *slopes, bool follows)
 {
-    const int m = p->others;
-    for (int column = 0; column < m; ++column) {
+    const int coupled = p->problem.coupled;
+    for (int column = 0; column < p->others; ++column) {
         const int end = radau_group_end(p, column);
         double *to = system.re + column * system.stride;
         for (int i = radau_group_begin(p, column); i < end; ++i) {
-            to[i] = (i == column ? 1.0 : 0.0) - p->length * by_others[column * m + i];
+            to[i] = (i == column ? 1.0 : 0.0) - p->length * slopes[p->other[column] * coupled + p->other[i]];
         }
         to[end] = 0.0;
     }
-    for (int k = 0; k < p->problem.paired && by_places; ++k) {
+    for (int k = 0; k < p->problem.paired && follows; ++k) {
         const int speed = p->speed_among[k];
         double *to = system.re + speed * system.stride;
         for (int i = radau_group_begin(p, speed); i < radau_group_end(p, speed); ++i) {
-            to[i] -= p->length * p->length * by_places[k * m + i];
+            to[i] -= p->length * p->length * slopes[p->problem.place[k] * coupled + p->other[i]];
         }
     }
     return factor_groups(p, system);
@@ -570,7 +555,7 @@ double radau_step_start_error(struct radau_step *p)
     const int m = p->others;
     const struct lu_matrix system = p->all;
     put_start_defect(p);
-    if (!factor_dying(p, system, p->by_others, NULL)) {
+    if (!factor_dying(p, system, p->slopes, false)) {
         return (double)INFINITY;
     }
     memcpy(p->point, p->side, (size_t)m * sizeof *p->side);
@@ -580,10 +565,11 @@ double radau_step_start_error(struct radau_step *p)
     }
     solve_groups(p, system, p->side);
     radau_step_at(p, 1.0, p->point);
-    evaluate_slopes(p, p->start + p->length, p->point, p->end_others, p->end_places);
+    p->problem.slopes(p->problem.context, p->start + p->length, p->point, p->end_slopes);
+    p->evaluations += 1;
     p->end_clock = p->start + p->length;
     memcpy(p->end_y, p->point, (size_t)p->problem.coupled * sizeof *p->point);
-    if (!factor_dying(p, system, p->end_others, p->end_places)) {
+    if (!factor_dying(p, system, p->end_slopes, true)) {
         return (double)INFINITY;
     }
     solve_groups(p, system, p->side);

@@ -30,9 +30,8 @@ struct radau_problem {
     int paired;           /* number of states y[place[i]] whose rate is y[speed[i]]; both are coupled */
     const int *place, *speed;
     void (*rates)(void *context, double clock, const double *y, double *rates);
-    /* Adds d(rate i)/d(other j) of the others at [j * others + i], and d(rate i)/d(place j) of the others at
-     * [j * others + i]. Outside the groups it leaves the zeros that it finds. */
-    void (*slopes)(void *context, double clock, const double *y, double *by_others, double *by_places);
+    /* Sets slopes[j * coupled + i] to d(rate i)/d(state j) of the coupled states. */
+    void (*slopes)(void *context, double clock, const double *y, double *slopes);
 };
 
 /* The matrix of the caller's iterations, `all`, has room for all unknowns at twelve stages, or for this
@@ -57,13 +56,12 @@ struct radau_step {
     double known_start, known_length; /* start and length of `chebyshev`; length 0: there is none */
     const struct radau_stages *known; /* its method */
     double *weight;                   /* [size]: 1 / error allowed, set by the caller */
-    double *by_others, *by_places;    /* the slopes at the start: [others][others], [paired][others] */
+    double *slopes, *end_slopes;      /* at the start and at the end of the step: [coupled][coupled] */
     double *others_change;            /* [stages][width] */
     double *bare, *scratch, *more;    /* [stages][width], for the caller */
     double *places_change;            /* [stages][paired, padded] */
-    double *end_others, *end_places;  /* as by_others and by_places, at the end of the step */
-    double end_clock, *end_y;         /* where they were evaluated; a clock of NaN: they are not known */
-    struct lu_matrix all;             /* for the caller, as `side`: [radau_step_room] rows */
+    double end_clock, *end_y; /* where end_slopes were evaluated; a clock of NaN: they are not known */
+    struct lu_matrix all;     /* for the caller, as `side`: [radau_step_room] rows */
     double *side;
     struct radau_columns columns[RADAU_METHODS];
     double *point, *re; /* [size] each */
@@ -83,6 +81,12 @@ static inline int radau_group_begin(const struct radau_step *p, int other)
 static inline int radau_group_end(const struct radau_step *p, int other)
 {
     return p->group_first[p->group_of[other] + 1];
+}
+
+/* Returns the slope at the start of the rate of one coupled state by another, both by their indices in y. */
+static inline double radau_slope_of(const struct radau_step *p, int rate, int by)
+{
+    return p->slopes[by * p->problem.coupled + rate];
 }
 
 /* The first returns the bytes of memory for a problem; the second sets up a step in such memory. */

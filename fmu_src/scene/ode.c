@@ -643,13 +643,14 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
 struct linearization {
     const struct scene_ode *ode;
     const double *y;
+    int states; /* number of rows and columns */
     double *columns;
     struct scene_state q; /* the state, with the clock and the springs of y */
     struct scene_instant at;
     struct scene_jet along; /* the path, along one state */
 };
 
-/* Writes the changes of all rates along the path, as put_scene_rates writes the rates. */
+/* Writes the changes of the rates along the path, as put_scene_rates writes the rates. */
 static void put_rate_changes(const struct linearization *l, double *changes)
 {
     const struct scene_values *v = l->ode->values;
@@ -664,11 +665,16 @@ static void put_rate_changes(const struct linearization *l, double *changes)
             const struct vec3 torque = body_part_that_turns(v, i, jet_load_on(along, i, 1).torque);
             const struct quaternion given = four_from(l->y + layout->orientation[i]);
             vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), changes + layout->spin[i]);
-            four_to(quaternion_axpy(
-                        quaternion_rate(given, along->angular_velocity[i][1]), 1.0,
-                        quaternion_rate(along->given_orientation[i], l->at.turning.body[i].angular_velocity)),
-                    changes + layout->orientation[i]);
+            if (layout->orientation[i] < l->states) {
+                four_to(quaternion_axpy(quaternion_rate(given, along->angular_velocity[i][1]), 1.0,
+                                        quaternion_rate(along->given_orientation[i],
+                                                        l->at.turning.body[i].angular_velocity)),
+                        changes + layout->orientation[i]);
+            }
         }
+    }
+    if (l->states < layout->size) {
+        return;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         double *impulse = changes + layout->impulse[j];
@@ -691,7 +697,7 @@ static void put_column(struct linearization *l, int body, int contact, int colum
 {
     const struct scene_values *v = l->ode->values;
     const struct ode_layout *layout = &l->ode->layout;
-    double *changes = l->columns + column * layout->size;
+    double *changes = l->columns + column * l->states;
     bool moves[SCENE_CONTACTS];
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         moves[j] = column < layout->coupled && l->q.contact[j].regime != (int32_t)REGIME_APART &&
@@ -760,18 +766,17 @@ static void put_columns_of_body(struct linearization *l, int body)
             body_rotation_of(l->ode->values, body, l->at.turning.body[body].orientation, spin);
         put_column_of_body(l, body, layout->spin[body] + k);
     }
-    for (int k = 0; SCENE_ANY_ROTATION && k < 4 && layout->spin[body] >= 0; ++k) {
+    const bool tips = SCENE_ANY_ROTATION && layout->spin[body] >= 0 && layout->orientation[body] < l->states;
+    for (int k = 0; k < 4 && tips; ++k) {
         change_orientation(l, body, k);
         put_column_of_body(l, body, layout->orientation[body] + k);
     }
 }
 
-void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
+void ode_jacobian(const struct scene_ode *ode, int states, double clock, const double *y, double *columns)
 {
-    const struct scene_ode *ode = scene_ode;
-    const int size = ode->layout.size;
-    struct linearization l = {.ode = ode, .y = y, .columns = columns};
-    memset(columns, 0, (size_t)size * (size_t)size * sizeof *columns);
+    struct linearization l = {.ode = ode, .y = y, .states = states, .columns = columns};
+    memset(columns, 0, (size_t)states * (size_t)states * sizeof *columns);
     l.along.first_order = true;
     scene_state_copy(ode->values, ode->state, &l.q);
     l.q.clock = clock;
