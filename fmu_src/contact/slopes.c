@@ -22,7 +22,8 @@ struct vec3 jet_scale(const double *a, const struct vec3 *b, int order)
     return sum;
 }
 
-void jet_direction(const struct vec3 a[JET_TERMS], double length[JET_TERMS], struct vec3 unit[JET_TERMS])
+void jet_direction(int terms, const struct vec3 a[JET_TERMS], double length[JET_TERMS],
+                   struct vec3 unit[JET_TERMS])
 {
     memset(length, 0, JET_TERMS * sizeof *length);
     memset(unit, 0, JET_TERMS * sizeof *unit);
@@ -32,7 +33,7 @@ void jet_direction(const struct vec3 a[JET_TERMS], double length[JET_TERMS], str
         length[2] = length[1] > 0.0 ? vec3_dot(a[1], a[2]) / length[1] : 0.0;
         return;
     }
-    for (int i = 0; i < JET_TERMS; ++i) {
+    for (int i = 0; i < terms; ++i) {
         for (int k = 1; k <= i; ++k) {
             length[i] += k * vec3_dot(unit[i - k], a[k]) / i;
         }
@@ -41,10 +42,10 @@ void jet_direction(const struct vec3 a[JET_TERMS], double length[JET_TERMS], str
     }
 }
 
-void jet_across(const struct vec3 c[JET_TERMS], const struct vec3 axis[JET_TERMS],
+void jet_across(int terms, const struct vec3 c[JET_TERMS], const struct vec3 axis[JET_TERMS],
                 struct vec3 across[JET_TERMS], double axial[JET_TERMS])
 {
-    for (int i = 0; i < JET_TERMS; ++i) {
+    for (int i = 0; i < terms; ++i) {
         axial[i] = jet_dot(c, axis, i);
         across[i] = vec3_sub(c[i], jet_scale(axial, axis, i));
     }
@@ -104,13 +105,13 @@ static void put_regularized(const struct friction_law *law, const struct frictio
     double weight[JET_TERMS];
     struct vec3 unit[JET_TERMS];
     const double v_0 = law->slip_velocity;
-    jet_direction(path->slip, speed, unit);
+    jet_direction(path->terms, path->slip, speed, unit);
     const double z = speed[0] / v_0;
     put_saturation(z, s);
     factor[0] = s[0] / v_0;
     factor[1] = s[1] * speed[1] / (v_0 * v_0) - path->slip_velocity_slope * (s[1] * z + s[0]) / (v_0 * v_0);
     factor[2] = (s[1] * speed[2] + 0.5 * s[2] * speed[1] * speed[1] / v_0) / (v_0 * v_0);
-    for (int i = 0; i < JET_TERMS; ++i) {
+    for (int i = 0; i < path->terms; ++i) {
         weight[i] = -taylor_multiply(limit, factor, i);
         force[i] = jet_scale(weight, path->slip, i);
     }
@@ -134,11 +135,11 @@ void friction_force_terms(const struct friction_law *law, enum friction_regime r
         return;
     }
     put_stiffness(law, path, stiffness);
-    for (int i = 0; i < JET_TERMS; ++i) {
+    for (int i = 0; i < path->terms; ++i) {
         pull[i] = vec3_axpy(jet_scale(stiffness, path->spring, i), law->damping, path->slip[i]);
     }
-    jet_direction(pull, length, unit);
-    for (int i = 0; i < JET_TERMS; ++i) {
+    jet_direction(path->terms, pull, length, unit);
+    for (int i = 0; i < path->terms; ++i) {
         force[i] = vec3_scale(-1.0, regime == FRICTION_STICKING ? pull[i] : jet_scale(limit, unit, i));
     }
 }
@@ -163,7 +164,7 @@ struct vec3 friction_spring_rate_change(const struct friction_law *law, enum fri
         return vec3_scale(-1.0 / law->damping, vec3_add(force[1], jet_scale(stiffness, path->spring, 1)));
     }
     put_limit(law, regime, path, limit);
-    jet_direction(path->spring, length, unit);
+    jet_direction(path->terms, path->spring, length, unit);
     for (int i = 0; i < 2; ++i) {
         const double floor = FRICTION_LEAST_LENGTH * FRICTION_LEAST_LENGTH;
         reach[i] = taylor_multiply(stiffness, length, i);
@@ -176,11 +177,11 @@ struct vec3 friction_spring_rate_change(const struct friction_law *law, enum fri
     return jet_scale(factor, across, 1);
 }
 
-void opposed_laid_terms(enum opposed part, const struct vec3 a[JET_TERMS],
+void opposed_laid_terms(enum opposed part, int terms, const struct vec3 a[JET_TERMS],
                         const struct vec3 normal[JET_TERMS], struct vec3 laid[JET_TERMS])
 {
     double along[JET_TERMS];
-    for (int i = 0; i < JET_TERMS; ++i) {
+    for (int i = 0; i < terms; ++i) {
         along[i] = jet_dot(a, normal, i);
         const struct vec3 spinning = jet_scale(along, normal, i);
         laid[i] = part == OPPOSED_SPINNING ? spinning : vec3_sub(a[i], spinning);

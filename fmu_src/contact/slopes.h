@@ -39,8 +39,10 @@ struct vec3 jet_scale(const double *a, const struct vec3 *b, int order);
 
 /* The series of the laws of friction (friction.h) along a path. */
 
-/* The arguments of F_t along a path: the series of F_n, v_t, xi and delta, and dv_0/ds. */
+/* The arguments of F_t along a path: the series of F_n, v_t, xi and delta, and dv_0/ds. `terms` is the number
+ * of terms that are wanted. */
 struct friction_path {
+    int terms;
     double normal_force[JET_TERMS], depth[JET_TERMS];
     struct vec3 slip[JET_TERMS], spring[JET_TERMS];
     double slip_velocity_slope;
@@ -56,7 +58,7 @@ CONTACT_COLD struct vec3 friction_spring_rate_change(const struct friction_law *
                                                      const struct friction_path *path);
 
 /* Sets the series of the part of a vector in which an opposed motion takes place (opposed_laid). */
-CONTACT_COLD void opposed_laid_terms(enum opposed part, const struct vec3 a[JET_TERMS],
+CONTACT_COLD void opposed_laid_terms(enum opposed part, int terms, const struct vec3 a[JET_TERMS],
                                      const struct vec3 normal[JET_TERMS], struct vec3 laid[JET_TERMS]);
 
 /* Returns the change along a path of the rate at which n turns a spring (opposed_turned), from the first two
@@ -70,11 +72,11 @@ CONTACT_COLD void friction_stored_terms(const struct friction_law *law, enum fri
 
 /* Sets the series of the length and of the direction of a vector. The direction is zero where the vector is;
  * its length then has the coefficients for s > 0. */
-CONTACT_COLD void jet_direction(const struct vec3 a[JET_TERMS], double length[JET_TERMS],
+CONTACT_COLD void jet_direction(int terms, const struct vec3 a[JET_TERMS], double length[JET_TERMS],
                                 struct vec3 unit[JET_TERMS]);
 
 /* Sets the series of the part of c across an axis and of the component along the axis. */
-CONTACT_COLD void jet_across(const struct vec3 c[JET_TERMS], const struct vec3 axis[JET_TERMS],
+CONTACT_COLD void jet_across(int terms, const struct vec3 c[JET_TERMS], const struct vec3 axis[JET_TERMS],
                              struct vec3 across[JET_TERMS], double axial[JET_TERMS]);
 
 /* The laws and their regimes: of the normal force, and of friction and both resistances (enum opposed). */

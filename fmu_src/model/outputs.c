@@ -260,8 +260,8 @@ static double distance_term(const struct scene_values *v, const struct contact_s
         }
         jet_add_levers(along, contact, c, rate);
         c[0] = at->separation[contact];
-        jet_across(c, axis, across, axial);
-        jet_direction(across, rho, to_axis);
+        jet_across(JET_TERMS, c, axis, across, axial);
+        jet_direction(JET_TERMS, across, rho, to_axis);
         return order > 0 && !(rho[0] > 0.0) ? 0.0 : rho[order];
     }
     return along->contact[contact].distance[order];

@@ -16,14 +16,15 @@ static struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b,
 }
 
 /* Puts the terms of q a q*, the vector a as the quaternion q of unit length turns it. */
-static void put_turned(const struct quaternion q[JET_TERMS], struct vec3 a, struct vec3 turned[JET_TERMS])
+static void put_turned(int terms, const struct quaternion q[JET_TERMS], struct vec3 a,
+                       struct vec3 turned[JET_TERMS])
 {
-    const struct quaternion pure = quaternion_make(0.0, a);
-    for (int i = 0; i < JET_TERMS; ++i) {
+    struct quaternion half[JET_TERMS]; /* q a */
+    for (int i = 0; i < terms; ++i) {
+        half[i] = quaternion_product(q[i], quaternion_make(0.0, a));
         turned[i] = vec3_make(0.0, 0.0, 0.0);
         for (int k = 0; k <= i; ++k) {
-            const struct quaternion part =
-                quaternion_product(quaternion_product(q[k], pure), quaternion_inverse(q[i - k]));
+            const struct quaternion part = quaternion_product(half[k], quaternion_inverse(q[i - k]));
             turned[i] = vec3_add(turned[i], quaternion_vector(part));
         }
     }
@@ -31,14 +32,14 @@ static void put_turned(const struct quaternion q[JET_TERMS], struct vec3 a, stru
 
 void jet_axis_of(const struct scene_jet *along, int body, struct vec3 axis[JET_TERMS])
 {
-    put_turned(along->orientation[body], vec3_make(0.0, 0.0, 1.0), axis);
+    put_turned(along->first_order ? 2 : JET_TERMS, along->orientation[body], vec3_make(0.0, 0.0, 1.0), axis);
 }
 
 /* Puts the terms of the lever arm R o of a contact's end (0: source, 1: destination), as in scene_lever. */
 static void put_lever(const struct scene_jet *along, int contact, int end, struct vec3 lever[JET_TERMS])
 {
     const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
-    put_turned(along->orientation[body],
+    put_turned(JET_TERMS, along->orientation[body],
                end == 0 ? contact_source_part(contact) : contact_destination_part(contact), lever);
 }
 
@@ -74,7 +75,7 @@ static void put_seen(const struct scene_values *v, const struct scene_jet *along
         /* a shape's axis is opposite to the body's at a capped cylinder's end to which -e_d points */
         const double sign = contact_is_capped(shape) && shape->solid.zone < 0 ? -1.0 : 1.0;
         jet_axis_of(along, contact_destination(contact), path->axis);
-        for (int i = 0; i < JET_TERMS; ++i) {
+        for (int i = 0; i < path->terms; ++i) {
             path->axis[i] = vec3_scale(sign, path->axis[i]);
         }
     }
@@ -121,14 +122,14 @@ static void put_offset(const struct contact_shape *shape, const struct contact_p
     if (!contact_is_cylinder(shape) && !contact_is_circle(shape)) {
         return;
     }
-    jet_across(path->c, path->axis, across, axial);
+    jet_across(path->terms, path->c, path->axis, across, axial);
     memcpy(&offset[1], &across[1], 2 * sizeof offset[1]);
     if (contact_is_circle(shape)) {
         struct vec3 to_axis[JET_TERMS];
-        jet_direction(across, rho, to_axis);
+        jet_direction(path->terms, across, rho, to_axis);
         rho[0] -= shape->solid.radius;
         axial[0] += shape->solid.half_height;
-        for (int i = 1; i < JET_TERMS; ++i) {
+        for (int i = 1; i < path->terms; ++i) {
             offset[i] = vec3_add(jet_scale(rho, to_axis, i), jet_scale(axial, path->axis, i));
         }
     }
@@ -142,7 +143,7 @@ static void put_distance(const struct contact_shape *shape, const struct contact
     struct vec3 offset[JET_TERMS] = {g->offset};
     if (contact_turns(shape, g)) {
         put_offset(shape, path, offset);
-        jet_direction(offset, jet->distance, jet->normal);
+        jet_direction(path->terms, offset, jet->distance, jet->normal);
         return;
     }
     jet->normal[0] = g->normal;
@@ -184,7 +185,7 @@ static void put_slip(const struct contact_shape *shape, const struct contact_pat
         all[i] = vec3_sub(past, path->w[i]);
         turning->spin[i] = vec3_sub(path->source[i], path->destination[i]);
     }
-    opposed_laid_terms(OPPOSED_SLIP, all, jet->normal, turning->motion[OPPOSED_SLIP]);
+    opposed_laid_terms(OPPOSED_SLIP, path->terms, all, jet->normal, turning->motion[OPPOSED_SLIP]);
 }
 
 /* Adds the lever arms of compound bodies to those from the centres of the spheres. */
@@ -206,7 +207,8 @@ static struct friction_path friction_path_of(const struct scene_state *q, const 
                                              int contact, int part)
 {
     const struct contact_jet *jet = &along->contact[contact];
-    struct friction_path path = {.slip_velocity_slope =
+    struct friction_path path = {.terms = along->first_order ? 2 : JET_TERMS,
+                                 .slip_velocity_slope =
                                      part == OPPOSED_SLIP ? along->slip_velocity_slope[contact] : 0.0};
     memcpy(path.normal_force, jet->normal_force, sizeof path.normal_force);
     memcpy(path.slip, along->turning[contact].motion[part], sizeof path.slip);
@@ -218,7 +220,7 @@ static struct friction_path friction_path_of(const struct scene_state *q, const 
     if (along->jumps) {
         const struct vec3 before[JET_TERMS] = {along->spring_before[contact][part]};
         struct vec3 laid[JET_TERMS];
-        opposed_laid_terms((enum opposed)part, before, jet->normal, laid);
+        opposed_laid_terms((enum opposed)part, path.terms, before, jet->normal, laid);
         path.spring[1] = vec3_add(path.spring[1], laid[1]);
     }
     return path;
@@ -232,20 +234,21 @@ static void put_friction(const struct scene_values *v, const struct scene_state 
     struct contact_jet *jet = &along->contact[contact];
     struct turning_jet *turning = &along->turning[contact];
     const bool rubs = contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
+    const int terms = along->first_order ? 2 : JET_TERMS;
     for (int part = 0; SCENE_ANY_FRICTION && rubs && part < contact_opposed(v, contact); ++part) {
         const bool slips = part == OPPOSED_SLIP;
         struct vec3 *sum = slips ? turning->friction_force : turning->resistance;
         struct vec3 force[JET_TERMS];
         double stored[JET_TERMS];
         if (!slips) {
-            opposed_laid_terms((enum opposed)part, turning->spin, jet->normal, turning->motion[part]);
+            opposed_laid_terms((enum opposed)part, terms, turning->spin, jet->normal, turning->motion[part]);
         }
         const struct friction_law law = scene_friction_law(v, q, contact, part);
         const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
         const struct friction_path path = friction_path_of(q, along, contact, part);
         friction_force_terms(&law, regime, &path, force);
         friction_stored_terms(&law, regime, &path, stored);
-        for (int i = 0; i < JET_TERMS; ++i) {
+        for (int i = 0; i < terms; ++i) {
             sum[i] = vec3_add(sum[i], force[i]);
             turning->stored[i] += stored[i];
             jet->source_force[i] = slips ? vec3_add(jet->source_force[i], force[i]) : jet->source_force[i];
@@ -316,7 +319,7 @@ static void put_given_axis(const struct body_path *path, double clock, struct ve
     struct vec3 unit[JET_TERMS];
     memcpy(a, path->axis, sizeof a);
     path_shift(a, 3, clock);
-    jet_direction(a, length, unit);
+    jet_direction(JET_TERMS, a, length, unit);
     if (length[0] > 0.0) {
         memcpy(&e[1], &unit[1], 2 * sizeof e[1]);
     }
@@ -485,7 +488,7 @@ static struct vec3 put_principal_axes(const struct scene_values *v, const struct
     for (int k = 0; k < 3; ++k) {
         struct vec3 a = {0.0, 0.0, 0.0};
         vec3_set(&a, k, 1.0);
-        put_turned(along->orientation[body], a, axis[k]);
+        put_turned(JET_TERMS, along->orientation[body], a, axis[k]);
     }
     if (body_is_compound(body)) {
         return body_principal_inertia(v, body);
@@ -561,8 +564,8 @@ static void put_normal_rate(const struct contact_shape *shape, const struct cont
     if (contact_is_circle(shape)) {
         struct vec3 radial[JET_TERMS], to_axis[JET_TERMS];
         double axial[JET_TERMS], rho[JET_TERMS];
-        jet_across(path->c, path->axis, radial, axial);
-        jet_direction(radial, rho, to_axis);
+        jet_across(path->terms, path->c, path->axis, radial, axial);
+        jet_direction(path->terms, radial, rho, to_axis);
         const double part[2] = {g->circumferential_part, -g->circumferential_part * rho[1] / rho[0]};
         const struct vec3 b[2] = {turning_jet_cross(path->axis, to_axis, 0),
                                   turning_jet_cross(path->axis, to_axis, 1)};

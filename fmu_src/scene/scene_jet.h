@@ -45,7 +45,7 @@ struct scene_jet {
 
 /* Computes the part of one contact, which is not apart, from the bodies and the factors. If `rubs`, this part
  * has the slip, friction and torques. */
-CONTACT_COLD void jet_of_contact(const struct scene_values *v, const struct scene_state *q,
+void jet_of_contact(const struct scene_values *v, const struct scene_state *q,
                                  const struct scene_instant *at, int contact, bool rubs,
                                  struct scene_jet *along);
 
