@@ -27,6 +27,13 @@ int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_
 int insert_sorted(double number, double *sorted, int count);
 int polynomial_add_sign_changes(const struct polynomial *p, double *sorted, int count);
 
+/* A sum of a[i] s^i, and a root_function of it (below). */
+struct power_sum {
+    const double *a;
+    int terms;
+};
+void power_sum_and_slope(const void *sum, double s, double *value, double *slope);
+
 /* One root of a smooth function inside a bracket on which it is monotone and changes sign. */
 
 /* Writes f(s) and f'(s) for the function that `data` describes. */

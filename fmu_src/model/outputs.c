@@ -240,31 +240,16 @@ static struct vec3 source_point_term(const struct scene_jet *along, const struct
 
 /* Returns coefficient `order` of the output `distance`, for a capped cylinder that of the distance from its
  * axis in every zone. */
-static double distance_term(const struct scene_values *v, const struct contact_shape *shape,
-                            const struct scene_instant *at, const struct scene_jet *along, int contact,
-                            int order)
+static double distance_term(const struct contact_shape *shape, const struct contact_jet *jet, int order)
 {
-    if (contact_is_capped(shape)) {
-        const int destination = contact_destination(contact);
-        struct vec3 c[JET_TERMS] = {{0.0, 0.0, 0.0}}, rate[JET_TERMS] = {{0.0, 0.0, 0.0}};
-        struct vec3 axis[JET_TERMS] = {shape->solid.axis};
-        struct vec3 across[JET_TERMS], to_axis[JET_TERMS];
-        double axial[JET_TERMS];
-        double rho[JET_TERMS];
-        for (int i = 1; i < JET_TERMS; ++i) {
-            c[i] = vec3_sub(along->displacement[destination][i],
-                            along->displacement[contact_source(contact)][i]);
-        }
-        if (body_turns(v, destination)) {
-            jet_axis_of(along, destination, axis);
-        }
-        jet_add_levers(along, contact, c, rate);
-        c[0] = at->separation[contact];
-        jet_across(c, axis, across, axial);
-        jet_direction(across, rho, to_axis);
-        return order > 0 && !(rho[0] > 0.0) ? 0.0 : rho[order];
+    struct vec3 across[JET_TERMS], to_axis[JET_TERMS];
+    double axial[JET_TERMS], rho[JET_TERMS];
+    if (!contact_is_capped(shape)) {
+        return jet->distance[order];
     }
-    return along->contact[contact].distance[order];
+    jet_across(jet->separation, jet->axis, across, axial);
+    jet_direction(across, rho, to_axis);
+    return order > 0 && !(rho[0] > 0.0) ? 0.0 : rho[order];
 }
 
 /* Returns coefficient `order` of a vector output of a contact; zero where the output is constant. */
@@ -318,7 +303,7 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
     case ROW_contact_gap_rate:
         return scene_shown_within(v, q, at, j, &shape) ? contact->gap_rate[order] : 0.0;
     case ROW_contact_distance:
-        return distance_term(v, &shape, at, along, j, order);
+        return distance_term(&shape, contact, order);
     case ROW_contact_normal_force:
         return contact->normal_force[order];
     default:

@@ -57,6 +57,22 @@ bool body_turns(const struct scene_values *v, int body)
     return SCENE_ANY_ROTATION && body_rotation(v, body) != ROTATION_NONE;
 }
 
+void body_path_shift(const struct scene_values *v, int body, struct body_path *path, double clock)
+{
+    if (body_is_prescribed(v, body)) {
+        path_shift(path->displacement, 4, clock);
+        path_shift(path->velocity, 3, clock);
+    } else if (body_is_free(v, body)) {
+        path_shift(path->force, 3, clock);
+    }
+    if (body_turn_is_prescribed(v, body)) {
+        path_shift(path->angular_velocity, 3, clock);
+        path_shift(path->axis, 3, clock);
+    } else if (body_turns_freely(v, body)) {
+        path_shift(path->torque, 3, clock);
+    }
+}
+
 bool body_is_compound(int body)
 {
     return SCENE_ANY_COMPOUND && body_shape(body) == SHAPE_COMPOUND;
