@@ -578,36 +578,19 @@ static inline void put_forces(const struct scene_values *v, const struct scene_s
     }
 }
 
-/* Is not inlined, so that the code for scenes where nothing turns or rubs stays small. */
-CONTACT_NOINLINE static void put_forces_turning(const struct scene_values *v, const struct scene_state *q,
-                                                double clock, const struct turning_state *turning,
-                                                const bool *met, struct scene_instant *at)
+void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
+                  struct scene_instant *at)
 {
-    put_forces(v, q, clock, turning, met, at);
-}
-
-CONTACT_FLATTEN void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                                  struct scene_instant *at)
-{
-    if (scene_turns(v)) {
-        put_forces_turning(v, q, clock, &q->turning, NULL, at);
-        return;
-    }
-    put_forces(v, q, clock, NULL, NULL, at);
+    put_forces(v, q, clock, scene_turns(v) ? &q->turning : NULL, NULL, at);
 }
 
 void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
                     const struct body_state *bodies, const struct turning_state *turning, const bool *met,
                     struct scene_instant *at)
 {
-    if (met == NULL && !scene_turns(v)) { /* the frequent path */
-        scene_kinematics(v, q, clock, bodies, at);
-        scene_forces(v, q, clock, at);
-        return;
-    }
     scene_place_bodies(v, q, clock, bodies, turning, at);
     scene_meet(v, q, met, at);
-    put_forces_turning(v, q, clock, scene_turns(v) ? turning : NULL, met, at);
+    put_forces(v, q, clock, scene_turns(v) ? turning : NULL, met, at);
 }
 
 void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
