@@ -172,9 +172,7 @@ bool flight_is_free(const struct scene_state *q)
 void flight_force(const struct scene_state *q, int body, double clock, struct vec3 force[3])
 {
     memcpy(force, q->path[body].force, sizeof q->path[body].force);
-    if (!path_is_steady(force, 3)) {
-        path_shift(force, 3, clock);
-    }
+    path_shift(force, 3, clock);
 }
 
 bool flight_is_steady(const struct scene_values *v, const struct scene_state *q, int body)

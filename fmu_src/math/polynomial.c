@@ -89,16 +89,6 @@ static int roots_between(const struct polynomial *p, const double *extrema, int 
     return count;
 }
 
-/* Whether the slope keeps the sign it has at zero, by the size of its terms. */
-static bool is_monotone(const struct polynomial *p)
-{
-    double rest = 0.0;
-    for (int i = 2; i <= p->degree; ++i) {
-        rest += i * fabs(p->a[i]);
-    }
-    return fabs(p->a[1]) > (1.0 + 1e-12) * rest; /* whatever the sum's rounding */
-}
-
 int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_MAX_DEGREE])
 {
     struct polynomial chain[POLYNOMIAL_MAX_DEGREE + 1];
@@ -109,13 +99,12 @@ int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_
     int lowest = degree;
     chain[degree] = *p;
     chain[degree].degree = degree;
-    while (lowest > 2 && !is_monotone(&chain[lowest])) {
+    while (lowest > 2) {
         chain[lowest - 1] = polynomial_derivative(&chain[lowest]);
         --lowest;
     }
     double extrema[POLYNOMIAL_MAX_DEGREE] = {0.0};
-    int count = lowest > 2 ? roots_between(&chain[lowest], extrema, 0, roots)
-                           : quadratic_sign_changes(&chain[lowest], roots);
+    int count = quadratic_sign_changes(&chain[lowest], roots);
     for (int i = lowest + 1; i <= degree; ++i) {
         for (int j = 0; j < count; ++j) {
             extrema[j] = roots[j];

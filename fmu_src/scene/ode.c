@@ -846,16 +846,6 @@ void ode_events(const struct scene_ode *ode, double clock, const double *y, doub
 double ode_event(const struct scene_ode *ode, double clock, const double *y, int event)
 {
     double events[ODE_EVENTS];
-#if SCENE_CONTACTS > 1
-    const int contact = event / ODE_EVENTS_EACH;
-    struct scene_ode part = *ode; /* of this contact and those that act on its bodies */
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const int island = part.layout.island[j];
-        part.layout.met[j] = j == contact || (island >= 0 && island == part.layout.island[contact]);
-    }
-    part.layout.is_whole = false;
-    ode = &part;
-#endif
     ode_events(ode, clock, y, events);
     return events[event];
 }
