@@ -515,43 +515,17 @@ enum model_status model_read(struct model *m, const struct variable *variable, v
     return MODEL_OK;
 }
 
-/* Returns the place of a Real variable that is up to date and whose table entry has the bits `marks`; else
- * NULL. */
-static inline const double *known_real(const struct model *m, uint32_t reference, uint32_t marks)
-{
-    const uint32_t real = reference < SCENE_REFERENCES ? scene_reals[reference] : 0;
-    const bool known = (real & (uint32_t)m->outputs) && (real & marks) == marks;
-    return known ? (const double *)&m->state.values + (real & VARIABLE_OFFSET) / sizeof(double) : NULL;
-}
-
-bool model_get_vector(const struct model *m, const uint32_t *references, double *values)
-{
-    if (!references || !values) {
-        return false;
-    }
-    const uint32_t first = references[0];
-    const bool in_order = references[1] == first + 1 && references[2] == first + 2;
-    const double *from = in_order ? known_real(m, first, VARIABLE_VECTOR) : NULL;
-    if (!from) {
-        return false;
-    }
-    /* Single reads are faster: a read wider than the writes before it makes the processor wait. */
-    values[0] = from[0];
-    values[1] = from[1];
-    values[2] = from[2];
-    return true;
-}
-
 size_t model_get_reals(struct model *m, const uint32_t *references, size_t count, double *values)
 {
-    size_t i = 0;
-    const double *from = NULL;
-    const uint32_t real = count > 0 && references[0] < SCENE_REFERENCES ? scene_reals[references[0]] : 0;
-    if (real & (VARIABLE_BODY | VARIABLE_COMPUTED)) {
-        (void)model_update_outputs(m, real & VARIABLE_COMPUTED ? OUTPUTS_ALL : OUTPUTS_BODIES);
+    for (size_t i = 0; i < count; ++i) {
+        const uint32_t real = references[i] < SCENE_REFERENCES ? scene_reals[references[i]] : 0;
+        if (i == 0 && (real & (VARIABLE_BODY | VARIABLE_COMPUTED))) {
+            (void)model_update_outputs(m, real & VARIABLE_COMPUTED ? OUTPUTS_ALL : OUTPUTS_BODIES);
+        }
+        if (!(real & (uint32_t)m->outputs)) {
+            return i;
+        }
+        memcpy(&values[i], (const char *)&m->state.values + (real & VARIABLE_OFFSET), sizeof values[i]);
     }
-    while (i < count && (from = known_real(m, references[i], 0)) != NULL) {
-        values[i++] = *from;
-    }
-    return i;
+    return count;
 }
