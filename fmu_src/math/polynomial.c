@@ -114,7 +114,8 @@ int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_
     return count;
 }
 
-int insert_sorted(double number, double *sorted, int count)
+/* Sorts a number into `count` ascending ones; returns the new count. */
+static int insert_sorted(double number, double *sorted, int count)
 {
     int at = count;
     for (; at > 0 && sorted[at - 1] > number; --at) {

@@ -166,20 +166,14 @@ struct friction_law scene_friction_law(const struct scene_values *v, const struc
         .slip_velocity = q->contact[contact].parameters.slip_velocity};
 }
 
-static struct vec3 unit(struct vec3 a)
-{
-    /* The largest component divides first: squares of small or large numbers leave the range of a double. */
-    const struct vec3 scaled = vec3_scale(1.0 / vec3_max_abs(a), a);
-    return vec3_scale(1.0 / vec3_norm(scaled), scaled);
-}
-
 /* Adds the smallest rotation that takes the body's axis to `axis`; none where `axis` is zero. */
 static struct quaternion turned_to(struct quaternion orientation, struct vec3 axis)
 {
     if (!(vec3_max_abs(axis) > 0.0)) {
         return orientation;
     }
-    const struct quaternion turn = quaternion_between(quaternion_third_axis(orientation), unit(axis));
+    const struct quaternion turn =
+        quaternion_between(quaternion_third_axis(orientation), vec3_scale(1.0 / vec3_norm(axis), axis));
     return quaternion_unit(quaternion_product(turn, orientation));
 }
 
@@ -188,7 +182,7 @@ struct quaternion turning_start_orientation(const struct scene_values *v, int bo
     if (body_is_compound(body)) {
         return quaternion_unit(body_initial_orientation(v, body));
     }
-    return body_has_axis(body) ? quaternion_between(vec3_make(0.0, 0.0, 1.0), unit(body_axis(v, body)))
+    return body_has_axis(body) ? quaternion_between(vec3_make(0.0, 0.0, 1.0), body_unit_axis(v, body))
                                : quaternion_identity();
 }
 
@@ -813,7 +807,7 @@ struct vec3 body_part_that_turns(const struct scene_values *v, int body, struct 
     if (!body_keeps_axis(body)) {
         return a;
     }
-    const struct vec3 e = unit(body_axis(v, body));
+    const struct vec3 e = body_unit_axis(v, body);
     return vec3_scale(vec3_dot(a, e), e);
 }
 
