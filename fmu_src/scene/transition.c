@@ -538,18 +538,12 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
 void transition_change_friction(const struct scene_values *v, struct scene_state *q, int contact,
                                 enum ode_event event, struct scene_instant *at)
 {
-    transition_switch_friction(v, q, contact, event);
-    scene_kinematics_now(v, q, at);
-    begin_phase(v, q, at);
-    note_peaks_of_touching(v, q, at);
-}
-
-void transition_switch_friction(const struct scene_values *v, struct scene_state *q, int contact,
-                                enum ode_event event)
-{
     scene_rebase(v, q);
     turning_take_event(v, q, contact, event);
     counter_add(&q->counters.events, 1);
+    scene_kinematics_now(v, q, at);
+    begin_phase(v, q, at);
+    note_peaks_of_touching(v, q, at);
 }
 
 void transition_switch_regime(const struct scene_values *v, struct scene_state *q, int contact,
