@@ -432,24 +432,6 @@ static double gap_at_change(const struct scene_values *v, const struct scene_sta
     return fabs(gap) > fmax(rounding_of_gap(v, at, contact), rounding) ? gap : meant;
 }
 
-/* Moves bodies that part to a gap of zero. After an impact deep in comparison with the bodies' sizes, the gap
- * has a larger rounding error than positions have here, so that the bodies might touch again at once. A
- * larger gap shows that contact has ended at a cylinder's end, and stays. */
-static void close_rounded_gap(const struct scene_values *v, struct scene_state *q, struct scene_instant *at,
-                              int contact, double lasted)
-{
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const double gap = fabs(at->geometry[contact].distance - contact_reach(&shape));
-    if (!(scene_inverse_mass(v, contact) > 0.0) || gap > way_rounding(q, at, contact, lasted) ||
-        gap <= 0.25 * rounding_of_gap(v, at, contact)) {
-        return;
-    }
-    q->contact[contact].physics.accumulated_gap = DBL_MAX; /* not known: positions give the gap */
-    projection_close_gap(v, q, contact);
-    scene_rebase(v, q);
-    scene_kinematics_now(v, q, at);
-}
-
 /* Begins a phase of motion: forgets foreseen changes and notes the energy to be kept. */
 static void begin_phase(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at)
 {
@@ -521,9 +503,6 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
     scene_rebase(v, q);
     scene_kinematics_now(v, q, at);
     note_peaks_of_touching(v, q, at);
-    if (regime == REGIME_APART && q->contact[contact].regime != (int32_t)REGIME_APART) {
-        close_rounded_gap(v, q, at, contact, lasted);
-    }
     const double before = energy_stored(v, q, at);
     at->geometry[contact].gap = gap_at_change(v, q, at, contact, regime, lasted);
     q->contact[contact].physics.accumulated_gap = at->geometry[contact].gap;
