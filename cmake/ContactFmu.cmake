@@ -99,12 +99,11 @@ function(contact_generate_scene scene result)
     set(${result} "${folder}" PARENT_SCOPE)
 endfunction()
 
-# What the scene whose scene.cmake has been read does not need; the contact folder, which knows no scene, hears of it here.
+# What the scene whose scene.cmake has been read needs; the contact folder, which knows no scene, hears of it here.
 function(contact_leave_out_parts target)
-    foreach(what CYLINDER SKEW CAPS PLANE TORUS COMPOUND CURVED HERTZ PRESCRIBED RESTITUTION ROTATION FRICTION ROLLING MINDLIN)
-        if(NOT SCENE_HAS_${what})
-            target_compile_definitions(${target} PRIVATE CONTACT_ANY_${what}=0)
-        endif()
+    target_compile_definitions(${target} PRIVATE CONTACT_PARTS)
+    foreach(what CYLINDER SKEW CAPS PLANE TORUS COMPOUND CURVED HERTZ PRESCRIBED RESTITUTION ROTATION ROLLING MINDLIN)
+        target_compile_definitions(${target} PRIVATE "CONTACT_ANY_${what}=$<BOOL:${SCENE_HAS_${what}}>")
     endforeach()
 endfunction()
 

@@ -138,16 +138,18 @@ def amalgamated(units, source, scene, fmi):
     parts = (
         "CYLINDER SKEW CAPS PLANE TORUS COMPOUND CURVED HERTZ PRESCRIBED RESTITUTION ROTATION ROLLING MINDLIN"
     )
-    left_out = [f"CONTACT_ANY_{part}" for part in parts.split() if f"set(SCENE_HAS_{part} OFF)" in about]
+    has = {f"CONTACT_ANY_{part}": f"set(SCENE_HAS_{part} ON)" in about for part in parts.split()}
     name = re.search(r'SCENE_NAME "(\w+)"', about)[1]
     head = HEAD.format(
         name=name,
         fmi=fmi,
-        definitions="".join(f"#define {macro} 0\n" for macro in left_out),
+        definitions="".join(
+            f"#define {macro} {value:d}\n" for macro, value in {"CONTACT_PARTS": 1, **has}.items()
+        ),
         libraries="".join(f"#include <{library}>\n" for library in sorted(one.libraries)),
     )
     header = (scene / "scene.h").read_text(encoding="utf-8")
-    text = pruned(without_comments(body), header, left_out)
+    text = pruned(without_comments(body), header, [macro for macro, value in has.items() if not value])
     return name, head + INDENT.sub(lambda found: len(found[0]) // 4 * "\t", text) + TAIL
 
 

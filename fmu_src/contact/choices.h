@@ -3,49 +3,26 @@
 #ifndef CONTACT_CONTACT_CHOICES_H
 #define CONTACT_CONTACT_CHOICES_H
 
-/* CONTACT_ANY_X is 1 where a scene of the build may contain X. The build of a scene without X defines it as 0
- * (ContactFmu.cmake); the compiler then drops the code for X. */
-#ifndef CONTACT_ANY_CYLINDER
+/* CONTACT_ANY_X is 1 where a scene of the build may contain X. The build of a scene defines CONTACT_PARTS and
+ * each of these macros (ContactFmu.cmake); the compiler then drops the code for what is 0. */
+#ifndef CONTACT_PARTS
 #define CONTACT_ANY_CYLINDER 1
-#endif
-#ifndef CONTACT_ANY_CAPS
 #define CONTACT_ANY_CAPS 1
-#endif
-#ifndef CONTACT_ANY_PLANE
 #define CONTACT_ANY_PLANE 1
-#endif
-#ifndef CONTACT_ANY_TORUS
 #define CONTACT_ANY_TORUS 1
+#define CONTACT_ANY_SKEW 1 /* whether cylinders may touch with skew axes */
+#define CONTACT_ANY_COMPOUND 1
+#define CONTACT_ANY_CURVED 1 /* whether a destination may be other than a plane */
+#define CONTACT_ANY_HERTZ 1
+#define CONTACT_ANY_PRESCRIBED 1 /* whether the importer may move a body */
+#define CONTACT_ANY_RESTITUTION 1
+#define CONTACT_ANY_ROTATION 1 /* whether a body may turn */
+#define CONTACT_ANY_ROLLING 1  /* whether a contact may resist rolling or spinning */
+#define CONTACT_ANY_MINDLIN 1  /* whether a tangential stiffness may follow the normal one */
 #endif
+
 /* Whether a shape may be a rim or a torus, whose nearest point is on a circle. */
 #define CONTACT_ANY_CIRCLE (CONTACT_ANY_CAPS || CONTACT_ANY_TORUS)
-#ifndef CONTACT_ANY_SKEW /* whether cylinders may touch with skew axes */
-#define CONTACT_ANY_SKEW 1
-#endif
-#ifndef CONTACT_ANY_COMPOUND
-#define CONTACT_ANY_COMPOUND 1
-#endif
-#ifndef CONTACT_ANY_CURVED /* whether a destination may be other than a plane */
-#define CONTACT_ANY_CURVED 1
-#endif
-#ifndef CONTACT_ANY_HERTZ
-#define CONTACT_ANY_HERTZ 1
-#endif
-#ifndef CONTACT_ANY_PRESCRIBED /* whether the importer may move a body */
-#define CONTACT_ANY_PRESCRIBED 1
-#endif
-#ifndef CONTACT_ANY_RESTITUTION
-#define CONTACT_ANY_RESTITUTION 1
-#endif
-#ifndef CONTACT_ANY_ROTATION /* whether a body may turn */
-#define CONTACT_ANY_ROTATION 1
-#endif
-#ifndef CONTACT_ANY_ROLLING /* whether a contact may resist rolling or spinning */
-#define CONTACT_ANY_ROLLING 1
-#endif
-#ifndef CONTACT_ANY_MINDLIN /* whether a tangential stiffness may follow the normal one */
-#define CONTACT_ANY_MINDLIN 1
-#endif
 
 /* No body has the shapes SHAPE_RIM and SHAPE_SKEW: the rim is the circular edge of a capped cylinder, which a
  * sphere meets from beyond both the side and the cap; SHAPE_SKEW is what two skew cylinders are to each other

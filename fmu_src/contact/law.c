@@ -566,27 +566,3 @@ struct contact_law contact_law_slope(const struct contact_factors *factors, stru
     }
     return slope;
 }
-
-struct contact_law contact_hunt_crossley_slope(double chi_slope)
-{
-    return (struct contact_law){.damping = chi_slope, .law = LAW_HERTZ};
-}
-
-struct contact_law contact_law_with(struct contact_coefficients factors, enum method method,
-                                    enum penalty_control penalty_control, enum dashpot dashpot,
-                                    enum contact_force_law force_law)
-{
-    struct contact_law law = {.dashpot = dashpot, .law = force_law};
-    if (penalty_control != PENALTY_CONTROL_VISCOUS_ONLY) {
-        law.stiffness = factors.k;
-    }
-    if (method == METHOD_PENALTY_DYNAMIC) {
-        law.damping = factors.c;
-    }
-    /* Without a spring the non-adhesive and the approach-only dashpot both end the force when the bodies stop
-     * approaching. Non-adhesive is taken, because flight handles its separating regime in closed form. */
-    if (law.dashpot == DASHPOT_APPROACH_ONLY && !(law.stiffness > 0.0)) {
-        law.dashpot = DASHPOT_NON_ADHESIVE;
-    }
-    return law;
-}

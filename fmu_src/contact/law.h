@@ -194,13 +194,4 @@ struct contact_law contact_law_of(const struct contact_factors *factors, enum da
 struct contact_law contact_law_slope(const struct contact_factors *factors, struct contact_coefficients at,
                                      double diagonal_slope);
 
-/* Returns the derivatives of the factors of Hertz's law where only chi changes, at the rate `chi_slope`. */
-struct contact_law contact_hunt_crossley_slope(double chi_slope);
-
-/* Returns the law with the given factors. A method without damping sets p_nv or chi to zero, and viscous only
- * sets p_n or k_h to zero. The arguments are compile-time constants where a scene pins its choices. */
-struct contact_law contact_law_with(struct contact_coefficients factors, enum method method,
-                                    enum penalty_control penalty_control, enum dashpot dashpot,
-                                    enum contact_force_law force_law);
-
 #endif

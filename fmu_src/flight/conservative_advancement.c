@@ -181,20 +181,13 @@ static int functions_of(const struct advancement_path *path)
     return may_end && isfinite(path->shape.half_length) ? ADVANCEMENT_FUNCTIONS : 1;
 }
 
-/* Sets the separation and its time derivatives, by Horner's scheme. Lever arms, which are no polynomials, are
- * added to the separation and to its rate alone. */
+/* Sets the separation and its time derivatives. Lever arms, which are no polynomials, are added to the
+ * separation and to its rate alone. */
 static void separation_at(const struct advancement_path *path, double time, struct vec3 at[ADVANCEMENT_TERMS])
 {
-    for (int k = 0; k < ADVANCEMENT_TERMS; ++k) {
-        at[k] = vec3_make(0.0, 0.0, 0.0);
-    }
-    for (int i = ADVANCEMENT_TERMS - 1; i >= 0; --i) {
-        for (int k = ADVANCEMENT_TERMS - 1 - i; k > 0; --k) {
-            at[k] = vec3_axpy(at[k - 1], time, at[k]);
-        }
-        at[0] = vec3_axpy(path->c[i], time, at[0]);
-    }
     double factorial = 1.0;
+    memcpy(at, path->c, sizeof path->c);
+    path_shift(at, ADVANCEMENT_TERMS, time);
     for (int k = 2; k < ADVANCEMENT_TERMS; ++k) {
         factorial *= k;
         at[k] = vec3_scale(factorial, at[k]);

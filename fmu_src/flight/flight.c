@@ -6,8 +6,8 @@
 
 static struct rotor rotor_of(const struct scene_values *v, const struct scene_state *q, int body)
 {
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    return rotor_from(q->turn_origin[body], inertia.transverse, inertia.axial);
+    const struct vec3 inertia = body_inertia_of(v, body);
+    return rotor_from(q->turn_origin[body], inertia.x, inertia.z);
 }
 
 /* Sets the external torque as a polynomial of the time since the present. */
@@ -32,10 +32,7 @@ static struct body_turn flight_turn_at(const struct scene_values *v, const struc
         return rotor_at(&rotor, clock);
     }
     torque_from_now(v, q, body, torque);
-    const struct body_inertia of = body_inertia_of(v, body);
-    const struct vec3 inertia = body_is_compound(body) ? body_principal_inertia(v, body)
-                                                       : vec3_make(of.transverse, of.transverse, of.axial);
-    return rotor_of_three_after(now, inertia, torque, clock - q->clock);
+    return rotor_of_three_after(now, body_inertia_of(v, body), torque, clock - q->clock);
 }
 
 void flight_turn(const struct scene_values *v, struct scene_state *q, int body, double clock)
@@ -60,7 +57,7 @@ struct axis_motion flight_axis_motion(const struct scene_values *v, const struct
     struct vec3 torque[ROTOR_TORQUES];
     torque_from_now(v, q, body, torque);
     /* the axis turns with L / I_1, as that of a body with three moments I_1 does */
-    const double inertia = body_inertia_of(v, body).transverse;
+    const double inertia = body_inertia_of(v, body).x;
     const struct body_turn whole = {quaternion_identity(), body_spin_of(v, body, at)};
     return axis_motion_tumbling(quaternion_third_axis(at->orientation), &whole,
                                 vec3_make(inertia, inertia, inertia), torque);
@@ -74,60 +71,26 @@ static const double LEAST_DISCRIMINANT = 1e-8;
  * which side of the centre the source is. */
 static const double CLEAR_OF_CENTRE = 1e-9;
 
-static bool is_along(struct vec3 normal, struct vec3 a)
+/* Returns the part of a term of the motion that changes the gap in head-on flight: for a plane its part along
+ * n, for a cylinder its part across the axis. */
+static struct vec3 part_that_counts(const struct contact_shape *shape, struct vec3 normal, struct vec3 a)
 {
-    return vec3_is_zero(vec3_cross(normal, a));
-}
-
-/* Whether a vector is zero, for a cylinder only across its axis. */
-static bool is_zero_across(const struct contact_shape *shape, struct vec3 a)
-{
-    return vec3_is_zero(a) || (contact_is_cylinder(shape) && vec3_is_zero(contact_across(shape, a)));
-}
-
-/* Whether the first two terms of w are those of c', for a cylinder only across its axis, where c[1] and c[2]
- * have the parts `speed` and `bend`. */
-static bool rates_agree(const struct contact_shape *shape, const struct separation_path *separation,
-                        struct vec3 speed, struct vec3 bend)
-{
-    const struct vec3 *c = separation->c;
-    const struct vec3 *w = separation->w;
-    if (vec3_is_zero(vec3_sub(w[0], c[1])) && vec3_is_zero(vec3_axpy(w[1], -2.0, c[2]))) {
-        return true;
-    }
-    return contact_is_cylinder(shape) && vec3_is_zero(vec3_sub(contact_across(shape, w[0]), speed)) &&
-           vec3_is_zero(vec3_axpy(contact_across(shape, w[1]), -2.0, bend));
-}
-
-/* Whether the motion along a plane's normal is a parabola of time; the motion in the plane does not count. */
-static bool is_parabola_over_plane(const struct separation_path *separation, struct vec3 normal)
-{
-    const struct vec3 *c = separation->c;
-    const struct vec3 *w = separation->w;
-    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        const bool highest = i > 2 && (contact_along_plane(normal, c[i]) != 0.0 ||
-                                       contact_along_plane(normal, w[i - 1]) != 0.0);
-        const struct vec3 differs = vec3_axpy(w[i - 1], -i, c[i]);
-        if (highest || (i <= 2 && vec3_dot(normal, differs) != 0.0)) {
-            return false;
-        }
-    }
-    return true;
+    return contact_is_plane(shape) ? vec3_scale(contact_along_plane(normal, a), normal)
+                                   : contact_across(shape, a);
 }
 
 bool flight_is_head_on(const struct contact_shape *shape, const struct separation_path *separation,
                        struct vec3 normal)
 {
-    if (contact_is_plane(shape)) {
-        return is_parabola_over_plane(separation, normal);
-    }
-    const struct vec3 speed = contact_across(shape, separation->c[1]);
-    const struct vec3 bend = contact_across(shape, separation->c[2]);
-    if (!is_along(normal, speed) || !is_along(normal, bend) || !rates_agree(shape, separation, speed, bend)) {
-        return false;
-    }
-    for (int i = 3; i <= SEPARATION_DEGREE; ++i) {
-        if (!is_zero_across(shape, separation->c[i]) || !is_zero_across(shape, separation->w[i - 1])) {
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        if (vec3_is_zero(separation->c[i]) && vec3_is_zero(separation->w[i - 1])) {
+            continue; /* most forces are constant */
+        }
+        const struct vec3 moved = part_that_counts(shape, normal, separation->c[i]);
+        const struct vec3 rate = part_that_counts(shape, normal, separation->w[i - 1]);
+        const bool is_along = contact_is_plane(shape) || vec3_is_zero(vec3_cross(normal, moved));
+        const bool rests = vec3_is_zero(moved) && vec3_is_zero(rate);
+        if (!rests && (i > 2 || !is_along || !vec3_is_zero(vec3_axpy(rate, -i, moved)))) {
             return false;
         }
     }
@@ -209,9 +172,7 @@ bool flight_is_free(const struct scene_state *q)
 void flight_force(const struct scene_state *q, int body, double clock, struct vec3 force[3])
 {
     memcpy(force, q->path[body].force, sizeof q->path[body].force);
-    if (!path_is_steady(force, 3)) {
-        path_shift(force, 3, clock);
-    }
+    path_shift(force, 3, clock);
 }
 
 bool flight_is_steady(const struct scene_values *v, const struct scene_state *q, int body)

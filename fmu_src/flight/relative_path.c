@@ -19,12 +19,11 @@ static void add_free(const struct scene_values *v, const struct scene_state *q,
     }
 }
 
-static void add_prescribed(const struct scene_state *q, double clock, int body, double sign,
-                           struct separation_path *out)
+static void add_prescribed(const struct scene_values *v, const struct scene_state *q, double clock, int body,
+                           double sign, struct separation_path *out)
 {
     struct body_path path = q->path[body];
-    path_shift(path.displacement, 4, clock);
-    path_shift(path.velocity, 3, clock);
+    body_path_shift(v, body, &path, clock);
     for (int i = 1; i < 4; ++i) {
         out->c[i] = vec3_axpy(out->c[i], sign, path.displacement[i]);
     }
@@ -43,7 +42,7 @@ struct separation_path separation_path_of(const struct scene_values *v, const st
         if (SCENE_ANY_FREE && body_is_free(v, ends[i])) {
             add_free(v, q, at, clock, ends[i], sign, &path);
         } else if (body_is_prescribed(v, ends[i])) {
-            add_prescribed(q, clock, ends[i], sign, &path);
+            add_prescribed(v, q, clock, ends[i], sign, &path);
         }
     }
     return path;
@@ -83,8 +82,7 @@ static void put_levers(const struct scene_values *v, const struct scene_state *q
         const struct vec3 axis = vec3_scale(1.0 / vec3_norm(lever), lever);
         const struct body_turn *turn = &at->turning.body[body];
         struct body_path follows = q->path[body];
-        path_shift(follows.angular_velocity, 3, clock);
-        path_shift(follows.torque, 3, clock);
+        body_path_shift(v, body, &follows, clock);
         path->lever_length[end] = length;
         path->lever[end] = (struct axis_motion){.kind = AXIS_FIXED, .axis = axis};
         path->c[0] = vec3_axpy(path->c[0], end == 0 ? 1.0 : -1.0, lever); /* to the centres of mass */
@@ -97,12 +95,11 @@ static void put_levers(const struct scene_values *v, const struct scene_state *q
     }
 }
 
-static struct axis_motion prescribed_axis(const struct scene_state *q, const struct body_turn *turn,
-                                          double clock, int body)
+static struct axis_motion prescribed_axis(const struct scene_values *v, const struct scene_state *q,
+                                          const struct body_turn *turn, double clock, int body)
 {
     struct body_path path = q->path[body];
-    path_shift(path.angular_velocity, 3, clock);
-    path_shift(path.axis, 3, clock);
+    body_path_shift(v, body, &path, clock);
     const bool by_axis = path.turn_follows != TURN_FOLLOWS_VELOCITY && !vec3_is_zero(path.axis[0]);
     return by_axis ? axis_motion_following(path.axis)
                    : axis_motion_prescribed(quaternion_third_axis(turn->orientation), path.angular_velocity);
@@ -127,7 +124,7 @@ struct advancement_path advancement_path_of(const struct scene_values *v, const 
         const struct body_turn *turn = &at->turning.body[destination];
         path.axis = SCENE_ANY_FREE && body_turns_freely(v, destination)
                         ? flight_axis_motion(v, q, turn, destination)
-                        : prescribed_axis(q, turn, clock, destination);
+                        : prescribed_axis(v, q, turn, clock, destination);
     }
     return path;
 }

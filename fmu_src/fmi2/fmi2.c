@@ -150,22 +150,6 @@ CALL2(Reset, ANY, PHASES_ALL, (fmi2Component c), instance_reset(instance))
 /* This part gets and sets values. Enumerations are of type fmi2Integer too. There are no string variables, so
  * that fmi2GetString refuses every reference. */
 
-/* Reads Real variables, mostly the three components of one vector. The function is flattened, because calls
- * would be a good part of the time of such a read. */
-CONTACT_EXPORTED CONTACT_FLATTEN fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[],
-                                                        size_t nvr, fmi2Real value[])
-{
-    static const struct call call = {"fmi2GetReal", CALL_ANY, PHASES_READ(PHASES_ALL), NULL};
-    struct instance *instance = c;
-    if (instance != NULL && instance->phase == PHASE_STEP && nvr == 3 &&
-        model_get_vector(instance->model, vr, value)) {
-        return fmi2OK;
-    }
-    return (fmi2Status)(call_begin(instance, &call)
-                            ? instance_get_values(instance, TYPES_REAL, vr, nvr, value, nvr)
-                            : MODEL_ERROR);
-}
-
 #define GETTER2(Type, types)                                                                                 \
     CALL2(Get##Type, ANY, PHASES_READ(PHASES_ALL),                                                           \
           (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2##Type value[]),                  \
@@ -174,6 +158,7 @@ CONTACT_EXPORTED CONTACT_FLATTEN fmi2Status fmi2GetReal(fmi2Component c, const f
     CALL2(Set##Type, ANY, phases,                                                                            \
           (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2##Type value[]),            \
           instance_set_values(instance, types, vr, nvr, (const void *)value, nvr))
+GETTER2(Real, TYPES_REAL)
 SETTER2(Real, TYPES_REAL, PHASES_SETTABLE | PHASE_CONTINUOUS)
 GETTER2(Integer, TYPES_INTEGER | TYPES_ENUMERATION)
 SETTER2(Integer, TYPES_INTEGER | TYPES_ENUMERATION, PHASES_SETTABLE)

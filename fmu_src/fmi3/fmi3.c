@@ -220,24 +220,6 @@ CALL3(Reset, ANY, PHASES_ALL, (fmi3Instance c), instance_reset(instance))
 
 /* This part gets and sets values. A vector is read and written as a whole. */
 
-/* Reads Float64 variables, in a run mostly one vector. The function is flattened, because calls would be a
- * good part of the time of such a read. */
-CONTACT_EXPORTED CONTACT_FLATTEN fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference vr[],
-                                                           size_t nvr, fmi3Float64 values[], size_t count)
-{
-    static const struct call call = {"fmi3GetFloat64", CALL_ANY, PHASES_WITHIN(PHASES_ALL), NULL};
-    struct instance *instance = c;
-    if (instance != NULL && instance->phase == PHASE_STEP && nvr == 1 && count == 3 && vr != NULL) {
-        const uint32_t components[3] = {vr[0], vr[0] + 1, vr[0] + 2};
-        if (model_get_vector(instance->model, components, values)) {
-            return fmi3OK;
-        }
-    }
-    return (fmi3Status)(call_begin(instance, &call)
-                            ? instance_get_values(instance, TYPES_REAL, vr, nvr, values, count)
-                            : MODEL_ERROR);
-}
-
 #define GETTER3(Type, types)                                                                                 \
     CALL3(Get##Type, ANY, PHASES_WITHIN(PHASES_ALL),                                                         \
           (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, fmi3##Type values[], size_t count),    \
@@ -250,6 +232,7 @@ CONTACT_EXPORTED CONTACT_FLATTEN fmi3Status fmi3GetFloat64(fmi3Instance c, const
 #define BOTH3(Type, types)                                                                                   \
     GETTER3(Type, types)                                                                                     \
     SETTER3(Type, types, PHASES_SETTABLE)
+GETTER3(Float64, TYPES_REAL)
 SETTER3(Float64, TYPES_REAL, PHASES_SETTABLE | PHASE_CONTINUOUS)
 BOTH3(Int32, TYPES_INTEGER)
 BOTH3(Int64, TYPES_ENUMERATION)

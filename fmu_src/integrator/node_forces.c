@@ -143,7 +143,7 @@ static void prepare_bodies(struct iteration *it)
         struct mobility *to = &it->mobility[i];
         *to = (struct mobility){.by_mass = body_inverse_mass(v, i)};
         if (body_turns_freely(v, i)) {
-            to->by_inertia = 1.0 / body_inertia_of(v, i).transverse;
+            to->by_inertia = 1.0 / body_inertia_of(v, i).x;
             it->rotation[0][i] = rotation_of(v, i, it->g->state->turning.body[i].orientation);
             for (int stage = 1; stage < RADAU_MOST_STAGES; ++stage) {
                 it->rotation[stage][i] = it->rotation[0][i];

@@ -24,14 +24,14 @@ struct polynomial polynomial_derivative(const struct polynomial *p)
     return d;
 }
 
-static void value_and_slope(const void *data, double s, double *value, double *slope)
+void power_sum_and_slope(const void *sum, double s, double *value, double *slope)
 {
-    const struct polynomial *p = data;
-    *value = p->a[p->degree];
+    const struct power_sum *of = sum;
+    *value = of->a[of->terms - 1];
     *slope = 0.0;
-    for (int i = p->degree - 1; i >= 0; --i) {
+    for (int i = of->terms - 2; i >= 0; --i) {
         *slope = *slope * s + *value;
-        *value = *value * s + p->a[i];
+        *value = *value * s + of->a[i];
     }
 }
 
@@ -73,12 +73,13 @@ static int trimmed_degree(const struct polynomial *p)
 static int roots_between(const struct polynomial *p, const double *extrema, int extremum_count, double *roots)
 {
     int count = 0;
+    const struct power_sum sum = {p->a, p->degree + 1};
     struct root_bracket_end low = {0.0, p->a[0], p->a[1]};
     for (int i = 0; i <= extremum_count; ++i) {
         struct root_bracket_end high = {.s = i < extremum_count ? extrema[i] : 1.0};
-        value_and_slope(p, high.s, &high.value, &high.slope);
+        power_sum_and_slope(&sum, high.s, &high.value, &high.slope);
         if ((low.value < 0.0 && high.value > 0.0) || (low.value > 0.0 && high.value < 0.0)) {
-            roots[count++] = root_between(value_and_slope, p, low, high);
+            roots[count++] = root_between(power_sum_and_slope, &sum, low, high);
         } else if (high.value == 0.0 && i < extremum_count) {
             /* p = 0 at an extremum: keep the sign from the left; the next interval decides. */
             continue;
@@ -86,16 +87,6 @@ static int roots_between(const struct polynomial *p, const double *extrema, int 
         low = high;
     }
     return count;
-}
-
-/* Whether the slope keeps the sign it has at zero, by the size of its terms. */
-static bool is_monotone(const struct polynomial *p)
-{
-    double rest = 0.0;
-    for (int i = 2; i <= p->degree; ++i) {
-        rest += i * fabs(p->a[i]);
-    }
-    return fabs(p->a[1]) > (1.0 + 1e-12) * rest; /* whatever the sum's rounding */
 }
 
 int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_MAX_DEGREE])
@@ -108,13 +99,12 @@ int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_
     int lowest = degree;
     chain[degree] = *p;
     chain[degree].degree = degree;
-    while (lowest > 2 && !is_monotone(&chain[lowest])) {
+    while (lowest > 2) {
         chain[lowest - 1] = polynomial_derivative(&chain[lowest]);
         --lowest;
     }
     double extrema[POLYNOMIAL_MAX_DEGREE] = {0.0};
-    int count = lowest > 2 ? roots_between(&chain[lowest], extrema, 0, roots)
-                           : quadratic_sign_changes(&chain[lowest], roots);
+    int count = quadratic_sign_changes(&chain[lowest], roots);
     for (int i = lowest + 1; i <= degree; ++i) {
         for (int j = 0; j < count; ++j) {
             extrema[j] = roots[j];
@@ -124,7 +114,8 @@ int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_
     return count;
 }
 
-int insert_sorted(double number, double *sorted, int count)
+/* Sorts a number into `count` ascending ones; returns the new count. */
+static int insert_sorted(double number, double *sorted, int count)
 {
     int at = count;
     for (; at > 0 && sorted[at - 1] > number; --at) {

@@ -23,9 +23,15 @@ struct polynomial polynomial_derivative(const struct polynomial *p);
  */
 int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_MAX_DEGREE]);
 
-/* Sort a number, and all of these s, into `count` ascending ones; return the new count. */
-int insert_sorted(double number, double *sorted, int count);
+/* Sorts all of these s into `count` ascending numbers; returns the new count. */
 int polynomial_add_sign_changes(const struct polynomial *p, double *sorted, int count);
+
+/* A sum of a[i] s^i, and a root_function of it (below). */
+struct power_sum {
+    const double *a;
+    int terms;
+};
+void power_sum_and_slope(const void *sum, double s, double *value, double *slope);
 
 /* One root of a smooth function inside a bracket on which it is monotone and changes sign. */
 

@@ -96,35 +96,16 @@ void taylor_derivatives(const double *a, int terms, double s, double out[3])
     out[2] *= 2.0;
 }
 
-/* A series as the context of a root_function. */
-struct taylor_terms {
-    const double *a;
-    int terms;
-};
-
-static void taylor_and_slope(const void *series, double s, double *value, double *slope)
-{
-    const struct taylor_terms *of = series;
-    double sum = 0.0;
-    double rise = 0.0;
-    for (int i = of->terms - 1; i >= 0; --i) {
-        rise = rise * s + sum;
-        sum = sum * s + of->a[i];
-    }
-    *value = sum;
-    *slope = rise;
-}
-
 void taylor_root_function(const void *a, double s, double *value, double *slope)
 {
-    taylor_and_slope(&(struct taylor_terms){a, TAYLOR_TERMS}, s, value, slope);
+    power_sum_and_slope(&(struct power_sum){a, TAYLOR_TERMS}, s, value, slope);
 }
 
 /* Horner's scheme with each product at its worst bounds the series from below, and its slope from above. By
  * these bounds most series either stay above zero or fall all the way, and no further search is needed. */
 double taylor_first_fall(const double *a, int terms, double end)
 {
-    const struct taylor_terms series = {a, terms};
+    const struct power_sum series = {a, terms};
     double least = 0.0;
     for (int i = terms - 1; i >= 0; --i) {
         least = a[i] + end * (least > 0.0 ? 0.0 : least);
@@ -138,9 +119,9 @@ double taylor_first_fall(const double *a, int terms, double end)
     }
     if (a[0] > 0.0 && steepest < 0.0) {
         struct root_bracket_end high = {.s = end};
-        taylor_and_slope(&series, end, &high.value, &high.slope);
+        power_sum_and_slope(&series, end, &high.value, &high.slope);
         return high.value > 0.0 ? (double)INFINITY
-                                : root_between(taylor_and_slope, &series,
+                                : root_between(power_sum_and_slope, &series,
                                                (struct root_bracket_end){0.0, a[0], a[1]}, high);
     }
     double of[TAYLOR_TERMS];
@@ -152,6 +133,6 @@ double taylor_first_fall(const double *a, int terms, double end)
     bernstein_from_powers(of, terms);
     const struct bernstein_fall fall = bernstein_first_fall(of, terms, 0.0);
     return fall.low < (double)INFINITY
-               ? root_in_bracket(taylor_and_slope, &series, fall.low * end, fall.high * end)
+               ? root_in_bracket(power_sum_and_slope, &series, fall.low * end, fall.high * end)
                : (double)INFINITY;
 }

@@ -127,21 +127,14 @@ void model_start_paths(struct model *m)
 static void input_path_shift(const struct model *m, int body, struct body_path *path)
 {
     const double clock = m->state.motion.clock;
-    path_shift(path->displacement, 4, clock);
-    path_shift(path->velocity, 3, clock);
-    path_shift(path->force, 3, clock);
-    if (SCENE_ANY_ROTATION) {
-        path_shift(path->angular_velocity, 3, clock);
-        path_shift(path->axis, 3, clock);
-        path_shift(path->torque, 3, clock);
-        if (path->turn_follows == TURN_FOLLOWS_VELOCITY && body_shape(body) != SHAPE_SPHERE &&
-            body_turn_is_prescribed(&m->state.values, body)) {
-            /* the axis or the orientation has followed the angular velocity; components that are not set go
-             * on from where it is */
-            const struct body_turn now = turning_prescribed_at(&m->state.motion, clock, body);
-            path->axis[0] = body_is_compound(body) ? path->axis[0] : quaternion_third_axis(now.orientation);
-            path->orientation = now.orientation;
-        }
+    body_path_shift(&m->state.values, body, path, clock);
+    if (SCENE_ANY_ROTATION && path->turn_follows == TURN_FOLLOWS_VELOCITY &&
+        body_shape(body) != SHAPE_SPHERE && body_turn_is_prescribed(&m->state.values, body)) {
+        /* the axis or the orientation has followed the angular velocity; components that are not set go on
+         * from where it is */
+        const struct body_turn now = turning_prescribed_at(&m->state.motion, clock, body);
+        path->axis[0] = body_is_compound(body) ? path->axis[0] : quaternion_third_axis(now.orientation);
+        path->orientation = now.orientation;
     }
 }
 
@@ -539,19 +532,17 @@ static void warn_of_axis(struct model *m, int body)
 {
     const struct scene_values *v = &m->state.values;
     const struct scene_state *q = &m->state.motion;
-    const struct body_path *path = &q->path[body];
-    if (path->turn_follows != TURN_FOLLOWS_AXIS || (m->state.warned_of_rate[body] & WARNED_OF_AXIS) ||
+    struct body_path path = q->path[body];
+    if (path.turn_follows != TURN_FOLLOWS_AXIS || (m->state.warned_of_rate[body] & WARNED_OF_AXIS) ||
         !body_has_axis(body) || !body_turn_is_prescribed(v, body)) {
         return;
     }
-    struct vec3 given[3];
-    memcpy(given, path->axis, sizeof given);
-    path_shift(given, 3, q->clock);
-    const double length = vec3_norm(given[0]);
-    const struct vec3 axis = vec3_scale(1.0 / length, given[0]);
-    const struct vec3 raw = vec3_scale(1.0 / length, given[1]);
+    body_path_shift(v, body, &path, q->clock);
+    const double length = vec3_norm(path.axis[0]);
+    const struct vec3 axis = vec3_scale(1.0 / length, path.axis[0]);
+    const struct vec3 raw = vec3_scale(1.0 / length, path.axis[1]);
     const struct vec3 rate = vec3_axpy(raw, -vec3_dot(raw, axis), axis);
-    const struct vec3 turning = vec3_cross(path_at(path->angular_velocity, 3, q->clock), axis);
+    const struct vec3 turning = vec3_cross(path.angular_velocity[0], axis);
     warn_of_rates(m, body, WARNED_OF_AXIS, rate, turning, AXIS_AGREEMENT);
 }
 
@@ -568,13 +559,10 @@ void model_warn_of_rates(struct model *m)
         if (!body_is_prescribed(v, i) || (m->state.warned_of_rate[i] & WARNED_OF_DISPLACEMENT)) {
             continue;
         }
-        struct vec3 path[4];
-        memcpy(path, q->path[i].displacement, sizeof path);
-        path_shift(path, 4, q->clock);
-        const struct vec3 rate = path[1];
-        const struct vec3 velocity = path_at(q->path[i].velocity, 3, q->clock);
-        if (has_rate_of_its_own(m, i, rate)) {
-            warn_of_rates(m, i, WARNED_OF_DISPLACEMENT, rate, velocity, least_speed);
+        struct body_path path = q->path[i];
+        body_path_shift(v, i, &path, q->clock);
+        if (has_rate_of_its_own(m, i, path.displacement[1])) {
+            warn_of_rates(m, i, WARNED_OF_DISPLACEMENT, path.displacement[1], path.velocity[0], least_speed);
         }
     }
 }

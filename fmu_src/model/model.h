@@ -74,10 +74,8 @@ enum model_status model_read(struct model *m, const struct variable *variable, v
 
 /* Reads many Real variables quickly once the model is initialized, after the outputs have been brought up to
  * date for the first. Returns the number of variables read before the first one that is not Real or has to be
- * computed. model_get_vector reads the three components of a vector that is up to date, or none of them where
- * the references are not those of one vector or where an array is missing. */
+ * computed. */
 size_t model_get_reals(struct model *m, const uint32_t *references, size_t count, double *values);
-bool model_get_vector(const struct model *m, const uint32_t *references, double *values);
 
 /* Sets the time derivative of `order` 1 or 2 of a real input from the present communication point on, to a
  * value in the range of the input. */

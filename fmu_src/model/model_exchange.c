@@ -239,7 +239,7 @@ static bool change_regimes(const struct scene_values *v, struct scene_state *q)
         if (SCENE_ANY_FRICTION) {
             const enum ode_event event = regime_friction_event(v, q, &at, j);
             if (event != ODE_EVENT_GAP) {
-                transition_switch_friction(v, q, j, event);
+                transition_change_friction(v, q, j, event, &at);
                 changed = true;
             }
         }

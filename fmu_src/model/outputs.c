@@ -240,31 +240,16 @@ static struct vec3 source_point_term(const struct scene_jet *along, const struct
 
 /* Returns coefficient `order` of the output `distance`, for a capped cylinder that of the distance from its
  * axis in every zone. */
-static double distance_term(const struct scene_values *v, const struct contact_shape *shape,
-                            const struct scene_instant *at, const struct scene_jet *along, int contact,
-                            int order)
+static double distance_term(const struct contact_shape *shape, const struct contact_jet *jet, int order)
 {
-    if (contact_is_capped(shape)) {
-        const int destination = contact_destination(contact);
-        struct vec3 c[JET_TERMS] = {{0.0, 0.0, 0.0}}, rate[JET_TERMS] = {{0.0, 0.0, 0.0}};
-        struct vec3 axis[JET_TERMS] = {shape->solid.axis};
-        struct vec3 across[JET_TERMS], to_axis[JET_TERMS];
-        double axial[JET_TERMS];
-        double rho[JET_TERMS];
-        for (int i = 1; i < JET_TERMS; ++i) {
-            c[i] = vec3_sub(along->displacement[destination][i],
-                            along->displacement[contact_source(contact)][i]);
-        }
-        if (body_turns(v, destination)) {
-            jet_axis_of(along, destination, axis);
-        }
-        jet_add_levers(along, contact, c, rate);
-        c[0] = at->separation[contact];
-        jet_across(JET_TERMS, c, axis, across, axial);
-        jet_direction(JET_TERMS, across, rho, to_axis);
-        return order > 0 && !(rho[0] > 0.0) ? 0.0 : rho[order];
+    struct vec3 across[JET_TERMS], to_axis[JET_TERMS];
+    double axial[JET_TERMS], rho[JET_TERMS];
+    if (!contact_is_capped(shape)) {
+        return jet->distance[order];
     }
-    return along->contact[contact].distance[order];
+    jet_across(JET_TERMS, jet->separation, jet->axis, across, axial);
+    jet_direction(JET_TERMS, across, rho, to_axis);
+    return order > 0 && !(rho[0] > 0.0) ? 0.0 : rho[order];
 }
 
 /* Returns coefficient `order` of a vector output of a contact; zero where the output is constant. */
@@ -318,7 +303,7 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
     case ROW_contact_gap_rate:
         return scene_shown_within(v, q, at, j, &shape) ? contact->gap_rate[order] : 0.0;
     case ROW_contact_distance:
-        return distance_term(v, &shape, at, along, j, order);
+        return distance_term(&shape, contact, order);
     case ROW_contact_normal_force:
         return contact->normal_force[order];
     default:
@@ -530,43 +515,17 @@ enum model_status model_read(struct model *m, const struct variable *variable, v
     return MODEL_OK;
 }
 
-/* Returns the place of a Real variable that is up to date and whose table entry has the bits `marks`; else
- * NULL. */
-static inline const double *known_real(const struct model *m, uint32_t reference, uint32_t marks)
-{
-    const uint32_t real = reference < SCENE_REFERENCES ? scene_reals[reference] : 0;
-    const bool known = (real & (uint32_t)m->outputs) && (real & marks) == marks;
-    return known ? (const double *)&m->state.values + (real & VARIABLE_OFFSET) / sizeof(double) : NULL;
-}
-
-bool model_get_vector(const struct model *m, const uint32_t *references, double *values)
-{
-    if (!references || !values) {
-        return false;
-    }
-    const uint32_t first = references[0];
-    const bool in_order = references[1] == first + 1 && references[2] == first + 2;
-    const double *from = in_order ? known_real(m, first, VARIABLE_VECTOR) : NULL;
-    if (!from) {
-        return false;
-    }
-    /* Single reads are faster: a read wider than the writes before it makes the processor wait. */
-    values[0] = from[0];
-    values[1] = from[1];
-    values[2] = from[2];
-    return true;
-}
-
 size_t model_get_reals(struct model *m, const uint32_t *references, size_t count, double *values)
 {
-    size_t i = 0;
-    const double *from = NULL;
-    const uint32_t real = count > 0 && references[0] < SCENE_REFERENCES ? scene_reals[references[0]] : 0;
-    if (real & (VARIABLE_BODY | VARIABLE_COMPUTED)) {
-        (void)model_update_outputs(m, real & VARIABLE_COMPUTED ? OUTPUTS_ALL : OUTPUTS_BODIES);
+    for (size_t i = 0; i < count; ++i) {
+        const uint32_t real = references[i] < SCENE_REFERENCES ? scene_reals[references[i]] : 0;
+        if (i == 0 && (real & (VARIABLE_BODY | VARIABLE_COMPUTED))) {
+            (void)model_update_outputs(m, real & VARIABLE_COMPUTED ? OUTPUTS_ALL : OUTPUTS_BODIES);
+        }
+        if (!(real & (uint32_t)m->outputs)) {
+            return i;
+        }
+        memcpy(&values[i], (const char *)&m->state.values + (real & VARIABLE_OFFSET), sizeof values[i]);
     }
-    while (i < count && (from = known_real(m, references[i], 0)) != NULL) {
-        values[i++] = *from;
-    }
-    return i;
+    return count;
 }

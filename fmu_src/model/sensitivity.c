@@ -138,8 +138,7 @@ static void vary_laws(const struct model *m, struct linear_model *l)
         if (SCENE_ANY_HERTZ && !m->state.initialized && scene_damps_by_onset(v, j)) {
             const struct contact_jet *contact = &along->contact[j];
             jet_of_contacts(v, l->q, &l->at, NULL, true, along);
-            along->law_slope[j] = contact_hunt_crossley_slope(
-                onset_damping_slope(v, l->q, &l->at, j, contact->gap[1], contact->gap_rate[1]));
+            along->law_slope[j] = onset_law_slope(v, l->q, &l->at, j, contact->gap[1], contact->gap_rate[1]);
         }
     }
 }

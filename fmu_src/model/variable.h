@@ -57,10 +57,9 @@ double variable_number(const struct variable *variable, const void *at);
  * offset. */
 enum variable_source {
     VARIABLE_OFFSET = 0xffffff,
-    VARIABLE_GIVEN = 0x1000000,    /* nothing, because the importer gave the value */
-    VARIABLE_BODY = 0x4000000,     /* the motion of the bodies */
-    VARIABLE_COMPUTED = 0x8000000, /* everything */
-    VARIABLE_VECTOR = 0x10000000   /* beside another bit: the first of a vector's three components */
+    VARIABLE_GIVEN = 0x1000000,   /* nothing, because the importer gave the value */
+    VARIABLE_BODY = 0x4000000,    /* the motion of the bodies */
+    VARIABLE_COMPUTED = 0x8000000 /* everything */
 };
 
 /* For each of the SCENE_REFERENCES value references: the offset of its Real variable and the bits of enum

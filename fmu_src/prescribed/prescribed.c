@@ -839,7 +839,7 @@ CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, c
     s->springs = laid_springs(c, to, s->springs);
     kinematics_at(c, to, &at);
     put_springs_of(c, &s->springs);
-    take_regime(c, to, scene_regime(c->v, c->q, &at, c->contact));
+    take_regime(c, to, scene_regime(c->v, c->q, &at, c->contact, false));
     s->springs = springs_of(c->q, c->contact);
     add_instant(s, to, to - passage->centre);
     counter_add(&c->q->counters.events, 1);
@@ -1012,8 +1012,8 @@ static void begin_contact(struct span *s, double clock)
     const struct prescribed_contact *c = &s->c;
     struct scene_instant at;
     kinematics_at(c, clock, &at);
-    (void)onset_note(c->v, c->q, &at, c->contact, scene_regime_of_touching(c->v, c->q, &at, c->contact));
-    take_regime(c, clock, scene_regime_of_touching(c->v, c->q, &at, c->contact));
+    (void)onset_note(c->v, c->q, &at, c->contact, scene_regime(c->v, c->q, &at, c->contact, true));
+    take_regime(c, clock, scene_regime(c->v, c->q, &at, c->contact, true));
     s->springs = springs_of(c->q, c->contact);
 }
 
@@ -1072,7 +1072,7 @@ void prescribed_settle(const struct scene_values *v, struct scene_state *q)
     scene_kinematics_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct prescribed_contact c = {v, q, j};
-        const enum contact_regime next = onset_note(v, q, &at, j, scene_regime(v, q, &at, j));
+        const enum contact_regime next = onset_note(v, q, &at, j, scene_regime(v, q, &at, j, false));
         if (SCENE_ANY_FRICTION && scene_turns(v) && next != REGIME_APART && regime_of(&c) != REGIME_APART) {
             lay_springs(&c);
         }

@@ -23,7 +23,7 @@ bool scene_damps_by_onset(const struct scene_values *v, int contact)
 /* Automatic moments of inertia are those of homogeneous solids: 2/5 m r^2 for a sphere; m r^2/2 about the
  * axis and m (3 r^2 + L^2)/12 across it for a cylinder. One that keeps its axis needs only the first. For a
  * torus with the tube's radius r they are m (R^2 + 3 r^2/4) and m (R^2/2 + 5 r^2/8). */
-struct body_inertia body_inertia_of(const struct scene_values *v, int body)
+struct vec3 body_inertia_of(const struct scene_values *v, int body)
 {
     const bool is_cylinder = SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER;
     const bool is_torus = SCENE_ANY_TORUS && body_shape(body) == SHAPE_TORUS;
@@ -31,53 +31,48 @@ struct body_inertia body_inertia_of(const struct scene_values *v, int body)
     const double m = body_mass(v, body);
     const double r = body_radius(v, body);
     const double length = body_length(v, body);
-    struct body_inertia of = {(is_cylinder ? 0.5 : 0.4) * m * r * r,
-                              m * (3.0 * r * r + length * length) / 12.0};
+    double axial = (is_cylinder ? 0.5 : 0.4) * m * r * r;
+    double transverse = m * (3.0 * r * r + length * length) / 12.0;
+    if (body_is_compound(body)) {
+        return body_principal_inertia(v, body);
+    }
     if (is_torus) {
         const double ring = body_ring_radius(v, body);
-        of = (struct body_inertia){m * (ring * ring + 0.75 * r * r), m * (0.5 * ring * ring + 0.625 * r * r)};
+        axial = m * (ring * ring + 0.75 * r * r);
+        transverse = m * (0.5 * ring * ring + 0.625 * r * r);
     }
     if (body_inertia_control(v, body) == INERTIA_CONTROL_USER_DEFINED) {
-        of = (struct body_inertia){body_axial_inertia(v, body), body_transverse_inertia(v, body)};
+        axial = body_axial_inertia(v, body);
+        transverse = body_transverse_inertia(v, body);
     }
-    of.transverse = tilts ? of.transverse : of.axial;
-    if (body_is_compound(body)) {
-        of.axial = of.transverse = body_principal_inertia(v, body).x;
-    }
-    return of;
+    transverse = tilts ? transverse : axial;
+    return vec3_make(transverse, transverse, axial);
 }
 
-/* Returns R diag(d) R^T a, where R turns the frame of a body into the world's. */
+/* Returns R diag(d) R^T a, where R turns the frame of a body into the world's. With equal moments of inertia
+ * d is the identity. */
 static struct vec3 along_principal_axes(struct quaternion orientation, struct vec3 d, struct vec3 a)
 {
+    if (d.x == 1.0 && d.y == 1.0 && d.z == 1.0) {
+        return a;
+    }
     const struct vec3 in_body = quaternion_rotate(quaternion_inverse(orientation), a);
     return quaternion_rotate(orientation, vec3_make(d.x * in_body.x, d.y * in_body.y, d.z * in_body.z));
 }
 
 struct vec3 body_spin_of(const struct scene_values *v, int body, const struct body_turn *turn)
 {
-    if (body_is_compound(body)) {
-        const struct vec3 inertia = body_principal_inertia(v, body);
-        const struct vec3 ratio = vec3_scale(1.0 / inertia.x, inertia);
-        return along_principal_axes(turn->orientation, ratio, turn->angular_velocity);
-    }
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    const struct vec3 e = quaternion_third_axis(turn->orientation);
-    const double more = (inertia.axial - inertia.transverse) / inertia.transverse;
-    return vec3_axpy(turn->angular_velocity, more * vec3_dot(turn->angular_velocity, e), e);
+    const struct vec3 i = body_inertia_of(v, body);
+    return along_principal_axes(turn->orientation, vec3_make(1.0, i.y / i.x, i.z / i.x),
+                                turn->angular_velocity);
 }
 
 struct vec3 body_rotation_of(const struct scene_values *v, int body, struct quaternion orientation,
                              struct vec3 spin)
 {
-    if (body_is_compound(body)) {
-        const struct vec3 inertia = body_principal_inertia(v, body);
-        return along_principal_axes(orientation, vec3_make(1.0, inertia.x / inertia.y, inertia.x / inertia.z),
-                                    spin);
-    }
-    const struct vec3 e = quaternion_third_axis(orientation);
-    const struct vec3 part = body_part_that_turns(v, body, spin);
-    return vec3_axpy(part, body_flatness(v, body) * vec3_dot(spin, e), e);
+    const struct vec3 i = body_inertia_of(v, body);
+    return along_principal_axes(orientation, vec3_make(1.0, i.x / i.y, i.x / i.z),
+                                body_part_that_turns(v, body, spin));
 }
 
 struct vec3 scene_lever(const struct scene_instant *at, int contact, int end)
@@ -88,12 +83,6 @@ struct vec3 scene_lever(const struct scene_instant *at, int contact, int end)
     const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
     return quaternion_rotate(at->turning.body[body].orientation,
                              end == 0 ? contact_source_part(contact) : contact_destination_part(contact));
-}
-
-double body_flatness(const struct scene_values *v, int body)
-{
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    return (inertia.transverse - inertia.axial) / inertia.axial;
 }
 
 bool scene_stiffens(const struct scene_values *v, int contact)
@@ -177,20 +166,14 @@ struct friction_law scene_friction_law(const struct scene_values *v, const struc
         .slip_velocity = q->contact[contact].parameters.slip_velocity};
 }
 
-static struct vec3 unit(struct vec3 a)
-{
-    /* The largest component divides first: squares of small or large numbers leave the range of a double. */
-    const struct vec3 scaled = vec3_scale(1.0 / vec3_max_abs(a), a);
-    return vec3_scale(1.0 / vec3_norm(scaled), scaled);
-}
-
 /* Adds the smallest rotation that takes the body's axis to `axis`; none where `axis` is zero. */
 static struct quaternion turned_to(struct quaternion orientation, struct vec3 axis)
 {
     if (!(vec3_max_abs(axis) > 0.0)) {
         return orientation;
     }
-    const struct quaternion turn = quaternion_between(quaternion_third_axis(orientation), unit(axis));
+    const struct quaternion turn =
+        quaternion_between(quaternion_third_axis(orientation), vec3_scale(1.0 / vec3_norm(axis), axis));
     return quaternion_unit(quaternion_product(turn, orientation));
 }
 
@@ -199,7 +182,7 @@ struct quaternion turning_start_orientation(const struct scene_values *v, int bo
     if (body_is_compound(body)) {
         return quaternion_unit(body_initial_orientation(v, body));
     }
-    return body_has_axis(body) ? quaternion_between(vec3_make(0.0, 0.0, 1.0), unit(body_axis(v, body)))
+    return body_has_axis(body) ? quaternion_between(vec3_make(0.0, 0.0, 1.0), body_unit_axis(v, body))
                                : quaternion_identity();
 }
 
@@ -399,16 +382,20 @@ void turning_complete(const struct scene_values *v, const struct scene_state *q,
     }
 }
 
+/* Without a spring the non-adhesive and the approach-only dashpot both end the force when the bodies stop
+ * approaching. Non-adhesive is taken, because flight handles its separating regime in closed form. */
 struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    struct contact_coefficients factors = q->contact[contact].parameters.factors;
-    if (scene_damps_by_onset(v, contact)) {
-        factors.c = q->contact[contact].onset_damping;
+    const struct contact_state *state = &q->contact[contact];
+    struct contact_law law = {.stiffness = state->parameters.factors.k,
+                              .damping = scene_damps_by_onset(v, contact) ? state->onset_damping
+                                                                          : state->parameters.factors.c,
+                              .dashpot = (enum dashpot)contact_dashpot(v, contact),
+                              .law = (enum contact_force_law)contact_law(v, contact)};
+    if (law.dashpot == DASHPOT_APPROACH_ONLY && !(law.stiffness > 0.0)) {
+        law.dashpot = DASHPOT_NON_ADHESIVE;
     }
-    return contact_law_with(factors, (enum method)contact_method(v, contact),
-                            (enum penalty_control)contact_penalty_control(v, contact),
-                            (enum dashpot)contact_dashpot(v, contact),
-                            (enum contact_force_law)contact_law(v, contact));
+    return law;
 }
 
 /* Returns the displacement of a body at clock 0. */
@@ -585,36 +572,19 @@ static inline void put_forces(const struct scene_values *v, const struct scene_s
     }
 }
 
-/* Is not inlined, so that the code for scenes where nothing turns or rubs stays small. */
-CONTACT_NOINLINE static void put_forces_turning(const struct scene_values *v, const struct scene_state *q,
-                                                double clock, const struct turning_state *turning,
-                                                const bool *met, struct scene_instant *at)
+void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
+                  struct scene_instant *at)
 {
-    put_forces(v, q, clock, turning, met, at);
-}
-
-CONTACT_FLATTEN void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                                  struct scene_instant *at)
-{
-    if (scene_turns(v)) {
-        put_forces_turning(v, q, clock, &q->turning, NULL, at);
-        return;
-    }
-    put_forces(v, q, clock, NULL, NULL, at);
+    put_forces(v, q, clock, scene_turns(v) ? &q->turning : NULL, NULL, at);
 }
 
 void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
                     const struct body_state *bodies, const struct turning_state *turning, const bool *met,
                     struct scene_instant *at)
 {
-    if (met == NULL && !scene_turns(v)) { /* the frequent path */
-        scene_kinematics(v, q, clock, bodies, at);
-        scene_forces(v, q, clock, at);
-        return;
-    }
     scene_place_bodies(v, q, clock, bodies, turning, at);
     scene_meet(v, q, met, at);
-    put_forces_turning(v, q, clock, scene_turns(v) ? turning : NULL, met, at);
+    put_forces(v, q, clock, scene_turns(v) ? turning : NULL, met, at);
 }
 
 void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
@@ -837,7 +807,7 @@ struct vec3 body_part_that_turns(const struct scene_values *v, int body, struct 
     if (!body_keeps_axis(body)) {
         return a;
     }
-    const struct vec3 e = unit(body_axis(v, body));
+    const struct vec3 e = body_unit_axis(v, body);
     return vec3_scale(vec3_dot(a, e), e);
 }
 
@@ -879,7 +849,7 @@ struct vec3 turning_acceleration(const struct scene_values *v, const struct scen
     const struct body_turn *turn = &at->turning.body[body];
     const struct vec3 torque = turning_torque_on(v, q, clock, at, body);
     const struct vec3 gyration = vec3_cross(turn->angular_velocity, body_spin_of(v, body, turn));
-    const struct vec3 by_torque = vec3_scale(1.0 / body_inertia_of(v, body).transverse, torque);
+    const struct vec3 by_torque = vec3_scale(1.0 / body_inertia_of(v, body).x, torque);
     return body_rotation_of(v, body, turn->orientation, vec3_sub(by_torque, gyration));
 }
 
@@ -1140,9 +1110,8 @@ bool scene_shown_within(const struct scene_values *v, const struct scene_state *
     return q->contact[contact].regime != (int32_t)REGIME_APART || (within && !overlaps);
 }
 
-/* Returns the regime that the law gives for a gap [m]. `within`: the source is within the extents. */
-static enum contact_regime regime_by_law(const struct scene_values *v, const struct scene_state *q,
-                                         const struct scene_instant *at, int contact, double gap, bool within)
+enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
+                                 const struct scene_instant *at, int contact, bool touching)
 {
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
@@ -1153,22 +1122,8 @@ static enum contact_regime regime_by_law(const struct scene_values *v, const str
         const struct vec3 none = {0.0, 0.0, 0.0};
         rate = shape.side * vec3_dot(singularity_escape(&shape, w, none, none), w);
     }
-    return contact_regime_of(&law, gap, rate, within);
-}
-
-enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_instant *at, int contact)
-{
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const struct contact_geometry *g = &at->geometry[contact];
-    return regime_by_law(v, q, at, contact, g->gap, scene_beyond_ends(&shape, g) <= 0.0);
-}
-
-enum contact_regime scene_regime_of_touching(const struct scene_values *v, const struct scene_state *q,
-                                             const struct scene_instant *at, int contact)
-{
-    const double gap = fmin(at->geometry[contact].gap, -DBL_MIN); /* rounding may show no penetration */
-    return regime_by_law(v, q, at, contact, gap, true);
+    return contact_regime_of(&law, touching ? fmin(g->gap, -DBL_MIN) : g->gap, rate,
+                             touching || scene_beyond_ends(&shape, g) <= 0.0);
 }
 
 /* Returns the square of the speed at the touch [m^2/s^2] that the present speed and stored energy give. */
@@ -1214,29 +1169,32 @@ enum contact_regime onset_note(const struct scene_values *v, struct scene_state 
     state->onset_damping = isfinite(damping) ? damping : 0.0;
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const enum contact_regime deep = scene_regime(v, q, at, contact);
+    const enum contact_regime deep = scene_regime(v, q, at, contact, false);
     return deep != REGIME_APART ? deep : contact_regime_of(&law, -DBL_MIN, g->gap_rate, true);
 }
 
 /* The factor chi v is given, so that d chi = -chi dv / v, where 2 v dv is the change of v^2. */
-double onset_damping_slope(const struct scene_values *v, const struct scene_state *q,
-                           const struct scene_instant *at, int contact, double gap_slope, double rate_slope)
+struct contact_law onset_law_slope(const struct scene_values *v, const struct scene_state *q,
+                                   const struct scene_instant *at, int contact, double gap_slope,
+                                   double rate_slope)
 {
     const struct contact_state *state = &q->contact[contact];
+    struct contact_law slope = {.law = LAW_HERTZ};
     if (!scene_damps_by_onset(v, contact) || state->regime == (int32_t)REGIME_APART ||
         !(state->onset_damping > 0.0)) {
-        return 0.0;
+        return slope;
     }
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_law law = scene_contact_law(v, q, contact);
     const double speed = state->parameters.factors.c / state->onset_damping;
     const double by_load = 1e-9; /* larger relative differences show that the load set the speed */
     if (own_speed_squared(v, q, at, contact) < (1.0 - by_load) * speed * speed) {
-        return 0.0;
+        return slope;
     }
     const double stored_slope = contact_stored_slope(&law, REGIME_COMPRESSION, g->gap);
     const double half = g->gap_rate * rate_slope + stored_slope * scene_inverse_mass(v, contact) * gap_slope;
-    return -state->onset_damping * half / (speed * speed);
+    slope.damping = -state->onset_damping * half / (speed * speed);
+    return slope;
 }
 
 /* Adds the clock to base + base_tail, by Knuth's two-sum, so that base_tail holds the rounding error
@@ -1249,24 +1207,6 @@ static void advance_base(struct scene_state *q)
     q->base_tail = (q->base - (sum - shadow)) + (add - shadow);
     q->base = sum;
     q->clock = 0.0;
-}
-
-/* Shifts the input paths that the motion and the rotation of a body follow. */
-static void shift_paths(const struct scene_values *v, struct scene_state *q, int body)
-{
-    struct body_path *path = &q->path[body];
-    if (body_is_prescribed(v, body)) {
-        path_shift(path->displacement, 4, q->clock);
-        path_shift(path->velocity, 3, q->clock);
-    } else if (body_is_free(v, body)) {
-        path_shift(path->force, 3, q->clock);
-    }
-    if (body_turn_is_prescribed(v, body)) {
-        path_shift(path->angular_velocity, 3, q->clock);
-        path_shift(path->axis, 3, q->clock);
-    } else if (body_turns_freely(v, body)) {
-        path_shift(path->torque, 3, q->clock);
-    }
 }
 
 /* Moves the origins of free bodies to their present places. */
@@ -1310,7 +1250,7 @@ void scene_rebase(const struct scene_values *v, struct scene_state *q)
         return;
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        shift_paths(v, q, i);
+        body_path_shift(v, i, &q->path[i], q->clock);
     }
     if (SCENE_ANY_FREE) {
         shift_clocks(q);
@@ -1332,8 +1272,7 @@ double energy_potential(const struct scene_values *v, const struct scene_instant
 
 double body_rotational_energy(const struct scene_values *v, int body, const struct body_turn *turn)
 {
-    return 0.5 * body_inertia_of(v, body).transverse *
-           vec3_dot(turn->angular_velocity, body_spin_of(v, body, turn));
+    return 0.5 * body_inertia_of(v, body).x * vec3_dot(turn->angular_velocity, body_spin_of(v, body, turn));
 }
 
 double energy_stored(const struct scene_values *v, const struct scene_state *q,

@@ -144,19 +144,12 @@ double scene_driving_power(const struct scene_values *v, const struct scene_inst
  * destination's frame, g' = side n.(w - omega_dst x c).
  */
 
-/* Moments of inertia about a body's axis and across it [kg m^2]; a sphere has equal ones. */
-struct body_inertia {
-    double axial, transverse;
-};
+/* Returns the principal moments of inertia of a body that turns freely [kg m^2]. The third is that about the
+ * body's axis, where it has one. The first is the unit of its spin below. */
+struct vec3 body_inertia_of(const struct scene_values *v, int body);
 
-/* Returns the moments of inertia of a body that turns freely. A compound has three, of which the first is
- * returned twice: it is the unit of its spin below. */
-struct body_inertia body_inertia_of(const struct scene_values *v, int body);
-
-/* Return the spin L / I_1 of a body [rad/s] from its rotation, and its angular velocity from the spin. I_1 is
- * the transverse moment of inertia of body_inertia_of. For the axis e and the axial moment I_3
- *   L / I_1 = omega + (I_3/I_1 - 1) (omega.e) e
- * and L = R diag(I) R^T omega for a compound, whose orientation has the matrix R. */
+/* Return the spin L / I_1 of a body [rad/s] from its rotation, and its angular velocity from the spin. L is
+ * R diag(I) R^T omega, where R is the matrix of the orientation. */
 struct vec3 body_spin_of(const struct scene_values *v, int body, const struct body_turn *turn);
 struct vec3 body_rotation_of(const struct scene_values *v, int body, struct quaternion orientation,
                              struct vec3 spin);
@@ -164,10 +157,6 @@ struct vec3 body_rotation_of(const struct scene_values *v, int body, struct quat
 /* Returns R o [m], from the centre of mass of a compound body to the centre of the part that a contact meets
  * at its source (end 0) or destination (end 1). The function returns zero for other bodies. */
 struct vec3 scene_lever(const struct scene_instant *at, int contact, int end);
-
-/* Returns I_1 / I_3 - 1 [1] of a body that turns freely. I_3 is its moment of inertia about its axis, I_1 the
- * one across. */
-double body_flatness(const struct scene_values *v, int body);
 
 /* Whether the tangential stiffness of a contact follows the normal one. */
 bool scene_stiffens(const struct scene_values *v, int contact);
@@ -362,14 +351,10 @@ bool scene_rate_is_known(const struct scene_state *q, const struct scene_instant
 bool scene_shown_within(const struct scene_values *v, const struct scene_state *q,
                         const struct scene_instant *at, int contact, const struct contact_shape *shape);
 
-/* Returns the regime that the law gives for the gap, the gap rate and the axial position of the instant. */
+/* Returns the regime that the law gives for the gap, the gap rate and the axial position of the instant. A
+ * contact that goes on `touching` is not apart, even if rounding shows an open gap. */
 enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_instant *at, int contact);
-
-/* Returns the regime that the law gives while a contact goes on touching, even if rounding shows an open
- * gap. */
-enum contact_regime scene_regime_of_touching(const struct scene_values *v, const struct scene_state *q,
-                                             const struct scene_instant *at, int contact);
+                                 const struct scene_instant *at, int contact, bool touching);
 
 /*
  * Damping by the onset: with a coefficient of restitution, the damping factor chi [s/m] of Hunt and Crossley
@@ -381,11 +366,11 @@ enum contact_regime scene_regime_of_touching(const struct scene_values *v, const
  * load gives. Bodies that touch with no speed and no load have no damping.
  */
 
-/* Returns the derivative of chi at a start in overlap, from those of the gap and the gap rate. A change of
- * the load does not count. */
-CONTACT_COLD double onset_damping_slope(const struct scene_values *v, const struct scene_state *q,
-                                        const struct scene_instant *at, int contact, double gap_slope,
-                                        double rate_slope);
+/* Returns the derivative of the law, of which only chi changes, at a start in overlap, from those of the gap
+ * and the gap rate. A change of the load does not count. */
+CONTACT_COLD struct contact_law onset_law_slope(const struct scene_values *v, const struct scene_state *q,
+                                                const struct scene_instant *at, int contact, double gap_slope,
+                                                double rate_slope);
 
 /* Sets the damping of an onset before a contact enters the regime `next` at the instant `at`, and returns the
  * regime that the contact enters with it. Returns `next` where the contact touches already, remains apart, or

@@ -518,7 +518,7 @@ void ode_rates_without_contact(const struct scene_ode *ode, double clock, double
         }
         if (ode->layout.spin[i] >= 0) {
             const struct vec3 torque = path_at(ode->state->path[i].torque, 3, clock);
-            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), rates + ode->layout.spin[i]);
+            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).x, torque), rates + ode->layout.spin[i]);
         }
     }
 }
@@ -559,7 +559,7 @@ static void put_scene_rates(const struct scene_ode *ode, double clock, const dou
         if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
             const struct vec3 torque = turning_torque_on(v, ode->state, clock, at, i);
             const struct quaternion orientation = four_from(y + layout->orientation[i]);
-            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), rates + layout->spin[i]);
+            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).x, torque), rates + layout->spin[i]);
             four_to(quaternion_rate(orientation, at->turning.body[i].angular_velocity),
                     rates + layout->orientation[i]);
         }
@@ -664,7 +664,7 @@ static void put_rate_changes(const struct linearization *l, double *changes)
         if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
             const struct vec3 torque = body_part_that_turns(v, i, jet_load_on(along, i, 1).torque);
             const struct quaternion given = four_from(l->y + layout->orientation[i]);
-            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).transverse, torque), changes + layout->spin[i]);
+            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).x, torque), changes + layout->spin[i]);
             if (layout->orientation[i] < l->states) {
                 four_to(quaternion_axpy(quaternion_rate(given, along->angular_velocity[i][1]), 1.0,
                                         quaternion_rate(along->given_orientation[i],
@@ -851,16 +851,6 @@ void ode_events(const struct scene_ode *ode, double clock, const double *y, doub
 double ode_event(const struct scene_ode *ode, double clock, const double *y, int event)
 {
     double events[ODE_EVENTS];
-#if SCENE_CONTACTS > 1
-    const int contact = event / ODE_EVENTS_EACH;
-    struct scene_ode part = *ode; /* of this contact and those that act on its bodies */
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const int island = part.layout.island[j];
-        part.layout.met[j] = j == contact || (island >= 0 && island == part.layout.island[contact]);
-    }
-    part.layout.is_whole = false;
-    ode = &part;
-#endif
     ode_events(ode, clock, y, events);
     return events[event];
 }
@@ -881,7 +871,7 @@ enum contact_regime ode_regime_after(const struct scene_values *v, const struct 
     }
     struct scene_instant at;
     scene_now(v, q, &at);
-    return scene_regime_of_touching(v, q, &at, contact);
+    return scene_regime(v, q, &at, contact, true);
 }
 
 int ode_event_passed(const struct scene_ode *ode, const double *y)

@@ -285,6 +285,8 @@ void jet_of_contact(const struct scene_values *v, const struct scene_state *q, c
     const struct contact_shape shape = scene_shape_met(v, q, at, contact);
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_path path = path_of(v, at, along, &shape, contact);
+    memcpy(along->contact[contact].separation, path.c, sizeof path.c);
+    memcpy(along->contact[contact].axis, path.axis, sizeof path.axis);
     put_distance(&shape, &at->geometry[contact], &path, &along->contact[contact]);
     put_normal_force(&shape, &at->geometry[contact], &path, &law, &along->law_slope[contact], regime,
                      &along->contact[contact]);
@@ -312,20 +314,21 @@ static void put_orientation(const struct vec3 omega[2], struct quaternion q[JET_
 }
 
 /* Puts the jet of an axis whose direction is a polynomial that need not have unit length. */
-static void put_given_axis(const struct body_path *path, double clock, struct vec3 e[JET_TERMS])
+static void put_given_axis(const struct scene_values *v, const struct scene_state *q, int body,
+                           struct vec3 e[JET_TERMS])
 {
-    struct vec3 a[3];
+    struct body_path path = q->path[body];
     double length[JET_TERMS];
     struct vec3 unit[JET_TERMS];
-    memcpy(a, path->axis, sizeof a);
-    path_shift(a, 3, clock);
-    jet_direction(JET_TERMS, a, length, unit);
+    body_path_shift(v, body, &path, q->clock);
+    jet_direction(JET_TERMS, path.axis, length, unit);
     if (length[0] > 0.0) {
         memcpy(&e[1], &unit[1], 2 * sizeof e[1]);
     }
 }
 
-static void put_prescribed(const struct scene_state *q, int body, struct scene_jet *along)
+static void put_prescribed(const struct scene_values *v, const struct scene_state *q, int body,
+                           struct scene_jet *along)
 {
     const struct body_path *path = &q->path[body];
     struct vec3 *omega = along->angular_velocity[body];
@@ -333,7 +336,7 @@ static void put_prescribed(const struct scene_state *q, int body, struct scene_j
     omega[2] = path->angular_velocity[2];
     struct vec3 seen[2] = {omega[0], omega[1]};
     if (path->turn_follows != TURN_FOLLOWS_VELOCITY && body_has_axis(body)) {
-        put_given_axis(path, q->clock, e);
+        put_given_axis(v, q, body, e);
         const struct vec3 rate[2] = {e[1], vec3_scale(2.0, e[2])};
         const double spin[2] = {vec3_dot(omega[0], e[0]),
                                 vec3_dot(omega[1], e[0]) + vec3_dot(omega[0], e[1])};
@@ -355,7 +358,7 @@ static void put_turning_bodies(const struct scene_values *v, const struct scene_
         if (SCENE_ANY_ROTATION) {
             along->angular_velocity[i][1] = turning_acceleration(v, q, q->clock, at, i);
             if (body_turn_is_prescribed(v, i)) {
-                put_prescribed(q, i, along);
+                put_prescribed(v, q, i, along);
             } else if (body_turns_freely(v, i)) {
                 const struct body_path *path = &q->path[i];
                 along->torque[i] = path_slope(path->torque, q->clock);
@@ -490,11 +493,7 @@ static struct vec3 put_principal_axes(const struct scene_values *v, const struct
         vec3_set(&a, k, 1.0);
         put_turned(JET_TERMS, along->orientation[body], a, axis[k]);
     }
-    if (body_is_compound(body)) {
-        return body_principal_inertia(v, body);
-    }
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    return vec3_make(inertia.transverse, inertia.transverse, inertia.axial);
+    return body_inertia_of(v, body);
 }
 
 /* Puts the first terms of sum f_k (e_k.a) e_k over the principal axes e_k. */
@@ -652,11 +651,9 @@ void jet_of_motion(const struct scene_values *v, const struct scene_state *q, co
     along->touching = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_prescribed(v, i)) {
-            struct vec3 displacement[4];
-            memcpy(displacement, q->path[i].displacement, sizeof displacement);
-            path_shift(displacement, 4, q->clock);
-            along->displacement[i][1] = displacement[1];
-            along->displacement[i][2] = displacement[2];
+            struct body_path path = q->path[i];
+            body_path_shift(v, i, &path, q->clock);
+            memcpy(&along->displacement[i][1], &path.displacement[1], 2 * sizeof path.displacement[1]);
         }
     }
     put_contacts(v, q, at, met, along);

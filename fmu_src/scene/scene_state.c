@@ -57,6 +57,22 @@ bool body_turns(const struct scene_values *v, int body)
     return SCENE_ANY_ROTATION && body_rotation(v, body) != ROTATION_NONE;
 }
 
+void body_path_shift(const struct scene_values *v, int body, struct body_path *path, double clock)
+{
+    if (body_is_prescribed(v, body)) {
+        path_shift(path->displacement, 4, clock);
+        path_shift(path->velocity, 3, clock);
+    } else if (body_is_free(v, body)) {
+        path_shift(path->force, 3, clock);
+    }
+    if (body_turn_is_prescribed(v, body)) {
+        path_shift(path->angular_velocity, 3, clock);
+        path_shift(path->axis, 3, clock);
+    } else if (body_turns_freely(v, body)) {
+        path_shift(path->torque, 3, clock);
+    }
+}
+
 bool body_is_compound(int body)
 {
     return SCENE_ANY_COMPOUND && body_shape(body) == SHAPE_COMPOUND;
@@ -127,30 +143,17 @@ bool contact_has_springs(const struct scene_values *v, int contact)
     return any;
 }
 
-/* Returns the bitwise OR of choices, 1 where each is none. It is called so often that it avoids a branch for
- * each choice, except in scenes of many bodies, where it looks no further than the first that turns or
- * rubs. */
-static int turning_choices(const struct scene_values *v)
-{
-    _Static_assert((int)ROTATION_NONE == 1 && (int)FRICTION_NONE == 1 && (int)AXES_PARALLEL == 1,
-                   "another choice has another bit");
-    const bool is_large = SCENE_CONTACTS > 4;
-    int choices = 1;
-    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES && !(is_large && choices != 1); ++i) {
-        choices |= body_rotation(v, i);
-    }
-    for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS && !(is_large && choices != 1); ++j) {
-        choices |= contact_friction(v, j);
-    }
-    for (int j = 0; SCENE_ANY_SKEW && j < SCENE_CONTACTS && !(is_large && choices != 1); ++j) {
-        choices |= contact_axes(v, j);
-    }
-    return choices;
-}
-
 bool scene_turns(const struct scene_values *v)
 {
-    return SCENE_ANY_TORUS || SCENE_ANY_COMPOUND || (SCENE_ANY_TURNING && turning_choices(v) != 1);
+    bool turns = SCENE_ANY_TORUS || SCENE_ANY_COMPOUND;
+    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES && !turns; ++i) {
+        turns = body_turns(v, i);
+    }
+    for (int j = 0; (SCENE_ANY_FRICTION || SCENE_ANY_SKEW) && j < SCENE_CONTACTS && !turns; ++j) {
+        turns =
+            (SCENE_ANY_FRICTION && contact_friction(v, j) != FRICTION_NONE) || contact_has_skew_axes(v, j);
+    }
+    return turns;
 }
 
 /* Whether any free body is in more than one contact, so that contacts may act on each other through it. */

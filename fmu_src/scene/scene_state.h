@@ -254,6 +254,9 @@ bool body_turns_freely(const struct scene_values *v, int body);
 bool body_turn_is_prescribed(const struct scene_values *v, int body);
 bool body_turns(const struct scene_values *v, int body);
 
+/* Moves the origin of the paths that the motion and the rotation of a body follow to a clock. */
+void body_path_shift(const struct scene_values *v, int body, struct body_path *path, double clock);
+
 /* Whether forces or torques move a body. */
 bool body_moves_freely(const struct scene_values *v, int body);
 

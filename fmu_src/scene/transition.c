@@ -57,7 +57,7 @@ enum contact_regime regime_by_margins(const struct scene_values *v, const struct
         return REGIME_APART;
     }
     if (apart) {
-        return scene_regime(v, q, at, contact);
+        return scene_regime(v, q, at, contact, false);
     }
     const double margin = regime_dashpot_margin(v, q, at, contact);
     const bool within = regime == REGIME_COMPRESSION ? margin > 0.0 : margin < 0.0;
@@ -124,21 +124,19 @@ struct rubbed {
     struct scene_state *q;
     int contact, part;
     struct friction_law law;
+    int32_t *regime; /* enum friction_regime */
+    struct vec3 *spring;
 };
 
 static struct rubbed rubbed_of(const struct scene_values *v, struct scene_state *q, int contact, int part)
 {
-    return (struct rubbed){v, q, contact, part, scene_friction_law(v, q, contact, part)};
-}
-
-static void set_friction_regime(const struct rubbed *r, enum friction_regime regime)
-{
-    r->q->contact[r->contact].friction_regime[r->part] = (int32_t)regime;
-}
-
-static void set_spring(const struct rubbed *r, struct vec3 spring)
-{
-    r->q->turning.spring[r->contact][r->part] = spring;
+    return (struct rubbed){v,
+                           q,
+                           contact,
+                           part,
+                           scene_friction_law(v, q, contact, part),
+                           &q->contact[contact].friction_regime[part],
+                           &q->turning.spring[contact][part]};
 }
 
 static struct friction_state rubbing_now(const struct rubbed *r, const struct scene_instant *at)
@@ -171,18 +169,17 @@ static enum friction_regime sliding_regime(const struct friction_law *law, doubl
  * (energy.friction). */
 static void end_friction(const struct rubbed *r)
 {
-    set_friction_regime(r, FRICTION_LIFTED);
-    set_spring(r, vec3_make(0.0, 0.0, 0.0));
+    *r->regime = (int32_t)FRICTION_LIFTED;
+    *r->spring = vec3_make(0.0, 0.0, 0.0);
 }
 
 /* Lifts friction while the dashpot pulls, or would pull if it were not clipped. A spring with a dashpot
  * relaxes through it, as where a contact slides with L = 0; another one is at rest at once. */
 static void lift_friction(const struct rubbed *r)
 {
-    const struct vec3 spring = r->q->turning.spring[r->contact][r->part];
-    end_friction(r);
-    if (r->law.damping > 0.0) {
-        set_spring(r, spring);
+    *r->regime = (int32_t)FRICTION_LIFTED;
+    if (!(r->law.damping > 0.0)) {
+        *r->spring = vec3_make(0.0, 0.0, 0.0);
     }
 }
 
@@ -265,17 +262,17 @@ static void begin_friction(const struct rubbed *r)
     struct friction_state rubbing = rubbing_now(r, &at);
     rubbing.normal_force = onset_force(r->v, r->q, &at, r->contact);
     const enum friction_regime next = friction_onset_regime(&r->law, rubbing, normal_force_rate(r, &at));
-    set_friction_regime(r, next);
+    *r->regime = (int32_t)next;
     if (r->law.kind == FRICTION_ELASTIC && r->law.damping == 0.0 && next != FRICTION_STICKING) {
-        set_spring(r, direction_to_slide(r, &at, rubbing.slip));
+        *r->spring = direction_to_slide(r, &at, rubbing.slip);
     }
 }
 
 /* Puts a contact that slides into sticking, with the spring that holds the friction force. */
 static void stick(const struct rubbed *r, enum friction_regime regime, struct friction_state rubbing)
 {
-    set_spring(r, friction_spring(&r->law, regime, rubbing));
-    set_friction_regime(r, FRICTION_STICKING);
+    *r->spring = friction_spring(&r->law, regime, rubbing);
+    *r->regime = (int32_t)FRICTION_STICKING;
 }
 
 /* Ends sticking. Without a dashpot a contact slides only while the slip stretches the spring further; else it
@@ -291,7 +288,7 @@ static void break_away(const struct rubbed *r)
         change_all(r->v, r->q, r->contact, lift_friction);
         return;
     }
-    set_friction_regime(r, next);
+    *r->regime = (int32_t)next;
     scene_now(r->v, r->q, &at);
     const struct friction_state rubbing = rubbing_now(r, &at);
     const bool jumps = law->static_coefficient > law->coefficient;
@@ -300,7 +297,7 @@ static void break_away(const struct rubbed *r)
     if (law->damping == 0.0 && friction_stick_event(law, next, rubbing, normal_force_rate(r, &at)) < least) {
         stick(r, next, rubbing);
     } else if (law->damping == 0.0) {
-        set_spring(r, direction_to_slide(r, &at, rubbing.spring));
+        *r->spring = direction_to_slide(r, &at, rubbing.spring);
     }
 }
 
@@ -313,7 +310,7 @@ static void keep_sliding(const struct rubbed *r)
     const enum friction_regime next = sliding_regime(&r->law, at.normal_force[r->contact]);
     const struct friction_state rubbing = rubbing_now(r, &at);
     const double force_rate = normal_force_rate(r, &at);
-    set_friction_regime(r, next);
+    *r->regime = (int32_t)next;
     if (friction_stick_event(&r->law, next, rubbing, force_rate) < 0.0) {
         stick(r, next, rubbing);
     }
@@ -322,7 +319,7 @@ static void keep_sliding(const struct rubbed *r)
 /* Begins friction, or goes on with a spring that has not relaxed. */
 static void end_lifting(const struct rubbed *r)
 {
-    if (vec3_max_abs(r->q->turning.spring[r->contact][r->part]) > 0.0) {
+    if (vec3_max_abs(*r->spring) > 0.0) {
         keep_sliding(r);
     } else {
         begin_friction(r);
@@ -381,7 +378,7 @@ void turning_take_event(const struct scene_values *v, struct scene_state *q, int
         scene_now(v, q, &at);
         stick(&r, regime, rubbing_now(&r, &at));
     } else if (event == ODE_EVENT_CAP) {
-        set_friction_regime(&r, regime == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED);
+        *r.regime = (int32_t)(regime == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED);
     } else if (regime == FRICTION_LIFTED) {
         change_all(v, q, contact, end_lifting);
     } else {
@@ -435,24 +432,6 @@ static double gap_at_change(const struct scene_values *v, const struct scene_sta
     return fabs(gap) > fmax(rounding_of_gap(v, at, contact), rounding) ? gap : meant;
 }
 
-/* Moves bodies that part to a gap of zero. After an impact deep in comparison with the bodies' sizes, the gap
- * has a larger rounding error than positions have here, so that the bodies might touch again at once. A
- * larger gap shows that contact has ended at a cylinder's end, and stays. */
-static void close_rounded_gap(const struct scene_values *v, struct scene_state *q, struct scene_instant *at,
-                              int contact, double lasted)
-{
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const double gap = fabs(at->geometry[contact].distance - contact_reach(&shape));
-    if (!(scene_inverse_mass(v, contact) > 0.0) || gap > way_rounding(q, at, contact, lasted) ||
-        gap <= 0.25 * rounding_of_gap(v, at, contact)) {
-        return;
-    }
-    q->contact[contact].physics.accumulated_gap = DBL_MAX; /* not known: positions give the gap */
-    projection_close_gap(v, q, contact);
-    scene_rebase(v, q);
-    scene_kinematics_now(v, q, at);
-}
-
 /* Begins a phase of motion: forgets foreseen changes and notes the energy to be kept. */
 static void begin_phase(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at)
 {
@@ -490,7 +469,7 @@ static enum contact_regime regime_at_jump(const struct scene_values *v, struct s
     if (SCENE_ANY_FRICTION && contact_rubs(v, contact)) {
         change_all(v, q, contact, end_friction);
     }
-    return scene_regime_of_touching(v, q, at, contact);
+    return scene_regime(v, q, at, contact, true);
 }
 
 /* Passes into the contact's next zone and returns the regime there. The known gap is kept unless n jumps. */
@@ -506,6 +485,17 @@ static enum contact_regime pass_zone(const struct scene_values *v, struct scene_
     return (enum contact_regime)q->contact[contact].regime;
 }
 
+/* Puts a contact into a regime and a zone at an instant of the present, where all contacts have stored the
+ * energy `before` [J]. */
+static void enter_regime(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
+                         int contact, enum contact_regime regime, double before)
+{
+    transition_set_regime(v, q, contact, onset_note(v, q, at, contact, regime));
+    zones_follow(v, q, at, contact);
+    q->dissipated += before - energy_stored(v, q, at);
+    counter_add(&q->counters.events, 1);
+}
+
 void transition_change_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime, struct scene_instant *at)
 {
@@ -513,20 +503,13 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
     scene_rebase(v, q);
     scene_kinematics_now(v, q, at);
     note_peaks_of_touching(v, q, at);
-    if (regime == REGIME_APART && q->contact[contact].regime != (int32_t)REGIME_APART) {
-        close_rounded_gap(v, q, at, contact, lasted);
-    }
     const double before = energy_stored(v, q, at);
     at->geometry[contact].gap = gap_at_change(v, q, at, contact, regime, lasted);
     q->contact[contact].physics.accumulated_gap = at->geometry[contact].gap;
     if (regime == (enum contact_regime)q->contact[contact].regime) {
         regime = pass_zone(v, q, at, contact);
     }
-    regime = onset_note(v, q, at, contact, regime);
-    transition_set_regime(v, q, contact, regime);
-    zones_follow(v, q, at, contact);
-    q->dissipated += before - energy_stored(v, q, at);
-    counter_add(&q->counters.events, 1);
+    enter_regime(v, q, at, contact, regime, before);
     begin_phase(v, q, at);
     note_peaks_of_touching(v, q, at);
 }
@@ -534,18 +517,12 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
 void transition_change_friction(const struct scene_values *v, struct scene_state *q, int contact,
                                 enum ode_event event, struct scene_instant *at)
 {
-    transition_switch_friction(v, q, contact, event);
-    scene_kinematics_now(v, q, at);
-    begin_phase(v, q, at);
-    note_peaks_of_touching(v, q, at);
-}
-
-void transition_switch_friction(const struct scene_values *v, struct scene_state *q, int contact,
-                                enum ode_event event)
-{
     scene_rebase(v, q);
     turning_take_event(v, q, contact, event);
     counter_add(&q->counters.events, 1);
+    scene_kinematics_now(v, q, at);
+    begin_phase(v, q, at);
+    note_peaks_of_touching(v, q, at);
 }
 
 void transition_switch_regime(const struct scene_values *v, struct scene_state *q, int contact,
@@ -559,11 +536,7 @@ void transition_switch_regime(const struct scene_values *v, struct scene_state *
         zones_settle(v, q, &at, contact);
         scene_kinematics_now(v, q, &at);
     }
-    regime = onset_note(v, q, &at, contact, regime);
-    transition_set_regime(v, q, contact, regime);
-    zones_follow(v, q, &at, contact);
-    q->dissipated += before - energy_stored(v, q, &at);
-    counter_add(&q->counters.events, 1);
+    enter_regime(v, q, &at, contact, regime, before);
 }
 
 void transition_settle_regimes(const struct scene_values *v, struct scene_state *q, double stored_before,
@@ -577,7 +550,7 @@ void transition_settle_regimes(const struct scene_values *v, struct scene_state 
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (starting || fabs(at.geometry[j].gap) > rounding_of_gap(v, &at, j)) {
-            transition_set_regime(v, q, j, onset_note(v, q, &at, j, scene_regime(v, q, &at, j)));
+            transition_set_regime(v, q, j, onset_note(v, q, &at, j, scene_regime(v, q, &at, j, false)));
             zones_follow(v, q, &at, j);
         }
     }
@@ -595,7 +568,7 @@ void transition_take_law(const struct scene_values *v, struct scene_state *q, co
     scene_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (changed[j] && q->contact[j].regime != REGIME_APART) {
-            transition_set_regime(v, q, j, scene_regime_of_touching(v, q, &at, j));
+            transition_set_regime(v, q, j, scene_regime(v, q, &at, j, true));
         }
     }
     q->external_work += energy_stored(v, q, &at) - stored_before;

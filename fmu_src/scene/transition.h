@@ -73,12 +73,10 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
 void transition_change_friction(const struct scene_values *v, struct scene_state *q, int contact,
                                 enum ode_event event, struct scene_instant *at);
 
-/* Change regimes where the importer integrates: the bodies are not moved, no peaks are noted, and the contact
- * takes the nearest zone. */
+/* Changes a regime where the importer integrates: the bodies are not moved, no peaks are noted, and the
+ * contact takes the nearest zone. */
 void transition_switch_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime);
-void transition_switch_friction(const struct scene_values *v, struct scene_state *q, int contact,
-                                enum ode_event event);
 
 /*
  * Sets the regimes by the geometry of the present, at the start and after inputs have jumped. `stored_before`

@@ -118,7 +118,7 @@ static struct slide slide_of(const struct segment *p, const struct scene_values 
         (vec3_norm(rolled) + vec3_norm(q->body[source].velocity) + vec3_norm(pair->flight.w[0]));
     f.slip = vec3_norm(slip);
     f.admittance = scene_inverse_mass(v, contact);
-    const double per_inertia = turns ? 1.0 / body_inertia_of(v, source).transverse : 0.0;
+    const double per_inertia = turns ? 1.0 / body_inertia_of(v, source).x : 0.0;
     f.admittance += per_inertia * vec3_dot(f.arm, f.arm);
     if (!(f.slip > rounding)) { /* it rolls */
         f.slip = 0.0;

@@ -192,8 +192,7 @@ def reals(resolved: Resolved) -> list[str]:
         if C_BASE[row.type.base] == "REAL" and not row.role and variable.reference < BEHIND_BLOCKS:
             given = row.causality in ("parameter", "input")
             source = "GIVEN" if given else "BODY" if row.c_name in BODY_MOTION else "COMPUTED"
-            vector = " | VARIABLE_VECTOR" if row.dim == 3 and variable.component == 0 else ""
-            lines.append(f"[{variable.reference}] = {_offset(variable)} | VARIABLE_{source}{vector},")
+            lines.append(f"[{variable.reference}] = {_offset(variable)} | VARIABLE_{source},")
     return lines
 
 
