@@ -4,6 +4,10 @@
 #include "math/lu.h"
 #include "math/nodes.h"
 
+/* Runs of rows that find_runs tells apart. In a matrix of no more than DENSE rows it does not look for them:
+ * that would cost more than it saves. */
+enum { MOST_RUNS = 8, DENSE = 40 };
+
 /* to -= by from, of the elements [first, end). Bodies that move along an axis leave many zeros. */
 static inline void subtract_column(double *to, const double *from, double by, int first, int end)
 {
@@ -32,6 +36,33 @@ static inline int largest_of_column(const double *column, int first, int end)
         largest = size > largest ? size : largest;
     }
     return best;
+}
+
+/* Runs of rows, [first, end) each. */
+struct runs {
+    int count;
+    int first[MOST_RUNS], end[MOST_RUNS];
+};
+
+/* Finds the rows from `first` on, of n, where one of two columns is not zero. Bodies that do not touch
+ * each other leave blocks of zeros. Past the last run that has room, zeros are taken along. */
+static inline void find_runs(const double *one, const double *two, int first, int n, struct runs *to)
+{
+    to->count = n > DENSE ? 0 : 1;
+    to->first[0] = first;
+    to->end[0] = n;
+    for (int i = first; i < n && n > DENSE; ++i) {
+        if (one[i] == 0.0 && two[i] == 0.0) {
+            continue;
+        }
+        if (to->count > 0 && (to->end[to->count - 1] == i || to->count == MOST_RUNS)) {
+            to->end[to->count - 1] = i + 1;
+        } else {
+            to->first[to->count] = i;
+            to->end[to->count] = i + 1;
+            to->count += 1;
+        }
+    }
 }
 
 /* to -= by_one one + by_two two, of the elements [first, end). */
@@ -79,11 +110,13 @@ CONTACT_FLATTEN bool lu_factor(struct lu_matrix m)
         }
         const double *one = m.re + k * m.stride;
         const double *two = one + m.stride;
+        struct runs runs;
+        find_runs(one, two, k + 2, n, &runs);
         for (int j = k + 2; j < n; ++j) {
             double *to = m.re + j * m.stride;
             to[k + 1] -= one[k + 1] * to[k];
-            if (to[k] != 0.0 || to[k + 1] != 0.0) {
-                subtract_two(to, one, to[k], two, to[k + 1], k + 2, n);
+            for (int i = 0; i < runs.count && (to[k] != 0.0 || to[k + 1] != 0.0); ++i) {
+                subtract_two(to, one, to[k], two, to[k + 1], runs.first[i], runs.end[i]);
             }
         }
     }
