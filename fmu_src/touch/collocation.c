@@ -6,12 +6,6 @@
 #include "math/series.h"
 #include "touch/collocation.h"
 
-/* Whether E is other than zero, which it is only with a body that the importer moves. */
-static inline bool has_mismatch(const struct collocation *p)
-{
-    return CONTACT_ANY_PRESCRIBED && p->from.has_mismatch;
-}
-
 /* These two functions turn a vector of the world into the frame of the start, and back. */
 static inline struct vec3 collocation_in_frame(const struct collocation *p, struct vec3 a)
 {
@@ -95,9 +89,7 @@ static struct collocation_correction correction_of(const struct collocation *p, 
 static double load_at_start(const struct collocation *p)
 {
     const struct rim_state at = rim_state_at_start(p);
-    const double mismatch =
-        has_mismatch(p) ? p->from.damping_rate * vec3_dot(rim_normal(&at), p->local.mismatch[0]) : 0.0;
-    return rim_slopes_at(&at, p->local.acceleration[0]).load - mismatch;
+    return rim_slopes_at(&at, p->local.acceleration[0]).load;
 }
 
 /* Sets half^2 f [m] at the nodes, and the softening, which is half of -half^2 df/dx by the centrifugal
@@ -107,7 +99,7 @@ static void load_at_nodes(const struct collocation *p, double *values, double *s
     const double half2 = p->half * p->half;
     for (int i = 0; i < p->nodes->points; ++i) {
         const struct rim_state at = rim_state_at_node(p, i);
-        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->work.drive_at, i));
+        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->work.acceleration_at, i));
         const double spin = slopes.azimuth * at.by.cosine;
         values[i] = half2 * slopes.load;
         softening[i] = 1.5 * half2 * (spin * spin + slopes.tilt * slopes.tilt);
@@ -327,20 +319,6 @@ bool collocation_finish(struct collocation *p)
     return true;
 }
 
-static void sum_up(struct collocation *p)
-{
-    p->result.interior_error = tail_of_all(p);
-    if (has_mismatch(p)) {
-        nodal_values values;
-        for (int i = 0; i < p->nodes->points; ++i) {
-            struct vec3 moved, normal;
-            at_node(p, i, &moved, &normal);
-            values[i] = vec3_dot(normal, at_row(&p->work.mismatch_at, i));
-        }
-        nodal_coefficients(p->nodes, values, p->result.normal_mismatch);
-    }
-}
-
 /* Iterates to convergence; returns whether the result is within `tolerance` and sound. */
 static bool iterate(struct collocation *p, double tolerance)
 {
@@ -354,7 +332,7 @@ static bool iterate(struct collocation *p, double tolerance)
         const double gain_before = gain;
         gain = before > 0.0 && p->kind != COLLOCATION_OVERDAMPED ? fmin(1.0, change / before) : 1.0;
         if (change * fmax(gain, gain_before) <= tolerance) {
-            sum_up(p);
+            p->result.interior_error = tail_of_all(p);
             return collocation_finish(p);
         }
         before = change;
@@ -454,45 +432,34 @@ void collocation_deviation(const struct collocation *p, double s, double x[4])
                     p->result.y * by.rate_of_y + p->result.y_rate * by.rate_of_rate, x);
 }
 
-void collocation_mismatch(const struct collocation *p, double s, double normal_mismatch[4])
-{
-    nodal_derivatives(p->result.normal_mismatch, p->nodes->points, s, normal_mismatch);
-}
-
 void collocation_overdamped_push(const struct collocation *p, double s, double push[3])
 {
     const int points = p->nodes->points;
     nodal_values bend;
-    nodal_values drive;
     double of_bend[4];
-    double of_drive[4];
+    double of_load[4];
     for (int k = 0; k < points; ++k) {
         bend[k] = k + 2 < points ? (k + 1) * (k + 2) * p->result.slow[k + 2] : 0.0;
-        drive[k] = p->result.load[k] + p->result.oscillator.damping_rate * p->result.normal_mismatch[k];
     }
     nodal_derivatives(bend, points, s, of_bend);
-    nodal_derivatives(drive, points, s, of_drive);
+    nodal_derivatives(p->result.load, points, s, of_load);
     const double faster = oscillator_rates_of(&p->result.oscillator).faster;
     double fast = p->result.y * exp(-faster * s) * faster * faster;
     for (int i = 0; i < 3; ++i) {
-        push[i] = of_bend[i] + fast - of_drive[i];
+        push[i] = of_bend[i] + fast - of_load[i];
         fast *= -faster;
     }
 }
 
-/* Returns the integral from 0 to s of the polynomial `a` times (x - y)', and of damping_rate (n.E)^2. The
- * nodes' quadrature is exact for products of two polynomials. */
+/* Returns the integral from 0 to s of the polynomial `a` times (x - y)'. The nodes' quadrature is exact for
+ * products of two polynomials. */
 static double along_slow(const struct collocation *p, const double *a, double s)
 {
     const int points = p->nodes->points;
     double sum = 0.0;
     for (int i = 0; i < points; ++i) {
         const double at = 0.5 * s * (1.0 + p->nodes->node[i]);
-        double part = taylor_at(a, points, at - 1.0) * nodal_slope(p->result.slow, points, at);
-        if (has_mismatch(p)) {
-            const double mismatch = taylor_at(p->result.normal_mismatch, points, at - 1.0);
-            part += p->half * p->from.damping_rate * mismatch * mismatch;
-        }
+        const double part = taylor_at(a, points, at - 1.0) * nodal_slope(p->result.slow, points, at);
         sum += 0.5 * s * p->nodes->integral[i * points + points - 1] * part;
     }
     return sum;
@@ -524,29 +491,23 @@ static double along_oscillation(const struct collocation *p, const double *a, do
 }
 
 /* The dissipated energy follows from the oscillator's balance of energy, which is exact at any frequency:
- * damping_rate x'^2 = -(x'^2 / 2 + omega2 x^2 / 2)' + f x', and (x' + e)^2 = x'^2 + 2 e x' + e^2. */
+ * damping_rate x'^2 = -(x'^2 / 2 + omega2 x^2 / 2)' + f x'. */
 double collocation_dissipated(const struct collocation *p, double s)
 {
-    const double damping_rate = p->from.damping_rate * p->half;
     const double omega2 = p->from.omega2 * p->half * p->half;
     const double softening = p->result.oscillator.omega2 - omega2;
     double x[4];
     double slow[4];
-    nodal_values a;
     collocation_deviation(p, s, x);
     collocation_averaged_deviation(p, s, slow);
-    for (int k = 0; k < p->nodes->points; ++k) {
-        a[k] =
-            p->result.load[k] + (has_mismatch(p) ? 2.0 * damping_rate * p->result.normal_mismatch[k] : 0.0);
-    }
     const double start_rate = p->half * p->from.radial;
     const double x0 = p->from.deviation;
     const double y = x[0] - slow[0];
     const double dissipated_energy =
         0.5 * ((start_rate - x[1]) * (start_rate + x[1]) + omega2 * (x0 - x[0]) * (x0 + x[0]) +
                softening * (p->result.y - y) * (p->result.y + y));
-    const double sum =
-        dissipated_energy + along_slow(p, a, s) + along_oscillation(p, a, s, y, x[1] - slow[1]);
+    const double sum = dissipated_energy + along_slow(p, p->result.load, s) +
+                       along_oscillation(p, p->result.load, s, y, x[1] - slow[1]);
     return sum / (p->half * p->half);
 }
 
@@ -641,9 +602,6 @@ static void set_frame(struct collocation *p)
         const struct vec3 acceleration = collocation_in_frame(p, p->from.acceleration[i]);
         p->local.acceleration[i] = at_rim ? acceleration : flattened(acceleration);
     }
-    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && has_mismatch(p); ++i) {
-        p->local.mismatch[i] = collocation_in_frame(p, p->from.mismatch[i]);
-    }
 }
 
 /* Makes first guesses: n and H as at the start, and a constant x, which is its start, or its equilibrium in
@@ -662,7 +620,6 @@ static void start_step(struct collocation *p, const struct collocation_problem *
     memset(&p->result.n, 0, sizeof p->result.n);
     memset(&p->result.h, 0, sizeof p->result.h);
     memset(p->result.slow, 0, sizeof p->result.slow);
-    memset(p->result.normal_mismatch, 0, sizeof p->result.normal_mismatch);
     p->result.slow[0] = kind == COLLOCATION_AVERAGED ? load_at_start(p) / from->omega2 : from->deviation;
     p->result.y = from->deviation - p->result.slow[0];
     p->result.y_rate = kind == COLLOCATION_QUASI_STATIC ? 0.0 : p->half * p->from.radial;
@@ -678,16 +635,7 @@ void collocation_begin(struct collocation *p, const struct collocation_problem *
 {
     start_step(p, from, step, kind, nodes);
     for (int i = 0; i < p->nodes->points; ++i) {
-        const double s = 1.0 + p->nodes->node[i];
-        const struct vec3 acceleration = acceleration_then(p, s);
-        struct vec3 drive = acceleration;
-        if (has_mismatch(p)) {
-            const struct vec3 mismatch = path_at(p->local.mismatch, COLLOCATION_MISMATCH_TERMS, p->half * s);
-            nodal_put_vec3(&p->work.mismatch_at, i, vec3_scale(p->half, mismatch));
-            drive = vec3_axpy(acceleration, -p->from.damping_rate, mismatch);
-        }
-        nodal_put_vec3(&p->work.acceleration_at, i, acceleration);
-        nodal_put_vec3(&p->work.drive_at, i, drive);
+        nodal_put_vec3(&p->work.acceleration_at, i, acceleration_then(p, 1.0 + p->nodes->node[i]));
     }
 }
 

@@ -677,7 +677,6 @@ bool quasi_static_make(struct segment *p)
         step = fmin(step, part_of_depth);
     }
     segment_take_timescales(p);
-    p->scales.problem.has_mismatch = false; /* any mismatch here is rounding */
     const int attempts = scales.creep > 0.0 ? SLOW_ATTEMPTS : FOLLOWING;
     for (int i = 0; i < attempts && step * scales.fast >= SLOW_SHORTEST; ++i) {
         if (quasi_static_solve(p, step, p->tolerance, -p->pair.gap * accuracy)) {

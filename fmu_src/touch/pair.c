@@ -723,13 +723,9 @@ static void fill_sample(const struct pair_collocation *p, const double x[4], dou
 {
     const double side = p->from->shape.side;
     const double per_time = side / p->step.half;
-    double normal_mismatch[4] = {0.0, 0.0, 0.0, 0.0};
-    if (SCENE_ANY_PRESCRIBED && p->step.from.has_mismatch) {
-        collocation_mismatch(&p->step, s, normal_mismatch);
-    }
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP][i] = side * x[i];
-        sample->of[PAIR_GAP_RATE][i] = per_time * (x[i + 1] + normal_mismatch[i]);
+        sample->of[PAIR_GAP_RATE][i] = per_time * x[i + 1];
     }
     if (SCENE_ANY_CAPS && p->step.from.at_rim) {
         collocation_edges(&p->step, s, x, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
@@ -868,51 +864,9 @@ void pair_collocation_moments(const void *pair_collocation, double s, const stru
     }
 }
 
-/* Sets A = C'' and E = W - C', each reduced to the part that acts on the contact's motion. */
-static void set_paths(const struct contact_pair *p, const struct vec3 felt[SEPARATION_DEGREE],
-                      struct collocation_problem *problem)
-{
-    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        problem->acceleration[i] = vec3_scale((i + 1) * (i + 2), felt[i + 1]);
-    }
-    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS; ++i) {
-        const struct vec3 mismatch = SCENE_ANY_PRESCRIBED
-                                         ? vec3_axpy(p->flight.w[i], -(i + 1), p->flight.c[i + 1])
-                                         : vec3_make(0.0, 0.0, 0.0);
-        const bool is_none = !(vec3_max_abs(mismatch) > 0.0);
-        problem->mismatch[i] = is_none ? mismatch : coupled(p, mismatch);
-        problem->has_mismatch = problem->has_mismatch || !is_none;
-    }
-}
-
-/* Error of the peaks as a fraction of the load. The dashpot turns a rounding difference of W and C' into a
- * load, and the spring turns that difference into an oscillation. */
-static const double NEGLIGIBLE_LOAD = 1e-6;
-
-/* Sets the mismatch E = W - C' to zero where it cannot be told from rounding: where rounding of E, by the
- * dashpot and over a radian of the tangential motion, makes a force above NEGLIGIBLE_LOAD. */
-static void drop_rounded_mismatch(const struct contact_pair *p, double tangential_rate,
-                                  struct collocation_problem *problem)
-{
-    double size = 0.0;
-    double power = 1.0;
-    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS; ++i) {
-        const double rate = vec3_norm(p->flight.w[i]);
-        size += rate > 0.0 ? rate * power : 0.0;
-        power /= tangential_rate;
-    }
-    const double load = vec3_norm(problem->acceleration[0]);
-    const double per_rate = problem->damping_rate + sqrt(problem->omega2);
-    if (per_rate * 16.0 * DBL_EPSILON * size > NEGLIGIBLE_LOAD * load) {
-        memset(problem->mismatch, 0, sizeof problem->mismatch);
-        problem->has_mismatch = false;
-    }
-}
-
 void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p)
 {
     struct collocation_problem *problem = &out->problem;
-    problem->has_mismatch = false;
     problem->normal = p->normal;
     problem->tangent = tangent_of(p);
     for (int i = 0; i < SEPARATION_DEGREE; ++i) {
@@ -926,7 +880,9 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     }
     problem->omega2 = p->coefficients.k / p->reduced_mass;
     problem->damping_rate = p->coefficients.c / p->reduced_mass;
-    set_paths(p, out->felt, problem);
+    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
+        problem->acceleration[i] = vec3_scale((i + 1) * (i + 2), out->felt[i + 1]);
+    }
     const double d = contact_is_plane(&p->shape) ? (double)INFINITY : problem->reach + problem->deviation;
     const struct vec3 along = pair_tangential(p, problem->rate);
     const double radial = p->shape.side * pair_gap_derivative(p);
@@ -934,9 +890,6 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     out->distance = d;
     out->rate_along = vec3_norm(along) / d;
     out->tangential_rate = out->rate_along + sqrt(vec3_norm(problem->acceleration[0]) / d);
-    if (SCENE_ANY_PRESCRIBED && problem->has_mismatch && !p->has_mismatch) {
-        drop_rounded_mismatch(p, out->tangential_rate, problem);
-    }
     double turning = vec3_dot(along, along) / d;
     if (CONTACT_ANY_CIRCLE) {
         problem->at_rim = contact_is_circle(&p->shape);
@@ -945,8 +898,7 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
             turning = pair_turning(p, d);
         }
     }
-    const double load = turning + vec3_dot(p->normal, problem->acceleration[0]) -
-                        problem->damping_rate * vec3_dot(p->normal, problem->mismatch[0]);
+    const double load = turning + vec3_dot(p->normal, problem->acceleration[0]);
     const struct oscillator oscillator = {problem->omega2, problem->damping_rate};
     out->rates = oscillator_rates_of(&oscillator);
     out->equilibrium_depth = -p->shape.side * load / problem->omega2;

@@ -323,12 +323,13 @@ static const double COLLOCATED_SHORTEST = 3.0;
  * many times the tangential rate. */
 static const double SEPARATION_OF_RATES = 20.0;
 
-/* Whether the step may be long enough and the oscillator or its decay is faster than the tangential
- * motion. */
+/* Whether the step may be long enough, the oscillator or its decay is faster than the tangential motion, and
+ * the law's rate is that of the gap. */
 static bool collocated_applies(const struct segment *p)
 {
     const struct pair_timescales *scales = &p->scales;
-    return scales->rates.faster * p->longest >= COLLOCATED_SHORTEST && scales->problem.reach > 0.0 &&
+    return !p->pair.has_mismatch && scales->problem.reach > 0.0 &&
+           scales->rates.faster * p->longest >= COLLOCATED_SHORTEST &&
            scales->rates.faster >= SEPARATION_OF_RATES * scales->tangential_rate;
 }
 
