@@ -1288,28 +1288,6 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
            !(contact_is_skew(&p->pair.shape) && deepest_of(p) >= contact_reach(&p->pair.shape));
 }
 
-/* Corrects r along n so that bodies that part are as far apart as the gap: both have truncation errors of
- * their own, by which bodies that part at a gap of zero must not overlap. Other segments need no correction,
- * because the next one begins at the gap (contact_pair.rounded), and near a centre it would turn n by its
- * rounding. */
-static void agree_with_gap(const struct segment *p, struct pair_change *change)
-{
-    const struct contact_pair *from = &p->pair;
-    const struct vec3 none = {0.0, 0.0, 0.0};
-    struct vec3 c = vec3_add(path_at(from->flight.c, SEPARATION_DEGREE + 1, change->time), change->r);
-    if (change->head_on || fabs(change->gap) > p->tolerance) {
-        return;
-    }
-    if (!from->starts_rounded) {
-        c = vec3_add(c, from->rounded);
-    }
-    const struct contact_geometry then = contact_geometry_at(&from->shape, c, none, from->normal);
-    const double missing = change->gap - then.gap;
-    if (fabs(missing) <= p->tolerance) { /* more: the gap has its sign from beyond a centre */
-        change->r = vec3_axpy(change->r, from->shape.side * missing, then.normal);
-    }
-}
-
 bool segment_is_deep(const struct segment *p)
 {
     return p->largest_gap > contact_reach(&p->pair.shape);
@@ -1328,7 +1306,6 @@ void segment_advance(struct segment *p, double from, double s, const struct scen
     const int of_work = pair_moments_of_work(&p->pair);
     segment_moments(p, s, &change, of_work > lever.moments ? of_work : lever.moments, moment);
     change.head_on = change.head_on && !segment_is_deep(p);
-    agree_with_gap(p, &change);
     if (from < s) {
         peaks_note(p, &state->peaks, from, s);
     }
