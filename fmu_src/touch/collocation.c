@@ -27,7 +27,7 @@ static struct vec3 at_row(const struct nodal_vec3 *row, int i)
 /* Returns A in the frame at s [m/s^2]. */
 static struct vec3 acceleration_then(const struct collocation *p, double s)
 {
-    return path_at(p->local.acceleration, COLLOCATION_ACCELERATION_TERMS, p->half * s);
+    return path_at(p->acceleration, COLLOCATION_ACCELERATION_TERMS, p->half * s);
 }
 
 /* Returns the integral of y over time, expressed by the present y and y' [m s]. */
@@ -63,15 +63,15 @@ static struct rim_state rim_state_at_node(const struct collocation *p, int i)
                               p->result.n.y[i] - p->result.normal_correction.y,
                               p->result.h.x[i] - p->result.momentum_correction.x,
                               p->result.h.y[i] - p->result.momentum_correction.y};
-    return rim_state_of(&p->from.rim, change, p->result.x[i] - p->from.deviation, p->work.angles[i]);
+    return rim_state_of(&p->from.rim, change, p->result.x[i] - p->from.deviation, p->angles[i]);
 }
 
 /* Notes the angles' cosines and sines at the nodes, which last until the next sweep. */
 static void note_angles(struct collocation *p)
 {
     for (int i = 0; i < p->nodes->points; ++i) {
-        p->work.angles[i] = rim_angles_of(&p->from.rim, p->result.n.x[i] - p->result.normal_correction.x,
-                                          p->result.n.y[i] - p->result.normal_correction.y);
+        p->angles[i] = rim_angles_of(&p->from.rim, p->result.n.x[i] - p->result.normal_correction.x,
+                                     p->result.n.y[i] - p->result.normal_correction.y);
     }
 }
 
@@ -89,17 +89,15 @@ static struct collocation_correction correction_of(const struct collocation *p, 
 static double load_at_start(const struct collocation *p)
 {
     const struct rim_state at = rim_state_at_start(p);
-    return rim_slopes_at(&at, p->local.acceleration[0]).load;
+    return rim_slopes_at(&at, p->acceleration[0]).load;
 }
 
-/* Sets half^2 f [m] at the nodes, and the softening, which is half of -half^2 df/dx by the centrifugal
- * terms. */
-static void load_at_nodes(const struct collocation *p, double *values, double *softening)
+void collocation_load(const struct collocation *p, double *values, double *softening)
 {
     const double half2 = p->half * p->half;
     for (int i = 0; i < p->nodes->points; ++i) {
         const struct rim_state at = rim_state_at_node(p, i);
-        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->work.acceleration_at, i));
+        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->acceleration_at, i));
         const double spin = slopes.azimuth * at.by.cosine;
         values[i] = half2 * slopes.load;
         softening[i] = 1.5 * half2 * (spin * spin + slopes.tilt * slopes.tilt);
@@ -124,21 +122,23 @@ static double integrate_two(const struct collocation *p, const struct nodal_vec3
     return change;
 }
 
-/* Makes one sweep of the momenta and the angles; returns the largest change [m]. */
-static double turn(struct collocation *p)
+double collocation_turn(struct collocation *p)
 {
+    if (p->head_on) {
+        return 0.0;
+    }
     const double distance = p->from.rim.distance;
     const double scale = p->from.rim.rho / distance;
     const struct rim_state start = rim_state_at_start(p);
     const struct collocation_correction correction =
-        correction_of(p, &start, p->local.acceleration[0], p->result.y, p->result.y_rate);
+        correction_of(p, &start, p->acceleration[0], p->result.y, p->result.y_rate);
     p->result.normal_correction = correction.normal;
     p->result.momentum_correction = correction.momentum;
     nodal_values per_rho_squared;
     nodal_values per_d_squared;
     for (int i = 0; i < p->nodes->points; ++i) {
         const struct rim_state at = rim_state_at_node(p, i);
-        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->work.acceleration_at, i));
+        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->acceleration_at, i));
         p->result.h_rate.x[i] = p->half * slopes.azimuth_momentum / scale;
         p->result.h_rate.y[i] = p->half * slopes.tilt_momentum;
         per_rho_squared[i] = 1.0 / (at.rho * at.rho);
@@ -154,14 +154,6 @@ static double turn(struct collocation *p)
     const double by_normal = distance * integrate_two(p, &p->result.n_rate, &p->result.n);
     note_angles(p);
     return fmax(by_momentum, by_normal);
-}
-
-/* Sets c - c(0) and n at a node, in the frame, without the oscillation. */
-static void at_node(const struct collocation *p, int node, struct vec3 *moved, struct vec3 *normal)
-{
-    const struct rim_state at = rim_state_at_node(p, node);
-    *moved = rim_moved(&p->from.rim, &at);
-    *normal = rim_normal(&at);
 }
 
 /* A step turns by about two radians of tangential motion. Sweep k multiplies the error by about these radians
@@ -247,7 +239,7 @@ static double update_load(struct collocation *p)
     nodal_values values;
     nodal_values softening;
     double mean = 0.0;
-    load_at_nodes(p, values, softening);
+    collocation_load(p, values, softening);
     /* the mean of -half^2 df/dx over the step is half its integral over s, which is the integral of
      * `softening` */
     for (int i = 0; i < points && p->kind == COLLOCATION_AVERAGED; ++i) {
@@ -260,22 +252,9 @@ static double update_load(struct collocation *p)
 static double sweep(struct collocation *p)
 {
     const double by_load = update_load(p);
-    if (p->local.head_on) {
-        /* a head-on load does not depend on x, but an overdamped X is iterated */
-        return p->kind == COLLOCATION_OVERDAMPED ? by_load : 0.0;
-    }
-    return larger(by_load, turn(p));
-}
-
-double collocation_turn(struct collocation *p)
-{
-    return p->local.head_on ? 0.0 : turn(p);
-}
-
-void collocation_load(const struct collocation *p, double *values)
-{
-    nodal_values softening;
-    load_at_nodes(p, values, softening);
+    /* a head-on load does not depend on x, but an overdamped X is iterated */
+    const bool is_solved = p->head_on && p->kind != COLLOCATION_OVERDAMPED;
+    return is_solved ? 0.0 : larger(by_load, collocation_turn(p));
 }
 
 static double tail_of(const struct collocation *p, const struct nodal_vec3 *values)
@@ -296,7 +275,7 @@ static double tail_of_all(const struct collocation *p)
     const bool is_overdamped = p->kind == COLLOCATION_OVERDAMPED;
     const double by_deviation =
         is_overdamped && size > 0.0 ? left_out * larger(1.0, p->from.rim.distance / size) : left_out;
-    if (p->local.head_on) {
+    if (p->head_on) {
         return by_deviation;
     }
     const double by_normal = p->from.rim.distance * tail_of(p, &p->result.n_rate);
@@ -368,8 +347,7 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
     const struct vec3 none = {0.0, 0.0, 0.0};
     double x[4];
     collocation_deviation(p, s, x);
-    const struct rim_state then =
-        p->local.head_on ? rim_state_by(p, none, none, x[0]) : rim_state_then(p, s, x);
+    const struct rim_state then = p->head_on ? rim_state_by(p, none, none, x[0]) : rim_state_then(p, s, x);
     return (struct collocation_change){
         collocation_in_world(p, rim_moved(&p->from.rim, &then)),
         collocation_in_world(p, rim_gained(&p->from.rim, &then, p->from.radial, x[1] / p->half)), x[0]};
@@ -379,7 +357,7 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
                        double axial[3])
 {
     double tilt[3] = {p->from.rim.tilt, 0.0, 0.0};
-    if (!p->local.head_on) {
+    if (!p->head_on) {
         const int points = p->nodes->points;
         tilt[0] += nodal_integral(p->result.tilt_rate, points, s) - p->result.normal_correction.y;
         tilt[1] = taylor_at(p->result.tilt_rate, points, s - 1.0);
@@ -537,11 +515,9 @@ struct vec3 collocation_moment(const struct collocation *p, int power, double s)
     for (int i = 0; i < p->nodes->points; ++i) {
         const double t = p->half * (1.0 + p->nodes->node[i]);
         const double weight = p->half * (power == 0 ? 1.0 : power == 1 ? t : t * t);
-        struct vec3 moved;
-        struct vec3 normal;
-        at_node(p, i, &moved, &normal);
-        nodal_put_vec3(&of, i, vec3_scale(weight, moved));
-        nodal_put_vec3(&along, i, vec3_scale(weight, normal));
+        const struct rim_state at = rim_state_at_node(p, i); /* without the oscillation */
+        nodal_put_vec3(&of, i, vec3_scale(weight, rim_moved(&p->from.rim, &at)));
+        nodal_put_vec3(&along, i, vec3_scale(weight, rim_normal(&at)));
     }
     for (int k = 0; k < 3; ++k) {
         nodal_values a;
@@ -600,7 +576,7 @@ static void set_frame(struct collocation *p)
     }
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
         const struct vec3 acceleration = collocation_in_frame(p, p->from.acceleration[i]);
-        p->local.acceleration[i] = at_rim ? acceleration : flattened(acceleration);
+        p->acceleration[i] = at_rim ? acceleration : flattened(acceleration);
     }
 }
 
@@ -613,7 +589,7 @@ static void start_step(struct collocation *p, const struct collocation_problem *
     p->nodes = nodes;
     p->kind = kind;
     p->half = 0.5 * step;
-    p->local.head_on = is_head_on(from);
+    p->head_on = is_head_on(from);
     p->result.normal_correction = p->result.momentum_correction = vec3_make(0.0, 0.0, 0.0);
     set_frame(p);
     memset(p->result.tilt_rate, 0, sizeof p->result.tilt_rate);
@@ -635,7 +611,7 @@ void collocation_begin(struct collocation *p, const struct collocation_problem *
 {
     start_step(p, from, step, kind, nodes);
     for (int i = 0; i < p->nodes->points; ++i) {
-        nodal_put_vec3(&p->work.acceleration_at, i, acceleration_then(p, 1.0 + p->nodes->node[i]));
+        nodal_put_vec3(&p->acceleration_at, i, acceleration_then(p, 1.0 + p->nodes->node[i]));
     }
 }
 

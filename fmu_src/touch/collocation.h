@@ -53,18 +53,6 @@ struct collocation_problem {
     struct rim_start rim; /* a step about a centre sets it: n, across both, the tangent in place of a, e, b */
 };
 
-/* The problem in the frame of the start, rim.frame. */
-struct collocation_local {
-    struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A */
-    bool head_on;                                             /* c' and A are along n, which is constant */
-};
-
-/* Data of the iteration. */
-struct collocation_work {
-    struct nodal_vec3 acceleration_at;     /* A at the nodes */
-    struct rim_angles angles[LOBATTO_MAX]; /* of the present n at the nodes */
-};
-
 /* Result of the iteration. Rows and corrections of n hold the changes of azimuth and tilt as x and y, those
  * of H the changes of their momenta (rim_state_of); z is not used. */
 struct collocation_result {
@@ -88,9 +76,11 @@ struct collocation {
     struct collocation_problem from;
     const struct lobatto *nodes;
     enum collocation_kind kind;
-    double half; /* half the step [s] */
-    struct collocation_local local;
-    struct collocation_work work;
+    double half;                                              /* half the step [s] */
+    bool head_on;                                             /* c' and A are along n, which is constant */
+    struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A in the frame of the start, rim.frame */
+    struct nodal_vec3 acceleration_at;                        /* A at the nodes, in this frame */
+    struct rim_angles angles[LOBATTO_MAX];                    /* of the present n at the nodes */
     struct collocation_result result;
 };
 
@@ -105,13 +95,13 @@ bool collocation_make(struct collocation *p, const struct collocation_problem *f
  * These functions are the parts of a quasi-static step. Its caller finds the deviation x at the nodes, and
  * slow_rate in the end. collocation_begin sets x at all nodes to its value at the start. collocation_turn
  * makes one sweep of n and H, at the x that the nodes have, and returns the largest change [m].
- * collocation_load sets `values` to the load f times half^2 [m] at the nodes. collocation_finish returns
- * whether all values are finite and d > 0.
+ * collocation_load sets `values` to the load f times half^2 [m] at the nodes, and `softening` to half of
+ * -half^2 df/dx by the centrifugal terms. collocation_finish returns whether all values are finite and d > 0.
  */
 void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
                        enum collocation_kind kind, const struct lobatto *nodes);
 double collocation_turn(struct collocation *p);
-void collocation_load(const struct collocation *p, double *values);
+void collocation_load(const struct collocation *p, double *values, double *softening);
 bool collocation_finish(struct collocation *p);
 
 /* Gives x [m] with its first three derivatives with respect to s. */

@@ -52,14 +52,13 @@ static void leave_centre(struct contact_pair *p, const struct contact_geometry *
     p->gap = p->distance - reach;
     p->rounded = vec3_axpy(vec3_scale(p->distance, p->normal), -1.0, geometry->offset);
     p->flight.c[0] = p->flight.offset = vec3_scale(p->distance, p->normal);
-    p->starts_rounded = true;
 }
 
-/* Corrects w so that side n.w is `rate`, the g' that the segment before has carried over. */
-static void take_carried_rate(struct contact_pair *p, double rate)
+/* Corrects w so that side n.w is g', and all formulas see one rate. */
+static void take_rate(struct contact_pair *p, double rate)
 {
     const double missing = p->shape.side * rate - vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
-    p->carried_rate = rate;
+    p->rate = rate;
     p->rate_rounded = vec3_scale(missing, p->normal);
     p->flight.c[1] = vec3_add(p->flight.c[1], p->rate_rounded);
     p->flight.w[0] = vec3_add(p->flight.w[0], p->rate_rounded);
@@ -116,20 +115,15 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
     p->rounded = vec3_scale(shorter, p->normal);
     p->rate_rounding = rounding_of_rate(at, contact);
     p->reduced_mass = 1.0 / scene_inverse_mass(v, contact);
-    p->rate_rounded = vec3_make(0.0, 0.0, 0.0);
-    p->carried_rate = (double)NAN;
-    p->rate_is_known = p->starts_rounded = false;
-    if (singularity_is_reached(v, at, contact, &p->shape)) {
+    p->starts_rounded = singularity_is_reached(v, at, contact, &p->shape);
+    if (p->starts_rounded) {
         leave_centre(p, geometry);
-    } else {
-        const bool is_carried = scene_rate_is_known(q, at, contact);
-        const double rate = is_carried ? geometry->gap_rate
-                                       : p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
-        p->rate_is_known = is_carried || rate == 0.0;
-        if (p->rate_is_known || p->coefficients.k >= PAIR_STIFF) { /* so that all formulas see one rate */
-            take_carried_rate(p, rate);
-        }
     }
+    const bool is_carried = !p->starts_rounded && scene_rate_is_known(q, at, contact);
+    const double rate =
+        is_carried ? geometry->gap_rate : p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
+    p->rate_is_known = is_carried || rate == 0.0;
+    take_rate(p, rate);
     p->has_mismatch = path_contradicts(v, q, contact_source(contact)) ||
                       path_contradicts(v, q, contact_destination(contact));
     p->work[0] = work_on(p, v, q, contact_source(contact), -1.0);
@@ -153,14 +147,11 @@ struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across)
 
 double pair_gap_derivative(const struct contact_pair *p)
 {
-    if (isnan(p->carried_rate)) {
-        return p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.c[1]));
-    }
     if (!SCENE_ANY_PRESCRIBED || !p->has_mismatch) {
-        return p->carried_rate;
+        return p->rate;
     }
     const struct vec3 mismatch = vec3_sub(p->flight.w[0], p->flight.c[1]);
-    return p->carried_rate - p->shape.side * vec3_dot(p->normal, pair_across(p, mismatch));
+    return p->rate - p->shape.side * vec3_dot(p->normal, pair_across(p, mismatch));
 }
 
 /* Returns the part of g'' that the turning of n makes at a distance d [m/s^2]: |w_t|^2 / d, and less at a
@@ -204,26 +195,14 @@ static double speed_of(const struct scene_values *v, const struct scene_state *q
     return body_is_free(v, body) ? vec3_norm(q->body[body].velocity) : 0.0;
 }
 
-/* The next segment computes g' from the rounded velocities where the relative error of the force that results
- * is at most this. */
-static const double FORCE_ACCURACY = 1e-6;
-
-double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
-                                const struct scene_values *v, const struct scene_state *q, int contact)
+/* Returns the rounding error of g' computed from the velocities after the change [m/s]. Flight and deviation
+ * nearly cancel in lasting contact, so that the size of either counts. */
+static double rate_rounding_after(const struct pair_change *change, const struct scene_values *v,
+                                  const struct scene_state *q, int contact)
 {
-    const double speeds =
-        speed_of(v, q, contact_source(contact)) + speed_of(v, q, contact_destination(contact));
-    /* flight and deviation nearly cancel in lasting contact, so the size of either counts */
-    const double rounding = 16.0 * DBL_EPSILON * (speeds + vec3_norm(change->r_rate));
-    const double force_per_rate = sqrt(p->coefficients.k * p->reduced_mass) + p->coefficients.c;
-    const double rate = fabs(vec3_dot(p->normal, pair_across(p, p->flight.w[0])));
-    if (rounding <= FORCE_ACCURACY * rate) {
-        return 0.0; /* an impact: the speed outweighs its rounding */
-    }
-    const double force =
-        pair_load(p) + p->coefficients.k * fmax(fabs(p->gap), fabs(change->gap)) + force_per_rate * rate;
-    const bool counts = force_per_rate * rounding > FORCE_ACCURACY * force;
-    return counts || p->coefficients.k >= PAIR_STIFF ? rounding : 0.0;
+    return 16.0 * DBL_EPSILON *
+           (speed_of(v, q, contact_source(contact)) + speed_of(v, q, contact_destination(contact)) +
+            vec3_norm(change->r_rate));
 }
 
 /* Returns the part of a vector that does not act on head-on motion: along a plane or a cylinder's axis; zero
@@ -369,6 +348,7 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change,
     q->dissipated += change->dissipated;
     state->physics.impulse = vec3_axpy(state->physics.impulse, -p->reduced_mass, change->r_rate);
     state->physics.accumulated_gap = change->gap;
+    state->physics.rate_rounding = rate_rounding_after(change, v, q, contact);
 }
 
 /* A component perpendicular to the plane of motion is rounding if it is below this fraction of its vector. */

@@ -46,8 +46,8 @@ struct contact_pair {
      * centre [m] */
     struct vec3 rounded;
     bool starts_rounded;      /* C(0) contains `rounded`, as at the centre */
-    struct vec3 rate_rounded; /* rounding, added to w so that side n.w is carried_rate [m/s] */
-    double carried_rate;      /* g' with more digits than side n.w has; NaN: side n.w suffices [m/s] */
+    struct vec3 rate_rounded; /* rounding, added to w so that side n.w is `rate` [m/s] */
+    double rate;              /* g' [m/s] */
     bool rate_is_known;       /* g' is carried or exactly zero: no rounding of velocities */
     bool has_mismatch;        /* W differs from C' by more than rounding */
     /* Whether the motion goes along n alone, under a constant acceleration along n. A motion along a plane or
@@ -94,11 +94,6 @@ struct vec3 pair_across(const struct contact_pair *p, struct vec3 c);
 /* Returns the part of the vector `across` that is perpendicular to n and turns n; zero at a plane. */
 struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
 
-/* Rounding error of g' computed from the velocities after the change [m/s]; 0 where its effect on the force
- * is negligible. */
-double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
-                                const struct scene_values *v, const struct scene_state *q, int contact);
-
 /* Returns the change by side r n, along the normal. */
 struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,
                                             double r_rate, double gap);
@@ -110,7 +105,8 @@ int pair_moments_of_work(const struct contact_pair *p);
 void pair_hertz_force(const struct contact_pair *from, const double u[3], const double rate[3],
                       double force[3]);
 
-/* Moves the bodies and books impulse, dissipated energy and external work. The caller advances the clock. */
+/* Moves the bodies and books impulse, dissipated energy and external work. The caller advances the clock, and
+ * sets the rate that the next segment starts with. */
 void pair_apply(const struct contact_pair *p, const struct pair_change *change,
                 const struct vec3 moment[PAIR_MOMENTS], const struct scene_values *v, struct scene_state *q,
                 int contact);

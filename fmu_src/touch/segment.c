@@ -385,7 +385,7 @@ static bool collocated_stays_off_centre(const struct segment *p)
     for (int i = 0; i < step->nodes->points; ++i) {
         nearest = fmin(nearest, step->from.reach + step->result.x[i]);
     }
-    if (step->local.head_on || nearest > NEAR_CENTRE * step->from.reach) {
+    if (step->head_on || nearest > NEAR_CENTRE * step->from.reach) {
         return true;
     }
     return step->kind == COLLOCATION_OVERDAMPED && !(terminal_event_centre(p) < (double)INFINITY);
@@ -1313,10 +1313,7 @@ void segment_advance(struct segment *p, double from, double s, const struct scen
         peak_error_note(p, segment_time(p, from), segment_time(p, s), state);
     }
     pair_apply(&p->pair, &change, moment, v, q, contact);
-    state->physics.rate_rounding = pair_rate_rounding_after(&p->pair, &change, v, q, contact);
-    if (state->physics.rate_rounding > 0.0) {
-        state->physics.carried_rate = dense_output_at(&p->output, s)->of[PAIR_GAP_RATE][0];
-    }
+    state->physics.carried_rate = dense_output_at(&p->output, s)->of[PAIR_GAP_RATE][0];
     if (SCENE_HAS_TORQUES) {
         add_torque_impulse(&p->pair, &lever, &change, moment, &state->torques);
     }
