@@ -496,14 +496,29 @@ static bool slow_iterate(struct slow_motion *p)
     return false;
 }
 
-static bool slow_is_accurate(const struct slow_motion *p, double tolerance, double depth_tolerance)
+/* Load and rates of a lasting contact. */
+struct slow_scales {
+    double load;  /* L: the acceleration that presses [m/s^2] */
+    double fast;  /* rate of the contact's oscillation or of its damping, the faster one [1/s] */
+    double creep; /* rate at which an overdamped contact settles [1/s]; 0 if the contact oscillates */
+};
+
+static struct slow_scales slow_scales_of(const struct contact_pair *from)
 {
-    const double stiffness = 1.5 * p->k * sqrt(p->depth_start);
-    const double damping = p->k * p->depth_start * sqrt(p->depth_start) * p->chi;
+    const double depth = -from->gap;
+    const double k = from->hertz_stiffness / from->reduced_mass;
+    const double spring = sqrt(1.5 * k * sqrt(depth));
+    const double dashpot = k * from->chi * depth * sqrt(depth);
+    return (struct slow_scales){.load = pair_pressing_load(from),
+                                .fast = fmax(spring, dashpot),
+                                .creep = dashpot > 2.0 * spring ? spring * spring / dashpot : 0.0};
+}
+
+static bool slow_is_accurate(const struct slow_motion *p, const struct slow_scales *scales, double tolerance,
+                             double depth_tolerance)
+{
     /* the force of an overdamped contact depends on the rate at which the contact settles */
-    const bool creeps = damping * damping > 4.0 * stiffness;
-    const double fast = fmax(sqrt(stiffness), damping);
-    const double by_rate = creeps ? stiffness / damping * p->half : fmax(1.0, fast * p->half);
+    const double by_rate = scales->creep > 0.0 ? scales->creep * p->half : fmax(1.0, scales->fast * p->half);
     double error = misses_start(p->depth, p->depth_start);
     error = fmax(error, misses_start(p->rate, p->rate_start) / by_rate);
     if (!(error <= depth_tolerance)) {
@@ -520,8 +535,9 @@ static bool slow_is_accurate(const struct slow_motion *p, double tolerance, doub
 }
 
 /* Makes a step [s]. Returns false where the step is not accurate. delta and its oscillation must be accurate
- * to `depth_tolerance` [m], and d n to `tolerance` [m]. */
-static bool quasi_static_solve(struct segment *segment, double step, double tolerance, double depth_tolerance)
+ * to `depth_tolerance` [m], and d n to the tolerance of the segment. */
+static bool quasi_static_solve(struct segment *segment, const struct slow_scales *scales, double step,
+                               double depth_tolerance)
 {
     const struct contact_pair *from = &segment->pair;
     struct collocation *made = &segment->as.collocation.step;
@@ -533,7 +549,7 @@ static bool quasi_static_solve(struct segment *segment, double step, double tole
                             .depth_start = -from->gap,
                             .rate_start = -0.5 * step * pair_gap_derivative(from)};
     collocation_begin(made, &segment->scales.problem, step, COLLOCATION_QUASI_STATIC, &radau);
-    if (!slow_iterate(&p) || !slow_is_accurate(&p, tolerance, depth_tolerance)) {
+    if (!slow_iterate(&p) || !slow_is_accurate(&p, scales, segment->tolerance, depth_tolerance)) {
         return false;
     }
     for (int i = 0; i < SLOW_NODES; ++i) {
@@ -590,24 +606,6 @@ static const double CREEP_STEP = 2.0;
  * limit holds for bodies that leave, and from the third trial on also for bodies that sink. */
 static const double PART_OF_DEPTH = 0.5;
 
-/* Load and rates of a lasting contact. */
-struct slow_scales {
-    double load;  /* L: the acceleration that presses [m/s^2] */
-    double fast;  /* rate of the contact's oscillation or of its damping, the faster one [1/s] */
-    double creep; /* rate at which an overdamped contact settles [1/s]; 0 if the contact oscillates */
-};
-
-static struct slow_scales slow_scales_of(const struct contact_pair *from)
-{
-    const double depth = -from->gap;
-    const double k = from->hertz_stiffness / from->reduced_mass;
-    const double spring = sqrt(1.5 * k * sqrt(depth));
-    const double dashpot = k * from->chi * depth * sqrt(depth);
-    return (struct slow_scales){.load = pair_pressing_load(from),
-                                .fast = fmax(spring, dashpot),
-                                .creep = dashpot > 2.0 * spring ? spring * spring / dashpot : 0.0};
-}
-
 /* Returns the fast part of the penetration relative to the penetration, from the coefficients of u =
  * sqrt(delta). */
 static double fast_part_of(const double *root, double unit, double fast)
@@ -659,7 +657,7 @@ bool quasi_static_make(struct segment *p)
     }
     const int attempts = scales.creep > 0.0 ? SLOW_ATTEMPTS : FOLLOWING;
     for (int i = 0; i < attempts && step * scales.fast >= SLOW_SHORTEST; ++i) {
-        if (quasi_static_solve(p, step, p->tolerance, -p->pair.gap * accuracy)) {
+        if (quasi_static_solve(p, &scales, step, -p->pair.gap * accuracy)) {
             p->unit = 0.5 * step;
             p->end = 2.0;
             dense_output_add(&p->output, 0.0);

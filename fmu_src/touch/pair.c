@@ -476,25 +476,33 @@ double pair_oscillation_first_extremum(const struct pair_oscillation *p)
     return angle / p->omega_d;
 }
 
+/* Writes the start value and the rate per s of the part of a quantity that an oscillation y makes (for the
+ * force: of minus the force). `per_time` is s per time [1/s]. */
+static void put_oscillating_part(const struct contact_pair *from, enum pair_quantity quantity,
+                                 const struct oscillator *o, double per_time, double y, double y_rate,
+                                 double *start, double *rate)
+{
+    const double bend = -o->damping_rate * y_rate - o->omega2 * y;
+    const double k = from->coefficients.k;
+    const double c = from->coefficients.c * per_time;
+    *start = quantity == PAIR_GAP ? y : quantity == PAIR_GAP_RATE ? per_time * y_rate : k * y + c * y_rate;
+    *rate = quantity == PAIR_GAP        ? y_rate
+            : quantity == PAIR_GAP_RATE ? per_time * bend
+                                        : k * y_rate + c * bend;
+}
+
 bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_quantity quantity,
                                   double factor, double offset)
 {
-    if (quantity == PAIR_GAP) {
-        return p->amplitude < factor * p->equilibrium + offset;
-    }
     const double k = p->from->coefficients.k;
-    const double c = p->from->coefficients.c * p->rate;
-    const double bend = -p->free.oscillator.damping_rate * p->y_rate - p->y;
-    double equilibrium = 0.0;
-    double start = p->rate * p->y_rate; /* value of the oscillating part at the start */
-    double start_rate = p->rate * bend;
-    if (quantity == PAIR_FORCE) {
-        equilibrium = -k * p->equilibrium;
-        start = k * p->y + c * p->y_rate;
-        start_rate = k * p->y_rate + c * bend;
-    }
-    return oscillator_envelope_of(&p->free.oscillator, start, start_rate).amplitude <
-           factor * equilibrium + offset;
+    const double still = quantity == PAIR_GAP     ? p->equilibrium
+                         : quantity == PAIR_FORCE ? -k * p->equilibrium
+                                                  : 0.0;
+    const struct oscillator *o = &p->free.oscillator;
+    double start;
+    double rate;
+    put_oscillating_part(p->from, quantity, o, p->rate, p->y, p->y_rate, &start, &rate);
+    return oscillator_envelope_of(o, start, rate).amplitude < factor * still + offset;
 }
 
 /* Computes the force as F_n = m_red (g'' - side n.A). */
@@ -689,15 +697,8 @@ void pair_collocation_sample(const void *pair_collocation, double s, struct pair
 void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,
                            double *rate)
 {
-    const struct oscillator *o = &p->step.result.oscillator;
-    const double half = p->step.half;
-    const double y = p->step.result.y;
-    const double y_rate = p->step.result.y_rate;
-    const double bend = -o->damping_rate * y_rate - o->omega2 * y;
-    const double k = p->from->coefficients.k;
-    const double c = p->from->coefficients.c / half;
-    *start = quantity == PAIR_GAP ? y : quantity == PAIR_GAP_RATE ? y_rate / half : k * y + c * y_rate;
-    *rate = quantity == PAIR_GAP ? y_rate : quantity == PAIR_GAP_RATE ? bend / half : k * y_rate + c * bend;
+    put_oscillating_part(p->from, quantity, &p->step.result.oscillator, 1.0 / p->step.half, p->step.result.y,
+                         p->step.result.y_rate, start, rate);
 }
 
 void pair_collocation_sample_averaged(const void *pair_collocation, double s, struct pair_sample *sample)
