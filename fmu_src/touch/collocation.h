@@ -7,11 +7,11 @@
  * rim.h has the equations of f and of the normal n, in two angles and their momenta H. They hold at a rim,
  * and about a centre or an axis, which is a rim of radius zero whose axis lies across the plane in which n
  * begins to turn: the tilt then stays zero in a plane motion. x is the radial deviation from `reach`, the
- * distance at which the bodies touch. A is the relative acceleration without the contact force. omega2 is the contact stiffness p_n divided by the reduced mass m_red, and
- * damping_rate is the dashpot coefficient p_nv divided by m_red. The left side is solved exactly
- * (oscillator.h), whatever its stiffness. f, n and H are polynomials collocated at the Lobatto nodes
- * (exponential collocation: Hochbruck and Ostermann, Acta Numerica 19 (2010) 209; Lobatto IIIA: Hairer and
- * Wanner, Solving Ordinary Differential Equations II, IV.5).
+ * distance at which the bodies touch. A is the relative acceleration without the contact force. omega2 is the
+ * contact stiffness p_n divided by the reduced mass m_red, and damping_rate is the dashpot coefficient p_nv
+ * divided by m_red. The left side is solved exactly (oscillator.h), whatever its stiffness. f, n and H are
+ * polynomials collocated at the Lobatto nodes (exponential collocation: Hochbruck and Ostermann, Acta
+ * Numerica 19 (2010) 209; Lobatto IIIA: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5).
  *
  * x = s + y: s is the particular solution for f, y the free oscillation from the start values. Three kinds of
  * step:

@@ -146,8 +146,9 @@ struct pair_oscillation {
     double amplitude;             /* bound of |y| [m] */
 };
 
-/* Makes the oscillation of a pair that moves head-on (from->is_head_on) and has a spring. Returns false where the motion might
- * reach the centre of solid bodies; contact inside a hollow body ends before the centre. */
+/* Makes the oscillation of a pair that moves head-on (from->is_head_on) and has a spring. Returns false
+ * where the motion might reach the centre of solid bodies; contact inside a hollow body ends before the
+ * centre. */
 bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from);
 
 /* Whether factor * quantity + offset stays positive for all s >= 0. */
