@@ -6,12 +6,6 @@
 #include "math/series.h"
 #include "touch/collocation.h"
 
-/* Whether E is other than zero, which it is only with a body that the importer moves. */
-static inline bool has_mismatch(const struct collocation *p)
-{
-    return CONTACT_ANY_PRESCRIBED && p->from.has_mismatch;
-}
-
 /* These two functions turn a vector of the world into the frame of the start, and back. */
 static inline struct vec3 collocation_in_frame(const struct collocation *p, struct vec3 a)
 {
@@ -33,7 +27,7 @@ static struct vec3 at_row(const struct nodal_vec3 *row, int i)
 /* Returns A in the frame at s [m/s^2]. */
 static struct vec3 acceleration_then(const struct collocation *p, double s)
 {
-    return path_at(p->local.acceleration, COLLOCATION_ACCELERATION_TERMS, p->half * s);
+    return path_at(p->acceleration, COLLOCATION_ACCELERATION_TERMS, p->half * s);
 }
 
 /* Returns the integral of y over time, expressed by the present y and y' [m s]. */
@@ -69,15 +63,15 @@ static struct rim_state rim_state_at_node(const struct collocation *p, int i)
                               p->result.n.y[i] - p->result.normal_correction.y,
                               p->result.h.x[i] - p->result.momentum_correction.x,
                               p->result.h.y[i] - p->result.momentum_correction.y};
-    return rim_state_of(&p->from.rim, change, p->result.x[i] - p->from.deviation, p->work.angles[i]);
+    return rim_state_of(&p->from.rim, change, p->result.x[i] - p->from.deviation, p->angles[i]);
 }
 
 /* Notes the angles' cosines and sines at the nodes, which last until the next sweep. */
 static void note_angles(struct collocation *p)
 {
     for (int i = 0; i < p->nodes->points; ++i) {
-        p->work.angles[i] = rim_angles_of(&p->from.rim, p->result.n.x[i] - p->result.normal_correction.x,
-                                          p->result.n.y[i] - p->result.normal_correction.y);
+        p->angles[i] = rim_angles_of(&p->from.rim, p->result.n.x[i] - p->result.normal_correction.x,
+                                     p->result.n.y[i] - p->result.normal_correction.y);
     }
 }
 
@@ -95,19 +89,15 @@ static struct collocation_correction correction_of(const struct collocation *p, 
 static double load_at_start(const struct collocation *p)
 {
     const struct rim_state at = rim_state_at_start(p);
-    const double mismatch =
-        has_mismatch(p) ? p->from.damping_rate * vec3_dot(rim_normal(&at), p->local.mismatch[0]) : 0.0;
-    return rim_slopes_at(&at, p->local.acceleration[0]).load - mismatch;
+    return rim_slopes_at(&at, p->acceleration[0]).load;
 }
 
-/* Sets half^2 f [m] at the nodes, and the softening, which is half of -half^2 df/dx by the centrifugal
- * terms. */
-static void load_at_nodes(const struct collocation *p, double *values, double *softening)
+void collocation_load(const struct collocation *p, double *values, double *softening)
 {
     const double half2 = p->half * p->half;
     for (int i = 0; i < p->nodes->points; ++i) {
         const struct rim_state at = rim_state_at_node(p, i);
-        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->work.drive_at, i));
+        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->acceleration_at, i));
         const double spin = slopes.azimuth * at.by.cosine;
         values[i] = half2 * slopes.load;
         softening[i] = 1.5 * half2 * (spin * spin + slopes.tilt * slopes.tilt);
@@ -132,21 +122,23 @@ static double integrate_two(const struct collocation *p, const struct nodal_vec3
     return change;
 }
 
-/* Makes one sweep of the momenta and the angles; returns the largest change [m]. */
-static double turn(struct collocation *p)
+double collocation_turn(struct collocation *p)
 {
+    if (p->head_on) {
+        return 0.0;
+    }
     const double distance = p->from.rim.distance;
     const double scale = p->from.rim.rho / distance;
     const struct rim_state start = rim_state_at_start(p);
     const struct collocation_correction correction =
-        correction_of(p, &start, p->local.acceleration[0], p->result.y, p->result.y_rate);
+        correction_of(p, &start, p->acceleration[0], p->result.y, p->result.y_rate);
     p->result.normal_correction = correction.normal;
     p->result.momentum_correction = correction.momentum;
     nodal_values per_rho_squared;
     nodal_values per_d_squared;
     for (int i = 0; i < p->nodes->points; ++i) {
         const struct rim_state at = rim_state_at_node(p, i);
-        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->work.acceleration_at, i));
+        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->acceleration_at, i));
         p->result.h_rate.x[i] = p->half * slopes.azimuth_momentum / scale;
         p->result.h_rate.y[i] = p->half * slopes.tilt_momentum;
         per_rho_squared[i] = 1.0 / (at.rho * at.rho);
@@ -162,14 +154,6 @@ static double turn(struct collocation *p)
     const double by_normal = distance * integrate_two(p, &p->result.n_rate, &p->result.n);
     note_angles(p);
     return fmax(by_momentum, by_normal);
-}
-
-/* Sets c - c(0) and n at a node, in the frame, without the oscillation. */
-static void at_node(const struct collocation *p, int node, struct vec3 *moved, struct vec3 *normal)
-{
-    const struct rim_state at = rim_state_at_node(p, node);
-    *moved = rim_moved(&p->from.rim, &at);
-    *normal = rim_normal(&at);
 }
 
 /* A step turns by about two radians of tangential motion. Sweep k multiplies the error by about these radians
@@ -255,7 +239,7 @@ static double update_load(struct collocation *p)
     nodal_values values;
     nodal_values softening;
     double mean = 0.0;
-    load_at_nodes(p, values, softening);
+    collocation_load(p, values, softening);
     /* the mean of -half^2 df/dx over the step is half its integral over s, which is the integral of
      * `softening` */
     for (int i = 0; i < points && p->kind == COLLOCATION_AVERAGED; ++i) {
@@ -268,22 +252,9 @@ static double update_load(struct collocation *p)
 static double sweep(struct collocation *p)
 {
     const double by_load = update_load(p);
-    if (p->local.head_on) {
-        /* a head-on load does not depend on x, but an overdamped X is iterated */
-        return p->kind == COLLOCATION_OVERDAMPED ? by_load : 0.0;
-    }
-    return larger(by_load, turn(p));
-}
-
-double collocation_turn(struct collocation *p)
-{
-    return p->local.head_on ? 0.0 : turn(p);
-}
-
-void collocation_load(const struct collocation *p, double *values)
-{
-    nodal_values softening;
-    load_at_nodes(p, values, softening);
+    /* a head-on load does not depend on x, but an overdamped X is iterated */
+    const bool is_solved = p->head_on && p->kind != COLLOCATION_OVERDAMPED;
+    return is_solved ? 0.0 : larger(by_load, collocation_turn(p));
 }
 
 static double tail_of(const struct collocation *p, const struct nodal_vec3 *values)
@@ -304,7 +275,7 @@ static double tail_of_all(const struct collocation *p)
     const bool is_overdamped = p->kind == COLLOCATION_OVERDAMPED;
     const double by_deviation =
         is_overdamped && size > 0.0 ? left_out * larger(1.0, p->from.rim.distance / size) : left_out;
-    if (p->local.head_on) {
+    if (p->head_on) {
         return by_deviation;
     }
     const double by_normal = p->from.rim.distance * tail_of(p, &p->result.n_rate);
@@ -327,20 +298,6 @@ bool collocation_finish(struct collocation *p)
     return true;
 }
 
-static void sum_up(struct collocation *p)
-{
-    p->result.interior_error = tail_of_all(p);
-    if (has_mismatch(p)) {
-        nodal_values values;
-        for (int i = 0; i < p->nodes->points; ++i) {
-            struct vec3 moved, normal;
-            at_node(p, i, &moved, &normal);
-            values[i] = vec3_dot(normal, at_row(&p->work.mismatch_at, i));
-        }
-        nodal_coefficients(p->nodes, values, p->result.normal_mismatch);
-    }
-}
-
 /* Iterates to convergence; returns whether the result is within `tolerance` and sound. */
 static bool iterate(struct collocation *p, double tolerance)
 {
@@ -354,7 +311,7 @@ static bool iterate(struct collocation *p, double tolerance)
         const double gain_before = gain;
         gain = before > 0.0 && p->kind != COLLOCATION_OVERDAMPED ? fmin(1.0, change / before) : 1.0;
         if (change * fmax(gain, gain_before) <= tolerance) {
-            sum_up(p);
+            p->result.interior_error = tail_of_all(p);
             return collocation_finish(p);
         }
         before = change;
@@ -390,8 +347,7 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
     const struct vec3 none = {0.0, 0.0, 0.0};
     double x[4];
     collocation_deviation(p, s, x);
-    const struct rim_state then =
-        p->local.head_on ? rim_state_by(p, none, none, x[0]) : rim_state_then(p, s, x);
+    const struct rim_state then = p->head_on ? rim_state_by(p, none, none, x[0]) : rim_state_then(p, s, x);
     return (struct collocation_change){
         collocation_in_world(p, rim_moved(&p->from.rim, &then)),
         collocation_in_world(p, rim_gained(&p->from.rim, &then, p->from.radial, x[1] / p->half)), x[0]};
@@ -401,7 +357,7 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
                        double axial[3])
 {
     double tilt[3] = {p->from.rim.tilt, 0.0, 0.0};
-    if (!p->local.head_on) {
+    if (!p->head_on) {
         const int points = p->nodes->points;
         tilt[0] += nodal_integral(p->result.tilt_rate, points, s) - p->result.normal_correction.y;
         tilt[1] = taylor_at(p->result.tilt_rate, points, s - 1.0);
@@ -454,45 +410,34 @@ void collocation_deviation(const struct collocation *p, double s, double x[4])
                     p->result.y * by.rate_of_y + p->result.y_rate * by.rate_of_rate, x);
 }
 
-void collocation_mismatch(const struct collocation *p, double s, double normal_mismatch[4])
-{
-    nodal_derivatives(p->result.normal_mismatch, p->nodes->points, s, normal_mismatch);
-}
-
 void collocation_overdamped_push(const struct collocation *p, double s, double push[3])
 {
     const int points = p->nodes->points;
     nodal_values bend;
-    nodal_values drive;
     double of_bend[4];
-    double of_drive[4];
+    double of_load[4];
     for (int k = 0; k < points; ++k) {
         bend[k] = k + 2 < points ? (k + 1) * (k + 2) * p->result.slow[k + 2] : 0.0;
-        drive[k] = p->result.load[k] + p->result.oscillator.damping_rate * p->result.normal_mismatch[k];
     }
     nodal_derivatives(bend, points, s, of_bend);
-    nodal_derivatives(drive, points, s, of_drive);
+    nodal_derivatives(p->result.load, points, s, of_load);
     const double faster = oscillator_rates_of(&p->result.oscillator).faster;
     double fast = p->result.y * exp(-faster * s) * faster * faster;
     for (int i = 0; i < 3; ++i) {
-        push[i] = of_bend[i] + fast - of_drive[i];
+        push[i] = of_bend[i] + fast - of_load[i];
         fast *= -faster;
     }
 }
 
-/* Returns the integral from 0 to s of the polynomial `a` times (x - y)', and of damping_rate (n.E)^2. The
- * nodes' quadrature is exact for products of two polynomials. */
+/* Returns the integral from 0 to s of the polynomial `a` times (x - y)'. The nodes' quadrature is exact for
+ * products of two polynomials. */
 static double along_slow(const struct collocation *p, const double *a, double s)
 {
     const int points = p->nodes->points;
     double sum = 0.0;
     for (int i = 0; i < points; ++i) {
         const double at = 0.5 * s * (1.0 + p->nodes->node[i]);
-        double part = taylor_at(a, points, at - 1.0) * nodal_slope(p->result.slow, points, at);
-        if (has_mismatch(p)) {
-            const double mismatch = taylor_at(p->result.normal_mismatch, points, at - 1.0);
-            part += p->half * p->from.damping_rate * mismatch * mismatch;
-        }
+        const double part = taylor_at(a, points, at - 1.0) * nodal_slope(p->result.slow, points, at);
         sum += 0.5 * s * p->nodes->integral[i * points + points - 1] * part;
     }
     return sum;
@@ -524,29 +469,23 @@ static double along_oscillation(const struct collocation *p, const double *a, do
 }
 
 /* The dissipated energy follows from the oscillator's balance of energy, which is exact at any frequency:
- * damping_rate x'^2 = -(x'^2 / 2 + omega2 x^2 / 2)' + f x', and (x' + e)^2 = x'^2 + 2 e x' + e^2. */
+ * damping_rate x'^2 = -(x'^2 / 2 + omega2 x^2 / 2)' + f x'. */
 double collocation_dissipated(const struct collocation *p, double s)
 {
-    const double damping_rate = p->from.damping_rate * p->half;
     const double omega2 = p->from.omega2 * p->half * p->half;
     const double softening = p->result.oscillator.omega2 - omega2;
     double x[4];
     double slow[4];
-    nodal_values a;
     collocation_deviation(p, s, x);
     collocation_averaged_deviation(p, s, slow);
-    for (int k = 0; k < p->nodes->points; ++k) {
-        a[k] =
-            p->result.load[k] + (has_mismatch(p) ? 2.0 * damping_rate * p->result.normal_mismatch[k] : 0.0);
-    }
     const double start_rate = p->half * p->from.radial;
     const double x0 = p->from.deviation;
     const double y = x[0] - slow[0];
     const double dissipated_energy =
         0.5 * ((start_rate - x[1]) * (start_rate + x[1]) + omega2 * (x0 - x[0]) * (x0 + x[0]) +
                softening * (p->result.y - y) * (p->result.y + y));
-    const double sum =
-        dissipated_energy + along_slow(p, a, s) + along_oscillation(p, a, s, y, x[1] - slow[1]);
+    const double sum = dissipated_energy + along_slow(p, p->result.load, s) +
+                       along_oscillation(p, p->result.load, s, y, x[1] - slow[1]);
     return sum / (p->half * p->half);
 }
 
@@ -576,11 +515,9 @@ struct vec3 collocation_moment(const struct collocation *p, int power, double s)
     for (int i = 0; i < p->nodes->points; ++i) {
         const double t = p->half * (1.0 + p->nodes->node[i]);
         const double weight = p->half * (power == 0 ? 1.0 : power == 1 ? t : t * t);
-        struct vec3 moved;
-        struct vec3 normal;
-        at_node(p, i, &moved, &normal);
-        nodal_put_vec3(&of, i, vec3_scale(weight, moved));
-        nodal_put_vec3(&along, i, vec3_scale(weight, normal));
+        const struct rim_state at = rim_state_at_node(p, i); /* without the oscillation */
+        nodal_put_vec3(&of, i, vec3_scale(weight, rim_moved(&p->from.rim, &at)));
+        nodal_put_vec3(&along, i, vec3_scale(weight, rim_normal(&at)));
     }
     for (int k = 0; k < 3; ++k) {
         nodal_values a;
@@ -639,10 +576,7 @@ static void set_frame(struct collocation *p)
     }
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
         const struct vec3 acceleration = collocation_in_frame(p, p->from.acceleration[i]);
-        p->local.acceleration[i] = at_rim ? acceleration : flattened(acceleration);
-    }
-    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && has_mismatch(p); ++i) {
-        p->local.mismatch[i] = collocation_in_frame(p, p->from.mismatch[i]);
+        p->acceleration[i] = at_rim ? acceleration : flattened(acceleration);
     }
 }
 
@@ -655,14 +589,13 @@ static void start_step(struct collocation *p, const struct collocation_problem *
     p->nodes = nodes;
     p->kind = kind;
     p->half = 0.5 * step;
-    p->local.head_on = is_head_on(from);
+    p->head_on = is_head_on(from);
     p->result.normal_correction = p->result.momentum_correction = vec3_make(0.0, 0.0, 0.0);
     set_frame(p);
     memset(p->result.tilt_rate, 0, sizeof p->result.tilt_rate);
     memset(&p->result.n, 0, sizeof p->result.n);
     memset(&p->result.h, 0, sizeof p->result.h);
     memset(p->result.slow, 0, sizeof p->result.slow);
-    memset(p->result.normal_mismatch, 0, sizeof p->result.normal_mismatch);
     p->result.slow[0] = kind == COLLOCATION_AVERAGED ? load_at_start(p) / from->omega2 : from->deviation;
     p->result.y = from->deviation - p->result.slow[0];
     p->result.y_rate = kind == COLLOCATION_QUASI_STATIC ? 0.0 : p->half * p->from.radial;
@@ -678,16 +611,7 @@ void collocation_begin(struct collocation *p, const struct collocation_problem *
 {
     start_step(p, from, step, kind, nodes);
     for (int i = 0; i < p->nodes->points; ++i) {
-        const double s = 1.0 + p->nodes->node[i];
-        const struct vec3 acceleration = acceleration_then(p, s);
-        struct vec3 drive = acceleration;
-        if (has_mismatch(p)) {
-            const struct vec3 mismatch = path_at(p->local.mismatch, COLLOCATION_MISMATCH_TERMS, p->half * s);
-            nodal_put_vec3(&p->work.mismatch_at, i, vec3_scale(p->half, mismatch));
-            drive = vec3_axpy(acceleration, -p->from.damping_rate, mismatch);
-        }
-        nodal_put_vec3(&p->work.acceleration_at, i, acceleration);
-        nodal_put_vec3(&p->work.drive_at, i, drive);
+        nodal_put_vec3(&p->acceleration_at, i, acceleration_then(p, 1.0 + p->nodes->node[i]));
     }
 }
 

@@ -2,18 +2,16 @@
  * Motion in contact in local coordinates, by exponential collocation.
  *
  *   c = d n across a cylinder's axis,   d = reach + x,
- *   x'' + damping_rate x' + omega2 x = f - damping_rate n.E(t)
+ *   x'' + damping_rate x' + omega2 x = f
  *
  * rim.h has the equations of f and of the normal n, in two angles and their momenta H. They hold at a rim,
  * and about a centre or an axis, which is a rim of radius zero whose axis lies across the plane in which n
  * begins to turn: the tilt then stays zero in a plane motion. x is the radial deviation from `reach`, the
- * distance at which the bodies touch. A is the relative acceleration without the contact force. E is the
- * velocity mismatch, the rate that the law uses less c'. E is not zero where a prescribed velocity is not the
- * derivative of its displacement. omega2 is the contact stiffness p_n divided by the reduced mass m_red, and
- * damping_rate is the dashpot coefficient p_nv divided by m_red. The left side is solved exactly
- * (oscillator.h), whatever its stiffness. f, n and H are polynomials collocated at the Lobatto nodes
- * (exponential collocation: Hochbruck and Ostermann, Acta Numerica 19 (2010) 209; Lobatto IIIA: Hairer and
- * Wanner, Solving Ordinary Differential Equations II, IV.5).
+ * distance at which the bodies touch. A is the relative acceleration without the contact force. omega2 is the
+ * contact stiffness p_n divided by the reduced mass m_red, and damping_rate is the dashpot coefficient p_nv
+ * divided by m_red. The left side is solved exactly (oscillator.h), whatever its stiffness. f, n and H are
+ * polynomials collocated at the Lobatto nodes (exponential collocation: Hochbruck and Ostermann, Acta
+ * Numerica 19 (2010) 209; Lobatto IIIA: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5).
  *
  * x = s + y: s is the particular solution for f, y the free oscillation from the start values. Three kinds of
  * step:
@@ -38,9 +36,9 @@
 
 enum collocation_kind { COLLOCATION_AVERAGED, COLLOCATION_OVERDAMPED, COLLOCATION_QUASI_STATIC };
 
-enum { COLLOCATION_ACCELERATION_TERMS = 3, COLLOCATION_MISMATCH_TERMS = 4 };
+enum { COLLOCATION_ACCELERATION_TERMS = 3 };
 
-/* The start of a step. A and E are polynomials of the time from the start, given by their coefficients. */
+/* The start of a step. A is a polynomial of the time from the start, given by its coefficients. */
 struct collocation_problem {
     struct vec3 normal;  /* n, unit */
     struct vec3 tangent; /* unit direction in which n begins to turn; zero if head-on */
@@ -51,24 +49,8 @@ struct collocation_problem {
     double omega2;       /* stiffness divided by m_red, > 0 [1/s^2] */
     double damping_rate; /* [1/s] */
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A [m/s^2, ...] */
-    struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E [m/s, ...] */
-    bool has_mismatch;                                        /* whether E is other than zero */
     bool at_rim;          /* contact at a rim or a torus; else the fields above give `rim` */
     struct rim_start rim; /* a step about a centre sets it: n, across both, the tangent in place of a, e, b */
-};
-
-/* The problem in the frame of the start, rim.frame. */
-struct collocation_local {
-    struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A */
-    struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E */
-    bool head_on;                                             /* c' and A are along n, which is constant */
-};
-
-/* Data of the iteration. */
-struct collocation_work {
-    struct nodal_vec3 acceleration_at, drive_at; /* A and A - damping_rate E at the nodes */
-    struct nodal_vec3 mismatch_at;               /* half E at the nodes, if E is not zero */
-    struct rim_angles angles[LOBATTO_MAX];       /* of the present n at the nodes */
 };
 
 /* Result of the iteration. Rows and corrections of n hold the changes of azimuth and tilt as x and y, those
@@ -82,7 +64,6 @@ struct collocation_result {
     nodal_values load;                /* half^2 f, coefficients in s - 1 [m] */
     nodal_values slow;                /* x without y, coefficients of s - 1 [m] */
     nodal_values slow_rate;           /* in a quasi-static step: dx/ds, coefficients of s - 1 [m] */
-    nodal_values normal_mismatch;     /* half n.E, coefficients of s - 1 [m] */
     nodal_values tilt_rate;           /* n_rate.y at a rim, coefficients of s - 1 [rad]; else zero */
     /* the oscillator of y, with rates per unit of s; an averaged step adds the mean of -half^2 df/dx to its
      * omega2 */
@@ -95,9 +76,11 @@ struct collocation {
     struct collocation_problem from;
     const struct lobatto *nodes;
     enum collocation_kind kind;
-    double half; /* half the step [s] */
-    struct collocation_local local;
-    struct collocation_work work;
+    double half;                                              /* half the step [s] */
+    bool head_on;                                             /* c' and A are along n, which is constant */
+    struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A in the frame of the start, rim.frame */
+    struct nodal_vec3 acceleration_at;                        /* A at the nodes, in this frame */
+    struct rim_angles angles[LOBATTO_MAX];                    /* of the present n at the nodes */
     struct collocation_result result;
 };
 
@@ -112,21 +95,20 @@ bool collocation_make(struct collocation *p, const struct collocation_problem *f
  * These functions are the parts of a quasi-static step. Its caller finds the deviation x at the nodes, and
  * slow_rate in the end. collocation_begin sets x at all nodes to its value at the start. collocation_turn
  * makes one sweep of n and H, at the x that the nodes have, and returns the largest change [m].
- * collocation_load sets `values` to the load f times half^2 [m] at the nodes. collocation_finish returns
- * whether all values are finite and d > 0.
+ * collocation_load sets `values` to the load f times half^2 [m] at the nodes, and `softening` to half of
+ * -half^2 df/dx by the centrifugal terms. collocation_finish returns whether all values are finite and d > 0.
  */
 void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
                        enum collocation_kind kind, const struct lobatto *nodes);
 double collocation_turn(struct collocation *p);
-void collocation_load(const struct collocation *p, double *values);
+void collocation_load(const struct collocation *p, double *values, double *softening);
 bool collocation_finish(struct collocation *p);
 
-/* These functions give x [m] and half n.E [m], each with its first three derivatives with respect to s. */
+/* Gives x [m] with its first three derivatives with respect to s. */
 void collocation_deviation(const struct collocation *p, double s, double x[4]);
-void collocation_mismatch(const struct collocation *p, double s, double normal_mismatch[4]);
 
 /* Gives the contact force of an overdamped step, divided by m_red and times half^2 [m], and its first two
- * derivatives. It is x'' - half^2 f = -half^2 omega2 x - half damping_rate (x' + half n.E). It is computed
+ * derivatives. It is x'' - half^2 f = -half^2 omega2 x - half damping_rate x'. It is computed
  * from x'' and f, because the spring force and the dashpot force nearly cancel. */
 void collocation_overdamped_push(const struct collocation *p, double s, double push[3]);
 
@@ -151,7 +133,7 @@ struct collocation_change {
 struct collocation_change collocation_change_at(const struct collocation *p, double s);
 
 /* Returns the energy that the dashpot dissipates divided by m_red: the integral from 0 to s of damping_rate
- * (x' + n.E)^2 dt [m^2/s^2]. */
+ * x'^2 dt [m^2/s^2]. */
 double collocation_dissipated(const struct collocation *p, double s);
 
 /* Evaluates rim_edges at s in a step at a rim. The caller passes x with or without y. */

@@ -344,7 +344,8 @@ static inline void slow_law(const struct slow_motion *p, double depth, double ra
 /* Sets half^2 L [m] at the nodes. */
 static void slow_load(const struct slow_motion *p, double load[SLOW_NODES])
 {
-    collocation_load(p->step, load);
+    nodal_values softening;
+    collocation_load(p->step, load, softening);
     for (int i = 0; i < SLOW_NODES; ++i) {
         load[i] *= -p->side;
     }
@@ -421,26 +422,13 @@ static bool take_bend(struct slow_motion *p, double *change)
     return true;
 }
 
-/* Makes the first guess of delta: the equilibrium under the load at each node, or the value at the start if
- * the damping is beyond critical. The guess of d2 delta/ds2 is zero and leads to another delta; `apart` is
- * the difference of the two, which Newton's first step needs. */
-static bool guess_depth(struct slow_motion *p, const double *load, double apart[SLOW_NODES])
+/* Makes the first guess of delta, a motion at the rate of the start. Returns false where the bodies would
+ * part. */
+static bool guess_depth(struct slow_motion *p)
 {
-    double law[3];
-    slow_law(p, p->depth_start, p->rate_start, law);
-    const bool creeps = law[2] * law[2] > 4.0 * law[1];
-    for (int i = 0; i < SLOW_NODES; ++i) {
-        if (!creeps && !(load[i] > 0.0)) {
-            return false;
-        }
-        const double rest = load[i] / (p->half * p->half * p->k);
-        p->depth[i] = creeps ? p->depth_start : cbrt(rest * rest);
-        p->step->result.x[i] = -p->side * p->depth[i];
-        p->rate[i] = p->rate_start;
-        p->bend[i] = 0.0;
-        apart[i] = p->depth_start + p->rate_start * (1.0 + radau.node[i]) - p->depth[i];
-    }
-    return true;
+    double change;
+    memset(p->bend, 0, sizeof p->bend);
+    return take_bend(p, &change);
 }
 
 /* Returns the difference at the start between the polynomial through the nodes and the given value. The
@@ -469,12 +457,10 @@ static bool slow_iterate(struct slow_motion *p)
 {
     struct slow_newton newton;
     nodal_values load;
-    double apart[SLOW_NODES];
     for (int i = 0; i < SLOW_SWEEPS && slow_turn(p) > NEW_MATRIX; ++i) {
         /* Newton's matrix lasts once the load changes little */
     }
-    slow_load(p, load);
-    if (!guess_depth(p, load, apart)) {
+    if (!guess_depth(p)) {
         return false;
     }
     double change = 1.0;
@@ -490,7 +476,7 @@ static bool slow_iterate(struct slow_motion *p)
         for (int j = 0; j < SLOW_NODES; ++j) {
             double law[3];
             slow_law(p, p->depth[j], p->rate[j], law);
-            error[j] = load[j] - law[0] - p->bend[j] - (i == 0 ? law[1] * apart[j] : 0.0);
+            error[j] = load[j] - law[0] - p->bend[j];
         }
         lu_solve(slow_system(&newton), error);
         for (int j = 0; j < SLOW_NODES; ++j) {
@@ -510,14 +496,29 @@ static bool slow_iterate(struct slow_motion *p)
     return false;
 }
 
-static bool slow_is_accurate(const struct slow_motion *p, double tolerance, double depth_tolerance)
+/* Load and rates of a lasting contact. */
+struct slow_scales {
+    double load;  /* L: the acceleration that presses [m/s^2] */
+    double fast;  /* rate of the contact's oscillation or of its damping, the faster one [1/s] */
+    double creep; /* rate at which an overdamped contact settles [1/s]; 0 if the contact oscillates */
+};
+
+static struct slow_scales slow_scales_of(const struct contact_pair *from)
 {
-    const double stiffness = 1.5 * p->k * sqrt(p->depth_start);
-    const double damping = p->k * p->depth_start * sqrt(p->depth_start) * p->chi;
+    const double depth = -from->gap;
+    const double k = from->hertz_stiffness / from->reduced_mass;
+    const double spring = sqrt(1.5 * k * sqrt(depth));
+    const double dashpot = k * from->chi * depth * sqrt(depth);
+    return (struct slow_scales){.load = pair_pressing_load(from),
+                                .fast = fmax(spring, dashpot),
+                                .creep = dashpot > 2.0 * spring ? spring * spring / dashpot : 0.0};
+}
+
+static bool slow_is_accurate(const struct slow_motion *p, const struct slow_scales *scales, double tolerance,
+                             double depth_tolerance)
+{
     /* the force of an overdamped contact depends on the rate at which the contact settles */
-    const bool creeps = damping * damping > 4.0 * stiffness;
-    const double fast = fmax(sqrt(stiffness), damping);
-    const double by_rate = creeps ? stiffness / damping * p->half : fmax(1.0, fast * p->half);
+    const double by_rate = scales->creep > 0.0 ? scales->creep * p->half : fmax(1.0, scales->fast * p->half);
     double error = misses_start(p->depth, p->depth_start);
     error = fmax(error, misses_start(p->rate, p->rate_start) / by_rate);
     if (!(error <= depth_tolerance)) {
@@ -525,7 +526,7 @@ static bool slow_is_accurate(const struct slow_motion *p, double tolerance, doub
     }
     const struct nodal_vec3 *turned = &p->step->result.n;
     const double *rows[3] = {turned->x, turned->y, turned->z};
-    for (int j = 0; j < 3 && !p->step->local.head_on; ++j) {
+    for (int j = 0; j < 3 && !p->step->head_on; ++j) {
         if (!(p->step->from.rim.distance * misses_start(rows[j], 0.0) <= tolerance)) {
             return false;
         }
@@ -534,8 +535,9 @@ static bool slow_is_accurate(const struct slow_motion *p, double tolerance, doub
 }
 
 /* Makes a step [s]. Returns false where the step is not accurate. delta and its oscillation must be accurate
- * to `depth_tolerance` [m], and d n to `tolerance` [m]. */
-static bool quasi_static_solve(struct segment *segment, double step, double tolerance, double depth_tolerance)
+ * to `depth_tolerance` [m], and d n to the tolerance of the segment. */
+static bool quasi_static_solve(struct segment *segment, const struct slow_scales *scales, double step,
+                               double depth_tolerance)
 {
     const struct contact_pair *from = &segment->pair;
     struct collocation *made = &segment->as.collocation.step;
@@ -547,7 +549,7 @@ static bool quasi_static_solve(struct segment *segment, double step, double tole
                             .depth_start = -from->gap,
                             .rate_start = -0.5 * step * pair_gap_derivative(from)};
     collocation_begin(made, &segment->scales.problem, step, COLLOCATION_QUASI_STATIC, &radau);
-    if (!slow_iterate(&p) || !slow_is_accurate(&p, tolerance, depth_tolerance)) {
+    if (!slow_iterate(&p) || !slow_is_accurate(&p, scales, segment->tolerance, depth_tolerance)) {
         return false;
     }
     for (int i = 0; i < SLOW_NODES; ++i) {
@@ -604,31 +606,6 @@ static const double CREEP_STEP = 2.0;
  * limit holds for bodies that leave, and from the third trial on also for bodies that sink. */
 static const double PART_OF_DEPTH = 0.5;
 
-/* Load and rates of a lasting contact. */
-struct slow_scales {
-    double load;  /* L: the acceleration that presses [m/s^2] */
-    double along; /* the tangential rate [1/s] */
-    double fast;  /* rate of the contact's oscillation or of its damping, the faster one [1/s] */
-    double creep; /* rate at which an overdamped contact settles [1/s]; 0 if the contact oscillates */
-};
-
-static struct slow_scales slow_scales_of(const struct contact_pair *from)
-{
-    const struct vec3 across = pair_tangential(from, pair_across(from, from->flight.c[1]));
-    const struct vec3 acceleration = pair_across(from, vec3_scale(2.0, from->flight.c[2]));
-    const double d = from->distance;
-    const double depth = -from->gap;
-    const double k = from->hertz_stiffness / from->reduced_mass;
-    const bool turns = !vec3_is_zero(across) || !vec3_is_zero(pair_tangential(from, acceleration));
-    const double spring = sqrt(1.5 * k * sqrt(depth));
-    const double dashpot = k * from->chi * depth * sqrt(depth);
-    return (struct slow_scales){.load = pair_pressing_load(from),
-                                .along =
-                                    turns ? vec3_norm(across) / d + sqrt(vec3_norm(acceleration) / d) : 0.0,
-                                .fast = fmax(spring, dashpot),
-                                .creep = dashpot > 2.0 * spring ? spring * spring / dashpot : 0.0};
-}
-
 /* Returns the fast part of the penetration relative to the penetration, from the coefficients of u =
  * sqrt(delta). */
 static double fast_part_of(const double *root, double unit, double fast)
@@ -670,17 +647,17 @@ bool quasi_static_make(struct segment *p)
     const struct slow_scales scales = slow_scales_of(&p->pair);
     const double accuracy = slow_accuracy(p);
     const double radians = SLOW_STEP * pow(accuracy / SLOW_FINEST, 1.0 / RADAU_POINTS);
-    double step = scales.along > 0.0 ? fmin(p->longest, radians / scales.along) : p->longest;
+    segment_take_timescales(p);
+    const bool turns = !vec3_is_zero(p->scales.problem.tangent);
+    double step = turns ? fmin(p->longest, radians / p->scales.tangential_rate) : p->longest;
     const double opening = pair_gap_derivative(&p->pair);
     const double part_of_depth = PART_OF_DEPTH * -p->pair.gap / fabs(opening);
     if (scales.creep > 0.0 && opening > 0.0) {
         step = fmin(step, part_of_depth);
     }
-    segment_take_timescales(p);
-    p->scales.problem.has_mismatch = false; /* any mismatch here is rounding */
     const int attempts = scales.creep > 0.0 ? SLOW_ATTEMPTS : FOLLOWING;
     for (int i = 0; i < attempts && step * scales.fast >= SLOW_SHORTEST; ++i) {
-        if (quasi_static_solve(p, step, p->tolerance, -p->pair.gap * accuracy)) {
+        if (quasi_static_solve(p, &scales, step, -p->pair.gap * accuracy)) {
             p->unit = 0.5 * step;
             p->end = 2.0;
             dense_output_add(&p->output, 0.0);

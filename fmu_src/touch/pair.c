@@ -52,14 +52,13 @@ static void leave_centre(struct contact_pair *p, const struct contact_geometry *
     p->gap = p->distance - reach;
     p->rounded = vec3_axpy(vec3_scale(p->distance, p->normal), -1.0, geometry->offset);
     p->flight.c[0] = p->flight.offset = vec3_scale(p->distance, p->normal);
-    p->starts_rounded = true;
 }
 
-/* Corrects w so that side n.w is `rate`, the g' that the segment before has carried over. */
-static void take_carried_rate(struct contact_pair *p, double rate)
+/* Corrects w so that side n.w is g', and all formulas see one rate. */
+static void take_rate(struct contact_pair *p, double rate)
 {
     const double missing = p->shape.side * rate - vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
-    p->carried_rate = rate;
+    p->rate = rate;
     p->rate_rounded = vec3_scale(missing, p->normal);
     p->flight.c[1] = vec3_add(p->flight.c[1], p->rate_rounded);
     p->flight.w[0] = vec3_add(p->flight.w[0], p->rate_rounded);
@@ -116,20 +115,15 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
     p->rounded = vec3_scale(shorter, p->normal);
     p->rate_rounding = rounding_of_rate(at, contact);
     p->reduced_mass = 1.0 / scene_inverse_mass(v, contact);
-    p->rate_rounded = vec3_make(0.0, 0.0, 0.0);
-    p->carried_rate = (double)NAN;
-    p->rate_is_known = p->starts_rounded = false;
-    if (singularity_is_reached(v, at, contact, &p->shape)) {
+    p->starts_rounded = singularity_is_reached(v, at, contact, &p->shape);
+    if (p->starts_rounded) {
         leave_centre(p, geometry);
-    } else {
-        const bool is_carried = scene_rate_is_known(q, at, contact);
-        const double rate = is_carried ? geometry->gap_rate
-                                       : p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
-        p->rate_is_known = is_carried || rate == 0.0;
-        if (p->rate_is_known || p->coefficients.k >= PAIR_STIFF) { /* so that all formulas see one rate */
-            take_carried_rate(p, rate);
-        }
     }
+    const bool is_carried = !p->starts_rounded && scene_rate_is_known(q, at, contact);
+    const double rate =
+        is_carried ? geometry->gap_rate : p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
+    p->rate_is_known = is_carried || rate == 0.0;
+    take_rate(p, rate);
     p->has_mismatch = path_contradicts(v, q, contact_source(contact)) ||
                       path_contradicts(v, q, contact_destination(contact));
     p->work[0] = work_on(p, v, q, contact_source(contact), -1.0);
@@ -153,14 +147,11 @@ struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across)
 
 double pair_gap_derivative(const struct contact_pair *p)
 {
-    if (isnan(p->carried_rate)) {
-        return p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.c[1]));
-    }
     if (!SCENE_ANY_PRESCRIBED || !p->has_mismatch) {
-        return p->carried_rate;
+        return p->rate;
     }
     const struct vec3 mismatch = vec3_sub(p->flight.w[0], p->flight.c[1]);
-    return p->carried_rate - p->shape.side * vec3_dot(p->normal, pair_across(p, mismatch));
+    return p->rate - p->shape.side * vec3_dot(p->normal, pair_across(p, mismatch));
 }
 
 /* Returns the part of g'' that the turning of n makes at a distance d [m/s^2]: |w_t|^2 / d, and less at a
@@ -204,26 +195,14 @@ static double speed_of(const struct scene_values *v, const struct scene_state *q
     return body_is_free(v, body) ? vec3_norm(q->body[body].velocity) : 0.0;
 }
 
-/* The next segment computes g' from the rounded velocities where the relative error of the force that results
- * is at most this. */
-static const double FORCE_ACCURACY = 1e-6;
-
-double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
-                                const struct scene_values *v, const struct scene_state *q, int contact)
+/* Returns the rounding error of g' computed from the velocities after the change [m/s]. Flight and deviation
+ * nearly cancel in lasting contact, so that the size of either counts. */
+static double rate_rounding_after(const struct pair_change *change, const struct scene_values *v,
+                                  const struct scene_state *q, int contact)
 {
-    const double speeds =
-        speed_of(v, q, contact_source(contact)) + speed_of(v, q, contact_destination(contact));
-    /* flight and deviation nearly cancel in lasting contact, so the size of either counts */
-    const double rounding = 16.0 * DBL_EPSILON * (speeds + vec3_norm(change->r_rate));
-    const double force_per_rate = sqrt(p->coefficients.k * p->reduced_mass) + p->coefficients.c;
-    const double rate = fabs(vec3_dot(p->normal, pair_across(p, p->flight.w[0])));
-    if (rounding <= FORCE_ACCURACY * rate) {
-        return 0.0; /* an impact: the speed outweighs its rounding */
-    }
-    const double force =
-        pair_load(p) + p->coefficients.k * fmax(fabs(p->gap), fabs(change->gap)) + force_per_rate * rate;
-    const bool counts = force_per_rate * rounding > FORCE_ACCURACY * force;
-    return counts || p->coefficients.k >= PAIR_STIFF ? rounding : 0.0;
+    return 16.0 * DBL_EPSILON *
+           (speed_of(v, q, contact_source(contact)) + speed_of(v, q, contact_destination(contact)) +
+            vec3_norm(change->r_rate));
 }
 
 /* Returns the part of a vector that does not act on head-on motion: along a plane or a cylinder's axis; zero
@@ -369,6 +348,7 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change,
     q->dissipated += change->dissipated;
     state->physics.impulse = vec3_axpy(state->physics.impulse, -p->reduced_mass, change->r_rate);
     state->physics.accumulated_gap = change->gap;
+    state->physics.rate_rounding = rate_rounding_after(change, v, q, contact);
 }
 
 /* A component perpendicular to the plane of motion is rounding if it is below this fraction of its vector. */
@@ -436,59 +416,23 @@ struct frame_flight frame_flight_of(const struct contact_pair *from)
  * decays below rounding within one period. */
 static const double LOWEST_FREQUENCY = 0.25;
 
-/* A contact without a spring drifts towards the centre, d = 0, where |g| is the reach. A segment in closed
- * form is made only if its bound of |g| without the drift is below DRIFT_STARTS of the reach, and it ends
- * where the drift may take |g| to DRIFT_ENDS of the reach. The two differ, so that each segment has room for
- * some drift, and DRIFT_ENDS is below 1, so that no segment reaches the centre. */
-static const double DRIFT_STARTS = 0.5;
-static const double DRIFT_ENDS = 0.75;
-
 static double along_normal(const struct contact_pair *from, int degree)
 {
     return from->shape.side * vec3_dot(from->normal, pair_across(from, from->flight.c[degree]));
 }
 
-/* Returns the bound below which |g| must stay [m]. */
-static double largest_gap(const struct contact_pair *from)
+bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from)
 {
-    return contact_may_reach_centre(&from->shape) ? contact_reach(&from->shape) : DBL_MAX;
-}
-
-static bool make_of_spring(struct pair_oscillation *p)
-{
-    const struct contact_pair *from = p->from;
-    p->stiffness = from->coefficients.k;
-    p->equilibrium = p->load;
+    const bool may_meet_centre = contact_may_reach_centre(&from->shape);
+    p->from = from;
+    p->rate = sqrt(from->coefficients.k / from->reduced_mass);
+    p->equilibrium = 2.0 * along_normal(from, 2) / (p->rate * p->rate);
     p->y = from->gap - p->equilibrium;
+    p->y_rate = pair_gap_derivative(from) / p->rate;
     p->free = free_oscillation_of(from->coefficients.c / from->reduced_mass / p->rate, p->y, p->y_rate);
     p->omega_d = p->free.omega_d < LOWEST_FREQUENCY ? 0.0 : p->free.omega_d;
     p->amplitude = oscillator_envelope_of(&p->free.oscillator, p->y, p->y_rate).amplitude;
-    return fabs(p->equilibrium) + p->amplitude < largest_gap(from);
-}
-
-static bool make_of_dashpot(struct pair_oscillation *p)
-{
-    const struct contact_pair *from = p->from;
-    p->stiffness = from->coefficients.c * p->rate;
-    p->omega_d = p->equilibrium = 0.0;
-    p->y = from->gap;
-    p->free = free_oscillation_of_dashpot(p->y, p->y_rate, p->load);
-    p->amplitude = fabs(p->y) + fabs(p->free.by_faster);
-    return p->amplitude < DRIFT_STARTS * largest_gap(from);
-}
-
-bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from)
-{
-    const bool has_spring = from->coefficients.k > 0.0;
-    p->rate = has_spring ? sqrt(from->coefficients.k / from->reduced_mass)
-                         : from->coefficients.c / from->reduced_mass;
-    if (!(p->rate > 0.0)) {
-        return false;
-    }
-    p->from = from;
-    p->load = 2.0 * along_normal(from, 2) / (p->rate * p->rate);
-    p->y_rate = pair_gap_derivative(from) / p->rate;
-    return has_spring ? make_of_spring(p) : make_of_dashpot(p);
+    return fabs(p->equilibrium) + p->amplitude < (may_meet_centre ? contact_reach(&from->shape) : DBL_MAX);
 }
 
 double pair_oscillation_longest(const struct pair_oscillation *p)
@@ -496,12 +440,7 @@ double pair_oscillation_longest(const struct pair_oscillation *p)
     if (p->omega_d > 0.0) {
         return (double)INFINITY;
     }
-    const double longest = p->free.omega_d > 0.0 ? PI / p->free.omega_d : (double)INFINITY;
-    if (p->from->coefficients.k > 0.0 || !contact_may_reach_centre(&p->from->shape)) {
-        return longest;
-    }
-    const double free = DRIFT_ENDS * contact_reach(&p->from->shape) - p->amplitude;
-    return fmin(longest, free / fabs(p->free.drift));
+    return p->free.omega_d > 0.0 ? PI / p->free.omega_d : (double)INFINITY;
 }
 
 /* Whether y or y' has decayed so far that its direct value is more accurate than the start value plus the
@@ -537,28 +476,33 @@ double pair_oscillation_first_extremum(const struct pair_oscillation *p)
     return angle / p->omega_d;
 }
 
+/* Writes the start value and the rate per s of the part of a quantity that an oscillation y makes (for the
+ * force: of minus the force). `per_time` is s per time [1/s]. */
+static void put_oscillating_part(const struct contact_pair *from, enum pair_quantity quantity,
+                                 const struct oscillator *o, double per_time, double y, double y_rate,
+                                 double *start, double *rate)
+{
+    const double bend = -o->damping_rate * y_rate - o->omega2 * y;
+    const double k = from->coefficients.k;
+    const double c = from->coefficients.c * per_time;
+    *start = quantity == PAIR_GAP ? y : quantity == PAIR_GAP_RATE ? per_time * y_rate : k * y + c * y_rate;
+    *rate = quantity == PAIR_GAP        ? y_rate
+            : quantity == PAIR_GAP_RATE ? per_time * bend
+                                        : k * y_rate + c * bend;
+}
+
 bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_quantity quantity,
                                   double factor, double offset)
 {
-    if (!(p->from->coefficients.k > 0.0)) {
-        return false; /* without a spring the gap drifts */
-    }
-    if (quantity == PAIR_GAP) {
-        return p->amplitude < factor * p->equilibrium + offset;
-    }
     const double k = p->from->coefficients.k;
-    const double c = p->from->coefficients.c * p->rate;
-    const double bend = -p->free.oscillator.damping_rate * p->y_rate - p->y;
-    double equilibrium = 0.0;
-    double start = p->rate * p->y_rate; /* value of the oscillating part at the start */
-    double start_rate = p->rate * bend;
-    if (quantity == PAIR_FORCE) {
-        equilibrium = -k * p->equilibrium;
-        start = k * p->y + c * p->y_rate;
-        start_rate = k * p->y_rate + c * bend;
-    }
-    return oscillator_envelope_of(&p->free.oscillator, start, start_rate).amplitude <
-           factor * equilibrium + offset;
+    const double still = quantity == PAIR_GAP     ? p->equilibrium
+                         : quantity == PAIR_FORCE ? -k * p->equilibrium
+                                                  : 0.0;
+    const struct oscillator *o = &p->free.oscillator;
+    double start;
+    double rate;
+    put_oscillating_part(p->from, quantity, o, p->rate, p->y, p->y_rate, &start, &rate);
+    return oscillator_envelope_of(o, start, rate).amplitude < factor * still + offset;
 }
 
 /* Computes the force as F_n = m_red (g'' - side n.A). */
@@ -569,10 +513,10 @@ static void sample_overdamped(const struct pair_oscillation *p, double s, struct
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP][i] = y[i];
         sample->of[PAIR_GAP_RATE][i] = p->rate * y[1 + i];
-        sample->of[PAIR_FORCE][i] = p->stiffness * y[2 + i];
+        sample->of[PAIR_FORCE][i] = p->from->coefficients.k * y[2 + i];
     }
     sample->of[PAIR_GAP][0] = gap_after_decay(p, y[0], free_oscillation_since(&p->free, s).x);
-    sample->of[PAIR_FORCE][0] -= p->stiffness * p->load;
+    sample->of[PAIR_FORCE][0] -= p->from->coefficients.k * p->equilibrium;
 }
 
 void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample)
@@ -595,13 +539,12 @@ void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair
 }
 
 /* Returns the energy dissipated [J], by the oscillator's energy balance: p_nv g'^2 = -(m g'^2 / 2 + p_n (g -
- * equilibrium)^2 / 2)', or without a spring -(m g'^2 / 2 - side m n.A g)'. */
+ * equilibrium)^2 / 2)'. */
 static double dissipated_by_dashpot(const struct pair_oscillation *p, const double grown[2])
 {
-    const bool has_spring = p->from->coefficients.k > 0.0;
     const double by_rate = grown[1] * (2.0 * p->y_rate + grown[1]);
-    const double by_place = grown[0] * (has_spring ? 2.0 * p->y + grown[0] : -2.0 * p->load);
-    return p->from->coefficients.c > 0.0 ? -0.5 * p->stiffness * (by_rate + by_place) : 0.0;
+    const double by_place = grown[0] * (2.0 * p->y + grown[0]);
+    return p->from->coefficients.c > 0.0 ? -0.5 * p->from->coefficients.k * (by_rate + by_place) : 0.0;
 }
 
 /* Returns the gap; writes its rate per s and the changes of both since the start. */
@@ -655,7 +598,7 @@ struct pair_change pair_oscillation_advance(const void *pair_oscillation, double
  * where rho is g less the gap of the flight. With G_j the integral of t^j (g - g(0)), I_j that of t^j rho''
  * and J_j that of t^j g'
  *
- *   k (G_j + g(0) t^(j+1)/(j+1)) = -m_red I_j - c J_j,   without a spring 0 = m_red I_(j+1) + c J_(j+1)
+ *   k (G_j + g(0) t^(j+1)/(j+1)) = -m_red I_j - c J_j
  *   I_j = t^j rho' - j t^(j-1) rho + j (j-1) M_(j-2),    J_j = t^j (g - g(0)) - j G_(j-1)
  */
 void pair_oscillation_moments(const void *pair_oscillation, double s, const struct pair_change *change,
@@ -676,12 +619,8 @@ void pair_oscillation_moments(const void *pair_oscillation, double s, const stru
         const double second = j < 2 ? 0.0 : of[j - 2];
         const double inertia =
             power * rho_rate - (j > 0 ? j * (power / t) * rho : 0.0) + j * (j - 1) * second;
-        const double next =
-            power * t * rho_rate - (j + 1) * power * rho + (j > 0 ? (j + 1) * j * of[j - 1] : 0.0);
         const double damped = power * grown - j * before;
-        const double of_gap =
-            k > 0.0 ? -(p->reduced_mass * inertia + c * damped) / k - p->gap * power * t / (j + 1)
-                    : (power * t * grown + p->reduced_mass / c * next) / (j + 1);
+        const double of_gap = -(p->reduced_mass * inertia + c * damped) / k - p->gap * power * t / (j + 1);
         double flown = 0.0;
         for (int i = SEPARATION_DEGREE; i > 0; --i) {
             flown = t * (flown + p->shape.side * vec3_dot(p->normal, p->flight.c[i]) / (i + j + 1));
@@ -723,13 +662,9 @@ static void fill_sample(const struct pair_collocation *p, const double x[4], dou
 {
     const double side = p->from->shape.side;
     const double per_time = side / p->step.half;
-    double normal_mismatch[4] = {0.0, 0.0, 0.0, 0.0};
-    if (SCENE_ANY_PRESCRIBED && p->step.from.has_mismatch) {
-        collocation_mismatch(&p->step, s, normal_mismatch);
-    }
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP][i] = side * x[i];
-        sample->of[PAIR_GAP_RATE][i] = per_time * (x[i + 1] + normal_mismatch[i]);
+        sample->of[PAIR_GAP_RATE][i] = per_time * x[i + 1];
     }
     if (SCENE_ANY_CAPS && p->step.from.at_rim) {
         collocation_edges(&p->step, s, x, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
@@ -762,15 +697,8 @@ void pair_collocation_sample(const void *pair_collocation, double s, struct pair
 void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,
                            double *rate)
 {
-    const struct oscillator *o = &p->step.result.oscillator;
-    const double half = p->step.half;
-    const double y = p->step.result.y;
-    const double y_rate = p->step.result.y_rate;
-    const double bend = -o->damping_rate * y_rate - o->omega2 * y;
-    const double k = p->from->coefficients.k;
-    const double c = p->from->coefficients.c / half;
-    *start = quantity == PAIR_GAP ? y : quantity == PAIR_GAP_RATE ? y_rate / half : k * y + c * y_rate;
-    *rate = quantity == PAIR_GAP ? y_rate : quantity == PAIR_GAP_RATE ? bend / half : k * y_rate + c * bend;
+    put_oscillating_part(p->from, quantity, &p->step.result.oscillator, 1.0 / p->step.half, p->step.result.y,
+                         p->step.result.y_rate, start, rate);
 }
 
 void pair_collocation_sample_averaged(const void *pair_collocation, double s, struct pair_sample *sample)
@@ -868,51 +796,9 @@ void pair_collocation_moments(const void *pair_collocation, double s, const stru
     }
 }
 
-/* Sets A = C'' and E = W - C', each reduced to the part that acts on the contact's motion. */
-static void set_paths(const struct contact_pair *p, const struct vec3 felt[SEPARATION_DEGREE],
-                      struct collocation_problem *problem)
-{
-    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        problem->acceleration[i] = vec3_scale((i + 1) * (i + 2), felt[i + 1]);
-    }
-    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS; ++i) {
-        const struct vec3 mismatch = SCENE_ANY_PRESCRIBED
-                                         ? vec3_axpy(p->flight.w[i], -(i + 1), p->flight.c[i + 1])
-                                         : vec3_make(0.0, 0.0, 0.0);
-        const bool is_none = !(vec3_max_abs(mismatch) > 0.0);
-        problem->mismatch[i] = is_none ? mismatch : coupled(p, mismatch);
-        problem->has_mismatch = problem->has_mismatch || !is_none;
-    }
-}
-
-/* Error of the peaks as a fraction of the load. The dashpot turns a rounding difference of W and C' into a
- * load, and the spring turns that difference into an oscillation. */
-static const double NEGLIGIBLE_LOAD = 1e-6;
-
-/* Sets the mismatch E = W - C' to zero where it cannot be told from rounding: where rounding of E, by the
- * dashpot and over a radian of the tangential motion, makes a force above NEGLIGIBLE_LOAD. */
-static void drop_rounded_mismatch(const struct contact_pair *p, double tangential_rate,
-                                  struct collocation_problem *problem)
-{
-    double size = 0.0;
-    double power = 1.0;
-    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS; ++i) {
-        const double rate = vec3_norm(p->flight.w[i]);
-        size += rate > 0.0 ? rate * power : 0.0;
-        power /= tangential_rate;
-    }
-    const double load = vec3_norm(problem->acceleration[0]);
-    const double per_rate = problem->damping_rate + sqrt(problem->omega2);
-    if (per_rate * 16.0 * DBL_EPSILON * size > NEGLIGIBLE_LOAD * load) {
-        memset(problem->mismatch, 0, sizeof problem->mismatch);
-        problem->has_mismatch = false;
-    }
-}
-
 void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p)
 {
     struct collocation_problem *problem = &out->problem;
-    problem->has_mismatch = false;
     problem->normal = p->normal;
     problem->tangent = tangent_of(p);
     for (int i = 0; i < SEPARATION_DEGREE; ++i) {
@@ -926,7 +812,9 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     }
     problem->omega2 = p->coefficients.k / p->reduced_mass;
     problem->damping_rate = p->coefficients.c / p->reduced_mass;
-    set_paths(p, out->felt, problem);
+    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
+        problem->acceleration[i] = vec3_scale((i + 1) * (i + 2), out->felt[i + 1]);
+    }
     const double d = contact_is_plane(&p->shape) ? (double)INFINITY : problem->reach + problem->deviation;
     const struct vec3 along = pair_tangential(p, problem->rate);
     const double radial = p->shape.side * pair_gap_derivative(p);
@@ -934,9 +822,6 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     out->distance = d;
     out->rate_along = vec3_norm(along) / d;
     out->tangential_rate = out->rate_along + sqrt(vec3_norm(problem->acceleration[0]) / d);
-    if (SCENE_ANY_PRESCRIBED && problem->has_mismatch && !p->has_mismatch) {
-        drop_rounded_mismatch(p, out->tangential_rate, problem);
-    }
     double turning = vec3_dot(along, along) / d;
     if (CONTACT_ANY_CIRCLE) {
         problem->at_rim = contact_is_circle(&p->shape);
@@ -945,8 +830,7 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
             turning = pair_turning(p, d);
         }
     }
-    const double load = turning + vec3_dot(p->normal, problem->acceleration[0]) -
-                        problem->damping_rate * vec3_dot(p->normal, problem->mismatch[0]);
+    const double load = turning + vec3_dot(p->normal, problem->acceleration[0]);
     const struct oscillator oscillator = {problem->omega2, problem->damping_rate};
     out->rates = oscillator_rates_of(&oscillator);
     out->equilibrium_depth = -p->shape.side * load / problem->omega2;

@@ -46,8 +46,8 @@ struct contact_pair {
      * centre [m] */
     struct vec3 rounded;
     bool starts_rounded;      /* C(0) contains `rounded`, as at the centre */
-    struct vec3 rate_rounded; /* rounding, added to w so that side n.w is carried_rate [m/s] */
-    double carried_rate;      /* g' with more digits than side n.w has; NaN: side n.w suffices [m/s] */
+    struct vec3 rate_rounded; /* rounding, added to w so that side n.w is `rate` [m/s] */
+    double rate;              /* g' [m/s] */
     bool rate_is_known;       /* g' is carried or exactly zero: no rounding of velocities */
     bool has_mismatch;        /* W differs from C' by more than rounding */
     /* Whether the motion goes along n alone, under a constant acceleration along n. A motion along a plane or
@@ -94,11 +94,6 @@ struct vec3 pair_across(const struct contact_pair *p, struct vec3 c);
 /* Returns the part of the vector `across` that is perpendicular to n and turns n; zero at a plane. */
 struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
 
-/* Rounding error of g' computed from the velocities after the change [m/s]; 0 where its effect on the force
- * is negligible. */
-double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
-                                const struct scene_values *v, const struct scene_state *q, int contact);
-
 /* Returns the change by side r n, along the normal. */
 struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,
                                             double r_rate, double gap);
@@ -110,7 +105,8 @@ int pair_moments_of_work(const struct contact_pair *p);
 void pair_hertz_force(const struct contact_pair *from, const double u[3], const double rate[3],
                       double force[3]);
 
-/* Moves the bodies and books impulse, dissipated energy and external work. The caller advances the clock. */
+/* Moves the bodies and books impulse, dissipated energy and external work. The caller advances the clock, and
+ * sets the rate that the next segment starts with. */
 void pair_apply(const struct contact_pair *p, const struct pair_change *change,
                 const struct vec3 moment[PAIR_MOMENTS], const struct scene_values *v, struct scene_state *q,
                 int contact);
@@ -137,24 +133,22 @@ struct frame_flight frame_flight_of(const struct contact_pair *from);
  *   g = equilibrium + y,   m_red y'' + p_nv y' + p_n y = 0,   equilibrium = side m_red n.A / p_n
  *
  * Variable s = rate time, in radians of the undamped oscillator. Up to 0.97 of critical damping y oscillates,
- * beyond it decays. Without a spring y = g, m_red y'' + p_nv y' = side m_red n.A, with s in decay times of
- * the dashpot.
+ * beyond it decays.
  */
 
 struct pair_oscillation {
     const struct contact_pair *from;
-    double rate;                  /* sqrt(p_n / m_red), or p_nv / m_red [1/s] */
-    double stiffness;             /* m_red rate^2: p_n where there is a spring [N/m] */
-    double load;                  /* side n.A per s^2 [m] */
+    double rate;                  /* sqrt(p_n / m_red) [1/s] */
     struct free_oscillation free; /* y */
     double omega_d;               /* radians of y per s: sqrt(1 - damping_rate^2 / 4); 0 where it decays */
-    double equilibrium;           /* gap at rest under the load; 0 without a spring [m] */
+    double equilibrium;           /* gap at rest under the load [m] */
     double y, y_rate;             /* at the start, per s [m] */
-    double amplitude;             /* bound of |y|, without the drift [m] */
+    double amplitude;             /* bound of |y| [m] */
 };
 
-/* Makes the oscillation of a pair that moves head-on (from->is_head_on). Returns false where the motion might
- * reach the centre of solid bodies; contact inside a hollow body ends before the centre. */
+/* Makes the oscillation of a pair that moves head-on (from->is_head_on) and has a spring. Returns false
+ * where the motion might reach the centre of solid bodies; contact inside a hollow body ends before the
+ * centre. */
 bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from);
 
 /* Whether factor * quantity + offset stays positive for all s >= 0. */

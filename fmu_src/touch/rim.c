@@ -59,15 +59,6 @@ struct rim_state rim_state_of(const struct rim_start *start, const double change
                               .by = by};
 }
 
-void rim_change_rates(const struct rim_start *start, const struct rim_slopes *slopes, double rates[4])
-{
-    const double scale = rim_scale(start);
-    rates[0] = scale * slopes->azimuth;
-    rates[1] = slopes->tilt;
-    rates[2] = slopes->azimuth_momentum / scale;
-    rates[3] = slopes->tilt_momentum;
-}
-
 /* Components of a vector along a, b and e at a state. */
 struct rim_parts {
     double outward, circumferential, axial;
@@ -100,13 +91,10 @@ void rim_slopes_by_distance(const struct rim_start *start, const struct rim_stat
 {
     const struct rim_slopes here = rim_slopes_at(at, acceleration);
     const double c = at->by.cosine;
-    const struct rim_slopes by_distance = {.azimuth = -2.0 * here.azimuth * c / at->rho,
-                                           .tilt = -2.0 * here.tilt / at->d,
-                                           .azimuth_momentum = c * here.azimuth_momentum / at->rho,
-                                           .tilt_momentum =
-                                               here.tilt_momentum / at->d +
-                                               3.0 * at->d * at->by.sine * c * here.azimuth * here.azimuth};
-    rim_change_rates(start, &by_distance, slopes);
+    slopes[0] = rim_scale(start) * (-2.0 * here.azimuth * c / at->rho);
+    slopes[1] = -2.0 * here.tilt / at->d;
+    slopes[2] = c * here.azimuth_momentum / at->rho / rim_scale(start);
+    slopes[3] = here.tilt_momentum / at->d + 3.0 * at->d * at->by.sine * c * here.azimuth * here.azimuth;
 }
 
 struct vec3 rim_normal(const struct rim_state *at)

@@ -65,12 +65,9 @@ struct rim_state rim_state_of(const struct rim_start *start, const double change
 /* Returns the cosines and sines for the first two changes of rim_state_of. */
 struct rim_angles rim_angles_of(const struct rim_start *start, double turned, double tilted);
 
-/* Sets the rates of the four changes of rim_state_of from the slopes. */
-void rim_change_rates(const struct rim_start *start, const struct rim_slopes *slopes, double rates[4]);
-
 struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 acceleration);
 
-/* Sets the derivatives of the rates of rim_change_rates with respect to d. */
+/* Sets the derivatives of the rates of the four changes of rim_state_of with respect to d. */
 void rim_slopes_by_distance(const struct rim_start *start, const struct rim_state *at,
                             struct vec3 acceleration, double slopes[4]);
 

@@ -98,20 +98,28 @@ static double separating_speed(const struct segment *p, struct contact_coefficie
     return fmax(open, fmin(full.k * p->tolerance, IDLE_DASHPOT * pair_load(&p->pair))) / full.c;
 }
 
-/* The push of a dashpot that may pull (contact_push): friction lasts while it is positive, or stays lifted
- * while it is negative. */
+/* Returns the force by which the law's margin has to be negative, without rounding of the rate [N]. */
+static double hysteresis_of_force(const struct segment *p, struct contact_coefficients full)
+{
+    return HYSTERESIS * pair_load(&p->pair) + full.k * 8.0 * DBL_EPSILON * largest_size(p, PAIR_GAP);
+}
+
+/* The push of the full law (contact_push): a dashpot that may not pull is clipped where the push ends. Where
+ * the dashpot may pull, friction lasts while the push is positive, or stays lifted while it is negative. */
 static struct event_function push_margin(const struct segment *p)
 {
     const double sign = p->is_lifted ? -1.0 : 1.0;
     const struct contact_law *law = &p->pair.law;
     if (contact_is_hertz(law)) {
+        /* The margin 1 - chi g' is 1 at rest, so only rounding needs a hysteresis. Bodies pushed out of a
+         * deep overlap move at 1/chi for long. A hysteresis in parts of the load would hold them back by that
+         * part of a force far above the load. */
         const double still = 1.0 / contact_factors_of(law).c;
         return (struct event_function){PAIR_GAP_RATE, -sign, sign * still + p->pair.rate_rounding};
     }
     const struct contact_coefficients full = full_coefficients(p);
-    const double open =
-        HYSTERESIS * pair_load(&p->pair) + full.k * 8.0 * DBL_EPSILON * largest_size(p, PAIR_GAP);
-    return (struct event_function){PAIR_FORCE, sign, open + full.c * p->pair.rate_rounding};
+    return (struct event_function){PAIR_FORCE, sign,
+                                   hysteresis_of_force(p, full) + full.c * p->pair.rate_rounding};
 }
 
 /* Whether the law ends a regime, or the force's sign ends one of friction. */
@@ -123,27 +131,14 @@ static bool has_margin(const struct segment *p)
 /* The law's event function (contact_event): the regime lasts while factor quantity + offset > 0. */
 static struct event_function terminal_event_margin(const struct segment *p)
 {
-    const struct contact_law *law = &p->pair.law;
-    const double rate = p->pair.rate_rounding;
-    if (p->may_pull) {
+    if (p->may_pull || p->pair.law.dashpot == DASHPOT_NON_ADHESIVE) {
         return push_margin(p);
     }
-    if (contact_is_hertz(law) && law->dashpot == DASHPOT_NON_ADHESIVE) {
-        /* The margin 1 - chi g' is 1 at rest, so only rounding needs a hysteresis. Bodies pushed out of a
-         * deep overlap move at 1/chi for long. A hysteresis in parts of the load would hold them back by that
-         * part of a force far above the load. */
-        return (struct event_function){PAIR_GAP_RATE, -1.0, 1.0 / contact_factors_of(law).c + rate};
-    }
     const struct contact_coefficients full = full_coefficients(p);
-    const double open =
-        HYSTERESIS * pair_load(&p->pair) + full.k * 8.0 * DBL_EPSILON * largest_size(p, PAIR_GAP);
-    if (law->dashpot == DASHPOT_NON_ADHESIVE) {
-        return (struct event_function){PAIR_FORCE, 1.0, open + full.c * rate};
-    }
     const double swing = full.c / sqrt(full.k * p->pair.reduced_mass);
     /* approach speed at which the spring alone ends, divided by the separation speed r0 at which it began */
     const double rebound = full.k > 0.0 && swing >= CRITICAL_SWING ? REBOUND * swing : 1.0;
-    const double separating = separating_speed(p, full, open) + rate;
+    const double separating = separating_speed(p, full, hysteresis_of_force(p, full)) + p->pair.rate_rounding;
     return p->regime == REGIME_RESTITUTION ? (struct event_function){PAIR_GAP_RATE, 1.0, rebound * separating}
                                            : (struct event_function){PAIR_GAP_RATE, -1.0, separating};
 }
@@ -280,10 +275,10 @@ static bool is_event_free(const struct segment *p)
            pair_oscillation_stays_above(made, margin.quantity, margin.factor, margin.offset);
 }
 
-/* Whether the motion is head-on under constant acceleration. */
+/* Whether the motion is head-on under constant acceleration, by a spring. */
 static bool closed_form_applies(const struct segment *p)
 {
-    return p->pair.is_head_on && !contact_is_rim(&p->pair.shape);
+    return p->pair.is_head_on && p->pair.coefficients.k > 0.0 && !contact_is_rim(&p->pair.shape);
 }
 
 /* Makes the segment over all of p->longest where no event follows. Otherwise the segment lasts a period of
@@ -323,12 +318,13 @@ static const double COLLOCATED_SHORTEST = 3.0;
  * many times the tangential rate. */
 static const double SEPARATION_OF_RATES = 20.0;
 
-/* Whether the step may be long enough and the oscillator or its decay is faster than the tangential
- * motion. */
+/* Whether the step may be long enough, the oscillator or its decay is faster than the tangential motion, and
+ * the law's rate is that of the gap. */
 static bool collocated_applies(const struct segment *p)
 {
     const struct pair_timescales *scales = &p->scales;
-    return scales->rates.faster * p->longest >= COLLOCATED_SHORTEST && scales->problem.reach > 0.0 &&
+    return !p->pair.has_mismatch && scales->problem.reach > 0.0 &&
+           scales->rates.faster * p->longest >= COLLOCATED_SHORTEST &&
            scales->rates.faster >= SEPARATION_OF_RATES * scales->tangential_rate;
 }
 
@@ -384,7 +380,7 @@ static bool collocated_stays_off_centre(const struct segment *p)
     for (int i = 0; i < step->nodes->points; ++i) {
         nearest = fmin(nearest, step->from.reach + step->result.x[i]);
     }
-    if (step->local.head_on || nearest > NEAR_CENTRE * step->from.reach) {
+    if (step->head_on || nearest > NEAR_CENTRE * step->from.reach) {
         return true;
     }
     return step->kind == COLLOCATION_OVERDAMPED && !(terminal_event_centre(p) < (double)INFINITY);
@@ -394,7 +390,8 @@ static bool collocated_stays_off_centre(const struct segment *p)
  * about 15 sweeps. */
 static const double LONG_STEP = 2.5;
 
-enum { AVERAGED_ATTEMPTS = 12 };
+/* Trials of a collocated step. */
+enum { ATTEMPTS = 12 };
 
 /* Length by which an averaged step ends before an event [radians of the oscillator]: COLLOCATED_SHORTEST, so
  * that no other averaged step is tried before the event. Series go on from there and locate the event. */
@@ -488,7 +485,7 @@ static bool averaged_make(struct segment *p)
     const struct pair_timescales *scales = &p->scales;
     const double d = scales->problem.reach;
     double step = longest_step(p);
-    for (int i = 0; i < AVERAGED_ATTEMPTS && step * scales->rates.slower >= COLLOCATED_SHORTEST; ++i) {
+    for (int i = 0; i < ATTEMPTS && step * scales->rates.slower >= COLLOCATED_SHORTEST; ++i) {
         struct pair_collocation *made = &p->as.collocation;
         if (!collocation_make(&made->step, &scales->problem, step, COLLOCATION_AVERAGED,
                               0.1 * p->tolerance)) {
@@ -523,8 +520,6 @@ static const double OVERDAMPED_GROWTH = 4.0;
 
 /* The slow and the fast decay are treated apart where their rates differ by this factor or more. */
 static const double SEPARATION_OF_DECAYS = 4.0;
-
-enum { ATTEMPTS = 12 };
 
 static bool overdamped_applies(const struct segment *p)
 {
@@ -712,40 +707,35 @@ static double summit_between(const struct search *f, const struct dense_output *
     return middle;
 }
 
-/* Searches about the summit of the upper bound between the nodes i and i + 1, if there is one and it exceeds
- * the largest value found. */
-static void search_summit(struct search *f, const struct dense_output *bound, int i)
+/* Searches about a place where the upper bound exceeds the largest value found. */
+static void search_where_larger(struct search *f, const struct dense_output *bound, double place,
+                                const struct pair_sample *at)
 {
-    if (i < 0 || i + 1 >= bound->count) {
-        return;
-    }
-    const double factor = f->what->factor;
-    const double *before = bound->at[i].of[f->what->quantity];
-    const double *after = bound->at[i + 1].of[f->what->quantity];
-    const double rise = factor * (after[0] - before[0]);
-    if ((rise > 0.0 || factor * before[1] > 0.0) && (rise < 0.0 || factor * after[1] < 0.0)) {
-        struct pair_sample at;
-        const double place = summit_between(f, bound, bound->s[i], bound->s[i + 1]);
-        bound->sampler(bound->segment, place, &at);
-        const double most = factor * at.of[f->what->quantity][0];
-        if (dense_output_is_larger(bound, most, f->largest)) {
-            search_about(f, place, most);
-        }
+    const double most = f->what->factor * at->of[f->what->quantity][0];
+    if (dense_output_is_larger(bound, most, f->largest)) {
+        search_about(f, place, most);
     }
 }
 
-/* Searches about every summit of the upper bound and every node where the bound exceeds the largest value
- * found, since a decaying oscillation may not reach its envelope. */
+/* Searches about every node and every summit of the upper bound, since a decaying oscillation may not reach
+ * its envelope. */
 static void search_swinging(struct search *f, const struct dense_output *bound)
 {
-    const enum pair_quantity quantity = f->what->quantity;
     const double factor = f->what->factor;
     for (int i = 0; i < bound->count; ++i) {
-        const double most = factor * bound->at[i].of[quantity][0];
-        if (dense_output_is_larger(bound, most, f->largest)) {
-            search_about(f, bound->s[i], most);
+        search_where_larger(f, bound, bound->s[i], &bound->at[i]);
+        if (i + 1 == bound->count) {
+            return;
         }
-        search_summit(f, bound, i);
+        const double *before = bound->at[i].of[f->what->quantity];
+        const double *after = bound->at[i + 1].of[f->what->quantity];
+        const double rise = factor * (after[0] - before[0]);
+        if ((rise > 0.0 || factor * before[1] > 0.0) && (rise < 0.0 || factor * after[1] < 0.0)) {
+            struct pair_sample at;
+            const double place = summit_between(f, bound, bound->s[i], bound->s[i + 1]);
+            bound->sampler(bound->segment, place, &at);
+            search_where_larger(f, bound, place, &at);
+        }
     }
 }
 
@@ -1287,28 +1277,6 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
            !(contact_is_skew(&p->pair.shape) && deepest_of(p) >= contact_reach(&p->pair.shape));
 }
 
-/* Corrects r along n so that bodies that part are as far apart as the gap: both have truncation errors of
- * their own, by which bodies that part at a gap of zero must not overlap. Other segments need no correction,
- * because the next one begins at the gap (contact_pair.rounded), and near a centre it would turn n by its
- * rounding. */
-static void agree_with_gap(const struct segment *p, struct pair_change *change)
-{
-    const struct contact_pair *from = &p->pair;
-    const struct vec3 none = {0.0, 0.0, 0.0};
-    struct vec3 c = vec3_add(path_at(from->flight.c, SEPARATION_DEGREE + 1, change->time), change->r);
-    if (change->head_on || fabs(change->gap) > p->tolerance) {
-        return;
-    }
-    if (!from->starts_rounded) {
-        c = vec3_add(c, from->rounded);
-    }
-    const struct contact_geometry then = contact_geometry_at(&from->shape, c, none, from->normal);
-    const double missing = change->gap - then.gap;
-    if (fabs(missing) <= p->tolerance) { /* more: the gap has its sign from beyond a centre */
-        change->r = vec3_axpy(change->r, from->shape.side * missing, then.normal);
-    }
-}
-
 bool segment_is_deep(const struct segment *p)
 {
     return p->largest_gap > contact_reach(&p->pair.shape);
@@ -1327,7 +1295,6 @@ void segment_advance(struct segment *p, double from, double s, const struct scen
     const int of_work = pair_moments_of_work(&p->pair);
     segment_moments(p, s, &change, of_work > lever.moments ? of_work : lever.moments, moment);
     change.head_on = change.head_on && !segment_is_deep(p);
-    agree_with_gap(p, &change);
     if (from < s) {
         peaks_note(p, &state->peaks, from, s);
     }
@@ -1335,10 +1302,7 @@ void segment_advance(struct segment *p, double from, double s, const struct scen
         peak_error_note(p, segment_time(p, from), segment_time(p, s), state);
     }
     pair_apply(&p->pair, &change, moment, v, q, contact);
-    state->physics.rate_rounding = pair_rate_rounding_after(&p->pair, &change, v, q, contact);
-    if (state->physics.rate_rounding > 0.0) {
-        state->physics.carried_rate = dense_output_at(&p->output, s)->of[PAIR_GAP_RATE][0];
-    }
+    state->physics.carried_rate = dense_output_at(&p->output, s)->of[PAIR_GAP_RATE][0];
     if (SCENE_HAS_TORQUES) {
         add_torque_impulse(&p->pair, &lever, &change, moment, &state->torques);
     }

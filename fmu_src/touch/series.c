@@ -89,9 +89,8 @@ static void begin_series(struct pair_series *p, const struct contact_pair *from,
         /* Away from a rim, n at the start is the first direction of the frame, without rounding. */
         const double along = j == 0 ? 1.0 : 0.0;
         taylor_put(&r->n[j], 0, at_rim ? vec3_dot(p->flight.frame[j], from->normal) : along);
-        r->rate[0] += r->side * r->n[j].row[0] * p->flight.w[0][j];
     }
-    r->rate[0] = isnan(from->carried_rate) ? r->rate[0] : from->carried_rate;
+    r->rate[0] = from->rate;
     if (CONTACT_ANY_CIRCLE && at_rim) {
         p->rim.radius = from->shape.solid.radius;
         p->rim.half_height = from->shape.solid.half_height;

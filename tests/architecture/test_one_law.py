@@ -9,7 +9,6 @@ from support.sources import HEADERS, UNITS, code_only, label
 # The law's own constants, p_n and p_nv, or k_h and chi.
 READS = r"(?:->|\.)(?:stiffness|damping)\b"
 LAW = {"fmu_src/contact/law.h", "fmu_src/contact/law.c"}
-OWN_STIFFNESS = {"fmu_src/touch/pair.h", "fmu_src/touch/pair.c"}
 # Of the tangential spring and dashpot of elastic friction, k_t and c_t: a law of its own.
 OF_FRICTION = {
     "fmu_src/contact/friction.c", "fmu_src/contact/slopes.c", "fmu_src/scene/evaluate.c",
@@ -39,7 +38,7 @@ every_file = pytest.mark.parametrize("file", HEADERS + UNITS, ids=label)
 
 @every_file
 def test_only_the_law_reads_stiffness_and_damping(file):
-    if label(file) not in LAW | OWN_STIFFNESS | OF_FRICTION | HERTZ:
+    if label(file) not in LAW | OF_FRICTION | HERTZ:
         assert re.findall(READS, code_only(file.read_text())) == []
 
 
@@ -59,5 +58,3 @@ def test_the_allowed_files_exist_and_make_use_of_it():
     texts = {label(file): code_only(file.read_text()) for file in HEADERS + UNITS}
     for name in FAST_PATHS | FACTORS:
         assert re.search(ASKS_FOR_CONSTANTS, texts[name]), name
-    for name in OWN_STIFFNESS:
-        assert re.search(r"\bstiffness\b", texts[name]), name

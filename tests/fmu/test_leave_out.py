@@ -173,7 +173,7 @@ GONE = [
     (SPHERES, "SphereCylinder", "strings", AXIS),
     (ON_PLANES, "SphereSphere", "strings", "no defined normal"),
     (ON_PLANES, "SphereSphere", "code of .", r"singularity_|\bleave_centre"),
-    (THROWN, None, "code of .", r"if \((kind_)?has_mismatch\("),
+    (THROWN, None, "code of .", r"r->mismatch\["),
     ([*UNIVERSAL], None, "variables", "rolling|spinning"),
     ([*UNIVERSAL], None, "strings", "rolling|spinning"),
     ([*UNIVERSAL], None, "code of .", "resist"),
