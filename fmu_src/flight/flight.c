@@ -259,17 +259,26 @@ struct body_state flight_body_at(const struct scene_values *v, const struct scen
     return flight_from(v, body, start, q->path[body].force, clock);
 }
 
-static double stored_now(const struct scene_values *v, const struct scene_state *q)
+double flight_stored_energy(const struct scene_values *v, const struct scene_state *q)
 {
     struct scene_instant at;
-    scene_now(v, q, &at);
-    return energy_stored(v, q, &at);
+    double sum = 0.0;
+    for (int j = 0, known = 0; j < SCENE_CONTACTS; ++j) {
+        if (q->contact[j].regime == REGIME_SEPARATING && !contact_is_prescribed(v, j)) {
+            if (!known) {
+                scene_kinematics_now(v, q, &at);
+                known = 1;
+            }
+            const struct contact_law law = scene_contact_law(v, q, j);
+            sum += contact_stored_energy(&law, REGIME_SEPARATING, at.geometry[j].gap);
+        }
+    }
+    return sum;
 }
 
 void flight_advance(const struct scene_values *v, struct scene_state *q, double clock)
 {
-    const bool apart = scene_is_apart(q);
-    const double stored = apart ? 0.0 : stored_now(v, q);
+    const double stored = flight_stored_energy(v, q);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
             q->external_work += flight_work(v, q, i, q->body[i], q->clock, clock - q->clock);
@@ -282,7 +291,7 @@ void flight_advance(const struct scene_values *v, struct scene_state *q, double 
         }
     }
     q->clock = clock;
-    q->dissipated += apart ? 0.0 : stored - stored_now(v, q);
+    q->dissipated += stored - flight_stored_energy(v, q);
 }
 
 /* Whether a contact is apart, has had no force in the communication step, and keeps clear of its centre. */

@@ -84,6 +84,10 @@ struct body_state flight_body_at(const struct scene_values *v, const struct scen
  * stored energy that separating contacts lose. */
 void flight_advance(const struct scene_values *v, struct scene_state *q, double clock);
 
+/* Returns the energy stored by separating contacts [J]. Their force is zero, so that this energy is
+ * dissipated as the gap opens. */
+double flight_stored_energy(const struct scene_values *v, const struct scene_state *q);
+
 /* Returns the state of a free body without external force at a clock. */
 static inline struct body_state flight_unforced_at(const struct scene_values *v, const struct scene_state *q,
                                                    int body, double clock)

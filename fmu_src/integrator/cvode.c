@@ -12,7 +12,6 @@
 
 #include "flight/flight.h"
 #include "integrator/cvode.h"
-#include "math/nodes.h"
 #include "scene/dense_output.h"
 #include "scene/ode.h"
 
@@ -299,26 +298,6 @@ static int event_found(const struct cvode *c)
     return event;
 }
 
-/* Closes the gap and restores the energy where a contact ends by its gap; sets the dead band. */
-static void tidy_event(struct cvode *c, const struct scene_values *v, struct scene_state *q,
-                       const struct advance *step)
-{
-    struct scene_instant at;
-    scene_now(v, q, &at);
-    const bool at_gap =
-        fabs(at.geometry[step->contact].gap) <= 4.0 * c->ode.offset[step->contact][ODE_EVENT_GAP];
-    if (step->regime == REGIME_APART && at_gap) {
-        const double speed = vec3_norm(at.rate[step->contact]);
-        projection_close_gap(v, q, step->contact);
-        projection_restore_energy(v, q, step->contact, c->relative * speed + c->absolute);
-    }
-    /* CVODE places a root to 100 roundings of its time and step. After four times this error the contact is
-     * certainly in its new regime. */
-    double length = 0.0;
-    CVodeGetLastStep(c->memory, &length);
-    q->contact[step->contact].schedule.dead_band_clock = q->clock + 400.0 * DBL_EPSILON * (q->clock + length);
-}
-
 /* Notes the peaks up to the clock `to`. A step of CVODE is short compared with the time of a contact, so that
  * no quantity has two extrema within it. */
 static void note_peaks(struct cvode *c, struct scene_state *q, double to)
@@ -338,13 +317,7 @@ static void note_peaks(struct cvode *c, struct scene_state *q, double to)
     scene_outputs_add(c->output, to);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (q->contact[j].regime != REGIME_APART) {
-            struct scene_output *output = &c->output[j];
-            scene_output_note_peaks(output, q->clock, to, 1, &q->contact[j].peaks);
-            const double half = 0.5 * (to - q->clock);
-            for (int i = 0; i < GAUSS_NODES && scene_output_has_torque(output); ++i) {
-                const double clock = q->clock + half * (1.0 + GAUSS_NODE[i]);
-                scene_output_add_torque(output, clock, half * GAUSS_WEIGHT[i], q);
-            }
+            scene_output_note_peaks(&c->output[j], q->clock, to, 1, &q->contact[j].peaks);
         }
     }
 }
@@ -404,7 +377,15 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
         flight_restore(v, q);
         if (to == c->reached && c->flag == CV_ROOT_RETURN) {
             const enum advance_result result = advance_to_event(step, v, q, event_found(c));
-            tidy_event(c, v, q, step);
+            if (step->regime == REGIME_APART) {
+                projection_end_contact(&c->ode, q, step->contact, c->relative, c->absolute);
+            }
+            /* CVODE places a root to 100 roundings of its time and step. After four times this error the
+             * contact is certainly in its new regime. */
+            double length = 0.0;
+            CVodeGetLastStep(c->memory, &length);
+            q->contact[step->contact].schedule.dead_band_clock =
+                q->clock + 400.0 * DBL_EPSILON * (q->clock + length);
             return result;
         }
         if (to == c->reached && c->flag == CV_TSTOP_RETURN) {

@@ -9,7 +9,6 @@
 #include "integrator/general_step.h"
 #include "integrator/node_forces.h"
 #include "math/compiler.h"
-#include "math/nodes.h"
 #include "scene/evaluate.h"
 #include "scene/ode.h"
 
@@ -570,24 +569,6 @@ static bool search_tops(struct general *g, const struct scene_instant *at, int c
     return true;
 }
 
-/* Adds the impulse of the torque on the destination from a clock to the present, by `panels` Gauss rules of
- * degree nine. The force is a polynomial of the place in the step. */
-static void add_torque(const struct general *g, struct scene_state *q, const struct scene_output *output,
-                       double from, int panels)
-{
-    const struct radau_step *p = &g->step;
-    const double first = radau_place(p->stages, fmax(from - p->start, 0.0) / p->length);
-    const double last = radau_place(p->stages, (q->clock - p->start) / p->length);
-    const double half = 0.5 * (last - first) / panels;
-    for (int i = 0; i < panels * GAUSS_NODES && scene_output_has_torque(output); ++i) {
-        const int node = i % GAUSS_NODES;
-        const int panel = i / GAUSS_NODES;
-        const double place = first + half * (2.0 * panel + 1.0 + GAUSS_NODE[node]);
-        const double weight = half * GAUSS_WEIGHT[node] * radau_slope(p->stages, place) * p->length;
-        scene_output_add_torque(output, p->start + radau_part(p->stages, place) * p->length, weight, q);
-    }
-}
-
 /* A step of twelve stages lasts five radians at most. Its parts are shorter than half an oscillation. */
 static void look_for_peaks(struct general *g, struct scene_state *q, const struct scene_instant *at,
                            int contact, double from)
@@ -605,7 +586,6 @@ static void look_for_peaks(struct general *g, struct scene_state *q, const struc
         output->output.latest_s = -1.0;
         scene_output_note_peaks(output, from, q->clock, parts, &q->contact[contact].peaks);
     }
-    add_torque(g, q, output, from, parts);
 }
 
 /* Notes the peaks between the clock `from`, within the step, and the present. */
@@ -640,8 +620,7 @@ static void fly_others(const struct general *g, struct scene_state *q, double cl
     }
 }
 
-/* Moves the scene to a clock within the step or at its end, and notes the peaks up to that clock and, where
- * nothing turns, the impulses of torque. */
+/* Moves the scene to a clock within the step or at its end, and notes the peaks up to that clock. */
 static void general_move_scene(struct general *g, struct scene_state *q, double clock, const double *y)
 {
     const double from = q->clock;
@@ -880,52 +859,6 @@ void general_follow_kept(struct general *g, const struct scene_values *v, struct
     }
 }
 
-/* Whether a contact ends because the gap opens, and not because the source passes an end of the cylinder. */
-static bool parts_at_gap(const struct general *g, const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, int contact)
-{
-    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
-    const double beyond = scene_beyond_ends(&shape, &at->geometry[contact]);
-    const double gap = fabs(at->geometry[contact].gap);
-    return gap <= 4.0 * g->ode.offset[contact][ODE_EVENT_GAP] || (scene_turns(v) && gap <= fabs(beyond));
-}
-
-/* Moves free bodies back along their velocities to a gap of zero. A shift along the normal would change the
- * angular momentum at every impact. The motion goes back by 64 roundings of the clock or of a second at
- * most. */
-static void go_back_to_gap(const struct scene_values *v, struct scene_state *q,
-                           const struct scene_instant *at, int contact)
-{
-    const struct contact_geometry *g = &at->geometry[contact];
-    const double since = g->gap / g->gap_rate;
-    if (!(g->gap_rate > 0.0) || !(fabs(since) <= 64.0 * DBL_EPSILON * fmax(fabs(q->clock), 1.0))) {
-        return;
-    }
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            q->body[i].moved = vec3_axpy(q->body[i].moved, -since, q->body[i].velocity);
-        }
-    }
-}
-
-/* Closes the gap and restores the energy at the end of a contact. The energy is restored within the error of
- * the speed that a step is allowed. */
-static void tidy_end(struct general *g, const struct scene_values *v, struct scene_state *q,
-                     const struct advance *step)
-{
-    struct scene_instant at;
-    scene_now(v, q, &at);
-    if (step->regime == REGIME_APART && parts_at_gap(g, v, q, &at, step->contact)) {
-        const double speed = vec3_norm(at.rate[step->contact]);
-        if (scene_turns(v)) {
-            go_back_to_gap(v, q, &at, step->contact);
-        }
-        projection_close_gap(v, q, step->contact);
-        projection_restore_energy(v, q, step->contact, g->relative * speed + g->absolute);
-    }
-    q->contact[step->contact].schedule.dead_band_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
-}
-
 /* Returns the clock of the first release under Hertz's law that the polynomial shows within the step, or
  * INFINITY. The bend of the force there makes the step inaccurate, but hardly moves the release. */
 static double release_within(struct general *g)
@@ -998,7 +931,10 @@ static enum advance_result end_step(struct general *g, const struct scene_values
     general_move_scene(g, q, end->clock, end->y);
     if (end->event.event >= 0) {
         const enum advance_result result = advance_to_event(step, v, q, end->event.event);
-        tidy_end(g, v, q, step);
+        if (step->regime == REGIME_APART) {
+            projection_end_contact(&g->ode, q, step->contact, g->relative, g->absolute);
+        }
+        q->contact[step->contact].schedule.dead_band_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
         return result;
     }
     if (q->clock < step->clock_end) {

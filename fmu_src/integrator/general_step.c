@@ -228,7 +228,7 @@ static void allow_rounding(struct general *g)
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const int first = g->ode.layout.impulse[j];
-        const int count = g->ode.layout.island[j] < 0 ? 0 : g->step.problem.turns ? TURNING_IMPULSES : 3;
+        const int count = g->ode.layout.island[j] < 0 ? 0 : ode_impulses(g->ode.values);
         for (int i = first; i < first + count; ++i) {
             const double by = impulse[g->ode.layout.island[j]] * g->per_impulse[i];
             p->weight[i] = 1.0 / (1.0 / p->weight[i] + by);
@@ -384,8 +384,9 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
     const struct scene_values *v = g->ode.values;
     const int body[2] = {contact_source(contact), contact_destination(contact)};
     const bool turns = scene_turns(v);
-    const double arm[2] = {turns ? vec3_norm(at->turning.source_arm[contact]) : 0.0,
-                           turns ? vec3_norm(at->turning.destination_arm[contact]) : 0.0};
+    const double apart = vec3_norm(at->separation[contact]);
+    const double arm[2] = {turns ? vec3_norm(at->turning.source_arm[contact]) : apart,
+                           turns ? vec3_norm(at->turning.destination_arm[contact]) : apart};
     const double by_mass = scene_inverse_mass(v, contact);
     double *impulses = g->per_impulse + g->ode.layout.impulse[contact];
     double speeds = 0.0;
@@ -393,7 +394,7 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
         speeds += vec3_norm(at->velocity[body[i]]);
         speeds += turns ? vec3_norm(at->turning.body[body[i]].angular_velocity) * arm[i] : 0.0;
     }
-    for (int k = 0; k < (turns ? TURNING_IMPULSES : 3); ++k) {
+    for (int k = 0; k < ode_impulses(v); ++k) {
         impulses[k] = k < 3 ? 1.0 : arm[k / 3 - 1];
     }
     for (int i = g->ode.layout.dissipated; i < g->size; ++i) {

@@ -501,25 +501,6 @@ static void fly_bodies(const struct scene_values *v, struct scene_state *q, doub
     }
 }
 
-/* Returns the energy stored by separating contacts [J]. Their force is zero, so that this energy is
- * dissipated as the gap opens. */
-static double stored_in_separating(const struct scene_values *v, const struct scene_state *q)
-{
-    struct scene_instant at;
-    double sum = 0.0;
-    for (int j = 0, known = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime == REGIME_SEPARATING && !contact_is_prescribed(v, j)) {
-            if (!known) {
-                scene_kinematics_now(v, q, &at);
-                known = 1;
-            }
-            const struct contact_law law = scene_contact_law(v, q, j);
-            sum += contact_stored_energy(&law, REGIME_SEPARATING, at.geometry[j].gap);
-        }
-    }
-    return sum;
-}
-
 /* Copies `size` bytes of the present to `kept`, or back. */
 static void keep(void *present, void *kept, size_t size, bool back)
 {
@@ -558,7 +539,7 @@ static void follow_pairs(struct pair_phase *all, const struct scene_values *v, s
         keep_start(q, true);
         q->clock = q->phase.clock;
     }
-    const double stored = stored_in_separating(v, q);
+    const double stored = flight_stored_energy(v, q);
     if (SCENE_HAS_ISLANDS && all->form != PHASE_OF_SEGMENTS && time > 0.0) {
         if (SCENE_HAS_CHAINS && all->form == PHASE_OF_CHAIN) {
             chain_advance(&all->chain, from, time, v, q);
@@ -588,7 +569,7 @@ static void follow_pairs(struct pair_phase *all, const struct scene_values *v, s
         q->clock = clock;
         flight_restore(v, q);
     }
-    q->dissipated += stored - stored_in_separating(v, q);
+    q->dissipated += stored - flight_stored_energy(v, q);
     q->phase.followed = clock;
 }
 

@@ -1,17 +1,10 @@
-/* Five-point Gauss-Legendre rule on [-1, 1]: exact to degree nine. Nodes 0, +-sqrt(5 -+ 2 sqrt(10/7))/3. */
+/* Functions that are known at the nodes of a Lobatto rule. */
 #ifndef CONTACT_MATH_NODES_H
 #define CONTACT_MATH_NODES_H
 
 #include "math/compiler.h"
 #include "math/node_tables.h"
 #include "math/vec3.h"
-
-enum { GAUSS_NODES = 5 };
-
-static const double GAUSS_NODE[GAUSS_NODES] = {-0.90617984593866399, -0.53846931010568309, 0.0,
-                                               0.53846931010568309, 0.90617984593866399};
-static const double GAUSS_WEIGHT[GAUSS_NODES] = {
-    0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647, 0.23692688505618909};
 
 /* The larger number; b where one of them is NaN. C11's fmax is a call. */
 static inline double larger(double a, double b)

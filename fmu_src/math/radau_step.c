@@ -70,14 +70,6 @@ double radau_part(const struct radau_stages *stages, double place)
                                               : place;
 }
 
-double radau_slope(const struct radau_stages *stages, double place)
-{
-    const double left = ROOT_OF_REST + (1.0 - place) * ROOTS_APART;
-    return stages->pace == RADAU_FROM_TOUCH   ? 2.0 * place
-           : stages->pace == RADAU_TO_RELEASE ? 2.0 * left * ROOTS_APART
-                                              : 1.0;
-}
-
 /* Sets of[k] to the Chebyshev polynomial T_k at a place of the step, by the recurrence. */
 static inline void radau_polynomials_at(int count, double place, double *of)
 {

@@ -131,12 +131,11 @@ void radau_step_take_over(struct radau_step *p, double start, double length, con
 
 /* radau_stages_of returns the method with this number of stages and this pace. The time of a step is a
  * function of its place: radau_place returns the place at which a part, 0 to 1, of the step's length has
- * passed. radau_part returns the part that has passed at a place, and radau_slope the derivative of this part
- * by the place. Parts above 1 have places too, in a step to a release only up to the release. */
+ * passed, and radau_part the part that has passed at a place. Parts above 1 have places too, in a step to a
+ * release only up to the release. */
 const struct radau_stages *radau_stages_of(int stages, enum radau_pace pace);
 double radau_place(const struct radau_stages *stages, double part);
 double radau_part(const struct radau_stages *stages, double place);
-double radau_slope(const struct radau_stages *stages, double place);
 
 /* Makes the polynomial of all states of a solved step; the states at a part of the step's length, 0 to 1. */
 void radau_step_finish(struct radau_step *p);

@@ -312,18 +312,3 @@ void scene_output_note_peaks(struct scene_output *o, double from, double to, int
     w->at[0] = w->at[last];
     w->count = 1;
 }
-
-bool scene_output_has_torque(const struct scene_output *o)
-{
-    return SCENE_HAS_TORQUES && !scene_turns(o->values) &&
-           body_shape(contact_destination(o->contact)) != SHAPE_SPHERE;
-}
-
-void scene_output_add_torque(const struct scene_output *o, double clock, double weight, struct scene_state *q)
-{
-    struct vec3 *sum = &q->contact[o->contact].torques.destination_impulse;
-    struct scene_state then;
-    struct scene_instant at;
-    scene_at(o, clock, NULL, &then, &at);
-    *sum = vec3_axpy(*sum, weight, scene_torque_of_force(&at, o->contact));
-}

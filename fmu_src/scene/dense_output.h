@@ -100,11 +100,4 @@ void scene_outputs_add(struct scene_output *outputs, double clock);
 void scene_output_note_peaks(struct scene_output *o, double from, double to, int parts,
                              struct contact_peaks *peaks);
 
-/* scene_output_has_torque tells whether the impulse of the torque on the destination is to be summed up: not
- * where something turns or rubs, or where the destination is a sphere. scene_output_add_torque adds the
- * torque at a clock times a weight [s] of a quadrature to it [N m s]. */
-bool scene_output_has_torque(const struct scene_output *o);
-void scene_output_add_torque(const struct scene_output *o, double clock, double weight,
-                             struct scene_state *q);
-
 #endif

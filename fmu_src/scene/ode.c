@@ -117,7 +117,7 @@ struct ode_layout ode_layout_of(const struct scene_values *v, const struct scene
         layout.met[j] = SCENE_CONTACTS == 1 || q == NULL || q->contact[j].regime != (int32_t)REGIME_APART ||
                         has[contact_source(j)] || has[contact_destination(j)];
         layout.is_whole = layout.is_whole && layout.met[j];
-        layout.impulse[j] = take_states(layout.met[j], scene_turns(v) ? TURNING_IMPULSES : 3, &next);
+        layout.impulse[j] = take_states(layout.met[j], ode_impulses(v), &next);
     }
     layout.dissipated = next;
     layout.size = next + (scene_turns(v) ? 3 : 2);
@@ -407,6 +407,7 @@ static void copy_states(const struct scene_ode *ode, bool packs, struct scene_st
 {
     const struct ode_layout *layout = &ode->layout;
     const bool turns = scene_turns(ode->values);
+    const int impulses = ode_impulses(ode->values);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout->body[i] >= 0) {
             copy_numbers(packs, y + layout->body[i], &q->body[i], BODY_STATES);
@@ -423,7 +424,10 @@ static void copy_states(const struct scene_ode *ode, bool packs, struct scene_st
         }
         if (layout->met[j] && turns) {
             copy_numbers(packs, y + layout->impulse[j] + 3, &q->contact[j].torques.source_impulse, 3);
-            copy_numbers(packs, y + layout->impulse[j] + 6, &q->contact[j].torques.destination_impulse, 3);
+        }
+        if (layout->met[j] && impulses > 3) {
+            double *last = y + layout->impulse[j] + impulses - 3;
+            copy_numbers(packs, last, &q->contact[j].torques.destination_impulse, 3);
         }
     }
     copy_numbers(packs, y + layout->dissipated, &q->dissipated, 1);
@@ -573,6 +577,8 @@ static void put_scene_rates(const struct scene_ode *ode, double clock, const dou
         if (turns) {
             vec3_to(at->turning.source_torque[j], impulse + 3);
             vec3_to(at->turning.destination_torque[j], impulse + 6);
+        } else if (SCENE_HAS_TORQUES) {
+            vec3_to(scene_torque_of_force(at, j), impulse + 3);
         }
         if (SCENE_ANY_SPRINGS) {
             unpack_springs(ode, y, j, &turning);
@@ -610,7 +616,7 @@ void ode_rates_under(const struct scene_ode *ode, double clock, const double *y,
 void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
 {
     const struct ode_layout *layout = &ode->layout;
-    const int impulses = scene_turns(ode->values) ? TURNING_IMPULSES : 3;
+    const int impulses = ode_impulses(ode->values);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout->body[i] >= 0) {
             set_size(y, layout->body[i], 0.0, sizes);
@@ -682,6 +688,12 @@ static void put_rate_changes(const struct linearization *l, double *changes)
         if (scene_turns(v)) {
             vec3_to(along->turning[j].source_torque[1], impulse + 3);
             vec3_to(along->turning[j].destination_torque[1], impulse + 6);
+        } else if (SCENE_HAS_TORQUES && body_shape(contact_destination(j)) != SHAPE_SPHERE) {
+            const struct vec3 apart = vec3_sub(along->displacement[contact_destination(j)][1],
+                                               along->displacement[contact_source(j)][1]);
+            vec3_to(vec3_add(vec3_cross(apart, l->at.source_force[j]),
+                             vec3_cross(l->at.separation[j], along->contact[j].source_force[1])),
+                    impulse + 3);
         }
     }
     const struct scene_powers power = jet_powers_of(v, &l->q, along, 1);
@@ -990,8 +1002,10 @@ static bool is_integration_error(double missing, const struct scene_energies *en
            fabs(missing) <= fmin(explained, LARGEST_CORRECTION * 0.5 * mass * gap_rate * gap_rate);
 }
 
-void projection_restore_energy(const struct scene_values *v, struct scene_state *q, int contact,
-                               double tolerated)
+/* Gives the bodies of a contact opposite impulses along the normal that restore the energy q->phase_energy.
+ * `tolerated` is the integrator's error in a step [m/s]. Nothing is done where this error does not explain
+ * the difference of energy, or where rounding explains it. */
+static void restore_energy(const struct scene_values *v, struct scene_state *q, int contact, double tolerated)
 {
     if (!keeps_energy(v, q, contact)) {
         return;
@@ -1015,4 +1029,48 @@ void projection_restore_energy(const struct scene_values *v, struct scene_state 
     q->body[destination].velocity =
         vec3_axpy(q->body[destination].velocity, j * body_inverse_mass(v, destination), n);
     q->contact[contact].physics.impulse = vec3_axpy(q->contact[contact].physics.impulse, -j, n);
+}
+
+/* Whether a contact ends because the gap opens, and not because the source passes an end of the cylinder. */
+static bool parts_at_gap(const struct scene_ode *ode, const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
+    const double beyond = scene_beyond_ends(&shape, &at->geometry[contact]);
+    const double gap = fabs(at->geometry[contact].gap);
+    return gap <= 4.0 * ode->offset[contact][ODE_EVENT_GAP] ||
+           (scene_turns(ode->values) && gap <= fabs(beyond));
+}
+
+/* Moves free bodies back along their velocities to a gap of zero. A shift along the normal would change the
+ * angular momentum at every impact. The motion goes back by 64 roundings of the clock or of a second at
+ * most. */
+static void go_back_to_gap(const struct scene_values *v, struct scene_state *q,
+                           const struct scene_instant *at, int contact)
+{
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double since = g->gap / g->gap_rate;
+    if (!(g->gap_rate > 0.0) || !(fabs(since) <= 64.0 * DBL_EPSILON * fmax(fabs(q->clock), 1.0))) {
+        return;
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            q->body[i].moved = vec3_axpy(q->body[i].moved, -since, q->body[i].velocity);
+        }
+    }
+}
+
+void projection_end_contact(const struct scene_ode *ode, struct scene_state *q, int contact, double relative,
+                            double absolute)
+{
+    const struct scene_values *v = ode->values;
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    if (!parts_at_gap(ode, &at, contact)) {
+        return;
+    }
+    if (scene_turns(v)) {
+        go_back_to_gap(v, q, &at, contact);
+    }
+    projection_close_gap(v, q, contact);
+    restore_energy(v, q, contact, relative * vec3_norm(at.rate[contact]) + absolute);
 }

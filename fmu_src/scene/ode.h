@@ -2,8 +2,8 @@
  * The scene as a system of ordinary differential equations within fixed regimes, for integrators that know
  * nothing of contact. SI units; all arrays are the caller's.
  *
- *   y = (moved [m], v [m/s] of each free body; impulse on the source of each contact [N s];
- *        dissipated energy [J]; external work [J])
+ *   y = (moved [m], v [m/s] of each free body; impulse on the source of each contact [N s], and of the
+ *        torque on the destination [N m s], if there may be one; dissipated energy [J]; external work [J])
  *
  * and where bodies turn or rub (scene_turns)
  *
@@ -85,7 +85,13 @@ struct ode_layout {
     int size;                       /* number of states */
 };
 
-enum { TURNING_IMPULSES = 9 }; /* of a contact: of the force, and of the torques on source and destination */
+/* Returns the number of impulses of a contact: those of the force; where something turns or rubs, those of
+ * the torques on source and destination; elsewhere those of the torque on the destination, if there may be
+ * one. */
+static inline int ode_impulses(const struct scene_values *v)
+{
+    return scene_turns(v) ? 9 : SCENE_HAS_TORQUES ? 6 : 3;
+}
 
 /* Returns the layout of all states; or, where `q` is not NULL, of the bodies in contact in q. A body in
  * flight whose axis a contact sees counts as in contact where the other body of that contact is loaded. */
@@ -195,10 +201,10 @@ double projection_balance(const struct scene_values *v, const struct scene_state
  * zero. */
 void projection_close_gap(const struct scene_values *v, struct scene_state *q, int contact);
 
-/* Gives the bodies of a contact opposite impulses along the normal that restore the energy q->phase_energy.
- * `tolerated` is the integrator's error in a step [m/s]. Nothing is done where this error does not explain
- * the difference of energy, or where rounding explains it. */
-void projection_restore_energy(const struct scene_values *v, struct scene_state *q, int contact,
-                               double tolerated);
+/* Closes the gap of a contact that ends at the present of q, and restores the energy q->phase_energy within
+ * the error of the speed that a step is allowed. Nothing is done where the source passes an end of the
+ * cylinder. */
+void projection_end_contact(const struct scene_ode *ode, struct scene_state *q, int contact, double relative,
+                            double absolute);
 
 #endif
