@@ -4,61 +4,58 @@
 #include "flight/flight.h"
 #include "scene/evaluate.h"
 
-static struct rotor rotor_of(const struct scene_values *v, const struct scene_state *q, int body)
+static struct rotor rotor_of(const struct scene_state *q, int body)
 {
-    const struct vec3 inertia = body_inertia_of(v, body);
+    const struct vec3 inertia = body_inertia_of(q->v, body);
     return rotor_from(q->turn_origin[body], inertia.x, inertia.z);
 }
 
 /* Sets the external torque as a polynomial of the time since the present. */
-static void torque_from_now(const struct scene_values *v, const struct scene_state *q, int body,
-                            struct vec3 torque[ROTOR_TORQUES])
+static void torque_from_now(const struct scene_state *q, int body, struct vec3 torque[ROTOR_TORQUES])
 {
     memcpy(torque, q->path[body].torque, sizeof q->path[body].torque);
     path_shift(torque, ROTOR_TORQUES, q->clock);
     for (int i = 0; i < ROTOR_TORQUES; ++i) {
-        torque[i] = body_part_that_turns(v, body, torque[i]);
+        torque[i] = body_part_that_turns(q->v, body, torque[i]);
     }
 }
 
 /* Returns the rotation of a freely turning body at a clock no earlier than the present. */
-static struct body_turn flight_turn_at(const struct scene_values *v, const struct scene_state *q, int body,
-                                       double clock)
+static struct body_turn flight_turn_at(const struct scene_state *q, int body, double clock)
 {
     const struct body_turn *now = &q->turning.body[body];
     struct vec3 torque[ROTOR_TORQUES];
     if (!body_is_compound(body) && path_rests(q->path[body].torque)) {
-        const struct rotor rotor = rotor_of(v, q, body);
+        const struct rotor rotor = rotor_of(q, body);
         return rotor_at(&rotor, clock);
     }
-    torque_from_now(v, q, body, torque);
-    return rotor_of_three_after(now, body_inertia_of(v, body), torque, clock - q->clock);
+    torque_from_now(q, body, torque);
+    return rotor_of_three_after(now, body_inertia_of(q->v, body), torque, clock - q->clock);
 }
 
-void flight_turn(const struct scene_values *v, struct scene_state *q, int body, double clock)
+void flight_turn(struct scene_state *q, int body, double clock)
 {
-    const struct body_turn then = flight_turn_at(v, q, body, clock);
+    const struct body_turn then = flight_turn_at(q, body, clock);
     if (!path_rests(q->path[body].torque)) {
-        q->external_work +=
-            body_rotational_energy(v, body, &then) - body_rotational_energy(v, body, &q->turning.body[body]);
+        q->external_work += body_rotational_energy(q->v, body, &then) -
+                            body_rotational_energy(q->v, body, &q->turning.body[body]);
     }
     q->turning.body[body] = then;
 }
 
-struct axis_motion flight_axis_motion(const struct scene_values *v, const struct scene_state *q,
-                                      const struct body_turn *at, int body)
+struct axis_motion flight_axis_motion(const struct scene_state *q, const struct body_turn *at, int body)
 {
     if (path_rests(q->path[body].torque)) {
-        const struct rotor rotor = rotor_of(v, q, body);
+        const struct rotor rotor = rotor_of(q, body);
         struct axis_motion motion = axis_motion_of_rotor(&rotor);
         motion.from = -q->clock; /* the rotor's time is the clock */
         return motion;
     }
     struct vec3 torque[ROTOR_TORQUES];
-    torque_from_now(v, q, body, torque);
+    torque_from_now(q, body, torque);
     /* the axis turns with L / I_1, as that of a body with three moments I_1 does */
-    const double inertia = body_inertia_of(v, body).x;
-    const struct body_turn whole = {quaternion_identity(), body_spin_of(v, body, at)};
+    const double inertia = body_inertia_of(q->v, body).x;
+    const struct body_turn whole = {quaternion_identity(), body_spin_of(q->v, body, at)};
     return axis_motion_tumbling(quaternion_third_axis(at->orientation), &whole,
                                 vec3_make(inertia, inertia, inertia), torque);
 }
@@ -175,9 +172,10 @@ void flight_force(const struct scene_state *q, int body, double clock, struct ve
     path_shift(force, 3, clock);
 }
 
-bool flight_is_steady(const struct scene_values *v, const struct scene_state *q, int body)
+bool flight_is_steady(const struct scene_state *q, int body)
 {
-    return body_is_free(v, body) ? path_is_steady(q->path[body].force, 3) : !body_is_prescribed(v, body);
+    return body_is_free(q->v, body) ? path_is_steady(q->path[body].force, 3)
+                                    : !body_is_prescribed(q->v, body);
 }
 
 int flight_velocity(const struct scene_values *v, int body, struct vec3 start, const struct vec3 force[3],
@@ -228,8 +226,7 @@ double flight_work_along(const struct vec3 *velocity, int terms, const struct ve
     return 0.5 * time * sum;
 }
 
-double flight_work(const struct scene_values *v, const struct scene_state *q, int body,
-                   struct body_state start, double clock, double time)
+double flight_work(const struct scene_state *q, int body, struct body_state start, double clock, double time)
 {
     struct vec3 force[3];
     struct vec3 velocity[FLIGHT_TERMS];
@@ -237,17 +234,16 @@ double flight_work(const struct scene_values *v, const struct scene_state *q, in
     if (path_rests(force)) {
         return 0.0;
     }
-    const int terms = flight_velocity(v, body, start.velocity, force, velocity);
+    const int terms = flight_velocity(q->v, body, start.velocity, force, velocity);
     return flight_work_along(velocity, terms, force, time);
 }
 
-void flight_deviate(const struct scene_values *v, struct scene_state *q, int body, double time,
-                    struct vec3 moved, struct vec3 velocity)
+void flight_deviate(struct scene_state *q, int body, double time, struct vec3 moved, struct vec3 velocity)
 {
     struct vec3 force[3];
-    q->external_work += flight_work(v, q, body, q->body[body], q->clock, time);
+    q->external_work += flight_work(q, body, q->body[body], q->clock, time);
     flight_force(q, body, q->clock, force);
-    const struct body_state flown = flight_from(v, body, q->body[body], force, time);
+    const struct body_state flown = flight_from(q->v, body, q->body[body], force, time);
     q->body[body].moved = vec3_add(flown.moved, moved);
     q->body[body].velocity = vec3_add(flown.velocity, velocity);
 }
@@ -259,39 +255,39 @@ struct body_state flight_body_at(const struct scene_values *v, const struct scen
     return flight_from(v, body, start, q->path[body].force, clock);
 }
 
-double flight_stored_energy(const struct scene_values *v, const struct scene_state *q)
+double flight_stored_energy(const struct scene_state *q)
 {
     struct scene_instant at;
     double sum = 0.0;
     for (int j = 0, known = 0; j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime == REGIME_SEPARATING && !contact_is_prescribed(v, j)) {
+        if (q->contact[j].regime == REGIME_SEPARATING && !contact_is_prescribed(q->v, j)) {
             if (!known) {
-                scene_kinematics_now(v, q, &at);
+                scene_kinematics_now(q, &at);
                 known = 1;
             }
-            const struct contact_law law = scene_contact_law(v, q, j);
+            const struct contact_law law = scene_contact_law(q, j);
             sum += contact_stored_energy(&law, REGIME_SEPARATING, at.geometry[j].gap);
         }
     }
     return sum;
 }
 
-void flight_advance(const struct scene_values *v, struct scene_state *q, double clock)
+void flight_advance(struct scene_state *q, double clock)
 {
-    const double stored = flight_stored_energy(v, q);
+    const double stored = flight_stored_energy(q);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            q->external_work += flight_work(v, q, i, q->body[i], q->clock, clock - q->clock);
-            q->body[i] = flight_body_at(v, q, i, clock);
+        if (body_is_free(q->v, i)) {
+            q->external_work += flight_work(q, i, q->body[i], q->clock, clock - q->clock);
+            q->body[i] = flight_body_at(q->v, q, i, clock);
         }
     }
     for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) {
-        if (body_turns_freely(v, i)) {
-            flight_turn(v, q, i, clock);
+        if (body_turns_freely(q->v, i)) {
+            flight_turn(q, i, clock);
         }
     }
     q->clock = clock;
-    q->dissipated += stored - flight_stored_energy(v, q);
+    q->dissipated += stored - flight_stored_energy(q);
 }
 
 /* Whether a contact is apart, has had no force in the communication step, and keeps clear of its centre. */
@@ -304,25 +300,24 @@ static bool contact_is_deferrable(const struct contact_state *state)
 
 /* Whether a body has no external force and torque, and speed, displacement and kinetic energy far from
  * overflow. */
-static bool body_is_deferrable(const struct scene_values *v, const struct scene_state *q, int body,
-                               double clock)
+static bool body_is_deferrable(const struct scene_state *q, int body, double clock)
 {
-    const double speed = vec3_max_abs(q->origin[body].velocity) + vec3_max_abs(gravity(v)) * clock;
+    const double speed = vec3_max_abs(q->origin[body].velocity) + vec3_max_abs(gravity(q->v)) * clock;
     const bool turns_by_itself =
-        !body_turns_freely(v, body) || (path_rests(q->path[body].torque) && !body_is_compound(body));
+        !body_turns_freely(q->v, body) || (path_rests(q->path[body].torque) && !body_is_compound(body));
     return path_rests(q->path[body].force) && turns_by_itself && speed < 1e70 && speed * clock < 1e70;
 }
 
-bool flight_stays_finite(const struct scene_values *v, const struct scene_state *q, double clock)
+bool flight_stays_finite(const struct scene_state *q, double clock)
 {
     bool all = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        all = all && (!body_moves_freely(v, i) || body_is_deferrable(v, q, i, clock));
+        all = all && (!body_moves_freely(q->v, i) || body_is_deferrable(q, i, clock));
     }
     return all;
 }
 
-double flight_deferrable_until(const struct scene_values *v, const struct scene_state *q)
+double flight_deferrable_until(const struct scene_state *q)
 {
     double clock = q->horizon_clock;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -331,7 +326,7 @@ double flight_deferrable_until(const struct scene_values *v, const struct scene_
             return 0.0;
         }
     }
-    return flight_stays_finite(v, q, clock) ? clock : 0.0;
+    return flight_stays_finite(q, clock) ? clock : 0.0;
 }
 
 bool flight_defer(struct scene_state *q, double end_time)
@@ -347,17 +342,17 @@ bool flight_defer(struct scene_state *q, double end_time)
     return true;
 }
 
-void flight_catch_up(const struct scene_values *v, struct scene_state *q)
+void flight_catch_up(struct scene_state *q)
 {
     if (!q->deferred) {
         return;
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            q->body[i] = flight_unforced_at(v, q, i, q->clock);
+        if (body_is_free(q->v, i)) {
+            q->body[i] = flight_unforced_at(q, i, q->clock);
         }
-        if (SCENE_ANY_ROTATION && body_turns_freely(v, i)) {
-            flight_turn(v, q, i, q->clock);
+        if (SCENE_ANY_ROTATION && body_turns_freely(q->v, i)) {
+            flight_turn(q, i, q->clock);
         }
     }
     q->deferred = 0;
@@ -370,29 +365,29 @@ static struct vec3 with_axial_of(struct vec3 a, struct vec3 exact, struct vec3 a
 }
 
 /* Restores the axial motion of a body that only the cylinder of this contact loads. */
-static void restore_axial(const struct scene_values *v, struct scene_state *q, int contact, int body)
+static void restore_axial(struct scene_state *q, int contact, int body)
 {
-    if (body_is_free(v, body) && !body_is_loaded(q, body, contact)) {
+    if (body_is_free(q->v, body) && !body_is_loaded(q, body, contact)) {
         const struct vec3 axis = q->contact[contact].parameters.axis;
-        const struct body_state exact = flight_body_at(v, q, body, q->clock);
+        const struct body_state exact = flight_body_at(q->v, q, body, q->clock);
         q->body[body].moved = with_axial_of(q->body[body].moved, exact.moved, axis);
         q->body[body].velocity = with_axial_of(q->body[body].velocity, exact.velocity, axis);
     }
 }
 
-void flight_restore(const struct scene_values *v, struct scene_state *q)
+void flight_restore(struct scene_state *q)
 {
     for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i) && !body_is_loaded(q, i, -1)) {
-            q->body[i] = flight_body_at(v, q, i, q->clock);
+        if (body_is_free(q->v, i) && !body_is_loaded(q, i, -1)) {
+            q->body[i] = flight_body_at(q->v, q, i, q->clock);
         }
     }
     if (SCENE_ANY_CYLINDER) {
         /* not in scenes that turn: friction acts along the axis, and a turning axis conserves no component */
-        for (int j = 0; !scene_turns(v) && j < SCENE_CONTACTS; ++j) {
-            if (scene_ends_suddenly(v, j) && contact_transmits(q, j)) {
-                restore_axial(v, q, j, contact_source(j));
-                restore_axial(v, q, j, contact_destination(j));
+        for (int j = 0; !scene_turns(q->v) && j < SCENE_CONTACTS; ++j) {
+            if (scene_ends_suddenly(q->v, j) && contact_transmits(q, j)) {
+                restore_axial(q, j, contact_source(j));
+                restore_axial(q, j, contact_destination(j));
             }
         }
     }

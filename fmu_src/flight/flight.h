@@ -12,12 +12,11 @@
 
 /* Returns the axis motion of a freely turning body without contact forces from now on; `at` is the present
  * rotation. */
-struct axis_motion flight_axis_motion(const struct scene_values *v, const struct scene_state *q,
-                                      const struct body_turn *at, int body);
+struct axis_motion flight_axis_motion(const struct scene_state *q, const struct body_turn *at, int body);
 
 /* Turns a freely turning body to a clock and books the work of its external torque, but does not move the
  * clock. */
-void flight_turn(const struct scene_values *v, struct scene_state *q, int body, double clock);
+void flight_turn(struct scene_state *q, int body, double clock);
 
 /*
  * Head-on flight: bodies without contact forces move along their normal alone, with a constant relative
@@ -49,7 +48,7 @@ bool flight_is_free(const struct scene_state *q);
 void flight_force(const struct scene_state *q, int body, double clock, struct vec3 force[3]);
 
 /* Whether a body rests, or flies under a constant force. */
-bool flight_is_steady(const struct scene_values *v, const struct scene_state *q, int body);
+bool flight_is_steady(const struct scene_state *q, int body);
 
 /* Sets the coefficients of a free body's velocity as a polynomial of time, from gravity and a force with the
  * same time origin. Returns their number: two for a constant force. */
@@ -68,13 +67,11 @@ double flight_work_along(const struct vec3 *velocity, int terms, const struct ve
 
 /* Returns the work of the external force on a free body that flies for `time` seconds from `start`, its state
  * at a clock [J]. */
-double flight_work(const struct scene_values *v, const struct scene_state *q, int body,
-                   struct body_state start, double clock, double time);
+double flight_work(const struct scene_state *q, int body, struct body_state start, double clock, double time);
 
 /* Flies a free body for `time` seconds, and adds what contact forces change [m, m/s]. Books the work of the
  * external force along the flight alone. */
-void flight_deviate(const struct scene_values *v, struct scene_state *q, int body, double time,
-                    struct vec3 moved, struct vec3 velocity);
+void flight_deviate(struct scene_state *q, int body, double time, struct vec3 moved, struct vec3 velocity);
 
 /* Returns a free body's state at a clock, by the polynomial from the clock's origin. */
 struct body_state flight_body_at(const struct scene_values *v, const struct scene_state *q, int body,
@@ -82,19 +79,18 @@ struct body_state flight_body_at(const struct scene_values *v, const struct scen
 
 /* Moves all free bodies to `clock` while flight_is_free. Books the work of the external forces, and the
  * stored energy that separating contacts lose. */
-void flight_advance(const struct scene_values *v, struct scene_state *q, double clock);
+void flight_advance(struct scene_state *q, double clock);
 
 /* Returns the energy stored by separating contacts [J]. Their force is zero, so that this energy is
  * dissipated as the gap opens. */
-double flight_stored_energy(const struct scene_values *v, const struct scene_state *q);
+double flight_stored_energy(const struct scene_state *q);
 
 /* Returns the state of a free body without external force at a clock. */
-static inline struct body_state flight_unforced_at(const struct scene_values *v, const struct scene_state *q,
-                                                   int body, double clock)
+static inline struct body_state flight_unforced_at(const struct scene_state *q, int body, double clock)
 {
     const struct vec3 start = q->origin[body].velocity;
-    const struct vec3 mean = vec3_axpy(start, clock, vec3_scale(0.5, gravity(v)));
-    return (struct body_state){vec3_scale(clock, mean), vec3_axpy(start, clock, gravity(v))};
+    const struct vec3 mean = vec3_axpy(start, clock, vec3_scale(0.5, gravity(q->v)));
+    return (struct body_state){vec3_scale(clock, mean), vec3_axpy(start, clock, gravity(q->v))};
 }
 
 /*
@@ -104,17 +100,17 @@ static inline struct body_state flight_unforced_at(const struct scene_values *v,
  * the peaks and the mean force of the communication step are zero. flight_defer advances the clock alone, or
  * returns false and does nothing. flight_catch_up computes the body states at the present clock.
  */
-double flight_deferrable_until(const struct scene_values *v, const struct scene_state *q);
+double flight_deferrable_until(const struct scene_state *q);
 bool flight_defer(struct scene_state *q, double end_time);
-void flight_catch_up(const struct scene_values *v, struct scene_state *q);
+void flight_catch_up(struct scene_state *q);
 
 /* Whether no force acts on a free body but weight and contact, and speeds, places and energies stay far from
  * overflow up to a clock. */
-bool flight_stays_finite(const struct scene_values *v, const struct scene_state *q, double clock);
+bool flight_stays_finite(const struct scene_state *q, double clock);
 
 /* Replaces an integrator's result by the closed form where there is one: for bodies without contact forces,
  * and for the axial motion of bodies loaded only by cylinders, whose forces are perpendicular to the axis.
  * Touches and passages of end planes then occur exactly at the clocks of prediction_of. */
-void flight_restore(const struct scene_values *v, struct scene_state *q);
+void flight_restore(struct scene_state *q);
 
 #endif

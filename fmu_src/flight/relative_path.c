@@ -5,25 +5,24 @@
 #include "flight/flight.h"
 #include "flight/relative_path.h"
 
-static void add_free(const struct scene_values *v, const struct scene_state *q,
-                     const struct scene_instant *at, double clock, int body, double sign,
+static void add_free(const struct scene_instant *at, double clock, int body, double sign,
                      struct separation_path *out)
 {
     struct vec3 force[3];
-    flight_force(q, body, clock, force);
+    flight_force(at->q, body, clock, force);
     struct vec3 rate[SEPARATION_DEGREE];
-    const int terms = flight_velocity(v, body, at->velocity[body], force, rate);
+    const int terms = flight_velocity(at->v, body, at->velocity[body], force, rate);
     for (int i = 0; i < terms; ++i) {
         out->w[i] = vec3_axpy(out->w[i], sign, rate[i]);
         out->c[i + 1] = vec3_axpy(out->c[i + 1], sign * FLIGHT_MEAN[i], rate[i]);
     }
 }
 
-static void add_prescribed(const struct scene_values *v, const struct scene_state *q, double clock, int body,
-                           double sign, struct separation_path *out)
+static void add_prescribed(const struct scene_state *q, double clock, int body, double sign,
+                           struct separation_path *out)
 {
     struct body_path path = q->path[body];
-    body_path_shift(v, body, &path, clock);
+    body_path_shift(q->v, body, &path, clock);
     for (int i = 1; i < 4; ++i) {
         out->c[i] = vec3_axpy(out->c[i], sign, path.displacement[i]);
     }
@@ -32,17 +31,16 @@ static void add_prescribed(const struct scene_values *v, const struct scene_stat
     }
 }
 
-struct separation_path separation_path_of(const struct scene_values *v, const struct scene_state *q,
-                                          const struct scene_instant *at, double clock, int contact)
+struct separation_path separation_path_of(const struct scene_instant *at, double clock, int contact)
 {
     const int ends[2] = {contact_destination(contact), contact_source(contact)};
     struct separation_path path = {.c = {at->separation[contact]}, .offset = at->geometry[contact].offset};
     for (int i = 0; i < 2; ++i) {
         const double sign = i == 0 ? 1.0 : -1.0;
-        if (SCENE_ANY_FREE && body_is_free(v, ends[i])) {
-            add_free(v, q, at, clock, ends[i], sign, &path);
-        } else if (body_is_prescribed(v, ends[i])) {
-            add_prescribed(v, q, clock, ends[i], sign, &path);
+        if (SCENE_ANY_FREE && body_is_free(at->v, ends[i])) {
+            add_free(at, clock, ends[i], sign, &path);
+        } else if (body_is_prescribed(at->v, ends[i])) {
+            add_prescribed(at->q, clock, ends[i], sign, &path);
         }
     }
     return path;
@@ -67,8 +65,7 @@ int separation_path_planes(const struct separation_path *path, double horizon, s
 
 /* Sets the lever arms of the compound bodies of a contact, and takes them off c, which then leads from centre
  * of mass to centre of mass. */
-static void put_levers(const struct scene_values *v, const struct scene_state *q,
-                       const struct scene_instant *at, double clock, int contact,
+static void put_levers(const struct scene_instant *at, double clock, int contact,
                        struct advancement_path *path)
 {
     for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
@@ -81,50 +78,49 @@ static void put_levers(const struct scene_values *v, const struct scene_state *q
         const struct vec3 lever = scene_lever(at, contact, end);
         const struct vec3 axis = vec3_scale(1.0 / vec3_norm(lever), lever);
         const struct body_turn *turn = &at->turning.body[body];
-        struct body_path follows = q->path[body];
-        body_path_shift(v, body, &follows, clock);
+        struct body_path follows = at->q->path[body];
+        body_path_shift(at->v, body, &follows, clock);
         path->lever_length[end] = length;
         path->lever[end] = (struct axis_motion){.kind = AXIS_FIXED, .axis = axis};
         path->c[0] = vec3_axpy(path->c[0], end == 0 ? 1.0 : -1.0, lever); /* to the centres of mass */
-        if (body_turns_freely(v, body)) {
+        if (body_turns_freely(at->v, body)) {
             path->lever[end] = axis_motion_tumbling(vec3_scale(1.0 / length, part), turn,
-                                                    body_principal_inertia(v, body), follows.torque);
-        } else if (body_turn_is_prescribed(v, body) && follows.turn_follows == TURN_FOLLOWS_VELOCITY) {
+                                                    body_principal_inertia(at->v, body), follows.torque);
+        } else if (body_turn_is_prescribed(at->v, body) && follows.turn_follows == TURN_FOLLOWS_VELOCITY) {
             path->lever[end] = axis_motion_prescribed(axis, follows.angular_velocity);
         }
     }
 }
 
-static struct axis_motion prescribed_axis(const struct scene_values *v, const struct scene_state *q,
-                                          const struct body_turn *turn, double clock, int body)
+static struct axis_motion prescribed_axis(const struct scene_state *q, const struct body_turn *turn,
+                                          double clock, int body)
 {
     struct body_path path = q->path[body];
-    body_path_shift(v, body, &path, clock);
+    body_path_shift(q->v, body, &path, clock);
     const bool by_axis = path.turn_follows != TURN_FOLLOWS_VELOCITY && !vec3_is_zero(path.axis[0]);
     return by_axis ? axis_motion_following(path.axis)
                    : axis_motion_prescribed(quaternion_third_axis(turn->orientation), path.angular_velocity);
 }
 
-struct advancement_path advancement_path_of(const struct scene_values *v, const struct scene_state *q,
-                                            const struct scene_instant *at, double clock, int contact)
+struct advancement_path advancement_path_of(const struct scene_instant *at, double clock, int contact)
 {
-    const struct separation_path separation = separation_path_of(v, q, at, clock, contact);
+    const struct separation_path separation = separation_path_of(at, clock, contact);
     const int destination = contact_destination(contact);
-    struct advancement_path path = {.shape = scene_contact_shape_at(v, q, at, contact),
-                                    .rounding = rounding_of_gap(v, at, contact)};
+    struct advancement_path path = {.shape = scene_contact_shape_at(at, contact),
+                                    .rounding = rounding_of_gap(at, contact)};
     memcpy(path.c, separation.c, sizeof path.c);
     for (int i = 0; SCENE_ANY_PRESCRIBED && i < SEPARATION_DEGREE; ++i) {
         path.mismatch[i] = vec3_axpy(separation.w[i], -(i + 1), separation.c[i + 1]);
     }
-    put_levers(v, q, at, clock, contact, &path);
+    put_levers(at, clock, contact, &path);
     if (SCENE_ANY_AXIS) {
         path.axis = (struct axis_motion){.kind = AXIS_FIXED, .axis = path.shape.axis};
     }
-    if (contact_tips(v, contact)) {
+    if (contact_tips(at->v, contact)) {
         const struct body_turn *turn = &at->turning.body[destination];
-        path.axis = SCENE_ANY_FREE && body_turns_freely(v, destination)
-                        ? flight_axis_motion(v, q, turn, destination)
-                        : prescribed_axis(v, q, turn, clock, destination);
+        path.axis = SCENE_ANY_FREE && body_turns_freely(at->v, destination)
+                        ? flight_axis_motion(at->q, turn, destination)
+                        : prescribed_axis(at->q, turn, clock, destination);
     }
     return path;
 }

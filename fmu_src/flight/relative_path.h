@@ -41,8 +41,7 @@ static inline bool relative_path_is_flat(const struct relative_path *path)
 }
 
 /* Returns the separation path from the present instant `at`, whose clock is `clock`. */
-struct separation_path separation_path_of(const struct scene_values *v, const struct scene_state *q,
-                                          const struct scene_instant *at, double clock, int contact);
+struct separation_path separation_path_of(const struct scene_instant *at, double clock, int contact);
 
 /* Adds where the path crosses the two planes across a direction at the distance `half` from the origin, as
  * fractions of the horizon, to `count` sorted places. Returns their number. */
@@ -50,9 +49,8 @@ int separation_path_planes(const struct separation_path *path, double horizon, s
                            double half, double *places, int count);
 
 /* Returns the path for conservative advancement from the instant `at`, whose clock is `clock`. If a body
- * turns freely, `clock` must be the present clock of q. */
-struct advancement_path advancement_path_of(const struct scene_values *v, const struct scene_state *q,
-                                            const struct scene_instant *at, double clock, int contact);
+ * turns freely, `clock` must be the present clock of at->q. */
+struct advancement_path advancement_path_of(const struct scene_instant *at, double clock, int contact);
 
 /* `gap` is the gap at the start [m], which may have more digits than the positions. */
 struct relative_path relative_path_make(const struct contact_shape *shape,

@@ -206,21 +206,22 @@ static const double LARGEST_ANGLE = 0.1;
  * move by more than LARGEST_ANGLE times the larger of distance and penetration, or times the source's radius
  * where no force is transmitted. Within the step the relative speed is below sqrt(w^2 + 4 a d), where a is
  * the acceleration by gravity and external forces. */
-static double largest_step(const struct scene_values *v, const struct scene_state *q,
-                           const struct scene_instant *at)
+static double largest_step(const struct scene_instant *at)
 {
+    const struct scene_state *q = at->q;
     double bound = (double)INFINITY;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_transmits(q, j) || contact_is_coupled(v, q, j)) {
+        if (contact_transmits(q, j) || contact_is_coupled(q, j)) {
             const int source = contact_source(j);
             const double distance = fabs(at->geometry[j].distance); /* a plane's may be negative */
             const struct vec3 force_difference =
                 vec3_sub(path_at(q->path[source].force, 3, q->clock),
                          path_at(q->path[contact_destination(j)].force, 3, q->clock));
-            const double a = vec3_norm(gravity(v)) + vec3_norm(force_difference) / body_mass(v, source);
+            const double a =
+                vec3_norm(gravity(at->v)) + vec3_norm(force_difference) / body_mass(at->v, source);
             const double speed = sqrt(vec3_dot(at->rate[j], at->rate[j]) + 4.0 * a * distance);
-            const double length =
-                contact_transmits(q, j) ? fmax(distance, -at->geometry[j].gap) : contact_source_radius(v, j);
+            const double length = contact_transmits(q, j) ? fmax(distance, -at->geometry[j].gap)
+                                                          : contact_source_radius(at->v, j);
             const double step = LARGEST_ANGLE * length / speed;
             bound = step > 0.0 ? fmin(bound, step) : bound;
         }
@@ -248,14 +249,14 @@ static void move_to(void *memory, double clock, struct scene_state *q)
     ode_unpack(&c->ode, q, NV_DATA_S(c->y));
 }
 
-/* Starts a phase from the motion; returns false where CVODE fails. c->ode refers to `v` and `q`. */
-static bool start_phase(struct cvode *c, const struct scene_values *v, struct scene_state *q)
+/* Starts a phase from the motion; returns false where CVODE fails. c->ode refers to q and its values. */
+static bool start_phase(struct cvode *c, struct scene_state *q)
 {
     struct scene_instant at;
-    ode_leave_centres(v, q);
-    scene_now(v, q, &at);
-    c->relative = tolerance_share(c->method) * solver_relative_tolerance(v);
-    c->absolute = tolerance_share(c->method) * solver_absolute_tolerance(v);
+    ode_leave_centres(q);
+    scene_now(q, &at);
+    c->relative = tolerance_share(c->method) * solver_relative_tolerance(q->v);
+    c->absolute = tolerance_share(c->method) * solver_absolute_tolerance(q->v);
     ode_begin(&c->ode, &at, c->relative, c->absolute);
     ode_pack(&c->ode, NV_DATA_S(c->y));
     c->steps = c->evaluations = c->rejected = 0;
@@ -264,7 +265,7 @@ static bool start_phase(struct cvode *c, const struct scene_values *v, struct sc
         c->output[j] = (struct scene_output){.contact = j, .move = move_to, .mover = c};
     }
     q->integrator_fresh = 0;
-    c->longest_step = largest_step(v, q, &at);
+    c->longest_step = largest_step(&at);
     return CVodeReInit(c->memory, q->clock, c->y) == CV_SUCCESS &&
            CVodeSetMaxStep(c->memory, c->longest_step) == CV_SUCCESS;
 }
@@ -342,24 +343,23 @@ static enum advance_result one_internal_step(struct cvode *c, struct scene_state
     return c->flag < 0 ? ADVANCE_FAILED : ADVANCE_REACHED;
 }
 
-enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v, struct scene_state *q,
-                                  struct advance *step)
+enum advance_result cvode_advance(struct cvode *c, struct scene_state *q, struct advance *step)
 {
     /* CVODE stops at the next regime change that closed forms foresee, and at the horizon of that search. */
     double stop = q->horizon_clock;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         stop = fmin(stop, q->contact[j].schedule.change_clock);
     }
-    c->ode.values = v;
+    c->ode.values = q->v;
     c->ode.state = q;
-    c->ode.layout = ode_layout_of(v, NULL);
+    c->ode.layout = ode_layout_of(q->v, NULL);
     if (q->integrator_fresh) {
-        if (!start_phase(c, v, q)) {
+        if (!start_phase(c, q)) {
             return ADVANCE_FAILED;
         }
         const int passed = SCENE_CONTACTS > 1 ? ode_event_passed(&c->ode, NV_DATA_S(c->y)) : -1;
         if (passed >= 0) {
-            return advance_to_event(step, v, q, passed);
+            return advance_to_event(step, q, passed);
         }
     }
     CVodeSetStopTime(c->memory, stop);
@@ -374,9 +374,9 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
         note_peaks(c, q, to);
         move_to(c, to, q);
         q->clock = to;
-        flight_restore(v, q);
+        flight_restore(q);
         if (to == c->reached && c->flag == CV_ROOT_RETURN) {
-            const enum advance_result result = advance_to_event(step, v, q, event_found(c));
+            const enum advance_result result = advance_to_event(step, q, event_found(c));
             if (step->regime == REGIME_APART) {
                 projection_end_contact(&c->ode, q, step->contact, c->relative, c->absolute);
             }

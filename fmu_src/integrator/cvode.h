@@ -14,7 +14,6 @@ bool cvode_open(struct cvode **slot, const struct scene_values *v, const struct 
 
 void cvode_close(struct cvode **slot);
 
-enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v, struct scene_state *q,
-                                  struct advance *step);
+enum advance_result cvode_advance(struct cvode *c, struct scene_state *q, struct advance *step);
 
 #endif

@@ -38,7 +38,7 @@ enum { MOST_MOVES = 4 };
  */
 static double smooth_gap(const struct general *g, int contact, double gap)
 {
-    const struct contact_shape shape = scene_whole_shape(g->ode.values, g->state, contact);
+    const struct contact_shape shape = scene_whole_shape(g->state, contact);
     const double reach = contact_reach(&shape);
     if (contact_is_plane(&shape) || !(reach > 0.0)) {
         return gap;
@@ -90,7 +90,7 @@ static void note_bend(struct general *g, const struct scene_instant *at, int con
     if (place == 0 || !(back > 0.0) || !(vec3_dot(slip, change) > 0.0)) {
         return;
     }
-    const struct friction_law law = scene_friction_law(g->ode.values, g->state, contact, part);
+    const struct friction_law law = scene_friction_law(g->state, contact, part);
     const double square = vec3_dot(change, change);
     const double from = place > 1 ? p->stages->node[place - 2] : 0.0;
     const double lasts = p->stages->node[place - 1] - from;
@@ -172,7 +172,7 @@ static void smooth_friction(struct general *g, int contact, int part)
         !contact_transmits(g->state, contact)) {
         return;
     }
-    const struct friction_law law = scene_friction_law(g->ode.values, g->state, contact, part);
+    const struct friction_law law = scene_friction_law(g->state, contact, part);
     if (!friction_compares_forces(&law, regime)) {
         return;
     }
@@ -554,12 +554,12 @@ static bool search_tops(struct general *g, const struct scene_instant *at, int c
 {
     const struct contact_peaks *noted = &g->state->contact[contact].peaks;
     const struct contact_geometry *now = &at->geometry[contact];
-    const struct contact_law law = scene_contact_law(g->ode.values, g->state, contact);
+    const struct contact_law law = scene_contact_law(g->state, contact);
     const enum contact_regime regime = (enum contact_regime)g->state->contact[contact].regime;
     const double by_gap = fabs(contact_force_slopes(&law, regime, now->gap, now->gap_rate).by_gap);
-    const double rounding = rounding_of_gap(g->ode.values, at, contact);
+    const double rounding = rounding_of_gap(at, contact);
     const double worth = 1.0 + fmax(g->relative, dense_output_worth_a_search(g->ode.values));
-    const struct contact_shape shape = scene_contact_shape(g->ode.values, g->state, contact);
+    const struct contact_shape shape = scene_contact_shape(g->state, contact);
     const double depth = worth * noted->penetration + rounding;
     const double deepest = fmax(note_tops(g, contact, GENERAL_DEPTH, ends, depth), depth);
     if (shape.side > 0 && 2.0 * deepest > contact_reach(&shape)) {
@@ -595,7 +595,7 @@ static void note_peaks_within(struct general *g, struct scene_state *q, double f
     if (!(q->clock > from)) {
         return;
     }
-    scene_now(g->ode.values, q, &at);
+    scene_now(q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (q->contact[j].regime != REGIME_APART) {
             contact_peaks_note(&q->contact[j].peaks, at.normal_force[j], -at.geometry[j].gap);
@@ -612,10 +612,10 @@ static void fly_others(const struct general *g, struct scene_state *q, double cl
     const double start = g->step.start;
     for (int i = 0; !g->ode.layout.is_whole && i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i) && g->ode.layout.body[i] < 0) {
-            q->external_work += flight_work(v, q, i, flight_body_at(v, q, i, start), start, clock - start);
+            q->external_work += flight_work(q, i, flight_body_at(v, q, i, start), start, clock - start);
         }
         if (SCENE_ANY_ROTATION && body_turns_freely(v, i) && g->ode.layout.spin[i] < 0) {
-            flight_turn(v, q, i, clock);
+            flight_turn(q, i, clock);
         }
     }
 }
@@ -627,7 +627,7 @@ static void general_move_scene(struct general *g, struct scene_state *q, double 
     ode_unpack(&g->ode, q, y);
     fly_others(g, q, clock);
     q->clock = clock;
-    flight_restore(g->ode.values, q);
+    flight_restore(q);
     note_peaks_within(g, q, from);
 }
 
@@ -733,9 +733,10 @@ static void move_along_step(void *memory, double clock, struct scene_state *q)
     ode_unpack(&g->ode, q, g->y);
 }
 
-/* Makes the segment work on `v` and `q`. */
-static void general_attach(struct general *g, const struct scene_values *v, struct scene_state *q)
+/* Makes the segment work on q and its values. */
+static void general_attach(struct general *g, struct scene_state *q)
 {
+    const struct scene_values *v = q->v;
     g->ode.values = v;
     g->ode.state = g->state = q;
     g->ode.layout = ode_layout_of(v, q);
@@ -765,16 +766,16 @@ static void general_attach(struct general *g, const struct scene_values *v, stru
 /* Sets the offsets of the event functions at the present instant `at`. */
 static void general_set_events(struct general *g, struct scene_instant *at)
 {
-    ode_leave_centres(g->ode.values, g->state);
-    scene_now(g->ode.values, g->state, at);
+    ode_leave_centres(g->state);
+    scene_now(g->state, at);
     ode_begin(&g->ode, at, g->relative, g->absolute);
 }
 
 /* Prepares a step that starts from `q`. */
-static void general_start(struct general *g, const struct scene_values *v, struct scene_state *q)
+static void general_start(struct general *g, struct scene_state *q)
 {
     struct scene_instant at;
-    general_attach(g, v, q);
+    general_attach(g, q);
     g->solvable = (double)INFINITY;
     g->last_length = 0.0;
     g->step.known_length = 0.0;
@@ -782,7 +783,7 @@ static void general_start(struct general *g, const struct scene_values *v, struc
     ode_pack(&g->ode, g->y);
     general_begin(g, q->clock, g->y);
     if (SCENE_ANY_HERTZ) {
-        g->longest = fmin(g->longest, general_length_of_impacts(v, q, &at));
+        g->longest = fmin(g->longest, general_length_of_impacts(&at));
     }
 }
 
@@ -817,13 +818,13 @@ static void general_keep_step(const struct general *g, struct scene_state *q)
 
 /* Goes on with the step that `q` stores. Returns false where `q` stores none, as where nothing turns or
  * rubs. */
-static bool general_take_up(struct general *g, const struct scene_values *v, struct scene_state *q)
+static bool general_take_up(struct general *g, struct scene_state *q)
 {
     const struct unfinished_step *kept = &q->unfinished;
-    if (!scene_keeps_steps(v) || q->integrator_fresh || q->clock != kept->present) {
+    if (!scene_keeps_steps(q->v) || q->integrator_fresh || q->clock != kept->present) {
         return false;
     }
-    general_attach(g, v, q);
+    general_attach(g, q);
     const size_t bytes = (size_t)g->size * sizeof(double);
     g->solvable = kept->solvable;
     g->release_clock = kept->release_clock;
@@ -849,11 +850,10 @@ static void general_follow(struct general *g, struct scene_state *q, double cloc
     q->integrator_fresh = 0;
 }
 
-void general_follow_kept(struct general *g, const struct scene_values *v, struct scene_state *q, double noted,
-                         double clock)
+void general_follow_kept(struct general *g, struct scene_state *q, double noted, double clock)
 {
     q->clock = q->unfinished.present;
-    if (general_take_up(g, v, q)) {
+    if (general_take_up(g, q)) {
         q->clock = noted;
         general_follow(g, q, clock);
     }
@@ -924,13 +924,12 @@ static enum advance_result make_step(struct general *g, const struct scene_state
 }
 
 /* Moves the scene to the end of the step and, where an event ends it, sets the event and its regime. */
-static enum advance_result end_step(struct general *g, const struct scene_values *v, struct scene_state *q,
-                                    struct advance *step)
+static enum advance_result end_step(struct general *g, struct scene_state *q, struct advance *step)
 {
     const struct general_end *end = &g->end;
     general_move_scene(g, q, end->clock, end->y);
     if (end->event.event >= 0) {
-        const enum advance_result result = advance_to_event(step, v, q, end->event.event);
+        const enum advance_result result = advance_to_event(step, q, end->event.event);
         if (step->regime == REGIME_APART) {
             projection_end_contact(&g->ode, q, step->contact, g->relative, g->absolute);
         }
@@ -944,8 +943,7 @@ static enum advance_result end_step(struct general *g, const struct scene_values
     return ADVANCE_REACHED;
 }
 
-static enum advance_result make_steps(struct general *g, const struct scene_values *v, struct scene_state *q,
-                                      struct advance *step)
+static enum advance_result make_steps(struct general *g, struct scene_state *q, struct advance *step)
 {
     enum advance_result result = ADVANCE_REACHED;
     while (result == ADVANCE_REACHED && q->clock < step->clock_end) {
@@ -961,7 +959,7 @@ static enum advance_result make_steps(struct general *g, const struct scene_valu
             general_follow(g, q, step->clock_end);
             return ADVANCE_REACHED;
         }
-        result = end_step(g, v, q, step);
+        result = end_step(g, q, step);
     }
     if (result == ADVANCE_REACHED) {
         general_keep_step(g, q); /* the next call goes on from this step */
@@ -970,28 +968,29 @@ static enum advance_result make_steps(struct general *g, const struct scene_valu
 }
 
 /* This function is not inlined, because its caller is faster while it is small. */
-CONTACT_NOINLINE enum advance_result general_advance(struct general *g, const struct scene_values *v,
-                                                     struct scene_state *q, struct advance *step)
+CONTACT_NOINLINE enum advance_result general_advance(struct general *g, struct scene_state *q,
+                                                     struct advance *step)
 {
     enum advance_result result = ADVANCE_REACHED;
     g->step.evaluations = 0;
     g->rejected = 0;
-    if (general_take_up(g, v, q)) {
+    if (general_take_up(g, q)) {
         if (g->end.clock > step->clock_end) {
             general_follow(g, q, step->clock_end);
             return ADVANCE_REACHED;
         }
         struct scene_instant at; /* the last call has stored a step, which ends here */
         general_set_events(g, &at);
-        result = end_step(g, v, q, step);
+        result = end_step(g, q, step);
     } else {
-        general_start(g, v, q);
-        const int passed = SCENE_CONTACTS > 1 || scene_turns(v) ? ode_event_passed(&g->ode, g->step.y) : -1;
-        result = passed >= 0 ? advance_to_event(step, v, q, passed) : result;
+        general_start(g, q);
+        const int passed =
+            SCENE_CONTACTS > 1 || scene_turns(q->v) ? ode_event_passed(&g->ode, g->step.y) : -1;
+        result = passed >= 0 ? advance_to_event(step, q, passed) : result;
     }
     q->integrator_fresh = 1;
     if (result == ADVANCE_REACHED) {
-        result = make_steps(g, v, q, step);
+        result = make_steps(g, q, step);
     }
     q->general_length = isfinite(g->longest) ? g->longest : 0.0;
     q->general_last[0] = g->last_length;

@@ -22,12 +22,10 @@ void general_close(struct general **slot);
  * on to the next is stored in the motion `q`. Where something turns or rubs, `q` also stores the last step,
  * which may go on beyond step->clock_end up to step->clock_limit. The function returns ADVANCE_FAILED, with a
  * message, where no step is accurate enough. */
-enum advance_result general_advance(struct general *g, const struct scene_values *v, struct scene_state *q,
-                                    struct advance *step);
+enum advance_result general_advance(struct general *g, struct scene_state *q, struct advance *step);
 
 /* Moves the scene along the step that `q` keeps (struct unfinished_step) to a clock within it, and notes the
  * peaks since the clock `noted`. */
-void general_follow_kept(struct general *g, const struct scene_values *v, struct scene_state *q, double noted,
-                         double clock);
+void general_follow_kept(struct general *g, struct scene_state *q, double noted, double clock);
 
 #endif

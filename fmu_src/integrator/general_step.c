@@ -46,20 +46,19 @@ static double depth_to_come(double k, double chi, double speed, double load)
     return fmax(pow(2.5 * speed * stops / k, 0.4), static_depth * static_depth);
 }
 
-static double length_of_impact(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_instant *at, int contact)
+static double length_of_impact(const struct scene_instant *at, int contact)
 {
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
-    const double per_mass = scene_inverse_mass(v, contact);
-    if (!contact_is_hertz(&law) || !contact_transmits(q, contact) || !(per_mass > 0.0)) {
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    const enum contact_regime regime = (enum contact_regime)at->q->contact[contact].regime;
+    const double per_mass = scene_inverse_mass(at->v, contact);
+    if (!contact_is_hertz(&law) || !contact_transmits(at->q, contact) || !(per_mass > 0.0)) {
         return (double)INFINITY;
     }
     const struct contact_coefficients factors = contact_factors_of(&law);
     const double k = factors.k * per_mass;
     const double chi = regime == REGIME_COMPRESSION ? factors.c : 0.0;
     const struct contact_geometry *g = &at->geometry[contact];
-    const double load = scene_pressing_acceleration(v, q, q->clock, at, contact);
+    const double load = scene_pressing_acceleration(at->q->clock, at, contact);
     const double depth = depth_to_come(k, chi, fabs(g->gap_rate), load);
     if (!(-g->gap < DEEP * depth) || g->gap_rate > 0.0) {
         return (double)INFINITY;
@@ -69,12 +68,11 @@ static double length_of_impact(const struct scene_values *v, const struct scene_
     return FIRST_STEP_FROM_TOUCH / fmax(spring, dashpot);
 }
 
-double general_length_of_impacts(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_instant *at)
+double general_length_of_impacts(const struct scene_instant *at)
 {
     double least = (double)INFINITY;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        least = fmin(least, length_of_impact(v, q, at, j));
+        least = fmin(least, length_of_impact(at, j));
     }
     return least;
 }
@@ -112,12 +110,11 @@ struct opposed_state {
     double size;      /* size of the terms whose difference the slip is */
 };
 
-static struct opposed_state opposed_of(const struct scene_values *v, const struct scene_state *q,
-                                       const struct scene_instant *at, int contact, int part)
+static struct opposed_state opposed_of(const struct scene_instant *at, int contact, int part)
 {
-    return (struct opposed_state){scene_friction_law(v, q, contact, part),
-                                  (enum friction_regime)q->contact[contact].friction_regime[part],
-                                  turning_rubbing(&q->turning, at, contact, part).slip,
+    return (struct opposed_state){scene_friction_law(at->q, contact, part),
+                                  (enum friction_regime)at->q->contact[contact].friction_regime[part],
+                                  turning_rubbing(&at->q->turning, at, contact, part).slip,
                                   part == OPPOSED_SLIP ? vec3_norm(at->rate[contact])
                                                        : turning_spin_size(at, contact)};
 }
@@ -144,18 +141,18 @@ double general_length_of_sliding(const struct general *g)
     struct scene_jet along;
     double least = (double)INFINITY;
     bool known = false;
-    scene_evaluate(v, q, q->clock, q->body, &q->turning, NULL, &at);
+    scene_evaluate(q, q->clock, q->body, &q->turning, NULL, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const int count = q->contact[j].regime == REGIME_APART ? 0 : contact_opposed(v, j);
         for (int i = 0; i < count; ++i) {
-            const struct opposed_state opposed = opposed_of(v, q, &at, j, i);
+            const struct opposed_state opposed = opposed_of(&at, j, i);
             const struct opposed_state *o = &opposed;
             if (o->law.kind != FRICTION_REGULARIZED ||
                 !(vec3_norm(o->slip) > SLIP_AFTER * o->law.slip_velocity + SLIP_ROUNDING * o->size)) {
                 continue;
             }
             if (!known) {
-                jet_of_motion(v, q, &at, NULL, &along);
+                jet_of_motion(&at, NULL, &along);
                 known = true;
             }
             const struct turning_jet *jet = &along.turning[j];
@@ -358,7 +355,7 @@ static void note_friction(struct general *g, const struct scene_instant *at, int
                           const double arm[2], double speeds)
 {
     for (int i = 0; i < contact_opposed(g->ode.values, contact); ++i) {
-        const struct opposed_state opposed = opposed_of(g->ode.values, g->state, at, contact, i);
+        const struct opposed_state opposed = opposed_of(at, contact, i);
         const struct opposed_state *o = &opposed;
         const double v_0 = o->law.slip_velocity;
         const bool slips = i == OPPOSED_SLIP;
@@ -410,7 +407,7 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
 /* Returns F_n / (m_red d) of a contact, or zero where n does not turn. */
 static double swing_of(const struct general *g, const struct scene_instant *at, int contact)
 {
-    const struct contact_shape shape = scene_contact_shape_at(g->ode.values, g->state, at, contact);
+    const struct contact_shape shape = scene_contact_shape_at(at, contact);
     const struct contact_geometry *geometry = &at->geometry[contact];
     return contact_turns(&shape, geometry)
                ? fabs(at->normal_force[contact]) * scene_inverse_mass(g->ode.values, contact) /
@@ -431,7 +428,7 @@ static void note_errors(struct general *g)
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(g->state, j)) { /* bodies apart feel no rounding of their gap, however large */
-            const double of_gap = ROUNDING_OF_GAP * rounding_of_gap(g->ode.values, &at, j);
+            const double of_gap = ROUNDING_OF_GAP * rounding_of_gap(&at, j);
             double *largest = &g->rounding[g->ode.layout.island[j]].place;
             *largest = fmax(*largest, of_gap);
             note_contact(g, &at, j);
@@ -452,7 +449,7 @@ static double fastest_decay_of(const struct radau_step *p, const double *slopes)
 
 bool general_force_bends(const struct general *g, int contact)
 {
-    const struct contact_law law = scene_contact_law(g->ode.values, g->state, contact);
+    const struct contact_law law = scene_contact_law(g->state, contact);
     return SCENE_ANY_HERTZ && contact_is_hertz(&law) && contact_transmits(g->state, contact);
 }
 

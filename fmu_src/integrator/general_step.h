@@ -108,8 +108,7 @@ bool general_force_bends(const struct general *g, int contact);
  * about to end limits every step. */
 double general_length_of_springs(const struct general *g);
 double general_length_of_sliding(const struct general *g);
-double general_length_of_impacts(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_instant *at);
+double general_length_of_impacts(const struct scene_instant *at);
 
 /* Sets the errors allowed in the states from their sizes in the step. */
 void general_set_weights(struct general *g);

@@ -185,8 +185,8 @@ static void note_node_contact(struct iteration *it, int contact, double length)
     to->springs = contact_has_springs(v, contact);
     to->island = it->g->ode.layout.island[contact];
     to->first = it->rows;
-    to->laws = turning_laws_of(v, it->g->state, contact);
-    to->side = scene_contact_side(v, it->g->state, contact);
+    to->laws = turning_laws_of(it->g->state, contact);
+    to->side = scene_contact_side(it->g->state, contact);
     double by_inertia = 0.0;
     for (int end = 0; end < 2; ++end) {
         const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
@@ -332,8 +332,8 @@ static void respond_with_spring(struct iteration *it, int stage, int index, int 
             node->by_drive[part][r] = driven_by(&drive, by);
         }
     }
-    const struct vec3 turned = opposed_turned((enum opposed)part, rubbing.spring, n,
-                                              turning_normal_rate(ode->values, ode->state, at, c->contact));
+    const struct vec3 turned =
+        opposed_turned((enum opposed)part, rubbing.spring, n, turning_normal_rate(at, c->contact));
     vec3_to(vec3_add(friction_spring_rate_under(law, regime, rubbing, opposing), turned),
             it->rates + stage * it->g->step.width + it->among[state]);
 }
@@ -415,8 +415,7 @@ static void put_swing(struct iteration *it, int stage, int index, const struct s
 {
     const struct node_contact *c = &it->contact[index];
     const struct contact_geometry *g = &at->geometry[c->contact];
-    const struct contact_shape shape =
-        scene_contact_shape_at(it->g->ode.values, it->g->state, at, c->contact);
+    const struct contact_shape shape = scene_contact_shape_at(at, c->contact);
     const double turns = contact_turns(&shape, g) ? -c->side / g->distance : 0.0;
     struct node *node = &it->node[stage][index];
     for (int r = 0; r < ROWS; ++r) {

@@ -89,11 +89,10 @@ void integrator_close(struct integrator *s)
 }
 
 /* Returns the present instant without accelerations and forces. It is computed once and then reused. */
-static const struct scene_instant *advance_now(struct advance *step, const struct scene_values *v,
-                                               const struct scene_state *q)
+static const struct scene_instant *advance_now(struct advance *step, const struct scene_state *q)
 {
     if (!step->is_now) {
-        scene_kinematics_now(v, q, &step->now);
+        scene_kinematics_now(q, &step->now);
         step->is_now = true;
     }
     return &step->now;
@@ -120,16 +119,15 @@ static double horizon_from(const struct scene_state *q, double remaining, double
 }
 
 /* Notes for every contact when its regime changes next; does nothing before the horizon is reached. */
-static inline void look_ahead(const struct scene_values *v, struct scene_state *q, double remaining,
-                              struct advance *step)
+static inline void look_ahead(struct scene_state *q, double remaining, struct advance *step)
 {
     if (q->horizon_clock > q->clock) {
         return;
     }
-    const struct scene_instant *at = advance_now(step, v, q);
+    const struct scene_instant *at = advance_now(step, q);
     double horizon = horizon_from(q, remaining, step->passed);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct prediction found = prediction_of(v, q, at, j, horizon, step->budget);
+        const struct prediction found = prediction_of(at, j, horizon, step->budget);
         horizon = found.searched;
         advance_spend(step, found.evaluations, found.evaluations);
         q->contact[j].schedule.change_clock = q->clock + found.next.after;
@@ -168,19 +166,19 @@ enum { RELEASED_PARTS = 16 };
 
 /* Notes the peak penetration of separating contacts with a prescribed body. Such a contact may close further,
  * where the prescribed displacement does not agree with the prescribed velocity. */
-static void note_depth_of_released(const struct scene_values *v, struct scene_state *q, struct advance *step)
+static void note_depth_of_released(struct scene_state *q, struct advance *step)
 {
     for (int j = 0; SCENE_ANY_PRESCRIBED && j < SCENE_CONTACTS; ++j) {
         const bool led =
-            body_is_prescribed(v, contact_source(j)) || body_is_prescribed(v, contact_destination(j));
-        if (led && q->contact[j].regime == REGIME_SEPARATING && !contact_advances(v, j)) {
+            body_is_prescribed(q->v, contact_source(j)) || body_is_prescribed(q->v, contact_destination(j));
+        if (led && q->contact[j].regime == REGIME_SEPARATING && !contact_advances(q->v, j)) {
             struct contact_peaks peaks = {0.0, 0.0};
             struct scene_output output = {
-                .values = v, .state = q, .contact = j, .move = put_flown, .mover = &v};
+                .values = q->v, .state = q, .contact = j, .move = put_flown, .mover = &q->v};
             scene_output_note_peaks(&output, q->clock, step->clock_end, RELEASED_PARTS, &peaks);
             struct scene_instant now;
-            scene_kinematics_now(v, q, &now);
-            if (peaks.penetration > rounding_of_gap(v, &now, j) - now.geometry[j].gap) {
+            scene_kinematics_now(q, &now);
+            if (peaks.penetration > rounding_of_gap(&now, j) - now.geometry[j].gap) {
                 contact_peaks_note(&q->contact[j].peaks, 0.0, peaks.penetration);
             }
         }
@@ -190,23 +188,22 @@ static void note_depth_of_released(const struct scene_values *v, struct scene_st
 /* Returns the error allowed in a segment [m]. It is a thousandth of the tolerances, because impacts amplify
  * errors. Near the centre it is reduced in proportion to the distance d, because an error e perpendicular to
  * the normal n turns n by the angle e / d. It is never below rounding. */
-static double tolerance_of(const struct scene_values *v, const struct scene_state *q,
-                           const struct scene_instant *at, int contact)
+static double tolerance_of(const struct scene_instant *at, int contact)
 {
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_shape shape = scene_contact_shape(at->q, contact);
     const double reach = contact_reach(&shape);
     const double distance = contact_is_plane(&shape) ? reach : at->geometry[contact].distance;
     const double size = fmax(distance, reach);
-    const double asked = solver_relative_tolerance(v) * size + solver_absolute_tolerance(v);
+    const double asked = solver_relative_tolerance(at->v) * size + solver_absolute_tolerance(at->v);
     return fmax(1e-3 * asked * (distance / size), 8.0 * DBL_EPSILON * size);
 }
 
 /* Whether contacts act on each other through free bodies. */
-static bool any_is_coupled(const struct scene_values *v, const struct scene_state *q)
+static bool any_is_coupled(const struct scene_state *q)
 {
     bool any = false;
     for (int j = 0; SCENE_HAS_ISLANDS && !any && j < SCENE_CONTACTS; ++j) {
-        any = contact_is_coupled(v, q, j);
+        any = contact_is_coupled(q, j);
     }
     return any;
 }
@@ -215,17 +212,17 @@ static bool any_is_coupled(const struct scene_values *v, const struct scene_stat
  * body takes part in two contacts that transmit forces. others_apart_for sees to it that no other contact
  * begins: the gap of such a contact must change no faster than its separation, so that a bound of the speeds
  * shows how long it stays apart, and nothing that turns may change the gap. */
-static bool pairs_are_alone(const struct scene_values *v, const struct scene_state *q)
+static bool pairs_are_alone(const struct scene_state *q)
 {
-    for (int j = 0; SCENE_ANY_TURNING && scene_turns(v) && j < SCENE_CONTACTS; ++j) {
-        if (contact_transmits(q, j) && !rubbing_is_solvable(v, q, j)) {
+    for (int j = 0; SCENE_ANY_TURNING && scene_turns(q->v) && j < SCENE_CONTACTS; ++j) {
+        if (contact_transmits(q, j) && !rubbing_is_solvable(q, j)) {
             return false;
         }
     }
     for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
-        const bool turns = contact_tips(v, j) || body_is_compound(contact_source(j)) ||
+        const bool turns = contact_tips(q->v, j) || body_is_compound(contact_source(j)) ||
                            body_is_compound(contact_destination(j));
-        if (contact_is_coupled(v, q, j) && (contact_transmits(q, j) || turns)) {
+        if (contact_is_coupled(q, j) && (contact_transmits(q, j) || turns)) {
             return false;
         }
     }
@@ -233,16 +230,16 @@ static bool pairs_are_alone(const struct scene_values *v, const struct scene_sta
 }
 
 /* Whether the general segment keeps a step that may go on beyond the present. */
-static bool keeps_step(const struct scene_values *v, const struct scene_state *q)
+static bool keeps_step(const struct scene_state *q)
 {
-    return SCENE_HAS_GENERAL && !q->integrator_fresh && solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN &&
-           scene_keeps_steps(v);
+    return SCENE_HAS_GENERAL && !q->integrator_fresh && solver_method(q->v) == SOLVER_METHOD_EVENT_DRIVEN &&
+           scene_keeps_steps(q->v);
 }
 
 /* Whether the kept step of the general segment reaches beyond the present. It precedes a new island. */
-static bool general_goes_on(const struct scene_values *v, const struct scene_state *q)
+static bool general_goes_on(const struct scene_state *q)
 {
-    return keeps_step(v, q) && q->unfinished.present == q->clock && q->unfinished.end > q->clock;
+    return keeps_step(q) && q->unfinished.present == q->clock && q->unfinished.end > q->clock;
 }
 
 /* Whether the importer moves or turns a body. */
@@ -257,42 +254,43 @@ static bool is_led(const struct scene_values *v, int body)
  * may also make motion of rotation: E counts the energy of rotation where the contact rubs. The rate w of the
  * separation is at most S, and that of the flight is too. INFINITY stands for a body that the importer moves,
  * whose velocity may contradict its displacement, or turns. */
-static double deviation_speed_at_most(const struct scene_values *v, const struct scene_state *q,
-                                      const struct scene_instant *at, int contact, double time)
+static double deviation_speed_at_most(const struct scene_instant *at, int contact, double time)
 {
-    if (is_led(v, contact_source(contact)) || is_led(v, contact_destination(contact))) {
+    if (is_led(at->v, contact_source(contact)) || is_led(at->v, contact_destination(contact))) {
         return (double)INFINITY;
     }
-    const struct separation_path flight = separation_path_of(v, q, at, q->clock, contact);
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    double stored = contact_stored_energy(&law, (enum contact_regime)q->contact[contact].regime,
+    const struct separation_path flight = separation_path_of(at, at->q->clock, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    double stored = contact_stored_energy(&law, (enum contact_regime)at->q->contact[contact].regime,
                                           at->geometry[contact].gap);
-    for (int end = 0; contact_rubs(v, contact) && end < 2; ++end) {
+    for (int end = 0; contact_rubs(at->v, contact) && end < 2; ++end) {
         const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
-        stored += body_turns_freely(v, body) ? body_rotational_energy(v, body, &q->turning.body[body]) : 0.0;
+        stored += body_turns_freely(at->v, body)
+                      ? body_rotational_energy(at->v, body, &at->q->turning.body[body])
+                      : 0.0;
     }
     double acceleration = 0.0;
     for (int i = SEPARATION_DEGREE; i > 1; --i) {
         acceleration = acceleration * time + i * (i - 1) * vec3_norm(flight.c[i]);
     }
-    const double start = vec3_dot(flight.w[0], flight.w[0]) + 2.0 * stored * scene_inverse_mass(v, contact);
+    const double start =
+        vec3_dot(flight.w[0], flight.w[0]) + 2.0 * stored * scene_inverse_mass(at->v, contact);
     return 2.0 * (sqrt(start) + acceleration * time);
 }
 
 /* Returns a bound of the mean speed at which the bodies of a contact that is apart approach each other within
  * a time from now, while other contacts act on them [m/s]. */
-static double approach_at_most(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_instant *at, int contact, double time)
+static double approach_at_most(const struct scene_instant *at, int contact, double time)
 {
-    const struct separation_path flight = separation_path_of(v, q, at, q->clock, contact);
+    const struct separation_path flight = separation_path_of(at, at->q->clock, contact);
     double speed = path_size(flight.c + 1, SEPARATION_DEGREE, time);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        for (int end = 0; contact_transmits(q, j) && end < 2; ++end) {
+        for (int end = 0; contact_transmits(at->q, j) && end < 2; ++end) {
             const int body = end == 0 ? contact_source(j) : contact_destination(j);
-            if (body_is_free(v, body) &&
+            if (body_is_free(at->v, body) &&
                 (body == contact_source(contact) || body == contact_destination(contact))) {
-                const double share = 1.0 / (body_mass(v, body) * scene_inverse_mass(v, j));
-                speed += share * deviation_speed_at_most(v, q, at, j, time);
+                const double share = 1.0 / (body_mass(at->v, body) * scene_inverse_mass(at->v, j));
+                speed += share * deviation_speed_at_most(at, j, time);
             }
         }
     }
@@ -307,22 +305,21 @@ static const double NEARBY = 1e-3;
 /* Returns a time for which contacts that are apart stay so while other contacts act on their bodies [s]; 0
  * where one is too near or a body is prescribed. No gap changes faster than the separation. The gaps of a
  * chain do not count; NULL: there is none. */
-static double others_apart_for(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_instant *at, const struct chain *chain, double longest)
+static double others_apart_for(const struct scene_instant *at, const struct chain *chain, double longest)
 {
     double time = longest;
     for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
-        if (contact_transmits(q, j) || !contact_is_coupled(v, q, j) ||
+        if (contact_transmits(at->q, j) || !contact_is_coupled(at->q, j) ||
             (SCENE_HAS_CHAINS && chain != NULL && chain_has(chain, j))) {
             continue;
         }
-        const double least = NEARBY * contact_source_radius(v, j);
+        const double least = NEARBY * contact_source_radius(at->v, j);
         const double room = at->geometry[j].gap - least;
         if (!(room > least)) {
             return 0.0;
         }
-        time = fmin(time, room / approach_at_most(v, q, at, j, 0.0));
-        while (time > 0.0 && time * approach_at_most(v, q, at, j, time) > room) {
+        time = fmin(time, room / approach_at_most(at, j, 0.0));
+        while (time > 0.0 && time * approach_at_most(at, j, time) > room) {
             time *= 0.5;
         }
     }
@@ -333,16 +330,15 @@ static double others_apart_for(const struct scene_values *v, const struct scene_
  * does not shorten the segments of the other pairs. */
 static const double ALL_OF_IT = 1.0 - 4.0 * DBL_EPSILON;
 
-static bool add_pair(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
-                     const struct scene_instant *at, int contact)
+static bool add_pair(struct pair_phase *all, const struct scene_instant *at, int contact)
 {
     struct segment *p = &all->segment[contact];
     const double longest =
         all->time > 0.0 ? all->time : all->longest; /* the segment of another pair may end earlier */
-    if (!segment_make(p, v, q, at, contact, longest, tolerance_of(v, q, at, contact))) {
+    if (!segment_make(p, at, contact, longest, tolerance_of(at, contact))) {
         return false;
     }
-    if (SCENE_ANY_FRICTION && p->rubs && !rubbing_allows(p, v, q, contact)) {
+    if (SCENE_ANY_FRICTION && p->rubs && !rubbing_allows(p, at->q, contact)) {
         return false;
     }
     const double end = segment_time(p, p->end);
@@ -353,7 +349,7 @@ static bool add_pair(struct pair_phase *all, const struct scene_values *v, const
         all->terminal = contact;
         all->next = p->terminal.regime;
         all->lifts = SCENE_ANY_FRICTION && p->terminal.lifts;
-        all->changes = all->next != (enum contact_regime)q->contact[contact].regime ||
+        all->changes = all->next != (enum contact_regime)at->q->contact[contact].regime ||
                        zone_end_is_terminal(p) || all->lifts;
     } else if (end < all->time && end < longest * ALL_OF_IT) {
         all->time = end;
@@ -373,14 +369,13 @@ static void begin_form(struct pair_phase *all, enum phase_form form, double long
 }
 
 /* Makes the chain, up to the time for which the contacts outside it stay apart. */
-static bool make_chain(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
-                       const struct scene_instant *at, double longest)
+static bool make_chain(struct pair_phase *all, const struct scene_instant *at, double longest)
 {
-    if (!SCENE_HAS_CHAINS || !chain_may_be(v, q) || !chain_make(&all->chain, v, q, at)) {
+    if (!SCENE_HAS_CHAINS || !chain_may_be(at->q) || !chain_make(&all->chain, at)) {
         return false;
     }
     struct chain *c = &all->chain;
-    begin_form(all, PHASE_OF_CHAIN, others_apart_for(v, q, at, c, longest));
+    begin_form(all, PHASE_OF_CHAIN, others_apart_for(at, c, longest));
     if (!(all->longest > 0.0)) {
         return false;
     }
@@ -388,26 +383,25 @@ static bool make_chain(struct pair_phase *all, const struct scene_values *v, con
     all->time = c->end;
     if (c->terminal >= 0) {
         all->terminal = c->contact[c->terminal];
-        all->next = contact_transmits(q, all->terminal) ? REGIME_APART : REGIME_COMPRESSION;
+        all->next = contact_transmits(at->q, all->terminal) ? REGIME_APART : REGIME_COMPRESSION;
     }
     return true;
 }
 
 /* Makes the power series of all contacts in touch. */
-static bool make_island(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
-                        const struct scene_instant *at, double longest)
+static bool make_island(struct pair_phase *all, const struct scene_instant *at, double longest)
 {
     double quiet = (double)INFINITY;
-    if (!SCENE_HAS_ISLANDS || !island_may_be(v, q)) {
+    if (!SCENE_HAS_ISLANDS || !island_may_be(at->q)) {
         return false;
     }
     struct island *s = all->island;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_transmits(q, j)) {
-            quiet = fmin(quiet, tolerance_of(v, q, at, j));
+        if (contact_transmits(at->q, j)) {
+            quiet = fmin(quiet, tolerance_of(at, j));
         }
     }
-    if (!island_make(s, v, q, at, longest, quiet)) {
+    if (!island_make(s, at, longest, quiet)) {
         return false;
     }
     begin_form(all, PHASE_OF_ISLAND, longest);
@@ -419,13 +413,12 @@ static bool make_island(struct pair_phase *all, const struct scene_values *v, co
 
 /* Makes the segments of all pairs, as long as contacts that are apart stay so. Where one pair shortens the
  * phase, the segments made before are made again, because a segment is most accurate at its own end. */
-static bool make_segments(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
-                          const struct scene_instant *at, double longest)
+static bool make_segments(struct pair_phase *all, const struct scene_instant *at, double longest)
 {
-    if (!pairs_are_alone(v, q)) {
+    if (!pairs_are_alone(at->q)) {
         return false;
     }
-    begin_form(all, PHASE_OF_SEGMENTS, others_apart_for(v, q, at, NULL, longest));
+    begin_form(all, PHASE_OF_SEGMENTS, others_apart_for(at, NULL, longest));
     if (!(all->longest > 0.0)) {
         return false;
     }
@@ -438,7 +431,7 @@ static bool make_segments(struct pair_phase *all, const struct scene_values *v, 
     for (double before = (double)INFINITY; all->time < before;) {
         before = SCENE_CONTACTS > 1 ? all->time : 0.0;
         for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            if (contact_pushes(v, q, j) && j != all->terminal && !add_pair(all, v, q, at, j)) {
+            if (contact_pushes(at->q, j) && j != all->terminal && !add_pair(all, at, j)) {
                 return false;
             }
         }
@@ -448,32 +441,29 @@ static bool make_segments(struct pair_phase *all, const struct scene_values *v, 
 
 /* Makes a phase of at most `longest` [s]: a chain or an island of contacts that act on each other, or the
  * segments of pairs while all other contacts of their bodies stay apart. */
-static bool make_phase(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q,
-                       const struct scene_instant *at, double longest)
+static bool make_phase(struct pair_phase *all, const struct scene_instant *at, double longest)
 {
-    const bool coupled = any_is_coupled(v, q);
-    return (coupled && make_chain(all, v, q, at, longest)) || make_segments(all, v, q, at, longest) ||
-           (coupled && make_island(all, v, q, at, longest));
+    const bool coupled = any_is_coupled(at->q);
+    return (coupled && make_chain(all, at, longest)) || make_segments(all, at, longest) ||
+           (coupled && make_island(all, at, longest));
 }
 
 /* Integrates the prescribed contacts to the clock `end`; returns the clock reached. */
-static double integrate_prescribed(const struct scene_values *v, struct scene_state *q, double end,
-                                   struct advance *step)
+static double integrate_prescribed(struct scene_state *q, double end, struct advance *step)
 {
     const long before = step->budget;
-    const double reached = prescribed_integrate(v, q, end, &step->budget);
+    const double reached = prescribed_integrate(q, end, &step->budget);
     advance_spend(step, 0, PANEL_WORK * (before - step->budget));
     return reached;
 }
 
 /* Integrates the prescribed contacts over the phase; false where the budget ends it early. */
-static bool integrate_beside_pairs(struct pair_phase *all, const struct scene_values *v,
-                                   struct scene_state *q, struct advance *step)
+static bool integrate_beside_pairs(struct pair_phase *all, struct scene_state *q, struct advance *step)
 {
     if (!SCENE_ANY_PRESCRIBED_CONTACT || SCENE_CONTACTS == 1) {
         return true;
     }
-    const double reached = integrate_prescribed(v, q, q->phase.end, step);
+    const double reached = integrate_prescribed(q, q->phase.end, step);
     if (reached < q->phase.end) {
         all->time = reached - q->clock;
         all->terminal = -1;
@@ -485,18 +475,18 @@ static bool integrate_beside_pairs(struct pair_phase *all, const struct scene_va
 
 /* Turns the bodies on which no friction acts for a time from now, and adds the external work on bodies on
  * which no contact force acts. */
-static void fly_bodies(const struct scene_values *v, struct scene_state *q, double time, double clock)
+static void fly_bodies(struct scene_state *q, double time, double clock)
 {
     for (int i = 0; (SCENE_ANY_ROTATION || SCENE_CONTACTS > 1) && i < SCENE_BODIES; ++i) {
-        bool turns = SCENE_ANY_ROTATION && body_turns_freely(v, i);
+        bool turns = SCENE_ANY_ROTATION && body_turns_freely(q->v, i);
         for (int j = 0; turns && j < SCENE_CONTACTS; ++j) {
-            turns = !(contact_source(j) == i && contact_transmits(q, j) && contact_rubs(v, j));
+            turns = !(contact_source(j) == i && contact_transmits(q, j) && contact_rubs(q->v, j));
         }
         if (turns) {
-            flight_turn(v, q, i, clock);
+            flight_turn(q, i, clock);
         }
-        if (SCENE_CONTACTS > 1 && body_is_free(v, i) && !body_is_loaded(q, i, -1)) {
-            q->external_work += flight_work(v, q, i, q->body[i], q->clock, time);
+        if (SCENE_CONTACTS > 1 && body_is_free(q->v, i) && !body_is_loaded(q, i, -1)) {
+            q->external_work += flight_work(q, i, q->body[i], q->clock, time);
         }
     }
 }
@@ -530,8 +520,7 @@ static inline void keep_start(struct scene_state *q, bool back)
 
 /* Moves the scene to a clock within the phase, and notes the peaks since the clock `noted`. A phase of zero
  * length moves nothing, because a segment starts at the present state to its tolerance only. */
-static void follow_pairs(struct pair_phase *all, const struct scene_values *v, struct scene_state *q,
-                         double noted, double clock)
+static void follow_pairs(struct pair_phase *all, struct scene_state *q, double noted, double clock)
 {
     const double time = clock == q->phase.end ? all->time : clock - q->phase.clock;
     const double from = noted - q->phase.clock;
@@ -539,37 +528,37 @@ static void follow_pairs(struct pair_phase *all, const struct scene_values *v, s
         keep_start(q, true);
         q->clock = q->phase.clock;
     }
-    const double stored = flight_stored_energy(v, q);
+    const double stored = flight_stored_energy(q);
     if (SCENE_HAS_ISLANDS && all->form != PHASE_OF_SEGMENTS && time > 0.0) {
         if (SCENE_HAS_CHAINS && all->form == PHASE_OF_CHAIN) {
-            chain_advance(&all->chain, from, time, v, q);
+            chain_advance(&all->chain, from, time, q);
         } else {
-            island_advance(all->island, from, time, v, q);
+            island_advance(all->island, from, time, q);
         }
         counter_add(&q->counters.steps, 1);
         counter_add(&q->counters.force_evaluations, 1);
     }
     for (int j = 0; all->form == PHASE_OF_SEGMENTS && time > 0.0 && j < SCENE_CONTACTS; ++j) {
-        if (contact_pushes(v, q, j)) {
+        if (contact_pushes(q, j)) {
             struct segment *p = &all->segment[j];
             const bool is_shortened = j == all->terminal || time < segment_time(p, p->end);
             const double s = is_shortened ? segment_place(p, time) : p->end;
             const double since = fmin(segment_place(p, from), s);
             if (SCENE_ANY_FRICTION && p->rubs) {
-                rubbing_advance(p, since, s, v, q, j);
+                rubbing_advance(p, since, s, q, j);
             } else {
-                segment_advance(p, since, s, v, q, j);
+                segment_advance(p, since, s, q, j);
             }
             counter_add(&q->counters.steps, 1);
             counter_add(&q->counters.force_evaluations, 1);
         }
     }
     if (time > 0.0) {
-        fly_bodies(v, q, time, clock);
+        fly_bodies(q, time, clock);
         q->clock = clock;
-        flight_restore(v, q);
+        flight_restore(q);
     }
-    q->dissipated += stored - flight_stored_energy(v, q);
+    q->dissipated += stored - flight_stored_energy(q);
     q->phase.followed = clock;
 }
 
@@ -587,57 +576,55 @@ static long work_of_pairs(const struct pair_phase *all)
 }
 
 /* Makes the segments of a phase anew where those in memory belong to another phase. */
-static bool restore_pairs(struct pair_phase *all, const struct scene_values *v, const struct scene_state *q)
+static bool restore_pairs(struct pair_phase *all, const struct scene_state *q)
 {
     if (memcmp(&all->made_from, &q->phase, offsetof(struct phase_start, followed)) == 0) {
         return true;
     }
     struct scene_state start;
     struct scene_instant at;
-    scene_state_copy(v, q, &start);
+    scene_state_copy(q, &start);
     keep_start(&start, true);
     start.clock = start.phase.clock;
-    scene_kinematics_now(v, &start, &at);
+    scene_kinematics_now(&start, &at);
     all->made_from = q->phase;
-    return make_phase(all, v, &start, &at, q->phase.longest);
+    return make_phase(all, &at, q->phase.longest);
 }
 
 /* Returns the length [s] beyond which a longer phase does harm: each reading of it would cost more, or the
  * places of a deep contact, as the sum of a long flight and of what nearly cancels it, would be rounded
  * more. */
-static double harmless_time(const struct pair_phase *all, const struct scene_values *v,
-                            const struct scene_state *q)
+static double harmless_time(const struct pair_phase *all, const struct scene_state *q)
 {
     double time = (double)INFINITY;
     for (int j = 0; all->form == PHASE_OF_SEGMENTS && j < SCENE_CONTACTS; ++j) {
         const struct segment *p = &all->segment[j];
-        if (contact_pushes(v, q, j) && segment_is_deep(p)) {
+        if (contact_pushes(q, j) && segment_is_deep(p)) {
             time = 0.0;
         } else if (SCENE_ANY_FRICTION && p->rubs) {
-            time = fmin(time, rubbing_short_until(p, v, q, j));
+            time = fmin(time, rubbing_short_until(p, q, j));
         }
     }
     return time;
 }
 
 /* Begins a phase up to the clock `until`, or earlier. Returns false where that fails. */
-static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, struct scene_state *q,
-                        double until, struct advance *step)
+static bool begin_pairs(struct pair_phase *all, struct scene_state *q, double until, struct advance *step)
 {
     const double asked = until - q->clock;
     if (until > step->clock_end) {
         step->is_now = false; /* the instant is computed as restore_pairs computes it */
     }
-    const struct scene_instant *at = advance_now(step, v, q);
+    const struct scene_instant *at = advance_now(step, q);
     all->made_from.end = 0.0;
-    if (!make_phase(all, v, q, at, asked)) {
+    if (!make_phase(all, at, asked)) {
         return false;
     }
     until = all->longest < asked ? q->clock + all->longest : until;
-    const double harmless = until > step->clock_end ? harmless_time(all, v, q) : (double)INFINITY;
+    const double harmless = until > step->clock_end ? harmless_time(all, q) : (double)INFINITY;
     if (q->clock + harmless < until) {
         until = fmax(q->clock + harmless, step->clock_end);
-        if (!make_segments(all, v, q, at, until - q->clock)) {
+        if (!make_segments(all, at, until - q->clock)) {
             return false;
         }
     }
@@ -656,17 +643,17 @@ static bool begin_pairs(struct pair_phase *all, const struct scene_values *v, st
  * communication step, up to what is foreseen, but only in proportion to `passed` [s], a time in which no
  * input has changed. What reaches beyond the next communication point would be wasted where an input changes
  * at every point, and so would what reaches beyond the only step of a run. */
-static double unforeseen_until(const struct scene_values *v, const struct scene_state *q, double passed)
+static double unforeseen_until(const struct scene_state *q, double passed)
 {
     double until = q->clock + HORIZON_GROWTH * passed;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         /* a segment shows every change of its contact but the passage of a cylinder's end; nothing foresees
          * changes where bodies turn and a contact acts on them */
-        const bool foreseen = contact_pushes(v, q, j) ? !scene_turns(v) && scene_ends_suddenly(v, j)
-                                                      : !scene_turns(v) || !contact_is_coupled(v, q, j);
+        const bool foreseen = contact_pushes(q, j) ? !scene_turns(q->v) && scene_ends_suddenly(q->v, j)
+                                                   : !scene_turns(q->v) || !contact_is_coupled(q, j);
         until = fmin(until, q->contact[j].schedule.change_clock);
         until = foreseen ? fmin(until, q->horizon_clock) : until;
-        if (SCENE_ANY_PRESCRIBED_CONTACT && contact_is_prescribed(v, j)) {
+        if (SCENE_ANY_PRESCRIBED_CONTACT && contact_is_prescribed(q->v, j)) {
             until = q->clock; /* its quadrature cannot be returned to its start */
         }
     }
@@ -674,8 +661,7 @@ static double unforeseen_until(const struct scene_values *v, const struct scene_
 }
 
 /* Advances the contact pairs phase by phase, together with the prescribed contacts. */
-static enum advance_result advance_pairs(struct integrator *s, const struct scene_values *v,
-                                         struct scene_state *q, struct advance *step)
+static enum advance_result advance_pairs(struct integrator *s, struct scene_state *q, struct advance *step)
 {
     struct pair_phase *all = s->pairs;
     while (q->clock < step->clock_end) {
@@ -684,16 +670,16 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
         }
         const bool made =
             q->phase.end > q->clock
-                ? restore_pairs(all, v, q)
-                : begin_pairs(all, v, q, fmax(step->clock_end, unforeseen_until(v, q, step->passed)), step);
+                ? restore_pairs(all, q)
+                : begin_pairs(all, q, fmax(step->clock_end, unforeseen_until(q, step->passed)), step);
         if (!made) {
             return ADVANCE_FAILED;
         }
         q->integrator_fresh = 1;
-        const bool whole = integrate_beside_pairs(all, v, q, step);
+        const bool whole = integrate_beside_pairs(all, q, step);
         const bool ends = !(step->clock_end < q->phase.end);
         step->is_now = false;
-        follow_pairs(all, v, q, q->clock, ends ? q->phase.end : step->clock_end);
+        follow_pairs(all, q, q->clock, ends ? q->phase.end : step->clock_end);
         if (!ends) {
             return ADVANCE_REACHED;
         }
@@ -713,28 +699,28 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
 
 /* The phases of motion stand in order of preference. One that applies may give up where the motion is too
  * hard for it (ADVANCE_FAILED). The next one that applies then goes on from there. */
-static enum advance_result advance_phase(struct integrator *s, const struct scene_values *v,
-                                         struct scene_state *q, struct advance *step)
+static enum advance_result advance_phase(struct integrator *s, struct scene_state *q, struct advance *step)
 {
+    const struct scene_values *v = q->v;
     enum advance_result result = ADVANCE_FAILED;
     if (!(step->clock_end > q->clock)) {
         return ADVANCE_REACHED;
     }
     s->message[0] = '\0';
     if (SCENE_ANY_PRESCRIBED_CONTACT && scene_is_force_element(v) && !scene_turns(v)) {
-        q->clock = integrate_prescribed(v, q, step->clock_end, step);
+        q->clock = integrate_prescribed(q, step->clock_end, step);
         return q->clock < step->clock_end ? ADVANCE_STEP_LIMIT : ADVANCE_REACHED;
     }
     if (flight_is_free(q)) {
         if (SCENE_CONTACTS > 1 && !scene_turns(v)) {
             q->integrator_fresh = 1; /* no step of the general segment goes on */
         }
-        note_depth_of_released(v, q, step);
-        flight_advance(v, q, step->clock_end);
+        note_depth_of_released(q, step);
+        flight_advance(q, step->clock_end);
         return ADVANCE_REACHED;
     }
-    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && (!general_goes_on(v, q) || pairs_are_alone(v, q))) {
-        result = advance_pairs(s, v, q, step);
+    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && (!general_goes_on(q) || pairs_are_alone(q))) {
+        result = advance_pairs(s, q, step);
     }
 #if SCENE_HAS_GENERAL
     if (result == ADVANCE_FAILED && solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && scene_uses_ode(v)) {
@@ -742,13 +728,13 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
         /* A step of the general segment that goes on beyond the communication point must be more accurate.
          * Right after a touch that costs more than it saves. */
         const double passed = fmax(q->clock + scene_remaining(q, step->start), 0.0);
-        step->clock_limit = fmax(step->clock_end, unforeseen_until(v, q, passed));
-        result = general_advance(s->general, v, q, step);
+        step->clock_limit = fmax(step->clock_end, unforeseen_until(q, passed));
+        result = general_advance(s->general, q, step);
     }
 #endif
 #ifdef CONTACT_WITH_CVODE
     if (result == ADVANCE_FAILED && solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN) {
-        result = cvode_advance(s->cvode, v, q, step);
+        result = cvode_advance(s->cvode, q, step);
     }
 #endif
     if (result == ADVANCE_FAILED && s->message[0] == '\0') {
@@ -758,24 +744,24 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
 }
 
 /* Puts a contact into its next regime; returns whether the contact begins or ends by this change. */
-static bool change_regime(const struct scene_values *v, struct scene_state *q, struct advance *step,
-                          int contact, enum contact_regime regime)
+static bool change_regime(struct scene_state *q, struct advance *step, int contact,
+                          enum contact_regime regime)
 {
     const bool touched = q->contact[contact].regime != (int32_t)REGIME_APART;
-    transition_change_regime(v, q, contact, regime, &step->now);
+    transition_change_regime(q, contact, regime, &step->now);
     step->is_now = true;
     return touched != (q->contact[contact].regime != (int32_t)REGIME_APART);
 }
 
 /* Changes the regime by the event that ended a phase; returns whether a contact begins or ends by it. */
-static bool take_event(const struct scene_values *v, struct scene_state *q, struct advance *step)
+static bool take_event(struct scene_state *q, struct advance *step)
 {
     if (SCENE_ANY_FRICTION && step->event > ODE_EVENT_LAW && step->event != ODE_EVENT_ZONE) {
-        transition_change_friction(v, q, step->contact, (enum ode_event)step->event, &step->now);
+        transition_change_friction(q, step->contact, (enum ode_event)step->event, &step->now);
         step->is_now = true;
         return false;
     }
-    return change_regime(v, q, step, step->contact, step->regime);
+    return change_regime(q, step, step->contact, step->regime);
 }
 
 /* Returns the end of the step [s] after a contact has begun or ended. The caller's at_event may read the
@@ -795,8 +781,7 @@ static double end_after_event(const struct step_request *request, struct scene_s
  * take some hundredths of a second to compute. */
 enum { MOST_AT_ONCE = 10000 };
 
-static enum integrator_status run_phases(struct integrator *s, const struct scene_values *v,
-                                         struct scene_state *q, struct advance *step,
+static enum integrator_status run_phases(struct integrator *s, struct scene_state *q, struct advance *step,
                                          const struct step_request *request)
 {
     const double start = step->start;
@@ -809,13 +794,13 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         if (!(remaining > 0.0)) {
             return INTEGRATOR_DONE;
         }
-        look_ahead(v, q, remaining, step);
+        look_ahead(q, remaining, step);
         const int next = contact_changing_first(q);
         const double change = q->contact[next].schedule.change_clock;
         const double end = q->clock + remaining;
         step->clock_end = fmin(end, fmin(change, q->horizon_clock));
         step->event = ODE_EVENT_GAP;
-        const enum advance_result result = advance_phase(s, v, q, step);
+        const enum advance_result result = advance_phase(s, q, step);
         step->is_now = false;
         if (result == ADVANCE_FAILED) {
             return INTEGRATOR_FAILED;
@@ -824,10 +809,10 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
             return advance_is_spent(step) ? INTEGRATOR_STEP_LIMIT : INTEGRATOR_STALLED;
         }
         if (result == ADVANCE_EVENT) {
-            begins_or_ends = take_event(v, q, step);
+            begins_or_ends = take_event(q, step);
         } else if (step->clock_end >= change) {
             begins_or_ends =
-                change_regime(v, q, step, next, (enum contact_regime)q->contact[next].schedule.change_regime);
+                change_regime(q, step, next, (enum contact_regime)q->contact[next].schedule.change_regime);
         } else if (step->clock_end >= end) {
             return INTEGRATOR_DONE;
         }
@@ -852,79 +837,78 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
 static const long LEAST_WORK = 2000000;
 
 /* Moves the scene along the present phase to a clock, and notes the peaks since the clock `noted`. */
-static void follow_phase(struct integrator *s, const struct scene_values *v, struct scene_state *q,
-                         double noted, double clock)
+static void follow_phase(struct integrator *s, struct scene_state *q, double noted, double clock)
 {
     if (q->phase.end > 0.0) {
-        if (restore_pairs(s->pairs, v, q)) { /* always, except where the state is forged */
-            follow_pairs(s->pairs, v, q, noted, clock);
+        if (restore_pairs(s->pairs, q)) { /* always, except where the state is forged */
+            follow_pairs(s->pairs, q, noted, clock);
         }
         return;
     }
 #if SCENE_HAS_GENERAL
-    general_follow_kept(s->general, v, q, noted, clock);
+    general_follow_kept(s->general, q, noted, clock);
 #endif
 }
 
 /* Computes the motion of deferred steps and, for their readers, what the last of them sums up: means and
  * peaks. */
-static void catch_up(struct integrator *s, const struct scene_values *v, struct scene_state *q, bool sums)
+static void catch_up(struct integrator *s, struct scene_state *q, bool sums)
 {
     const double clock = q->clock;
-    if (!q->deferred || !(q->phase.end > 0.0 || keeps_step(v, q))) {
-        flight_catch_up(v, q);
+    if (!q->deferred || !(q->phase.end > 0.0 || keeps_step(q))) {
+        flight_catch_up(q);
         return;
     }
     q->deferred = 0;
     q->clock = sums ? q->deferred_from : clock;
     if ((q->phase.end > 0.0 ? q->phase.followed : q->unfinished.present) < q->clock) {
-        follow_phase(s, v, q, q->clock, q->clock);
+        follow_phase(s, q, q->clock, q->clock);
     }
     if (sums) {
         struct scene_instant at;
         const double start = scene_time(q);
-        transition_begin_step(v, q, &at);
-        follow_phase(s, v, q, q->clock, clock);
+        transition_begin_step(q, &at);
+        follow_phase(s, q, q->clock, clock);
         q->step_length = scene_time(q) - start;
-        transition_end_step(v, q);
+        transition_end_step(q);
     }
 }
 
-void integrator_catch_up(struct integrator *s, const struct scene_values *v, struct scene_state *q)
+void integrator_catch_up(struct integrator *s, struct scene_state *q)
 {
-    catch_up(s, v, q, true);
+    catch_up(s, q, true);
 }
 
 /* Returns the clock until which communication steps need only advance the clock. */
-static double deferrable_until(const struct scene_values *v, const struct scene_state *q)
+static double deferrable_until(const struct scene_state *q)
 {
     if (q->phase.end > 0.0) {
-        return flight_stays_finite(v, q, q->phase.end) ? q->phase.end : 0.0;
+        return flight_stays_finite(q, q->phase.end) ? q->phase.end : 0.0;
     }
-    return keeps_step(v, q) ? q->unfinished.end : flight_deferrable_until(v, q);
+    return keeps_step(q) ? q->unfinished.end : flight_deferrable_until(q);
 }
 
-enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
-                                      struct scene_state *q, const struct step_request *request)
+enum integrator_status integrator_run(struct integrator *s, struct scene_state *q,
+                                      const struct step_request *request)
 {
     const double start = scene_time(q);
-    const long budget = solver_max_internal_steps(v);
+    const long budget = solver_max_internal_steps(q->v);
     struct advance step;
     step.start = start;
     step.budget = budget;
     step.work = budget > LEAST_WORK ? budget : LEAST_WORK;
-    catch_up(s, v, q, false);
-    transition_begin_step(v, q, &step.now);
+    catch_up(s, q, false);
+    transition_begin_step(q, &step.now);
     step.is_now = true;
     step.passed = q->clock;
-    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_keeps_steps(v)) {
+    if (solver_method(q->v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_keeps_steps(q->v)) {
         q->integrator_fresh = 1; /* CVODE's history is in no saved state: each step does without it */
     }
-    const enum integrator_status status = run_phases(s, v, q, &step, request);
+    const enum integrator_status status = run_phases(s, q, &step, request);
     q->step_length = scene_time(q) - start;
-    transition_end_step(v, q);
+    transition_end_step(q);
     q->deferrable_clock =
-        status == INTEGRATOR_DONE && !scene_is_force_element(v) ? deferrable_until(v, q) : 0.0;
-    q->only_flies = !(q->phase.end > 0.0 || scene_turns(v) || (SCENE_CONTACTS > 1 && keeps_step(v, q)));
+        status == INTEGRATOR_DONE && !scene_is_force_element(q->v) ? deferrable_until(q) : 0.0;
+    q->only_flies = !(q->phase.end > 0.0 || scene_turns(q->v) || (SCENE_CONTACTS > 1 && keeps_step(q)));
     return status;
 }

@@ -53,12 +53,12 @@ static inline void advance_spend(struct advance *step, long steps, long work)
 }
 
 /* Ends an advance by the event function with this index (scene/ode.h). */
-static inline enum advance_result advance_to_event(struct advance *step, const struct scene_values *v,
-                                                   const struct scene_state *q, int event)
+static inline enum advance_result advance_to_event(struct advance *step, const struct scene_state *q,
+                                                   int event)
 {
     step->contact = event / ODE_EVENTS_EACH;
     step->event = event % ODE_EVENTS_EACH;
-    step->regime = ode_regime_after(v, q, step->contact, step->event);
+    step->regime = ode_regime_after(q, step->contact, step->event);
     return ADVANCE_EVENT;
 }
 
@@ -98,14 +98,14 @@ bool integrator_open(struct integrator *s, const struct scene_values *v,
 
 void integrator_close(struct integrator *s);
 
-/* Integrates to the end of the step, through as many phases as there are. The tolerances are taken from `v`.
+/* Integrates to the end of the step, through as many phases as there are. The tolerances are taken from q->v.
  * Deferred steps may have gone before. */
-enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
-                                      struct scene_state *q, const struct step_request *request);
+enum integrator_status integrator_run(struct integrator *s, struct scene_state *q,
+                                      const struct step_request *request);
 
 /* Computes the motion of deferred steps, in which only the clock has advanced. Steps can be deferred in
  * flight (flight.h), within a phase of contact pairs, whose motion is a function of its start and of the
  * clock, and within a step of the general segment, which has a polynomial. */
-void integrator_catch_up(struct integrator *s, const struct scene_values *v, struct scene_state *q);
+void integrator_catch_up(struct integrator *s, struct scene_state *q);
 
 #endif

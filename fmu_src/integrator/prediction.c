@@ -123,11 +123,10 @@ static double first_touch(const struct relative_path *path, const struct extreme
 static const double ROUNDINGS = 8.0 * DBL_EPSILON;
 
 /* Returns the rounding of the present gap [m]. It is that of the positions unless the gap is accumulated. */
-static double rounding_now(const struct scene_values *v, const struct scene_state *q,
-                           const struct scene_instant *at, int contact)
+static double rounding_now(const struct scene_instant *at, int contact)
 {
-    return scene_gap_is_accumulated(q, at, contact) ? ROUNDINGS * fabs(at->geometry[contact].gap)
-                                                    : rounding_of_gap(v, at, contact);
+    return scene_gap_is_accumulated(at, contact) ? ROUNDINGS * fabs(at->geometry[contact].gap)
+                                                 : rounding_of_gap(at, contact);
 }
 
 /* Returns g'' in flight [m/s^2]: n turns with the motion across n. */
@@ -143,17 +142,16 @@ static double gap_bend(const struct contact_shape *shape, const struct contact_g
 /* Returns the change of bodies that are apart, with a destination without ends: compression begins at their
  * first touch. A contact whose gap has just passed zero is within a dead band until the gap exceeds its
  * rounding. */
-static struct regime_change touch_in_flight(const struct scene_values *v, const struct scene_state *q,
-                                            const struct scene_instant *at, const struct contact_shape *shape,
+static struct regime_change touch_in_flight(const struct scene_instant *at, const struct contact_shape *shape,
                                             int contact, double horizon)
 {
-    const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
+    const struct separation_path separation = separation_path_of(at, at->q->clock, contact);
     const struct contact_geometry *now = &at->geometry[contact];
-    const double rounding = rounding_now(v, q, at, contact);
-    const double dead_band = q->contact[contact].schedule.dead_band_clock - q->clock;
+    const double rounding = rounding_now(at, contact);
+    const double dead_band = at->q->contact[contact].schedule.dead_band_clock - at->q->clock;
     bool head_on = !(dead_band > 0.0);
     if (SCENE_ANY_CURVED) {
-        head_on = head_on && !singularity_is_reached(v, at, contact, shape);
+        head_on = head_on && !singularity_is_reached(at, contact, shape);
     }
     double touch;
     if (head_on && flight_is_head_on(shape, &separation, now->normal) &&
@@ -268,13 +266,12 @@ static void look_for_law(const struct advancement_path *from_now, const struct c
     }
 }
 
-static struct prediction advancement_prediction(const struct scene_values *v, const struct scene_state *q,
-                                                const struct scene_instant *at, int contact, double horizon,
+static struct prediction advancement_prediction(const struct scene_instant *at, int contact, double horizon,
                                                 long budget)
 {
-    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const struct advancement_path path = advancement_path_of(v, q, at, q->clock, contact);
+    const enum contact_regime present = (enum contact_regime)at->q->contact[contact].regime;
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    const struct advancement_path path = advancement_path_of(at, at->q->clock, contact);
     const bool apart = present == REGIME_APART;
     const struct advancement_result change =
         advancement_first(&path, apart ? ADVANCEMENT_TOUCH : ADVANCEMENT_PARTING, horizon, budget);
@@ -331,24 +328,23 @@ static enum contact_regime separating_at(const struct separating *f, double s, d
 enum { SEPARATING_PLACES = 16 };
 
 /* Returns the first change of a separating contact, whose bodies fly: they part, or the force returns. */
-static struct regime_change separating_change(const struct scene_values *v, const struct scene_state *q,
-                                              const struct scene_instant *at,
+static struct regime_change separating_change(const struct scene_instant *at,
                                               const struct contact_shape *shape, int contact, double horizon)
 {
     const struct contact_geometry *now = &at->geometry[contact];
-    const double by_positions = rounding_of_gap(v, at, contact);
+    const double by_positions = rounding_of_gap(at, contact);
     struct separating f = {.shape = *shape,
-                           .law = scene_contact_law(v, q, contact),
-                           .separation = separation_path_of(v, q, at, q->clock, contact),
+                           .law = scene_contact_law(at->q, contact),
+                           .separation = separation_path_of(at, at->q->clock, contact),
                            .normal = now->normal};
     f.path = relative_path_make(&f.shape, &f.separation, now->gap, horizon);
-    f.gap_noise = rounding_now(v, q, at, contact);
+    f.gap_noise = rounding_now(at, contact);
     const double tilt = contact_turns(&f.shape, now) ? fmin(by_positions / now->distance, 1.0) : 0.0;
     f.rate_noise = (ROUNDINGS + tilt) * vec3_norm(f.separation.w[0]);
     f.settle = leaving_time(now->gap, f.gap_noise, vec3_dot(now->normal, f.separation.c[1]),
                             vec3_norm(f.separation.c[2])) /
                horizon;
-    f.left = q->clock == 0.0
+    f.left = at->q->clock == 0.0
                  ? fmax(-2.0 * contact_event(&f.law, REGIME_SEPARATING, now->gap, now->gap_rate), 0.0)
                  : 0.0;
     const struct extremes extremes = extremes_of(&f.path);
@@ -376,21 +372,20 @@ static struct regime_change separating_change(const struct scene_values *v, cons
 /* Returns the first change of a contact by a search along its path. Conservative advancement follows a
  * prescribed contact, and bodies that are apart where the source may pass an open end. Any other contact here
  * is separating. */
-static struct prediction change_on_path(const struct scene_values *v, const struct scene_state *q,
-                                        const struct scene_instant *at, const struct contact_shape *shape,
+static struct prediction change_on_path(const struct scene_instant *at, const struct contact_shape *shape,
                                         int contact, double horizon, long budget)
 {
     struct prediction found = {.searched = horizon};
     const bool has_ends = relative_path_has_ends(shape);
-    if (contact_is_prescribed(v, contact) ||
-        (has_ends && q->contact[contact].regime == (int32_t)REGIME_APART)) {
-        return advancement_prediction(v, q, at, contact, horizon, budget);
+    if (contact_is_prescribed(at->v, contact) ||
+        (has_ends && at->q->contact[contact].regime == (int32_t)REGIME_APART)) {
+        return advancement_prediction(at, contact, horizon, budget);
     }
-    found.next = separating_change(v, q, at, shape, contact, horizon);
+    found.next = separating_change(at, shape, contact, horizon);
     if (has_ends) {
-        const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
+        const struct separation_path separation = separation_path_of(at, at->q->clock, contact);
         const struct regime_change end = passage_of_end(
-            shape, &separation, rounding_of_axial(v, at, contact, shape), 0.0, horizon, REGIME_SEPARATING);
+            shape, &separation, rounding_of_axial(at, contact, shape), 0.0, horizon, REGIME_SEPARATING);
         found.next = end.after < found.next.after ? end : found.next;
     }
     return found;
@@ -400,33 +395,32 @@ static struct prediction change_on_path(const struct scene_values *v, const stru
  * Conservative advancement finds it, except while the contact separates within its zone on a side or a cap,
  * where the gap may be smaller than the rounding of positions. A prescribed contact that goes into another
  * zone keeps its regime there; positions then give the gap (DBL_MAX). */
-static struct prediction change_at_capped(const struct scene_values *v, const struct scene_state *q,
-                                          const struct scene_instant *at, int contact, double horizon,
+static struct prediction change_at_capped(const struct scene_instant *at, int contact, double horizon,
                                           long budget)
 {
-    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
-    const struct contact_shape in = scene_shape_met(v, q, at, contact);
-    const struct separation_path path = separation_path_of(v, q, at, q->clock, contact);
-    const double noise = rounding_of_gap(v, at, contact);
+    const enum contact_regime present = (enum contact_regime)at->q->contact[contact].regime;
+    const struct contact_shape in = scene_shape_met(at, contact);
+    const struct separation_path path = separation_path_of(at, at->q->clock, contact);
+    const double noise = rounding_of_gap(at, contact);
     const double bend = gap_bend(&in, &at->geometry[contact], &path);
     const double rate = at->geometry[contact].gap_rate;
-    if (present == REGIME_APART && !contact_is_prescribed(v, contact) &&
+    if (present == REGIME_APART && !contact_is_prescribed(at->v, contact) &&
         fabs(at->geometry[contact].gap) <= noise && bend < 0.0 && rate * rate < -2.0 * bend * noise) {
         /* the hop of bodies that touch within rounding is a parabola, and bodies that approach touch now */
-        const double dead_band = q->contact[contact].schedule.dead_band_clock - q->clock;
+        const double dead_band = at->q->contact[contact].schedule.dead_band_clock - at->q->clock;
         return (struct prediction){touch_at(fmax(fmax(-2.0 * rate / bend, 0.0), dead_band)), horizon, 0};
     }
     const double end = present == REGIME_APART ? (double)INFINITY : zone_path_end(&in.solid, &path, horizon);
-    if (present == REGIME_SEPARATING && !contact_is_prescribed(v, contact) && !contact_is_rim(&in)) {
-        const struct regime_change next = separating_change(v, q, at, &in, contact, horizon);
+    if (present == REGIME_SEPARATING && !contact_is_prescribed(at->v, contact) && !contact_is_rim(&in)) {
+        const struct regime_change next = separating_change(at, &in, contact, horizon);
         if (fmin(next.after, horizon) < end) {
             return (struct prediction){next, horizon, 0};
         }
     }
-    const double until = q->contact[contact].zone != 0 ? end : (double)INFINITY;
+    const double until = at->q->contact[contact].zone != 0 ? end : (double)INFINITY;
     struct prediction found = {no_change(present, true), horizon, 0};
     if (until > 0.0) {
-        found = advancement_prediction(v, q, at, contact, fmin(until, horizon), budget);
+        found = advancement_prediction(at, contact, fmin(until, horizon), budget);
     }
     if (until <= found.searched && !(found.next.after < until)) {
         found.next = (struct regime_change){until, present, DBL_MAX, true};
@@ -434,42 +428,42 @@ static struct prediction change_at_capped(const struct scene_values *v, const st
     return found;
 }
 
-struct prediction prediction_of(const struct scene_values *v, const struct scene_state *q,
-                                const struct scene_instant *at, int contact, double horizon, long budget)
+struct prediction prediction_of(const struct scene_instant *at, int contact, double horizon, long budget)
 {
+    const struct scene_state *q = at->q;
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_shape shape = scene_contact_shape(q, contact);
     const bool has_ends = relative_path_has_ends(&shape);
     struct prediction found = {no_change(present, true), horizon, 0};
-    if (contact_is_coupled(v, q, contact) ||
-        (contact_pushes(v, q, contact) && (scene_turns(v) || !scene_ends_suddenly(v, contact)))) {
+    if (contact_is_coupled(q, contact) ||
+        (contact_pushes(q, contact) && (scene_turns(at->v) || !scene_ends_suddenly(at->v, contact)))) {
         return found;
     }
-    if (SCENE_ANY_ADVANCEMENT && contact_advances(v, contact)) {
-        return advancement_prediction(v, q, at, contact, horizon, budget);
+    if (SCENE_ANY_ADVANCEMENT && contact_advances(at->v, contact)) {
+        return advancement_prediction(at, contact, horizon, budget);
     }
     if (SCENE_ANY_CAPS && contact_is_capped(&shape)) {
-        return change_at_capped(v, q, at, contact, horizon, budget);
+        return change_at_capped(at, contact, horizon, budget);
     }
-    if (contact_pushes(v, q, contact)) {
-        const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
+    if (contact_pushes(q, contact)) {
+        const struct separation_path separation = separation_path_of(at, q->clock, contact);
         const double settle = q->contact[contact].schedule.dead_band_clock - q->clock;
-        found.next = passage_of_end(&shape, &separation, rounding_of_axial(v, at, contact, &shape), settle,
+        found.next = passage_of_end(&shape, &separation, rounding_of_axial(at, contact, &shape), settle,
                                     horizon, present);
         return found;
     }
-    const double rounding = has_ends ? rounding_of_axial(v, at, contact, &shape) : 0.0;
-    if (present == REGIME_APART && !contact_is_prescribed(v, contact) &&
+    const double rounding = has_ends ? rounding_of_axial(at, contact, &shape) : 0.0;
+    if (present == REGIME_APART && !contact_is_prescribed(at->v, contact) &&
         (!has_ends || scene_beyond_ends(&shape, &at->geometry[contact]) < -rounding)) {
-        found.next = touch_in_flight(v, q, at, &shape, contact, horizon);
+        found.next = touch_in_flight(at, &shape, contact, horizon);
         if (!has_ends || !isfinite(found.next.after)) {
             return found;
         }
         /* the touch is on the side if no end is passed before */
-        const struct separation_path path = separation_path_of(v, q, at, q->clock, contact);
+        const struct separation_path path = separation_path_of(at, q->clock, contact);
         if (!isfinite(passage_of_end(&shape, &path, rounding, 0.0, found.next.after, present).after)) {
             return found;
         }
     }
-    return change_on_path(v, q, at, &shape, contact, horizon, budget);
+    return change_on_path(at, &shape, contact, horizon, budget);
 }

@@ -41,7 +41,6 @@ struct prediction {
 /* Returns the prediction within `horizon` seconds of the present instant `at`; `budget` > 0. No change is
  * foreseen where the integrator watches for it. The integrator does so in a contact that transmits a force
  * while something turns or rubs, and where another contact acts on its bodies. */
-struct prediction prediction_of(const struct scene_values *v, const struct scene_state *q,
-                                const struct scene_instant *at, int contact, double horizon, long budget);
+struct prediction prediction_of(const struct scene_instant *at, int contact, double horizon, long budget);
 
 #endif

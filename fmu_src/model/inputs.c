@@ -138,12 +138,12 @@ static void input_path_shift(const struct model *m, int body, struct body_path *
     }
 }
 
-static struct contact_factors factors_of(const struct scene_values *v, const struct scene_state *q,
-                                         int contact)
+static struct contact_factors factors_of(const struct scene_state *q, int contact)
 {
+    const struct scene_values *v = q->v;
     double stiffness = contact_hertz_stiffness(v, contact);
     if (scene_is_hertz(v, contact) && contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC) {
-        const struct contact_shape shape = scene_whole_shape(v, q, contact); /* one k_h serves all zones */
+        const struct contact_shape shape = scene_whole_shape(q, contact); /* one k_h serves all zones */
         stiffness = hertz_stiffness(&shape, scene_hertz_modulus(v, contact));
     }
     return (struct contact_factors){
@@ -162,18 +162,17 @@ static struct contact_factors factors_of(const struct scene_values *v, const str
         .inverse_mass = scene_inverse_mass(v, contact)};
 }
 
-struct contact_coefficients model_factors(const struct scene_values *v, const struct scene_state *q,
-                                          int contact)
+struct contact_coefficients model_factors(const struct scene_state *q, int contact)
 {
-    const struct contact_factors factors = factors_of(v, q, contact);
-    const struct contact_law law = contact_law_of(&factors, (enum dashpot)contact_dashpot(v, contact),
+    const struct contact_factors factors = factors_of(q, contact);
+    const struct contact_law law = contact_law_of(&factors, (enum dashpot)contact_dashpot(q->v, contact),
                                                   q->contact[contact].parameters.diagonal);
     return contact_factors_of(&law);
 }
 
 struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope)
 {
-    const struct contact_factors factors = factors_of(&m->state.values, &m->state.motion, contact);
+    const struct contact_factors factors = factors_of(&m->state.motion, contact);
     return contact_law_slope(&factors, m->state.motion.contact[contact].parameters.factors, diagonal_slope);
 }
 
@@ -197,10 +196,10 @@ static void model_begin_tuning(struct model *m)
 }
 
 /* Returns a sum that is finite only if all factors and normal forces of the contacts are. */
-static double size_of_forces(const struct scene_values *v, const struct scene_state *q)
+static double size_of_forces(const struct scene_state *q)
 {
     struct scene_instant at;
-    scene_now(v, q, &at);
+    scene_now(q, &at);
     double sum = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_coefficients *factors = &q->contact[j].parameters.factors;
@@ -221,7 +220,7 @@ static bool motion_tune(const struct scene_values *v, const struct scene_values 
     bool changed = !vec3_is_zero(more_gravity);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_coefficients *now = &q->contact[j].parameters.factors;
-        factors[j] = model_factors(v, q, j);
+        factors[j] = model_factors(q, j);
         law_changed[j] = factors[j].k != now->k || factors[j].c != now->c ||
                          contact_dashpot(v, j) != contact_dashpot(before, j);
         changed = changed || law_changed[j];
@@ -237,10 +236,10 @@ static bool motion_tune(const struct scene_values *v, const struct scene_values 
     double stored = 0.0;
     if (SCENE_ANY_FREE) {
         struct scene_instant at;
-        scene_now(v, q, &at);
-        stored = energy_stored(v, q, &at);
-        q->external_work += energy_potential(v, &at, more_gravity);
-        scene_rebase(v, q);
+        scene_now(q, &at);
+        stored = energy_stored(&at);
+        q->external_work += energy_potential(&at, more_gravity);
+        scene_rebase(q);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (SCENE_ANY_FREE) {
@@ -249,9 +248,9 @@ static bool motion_tune(const struct scene_values *v, const struct scene_values 
         q->contact[j].parameters.factors = factors[j];
     }
     if (SCENE_ANY_FREE) {
-        transition_take_law(v, q, law_changed, stored);
+        transition_take_law(q, law_changed, stored);
     }
-    return isfinite(size_of_forces(v, q)) &&
+    return isfinite(size_of_forces(q)) &&
            (!SCENE_ANY_FREE || isfinite(q->external_work) || scene_is_force_element(v));
 }
 
@@ -278,6 +277,7 @@ static bool model_can_tune(struct model *m, const struct variable *variable, con
     struct scene_values v = m->state.values;
     struct scene_state q = m->state.motion;
     memcpy((char *)&v + variable->offset, value, variable_size(variable));
+    q.v = &v;
     return motion_tune(&v, m->state.tuned ? &m->state.in_force : &m->state.values, &q);
 }
 
@@ -474,7 +474,7 @@ bool model_apply_inputs(struct model *m)
     if (m->state.exchange == EXCHANGE_CONTINUOUS) {
         memcpy(q->path, next, sizeof q->path); /* the power of the inputs is integrated */
     } else {
-        applied = same || motion_follow(&m->state.values, q, next, !m->host.exchange);
+        applied = same || motion_follow(q, next, !m->host.exchange);
     }
     m->state.signals_changed = !applied;
     return applied;

@@ -29,6 +29,7 @@ void model_reset(struct model *m)
     memset(&m->state, 0, sizeof m->state);
     m->state.exchange = m->host.exchange ? EXCHANGE_EVENTS : EXCHANGE_NONE;
     scene_start(&m->state.values);
+    m->state.motion.v = &m->state.values;
     m->outputs = OUTPUTS_NONE;
 }
 
@@ -80,10 +81,10 @@ static bool motion_is_finite(const struct model *m)
 {
     const struct scene_values *v = &m->state.values;
     const struct scene_state *q = &m->state.motion;
-    double sum = scene_time(q) + motion_size(v, q);
+    double sum = scene_time(q) + motion_size(q);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_prescribed(v, i)) {
-            const struct body_instant at = scene_body_now(v, q, i);
+            const struct body_instant at = scene_body_now(q, i);
             sum += vec3_norm(at.displacement) + vec3_norm(at.velocity);
         }
     }
@@ -93,9 +94,9 @@ static bool motion_is_finite(const struct model *m)
 /* Returns the motion to the state before a step; the integrator restarts there. */
 static void undo_step(struct model *m, const struct scene_state *before)
 {
-    scene_state_copy(&m->state.values, before, &m->state.motion);
+    scene_state_copy(before, &m->state.motion);
     motion_catch_up(m);
-    scene_rebase(&m->state.values, &m->state.motion);
+    scene_rebase(&m->state.motion);
 }
 
 /* Takes a step. The motion returns to the state before the step where the step ends beyond the range of
@@ -103,7 +104,7 @@ static void undo_step(struct model *m, const struct scene_state *before)
 static enum model_status take_step(struct model *m, const struct step_request *request)
 {
     struct scene_state before;
-    scene_state_copy(&m->state.values, &m->state.motion, &before);
+    scene_state_copy(&m->state.motion, &before);
     const enum model_status status = motion_advance(m, request);
     if (!motion_is_finite(m)) {
         undo_step(m, &before);
@@ -176,10 +177,13 @@ void model_save(struct model *m, void *bytes)
 {
     if (m->state.initialized && !m->host.exchange && motion_has_history(&m->state.values)) {
         motion_catch_up(m);
-        scene_rebase(&m->state.values, &m->state.motion);
+        scene_rebase(&m->state.motion);
         m->outputs = OUTPUTS_NONE;
     }
+    struct scene_state *q = &m->state.motion;
+    q->v = NULL; /* an address is no part of the state */
     memcpy(bytes, &m->state, sizeof m->state);
+    q->v = &m->state.values;
 }
 
 /* This function is not inlined, because its two callers would then each contain it. */
@@ -274,7 +278,7 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
 }
 
 /* Whether the step that event_driven goes on with is sound, or event_driven starts anew. */
-static bool unfinished_is_sound(const struct scene_values *v, const struct scene_state *q, bool initialized)
+static bool unfinished_is_sound(const struct scene_state *q, bool initialized)
 {
     const struct unfinished_step *step = &q->unfinished;
     const bool is_method = (step->stages == 4 || step->stages == 8 || step->stages == 12) &&
@@ -284,7 +288,7 @@ static bool unfinished_is_sound(const struct scene_values *v, const struct scene
                          step->release_clock > 0.0 && step->release_rest >= 0.0 &&
                          step->steps_to_release >= 0 && step->length > 0.0 && step->start <= step->present &&
                          step->present <= q->clock && step->end >= q->clock;
-    return !SCENE_ANY_FREE || !initialized || q->integrator_fresh == 1 || !scene_keeps_steps(v) ||
+    return !SCENE_ANY_FREE || !initialized || q->integrator_fresh == 1 || !scene_keeps_steps(q->v) ||
            (is_step && all_finite(step, &step->solvable) && all_finite(step->at_start, &step->stages));
 }
 
@@ -305,13 +309,13 @@ static bool phase_is_sound(const struct model_state *state)
 
 /* Whether the motion is as model_save leaves it. It does not rely on a history of CVODE, because saved states
  * hold none. */
-static bool motion_is_sound(const struct scene_values *v, const struct scene_state *q, bool initialized)
+static bool motion_is_sound(const struct scene_state *q, bool initialized)
 {
     const struct solver_counters *n = &q->counters;
     const bool counted = n->steps >= 0 && n->force_evaluations >= 0 && n->events >= 0 &&
                          n->rejected_steps >= 0 && n->fallbacks >= 0;
     const bool fresh =
-        q->integrator_fresh == 1 || (q->integrator_fresh == 0 && !(initialized && motion_has_history(v)));
+        q->integrator_fresh == 1 || (q->integrator_fresh == 0 && !(initialized && motion_has_history(q->v)));
     const bool clocks_are_sound =
         q->clock >= 0.0 && !isnan(q->horizon_clock) && !isnan(q->deferrable_clock) &&
         (q->deferred == 0 || q->deferred == 1) && (q->only_flies == 0 || q->only_flies == 1) &&
@@ -319,9 +323,8 @@ static bool motion_is_sound(const struct scene_values *v, const struct scene_sta
     /* Larger coefficients would overflow when the path's origin is moved; inputs and derivatives stay below
      * 1e150. */
     const bool paths_are_sound = all_within(q->path, q->path + SCENE_BODIES, 1e300);
-    return counted && fresh && clocks_are_sound && paths_are_sound &&
-           unfinished_is_sound(v, q, initialized) && all_finite(q->origin, &q->counters) &&
-           all_finite(q, q->contact);
+    return counted && fresh && clocks_are_sound && paths_are_sound && unfinished_is_sound(q, initialized) &&
+           all_finite(q->origin, &q->counters) && all_finite(q, q->contact);
 }
 
 /* Whether all members of a state are in range. A checksum (fmi/instance.c) finds accidents only, not bytes
@@ -339,8 +342,8 @@ static bool state_is_sound(const struct model_state *state)
             return false;
         }
     }
-    return motion_is_sound(&state->values, &state->motion, state->initialized != 0) &&
-           phase_is_sound(state) && turning_is_sound(&state->motion, state->initialized != 0) &&
+    return motion_is_sound(&state->motion, state->initialized != 0) && phase_is_sound(state) &&
+           turning_is_sound(&state->motion, state->initialized != 0) &&
            all_finite(state->signals, &state->motion) &&
            (!state->motion.deferred || (state->initialized && state->exchange == EXCHANGE_NONE)) &&
            all_finite(&state->importer_tolerance, &state->in_force) && state->tuned <= 1;
@@ -382,6 +385,7 @@ enum model_status model_restore(struct model *m, const void *bytes)
 {
     struct model trial = {.host = m->host, .outputs = OUTPUTS_NONE};
     memcpy(&trial.state, bytes, sizeof trial.state);
+    trial.state.motion.v = &trial.state.values;
     const enum model_status status = check_state(m, &trial.state);
     if (status != MODEL_OK) {
         return status;
@@ -397,6 +401,7 @@ enum model_status model_restore(struct model *m, const void *bytes)
     motion_close(&m->integrator);
     m->integrator = trial.integrator;
     memcpy(&m->state, bytes, sizeof m->state);
+    m->state.motion.v = &m->state.values;
     m->outputs = OUTPUTS_NONE;
     return MODEL_OK;
 }

@@ -55,25 +55,24 @@ static double state_origin(const struct scene_state *q, const struct variable *s
                : 0.0;
 }
 
-static double indicator_of(const struct scene_values *v, const struct scene_state *q,
-                           const struct scene_instant *at, const struct variable *indicator)
+static double indicator_of(const struct scene_instant *at, const struct variable *indicator)
 {
     const int j = indicator->element;
     switch (indicator->row) {
     case ROW_contact_touch_indicator:
-        return regime_touch_margin(v, q, at, j);
+        return regime_touch_margin(at, j);
     case ROW_contact_dashpot_indicator:
-        return regime_dashpot_margin(v, q, at, j);
+        return regime_dashpot_margin(at, j);
     case ROW_contact_zone_indicator:
-        return regime_zone_margin(v, q, at, j);
+        return regime_zone_margin(at, j);
     case ROW_contact_stick_indicator:
     case ROW_contact_rolling_stick_indicator:
     case ROW_contact_spinning_stick_indicator:
-        return regime_friction_margin(v, q, at, j, ode_stick_event(part_of(indicator->row)));
+        return regime_friction_margin(at, j, ode_stick_event(part_of(indicator->row)));
     case ROW_contact_cap_indicator:
-        return regime_friction_margin(v, q, at, j, ODE_EVENT_CAP);
+        return regime_friction_margin(at, j, ODE_EVENT_CAP);
     default: /* ROW_contact_lift_indicator */
-        return regime_friction_margin(v, q, at, j, ODE_EVENT_LIFT);
+        return regime_friction_margin(at, j, ODE_EVENT_LIFT);
     }
 }
 
@@ -104,31 +103,31 @@ static void move_orientation(const struct scene_state *q, const struct variable 
                                  change, along);
 }
 
-void model_exchange_move(const struct scene_values *v, const struct scene_state *q,
-                         const struct variable *state, double change, struct scene_jet *along)
+void model_exchange_move(const struct scene_state *q, const struct variable *state, double change,
+                         struct scene_jet *along)
 {
     const int i = state->element;
     const int part = part_of(state->row);
     struct vec3 *vector = NULL;
     switch (state->row) {
     case ROW_body_orientation_state:
-        if (SCENE_ANY_ROTATION && body_turns_freely(v, i)) {
+        if (SCENE_ANY_ROTATION && body_turns_freely(q->v, i)) {
             move_orientation(q, state, change, along);
         }
         break;
     case ROW_body_angular_velocity_state:
-        vector = body_turns_freely(v, i) ? &along->angular_velocity[i][1] : NULL;
+        vector = body_turns_freely(q->v, i) ? &along->angular_velocity[i][1] : NULL;
         break;
     case ROW_contact_spring_state:
     case ROW_contact_rolling_spring_state:
     case ROW_contact_spinning_spring_state:
-        vector = contact_has_spring(v, i, part) ? &along->spring[i][part][1] : NULL;
+        vector = contact_has_spring(q->v, i, part) ? &along->spring[i][part][1] : NULL;
         break;
     case ROW_body_displacement_state:
-        vector = body_is_free(v, i) ? &along->displacement[i][1] : NULL;
+        vector = body_is_free(q->v, i) ? &along->displacement[i][1] : NULL;
         break;
     case ROW_body_velocity_state:
-        vector = body_is_free(v, i) ? &along->velocity[i][1] : NULL;
+        vector = body_is_free(q->v, i) ? &along->velocity[i][1] : NULL;
         break;
     case ROW_energy_dissipated_state:
         along->dissipated[1] += change;
@@ -159,8 +158,7 @@ static struct quaternion orientation_rate(const struct scene_state *q, const str
 
 /* Returns the rate of a vector that is a state, or its change along a path; NULL: no path. Both are zero for
  * a state that stays constant. */
-static struct vec3 vector_rate(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_instant *at, const struct scene_jet *along,
+static struct vec3 vector_rate(const struct scene_instant *at, const struct scene_jet *along,
                                const struct variable *rate)
 {
     const int i = rate->element;
@@ -168,78 +166,76 @@ static struct vec3 vector_rate(const struct scene_values *v, const struct scene_
     struct vec3 none = {0.0, 0.0, 0.0};
     switch (rate->row) {
     case ROW_body_displacement_rate:
-        return !body_is_free(v, i) ? none : along ? along->velocity[i][1] : at->velocity[i];
+        return !body_is_free(at->v, i) ? none : along ? along->velocity[i][1] : at->velocity[i];
     case ROW_body_acceleration:
-        return !body_is_free(v, i) ? none
-               : along             ? vec3_scale(2.0, free_bodies_half_jerk(v, along, i))
-                                   : at->acceleration[i];
+        return !body_is_free(at->v, i) ? none
+               : along                 ? vec3_scale(2.0, free_bodies_half_jerk(at->v, along, i))
+                                       : at->acceleration[i];
     case ROW_body_angular_acceleration:
-        return !body_turns_freely(v, i) ? none
-               : along                  ? vec3_scale(2.0, turning_jet_half_jerk(v, q, at, along, i))
-                                        : turning_acceleration(v, q, q->clock, at, i);
+        return !body_turns_freely(at->v, i) ? none
+               : along                      ? vec3_scale(2.0, turning_jet_half_jerk(at, along, i))
+                                            : turning_acceleration(at->q->clock, at, i);
     default: /* of a spring */
-        return !contact_has_spring(v, i, part) ? none
-               : along                         ? turning_jet_spring_change(v, q, at, along, i, part)
-                                               : turning_spring_rate(v, q, &q->turning, at, i, part);
+        return !contact_has_spring(at->v, i, part) ? none
+               : along                             ? turning_jet_spring_change(at, along, i, part)
+                                                   : turning_spring_rate(&at->q->turning, at, i, part);
     }
 }
 
-double model_exchange_rate(const struct scene_values *v, const struct scene_state *q,
-                           const struct scene_instant *at, const struct scene_jet *along,
+double model_exchange_rate(const struct scene_instant *at, const struct scene_jet *along,
                            const struct variable *rate)
 {
     struct quaternion turned;
     switch (rate->row) {
     case ROW_body_orientation_rate:
-        turned = orientation_rate(q, along, rate->element);
-        return body_turns_freely(v, rate->element) ? *quaternion_part(&turned, rate->component) : 0.0;
+        turned = orientation_rate(at->q, along, rate->element);
+        return body_turns_freely(at->v, rate->element) ? *quaternion_part(&turned, rate->component) : 0.0;
     case ROW_energy_friction_power:
     case ROW_energy_dissipated_power:
     case ROW_energy_external_power: {
-        const struct scene_ode ode = {.values = v, .state = q, .layout = ode_layout_of(v, NULL)};
+        const struct scene_ode ode = {.values = at->v, .state = at->q, .layout = ode_layout_of(at->v, NULL)};
         const struct scene_powers power =
-            along ? jet_powers_of(v, q, along, 1) : ode_powers(&ode, q->clock, at);
+            along ? jet_powers_of(at->q, along, 1) : ode_powers(&ode, at->q->clock, at);
         return rate->row == ROW_energy_friction_power     ? power.friction
                : rate->row == ROW_energy_dissipated_power ? power.dissipated
                                                           : power.external;
     }
     default:
-        return vec3_get(vector_rate(v, q, at, along, rate), rate->component);
+        return vec3_get(vector_rate(at, along, rate), rate->component);
     }
 }
 
-double model_exchange_value(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at, const struct variable *variable)
+double model_exchange_value(const struct scene_instant *at, const struct variable *variable)
 {
     if (!SCENE_ANY_FREE) {
         return 0.0;
     }
     if (variable->causality == VARIABLE_STATE) {
-        const double kept = *state_at((struct scene_state *)q, variable);
-        return variable->row == ROW_body_displacement_state ? state_origin(q, variable) + kept : kept;
+        const double kept = *state_at((struct scene_state *)at->q, variable);
+        return variable->row == ROW_body_displacement_state ? state_origin(at->q, variable) + kept : kept;
     }
-    return variable->causality == VARIABLE_RATE ? model_exchange_rate(v, q, at, NULL, variable)
-                                                : indicator_of(v, q, at, variable);
+    return variable->causality == VARIABLE_RATE ? model_exchange_rate(at, NULL, variable)
+                                                : indicator_of(at, variable);
 }
 
 /* Changes each regime whose event function has passed zero. Whether one has changed. */
-static bool change_regimes(const struct scene_values *v, struct scene_state *q)
+static bool change_regimes(struct scene_state *q)
 {
     bool changed = false;
     for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
         struct scene_instant at;
-        scene_now(v, q, &at);
-        const enum contact_regime next = regime_by_margins(v, q, &at, j);
-        const bool passes = SCENE_ANY_ZONES && regime_zone_margin(v, q, &at, j) <= 0.0;
+        scene_now(q, &at);
+        const enum contact_regime next = regime_by_margins(&at, j);
+        const bool passes = SCENE_ANY_ZONES && regime_zone_margin(&at, j) <= 0.0;
         if (passes || next != (enum contact_regime)q->contact[j].regime) {
-            transition_switch_regime(v, q, j, next);
+            transition_switch_regime(q, j, next);
             changed = true;
             continue;
         }
         if (SCENE_ANY_FRICTION) {
-            const enum ode_event event = regime_friction_event(v, q, &at, j);
+            const enum ode_event event = regime_friction_event(&at, j);
             if (event != ODE_EVENT_GAP) {
-                transition_change_friction(v, q, j, event, &at);
+                transition_change_friction(q, j, event, &at);
                 changed = true;
             }
         }
@@ -324,10 +320,10 @@ enum model_status model_exchange_get(struct model *m, enum exchange_values which
                                                        : scene_indicators;
     const int count = which == EXCHANGE_INDICATORS ? SCENE_INDICATORS : SCENE_STATES;
     struct scene_instant at;
-    scene_now(&m->state.values, &m->state.motion, &at);
+    scene_now(&m->state.motion, &at);
     for (int i = 0; i < count && status == MODEL_OK; ++i) {
         const struct variable *variable = &scene_variables[places[i]];
-        values[i] = model_exchange_value(&m->state.values, &m->state.motion, &at, variable);
+        values[i] = model_exchange_value(&at, variable);
         status = isfinite(values[i]) ? MODEL_OK
                                      : model_report(m, MODEL_DISCARD,
                                                     "%s is beyond the range of numbers (allowed: states and "
@@ -353,7 +349,7 @@ static void foresee_touch(const struct model *m, struct exchange_news *news)
     const double now = scene_time(q);
     double after = (double)INFINITY;
     struct scene_instant at;
-    scene_now(v, q, &at);
+    scene_now(q, &at);
     for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
         const bool foreseen = q->contact[j].regime == (int32_t)REGIME_APART &&
                               !body_is_prescribed(v, contact_source(j)) &&
@@ -361,7 +357,7 @@ static void foresee_touch(const struct model *m, struct exchange_news *news)
         double found = (double)INFINITY;
         double horizon = FIRST_HORIZON;
         for (int i = 0; foreseen && i < HORIZONS && !isfinite(found); ++i) {
-            found = prediction_of(v, q, &at, j, horizon, MOST_EVALUATIONS).next.after;
+            found = prediction_of(&at, j, horizon, MOST_EVALUATIONS).next.after;
             horizon *= HORIZON_FACTOR;
         }
         after = fmin(after, found);
@@ -374,7 +370,7 @@ enum model_status model_exchange_update(struct model *m, struct exchange_news *n
 {
     struct scene_state *q = &m->state.motion;
     const enum model_status status = follow(m);
-    news->again = status == MODEL_OK && change_regimes(&m->state.values, q);
+    news->again = status == MODEL_OK && change_regimes(q);
     news->jumped = booked_states(q) != m->state.booked;
     if (news->again) {
         model_report(m, MODEL_OK, "Changes of contact at %.17g s; since initialization: %d.", scene_time(q),
@@ -391,7 +387,7 @@ enum model_status model_exchange_accept(struct model *m)
 {
     const enum model_status status = follow(m);
     struct scene_instant at;
-    scene_now(&m->state.values, &m->state.motion, &at);
+    scene_now(&m->state.motion, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         m->state.motion.contact[j].normal = at.geometry[j].normal;
     }

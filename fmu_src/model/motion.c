@@ -17,14 +17,13 @@ static const bool SUMS_UP_STEPS = HAS_contact_mean_force || HAS_contact_peak_for
                                   HAS_contact_peak_penetration || HAS_contact_mean_source_torque ||
                                   HAS_contact_mean_destination_torque;
 
-const struct scene_state *motion_shown(const struct scene_values *v, const struct scene_state *q,
-                                       struct scene_state *settled)
+const struct scene_state *motion_shown(const struct scene_state *q, struct scene_state *settled)
 {
     if (SCENE_ANY_FREE) {
         return q;
     }
-    scene_state_copy(v, q, settled);
-    prescribed_settle(v, settled);
+    scene_state_copy(q, settled);
+    prescribed_settle(settled);
     return settled;
 }
 
@@ -61,48 +60,46 @@ bool motion_has_history(const struct scene_values *v)
     return SCENE_ANY_FREE && solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN;
 }
 
-void motion_begin(const struct scene_values *v, struct scene_state *q)
+void motion_begin(struct scene_state *q)
 {
     if (SCENE_ANY_FREE) {
         struct scene_instant at;
-        transition_settle_regimes(v, q, 0.0, true);
-        transition_begin_step(v, q, &at);
+        transition_settle_regimes(q, 0.0, true);
+        transition_begin_step(q, &at);
     } else if (SUMS_UP_STEPS) {
-        prescribed_begin(v, q);
+        prescribed_begin(q);
     }
 }
 
 /* Takes over new paths. Where inputs jump in a force element that turns or rubs, the friction springs turn
  * into the new tangent planes. */
-static void take_paths(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
-                       bool jumps)
+static void take_paths(struct scene_state *q, const struct body_path *next, bool jumps)
 {
-    scene_rebase(v, q);
+    scene_rebase(q);
     memcpy(q->path, next, sizeof q->path);
-    turning_take_axes(v, q);
-    if (SCENE_ANY_FRICTION && SCENE_ANY_FREE && jumps && scene_turns(v) && scene_is_force_element(v)) {
-        prescribed_lay_springs(v, q);
+    turning_take_axes(q);
+    if (SCENE_ANY_FRICTION && SCENE_ANY_FREE && jumps && scene_turns(q->v) && scene_is_force_element(q->v)) {
+        prescribed_lay_springs(q);
     }
 }
 
-bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
-                   bool jumps)
+bool motion_follow(struct scene_state *q, const struct body_path *next, bool jumps)
 {
     if (!SCENE_ANY_FREE) {
-        take_paths(v, q, next, jumps);
+        take_paths(q, next, jumps);
         return true;
     }
     struct scene_state before;
     struct scene_instant at;
-    scene_state_copy(v, q, &before);
-    scene_now(v, q, &at);
-    const double stored = energy_stored(v, q, &at);
-    take_paths(v, q, next, jumps);
-    transition_settle_regimes(v, q, stored, false);
-    if (isfinite(q->external_work) || scene_is_force_element(v)) {
+    scene_state_copy(q, &before);
+    scene_now(q, &at);
+    const double stored = energy_stored(&at);
+    take_paths(q, next, jumps);
+    transition_settle_regimes(q, stored, false);
+    if (isfinite(q->external_work) || scene_is_force_element(q->v)) {
         return true;
     }
-    scene_state_copy(v, &before, q);
+    scene_state_copy(&before, q);
     return false;
 }
 
@@ -137,21 +134,21 @@ static enum model_status advance_force_element(struct model *m, const struct ste
     const long limit = SCENE_ANY_FREE ? solver_max_internal_steps(v) : PRESCRIBED_PANELS;
     if (SCENE_ANY_FREE) {
         struct scene_instant at;
-        transition_begin_step(v, q, &at);
+        transition_begin_step(q, &at);
     } else if (SUMS_UP_STEPS) {
-        prescribed_begin(v, q);
+        prescribed_begin(q);
     }
     if ((SCENE_ANY_FREE || SUMS_UP_STEPS) &&
-        !prescribed_over(v, q, length, limit < PRESCRIBED_PANELS ? limit : PRESCRIBED_PANELS)) {
+        !prescribed_over(q, length, limit < PRESCRIBED_PANELS ? limit : PRESCRIBED_PANELS)) {
         const struct step_request whole = {.end_time = request->end_time, .whole = true};
         *q = before;
         return report_early_end(m, &whole, limit < PRESCRIBED_PANELS);
     }
     q->clock += length;
     q->step_length = length;
-    scene_rebase(v, q);
+    scene_rebase(q);
     if (SCENE_ANY_FREE) {
-        transition_end_step(v, q);
+        transition_end_step(q);
     }
     return MODEL_OK;
 }
@@ -162,9 +159,8 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
         return advance_force_element(m, request);
     }
     const double end_time = request->end_time;
-    const struct scene_values *v = &m->state.values;
     const int32_t events = m->state.motion.counters.events;
-    switch (integrator_run(&m->integrator, v, &m->state.motion, request)) {
+    switch (integrator_run(&m->integrator, &m->state.motion, request)) {
     case INTEGRATOR_DONE:
         break;
     case INTEGRATOR_STEP_LIMIT:
@@ -188,7 +184,7 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
 void motion_catch_up(struct model *m)
 {
     if (SCENE_ANY_FREE && m->state.motion.deferred) {
-        integrator_catch_up(&m->integrator, &m->state.values, &m->state.motion);
+        integrator_catch_up(&m->integrator, &m->state.motion);
     }
 }
 
@@ -215,7 +211,7 @@ static void foresee_reading(struct model *m, double clock)
     int others = 0; /* bits of the motions that are not free; costs one instruction for each body */
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            const struct body_state at = flight_unforced_at(v, q, i, clock);
+            const struct body_state at = flight_unforced_at(q, i, clock);
             present_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
         } else {
             others |= body_motion(v, i);
@@ -240,13 +236,13 @@ bool motion_defer(struct model *m, double end_time)
     return true;
 }
 
-double motion_size(const struct scene_values *v, const struct scene_state *q)
+double motion_size(const struct scene_state *q)
 {
-    double sum = !SCENE_ANY_FREE || scene_is_force_element(v) ? 0.0 : q->dissipated + q->external_work;
+    double sum = !SCENE_ANY_FREE || scene_is_force_element(q->v) ? 0.0 : q->dissipated + q->external_work;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
+        if (body_is_free(q->v, i)) {
             const struct vec3 speed = q->body[i].velocity;
-            sum += body_mass(v, i) * vec3_dot(speed, speed) + vec3_norm(q->body[i].moved);
+            sum += body_mass(q->v, i) * vec3_dot(speed, speed) + vec3_norm(q->body[i].moved);
         }
     }
     for (int j = 0; !SCENE_ANY_FREE && SUMS_UP_STEPS && j < SCENE_CONTACTS; ++j) {

@@ -62,10 +62,10 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
 }
 
 /* Sets the energies and the counters. Returns the total energy [J]. */
-static double put_energies(struct scene_values *v, const struct scene_state *q,
-                           const struct scene_instant *at)
+static double put_energies(struct scene_values *v, const struct scene_instant *at)
 {
-    const struct scene_energies energy = scene_energies_of(v, q, at);
+    const struct scene_state *q = at->q;
+    const struct scene_energies energy = scene_energies_of(at);
     const double total = energy.kinetic + energy.potential + energy.stored + q->dissipated -
                          q->external_work + (energy.rotational + q->friction_energy);
     put_energy_kinetic(v, energy.kinetic);
@@ -84,7 +84,7 @@ static double put_energies(struct scene_values *v, const struct scene_state *q,
     put_solver_fallbacks(v, q->counters.fallbacks);
 #if HAS_solver_islands || HAS_solver_largest_island
     {
-        const struct islands islands = scene_islands(v, q);
+        const struct islands islands = scene_islands(q);
         put_solver_islands(v, islands.count);
         put_solver_largest_island(v, islands.largest);
     }
@@ -94,11 +94,11 @@ static double put_energies(struct scene_values *v, const struct scene_state *q,
 
 /* Sets the energies, the counters and the contact outputs over a step or the run. Returns a sum that is
  * finite only if all of them are. */
-static double show_motion(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)
+static double show_motion(struct scene_values *v, const struct scene_instant *at)
 {
-    double sum = SCENE_ANY_FREE ? put_energies(v, q, at) : motion_size(v, q);
+    double sum = SCENE_ANY_FREE ? put_energies(v, at) : motion_size(at->q);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        sum += put_history(v, q, j);
+        sum += put_history(v, at->q, j);
     }
     return sum;
 }
@@ -113,8 +113,7 @@ bool model_has_derivatives(const struct variable *variable)
 /* Returns coefficient `order` of an energy [J/s^order in time]. */
 static double energy_term(const struct model *m, const struct scene_jet *along, int row, int order)
 {
-    const struct scene_values *v = &m->state.values;
-    const struct scene_energies energy = jet_energies_of(v, &m->state.motion, along, order);
+    const struct scene_energies energy = jet_energies_of(&m->state.motion, along, order);
     switch (row) {
     case ROW_energy_kinetic:
         return energy.kinetic;
@@ -153,17 +152,16 @@ static bool sticks(const struct scene_values *v, const struct scene_state *q, co
                : vec3_norm(at->turning.slip[contact]) < q->contact[contact].parameters.slip_velocity;
 }
 
-static double put_rubbing(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
-                          int contact)
+static double put_rubbing(struct scene_values *v, const struct scene_instant *at, int contact)
 {
     const struct turning_instant *turning = &at->turning;
     const int source = contact_source(contact);
     const struct vec3 centre = vec3_add(body_center(v, source), at->displacement[source]);
     const struct vec3 friction = turning->friction_force[contact];
     if (SCENE_ANY_FRICTION) {
-        put_contact_effective_slip_velocity(v, contact, q->contact[contact].parameters.slip_velocity);
+        put_contact_effective_slip_velocity(v, contact, at->q->contact[contact].parameters.slip_velocity);
     }
-    put_contact_sticking(v, contact, sticks(v, q, at, contact));
+    put_contact_sticking(v, contact, sticks(v, at->q, at, contact));
     put_contact_friction_force(v, contact, friction);
     put_contact_slip_velocity(v, contact, turning->slip[contact]);
     put_contact_source_point(v, contact, vec3_add(centre, turning->source_arm[contact]));
@@ -175,7 +173,7 @@ static double put_rubbing(struct scene_values *v, const struct scene_state *q, c
         const double along = vec3_dot(spin, n);
         put_contact_rolling_torque(v, contact, turning->resistance[contact]);
         put_contact_rolling_rate(v, contact, vec3_axpy(spin, -along, n));
-        put_contact_spinning_rate(v, contact, scene_contact_side(v, q, contact) * along);
+        put_contact_spinning_rate(v, contact, scene_contact_side(at->q, contact) * along);
     }
     return vec3_norm(friction) + vec3_norm(turning->slip[contact]) +
            vec3_norm(turning->source_torque[contact]) + vec3_norm(turning->destination_torque[contact]);
@@ -191,11 +189,11 @@ static void put_contact_sums(struct scene_values *v, const struct scene_instant 
 
 /* Completes the instant by rotation and friction, and sets the outputs of bodies that turn and contacts that
  * rub. Returns a sum of them, which is finite only if every output is. */
-static double show_turning(struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
+static double show_turning(struct scene_values *v, struct scene_instant *at)
 {
     double sum = 0.0;
     if (!scene_turns(v)) {
-        turning_complete(v, q, at);
+        turning_complete(at);
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         const struct body_turn *turn = &at->turning.body[i];
@@ -210,7 +208,7 @@ static double show_turning(struct scene_values *v, const struct scene_state *q, 
         sum += vec3_norm(turn->angular_velocity);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        sum += put_rubbing(v, q, at, j);
+        sum += put_rubbing(v, at, j);
     }
     return sum;
 }
@@ -290,18 +288,17 @@ static struct vec3 contact_vector_term(const struct scene_jet *along, const stru
     }
 }
 
-static double contact_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
-                           const struct scene_jet *along, const struct variable *variable, int order)
+static double contact_term(const struct scene_instant *at, const struct scene_jet *along,
+                           const struct variable *variable, int order)
 {
-    const struct scene_values *v = &m->state.values;
     const int j = variable->element;
-    const struct contact_shape shape = scene_shape_met(v, q, at, j);
+    const struct contact_shape shape = scene_shape_met(at, j);
     const struct contact_jet *contact = &along->contact[j];
     switch (variable->row) {
     case ROW_contact_gap:
-        return scene_shown_within(v, q, at, j, &shape) ? contact->gap[order] : 0.0;
+        return scene_shown_within(at, j, &shape) ? contact->gap[order] : 0.0;
     case ROW_contact_gap_rate:
-        return scene_shown_within(v, q, at, j, &shape) ? contact->gap_rate[order] : 0.0;
+        return scene_shown_within(at, j, &shape) ? contact->gap_rate[order] : 0.0;
     case ROW_contact_distance:
         return distance_term(&shape, contact, order);
     case ROW_contact_normal_force:
@@ -311,13 +308,13 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
     }
 }
 
-double output_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
-                   const struct scene_jet *along, const struct variable *variable, int order)
+double output_term(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
+                   const struct variable *variable, int order)
 {
     const int j = variable->element;
     const int k = variable->component;
     const bool starting = !m->state.initialized;
-    const bool touches = j < SCENE_CONTACTS && q->contact[j].regime != REGIME_APART;
+    const bool touches = j < SCENE_CONTACTS && at->q->contact[j].regime != REGIME_APART;
     struct quaternion orientation;
     struct vec3 axis[JET_TERMS];
     switch (variable->row) {
@@ -358,7 +355,7 @@ double output_term(const struct model *m, const struct scene_state *q, const str
     case ROW_energy_friction:
         return energy_term(m, along, variable->row, order);
     default:
-        return contact_term(m, q, at, along, variable, order);
+        return contact_term(at, along, variable, order);
     }
 }
 
@@ -374,19 +371,18 @@ static double distance_of(const struct contact_shape *shape, const struct scene_
 
 /* Sets the outputs of a contact. Returns a sum that is finite only if all of them are, since products of
  * values within their ranges may be more than a double holds. */
-static double put_contact(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
-                          int contact)
+static double put_contact(struct scene_values *v, const struct scene_instant *at, int contact)
 {
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const struct contact_shape shape = scene_shape_met(at, contact);
     const int source = contact_source(contact);
     const struct vec3 centre =
         vec3_add(vec3_add(body_center(v, source), at->displacement[source]), scene_lever(at, contact, 0));
     const double distance = distance_of(&shape, at, contact);
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const struct contact_state *state = &q->contact[contact];
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    const struct contact_state *state = &at->q->contact[contact];
     const enum contact_regime regime = (enum contact_regime)state->regime;
-    const bool within = scene_shown_within(v, q, at, contact, &shape);
+    const bool within = scene_shown_within(at, contact, &shape);
     const double force = contact_normal_force_of(&law, regime, g->gap, g->gap_rate);
     const struct contact_coefficients factors = contact_coefficients_of(&law, REGIME_COMPRESSION);
     const struct contact_coefficients none = {0.0, 0.0};
@@ -405,7 +401,7 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     put_contact_point(v, contact, vec3_axpy(foot, g->distance - shape.other_radius, g->normal));
     put_contact_active(v, contact, regime != REGIME_APART);
     put_contact_within_extents(v, contact, within);
-    put_contact_zone(v, contact, (int32_t)zones_shown(v, q, at, contact));
+    put_contact_zone(v, contact, (int32_t)zones_shown(at, contact));
     const struct vec3 source_force =
         contact_rubs(v, contact) ? at->source_force[contact] : vec3_scale(-shape.side * force, g->normal);
     put_contact_normal_force(v, contact, force);
@@ -414,18 +410,17 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     return force + distance + g->gap_rate + factors.k + factors.c + (hertz.k + hertz.c);
 }
 
-static void warn_of_missing_direction(struct model *m, const struct scene_state *q,
-                                      const struct scene_instant *at)
+static void warn_of_missing_direction(struct model *m, const struct scene_instant *at)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (SCENE_ANY_CURVED && at->geometry[j].degenerate && q->contact[j].regime != REGIME_APART &&
+        if (SCENE_ANY_CURVED && at->geometry[j].degenerate && at->q->contact[j].regime != REGIME_APART &&
             !m->state.warned_of_direction[j]) {
             m->state.warned_of_direction[j] = 1;
             const struct vec3 n = at->geometry[j].normal;
             model_report(m, MODEL_WARNING,
                          "%s.distance = 0 at %s s: the overlapping bodies have no defined normal; the "
                          "direction (%g, %g, %g) is used (allowed: distance > 0). Given once.",
-                         scene_contact_name(j), shortest_digits(scene_time(q)).text, n.x, n.y, n.z);
+                         scene_contact_name(j), shortest_digits(scene_time(at->q)).text, n.x, n.y, n.z);
         }
     }
 }
@@ -444,16 +439,16 @@ static void update_all(struct model *m)
 {
     struct scene_values *v = &m->state.values;
     struct scene_state settled;
-    const struct scene_state *q = motion_shown(v, &m->state.motion, &settled);
+    const struct scene_state *q = motion_shown(&m->state.motion, &settled);
     struct scene_instant at;
     double sum = 0.0;
-    scene_now(v, q, &at);
+    scene_now(q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         m->state.motion.contact[j].normal = at.geometry[j].normal;
-        sum += put_contact(v, q, &at, j);
+        sum += put_contact(v, &at, j);
     }
-    sum += show_motion(v, q, &at) + (SCENE_ANY_TURNING ? show_turning(v, q, &at) : 0.0);
-    warn_of_missing_direction(m, q, &at);
+    sum += show_motion(v, &at) + (SCENE_ANY_TURNING ? show_turning(v, &at) : 0.0);
+    warn_of_missing_direction(m, &at);
     /* If some output is not finite, model_read has to look at each by itself. */
     m->outputs = isfinite(sum) ? OUTPUTS_ALL : OUTPUTS_BODIES;
 }
@@ -501,8 +496,8 @@ enum model_status model_read(struct model *m, const struct variable *variable, v
     const void *at = (const char *)&m->state.values + variable->offset;
     if (variable_is_local(variable)) {
         struct scene_instant now;
-        scene_now(&m->state.values, &m->state.motion, &now);
-        local = model_exchange_value(&m->state.values, &m->state.motion, &now, variable);
+        scene_now(&m->state.motion, &now);
+        local = model_exchange_value(&now, variable);
         at = &local;
     }
     if (!isfinite(variable_number(variable, at))) {

@@ -209,9 +209,8 @@ static const double DEEP_START = 0.1;
 
 static void warn_of_deep_start(const struct model *m, const struct scene_instant *at, int contact)
 {
-    const struct scene_values *v = &m->state.values;
-    const struct contact_shape shape = scene_whole_shape(v, &m->state.motion, contact);
-    const struct contact_law law = scene_contact_law(v, &m->state.motion, contact);
+    const struct contact_shape shape = scene_whole_shape(&m->state.motion, contact);
+    const struct contact_law law = scene_contact_law(&m->state.motion, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const double radius = shape.other_radius > 0.0 ? fmin(shape.source_radius, shape.other_radius)
                                                    : shape.source_radius; /* the other body is a plane */
@@ -230,10 +229,10 @@ static enum model_status check_start(struct model *m)
 {
     const struct scene_values *v = &m->state.values;
     struct scene_instant at;
-    scene_now(v, &m->state.motion, &at);
+    scene_now(&m->state.motion, &at);
     double sum = 0.0;
     if (SCENE_ANY_FREE && !scene_is_force_element(v)) {
-        const struct scene_energies energy = scene_energies_of(v, &m->state.motion, &at);
+        const struct scene_energies energy = scene_energies_of(&at);
         sum = energy.kinetic + energy.potential + energy.stored;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -261,7 +260,7 @@ static enum model_status warn_of_conforming(struct model *m)
     enum model_status status = MODEL_OK;
     const struct scene_values *v = &m->state.values;
     for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
-        const struct contact_shape shape = scene_contact_shape(v, &m->state.motion, j);
+        const struct contact_shape shape = scene_contact_shape(&m->state.motion, j);
         if (scene_is_hertz(v, j) && contact_penalty_control(v, j) == PENALTY_CONTROL_AUTOMATIC &&
             shape.side < 0 && shape.source_radius > CONFORMING * shape.other_radius) {
             status = model_report(m, MODEL_WARNING,
@@ -410,14 +409,12 @@ static struct bounding_box body_box(const struct scene_values *v, int body, doub
 
 /* Finds the boxes of both bodies, or of the parts of compounds that meet, at the start relative to the
  * source's centre, so that a common offset of the bodies costs no digits. */
-static void start_boxes(const struct scene_values *v, const struct scene_state *q, int contact,
-                        struct bounding_box boxes[2])
+static void start_boxes(const struct scene_state *q, int contact, struct bounding_box boxes[2])
 {
     const int from = contact_source(contact);
     const int to = contact_destination(contact);
-    const struct vec3 apart = vec3_sub(body_center(v, to), body_center(v, from));
-    struct vec3 moved =
-        vec3_sub(scene_body_now(v, q, to).displacement, scene_body_now(v, q, from).displacement);
+    const struct vec3 apart = vec3_sub(body_center(q->v, to), body_center(q->v, from));
+    struct vec3 moved = vec3_sub(scene_body_now(q, to).displacement, scene_body_now(q, from).displacement);
     if (SCENE_ANY_COMPOUND) {
         const struct vec3 start =
             quaternion_rotate(q->turn_origin[from].orientation, contact_source_part(contact));
@@ -425,40 +422,41 @@ static void start_boxes(const struct scene_values *v, const struct scene_state *
             quaternion_rotate(q->turn_origin[to].orientation, contact_destination_part(contact));
         moved = vec3_add(moved, vec3_sub(end, start));
     }
-    boxes[0] = body_box(v, from, contact_source_radius(v, contact), vec3_make(0.0, 0.0, 0.0), NULL);
-    boxes[1] = body_box(v, to, contact_destination_radius(v, contact), vec3_add(apart, moved), &boxes[0]);
+    boxes[0] = body_box(q->v, from, contact_source_radius(q->v, contact), vec3_make(0.0, 0.0, 0.0), NULL);
+    boxes[1] =
+        body_box(q->v, to, contact_destination_radius(q->v, contact), vec3_add(apart, moved), &boxes[0]);
 }
 
 double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate)
 {
     struct bounding_box boxes[2];
-    start_boxes(&m->state.values, &m->state.motion, contact, boxes);
+    start_boxes(&m->state.motion, contact, boxes);
     return bounding_box_diagonal_rate(&boxes[0], &boxes[1], rate);
 }
 
-static void prepare_contact(const struct scene_values *v, struct scene_state *q, int contact)
+static void prepare_contact(struct scene_state *q, int contact)
 {
     struct contact_state *state = &q->contact[contact];
     struct bounding_box boxes[2];
-    start_boxes(v, q, contact, boxes);
+    start_boxes(q, contact, boxes);
     state->parameters.diagonal = bounding_box_diagonal(&boxes[0], &boxes[1]);
     state->side = 1;
     state->regime = (int32_t)REGIME_APART;
     if (SCENE_ANY_FRICTION) { /* v_0: automatic, or the user's; 1e-3 has the unit 1/s */
         state->parameters.slip_velocity =
-            contact_slip_velocity_control(v, contact) == SLIP_VELOCITY_CONTROL_AUTOMATIC
+            contact_slip_velocity_control(q->v, contact) == SLIP_VELOCITY_CONTROL_AUTOMATIC
                 ? 1e-3 * state->parameters.diagonal
-                : contact_characteristic_slip_velocity(v, contact);
+                : contact_characteristic_slip_velocity(q->v, contact);
     }
     if (SCENE_ANY_AXIS && body_has_axis(contact_destination(contact))) {
-        state->parameters.axis = body_unit_axis(v, contact_destination(contact));
+        state->parameters.axis = body_unit_axis(q->v, contact_destination(contact));
     }
-    struct contact_shape shape = scene_contact_shape(v, q, contact);
+    struct contact_shape shape = scene_contact_shape(q, contact);
     state->normal = contact_default_normal(&shape);
     struct scene_instant at;
-    scene_now(v, q, &at);
+    scene_now(q, &at);
     state->side = shape.side;
-    if (contact_location(v, contact) == LOCATION_AUTOMATIC && !contact_is_zoned(&shape)) {
+    if (contact_location(q->v, contact) == LOCATION_AUTOMATIC && !contact_is_zoned(&shape)) {
         /* The source is inside when its centre is closer than r_d to the centre or axis, and it fits in. */
         state->side =
             at.geometry[contact].distance < shape.other_radius && shape.source_radius < shape.other_radius
@@ -466,7 +464,7 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
                 : 1;
     }
     state->normal = at.geometry[contact].normal;
-    state->parameters.factors = model_factors(v, q, contact);
+    state->parameters.factors = model_factors(q, contact);
 }
 
 void model_prepare(struct model *m)
@@ -474,6 +472,7 @@ void model_prepare(struct model *m)
     struct scene_state *q = &m->state.motion;
     const struct scene_values *v = &m->state.values;
     memset(q, 0, sizeof *q);
+    q->v = v;
     if (m->state.importer_tolerance > 0.0) {
         put_solver_relative_tolerance(&m->state.values, m->state.importer_tolerance);
     }
@@ -486,15 +485,15 @@ void model_prepare(struct model *m)
         }
     }
     if (SCENE_ANY_ROTATION) {
-        turning_place(v, q);
+        turning_place(q);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].side = 1;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        prepare_contact(v, q, j);
+        prepare_contact(q, j);
     }
-    motion_begin(v, q);
+    motion_begin(q);
     if (m->host.exchange) {
         motion_forget_integration(q);
     }

@@ -23,10 +23,10 @@ static bool open_linear_model(struct model *m, struct linear_model *l)
     if (!model_update_outputs(m, OUTPUTS_ALL)) {
         return false;
     }
-    l->q = motion_shown(v, &m->state.motion, &l->settled);
-    scene_now(v, l->q, &l->at);
+    l->q = motion_shown(&m->state.motion, &l->settled);
+    scene_now(l->q, &l->at);
     if (SCENE_ANY_TURNING && !scene_turns(v)) {
-        turning_complete(v, l->q, &l->at);
+        turning_complete(&l->at);
     }
     return true;
 }
@@ -54,13 +54,13 @@ enum model_status model_get_output_derivatives(struct model *m, const struct var
     if (!open_linear_model(m, &l)) {
         return model_refuse_inputs(m);
     }
-    jet_in_time(&m->state.values, l.q, &l.at, &l.along);
+    jet_in_time(&l.at, &l.along);
     for (size_t i = 0; i < outputs->count; ++i) {
         const struct variable *first = scene_variable(outputs->references[i]);
         const size_t length = list_length(outputs, i);
         for (size_t k = 0; k < length && status == MODEL_OK; ++k, ++values) {
             /* a derivative is the Taylor coefficient times order!, which is the order for 1 and 2 */
-            *values = orders[i] * output_term(m, l.q, &l.at, &l.along, first + k, orders[i]);
+            *values = orders[i] * output_term(m, &l.at, &l.along, first + k, orders[i]);
             status = check_finite(m, first + k, *values);
         }
     }
@@ -68,10 +68,10 @@ enum model_status model_get_output_derivatives(struct model *m, const struct var
 }
 
 /* Moves one component of a prescribed orientation, whose sign may be opposite to that of the output. */
-static void move_prescribed_orientation(const struct scene_values *v, const struct scene_instant *at,
-                                        const struct variable *known, double change, struct scene_jet *along)
+static void move_prescribed_orientation(const struct scene_instant *at, const struct variable *known,
+                                        double change, struct scene_jet *along)
 {
-    const struct quaternion given = body_prescribed_orientation(v, known->element);
+    const struct quaternion given = body_prescribed_orientation(at->v, known->element);
     const struct quaternion unit = at->turning.body[known->element].orientation;
     const double length = copysign(sqrt(quaternion_dot(given, given)), quaternion_dot(given, unit));
     turning_jet_move_orientation(known->element, unit, length, known->component, change, along);
@@ -79,29 +79,28 @@ static void move_prescribed_orientation(const struct scene_values *v, const stru
 
 /* Moves one known along the path. An input has an effect only where it is in use: the motion inputs of a
  * prescribed body, the force and torque on a free one. A state of Model Exchange may be a known too. */
-static void move_inputs(const struct scene_values *v, const struct scene_state *q,
-                        const struct scene_instant *at, const struct variable *known, double change,
+static void move_inputs(const struct scene_instant *at, const struct variable *known, double change,
                         struct scene_jet *along)
 {
     const int i = known->element;
-    const bool turns = SCENE_ANY_ROTATION && body_turn_is_prescribed(v, i);
+    const bool turns = SCENE_ANY_ROTATION && body_turn_is_prescribed(at->v, i);
     struct vec3 *moved = NULL;
     if (known->causality == VARIABLE_STATE) {
-        model_exchange_move(v, q, known, change, along);
+        model_exchange_move(at->q, known, change, along);
     } else if (known->row == ROW_body_external_force) {
-        moved = body_is_free(v, i) ? &along->force[i] : NULL;
+        moved = body_is_free(at->v, i) ? &along->force[i] : NULL;
     } else if (known->row == ROW_body_external_torque) {
-        moved = body_turns_freely(v, i) ? &along->torque[i] : NULL;
+        moved = body_turns_freely(at->v, i) ? &along->torque[i] : NULL;
     } else if (known->row == ROW_body_prescribed_displacement) {
-        moved = body_is_prescribed(v, i) ? &along->displacement[i][1] : NULL;
+        moved = body_is_prescribed(at->v, i) ? &along->displacement[i][1] : NULL;
     } else if (known->row == ROW_body_prescribed_velocity) {
-        moved = body_is_prescribed(v, i) ? &along->velocity[i][1] : NULL;
+        moved = body_is_prescribed(at->v, i) ? &along->velocity[i][1] : NULL;
     } else if (turns && known->row == ROW_body_prescribed_angular_velocity) {
         moved = &along->angular_velocity[i][1];
     } else if (turns && known->row == ROW_body_prescribed_axis) {
-        turning_jet_move_axis(v, at, i, known->component, change, along);
+        turning_jet_move_axis(at, i, known->component, change, along);
     } else if (SCENE_ANY_COMPOUND && turns && known->row == ROW_body_prescribed_orientation) {
-        move_prescribed_orientation(v, at, known, change, along);
+        move_prescribed_orientation(at, known, change, along);
     }
     if (moved != NULL) {
         *vec3_part(moved, known->component) += change;
@@ -137,23 +136,20 @@ static void vary_laws(const struct model *m, struct linear_model *l)
         }
         if (SCENE_ANY_HERTZ && !m->state.initialized && scene_damps_by_onset(v, j)) {
             const struct contact_jet *contact = &along->contact[j];
-            jet_of_contacts(v, l->q, &l->at, NULL, true, along);
-            along->law_slope[j] = onset_law_slope(v, l->q, &l->at, j, contact->gap[1], contact->gap_rate[1]);
+            jet_of_contacts(&l->at, NULL, true, along);
+            along->law_slope[j] = onset_law_slope(&l->at, j, contact->gap[1], contact->gap_rate[1]);
         }
     }
 }
 
 /* Returns the derivative of an unknown along the path. Calculated parameters change with the start until the
  * end of initialization. */
-static double input_derivative(const struct model *m, const struct scene_state *q,
-                               const struct scene_instant *at, const struct scene_jet *along,
-                               const struct variable *variable)
+static double input_derivative(const struct model *m, const struct scene_instant *at,
+                               const struct scene_jet *along, const struct variable *variable)
 {
     const int j = variable->element;
     if (variable_is_local(variable)) { /* a rate, or a state: no input changes a state at once */
-        return variable->causality == VARIABLE_RATE
-                   ? model_exchange_rate(&m->state.values, q, at, along, variable)
-                   : 0.0;
+        return variable->causality == VARIABLE_RATE ? model_exchange_rate(at, along, variable) : 0.0;
     }
     switch (variable->row) {
     case ROW_contact_effective_slip_velocity:
@@ -171,7 +167,7 @@ static double input_derivative(const struct model *m, const struct scene_state *
         return diagonal_slope(m, along, j);
 #endif
     default:
-        return output_term(m, q, at, along, variable, 1);
+        return output_term(m, at, along, variable, 1);
     }
 }
 
@@ -199,12 +195,11 @@ static void begin_path(const struct model *m, struct linear_model *l)
 /* Computes how the contacts change with the inputs along the path. */
 static void finish_path(const struct model *m, struct linear_model *l)
 {
-    const struct scene_values *v = &m->state.values;
     vary_laws(m, l);
-    jet_of_contacts(v, l->q, &l->at, NULL, true, &l->along);
+    jet_of_contacts(&l->at, NULL, true, &l->along);
     if (SCENE_ANY_FREE && m->state.initialized && !m->host.exchange) {
         /* The jump of an input that moves a body does the work that changes the energy stored in contacts. */
-        l->along.external_work[1] = jet_energies_of(v, l->q, &l->along, 1).stored;
+        l->along.external_work[1] = jet_energies_of(l->q, &l->along, 1).stored;
     }
 }
 
@@ -220,7 +215,7 @@ static enum model_status put_changes(const struct model *m, struct linear_model 
         const struct variable *first = scene_variable(unknowns->references[i]);
         const size_t length = list_length(unknowns, i);
         for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
-            const double change = input_derivative(m, l->q, &l->at, &l->along, first + k);
+            const double change = input_derivative(m, &l->at, &l->along, first + k);
             sum += seed ? *seed++ * change : 0.0;
             *values = seed ? sum : change;
             values += seed ? 0 : 1;
@@ -246,7 +241,7 @@ enum model_status model_product(struct model *m, const struct product *p)
         const struct variable *first = scene_variable(p->knowns.references[i]);
         const size_t length = list_length(&p->knowns, i);
         for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
-            move_inputs(&m->state.values, l.q, &l.at, first + k, p->adjoint ? 1.0 : *direction++, &l.along);
+            move_inputs(&l.at, first + k, p->adjoint ? 1.0 : *direction++, &l.along);
             if (p->adjoint) {
                 *values = 0.0;
                 status = put_changes(m, &l, &p->unknowns, p->seed, values);

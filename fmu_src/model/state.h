@@ -29,7 +29,8 @@ struct input_signal {
  * prescribed angular velocity, axis and external torque; where any is a compound, prescribed orientation. */
 enum { SIGNALS_EACH = SCENE_ANY_COMPOUND ? 22 : SCENE_ANY_ROTATION ? 18 : 9 };
 
-/* The state as it is saved: flat and without pointers. Doubles come first, which leaves no padding inside. */
+/* The state as it is saved: flat, and model_save leaves out the only pointer, motion.v. Doubles come first,
+ * which leaves no padding inside. */
 struct model_state {
     struct scene_values values;
     struct input_signal signals[SCENE_BODIES][SIGNALS_EACH];
@@ -77,8 +78,7 @@ CONTACT_COLD enum model_status model_report(const struct model *m, enum model_st
 CONTACT_COLD void model_prepare(struct model *m);
 
 /* Returns the stiffness and damping factors of a contact by its parameters and the diagonal in force. */
-struct contact_coefficients model_factors(const struct scene_values *v, const struct scene_state *q,
-                                          int contact);
+struct contact_coefficients model_factors(const struct scene_state *q, int contact);
 
 /* The first function returns d/ds of the bounding box's diagonal when the separation at the start changes by
  * s times `rate`. The second returns d/ds of the law's factors for that slope of the diagonal. */
@@ -137,13 +137,12 @@ void motion_close(struct integrator *integrator);
 bool motion_has_history(const struct scene_values *v);
 
 /* Begins the motion of bodies that are where they start: it settles the regimes of the contacts. */
-void motion_begin(const struct scene_values *v, struct scene_state *q);
+void motion_begin(struct scene_state *q);
 
 /* Changes the paths of the inputs and books the work that the change does. Returns false, and changes
  * nothing, where that work is not finite. `jumps`: the model itself integrates, so that the friction springs
  * of contacts without a free body are laid onto the new tangent planes. */
-bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
-                   bool jumps);
+bool motion_follow(struct scene_state *q, const struct body_path *next, bool jumps);
 
 /* Moves the motion to the end of the requested step. */
 enum model_status motion_advance(struct model *m, const struct step_request *request);
@@ -154,33 +153,30 @@ bool motion_defer(struct model *m, double end_time);
 void motion_catch_up(struct model *m);
 
 /* Returns a sum that is finite only if the motion of the free bodies is. */
-double motion_size(const struct scene_values *v, const struct scene_state *q);
+double motion_size(const struct scene_state *q);
 
 /* Returns the state that outputs show. This is q where a body may be free, else `settled`, a copy of q with
  * the regimes that the present inputs ask for. Reading outputs leaves q as it is. */
-const struct scene_state *motion_shown(const struct scene_values *v, const struct scene_state *q,
-                                       struct scene_state *settled);
+const struct scene_state *motion_shown(const struct scene_state *q, struct scene_state *settled);
 
 /* Clears the caches that only the model's own integrator fills. Model Exchange calls it before the first step
  * and after an event. */
 void motion_forget_integration(struct scene_state *q);
 
 /* Returns the value of a state, a rate or an indicator of Model Exchange. */
-double model_exchange_value(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at, const struct variable *variable);
+double model_exchange_value(const struct scene_instant *at, const struct variable *variable);
 
 /* Changes a state along a path; a state of a body that is not free has no effect. */
-void model_exchange_move(const struct scene_values *v, const struct scene_state *q,
-                         const struct variable *state, double change, struct scene_jet *along);
+void model_exchange_move(const struct scene_state *q, const struct variable *state, double change,
+                         struct scene_jet *along);
 
 /* Returns the rate of a state, or the change of this rate along a path; NULL: no path. */
-double model_exchange_rate(const struct scene_values *v, const struct scene_state *q,
-                           const struct scene_instant *at, const struct scene_jet *along,
+double model_exchange_rate(const struct scene_instant *at, const struct scene_jet *along,
                            const struct variable *rate);
 
 /* Returns the Taylor coefficient `order` of an output along a path (scene_jet.h); zero where the path does
  * not change the output. */
-double output_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
-                   const struct scene_jet *along, const struct variable *variable, int order);
+double output_term(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
+                   const struct variable *variable, int order);
 
 #endif

@@ -84,13 +84,13 @@ static void take_springs(struct span *s)
     }
 }
 
-static struct span span_of(const struct scene_values *v, struct scene_state *q, int contact, long *panels)
+static struct span span_of(struct scene_state *q, int contact, long *panels)
 {
-    struct span s = {.v = v,
+    struct span s = {.v = q->v,
                      .q = q,
                      .contact = contact,
                      .panels = panels,
-                     .panel_cost = contact_has_springs(v, contact) ? ELASTIC_PANEL : 1};
+                     .panel_cost = contact_has_springs(q->v, contact) ? ELASTIC_PANEL : 1};
     take_springs(&s);
     return s;
 }
@@ -102,7 +102,7 @@ static enum contact_regime regime_of(const struct span *s)
 
 static void kinematics_at(const struct span *s, double clock, struct scene_instant *at)
 {
-    scene_kinematics(s->v, s->q, clock, s->q->body, at);
+    scene_kinematics(s->q, clock, s->q->body, at);
 }
 
 /* Gives a clock and springs to q. */
@@ -122,7 +122,7 @@ CONTACT_NOINLINE static void instant_at(const struct span *s, double clock, cons
     bool met[SCENE_CONTACTS] = {false};
     met[s->contact] = true;
     put_present(s, clock, springs);
-    scene_evaluate(s->v, s->q, clock, s->q->body, &s->q->turning, met, at);
+    scene_evaluate(s->q, clock, s->q->body, &s->q->turning, met, at);
 }
 
 /* Sets the torques, the power that friction takes, and the sum of the lengths of both lever arms [m]. Returns
@@ -144,12 +144,12 @@ static double torque_rates(const struct span *s, const struct scene_instant *at,
     vec3_to(turning->source_torque[j], rate + TERM_SOURCE_TORQUE);
     vec3_to(turning->destination_torque[j], rate + TERM_DESTINATION_TORQUE);
     if (SCENE_ANY_FREE) {
-        rate[TERM_FRICTION] = turning_friction_power_of(s->v, at, j);
+        rate[TERM_FRICTION] = turning_friction_power_of(at, j);
     }
     *arm = vec3_norm(turning->source_arm[j]) + vec3_norm(turning->destination_arm[j]);
     if (contact_resists(s->v, j)) { /* |M| is at most F_n times these levers */
         for (int i = 1; i < OPPOSED; ++i) {
-            *arm += scene_friction_law(s->v, s->q, j, i).coefficient;
+            *arm += scene_friction_law(s->q, j, i).coefficient;
         }
     }
     return *arm * turning_spin_size(at, j);
@@ -161,7 +161,7 @@ static double rates_at(const struct span *s, const struct scene_instant *at, dou
                        double scale[TERMS], double lever[TERMS])
 {
     const int j = s->contact;
-    const struct contact_law law = scene_contact_law(s->v, s->q, j);
+    const struct contact_law law = scene_contact_law(s->q, j);
     const struct contact_geometry *g = &at->geometry[j];
     const double force = vec3_norm(at->source_force[j]);
     double arm = 0.0;
@@ -177,8 +177,8 @@ static double rates_at(const struct span *s, const struct scene_instant *at, dou
         scale[k] = force * lever[k];
     }
     if (SCENE_ANY_FREE) {
-        rate[TERM_DISSIPATED] = energy_dissipated_power_of(s->v, s->q, at, j);
-        rate[TERM_WORK] = scene_driving_power(s->v, at, j);
+        rate[TERM_DISSIPATED] = energy_dissipated_power_of(at, j);
+        rate[TERM_WORK] = scene_driving_power(at, j);
         /* the spring loses energy also while the force is clipped to zero */
         scale[TERM_DISSIPATED] += fabs(contact_stored_slope(&law, regime_of(s), g->gap)) * speed;
     }
@@ -302,7 +302,7 @@ static bool put_spring(const struct span *s, int part, struct panel *panel)
 {
     const int j = s->contact;
     struct spring_problem p = {.part = (enum opposed)part,
-                               .law = scene_friction_law(s->v, s->q, j, part),
+                               .law = scene_friction_law(s->q, j, part),
                                .regime = (enum friction_regime)s->q->contact[j].friction_regime[part],
                                .length = panel->node[PANEL_END].clock - panel->node[0].clock};
     for (int i = 0; i < PANEL_NODES; ++i) {
@@ -310,7 +310,7 @@ static bool put_spring(const struct span *s, int part, struct panel *panel)
         instant_at(s, panel->node[i].clock, &panel->node[0].springs, &at);
         p.node[i] = (struct spring_node){.rubbing = turning_rubbing(&s->q->turning, &at, j, part),
                                          .normal = at.geometry[j].normal,
-                                         .normal_rate = turning_normal_rate(s->v, s->q, &at, j)};
+                                         .normal_rate = turning_normal_rate(&at, j)};
     }
     const bool solved = solve_spring(&p);
     for (int i = 0; i < PANEL_NODES; ++i) {
@@ -339,7 +339,7 @@ static double relative_speed(const struct span *s, const struct scene_instant *a
 static void put_events(const struct span *s, const struct scene_instant *at, double events[ODE_EVENTS_EACH])
 {
     const int j = s->contact;
-    const struct contact_law law = scene_contact_law(s->v, s->q, j);
+    const struct contact_law law = scene_contact_law(s->q, j);
     const double error = SPEED_ROUNDINGS * relative_speed(s, at); /* [m/s] */
     for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
         events[i] = 1.0;
@@ -351,8 +351,8 @@ static void put_events(const struct span *s, const struct scene_instant *at, dou
     }
     if (contact_has_events(&law)) {
         const struct contact_geometry *g = &at->geometry[j];
-        events[ODE_EVENT_LAW] = contact_event(&law, regime_of(s), g->gap, g->gap_rate) +
-                                rounding_of_event(s->v, s->q, at, j, error);
+        events[ODE_EVENT_LAW] =
+            contact_event(&law, regime_of(s), g->gap, g->gap_rate) + rounding_of_event(at, j, error);
     }
 }
 
@@ -399,8 +399,8 @@ CONTACT_NOINLINE static bool panel_make(const struct span *s, double from, doubl
             panel->lever[k] += weight * lever[k];
         }
         if (i % PANEL_END == 0) {
-            panel->noise = fmin(panel->noise, rounding_of_force(s->v, s->q, &at, s->contact));
-            panel->tilt = fmin(panel->tilt, rounding_of_normal(s->v, &at, s->contact));
+            panel->noise = fmin(panel->noise, rounding_of_force(&at, s->contact));
+            panel->tilt = fmin(panel->tilt, rounding_of_normal(&at, s->contact));
             panel->depth = fmin(panel->depth, -at.geometry[s->contact].gap);
         }
         if (s->has_events) {
@@ -429,17 +429,17 @@ static void lay_springs(struct span *s, double clock)
 {
     struct scene_instant at;
     instant_at(s, clock, &s->springs, &at);
-    const bool is_noise = rounding_of_normal(s->v, &at, s->contact) > TILT_LAYING;
+    const bool is_noise = rounding_of_normal(&at, s->contact) > TILT_LAYING;
     for (int i = 0; i < OPPOSED && !is_noise; ++i) {
         s->springs.of[i] = opposed_laid((enum opposed)i, s->springs.of[i], at.geometry[s->contact].normal);
     }
 }
 
-void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q)
+void prescribed_lay_springs(struct scene_state *q)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        struct span s = span_of(v, q, j, NULL);
-        if (contact_has_springs(v, j) && regime_of(&s) != REGIME_APART) {
+        struct span s = span_of(q, j, NULL);
+        if (contact_has_springs(q->v, j) && regime_of(&s) != REGIME_APART) {
             lay_springs(&s, q->clock);
             put_present(&s, q->clock, &s.springs);
         }
@@ -463,19 +463,19 @@ static int event_passed(const struct panel_node *now, const struct panel_node *s
 static void take_regime(struct span *s, double clock, enum contact_regime regime)
 {
     put_present(s, clock, &s->springs);
-    transition_set_regime(s->v, s->q, s->contact, regime);
+    transition_set_regime(s->q, s->contact, regime);
     take_springs(s);
 }
 
 /* Sets the regimes and springs after an event. */
 static void take_regime_event(struct span *s, double clock, int event)
 {
-    const struct contact_law law = scene_contact_law(s->v, s->q, s->contact);
+    const struct contact_law law = scene_contact_law(s->q, s->contact);
     if (event == ODE_EVENT_LAW) {
         take_regime(s, clock, contact_regime_after(&law, regime_of(s)));
     } else if (SCENE_ANY_FRICTION) {
         put_present(s, clock, &s->springs);
-        turning_take_event(s->v, s->q, s->contact, (enum ode_event)event);
+        turning_take_event(s->q, s->contact, (enum ode_event)event);
         take_springs(s);
     }
 }
@@ -497,7 +497,7 @@ static const double EVENTS_AGREE = 1e-6;
 static bool springs_agree(const struct span *s, int part, const struct panel *whole, const struct panel *left,
                           const struct panel *right)
 {
-    const struct friction_law law = scene_friction_law(s->v, s->q, s->contact, part);
+    const struct friction_law law = scene_friction_law(s->q, s->contact, part);
     const struct vec3 spring = right->node[PANEL_END].springs.of[part];
     const double way = vec3_norm(spring) + left->moved[part] + right->moved[part];
     const double length = whole->node[PANEL_END].clock - whole->node[0].clock;
@@ -658,7 +658,7 @@ struct passage {
 static bool comes_near(const struct span *s, double clock, struct scene_instant *at)
 {
     kinematics_at(s, clock, at);
-    return rounding_of_normal(s->v, at, s->contact) > TILT_NEAR;
+    return rounding_of_normal(at, s->contact) > TILT_NEAR;
 }
 
 /* Returns when a source in the centre has left it, or INFINITY if it stays. */
@@ -666,7 +666,7 @@ static double centre_left(const struct span *s, double clock)
 {
     struct scene_instant at;
     kinematics_at(s, clock, &at);
-    double time = rounding_of_gap(s->v, &at, s->contact) / (TILT_NEAR * relative_speed(s, &at));
+    double time = rounding_of_gap(&at, s->contact) / (TILT_NEAR * relative_speed(s, &at));
     for (int i = 0; i < LEAVING_DOUBLINGS; ++i) {
         if (!comes_near(s, clock + time, &at)) {
             return clock + time;
@@ -706,7 +706,7 @@ static bool finds_passage(const struct span *s, double clock, double to, struct 
             return false; /* n turns without a reversal */
         }
     }
-    const double outward = scene_contact_side(s->v, s->q, j) * at.geometry[j].gap_rate; /* [m/s] */
+    const double outward = scene_contact_side(s->q, j) * at.geometry[j].gap_rate; /* [m/s] */
     passage->centre = near + fmax(-at.geometry[j].distance / outward, 0.0);
     passage->to = centre_left(s, fmin(passage->centre, to));
     return passage->to < (double)INFINITY;
@@ -768,7 +768,7 @@ CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, c
                        -at.geometry[s->contact].gap);
     lay_springs(s, to);
     kinematics_at(s, to, &at);
-    take_regime(s, to, scene_regime(s->v, s->q, &at, s->contact, false));
+    take_regime(s, to, scene_regime(&at, s->contact, false));
     add_instant(s, to, to - centre);
     counter_add(&s->q->counters.events, 1);
 }
@@ -866,7 +866,7 @@ static void book_span(const struct span *s)
 
 /* Where the panels are used up within one contact, all contacts are integrated anew, up to the clock that
  * this contact has reached. */
-double prescribed_integrate(const struct scene_values *v, struct scene_state *q, double end, long *budget)
+double prescribed_integrate(struct scene_state *q, double end, long *budget)
 {
     const double start = q->clock;
     struct span span[SCENE_CONTACTS];
@@ -878,14 +878,14 @@ double prescribed_integrate(const struct scene_values *v, struct scene_state *q,
     *budget -= panels;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         before[j] = q->contact[j].peaks;
-        span[j] = span_of(v, q, j, left);
+        span[j] = span_of(q, j, left);
     }
     do {
         end = reached;
         for (int j = 0; j < SCENE_CONTACTS && !(reached < end); ++j) {
             q->contact[j].peaks = before[j];
-            span[j] = span_of(v, q, j, left);
-            if (contact_is_prescribed(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
+            span[j] = span_of(q, j, left);
+            if (contact_is_prescribed(q->v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
                 reached = integrate_between(&span[j], start, end);
                 q->clock = start;
             }
@@ -914,7 +914,7 @@ static bool finds_change(const struct span *s, double clock, double end, double 
         return false;
     }
     kinematics_at(s, clock, &at);
-    const struct advancement_path path = advancement_path_of(s->v, s->q, &at, clock, s->contact);
+    const struct advancement_path path = advancement_path_of(&at, clock, s->contact);
     const struct advancement_result found =
         advancement_first(&path, regime_of(s) == REGIME_APART ? ADVANCEMENT_TOUCH : ADVANCEMENT_PARTING,
                           end - clock, *s->evaluations);
@@ -930,7 +930,7 @@ static void change_contact(struct span *s, double clock)
     struct scene_instant at;
     const int j = s->contact;
     const bool touches = regime_of(s) != REGIME_APART;
-    const struct contact_law law = scene_contact_law(s->v, s->q, j);
+    const struct contact_law law = scene_contact_law(s->q, j);
     kinematics_at(s, clock, &at);
     if (SCENE_ANY_FREE) {
         const double stored = contact_stored_energy(&law, REGIME_COMPRESSION, fmin(at.geometry[j].gap, 0.0));
@@ -939,8 +939,8 @@ static void change_contact(struct span *s, double clock)
     if (touches) {
         take_regime(s, clock, REGIME_APART);
     } else {
-        (void)onset_note(s->v, s->q, &at, j, REGIME_COMPRESSION); /* sets the dashpot of the contact */
-        take_regime(s, clock, scene_regime(s->v, s->q, &at, j, true));
+        (void)onset_note(s->q, &at, j, REGIME_COMPRESSION); /* sets the dashpot of the contact */
+        take_regime(s, clock, scene_regime(&at, j, true));
     }
     counter_add(&s->q->counters.events, 1);
 }
@@ -970,23 +970,23 @@ static const double STEPS_OF_PANEL = 5.0;
 
 /* This part serves scenes in which no body may be free: the regimes and forces of the present. */
 
-void prescribed_settle(const struct scene_values *v, struct scene_state *q)
+void prescribed_settle(struct scene_state *q)
 {
-    if (SCENE_ANY_FRICTION && scene_turns(v)) {
-        prescribed_lay_springs(v, q);
+    if (SCENE_ANY_FRICTION && scene_turns(q->v)) {
+        prescribed_lay_springs(q);
     }
-    transition_settle_regimes(v, q, 0.0, true);
+    transition_settle_regimes(q, 0.0, true);
 }
 
-void prescribed_begin(const struct scene_values *v, struct scene_state *q)
+void prescribed_begin(struct scene_state *q)
 {
     struct scene_instant at;
-    prescribed_settle(v, q);
+    prescribed_settle(q);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].physics.impulse = vec3_make(0.0, 0.0, 0.0);
         q->contact[j].torques = (struct contact_torques){0};
     }
-    transition_begin_step(v, q, &at);
+    transition_begin_step(q, &at);
 }
 
 /* Whether nothing moves against anything. The force of the present is then the mean. */
@@ -995,14 +995,14 @@ static bool takes_steady(const struct span *s, double length)
     struct scene_instant at;
     const int j = s->contact;
     struct contact_state *state = &s->q->contact[j];
-    scene_kinematics_now(s->v, s->q, &at);
-    const struct separation_path path = separation_path_of(s->v, s->q, &at, s->q->clock, j);
+    scene_kinematics_now(s->q, &at);
+    const struct separation_path path = separation_path_of(&at, s->q->clock, j);
     if (scene_turns(s->v) || !path_is_steady(path.c, SEPARATION_DEGREE + 1) ||
         !path_is_steady(path.w, SEPARATION_DEGREE)) {
         return false;
     }
     if (state->regime != (int32_t)REGIME_APART) {
-        scene_forces(s->v, s->q, s->q->clock, &at);
+        scene_forces(s->q->clock, &at);
         state->physics.impulse = vec3_scale(length, at.source_force[j]);
         if (SCENE_HAS_TORQUES) {
             state->torques.destination_impulse = vec3_scale(length, scene_torque_of_force(&at, j));
@@ -1013,16 +1013,16 @@ static bool takes_steady(const struct span *s, double length)
 
 #endif
 
-bool prescribed_over(const struct scene_values *v, struct scene_state *q, double length, long panels)
+bool prescribed_over(struct scene_state *q, double length, long panels)
 {
     const double start = q->clock;
     const double end = start + length;
     long evaluations = SEARCH_BUDGET;
-    const double steps = SCENE_ANY_TURNING ? turning_prescribed_steps(v, q, end) : 0.0;
+    const double steps = SCENE_ANY_TURNING ? turning_prescribed_steps(q, end) : 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        struct span s = span_of(v, q, j, &panels);
-        const struct contact_law law = scene_contact_law(v, q, j);
-        if (!contact_is_prescribed(v, j)) {
+        struct span s = span_of(q, j, &panels);
+        const struct contact_law law = scene_contact_law(q, j);
+        if (!contact_is_prescribed(q->v, j)) {
             continue;
         }
 #if !SCENE_ANY_FREE
@@ -1031,7 +1031,7 @@ bool prescribed_over(const struct scene_values *v, struct scene_state *q, double
         }
 #endif
         s.evaluations = &evaluations;
-        s.has_events = contact_has_events(&law) || contact_rubs(v, j);
+        s.has_events = contact_has_events(&law) || contact_rubs(q->v, j);
         s.panel_cost += (long)fmin(steps / STEPS_OF_PANEL, PRESCRIBED_PANELS);
         if (!integrate_located(&s, start, end)) {
             return false;

@@ -21,21 +21,21 @@ enum { PRESCRIBED_PANELS = 20000 };
 /* Integrates the prescribed contacts over [q->clock, end], on which no regime changes, and books impulses,
  * energies, work and peaks. Each panel takes one step of *budget, but does not count in solver.steps. Returns
  * the clock reached, which lies before `end` where the budget is used up. q->clock stays. */
-double prescribed_integrate(const struct scene_values *v, struct scene_state *q, double end, long *budget);
+double prescribed_integrate(struct scene_state *q, double end, long *budget);
 
 /* Integrates the prescribed contacts over `length` seconds from the present, through all changes of regimes,
  * for scenes in which no body may be free and for force elements that turn or rub. The regimes and springs of
  * q become those at the end. Returns false where `panels` panels or the evaluations of the search for touches
  * are used up; q is then undefined. */
-bool prescribed_over(const struct scene_values *v, struct scene_state *q, double length, long panels);
+bool prescribed_over(struct scene_state *q, double length, long panels);
 
 /* Sets the regimes of q to those of the present instant. */
-void prescribed_settle(const struct scene_values *v, struct scene_state *q);
+void prescribed_settle(struct scene_state *q);
 
 /* Begins a communication step with the regimes of the present instant and impulses of zero. */
-void prescribed_begin(const struct scene_values *v, struct scene_state *q);
+void prescribed_begin(struct scene_state *q);
 
 /* Projects the friction springs onto the new tangent planes after inputs have jumped. */
-void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q);
+void prescribed_lay_springs(struct scene_state *q);
 
 #endif

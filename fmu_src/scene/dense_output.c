@@ -212,7 +212,7 @@ static void scene_at(const struct scene_output *o, double clock, const bool *met
     if (o->move) {
         o->move(o->mover, clock, q);
     }
-    scene_evaluate(o->values, q, clock, q->body, &q->turning, met, at);
+    scene_evaluate(q, clock, q->body, &q->turning, met, at);
 }
 
 static void put_sample(const struct contact_jet *jet, struct pair_sample *sample)
@@ -237,7 +237,7 @@ static void sample_scene(const void *output, double clock, struct pair_sample *s
     /* a contact of bodies whose motion is given depends on no other */
     const bool alone = SCENE_CONTACTS > 1 && contact_is_prescribed(o->values, o->contact);
     scene_at(o, clock, alone ? met : NULL, &q, &at);
-    jet_of_motion(o->values, &q, &at, met, &along);
+    jet_of_motion(&at, met, &along);
     put_sample(&along.contact[o->contact], sample);
 }
 
@@ -251,7 +251,7 @@ void scene_outputs_add(struct scene_output *outputs, double clock)
         met[j] = outputs->state->contact[j].regime != (int32_t)REGIME_APART;
     }
     scene_at(outputs, clock, NULL, &q, &at);
-    jet_of_motion(outputs->values, &q, &at, met, &along);
+    jet_of_motion(&at, met, &along);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct dense_output *w = &outputs[j].output;
         if (met[j]) {
@@ -279,7 +279,7 @@ static void note_at_centre(const struct scene_output *o, double low, double high
 static bool may_pass_centre(const struct scene_output *o, const struct pair_sample *before,
                             const struct pair_sample *after)
 {
-    const struct contact_shape shape = scene_contact_shape(o->values, o->state, o->contact);
+    const struct contact_shape shape = scene_contact_shape(o->state, o->contact);
     return shape.side > 0 && -2.0 * after->of[PAIR_GAP][0] > contact_reach(&shape) &&
            before->of[PAIR_GAP][1] < 0.0 && after->of[PAIR_GAP][1] > 0.0;
 }

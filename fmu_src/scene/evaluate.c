@@ -104,28 +104,28 @@ double scene_hertz_modulus(const struct scene_values *v, int contact)
 
 /* Returns K [N/m^1.5], where k_t is `ratio` times dF_n/ddelta = 1.5 k_h sqrt(delta). It is at least the least
  * k_t, since k_h may be zero and the length of a sliding spring is L / k_t. */
-static double mindlin_stiffness(const struct scene_values *v, const struct scene_state *q, int contact)
+static double mindlin_stiffness(const struct scene_state *q, int contact)
 {
-    const double ratio = contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC
-                             ? mindlin_ratio(material_of(v, contact_source(contact)),
-                                             material_of(v, contact_destination(contact)))
-                             : contact_tangential_ratio(v, contact);
+    const double ratio = contact_penalty_control(q->v, contact) == PENALTY_CONTROL_AUTOMATIC
+                             ? mindlin_ratio(material_of(q->v, contact_source(contact)),
+                                             material_of(q->v, contact_destination(contact)))
+                             : contact_tangential_ratio(q->v, contact);
     return fmax(1.5 * ratio * q->contact[contact].parameters.factors.k, 1e-150);
 }
 
 /* Returns R_r [m], the radius of the source that rolls on a plane as the source does on the destination. */
-static double rolling_radius(const struct scene_values *v, const struct scene_state *q, int contact)
+static double rolling_radius(const struct scene_state *q, int contact)
 {
     const int destination = contact_destination(contact);
-    const double r_s = contact_source_radius(v, contact);
-    const double r_d = scene_contact_side(v, q, contact) * contact_destination_radius(v, contact);
+    const double r_s = contact_source_radius(q->v, contact);
+    const double r_d = scene_contact_side(q, contact) * contact_destination_radius(q->v, contact);
     return body_shape(destination) == SHAPE_PLANE ? r_s : r_s * fabs(r_d) / fabs(r_s + r_d);
 }
 
-static struct friction_law resistance_law(const struct scene_values *v, const struct scene_state *q,
-                                          int contact, int part)
+static struct friction_law resistance_law(const struct scene_state *q, int contact, int part)
 {
-    const double lever = rolling_radius(v, q, contact);
+    const struct scene_values *v = q->v;
+    const double lever = rolling_radius(q, contact);
     struct friction_law law = {.kind = (enum friction)contact_rolling(v, contact),
                                .coefficient = lever * contact_rolling_coefficient(v, contact),
                                .largest = (double)INFINITY,
@@ -143,15 +143,15 @@ static struct friction_law resistance_law(const struct scene_values *v, const st
     return law;
 }
 
-struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q, int contact,
-                                       int part)
+struct friction_law scene_friction_law(const struct scene_state *q, int contact, int part)
 {
+    const struct scene_values *v = q->v;
     _Static_assert((int)RESISTANCE_NONE == (int)FRICTION_NONE &&
                        (int)RESISTANCE_REGULARIZED == (int)FRICTION_REGULARIZED &&
                        (int)RESISTANCE_ELASTIC == (int)FRICTION_ELASTIC,
                    "a resistance is a law of friction");
     if (part != OPPOSED_SLIP) {
-        return contact_resists(v, contact) ? resistance_law(v, q, contact, part)
+        return contact_resists(v, contact) ? resistance_law(q, contact, part)
                                            : (struct friction_law){.kind = FRICTION_NONE};
     }
     return (struct friction_law){
@@ -159,7 +159,7 @@ struct friction_law scene_friction_law(const struct scene_values *v, const struc
         .coefficient = contact_friction_coefficient(v, contact),
         .static_coefficient = contact_static_friction_coefficient(v, contact),
         .largest = contact_maximum_friction_force(v, contact),
-        .stiffness = scene_stiffens(v, contact) ? mindlin_stiffness(v, q, contact)
+        .stiffness = scene_stiffens(v, contact) ? mindlin_stiffness(q, contact)
                                                 : contact_tangential_stiffness(v, contact),
         .tangential = scene_stiffens(v, contact) ? TANGENTIAL_LAW_MINDLIN : TANGENTIAL_LAW_LINEAR,
         .damping = contact_tangential_damping(v, contact),
@@ -199,12 +199,12 @@ static struct quaternion turned_by(const struct vec3 *omega, double clock, struc
     return rotor_turned_after(omega, q, clock);
 }
 
-double turning_prescribed_steps(const struct scene_values *v, const struct scene_state *q, double length)
+double turning_prescribed_steps(const struct scene_state *q, double length)
 {
     double steps = 0.0;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         const struct vec3 *omega = q->path[i].angular_velocity;
-        if (body_turn_is_prescribed(v, i) && !path_is_steady(omega, 3)) {
+        if (body_turn_is_prescribed(q->v, i) && !path_is_steady(omega, 3)) {
             steps += length * (vec3_norm(omega[0]) +
                                length * (vec3_norm(omega[1]) / 2.0 + length * vec3_norm(omega[2]) / 3.0));
         }
@@ -228,22 +228,22 @@ struct body_turn turning_prescribed_at(const struct scene_state *q, double clock
 }
 
 /* Moves turn_origin of all bodies that turn to the present. */
-static void turning_rebase(const struct scene_values *v, struct scene_state *q)
+static void turning_rebase(struct scene_state *q)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_turns_freely(v, i)) {
+        if (body_turns_freely(q->v, i)) {
             q->turn_origin[i] = q->turning.body[i];
-        } else if (body_turn_is_prescribed(v, i)) {
+        } else if (body_turn_is_prescribed(q->v, i)) {
             q->turn_origin[i] = turning_prescribed_at(q, q->clock, i);
             q->turning.body[i] = q->turn_origin[i];
         }
     }
 }
 
-void turning_take_axes(const struct scene_values *v, struct scene_state *q)
+void turning_take_axes(struct scene_state *q)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_turn_is_prescribed(v, i)) {
+        if (body_turn_is_prescribed(q->v, i)) {
             struct body_turn *origin = &q->turn_origin[i];
             if (body_is_compound(i)) { /* both signs are one orientation; outputs are continuous */
                 const struct quaternion given = quaternion_unit(q->path[i].orientation);
@@ -258,35 +258,36 @@ void turning_take_axes(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-static struct body_turn turn_at(const struct scene_values *v, const struct scene_state *q, double clock,
+static struct body_turn turn_at(const struct scene_state *q, double clock,
                                 const struct turning_state *turning, int body)
 {
-    if (body_turn_is_prescribed(v, body)) {
+    if (body_turn_is_prescribed(q->v, body)) {
         return turning_prescribed_at(q, clock, body);
     }
     if (!SCENE_ANY_ROTATION) {
         return (struct body_turn){quaternion_identity(), vec3_make(0.0, 0.0, 0.0)};
     }
     struct body_turn turn = turning->body[body];
-    if (!body_turns_freely(v, body)) { /* an importer's integrator may set an angular velocity all the same */
+    if (!body_turns_freely(q->v,
+                           body)) { /* an importer's integrator may set an angular velocity all the same */
         turn.angular_velocity = vec3_make(0.0, 0.0, 0.0);
     }
     turn.orientation = quaternion_unit(turn.orientation); /* an importer's integrator lets its length drift */
     return turn;
 }
 
-void turning_place(const struct scene_values *v, struct scene_state *q)
+void turning_place(struct scene_state *q)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         struct body_turn *origin = &q->turn_origin[i];
-        *origin = (struct body_turn){turning_start_orientation(v, i), vec3_make(0.0, 0.0, 0.0)};
-        if (body_turns_freely(v, i)) {
-            origin->angular_velocity = body_initial_angular_velocity(v, i);
+        *origin = (struct body_turn){turning_start_orientation(q->v, i), vec3_make(0.0, 0.0, 0.0)};
+        if (body_turns_freely(q->v, i)) {
+            origin->angular_velocity = body_initial_angular_velocity(q->v, i);
         }
-        if (body_turn_is_prescribed(v, i) && body_has_axis(i)) {
+        if (body_turn_is_prescribed(q->v, i) && body_has_axis(i)) {
             origin->orientation = turned_to(quaternion_identity(), q->path[i].axis[0]);
         }
-        if (body_turn_is_prescribed(v, i) && body_is_compound(i)) {
+        if (body_turn_is_prescribed(q->v, i) && body_is_compound(i)) {
             origin->orientation = quaternion_unit(q->path[i].orientation);
         }
         q->turning.body[i] = *origin;
@@ -333,13 +334,13 @@ double turning_spin_size(const struct scene_instant *at, int contact)
            vec3_norm(at->turning.body[contact_destination(contact)].angular_velocity);
 }
 
-static void put_torques(const struct scene_values *v, struct scene_instant *at, int contact)
+static void put_torques(struct scene_instant *at, int contact)
 {
     struct turning_instant *turning = &at->turning;
     const struct vec3 force = at->source_force[contact];
     turning->source_torque[contact] = vec3_cross(turning->source_arm[contact], force);
     turning->destination_torque[contact] = vec3_cross(force, turning->destination_arm[contact]);
-    if (contact_resists(v, contact)) {
+    if (contact_resists(at->v, contact)) {
         const struct vec3 resistance = turning->resistance[contact];
         turning->source_torque[contact] = vec3_add(turning->source_torque[contact], resistance);
         turning->destination_torque[contact] = vec3_sub(turning->destination_torque[contact], resistance);
@@ -348,18 +349,17 @@ static void put_torques(const struct scene_values *v, struct scene_instant *at, 
 
 /* Sets friction and torques of a contact whose slip and normal force are known. Adds friction to the force on
  * the source. */
-static void turning_of_contact(const struct scene_values *v, const struct scene_state *q,
-                               const struct turning_state *state, int contact, struct scene_instant *at)
+static void turning_of_contact(const struct turning_state *state, int contact, struct scene_instant *at)
 {
     struct turning_instant *turning = &at->turning;
-    const bool rubs = contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
+    const bool rubs = contact_rubs(at->v, contact) && at->q->contact[contact].regime != (int32_t)REGIME_APART;
     turning->friction_force[contact] = vec3_make(0.0, 0.0, 0.0);
     if (SCENE_ANY_ROLLING) {
         turning->resistance[contact] = vec3_make(0.0, 0.0, 0.0);
     }
-    for (int i = 0; rubs && i < contact_opposed(v, contact); ++i) {
-        const struct friction_law law = scene_friction_law(v, q, contact, i);
-        const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[i];
+    for (int i = 0; rubs && i < contact_opposed(at->v, contact); ++i) {
+        const struct friction_law law = scene_friction_law(at->q, contact, i);
+        const enum friction_regime regime = (enum friction_regime)at->q->contact[contact].friction_regime[i];
         struct vec3 *sum = &turning->friction_force[contact];
         if (SCENE_ANY_ROLLING && i != OPPOSED_SLIP) {
             sum = &turning->resistance[contact];
@@ -367,31 +367,31 @@ static void turning_of_contact(const struct scene_values *v, const struct scene_
         *sum = vec3_add(*sum, friction_force(&law, regime, turning_rubbing(state, at, contact, i)));
     }
     at->source_force[contact] = vec3_add(at->source_force[contact], turning->friction_force[contact]);
-    put_torques(v, at, contact);
+    put_torques(at, contact);
 }
 
-void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
+void turning_complete(struct scene_instant *at)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        at->turning.body[i] = turn_at(v, q, q->clock, &q->turning, i);
+        at->turning.body[i] = turn_at(at->q, at->q->clock, &at->q->turning, i);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_shape shape = scene_contact_shape(v, q, j);
+        const struct contact_shape shape = scene_contact_shape(at->q, j);
         put_arms_and_slip(&shape, j, at);
-        turning_of_contact(v, q, &q->turning, j, at);
+        turning_of_contact(&at->q->turning, j, at);
     }
 }
 
 /* Without a spring the non-adhesive and the approach-only dashpot both end the force when the bodies stop
  * approaching. Non-adhesive is taken, because flight handles its separating regime in closed form. */
-struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact)
+struct contact_law scene_contact_law(const struct scene_state *q, int contact)
 {
     const struct contact_state *state = &q->contact[contact];
     struct contact_law law = {.stiffness = state->parameters.factors.k,
-                              .damping = scene_damps_by_onset(v, contact) ? state->onset_damping
-                                                                          : state->parameters.factors.c,
-                              .dashpot = (enum dashpot)contact_dashpot(v, contact),
-                              .law = (enum contact_force_law)contact_law(v, contact)};
+                              .damping = scene_damps_by_onset(q->v, contact) ? state->onset_damping
+                                                                             : state->parameters.factors.c,
+                              .dashpot = (enum dashpot)contact_dashpot(q->v, contact),
+                              .law = (enum contact_force_law)contact_law(q->v, contact)};
     if (law.dashpot == DASHPOT_APPROACH_ONLY && !(law.stiffness > 0.0)) {
         law.dashpot = DASHPOT_NON_ADHESIVE;
     }
@@ -399,41 +399,40 @@ struct contact_law scene_contact_law(const struct scene_values *v, const struct 
 }
 
 /* Returns the displacement of a body at clock 0. */
-static struct vec3 origin_of(const struct scene_values *v, const struct scene_state *q, int body)
+static struct vec3 origin_of(const struct scene_state *q, int body)
 {
-    if (body_is_prescribed(v, body)) {
+    if (body_is_prescribed(q->v, body)) {
         return q->path[body].displacement[0];
     }
-    return body_is_free(v, body) ? q->origin[body].displacement : vec3_make(0.0, 0.0, 0.0);
+    return body_is_free(q->v, body) ? q->origin[body].displacement : vec3_make(0.0, 0.0, 0.0);
 }
 
-static struct body_instant body_at(const struct scene_values *v, const struct scene_state *q, double clock,
-                                   const struct body_state *bodies, int body)
+static struct body_instant body_at(const struct scene_state *q, double clock, const struct body_state *bodies,
+                                   int body)
 {
     struct body_instant at = {.moved = {0.0, 0.0, 0.0}};
-    if (body_is_free(v, body)) {
+    if (body_is_free(q->v, body)) {
         at.moved = bodies[body].moved;
         at.velocity = bodies[body].velocity;
     }
-    if (body_is_prescribed(v, body)) {
+    if (body_is_prescribed(q->v, body)) {
         at.moved = vec3_scale(clock, path_at(q->path[body].displacement + 1, 3, clock));
         at.velocity = path_at(q->path[body].velocity, 3, clock);
     }
-    at.displacement = vec3_add(origin_of(v, q, body), at.moved);
+    at.displacement = vec3_add(origin_of(q, body), at.moved);
     return at;
 }
 
-struct body_instant scene_body_now(const struct scene_values *v, const struct scene_state *q, int body)
+struct body_instant scene_body_now(const struct scene_state *q, int body)
 {
-    return body_at(v, q, q->clock, q->body, body);
+    return body_at(q, q->clock, q->body, body);
 }
 
 /* Returns the rate of the separation c in the frame of the contact's shape [m/s], which turns with the
  * destination. The shape of skew cylinders does not turn, because both turn about their own axes only. */
-static struct vec3 rate_in_destination(const struct scene_values *v, const struct scene_instant *at,
-                                       int contact)
+static struct vec3 rate_in_destination(const struct scene_instant *at, int contact)
 {
-    if (body_turns(v, contact_destination(contact)) && !contact_has_skew_axes(v, contact)) {
+    if (body_turns(at->v, contact_destination(contact)) && !contact_has_skew_axes(at->v, contact)) {
         const struct vec3 omega = at->turning.body[contact_destination(contact)].angular_velocity;
         return vec3_sub(at->rate[contact], vec3_cross(omega, at->separation[contact]));
     }
@@ -444,14 +443,13 @@ static struct vec3 rate_in_destination(const struct scene_values *v, const struc
  * displacements at clock 0, then the displacements since: large common parts cancel before small ones are
  * added. Where a sphere is a part of a compound, its centre is at the end of a lever arm R o, which moves at
  * omega x R o. */
-static void put_separation(const struct scene_values *v, const struct scene_state *q, int contact,
-                           struct scene_instant *at)
+static void put_separation(int contact, struct scene_instant *at)
 {
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
+    const struct vec3 apart = vec3_sub(body_center(at->v, destination), body_center(at->v, source));
     const struct vec3 start =
-        vec3_add(apart, vec3_sub(origin_of(v, q, destination), origin_of(v, q, source)));
+        vec3_add(apart, vec3_sub(origin_of(at->q, destination), origin_of(at->q, source)));
     at->separation[contact] = vec3_add(start, vec3_sub(at->moved[destination], at->moved[source]));
     at->rate[contact] = vec3_sub(at->velocity[destination], at->velocity[source]);
     for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
@@ -469,67 +467,65 @@ static inline bool is_met(const bool *met, int contact)
     return SCENE_CONTACTS == 1 || met == NULL || met[contact];
 }
 
-void scene_meet(const struct scene_values *v, const struct scene_state *q, const bool *met,
-                struct scene_instant *at)
+void scene_meet(const bool *met, struct scene_instant *at)
 {
-    const bool turns = scene_turns(v);
+    const bool turns = scene_turns(at->v);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (!is_met(met, j)) {
             continue;
         }
-        put_separation(v, q, j, at);
-        const struct contact_shape shape = scene_contact_shape_at(v, q, at, j);
-        const struct vec3 rate = rate_in_destination(v, at, j);
-        at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate, q->contact[j].normal);
+        put_separation(j, at);
+        const struct contact_shape shape = scene_contact_shape_at(at, j);
+        const struct vec3 rate = rate_in_destination(at, j);
+        at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate, at->q->contact[j].normal);
         if (turns) {
             put_arms_and_slip(&shape, j, at);
         }
     }
 }
 
-void scene_place_bodies(const struct scene_values *v, const struct scene_state *q, double clock,
-                        const struct body_state *bodies, const struct turning_state *turning,
-                        struct scene_instant *at)
+void scene_place_bodies(const struct scene_state *q, double clock, const struct body_state *bodies,
+                        const struct turning_state *turning, struct scene_instant *at)
 {
-    const bool turns = scene_turns(v);
+    const bool turns = scene_turns(q->v);
+    at->v = q->v;
+    at->q = q;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const struct body_instant body = body_at(v, q, clock, bodies, i);
+        const struct body_instant body = body_at(q, clock, bodies, i);
         at->moved[i] = body.moved;
         at->displacement[i] = body.displacement;
         at->velocity[i] = body.velocity;
         if (turns) {
-            at->turning.body[i] = turn_at(v, q, clock, turning, i);
+            at->turning.body[i] = turn_at(q, clock, turning, i);
         }
     }
 }
 
-CONTACT_NOT_FUSED CONTACT_FLATTEN void scene_kinematics(const struct scene_values *v,
-                                                        const struct scene_state *q, double clock,
+CONTACT_NOT_FUSED CONTACT_FLATTEN void scene_kinematics(const struct scene_state *q, double clock,
                                                         const struct body_state *bodies,
                                                         struct scene_instant *at)
 {
-    scene_place_bodies(v, q, clock, bodies, &q->turning, at);
-    scene_meet(v, q, NULL, at);
+    scene_place_bodies(q, clock, bodies, &q->turning, at);
+    scene_meet(NULL, at);
 }
 
 /* Sets the accelerations without contact forces. */
-static inline void put_accelerations(const struct scene_values *v, const struct scene_state *q, double clock,
-                                     struct scene_instant *at)
+static inline void put_accelerations(double clock, struct scene_instant *at)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        at->acceleration[i] = body_is_free(v, i)         ? vec3_axpy(gravity(v), 1.0 / body_mass(v, i),
-                                                                     path_at(q->path[i].force, 3, clock))
-                              : body_is_prescribed(v, i) ? path_slope(q->path[i].velocity, clock)
-                                                         : vec3_make(0.0, 0.0, 0.0);
+        at->acceleration[i] = body_is_free(at->v, i) ? vec3_axpy(gravity(at->v), 1.0 / body_mass(at->v, i),
+                                                                 path_at(at->q->path[i].force, 3, clock))
+                              : body_is_prescribed(at->v, i) ? path_slope(at->q->path[i].velocity, clock)
+                                                             : vec3_make(0.0, 0.0, 0.0);
     }
 }
 
 /* Adds the force of a contact to the accelerations of its bodies. */
-static inline void accelerate(const struct scene_values *v, int contact, struct scene_instant *at)
+static inline void accelerate(int contact, struct scene_instant *at)
 {
     for (int end = 0; end < 2; ++end) {
         const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
-        const double by = (end == 0 ? 1.0 : -1.0) * body_inverse_mass(v, body);
+        const double by = (end == 0 ? 1.0 : -1.0) * body_inverse_mass(at->v, body);
         at->acceleration[body] = vec3_axpy(at->acceleration[body], by, at->source_force[contact]);
     }
 }
@@ -548,65 +544,62 @@ static void leave_out(int contact, struct scene_instant *at)
 }
 
 /* Completes an instant by accelerations and forces. `turning` is NULL where nothing turns or rubs. */
-static inline void put_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct turning_state *turning, const bool *met, struct scene_instant *at)
+static inline void put_forces(double clock, const struct turning_state *turning, const bool *met,
+                              struct scene_instant *at)
 {
-    put_accelerations(v, q, clock, at);
+    put_accelerations(clock, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (!is_met(met, j)) {
             leave_out(j, at);
             continue;
         }
         const struct contact_geometry *g = &at->geometry[j];
-        const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
+        const enum contact_regime regime = (enum contact_regime)at->q->contact[j].regime;
         at->normal_force[j] = 0.0;
         if (regime != REGIME_APART) {
-            const struct contact_law law = scene_contact_law(v, q, j);
+            const struct contact_law law = scene_contact_law(at->q, j);
             at->normal_force[j] = contact_force(&law, regime, g->gap, g->gap_rate);
         }
-        at->source_force[j] = vec3_scale(-scene_contact_side(v, q, j) * at->normal_force[j], g->normal);
+        at->source_force[j] = vec3_scale(-scene_contact_side(at->q, j) * at->normal_force[j], g->normal);
         if (SCENE_ANY_TURNING && turning) {
-            turning_of_contact(v, q, turning, j, at);
+            turning_of_contact(turning, j, at);
         }
-        accelerate(v, j, at);
+        accelerate(j, at);
     }
 }
 
-void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                  struct scene_instant *at)
+void scene_forces(double clock, struct scene_instant *at)
 {
-    put_forces(v, q, clock, scene_turns(v) ? &q->turning : NULL, NULL, at);
+    put_forces(clock, scene_turns(at->v) ? &at->q->turning : NULL, NULL, at);
 }
 
-void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
-                    const struct body_state *bodies, const struct turning_state *turning, const bool *met,
-                    struct scene_instant *at)
+void scene_evaluate(const struct scene_state *q, double clock, const struct body_state *bodies,
+                    const struct turning_state *turning, const bool *met, struct scene_instant *at)
 {
-    scene_place_bodies(v, q, clock, bodies, turning, at);
-    scene_meet(v, q, met, at);
-    put_forces(v, q, clock, scene_turns(v) ? turning : NULL, met, at);
+    scene_place_bodies(q, clock, bodies, turning, at);
+    scene_meet(met, at);
+    put_forces(clock, scene_turns(q->v) ? turning : NULL, met, at);
 }
 
-void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct vec3 *force, const struct vec3 *torque, const bool *met,
-                              struct scene_instant *at)
+void scene_put_contact_forces(double clock, const struct vec3 *force, const struct vec3 *torque,
+                              const bool *met, struct scene_instant *at)
 {
-    put_accelerations(v, q, clock, at);
+    put_accelerations(clock, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (!is_met(met, j)) {
             leave_out(j, at);
             continue;
         }
-        const struct vec3 e = vec3_scale(scene_contact_side(v, q, j), at->geometry[j].normal);
+        const struct vec3 e = vec3_scale(scene_contact_side(at->q, j), at->geometry[j].normal);
         at->source_force[j] = force[j];
         at->normal_force[j] = -vec3_dot(force[j], e);
-        accelerate(v, j, at);
-        if (scene_turns(v)) {
+        accelerate(j, at);
+        if (scene_turns(at->v)) {
             at->turning.friction_force[j] = vec3_axpy(force[j], at->normal_force[j], e);
             if (SCENE_ANY_ROLLING) {
                 at->turning.resistance[j] = torque[j];
             }
-            put_torques(v, at, j);
+            put_torques(at, j);
         }
     }
 }
@@ -628,16 +621,16 @@ struct vec3 scene_torque_of_force(const struct scene_instant *at, int contact)
                : vec3_cross(at->separation[contact], at->source_force[contact]);
 }
 
-double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact)
+double scene_driving_power(const struct scene_instant *at, int contact)
 {
     double power = 0.0;
     for (int end = 0; end < 2; ++end) {
         const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
-        if (body_is_prescribed(v, body)) {
+        if (body_is_prescribed(at->v, body)) {
             const double along = vec3_dot(at->source_force[contact], at->velocity[body]);
             power += end == 0 ? -along : along;
         }
-        if (body_turn_is_prescribed(v, body)) {
+        if (body_turn_is_prescribed(at->v, body)) {
             power -= vec3_dot(end == 0 ? at->turning.source_torque[contact]
                                        : at->turning.destination_torque[contact],
                               at->turning.body[body].angular_velocity);
@@ -660,36 +653,34 @@ static double size_of_levers(int contact)
 }
 
 /* Returns the sum of the sizes of the terms of c along an axis [m]. */
-static double terms_along(const struct scene_values *v, const struct scene_instant *at, int contact,
-                          struct vec3 axis)
+static double terms_along(const struct scene_instant *at, int contact, struct vec3 axis)
 {
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
+    const struct vec3 apart = vec3_sub(body_center(at->v, destination), body_center(at->v, source));
     return size_along(axis, apart) + size_along(axis, at->displacement[source]) +
            size_along(axis, at->displacement[destination]) + size_of_levers(contact);
 }
 
-double rounding_of_gap(const struct scene_values *v, const struct scene_instant *at, int contact)
+double rounding_of_gap(const struct scene_instant *at, int contact)
 {
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const struct contact_geometry *g = &at->geometry[contact];
     if (!SCENE_ANY_CURVED || body_shape(destination) == SHAPE_PLANE) {
         /* components in the plane do not count */
-        return 8.0 * DBL_EPSILON * (terms_along(v, at, contact, g->normal) + g->gap_terms);
+        return 8.0 * DBL_EPSILON * (terms_along(at, contact, g->normal) + g->gap_terms);
     }
-    const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
+    const struct vec3 apart = vec3_sub(body_center(at->v, destination), body_center(at->v, source));
     return 8.0 * DBL_EPSILON *
            (vec3_max_abs(apart) + vec3_max_abs(at->displacement[source]) +
             vec3_max_abs(at->displacement[destination]) + size_of_levers(contact) + g->gap_terms);
 }
 
-double rounding_of_axial(const struct scene_values *v, const struct scene_instant *at, int contact,
-                         const struct contact_shape *shape)
+double rounding_of_axial(const struct scene_instant *at, int contact, const struct contact_shape *shape)
 {
-    const double all = contact_is_torus(shape) ? rounding_of_gap(v, at, contact) : 0.0;
-    return all + 8.0 * DBL_EPSILON * (terms_along(v, at, contact, shape->axis) + shape->half_length);
+    const double all = contact_is_torus(shape) ? rounding_of_gap(at, contact) : 0.0;
+    return all + 8.0 * DBL_EPSILON * (terms_along(at, contact, shape->axis) + shape->half_length);
 }
 
 double rounding_of_rate(const struct scene_instant *at, int contact)
@@ -703,59 +694,56 @@ double rounding_of_rate(const struct scene_instant *at, int contact)
     return 8.0 * DBL_EPSILON * fmax(vec3_norm(at->rate[contact]), fmax(source, destination));
 }
 
-double rounding_of_normal(const struct scene_values *v, const struct scene_instant *at, int contact)
+double rounding_of_normal(const struct scene_instant *at, int contact)
 {
     const struct contact_geometry *g = &at->geometry[contact];
     const bool on_plane = !SCENE_ANY_CURVED || body_shape(contact_destination(contact)) == SHAPE_PLANE ||
                           (SCENE_ANY_CAPS && abs(g->zone) == ZONE_CAP);
-    return on_plane ? 0.0 : rounding_of_gap(v, at, contact) / fabs(g->distance);
+    return on_plane ? 0.0 : rounding_of_gap(at, contact) / fabs(g->distance);
 }
 
-double rounding_of_force(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, int contact)
+double rounding_of_force(const struct scene_instant *at, int contact)
 {
-    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_slopes slopes = contact_force_slopes(&law, REGIME_COMPRESSION, g->gap, g->gap_rate);
-    const double angle = fmin(8.0 * DBL_EPSILON + rounding_of_normal(v, at, contact), 1.0);
-    return fabs(slopes.by_gap) * rounding_of_gap(v, at, contact) +
+    const double angle = fmin(8.0 * DBL_EPSILON + rounding_of_normal(at, contact), 1.0);
+    return fabs(slopes.by_gap) * rounding_of_gap(at, contact) +
            angle * (fabs(slopes.by_rate) * vec3_norm(at->rate[contact]) + fabs(at->normal_force[contact]));
 }
 
 /* Returns the size of g' [m/s] below which its sign means nothing. It is the sum of the rounding of w, the
  * rounding of n, the speed of an oscillation as large as the gap's rounding bound, and the integrator's
  * tolerance. */
-static double rate_rounding(const struct scene_values *v, const struct contact_law *law,
-                            const struct scene_instant *at, int contact, double tolerated)
+static double rate_rounding(const struct contact_law *law, const struct scene_instant *at, int contact,
+                            double tolerated)
 {
-    const double gap_rounding = rounding_of_gap(v, at, contact);
+    const double gap_rounding = rounding_of_gap(at, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const double angle = g->degenerate ? 0.0 : fmin(rounding_of_normal(v, at, contact), 1.0);
+    const double angle = g->degenerate ? 0.0 : fmin(rounding_of_normal(at, contact), 1.0);
     const double spring = -contact_force_slopes(law, REGIME_COMPRESSION, g->gap, g->gap_rate).by_gap;
-    const double oscillation = sqrt(fmax(spring, 0.0) * scene_inverse_mass(v, contact));
+    const double oscillation = sqrt(fmax(spring, 0.0) * scene_inverse_mass(at->v, contact));
     return vec3_norm(at->rate[contact]) * angle + rounding_of_rate(at, contact) + oscillation * gap_rounding +
            tolerated;
 }
 
-double rounding_of_event(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, int contact, double tolerated)
+double rounding_of_event(const struct scene_instant *at, int contact, double tolerated)
 {
-    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_slopes slopes =
-        contact_event_slopes(&law, (enum contact_regime)q->contact[contact].regime, g->gap, g->gap_rate);
-    return fabs(slopes.by_gap) * rounding_of_gap(v, at, contact) +
-           fabs(slopes.by_rate) * rate_rounding(v, &law, at, contact, tolerated);
+        contact_event_slopes(&law, (enum contact_regime)at->q->contact[contact].regime, g->gap, g->gap_rate);
+    return fabs(slopes.by_gap) * rounding_of_gap(at, contact) +
+           fabs(slopes.by_rate) * rate_rounding(&law, at, contact, tolerated);
 }
 
-double rounding_margin_offset(const struct scene_values *v, const struct scene_state *q,
-                              const struct scene_instant *at, int contact, double tolerated)
+double rounding_margin_offset(const struct scene_instant *at, int contact, double tolerated)
 {
-    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    const enum contact_regime regime = (enum contact_regime)at->q->contact[contact].regime;
     const double event = contact_event(&law, regime, g->gap, g->gap_rate);
-    return 2.0 * (fmax(-event, 0.0) + rounding_of_event(v, q, at, contact, tolerated));
+    return 2.0 * (fmax(-event, 0.0) + rounding_of_event(at, contact, tolerated));
 }
 
 /* Returns the accumulated gap [m], or DBL_MAX or INFINITY where none is known. */
@@ -772,33 +760,32 @@ static double accumulated_gap_of(const struct scene_state *q, int contact)
  * rest is less than the rounding of d, so that the accumulated gap is needed. An accumulated gap that differs
  * from the one of positions by more than rounding is not used, because it shows that positions have been
  * changed since. */
-static void scene_put_known_gaps(const struct scene_values *v, const struct scene_state *q,
-                                 struct scene_instant *at)
+static void scene_put_known_gaps(struct scene_instant *at)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const double known = accumulated_gap_of(q, j);
-        if (known < DBL_MAX && fabs(known - at->geometry[j].gap) <= rounding_of_gap(v, at, j)) {
+        const double known = accumulated_gap_of(at->q, j);
+        if (known < DBL_MAX && fabs(known - at->geometry[j].gap) <= rounding_of_gap(at, j)) {
             at->geometry[j].gap = known;
         }
         /* The rounding of velocities alone may make a force larger than the load, so that the carried rate is
          * needed. A larger difference shows that velocities have been changed since. */
-        const struct contact_physics *physics = &q->contact[j].physics;
-        if (contact_transmits(q, j) &&
+        const struct contact_physics *physics = &at->q->contact[j].physics;
+        if (contact_transmits(at->q, j) &&
             fabs(physics->carried_rate - at->geometry[j].gap_rate) < physics->rate_rounding) {
             at->geometry[j].gap_rate = physics->carried_rate;
         }
     }
 }
 
-bool scene_gap_is_accumulated(const struct scene_state *q, const struct scene_instant *at, int contact)
+bool scene_gap_is_accumulated(const struct scene_instant *at, int contact)
 {
-    return at->geometry[contact].gap == accumulated_gap_of(q, contact);
+    return at->geometry[contact].gap == accumulated_gap_of(at->q, contact);
 }
 
-bool scene_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact)
+bool scene_rate_is_known(const struct scene_instant *at, int contact)
 {
-    const struct contact_state *state = &q->contact[contact];
-    return state->physics.rate_rounding > 0.0 && contact_transmits(q, contact) &&
+    const struct contact_state *state = &at->q->contact[contact];
+    return state->physics.rate_rounding > 0.0 && contact_transmits(at->q, contact) &&
            at->geometry[contact].gap_rate == state->physics.carried_rate;
 }
 
@@ -827,38 +814,36 @@ struct contact_load scene_load_on(const struct scene_instant *at, int body)
     return sum;
 }
 
-struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct scene_instant *at, int body)
+struct vec3 turning_torque_on(double clock, const struct scene_instant *at, int body)
 {
     struct vec3 torque = {0.0, 0.0, 0.0};
-    if (body_turns_freely(v, body)) {
-        torque = path_at(q->path[body].torque, 3, clock);
+    if (body_turns_freely(at->v, body)) {
+        torque = path_at(at->q->path[body].torque, 3, clock);
     }
-    return body_part_that_turns(v, body, vec3_add(torque, scene_load_on(at, body).torque));
+    return body_part_that_turns(at->v, body, vec3_add(torque, scene_load_on(at, body).torque));
 }
 
-struct vec3 turning_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
-                                 const struct scene_instant *at, int body)
+struct vec3 turning_acceleration(double clock, const struct scene_instant *at, int body)
 {
-    if (body_turn_is_prescribed(v, body)) {
-        return path_slope(q->path[body].angular_velocity, clock);
+    if (body_turn_is_prescribed(at->v, body)) {
+        return path_slope(at->q->path[body].angular_velocity, clock);
     }
-    if (!body_turns_freely(v, body)) {
+    if (!body_turns_freely(at->v, body)) {
         return vec3_make(0.0, 0.0, 0.0);
     }
     const struct body_turn *turn = &at->turning.body[body];
-    const struct vec3 torque = turning_torque_on(v, q, clock, at, body);
-    const struct vec3 gyration = vec3_cross(turn->angular_velocity, body_spin_of(v, body, turn));
-    const struct vec3 by_torque = vec3_scale(1.0 / body_inertia_of(v, body).x, torque);
-    return body_rotation_of(v, body, turn->orientation, vec3_sub(by_torque, gyration));
+    const struct vec3 torque = turning_torque_on(clock, at, body);
+    const struct vec3 gyration = vec3_cross(turn->angular_velocity, body_spin_of(at->v, body, turn));
+    const struct vec3 by_torque = vec3_scale(1.0 / body_inertia_of(at->v, body).x, torque);
+    return body_rotation_of(at->v, body, turn->orientation, vec3_sub(by_torque, gyration));
 }
 
-struct turning_laws turning_laws_of(const struct scene_values *v, const struct scene_state *q, int contact)
+struct turning_laws turning_laws_of(const struct scene_state *q, int contact)
 {
-    struct turning_laws laws = {.normal = scene_contact_law(v, q, contact),
+    struct turning_laws laws = {.normal = scene_contact_law(q, contact),
                                 .regime = (enum contact_regime)q->contact[contact].regime};
     for (int i = 0; i < OPPOSED; ++i) {
-        laws.rubbing[i] = scene_friction_law(v, q, contact, i);
+        laws.rubbing[i] = scene_friction_law(q, contact, i);
         laws.rubbing_regime[i] = SCENE_ANY_FRICTION
                                      ? (enum friction_regime)q->contact[contact].friction_regime[i]
                                      : FRICTION_LIFTED;
@@ -880,10 +865,9 @@ struct friction_state turning_rubbing(const struct turning_state *turning, const
                                    .depth_rate = -at->geometry[contact].gap_rate};
 }
 
-struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene_state *q,
-                                const struct scene_instant *at, int contact)
+struct vec3 turning_normal_rate(const struct scene_instant *at, int contact)
 {
-    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const struct contact_shape shape = scene_shape_met(at, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const struct vec3 omega = at->turning.body[contact_destination(contact)].angular_velocity;
     const struct vec3 turned =
@@ -891,28 +875,26 @@ struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene
     if (!contact_turns(&shape, g)) {
         return turned;
     }
-    const struct vec3 across = contact_turning_part(&shape, g, rate_in_destination(v, at, contact));
+    const struct vec3 across = contact_turning_part(&shape, g, rate_in_destination(at, contact));
     return vec3_axpy(turned, 1.0 / g->distance, across);
 }
 
-struct vec3 turning_spring_rate(const struct scene_values *v, const struct scene_state *q,
-                                const struct turning_state *turning, const struct scene_instant *at,
+struct vec3 turning_spring_rate(const struct turning_state *turning, const struct scene_instant *at,
                                 int contact, int part)
 {
-    const struct friction_law law = scene_friction_law(v, q, contact, part);
+    const struct friction_law law = scene_friction_law(at->q, contact, part);
     const struct friction_state rubbing = turning_rubbing(turning, at, contact, part);
-    if (q->contact[contact].regime == (int32_t)REGIME_APART) {
+    if (at->q->contact[contact].regime == (int32_t)REGIME_APART) {
         return vec3_make(0.0, 0.0, 0.0);
     }
-    const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
+    const enum friction_regime regime = (enum friction_regime)at->q->contact[contact].friction_regime[part];
     return vec3_add(friction_spring_rate(&law, regime, rubbing),
                     opposed_turned((enum opposed)part, rubbing.spring, at->geometry[contact].normal,
-                                   turning_normal_rate(v, q, at, contact)));
+                                   turning_normal_rate(at, contact)));
 }
 
 /* Returns the acceleration of a body, or of the centre of its part that a contact meets [m/s^2]. */
-static struct vec3 acceleration_of_end(const struct scene_values *v, const struct scene_state *q,
-                                       double clock, const struct scene_instant *at, int contact, int end)
+static struct vec3 acceleration_of_end(double clock, const struct scene_instant *at, int contact, int end)
 {
     const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
     if (!body_is_compound(body)) {
@@ -920,7 +902,7 @@ static struct vec3 acceleration_of_end(const struct scene_values *v, const struc
     }
     const struct vec3 lever = scene_lever(at, contact, end);
     const struct vec3 omega = at->turning.body[body].angular_velocity;
-    const struct vec3 faster = vec3_cross(turning_acceleration(v, q, clock, at, body), lever);
+    const struct vec3 faster = vec3_cross(turning_acceleration(clock, at, body), lever);
     const struct vec3 inward = vec3_cross(omega, vec3_cross(omega, lever));
     return vec3_add(at->acceleration[body], vec3_add(faster, inward));
 }
@@ -929,20 +911,19 @@ static struct vec3 acceleration_of_end(const struct scene_values *v, const struc
  * g'' = side (n'.w_g + n.w_g') with the rate w_g of c as the destination sees it, which turns with omega:
  *   w_g = w - omega x c,   w_g' = a_dst - a_src - omega' x c - omega x w,   n' = omega x n + T w_g / d
  */
-static double gap_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
-                               const struct scene_instant *at, int contact)
+static double gap_acceleration(double clock, const struct scene_instant *at, int contact)
 {
     const int destination = contact_destination(contact);
-    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const struct contact_shape shape = scene_shape_met(at, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct vec3 seen = rate_in_destination(v, at, contact);
-    struct vec3 change = vec3_sub(acceleration_of_end(v, q, clock, at, contact, 1),
-                                  acceleration_of_end(v, q, clock, at, contact, 0));
+    const struct vec3 seen = rate_in_destination(at, contact);
+    struct vec3 change =
+        vec3_sub(acceleration_of_end(clock, at, contact, 1), acceleration_of_end(clock, at, contact, 0));
     double turned = 0.0;
-    if (scene_turns(v) && !contact_is_skew(&shape)) {
+    if (scene_turns(at->v) && !contact_is_skew(&shape)) {
         const struct vec3 c = at->separation[contact];
         const struct vec3 omega = at->turning.body[destination].angular_velocity;
-        const struct vec3 faster = turning_acceleration(v, q, clock, at, destination);
+        const struct vec3 faster = turning_acceleration(clock, at, destination);
         change = vec3_sub(change, vec3_add(vec3_cross(faster, c), vec3_cross(omega, at->rate[contact])));
         turned = vec3_dot(vec3_cross(omega, g->normal), seen);
     }
@@ -950,18 +931,18 @@ static double gap_acceleration(const struct scene_values *v, const struct scene_
     return shape.side * (vec3_dot(g->normal, change) + turned);
 }
 
-double scene_pressing_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
-                                   const struct scene_instant *at, int contact)
+double scene_pressing_acceleration(double clock, const struct scene_instant *at, int contact)
 {
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    const struct vec3 own = vec3_scale(-scene_contact_side(v, q, contact) * at->normal_force[contact],
+    const struct vec3 own = vec3_scale(-scene_contact_side(at->q, contact) * at->normal_force[contact],
                                        at->geometry[contact].normal);
     struct scene_instant without = *at;
-    without.acceleration[source] = vec3_axpy(at->acceleration[source], -body_inverse_mass(v, source), own);
+    without.acceleration[source] =
+        vec3_axpy(at->acceleration[source], -body_inverse_mass(at->v, source), own);
     without.acceleration[destination] =
-        vec3_axpy(at->acceleration[destination], body_inverse_mass(v, destination), own);
-    if (scene_turns(v)) {
+        vec3_axpy(at->acceleration[destination], body_inverse_mass(at->v, destination), own);
+    if (scene_turns(at->v)) {
         struct vec3 *torque = &without.turning.destination_torque[contact];
         *torque = vec3_sub(*torque, vec3_cross(own, at->turning.destination_arm[contact]));
         if (SCENE_ANY_COMPOUND) {
@@ -969,26 +950,25 @@ double scene_pressing_acceleration(const struct scene_values *v, const struct sc
             *torque = vec3_sub(*torque, vec3_cross(at->turning.source_arm[contact], own));
         }
     }
-    return fmax(-gap_acceleration(v, q, clock, &without, contact), 0.0);
+    return fmax(-gap_acceleration(clock, &without, contact), 0.0);
 }
 
-double turning_normal_force_rate(const struct scene_values *v, const struct scene_state *q, double clock,
-                                 const struct scene_instant *at, int contact)
+double turning_normal_force_rate(double clock, const struct scene_instant *at, int contact)
 {
-    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const double gap = fmin(g->gap, -FRICTION_LEAST_DEPTH);
     const struct contact_slopes slopes =
-        contact_force_slopes(&law, (enum contact_regime)q->contact[contact].regime, gap, g->gap_rate);
+        contact_force_slopes(&law, (enum contact_regime)at->q->contact[contact].regime, gap, g->gap_rate);
     const double by_rate =
-        slopes.by_rate == 0.0 ? 0.0 : slopes.by_rate * gap_acceleration(v, q, clock, at, contact);
+        slopes.by_rate == 0.0 ? 0.0 : slopes.by_rate * gap_acceleration(clock, at, contact);
     return slopes.by_gap * g->gap_rate + by_rate;
 }
 
-double turning_friction_power_of(const struct scene_values *v, const struct scene_instant *at, int contact)
+double turning_friction_power_of(const struct scene_instant *at, int contact)
 {
     double power = -vec3_dot(at->turning.friction_force[contact], at->turning.slip[contact]);
-    if (contact_resists(v, contact)) {
+    if (contact_resists(at->v, contact)) {
         power -= vec3_dot(at->turning.resistance[contact], turning_spin(at, contact));
     }
     return power;
@@ -997,8 +977,7 @@ double turning_friction_power_of(const struct scene_values *v, const struct scen
 /* A distance d may count as zero only below this fraction of the bodies' size (contact_reach). */
 static const double CENTRE = 1e-9;
 
-bool singularity_is_reached(const struct scene_values *v, const struct scene_instant *at, int contact,
-                            const struct contact_shape *shape)
+bool singularity_is_reached(const struct scene_instant *at, int contact, const struct contact_shape *shape)
 {
     if (!SCENE_ANY_CURVED) {
         return false;
@@ -1009,7 +988,7 @@ bool singularity_is_reached(const struct scene_values *v, const struct scene_ins
         return g->degenerate;
     }
     return reach + g->gap <= 16.0 * DBL_EPSILON * reach ||
-           (g->distance <= CENTRE * reach && g->distance <= rounding_of_gap(v, at, contact));
+           (g->distance <= CENTRE * reach && g->distance <= rounding_of_gap(at, contact));
 }
 
 struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 rate, struct vec3 acceleration,
@@ -1019,12 +998,12 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
     return contact_escape_direction(shape, rate, at_rest);
 }
 
-void zones_follow(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
-                  int contact)
+void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact)
 {
     struct contact_state *state = &q->contact[contact];
-    const bool is_located =
-        contact_is_prescribed(v, contact) ? scene_turns(v) : state->regime == (int32_t)REGIME_SEPARATING;
+    const bool is_located = contact_is_prescribed(at->v, contact)
+                                ? scene_turns(at->v)
+                                : state->regime == (int32_t)REGIME_SEPARATING;
     if (state->regime == (int32_t)REGIME_APART || is_located) {
         state->zone = 0;
     } else if (SCENE_ANY_ZONES && state->zone == 0) {
@@ -1032,92 +1011,86 @@ void zones_follow(const struct scene_values *v, struct scene_state *q, const str
     }
 }
 
-bool zones_pass(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
-                int contact)
+bool zones_pass(struct scene_state *q, const struct scene_instant *at, int contact)
 {
     const int zone = q->contact[contact].zone;
     if (!SCENE_ANY_ZONES || zone == 0) {
         return false;
     }
-    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
+    const struct contact_shape shape = scene_contact_shape_at(at, contact);
     const struct vec3 c = at->separation[contact];
-    const double rounding = fmax(rounding_of_gap(v, at, contact), fabs(zones_margin(v, q, at, contact)));
-    const int next = contact_zone_next(&shape.solid, zone, c, rate_in_destination(v, at, contact), rounding);
+    const double rounding = fmax(rounding_of_gap(at, contact), fabs(zones_margin(at, contact)));
+    const int next = contact_zone_next(&shape.solid, zone, c, rate_in_destination(at, contact), rounding);
     q->contact[contact].zone = next;
     return contact_zone_jumps(&shape.solid, zone, next, c, at->geometry[contact].distance, rounding);
 }
 
-void zones_settle(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
-                  int contact)
+void zones_settle(struct scene_state *q, const struct scene_instant *at, int contact)
 {
-    if (SCENE_ANY_ZONES && zones_margin(v, q, at, contact) < -rounding_of_gap(v, at, contact)) {
-        const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
+    if (SCENE_ANY_ZONES && zones_margin(at, contact) < -rounding_of_gap(at, contact)) {
+        const struct contact_shape shape = scene_contact_shape_at(at, contact);
         q->contact[contact].zone = contact_zone_at(&shape.solid, at->separation[contact]);
     }
 }
 
-double zones_margin(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
-                    int contact)
+double zones_margin(const struct scene_instant *at, int contact)
 {
-    const int zone = q->contact[contact].zone;
+    const int zone = at->q->contact[contact].zone;
     if (!SCENE_ANY_ZONES || zone == 0) {
         return NO_ZONE_MARGIN;
     }
-    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
+    const struct contact_shape shape = scene_contact_shape_at(at, contact);
     return contact_zone_margin(&shape.solid, zone, at->separation[contact]);
 }
 
-enum zone zones_shown(const struct scene_values *v, const struct scene_state *q,
-                      const struct scene_instant *at, int contact)
+enum zone zones_shown(const struct scene_instant *at, int contact)
 {
-    const struct contact_state *state = &q->contact[contact];
+    const struct contact_state *state = &at->q->contact[contact];
     if (state->regime == (int32_t)REGIME_APART) {
         return ZONE_NONE;
     }
-    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
+    const struct contact_shape shape = scene_contact_shape_at(at, contact);
     return contact_is_capped(&shape) ? (enum zone)abs(at->geometry[contact].zone) : ZONE_SIDE;
 }
 
-void scene_kinematics_now(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
+void scene_kinematics_now(const struct scene_state *q, struct scene_instant *at)
 {
-    scene_kinematics(v, q, q->clock, q->body, at);
+    scene_kinematics(q, q->clock, q->body, at);
     if (SCENE_ANY_FREE) {
-        scene_put_known_gaps(v, q, at);
+        scene_put_known_gaps(at);
     }
 }
 
-void scene_now(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
+void scene_now(const struct scene_state *q, struct scene_instant *at)
 {
-    scene_kinematics_now(v, q, at);
-    scene_forces(v, q, q->clock, at);
+    scene_kinematics_now(q, at);
+    scene_forces(q->clock, at);
 }
 
 /* Distance from an open end, in rounding bounds of the axial position, below which rounding may decide the
  * side: the position may be wrong by a bound to either side, at two times that are compared. */
 static const double END_ROUNDINGS = 4.0;
 
-bool scene_shown_within(const struct scene_values *v, const struct scene_state *q,
-                        const struct scene_instant *at, int contact, const struct contact_shape *shape)
+bool scene_shown_within(const struct scene_instant *at, int contact, const struct contact_shape *shape)
 {
     const struct contact_geometry *g = &at->geometry[contact];
     const double beyond = scene_beyond_ends(shape, g);
     const bool within = beyond <= 0.0;
     if (!SCENE_ANY_ENDS || !isfinite(shape->half_length) ||
-        fabs(beyond) > END_ROUNDINGS * rounding_of_axial(v, at, contact, shape)) {
+        fabs(beyond) > END_ROUNDINGS * rounding_of_axial(at, contact, shape)) {
         return within;
     }
-    const bool overlaps = g->gap < -rounding_of_gap(v, at, contact);
-    return q->contact[contact].regime != (int32_t)REGIME_APART || (within && !overlaps);
+    const bool overlaps = g->gap < -rounding_of_gap(at, contact);
+    return at->q->contact[contact].regime != (int32_t)REGIME_APART || (within && !overlaps);
 }
 
-enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_instant *at, int contact, bool touching)
+enum contact_regime scene_regime(const struct scene_instant *at, int contact, bool touching)
 {
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    const struct contact_shape shape = scene_contact_shape(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     double rate = g->gap_rate;
-    if (singularity_is_reached(v, at, contact, &shape)) {
+    if (singularity_is_reached(at, contact, &shape)) {
         const struct vec3 w = at->rate[contact];
         const struct vec3 none = {0.0, 0.0, 0.0};
         rate = shape.side * vec3_dot(singularity_escape(&shape, w, none, none), w);
@@ -1127,13 +1100,12 @@ enum contact_regime scene_regime(const struct scene_values *v, const struct scen
 }
 
 /* Returns the square of the speed at the touch [m^2/s^2] that the present speed and stored energy give. */
-static double own_speed_squared(const struct scene_values *v, const struct scene_state *q,
-                                const struct scene_instant *at, int contact)
+static double own_speed_squared(const struct scene_instant *at, int contact)
 {
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
     const double stored = contact_stored_energy(&law, REGIME_COMPRESSION, g->gap);
-    return g->gap_rate * g->gap_rate + 2.0 * stored * scene_inverse_mass(v, contact);
+    return g->gap_rate * g->gap_rate + 2.0 * stored * scene_inverse_mass(at->v, contact);
 }
 
 /*
@@ -1142,57 +1114,57 @@ static double own_speed_squared(const struct scene_values *v, const struct scene
  * and contact force balance:
  *   x_0 = (m a/k)^(2/3),   v^2/2 = a x_0 - (2/5) (k/m) x_0^(5/2) = (3/5) a x_0
  */
-static double onset_speed(const struct scene_values *v, const struct scene_state *q,
-                          const struct scene_instant *at, int contact)
+static double onset_speed(const struct scene_instant *at, int contact)
 {
-    const double per_mass = scene_inverse_mass(v, contact);
-    const double speed_squared = own_speed_squared(v, q, at, contact);
+    const double per_mass = scene_inverse_mass(at->v, contact);
+    const double speed_squared = own_speed_squared(at, contact);
     if (!(per_mass > 0.0)) {
         return sqrt(speed_squared);
     }
-    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
     struct scene_instant apart = *at;
-    scene_forces(v, q, q->clock, &apart); /* the contact has no force yet */
-    const double a = scene_pressing_acceleration(v, q, q->clock, &apart, contact);
+    scene_forces(at->q->clock, &apart); /* the contact has no force yet */
+    const double a = scene_pressing_acceleration(at->q->clock, &apart, contact);
     const double depth = cbrt(pow(a / (contact_factors_of(&law).k * per_mass), 2.0));
     return sqrt(fmax(speed_squared, 1.2 * a * depth));
 }
 
-enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
-                               const struct scene_instant *at, int contact, enum contact_regime next)
+enum contact_regime onset_note(struct scene_state *q, const struct scene_instant *at, int contact,
+                               enum contact_regime next)
 {
     struct contact_state *state = &q->contact[contact];
-    if (!scene_damps_by_onset(v, contact) || next == REGIME_APART || state->regime != (int32_t)REGIME_APART) {
+    if (!scene_damps_by_onset(at->v, contact) || next == REGIME_APART ||
+        state->regime != (int32_t)REGIME_APART) {
         return next;
     }
-    const double damping = state->parameters.factors.c / onset_speed(v, q, at, contact);
+    const double damping = state->parameters.factors.c / onset_speed(at, contact);
     state->onset_damping = isfinite(damping) ? damping : 0.0;
-    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_law law = scene_contact_law(q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const enum contact_regime deep = scene_regime(v, q, at, contact, false);
+    const enum contact_regime deep = scene_regime(at, contact, false);
     return deep != REGIME_APART ? deep : contact_regime_of(&law, -DBL_MIN, g->gap_rate, true);
 }
 
 /* The factor chi v is given, so that d chi = -chi dv / v, where 2 v dv is the change of v^2. */
-struct contact_law onset_law_slope(const struct scene_values *v, const struct scene_state *q,
-                                   const struct scene_instant *at, int contact, double gap_slope,
+struct contact_law onset_law_slope(const struct scene_instant *at, int contact, double gap_slope,
                                    double rate_slope)
 {
-    const struct contact_state *state = &q->contact[contact];
+    const struct contact_state *state = &at->q->contact[contact];
     struct contact_law slope = {.law = LAW_HERTZ};
-    if (!scene_damps_by_onset(v, contact) || state->regime == (int32_t)REGIME_APART ||
+    if (!scene_damps_by_onset(at->v, contact) || state->regime == (int32_t)REGIME_APART ||
         !(state->onset_damping > 0.0)) {
         return slope;
     }
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
     const double speed = state->parameters.factors.c / state->onset_damping;
     const double by_load = 1e-9; /* larger relative differences show that the load set the speed */
-    if (own_speed_squared(v, q, at, contact) < (1.0 - by_load) * speed * speed) {
+    if (own_speed_squared(at, contact) < (1.0 - by_load) * speed * speed) {
         return slope;
     }
     const double stored_slope = contact_stored_slope(&law, REGIME_COMPRESSION, g->gap);
-    const double half = g->gap_rate * rate_slope + stored_slope * scene_inverse_mass(v, contact) * gap_slope;
+    const double half =
+        g->gap_rate * rate_slope + stored_slope * scene_inverse_mass(at->v, contact) * gap_slope;
     slope.damping = -state->onset_damping * half / (speed * speed);
     return slope;
 }
@@ -1237,20 +1209,20 @@ static void shift_clocks(struct scene_state *q)
     q->horizon_clock -= q->clock;
 }
 
-void scene_rebase(const struct scene_values *v, struct scene_state *q)
+void scene_rebase(struct scene_state *q)
 {
     q->integrator_fresh = 1;
     if (SCENE_ANY_FREE) {
         shift_origins(q);
     }
-    if (scene_turns(v)) {
-        turning_rebase(v, q);
+    if (scene_turns(q->v)) {
+        turning_rebase(q);
     }
     if (q->clock == 0.0) {
         return;
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        body_path_shift(v, i, &q->path[i], q->clock);
+        body_path_shift(q->v, i, &q->path[i], q->clock);
     }
     if (SCENE_ANY_FREE) {
         shift_clocks(q);
@@ -1258,13 +1230,13 @@ void scene_rebase(const struct scene_values *v, struct scene_state *q)
     advance_base(q);
 }
 
-double energy_potential(const struct scene_values *v, const struct scene_instant *at, struct vec3 field)
+double energy_potential(const struct scene_instant *at, struct vec3 field)
 {
     double sum = 0.0;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            const double centre = vec3_dot(field, body_center(v, i));
-            sum -= body_mass(v, i) * (centre + vec3_dot(field, at->displacement[i]));
+        if (body_is_free(at->v, i)) {
+            const double centre = vec3_dot(field, body_center(at->v, i));
+            sum -= body_mass(at->v, i) * (centre + vec3_dot(field, at->displacement[i]));
         }
     }
     return sum;
@@ -1275,52 +1247,49 @@ double body_rotational_energy(const struct scene_values *v, int body, const stru
     return 0.5 * body_inertia_of(v, body).x * vec3_dot(turn->angular_velocity, body_spin_of(v, body, turn));
 }
 
-double energy_stored(const struct scene_values *v, const struct scene_state *q,
-                     const struct scene_instant *at)
+double energy_stored(const struct scene_instant *at)
 {
     double sum = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
+        const enum contact_regime regime = (enum contact_regime)at->q->contact[j].regime;
         if (regime != REGIME_APART) {
-            const struct contact_law law = scene_contact_law(v, q, j);
+            const struct contact_law law = scene_contact_law(at->q, j);
             sum += contact_stored_energy(&law, regime, at->geometry[j].gap);
         }
     }
     return sum;
 }
 
-struct scene_energies scene_energies_of(const struct scene_values *v, const struct scene_state *q,
-                                        const struct scene_instant *at)
+struct scene_energies scene_energies_of(const struct scene_instant *at)
 {
-    struct scene_energies sum = {.potential = energy_potential(v, at, gravity(v)),
-                                 .stored = energy_stored(v, q, at)};
+    struct scene_energies sum = {.potential = energy_potential(at, gravity(at->v)),
+                                 .stored = energy_stored(at)};
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            sum.kinetic += 0.5 * body_mass(v, i) * vec3_dot(at->velocity[i], at->velocity[i]);
+        if (body_is_free(at->v, i)) {
+            sum.kinetic += 0.5 * body_mass(at->v, i) * vec3_dot(at->velocity[i], at->velocity[i]);
         }
-        if (body_turns_freely(v, i)) {
-            sum.rotational += body_rotational_energy(v, i, &at->turning.body[i]);
+        if (body_turns_freely(at->v, i)) {
+            sum.rotational += body_rotational_energy(at->v, i, &at->turning.body[i]);
         }
     }
     for (int k = 0; k < SCENE_CONTACTS * OPPOSED; ++k) {
         const int j = k / OPPOSED;
         const int part = k % OPPOSED;
-        if (contact_has_spring(v, j, part) && q->contact[j].regime != (int32_t)REGIME_APART) {
-            const struct friction_law law = scene_friction_law(v, q, j, part);
-            const struct friction_state rubbing = turning_rubbing(&q->turning, at, j, part);
+        if (contact_has_spring(at->v, j, part) && at->q->contact[j].regime != (int32_t)REGIME_APART) {
+            const struct friction_law law = scene_friction_law(at->q, j, part);
+            const struct friction_state rubbing = turning_rubbing(&at->q->turning, at, j, part);
             sum.tangential += friction_stored_energy(
-                &law, (enum friction_regime)q->contact[j].friction_regime[part], rubbing);
+                &law, (enum friction_regime)at->q->contact[j].friction_regime[part], rubbing);
         }
     }
     return sum;
 }
 
-double energy_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_instant *at, int contact)
+double energy_dissipated_power_of(const struct scene_instant *at, int contact)
 {
-    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    const enum contact_regime regime = (enum contact_regime)at->q->contact[contact].regime;
     const double force = at->normal_force[contact] + contact_stored_slope(&law, regime, g->gap);
     return regime == REGIME_APART ? 0.0 : -force * g->gap_rate;
 }
@@ -1334,6 +1303,6 @@ void present_body(struct scene_values *v, int body, struct vec3 displacement, st
 
 void present_body_now(struct scene_values *v, const struct scene_state *q, int body)
 {
-    const struct body_instant at = scene_body_now(v, q, body);
+    const struct body_instant at = scene_body_now(q, body);
     present_body(v, body, at.displacement, at.velocity);
 }

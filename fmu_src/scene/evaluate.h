@@ -24,6 +24,9 @@ struct turning_instant {
 };
 
 struct scene_instant {
+    /* The instant is one of these values and of this state; scene_place_bodies sets both. */
+    const struct scene_values *v;
+    const struct scene_state *q;
     struct vec3 displacement[SCENE_BODIES]; /* u [m] */
     struct vec3 moved[SCENE_BODIES];        /* the part of u since clock 0 [m] */
     struct vec3 velocity[SCENE_BODIES];     /* v [m/s] */
@@ -47,23 +50,20 @@ struct body_instant {
 /* scene_contact_shape returns the shape of a contact; where the shape is divided into zones and the bodies
  * are in contact it is the shape of the present zone (shape.h). scene_whole_shape returns the shape without
  * zones. */
-struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
-                                         int contact);
-struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q,
-                                       int contact);
+struct contact_shape scene_contact_shape(const struct scene_state *q, int contact);
+struct contact_shape scene_whole_shape(const struct scene_state *q, int contact);
 
 /* Returns the side that the source is on: +1 outside the destination, -1 inside. */
-int scene_contact_side(const struct scene_values *v, const struct scene_state *q, int contact);
+int scene_contact_side(const struct scene_state *q, int contact);
 
 /* Whether the destination is a finite cylinder without caps, at whose ends contact ends suddenly. */
 bool scene_ends_suddenly(const struct scene_values *v, int contact);
 
 /* Returns the shape of the zone that the source faces at an instant. */
-struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,
-                                     const struct scene_instant *at, int contact);
+struct contact_shape scene_shape_met(const struct scene_instant *at, int contact);
 
 /* Returns the law of the normal force of a contact, with its present damping. */
-struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact);
+struct contact_law scene_contact_law(const struct scene_state *q, int contact);
 
 /* Whether a contact has Hertz's law. Constant false in scenes without it. */
 bool scene_is_hertz(const struct scene_values *v, int contact);
@@ -72,12 +72,12 @@ bool scene_is_hertz(const struct scene_values *v, int contact);
 bool scene_damps_by_onset(const struct scene_values *v, int contact);
 
 /* Returns one body at the present clock of q. */
-struct body_instant scene_body_now(const struct scene_values *v, const struct scene_state *q, int body);
+struct body_instant scene_body_now(const struct scene_state *q, int body);
 
 /* Computes u and v of every body and the geometry of every contact at a clock. `bodies` holds SCENE_BODIES
  * states, of which those of free bodies are read; it may be NULL where no body is free. */
-void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
-                      const struct body_state *bodies, struct scene_instant *at);
+void scene_kinematics(const struct scene_state *q, double clock, const struct body_state *bodies,
+                      struct scene_instant *at);
 
 /*
  * An integrator may leave contacts out that are apart: `met` says for each contact whether it counts; NULL
@@ -85,27 +85,22 @@ void scene_kinematics(const struct scene_values *v, const struct scene_state *q,
  */
 
 /* Sets the motion of the bodies alone, with the rotations in `turning`. */
-void scene_place_bodies(const struct scene_values *v, const struct scene_state *q, double clock,
-                        const struct body_state *bodies, const struct turning_state *turning,
-                        struct scene_instant *at);
+void scene_place_bodies(const struct scene_state *q, double clock, const struct body_state *bodies,
+                        const struct turning_state *turning, struct scene_instant *at);
 
 /* Computes the geometry of the contacts of an instant that has the motion of the bodies. */
-void scene_meet(const struct scene_values *v, const struct scene_state *q, const bool *met,
-                struct scene_instant *at);
+void scene_meet(const bool *met, struct scene_instant *at);
 
 /* Computes the kinematics, accelerations and forces of the instant in the regimes of q, with the rotations
  * and springs in `turning`. */
-void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
-                    const struct body_state *bodies, const struct turning_state *turning, const bool *met,
-                    struct scene_instant *at);
+void scene_evaluate(const struct scene_state *q, double clock, const struct body_state *bodies,
+                    const struct turning_state *turning, const bool *met, struct scene_instant *at);
 
 /* Returns the shape of a contact with the destination's axis at the instant. */
-struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,
-                                            const struct scene_instant *at, int contact);
+struct contact_shape scene_contact_shape_at(const struct scene_instant *at, int contact);
 
-/* Completes an instant that has kinematics by the accelerations and forces in the regimes of q. */
-void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                  struct scene_instant *at);
+/* Completes an instant that has kinematics by the accelerations and forces in the regimes of at->q. */
+void scene_forces(double clock, struct scene_instant *at);
 
 /* Returns how far the source's centre is beyond the destination's end planes [m], at most zero within;
  * -INFINITY without ends. A race ends at the cylinder rho = R; no source that touches an outer race has
@@ -120,15 +115,14 @@ double scene_inverse_mass(const struct scene_values *v, int contact);
 
 /* Returns the acceleration that presses a contact's bodies together [m/s^2]: -g'' without the contact's own
  * normal force, at least zero. `at` must have forces. */
-double scene_pressing_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
-                                   const struct scene_instant *at, int contact);
+double scene_pressing_acceleration(double clock, const struct scene_instant *at, int contact);
 
 /* Returns the torque on the destination about its centre [N m] where nothing turns or rubs. The torque is c x
  * F, because the lever arm of the source is along F, and zero where the destination is a sphere. */
 struct vec3 scene_torque_of_force(const struct scene_instant *at, int contact);
 
 /* Returns the power [W] that the drives of prescribed motions and rotations spend against a contact. */
-double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact);
+double scene_driving_power(const struct scene_instant *at, int contact);
 
 /*
  * Bodies that turn and contacts that rub, at one instant. Frame: world; SI units.
@@ -169,15 +163,14 @@ double scene_hertz_modulus(const struct scene_values *v, int contact);
  * cylinder is its radius and of a torus that of its tube, both resistances have the lever
  *   R_r = r_s r_d / (r_s + r_d) outside,   r_s r_d / (r_d - r_s) inside,   r_s on a plane
  * R_r is constant: the caps and the rims of a cylinder have that of its side. */
-struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q, int contact,
-                                       int part);
+struct friction_law scene_friction_law(const struct scene_state *q, int contact, int part);
 
 /* Returns the orientation that a body starts with, the smallest rotation that takes z to its axis. */
 struct quaternion turning_start_orientation(const struct scene_values *v, int body);
 
 /* Returns about how many steps of a series the prescribed rotations take over `length` seconds: none where
  * the direction of rotation is constant, else one for each radian. */
-double turning_prescribed_steps(const struct scene_values *v, const struct scene_state *q, double length);
+double turning_prescribed_steps(const struct scene_state *q, double length);
 
 /* Returns the orientation and angular velocity of a body of prescribed rotation at a clock. */
 struct body_turn turning_prescribed_at(const struct scene_state *q, double clock, int body);
@@ -185,31 +178,29 @@ struct body_turn turning_prescribed_at(const struct scene_state *q, double clock
 /* Completes an instant that has kinematics, arms and slips by given contact forces [N] and resistances to
  * rolling and spinning [N m] on the sources, one for each contact: accelerations, F_n, and where scene_turns
  * torques and F_t. */
-void scene_put_contact_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct vec3 *force, const struct vec3 *torque, const bool *met,
-                              struct scene_instant *at);
+void scene_put_contact_forces(double clock, const struct vec3 *force, const struct vec3 *torque,
+                              const bool *met, struct scene_instant *at);
 
 /* Adds rotations, friction and torques to an instant that has geometry and normal forces. */
-void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
+void turning_complete(struct scene_instant *at);
 
 /* Turns bodies of prescribed rotation to the axes of new paths by the smallest rotation. */
-void turning_take_axes(const struct scene_values *v, struct scene_state *q);
+void turning_take_axes(struct scene_state *q);
 
 /* Sets orientations and angular velocities at the start. */
-void turning_place(const struct scene_values *v, struct scene_state *q);
+void turning_place(struct scene_state *q);
 
 /* Returns a bound of the rounding error of the gap [m], below which the sign of the gap means nothing: eight
  * roundings of locations, displacements and radii, from which the gap is computed. For a shell that the
  * source nearly fills, the difference of the radii counts instead, which is exact. */
-double rounding_of_gap(const struct scene_values *v, const struct scene_instant *at, int contact);
+double rounding_of_gap(const struct scene_instant *at, int contact);
 
 /* Returns a bound of the rounding error of the source's axial position [m], which is compared with L/2. */
-double rounding_of_axial(const struct scene_values *v, const struct scene_instant *at, int contact,
-                         const struct contact_shape *shape);
+double rounding_of_axial(const struct scene_instant *at, int contact, const struct contact_shape *shape);
 
 /* Returns a bound of the angle by which rounding of positions tilts n [rad]. The bound is infinite in the
  * centre, and 0 on a plane or a cap, where the axis gives n. */
-double rounding_of_normal(const struct scene_values *v, const struct scene_instant *at, int contact);
+double rounding_of_normal(const struct scene_instant *at, int contact);
 
 /* Returns a bound of the rounding error of w and g' [m/s], which are differences of the bodies'
  * velocities. */
@@ -217,20 +208,17 @@ double rounding_of_rate(const struct scene_instant *at, int contact);
 
 /* Returns a bound of the error of the law's event function (contact_event) by rounding and by an error of the
  * speeds of `tolerated` [m/s]. */
-double rounding_of_event(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, int contact, double tolerated);
+double rounding_of_event(const struct scene_instant *at, int contact, double tolerated);
 
 /* Returns a bound of the error of a contact's normal force by the rounding of g, n and n.w [N]. */
-double rounding_of_force(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, int contact);
+double rounding_of_force(const struct scene_instant *at, int contact);
 
 /* Returns an offset that makes the law's event function positive at the start of a phase, although rounding
  * or an error of the speeds of `tolerated` [m/s] may have left the function at or below zero. Without the
  * offset a root finder would miss the fall of a function that starts below zero, and would find many falls of
  * one that stays near zero, as at rest. The offset delays the event a little, which matters little, because
  * the force is continuous there. */
-double rounding_margin_offset(const struct scene_values *v, const struct scene_state *q,
-                              const struct scene_instant *at, int contact, double tolerated);
+double rounding_margin_offset(const struct scene_instant *at, int contact, double tolerated);
 
 /*
  * Torques, angular accelerations and rates of springs at an instant (scene_evaluate). Frame: world; SI units.
@@ -250,16 +238,14 @@ struct contact_load scene_load_on(const struct scene_instant *at, int body);
 
 /* Returns the part that turns a body of the sum of contact torques and external torque about its centre
  * [N m]. */
-struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct scene_instant *at, int body);
+struct vec3 turning_torque_on(double clock, const struct scene_instant *at, int body);
 
 /* Returns d omega/dt of a body [rad/s^2]. For a body that turns freely under the torque tau it is the
  * angular velocity (body_rotation_of) of the spin tau / I_1 - omega x L / I_1. */
-struct vec3 turning_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
-                                 const struct scene_instant *at, int body);
+struct vec3 turning_acceleration(double clock, const struct scene_instant *at, int body);
 
 /* Returns the laws of a contact. */
-struct turning_laws turning_laws_of(const struct scene_values *v, const struct scene_state *q, int contact);
+struct turning_laws turning_laws_of(const struct scene_state *q, int contact);
 
 /* Returns the normal force, and of an opposed motion of a contact (contact/friction.h) the motion and the
  * spring. */
@@ -267,17 +253,14 @@ struct friction_state turning_rubbing(const struct turning_state *turning, const
                                       int contact, int part);
 
 /* Returns n', the rate of the normal [1/s]. */
-struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene_state *q,
-                                const struct scene_instant *at, int contact);
+struct vec3 turning_normal_rate(const struct scene_instant *at, int contact);
 
 /* Returns the rate of a spring, xi' [m/s] or theta' [rad/s], with its turning by the normal included. */
-struct vec3 turning_spring_rate(const struct scene_values *v, const struct scene_state *q,
-                                const struct turning_state *turning, const struct scene_instant *at,
+struct vec3 turning_spring_rate(const struct turning_state *turning, const struct scene_instant *at,
                                 int contact, int part);
 
 /* Returns the rate of the normal force [N/s]. The instant must have accelerations. */
-double turning_normal_force_rate(const struct scene_values *v, const struct scene_state *q, double clock,
-                                 const struct scene_instant *at, int contact);
+double turning_normal_force_rate(double clock, const struct scene_instant *at, int contact);
 
 /* Returns omega, the angular velocity of the source as the destination sees it [rad/s], and the size of the
  * terms whose difference omega is. */
@@ -286,12 +269,11 @@ double turning_spin_size(const struct scene_instant *at, int contact);
 
 /* Returns the power that friction with its springs and the resistance to rolling take in a contact,
  * -F_t.v_t - M.omega [W]. */
-double turning_friction_power_of(const struct scene_values *v, const struct scene_instant *at, int contact);
+double turning_friction_power_of(const struct scene_instant *at, int contact);
 
 /* Whether d = 0 within rounding, by positions or by the accumulated gap. Solid bodies may reach this
  * singularity, where n is undefined and reverses; the escape direction takes the place of n. */
-bool singularity_is_reached(const struct scene_values *v, const struct scene_instant *at, int contact,
-                            const struct contact_shape *shape);
+bool singularity_is_reached(const struct scene_instant *at, int contact, const struct contact_shape *shape);
 
 /* Returns the escape direction, in which bodies leave d = 0. It is the direction of their relative velocity
  * `rate`. At relative rest it is the direction of `acceleration`, the relative acceleration by all but this
@@ -309,25 +291,20 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
  * and one that is apart or separates loses its zone. A prescribed contact has a zone also while it separates,
  * but none where something turns, because quadrature needs no limits of zones there. Without a zone the
  * nearest one holds. */
-void zones_follow(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
-                  int contact);
+void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact);
 
 /* Sets the next zone of the contact. Returns whether n jumps at its edge: it does where the centre is inside
  * the solid or at the circle of the rim. */
-bool zones_pass(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
-                int contact);
+bool zones_pass(struct scene_state *q, const struct scene_instant *at, int contact);
 
 /* Sets the zone that the source faces where its centre is outside the present zone by more than rounding. */
-void zones_settle(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
-                  int contact);
+void zones_settle(struct scene_state *q, const struct scene_instant *at, int contact);
 
 /* Returns how far the source's centre is inside the edges of the zone [m]. */
-double zones_margin(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
-                    int contact);
+double zones_margin(const struct scene_instant *at, int contact);
 
 /* Returns the zone at the instant as outputs show it. */
-enum zone zones_shown(const struct scene_values *v, const struct scene_state *q,
-                      const struct scene_instant *at, int contact);
+enum zone zones_shown(const struct scene_instant *at, int contact);
 
 /*
  * The scene at its present clock. Gaps and rates that integration has accumulated replace those made from
@@ -335,26 +312,23 @@ enum zone zones_shown(const struct scene_values *v, const struct scene_state *q,
  */
 
 /* scene_kinematics_now leaves out accelerations and forces; scene_now computes the whole instant. */
-void scene_kinematics_now(const struct scene_values *v, const struct scene_state *q,
-                          struct scene_instant *at);
-void scene_now(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
+void scene_kinematics_now(const struct scene_state *q, struct scene_instant *at);
+void scene_now(const struct scene_state *q, struct scene_instant *at);
 
 /* Whether the gap of scene_now is the accumulated one, which is more accurate than positions give it. Such a
  * gap exists in contact, as contact ends, and where a change of regime was foreseen. */
-bool scene_gap_is_accumulated(const struct scene_state *q, const struct scene_instant *at, int contact);
+bool scene_gap_is_accumulated(const struct scene_instant *at, int contact);
 
 /* Whether g' of scene_now is the rate that the last segment of the contact has left (`carried_rate`). */
-bool scene_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact);
+bool scene_rate_is_known(const struct scene_instant *at, int contact);
 
 /* Whether outputs show the source within the extents of the destination. Where rounding may put the source on
  * either side of an open end, the present regime decides. */
-bool scene_shown_within(const struct scene_values *v, const struct scene_state *q,
-                        const struct scene_instant *at, int contact, const struct contact_shape *shape);
+bool scene_shown_within(const struct scene_instant *at, int contact, const struct contact_shape *shape);
 
 /* Returns the regime that the law gives for the gap, the gap rate and the axial position of the instant. A
  * contact that goes on `touching` is not apart, even if rounding shows an open gap. */
-enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_instant *at, int contact, bool touching);
+enum contact_regime scene_regime(const struct scene_instant *at, int contact, bool touching);
 
 /*
  * Damping by the onset: with a coefficient of restitution, the damping factor chi [s/m] of Hunt and Crossley
@@ -368,15 +342,14 @@ enum contact_regime scene_regime(const struct scene_values *v, const struct scen
 
 /* Returns the derivative of the law, of which only chi changes, at a start in overlap, from those of the gap
  * and the gap rate. A change of the load does not count. */
-CONTACT_COLD struct contact_law onset_law_slope(const struct scene_values *v, const struct scene_state *q,
-                                                const struct scene_instant *at, int contact, double gap_slope,
+CONTACT_COLD struct contact_law onset_law_slope(const struct scene_instant *at, int contact, double gap_slope,
                                                 double rate_slope);
 
 /* Sets the damping of an onset before a contact enters the regime `next` at the instant `at`, and returns the
  * regime that the contact enters with it. Returns `next` where the contact touches already, remains apart, or
  * has no damping by the onset. */
-enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
-                               const struct scene_instant *at, int contact, enum contact_regime next);
+enum contact_regime onset_note(struct scene_state *q, const struct scene_instant *at, int contact,
+                               enum contact_regime next);
 
 /* Energies of the scene [J]. The sum kinetic + potential + contact + dissipated - external work stays
  * constant. Where something turns or rubs, rotational + tangential + friction are added to this sum. */
@@ -385,23 +358,20 @@ enum contact_regime onset_note(const struct scene_values *v, struct scene_state 
 struct scene_energies {
     double kinetic, potential, rotational, stored, tangential;
 };
-struct scene_energies scene_energies_of(const struct scene_values *v, const struct scene_state *q,
-                                        const struct scene_instant *at);
+struct scene_energies scene_energies_of(const struct scene_instant *at);
 
 /* Returns the rotational energy omega.L / 2 of a body. */
 double body_rotational_energy(const struct scene_values *v, int body, const struct body_turn *turn);
 
 /* Returns the potential energy in a field g [m/s^2], minus the sum of m g.x over the free bodies; the field
  * is gravity, or a change of gravity. */
-double energy_potential(const struct scene_values *v, const struct scene_instant *at, struct vec3 field);
+double energy_potential(const struct scene_instant *at, struct vec3 field);
 
 /* Returns the energy that the normal forces of all contacts store. */
-double energy_stored(const struct scene_values *v, const struct scene_state *q,
-                     const struct scene_instant *at);
+double energy_stored(const struct scene_instant *at);
 
 /* Returns the power that the dashpot of a contact dissipates [W]. */
-double energy_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_instant *at, int contact);
+double energy_dissipated_power_of(const struct scene_instant *at, int contact);
 
 /* Powers summed over bodies and contacts [W]: of the dashpots; of the external forces and torques and of the
  * drives of prescribed motions; of friction with its springs and of the resistances to rolling and

@@ -20,13 +20,13 @@ static int take_states(bool wanted, int count, int *next)
 
 /* Whether a body that touches nothing flies by a closed form of the clock, and a contact that is apart does
  * not see how the body is turned. */
-static bool flies_unseen(const struct scene_values *v, const struct scene_state *q, int body, int contact)
+static bool flies_unseen(const struct scene_state *q, int body, int contact)
 {
-    if (!body_turns_freely(v, body)) {
+    if (!body_turns_freely(q->v, body)) {
         return true;
     }
     return !body_is_compound(body) && path_rests(q->path[body].torque) &&
-           !(body_tips(v, body) && contact_is_coupled(v, q, contact));
+           !(body_tips(q->v, body) && contact_is_coupled(q, contact));
 }
 
 /* Sets which bodies have states: all that move where `q` is NULL, else those in contact. Returns whether all
@@ -41,7 +41,7 @@ static bool find_bodies(const struct scene_values *v, const struct scene_state *
         const int j = k / 2;
         const int body = k % 2 == 0 ? contact_source(j) : contact_destination(j);
         const bool apart = q->contact[j].regime == (int32_t)REGIME_APART;
-        has[body] = has[body] || (body_moves_freely(v, body) && !(apart && flies_unseen(v, q, body, j)));
+        has[body] = has[body] || (body_moves_freely(v, body) && !(apart && flies_unseen(q, body, j)));
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         all = all && (has[i] || !body_moves_freely(v, i));
@@ -51,8 +51,7 @@ static bool find_bodies(const struct scene_values *v, const struct scene_state *
 
 /* Writes the number of the group of each body to `of_body`, and that of each contact to layout->island. A
  * group is an island, or a body that belongs to none. */
-static void find_groups(const struct scene_values *v, const struct scene_state *q, int of_body[SCENE_BODIES],
-                        struct ode_layout *layout)
+static void find_groups(const struct scene_state *q, int of_body[SCENE_BODIES], struct ode_layout *layout)
 {
     if (SCENE_CONTACTS == 1 || q == NULL) {
         layout->groups = 1;
@@ -60,7 +59,7 @@ static void find_groups(const struct scene_values *v, const struct scene_state *
         memset(layout->island, 0, sizeof layout->island);
         return;
     }
-    const struct islands islands = scene_islands(v, q);
+    const struct islands islands = scene_islands(q);
     layout->groups = islands.count;
     memset(of_body, -1, SCENE_BODIES * sizeof *of_body);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -99,7 +98,7 @@ struct ode_layout ode_layout_of(const struct scene_values *v, const struct scene
     bool has[SCENE_BODIES];
     int next = 0;
     layout.is_whole = find_bodies(v, q, has);
-    find_groups(v, q, of_body, &layout);
+    find_groups(q, of_body, &layout);
     memset(layout.spring, -1, sizeof layout.spring);
     memset(layout.spin, -1, sizeof layout.spin);
     for (int group = 0; group < layout.groups; ++group) {
@@ -212,11 +211,11 @@ static void friction_events(const struct scene_ode *ode, double clock, const str
     if (!SCENE_ANY_FRICTION) {
         return; /* `out` has no room for events of friction */
     }
-    const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
+    const struct turning_laws laws = turning_laws_of(ode->state, contact);
     const struct friction_law *law = &laws.rubbing[OPPOSED_SLIP];
     const enum friction_regime regime = laws.rubbing_regime[OPPOSED_SLIP];
     const double force = at->normal_force[contact];
-    const double force_rate = turning_normal_force_rate(ode->values, ode->state, clock, at, contact);
+    const double force_rate = turning_normal_force_rate(clock, at, contact);
     for (int i = 0; i < contact_opposed(ode->values, contact); ++i) {
         const struct friction_state rubbing = turning_rubbing(turning, at, contact, i);
         out[ode_stick_event(i)] =
@@ -242,17 +241,17 @@ static void contact_events(const struct scene_ode *ode, const struct scene_insta
 {
     const double *offset = ode->offset[contact];
     const enum contact_regime regime = (enum contact_regime)ode->state->contact[contact].regime;
-    const bool is_coupled = contact_is_coupled(ode->values, ode->state, contact);
+    const bool is_coupled = contact_is_coupled(ode->state, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    if (!is_coupled && !contact_pushes(ode->values, ode->state, contact)) {
+    if (!is_coupled && !contact_pushes(ode->state, contact)) {
         return;
     }
-    struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
+    struct contact_shape shape = scene_contact_shape_at(at, contact);
     shape.half_length = is_coupled || scene_turns(ode->values) ? shape.half_length : (double)INFINITY;
     if (regime == REGIME_APART) {
         out[ODE_EVENT_GAP] = offset[ODE_EVENT_GAP] + fmax(g->gap, scene_beyond_ends(&shape, g));
     } else {
-        const struct contact_law law = scene_contact_law(ode->values, ode->state, contact);
+        const struct contact_law law = scene_contact_law(ode->state, contact);
         out[ODE_EVENT_GAP] = depth_to_parting(ode, &shape, g, contact);
         out[ODE_EVENT_LAW] = offset[ODE_EVENT_LAW] + contact_event(&law, regime, g->gap, g->gap_rate);
     }
@@ -274,11 +273,11 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
                              double events[ODE_EVENTS_EACH])
 {
     double *offset = ode->offset[contact];
-    const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
+    const struct turning_laws laws = turning_laws_of(ode->state, contact);
     const double force = at->normal_force[contact];
     const struct contact_geometry *g = &at->geometry[contact];
     const double by_rate = contact_force_slopes(&laws.normal, laws.regime, g->gap, g->gap_rate).by_rate;
-    const double of_force = rounding_of_force(ode->values, ode->state, at, contact);
+    const double of_force = rounding_of_force(at, contact);
     const double rounding = 8.0 * DBL_EPSILON * fabs(force) + of_force + fabs(by_rate) * tolerated;
     for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
         events[i] = 1.0;
@@ -318,31 +317,30 @@ static void turning_begin(struct scene_ode *ode, const struct scene_instant *at,
 }
 
 /* Returns the relative acceleration of the bodies by everything but the contact itself [m/s^2]. */
-static struct vec3 acceleration_by_others(const struct scene_values *v, const struct scene_instant *at,
-                                          int contact)
+static struct vec3 acceleration_by_others(const struct scene_instant *at, int contact)
 {
     const struct vec3 all =
         vec3_sub(at->acceleration[contact_destination(contact)], at->acceleration[contact_source(contact)]);
-    return vec3_axpy(all, scene_inverse_mass(v, contact), at->source_force[contact]);
+    return vec3_axpy(all, scene_inverse_mass(at->v, contact), at->source_force[contact]);
 }
 
 /* Where the bodies are at relative rest, n takes the direction of the acceleration by other contacts. No
  * other direction persists, because the contact's own force acts along c. */
-void ode_leave_centres(const struct scene_values *v, struct scene_state *q)
+void ode_leave_centres(struct scene_state *q)
 {
     if (!SCENE_ANY_CURVED) {
         return;
     }
     struct scene_instant at;
     const struct vec3 none = {0.0, 0.0, 0.0};
-    scene_now(v, q, &at);
+    scene_now(q, &at);
     for (int k = 0; k < 2 * SCENE_CONTACTS; ++k) { /* in the first round by velocities only */
         const int j = k % SCENE_CONTACTS;
         const bool loaded = k >= SCENE_CONTACTS;
-        if (at.geometry[j].degenerate && (!loaded || contact_is_coupled(v, q, j))) {
-            const struct contact_shape shape = scene_contact_shape(v, q, j);
-            scene_now(v, q, &at); /* the direction of one contact changes the forces on the next */
-            const struct vec3 by_others = loaded ? acceleration_by_others(v, &at, j) : none;
+        if (at.geometry[j].degenerate && (!loaded || contact_is_coupled(q, j))) {
+            const struct contact_shape shape = scene_contact_shape(q, j);
+            scene_now(q, &at); /* the direction of one contact changes the forces on the next */
+            const struct vec3 by_others = loaded ? acceleration_by_others(&at, j) : none;
             q->contact[j].normal = singularity_escape(&shape, at.rate[j], by_others, q->contact[j].normal);
         }
     }
@@ -363,17 +361,17 @@ static double momentum_scale(const struct scene_values *v, double energy)
 void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double relative, double absolute)
 {
     const struct scene_values *v = ode->values;
-    const struct scene_energies energy = scene_energies_of(v, ode->state, at);
+    const struct scene_energies energy = scene_energies_of(at);
     ode->energy_scale = energy.kinetic + energy.stored + energy.rotational;
     ode->momentum_scale = momentum_scale(v, ode->energy_scale);
     memset(ode->offset, 0, sizeof ode->offset);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double tolerated = relative * vec3_norm(at->rate[j]) + absolute;
         double *offset = ode->offset[j];
-        offset[ODE_EVENT_GAP] = 2.0 * rounding_of_gap(v, at, j);
-        offset[ODE_EVENT_LAW] = rounding_margin_offset(v, ode->state, at, j, tolerated);
+        offset[ODE_EVENT_GAP] = 2.0 * rounding_of_gap(at, j);
+        offset[ODE_EVENT_LAW] = rounding_margin_offset(at, j, tolerated);
         if (SCENE_ANY_ZONES) {
-            const double outside = fmax(-zones_margin(v, ode->state, at, j), 0.0);
+            const double outside = fmax(-zones_margin(at, j), 0.0);
             offset[ODE_EVENT_ZONE] = offset[ODE_EVENT_GAP] + 2.0 * outside;
         }
         if (scene_turns(v)) {
@@ -467,7 +465,7 @@ void ode_instant(const struct scene_ode *ode, double clock, const double *y, str
         turning = ode->state->turning;
         turning_unpack(ode, y, &turning);
     }
-    scene_evaluate(ode->values, ode->state, clock, bodies, &turning, met_of(ode), at);
+    scene_evaluate(ode->state, clock, bodies, &turning, met_of(ode), at);
 }
 
 void ode_other_motion(const struct scene_ode *ode, double clock, struct scene_instant *at)
@@ -479,7 +477,7 @@ void ode_other_motion(const struct scene_ode *ode, double clock, struct scene_in
             bodies[i] = ode->flight(ode->values, ode->state, i, clock);
         }
     }
-    scene_place_bodies(ode->values, ode->state, clock, bodies, &ode->state->turning, at);
+    scene_place_bodies(ode->state, clock, bodies, &ode->state->turning, at);
 }
 
 void ode_contact_motion(const struct scene_ode *ode, const double *y, bool all, struct scene_instant *at)
@@ -509,7 +507,7 @@ void ode_contact_motion(const struct scene_ode *ode, const double *y, bool all, 
         }
         met = touching;
     }
-    scene_meet(v, ode->state, met, at);
+    scene_meet(met, at);
 }
 
 void ode_rates_without_contact(const struct scene_ode *ode, double clock, double *rates)
@@ -540,9 +538,9 @@ struct scene_powers ode_powers(const struct scene_ode *ode, double clock, const 
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        sum.dissipated += energy_dissipated_power_of(ode->values, ode->state, at, j);
-        sum.external += ode->layout.met[j] ? scene_driving_power(ode->values, at, j) : 0.0;
-        sum.friction += contact_rubs(ode->values, j) ? turning_friction_power_of(ode->values, at, j) : 0.0;
+        sum.dissipated += energy_dissipated_power_of(at, j);
+        sum.external += ode->layout.met[j] ? scene_driving_power(at, j) : 0.0;
+        sum.friction += contact_rubs(ode->values, j) ? turning_friction_power_of(at, j) : 0.0;
     }
     return sum;
 }
@@ -561,7 +559,7 @@ static void put_scene_rates(const struct scene_ode *ode, double clock, const dou
             vec3_to(at->acceleration[i], rates + layout->body[i] + 3);
         }
         if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
-            const struct vec3 torque = turning_torque_on(v, ode->state, clock, at, i);
+            const struct vec3 torque = turning_torque_on(clock, at, i);
             const struct quaternion orientation = four_from(y + layout->orientation[i]);
             vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).x, torque), rates + layout->spin[i]);
             four_to(quaternion_rate(orientation, at->turning.body[i].angular_velocity),
@@ -585,7 +583,7 @@ static void put_scene_rates(const struct scene_ode *ode, double clock, const dou
         }
         for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
             if (layout->spring[j][i] >= 0) {
-                vec3_to(turning_spring_rate(v, ode->state, &turning, at, j, i), rates + layout->spring[j][i]);
+                vec3_to(turning_spring_rate(&turning, at, j, i), rates + layout->spring[j][i]);
             }
         }
     }
@@ -607,7 +605,7 @@ void ode_rates(const void *scene_ode, double clock, const double *y, double *rat
 void ode_rates_under(const struct scene_ode *ode, double clock, const double *y, const struct vec3 *force,
                      const struct vec3 *torque, struct scene_instant *at, double *rates)
 {
-    scene_put_contact_forces(ode->values, ode->state, clock, force, torque, met_of(ode), at);
+    scene_put_contact_forces(clock, force, torque, met_of(ode), at);
     put_scene_rates(ode, clock, y, at, rates);
 }
 
@@ -696,7 +694,7 @@ static void put_rate_changes(const struct linearization *l, double *changes)
                     impulse + 3);
         }
     }
-    const struct scene_powers power = jet_powers_of(v, &l->q, along, 1);
+    const struct scene_powers power = jet_powers_of(&l->q, along, 1);
     changes[layout->dissipated] = power.dissipated;
     changes[layout->dissipated + 1] = power.external;
     if (scene_turns(v)) {
@@ -715,15 +713,14 @@ static void put_column(struct linearization *l, int body, int contact, int colum
         moves[j] = column < layout->coupled && l->q.contact[j].regime != (int32_t)REGIME_APART &&
                    (j == contact || contact_source(j) == body || contact_destination(j) == body);
         if (moves[j]) {
-            jet_of_contact(v, &l->q, &l->at, j, scene_turns(v), &l->along);
+            jet_of_contact(&l->at, j, scene_turns(v), &l->along);
         }
     }
     put_rate_changes(l, changes);
     for (int k = 0; SCENE_ANY_SPRINGS && k < SCENE_CONTACTS * OPPOSED; ++k) {
         const int spring = layout->spring[k / OPPOSED][k % OPPOSED];
         if (spring >= 0 && moves[k / OPPOSED]) {
-            vec3_to(turning_jet_spring_change(v, &l->q, &l->at, &l->along, k / OPPOSED, k % OPPOSED),
-                    changes + spring);
+            vec3_to(turning_jet_spring_change(&l->at, &l->along, k / OPPOSED, k % OPPOSED), changes + spring);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -790,9 +787,10 @@ void ode_jacobian(const struct scene_ode *ode, int states, double clock, const d
     struct linearization l = {.ode = ode, .y = y, .states = states, .columns = columns};
     memset(columns, 0, (size_t)states * (size_t)states * sizeof *columns);
     l.along.first_order = true;
-    scene_state_copy(ode->values, ode->state, &l.q);
+    scene_state_copy(ode->state, &l.q);
     l.q.clock = clock;
     ode_instant(ode, clock, y, &l.at);
+    l.at.q = &l.q;
     if (scene_turns(ode->values)) {
         turning_unpack(ode, y, &l.q.turning);
     }
@@ -845,7 +843,7 @@ void ode_events_at(const struct scene_ode *ode, double clock, const double *y, c
             friction_events(ode, clock, &turning, at, j, out);
         }
         if (SCENE_ANY_ZONES) {
-            out[ODE_EVENT_ZONE] = zones_margin(v, ode->state, at, j);
+            out[ODE_EVENT_ZONE] = zones_margin(at, j);
         }
         for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
             out[i] = not_zero(i > ODE_EVENT_LAW ? ode->offset[j][i] + out[i] : out[i]);
@@ -867,23 +865,22 @@ double ode_event(const struct scene_ode *ode, double clock, const double *y, int
     return events[event];
 }
 
-enum contact_regime ode_regime_after(const struct scene_values *v, const struct scene_state *q, int contact,
-                                     int event)
+enum contact_regime ode_regime_after(const struct scene_state *q, int contact, int event)
 {
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
     if (event > ODE_EVENT_LAW) {
         return regime; /* friction changes, or the contact goes on in the next zone */
     }
     if (event == ODE_EVENT_LAW) {
-        const struct contact_law law = scene_contact_law(v, q, contact);
+        const struct contact_law law = scene_contact_law(q, contact);
         return contact_regime_after(&law, regime);
     }
     if (regime != REGIME_APART) {
         return REGIME_APART;
     }
     struct scene_instant at;
-    scene_now(v, q, &at);
-    return scene_regime(v, q, &at, contact, true);
+    scene_now(q, &at);
+    return scene_regime(&at, contact, true);
 }
 
 int ode_event_passed(const struct scene_ode *ode, const double *y)
@@ -891,7 +888,7 @@ int ode_event_passed(const struct scene_ode *ode, const double *y)
     const struct scene_state *q = ode->state;
     double events[ODE_EVENTS];
     struct scene_instant at;
-    scene_now(ode->values, q, &at);
+    scene_now(q, &at);
     ode_events(ode, q->clock, y, events);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const bool leaves = (q->contact[j].regime == REGIME_APART) == (at.geometry[j].gap_rate < 0.0);
@@ -904,75 +901,73 @@ int ode_event_passed(const struct scene_ode *ode, const double *y)
 
 /* Whether only gravity and contacts do work on a body. A prescribed body must rest by both of its inputs,
  * displacement and velocity. */
-static bool body_is_undriven(const struct scene_values *v, const struct scene_state *q, int body)
+static bool body_is_undriven(const struct scene_state *q, int body)
 {
     const struct body_path *path = &q->path[body];
-    if (body_is_prescribed(v, body)) {
+    if (body_is_prescribed(q->v, body)) {
         return path_is_steady(path->displacement, 4) && path_rests(path->velocity);
     }
-    return !body_is_free(v, body) || path_rests(path->force);
+    return !body_is_free(q->v, body) || path_rests(path->force);
 }
 
 /* Whether a contact keeps the energy of its relative motion, and no other contact acts. Bodies that turn do
  * not keep it: they exchange it with rotational energy. */
-static bool keeps_energy(const struct scene_values *v, const struct scene_state *q, int contact)
+static bool keeps_energy(const struct scene_state *q, int contact)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (scene_turns(v) || contact_transmits(q, j) != (j == contact)) {
+        if (scene_turns(q->v) || contact_transmits(q, j) != (j == contact)) {
             return false;
         }
     }
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    return contact_is_elastic(&law) && scene_inverse_mass(v, contact) > 0.0 &&
-           body_is_undriven(v, q, contact_source(contact)) &&
-           body_is_undriven(v, q, contact_destination(contact));
+    const struct contact_law law = scene_contact_law(q, contact);
+    return contact_is_elastic(&law) && scene_inverse_mass(q->v, contact) > 0.0 &&
+           body_is_undriven(q, contact_source(contact)) && body_is_undriven(q, contact_destination(contact));
 }
 
 /* Returns the terms of the energy of a contact's relative motion [J]. The potential counts only where one
  * body is not free, because two free bodies fall together. */
-static struct scene_energies relative_energy_of(const struct scene_values *v, const struct scene_state *q,
-                                                const struct scene_instant *at, int contact)
+static struct scene_energies relative_energy_of(const struct scene_instant *at, int contact)
 {
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const double mass = 1.0 / scene_inverse_mass(v, contact);
-    const bool source_is_free = body_is_free(v, contact_source(contact));
-    const bool destination_is_free = body_is_free(v, contact_destination(contact));
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    const double mass = 1.0 / scene_inverse_mass(at->v, contact);
+    const bool source_is_free = body_is_free(at->v, contact_source(contact));
+    const bool destination_is_free = body_is_free(at->v, contact_destination(contact));
     struct scene_energies energy = {
         .kinetic = 0.5 * mass * vec3_dot(at->rate[contact], at->rate[contact]),
-        .stored = contact_stored_energy(&law, (enum contact_regime)q->contact[contact].regime,
+        .stored = contact_stored_energy(&law, (enum contact_regime)at->q->contact[contact].regime,
                                         at->geometry[contact].gap)};
     if (source_is_free != destination_is_free) {
         const int body = source_is_free ? contact_source(contact) : contact_destination(contact);
-        energy.potential = -mass * vec3_dot(gravity(v), at->displacement[body]);
+        energy.potential = -mass * vec3_dot(gravity(at->v), at->displacement[body]);
     }
     return energy;
 }
 
-double projection_balance(const struct scene_values *v, const struct scene_state *q,
-                          const struct scene_instant *at)
+double projection_balance(const struct scene_instant *at)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (keeps_energy(v, q, j)) {
-            const struct scene_energies energy = relative_energy_of(v, q, at, j);
+        if (keeps_energy(at->q, j)) {
+            const struct scene_energies energy = relative_energy_of(at, j);
             return energy.kinetic + energy.stored + energy.potential;
         }
     }
     return 0.0;
 }
 
-void projection_close_gap(const struct scene_values *v, struct scene_state *q, int contact)
+void projection_close_gap(struct scene_state *q, int contact)
 {
     struct scene_instant at;
-    scene_now(v, q, &at);
+    scene_now(q, &at);
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_shape shape = scene_contact_shape(q, contact);
     /* g = side (d - reach): the separation has to grow by -side g along n. */
-    const struct vec3 grow = vec3_scale(
-        -shape.side * at.geometry[contact].gap / scene_inverse_mass(v, contact), at.geometry[contact].normal);
-    q->body[source].moved = vec3_axpy(q->body[source].moved, -body_inverse_mass(v, source), grow);
+    const struct vec3 grow =
+        vec3_scale(-shape.side * at.geometry[contact].gap / scene_inverse_mass(q->v, contact),
+                   at.geometry[contact].normal);
+    q->body[source].moved = vec3_axpy(q->body[source].moved, -body_inverse_mass(q->v, source), grow);
     q->body[destination].moved =
-        vec3_axpy(q->body[destination].moved, body_inverse_mass(v, destination), grow);
+        vec3_axpy(q->body[destination].moved, body_inverse_mass(q->v, destination), grow);
 }
 
 /* Returns the impulse j along the normal [N s], positive where it drives the bodies apart, that adds the
@@ -1005,36 +1000,36 @@ static bool is_integration_error(double missing, const struct scene_energies *en
 /* Gives the bodies of a contact opposite impulses along the normal that restore the energy q->phase_energy.
  * `tolerated` is the integrator's error in a step [m/s]. Nothing is done where this error does not explain
  * the difference of energy, or where rounding explains it. */
-static void restore_energy(const struct scene_values *v, struct scene_state *q, int contact, double tolerated)
+static void restore_energy(struct scene_state *q, int contact, double tolerated)
 {
-    if (!keeps_energy(v, q, contact)) {
+    if (!keeps_energy(q, contact)) {
         return;
     }
     struct scene_instant at;
-    scene_now(v, q, &at);
+    scene_now(q, &at);
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    const double by_both = scene_inverse_mass(v, contact);
+    const double by_both = scene_inverse_mass(q->v, contact);
     const double gap_rate = at.geometry[contact].gap_rate;
-    const struct scene_energies energy = relative_energy_of(v, q, &at, contact);
+    const struct scene_energies energy = relative_energy_of(&at, contact);
     const double missing = q->phase_energy - (energy.kinetic + energy.stored + energy.potential);
     if (!is_integration_error(missing, &energy, 1.0 / by_both, gap_rate, vec3_norm(at.rate[contact]),
                               tolerated)) {
         return;
     }
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_shape shape = scene_contact_shape(q, contact);
     const double j = shape.side * impulse_for(missing, gap_rate, by_both);
     const struct vec3 n = at.geometry[contact].normal;
-    q->body[source].velocity = vec3_axpy(q->body[source].velocity, -j * body_inverse_mass(v, source), n);
+    q->body[source].velocity = vec3_axpy(q->body[source].velocity, -j * body_inverse_mass(q->v, source), n);
     q->body[destination].velocity =
-        vec3_axpy(q->body[destination].velocity, j * body_inverse_mass(v, destination), n);
+        vec3_axpy(q->body[destination].velocity, j * body_inverse_mass(q->v, destination), n);
     q->contact[contact].physics.impulse = vec3_axpy(q->contact[contact].physics.impulse, -j, n);
 }
 
 /* Whether a contact ends because the gap opens, and not because the source passes an end of the cylinder. */
 static bool parts_at_gap(const struct scene_ode *ode, const struct scene_instant *at, int contact)
 {
-    const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
+    const struct contact_shape shape = scene_contact_shape_at(at, contact);
     const double beyond = scene_beyond_ends(&shape, &at->geometry[contact]);
     const double gap = fabs(at->geometry[contact].gap);
     return gap <= 4.0 * ode->offset[contact][ODE_EVENT_GAP] ||
@@ -1044,8 +1039,7 @@ static bool parts_at_gap(const struct scene_ode *ode, const struct scene_instant
 /* Moves free bodies back along their velocities to a gap of zero. A shift along the normal would change the
  * angular momentum at every impact. The motion goes back by 64 roundings of the clock or of a second at
  * most. */
-static void go_back_to_gap(const struct scene_values *v, struct scene_state *q,
-                           const struct scene_instant *at, int contact)
+static void go_back_to_gap(struct scene_state *q, const struct scene_instant *at, int contact)
 {
     const struct contact_geometry *g = &at->geometry[contact];
     const double since = g->gap / g->gap_rate;
@@ -1053,7 +1047,7 @@ static void go_back_to_gap(const struct scene_values *v, struct scene_state *q,
         return;
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
+        if (body_is_free(at->v, i)) {
             q->body[i].moved = vec3_axpy(q->body[i].moved, -since, q->body[i].velocity);
         }
     }
@@ -1064,13 +1058,13 @@ void projection_end_contact(const struct scene_ode *ode, struct scene_state *q, 
 {
     const struct scene_values *v = ode->values;
     struct scene_instant at;
-    scene_now(v, q, &at);
+    scene_now(q, &at);
     if (!parts_at_gap(ode, &at, contact)) {
         return;
     }
     if (scene_turns(v)) {
-        go_back_to_gap(v, q, &at, contact);
+        go_back_to_gap(q, &at, contact);
     }
-    projection_close_gap(v, q, contact);
-    restore_energy(v, q, contact, relative * vec3_norm(at.rate[contact]) + absolute);
+    projection_close_gap(q, contact);
+    restore_energy(q, contact, relative * vec3_norm(at.rate[contact]) + absolute);
 }

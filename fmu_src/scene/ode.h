@@ -109,7 +109,7 @@ struct scene_ode {
 };
 
 /* Sets n of each contact with d = 0 to the escape direction (scene/evaluate.h). */
-void ode_leave_centres(const struct scene_values *v, struct scene_state *q);
+void ode_leave_centres(struct scene_state *q);
 
 /* Sets the offsets and scales of a phase that begins at the instant `at` of ode->state. The speeds of the
  * integrator have errors of at most relative |w| + absolute [m/s]. */
@@ -137,8 +137,7 @@ void ode_events_at(const struct scene_ode *ode, double clock, const double *y, c
                    double events[ODE_EVENTS]);
 
 /* Returns the regime after an event of a contact at the present clock of q. */
-enum contact_regime ode_regime_after(const struct scene_values *v, const struct scene_state *q, int contact,
-                                     int event);
+enum contact_regime ode_regime_after(const struct scene_state *q, int contact, int event);
 
 /* Returns an event by the gap that a contact has already passed at the present state y; -1: there is none.
  * Where two contacts end or begin at almost the same time, or friction changes just before a contact ends,
@@ -191,15 +190,14 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
  * bodies, because an error in the work of another force would be taken for an error of the speed.
  */
 
-/* Returns the energy of the relative motion at the instant `at` in the regimes of q [J]; zero where no
+/* Returns the energy of the relative motion at the instant `at` in the regimes of at->q [J]; zero where no
  * contact keeps it. The potential counts from zero displacement, because its constant part would cost
  * digits. */
-double projection_balance(const struct scene_values *v, const struct scene_state *q,
-                          const struct scene_instant *at);
+double projection_balance(const struct scene_instant *at);
 
 /* Moves the free bodies of a contact apart along the normal, by their inverse masses, until the gap is
  * zero. */
-void projection_close_gap(const struct scene_values *v, struct scene_state *q, int contact);
+void projection_close_gap(struct scene_state *q, int contact);
 
 /* Closes the gap of a contact that ends at the present of q, and restores the energy q->phase_energy within
  * the error of the speed that a step is allowed. Nothing is done where the source passes an end of the

@@ -84,9 +84,8 @@ static void put_seen(const struct scene_values *v, const struct scene_jet *along
     }
 }
 
-static struct contact_path path_of(const struct scene_values *v, const struct scene_instant *at,
-                                   const struct scene_jet *along, const struct contact_shape *shape,
-                                   int contact)
+static struct contact_path path_of(const struct scene_instant *at, const struct scene_jet *along,
+                                   const struct contact_shape *shape, int contact)
 {
     const int from = contact_source(contact);
     const int to = contact_destination(contact);
@@ -104,8 +103,8 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
     path.w[0] = at->rate[contact];
     path.axis[0] = shape->axis;
     memcpy(path.seen, path.w, sizeof path.seen);
-    if (SCENE_ANY_TURNING && scene_turns(v)) {
-        put_seen(v, along, shape, contact, &path);
+    if (SCENE_ANY_TURNING && scene_turns(at->v)) {
+        put_seen(at->v, along, shape, contact, &path);
     }
     return path;
 }
@@ -228,14 +227,13 @@ static struct friction_path friction_path_of(const struct scene_state *q, const 
 
 /* Sets the terms of the opposed motions, of the forces and torques that oppose them, and of the energy that
  * their springs store. */
-static void put_friction(const struct scene_values *v, const struct scene_state *q, int contact,
-                         struct scene_jet *along)
+static void put_friction(const struct scene_state *q, int contact, struct scene_jet *along)
 {
     struct contact_jet *jet = &along->contact[contact];
     struct turning_jet *turning = &along->turning[contact];
-    const bool rubs = contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
+    const bool rubs = contact_rubs(q->v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
     const int terms = along->first_order ? 2 : JET_TERMS;
-    for (int part = 0; SCENE_ANY_FRICTION && rubs && part < contact_opposed(v, contact); ++part) {
+    for (int part = 0; SCENE_ANY_FRICTION && rubs && part < contact_opposed(q->v, contact); ++part) {
         const bool slips = part == OPPOSED_SLIP;
         struct vec3 *sum = slips ? turning->friction_force : turning->resistance;
         struct vec3 force[JET_TERMS];
@@ -243,7 +241,7 @@ static void put_friction(const struct scene_values *v, const struct scene_state 
         if (!slips) {
             opposed_laid_terms((enum opposed)part, terms, turning->spin, jet->normal, turning->motion[part]);
         }
-        const struct friction_law law = scene_friction_law(v, q, contact, part);
+        const struct friction_law law = scene_friction_law(q, contact, part);
         const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
         const struct friction_path path = friction_path_of(q, along, contact, part);
         friction_force_terms(&law, regime, &path, force);
@@ -257,20 +255,19 @@ static void put_friction(const struct scene_values *v, const struct scene_state 
 }
 
 /* Sets the terms of what rotation and friction add to the jet of the normal force. */
-static void put_turning(const struct scene_values *v, const struct scene_state *q,
-                        const struct contact_shape *shape, const struct contact_path *path, int contact,
-                        struct scene_jet *along)
+static void put_turning(const struct scene_state *q, const struct contact_shape *shape,
+                        const struct contact_path *path, int contact, struct scene_jet *along)
 {
     struct contact_jet *jet = &along->contact[contact];
     struct turning_jet *turning = &along->turning[contact];
     memset(turning, 0, sizeof *turning);
     put_slip(shape, path, jet, turning);
     add_levers_to_arms(along, contact, turning);
-    put_friction(v, q, contact, along);
+    put_friction(q, contact, along);
     for (int i = 0; i < path->terms; ++i) {
         turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
         turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
-        if (contact_resists(v, contact)) {
+        if (contact_resists(q->v, contact)) {
             const struct vec3 resistance = turning->resistance[i];
             turning->source_torque[i] = vec3_add(turning->source_torque[i], resistance);
             turning->destination_torque[i] = vec3_sub(turning->destination_torque[i], resistance);
@@ -278,29 +275,27 @@ static void put_turning(const struct scene_values *v, const struct scene_state *
     }
 }
 
-void jet_of_contact(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
-                    int contact, bool rubs, struct scene_jet *along)
+void jet_of_contact(const struct scene_instant *at, int contact, bool rubs, struct scene_jet *along)
 {
-    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
-    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const struct contact_path path = path_of(v, at, along, &shape, contact);
+    const enum contact_regime regime = (enum contact_regime)at->q->contact[contact].regime;
+    const struct contact_shape shape = scene_shape_met(at, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    const struct contact_path path = path_of(at, along, &shape, contact);
     memcpy(along->contact[contact].separation, path.c, sizeof path.c);
     memcpy(along->contact[contact].axis, path.axis, sizeof path.axis);
     put_distance(&shape, &at->geometry[contact], &path, &along->contact[contact]);
     put_normal_force(&shape, &at->geometry[contact], &path, &law, &along->law_slope[contact], regime,
                      &along->contact[contact]);
     if (SCENE_ANY_TURNING && rubs) {
-        put_turning(v, q, &shape, &path, contact, along);
+        put_turning(at->q, &shape, &path, contact, along);
     }
 }
 
-void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
-                     const struct scene_instant *at, const bool *met, bool rubs, struct scene_jet *along)
+void jet_of_contacts(const struct scene_instant *at, const bool *met, bool rubs, struct scene_jet *along)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (!(along->touching && q->contact[j].regime == (int32_t)REGIME_APART) && (!met || met[j])) {
-            jet_of_contact(v, q, at, j, rubs, along);
+        if (!(along->touching && at->q->contact[j].regime == (int32_t)REGIME_APART) && (!met || met[j])) {
+            jet_of_contact(at, j, rubs, along);
         }
     }
 }
@@ -314,21 +309,19 @@ static void put_orientation(const struct vec3 omega[2], struct quaternion q[JET_
 }
 
 /* Puts the jet of an axis whose direction is a polynomial that need not have unit length. */
-static void put_given_axis(const struct scene_values *v, const struct scene_state *q, int body,
-                           struct vec3 e[JET_TERMS])
+static void put_given_axis(const struct scene_state *q, int body, struct vec3 e[JET_TERMS])
 {
     struct body_path path = q->path[body];
     double length[JET_TERMS];
     struct vec3 unit[JET_TERMS];
-    body_path_shift(v, body, &path, q->clock);
+    body_path_shift(q->v, body, &path, q->clock);
     jet_direction(JET_TERMS, path.axis, length, unit);
     if (length[0] > 0.0) {
         memcpy(&e[1], &unit[1], 2 * sizeof e[1]);
     }
 }
 
-static void put_prescribed(const struct scene_values *v, const struct scene_state *q, int body,
-                           struct scene_jet *along)
+static void put_prescribed(const struct scene_state *q, int body, struct scene_jet *along)
 {
     const struct body_path *path = &q->path[body];
     struct vec3 *omega = along->angular_velocity[body];
@@ -336,7 +329,7 @@ static void put_prescribed(const struct scene_values *v, const struct scene_stat
     omega[2] = path->angular_velocity[2];
     struct vec3 seen[2] = {omega[0], omega[1]};
     if (path->turn_follows != TURN_FOLLOWS_VELOCITY && body_has_axis(body)) {
-        put_given_axis(v, q, body, e);
+        put_given_axis(q, body, e);
         const struct vec3 rate[2] = {e[1], vec3_scale(2.0, e[2])};
         const double spin[2] = {vec3_dot(omega[0], e[0]),
                                 vec3_dot(omega[1], e[0]) + vec3_dot(omega[0], e[1])};
@@ -349,36 +342,34 @@ static void put_prescribed(const struct scene_values *v, const struct scene_stat
 
 /* Sets the rotations of the bodies in time and the rates of the springs from the instant. The second
  * derivative of the angular velocity of a body that turns freely follows by put_turning_changes. */
-static void put_turning_bodies(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_instant *at, struct scene_jet *along)
+static void put_turning_bodies(const struct scene_instant *at, struct scene_jet *along)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         along->angular_velocity[i][0] = at->turning.body[i].angular_velocity;
         along->orientation[i][0] = at->turning.body[i].orientation;
         if (SCENE_ANY_ROTATION) {
-            along->angular_velocity[i][1] = turning_acceleration(v, q, q->clock, at, i);
-            if (body_turn_is_prescribed(v, i)) {
-                put_prescribed(v, q, i, along);
-            } else if (body_turns_freely(v, i)) {
-                const struct body_path *path = &q->path[i];
-                along->torque[i] = path_slope(path->torque, q->clock);
+            along->angular_velocity[i][1] = turning_acceleration(at->q->clock, at, i);
+            if (body_turn_is_prescribed(at->v, i)) {
+                put_prescribed(at->q, i, along);
+            } else if (body_turns_freely(at->v, i)) {
+                const struct body_path *path = &at->q->path[i];
+                along->torque[i] = path_slope(path->torque, at->q->clock);
                 put_orientation(along->angular_velocity[i], along->orientation[i]);
             }
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         for (int i = 0; i < OPPOSED; ++i) {
-            if (contact_has_spring(v, j, i)) {
-                along->spring[j][i][0] = q->turning.spring[j][i];
-                along->spring[j][i][1] = turning_spring_rate(v, q, &q->turning, at, j, i);
+            if (contact_has_spring(at->v, j, i)) {
+                along->spring[j][i][0] = at->q->turning.spring[j][i];
+                along->spring[j][i][1] = turning_spring_rate(&at->q->turning, at, j, i);
             }
         }
     }
 }
 
 /* Puts the bodies' terms from their velocities and accelerations. */
-static void put_bodies(const struct scene_values *v, const struct scene_state *q,
-                       const struct scene_instant *at, struct scene_jet *along)
+static void put_bodies(const struct scene_instant *at, struct scene_jet *along)
 {
     memset(along, 0, sizeof *along);
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -387,10 +378,10 @@ static void put_bodies(const struct scene_values *v, const struct scene_state *q
         along->displacement[i][2] = vec3_scale(0.5, at->acceleration[i]);
         along->velocity[i][0] = at->velocity[i];
         along->velocity[i][1] = at->acceleration[i];
-        along->velocity[i][2] = q->path[i].velocity[2];
+        along->velocity[i][2] = at->q->path[i].velocity[2];
     }
-    if (scene_turns(v)) {
-        put_turning_bodies(v, q, at, along);
+    if (scene_turns(at->v)) {
+        put_turning_bodies(at, along);
     }
 }
 
@@ -416,9 +407,9 @@ struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct sce
     return vec3_scale(0.5 / body_mass(v, body), force);
 }
 
-struct scene_powers jet_powers_of(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_jet *along, int order)
+struct scene_powers jet_powers_of(const struct scene_state *q, const struct scene_jet *along, int order)
 {
+    const struct scene_values *v = q->v;
     const bool turns = SCENE_ANY_ROTATION && scene_turns(v);
     struct scene_powers sum = {0.0, 0.0, 0.0};
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -448,7 +439,7 @@ struct scene_powers jet_powers_of(const struct scene_values *v, const struct sce
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_jet *jet = &along->contact[j];
         const struct turning_jet *turning = &along->turning[j];
-        const struct contact_law law = scene_contact_law(v, q, j);
+        const struct contact_law law = scene_contact_law(q, j);
         sum.dissipated += contact_dissipated_term(&law, (enum contact_regime)q->contact[j].regime,
                                                   jet->normal_force, jet->gap, jet->gap_rate, order);
         if (contact_rubs(v, j)) {
@@ -462,22 +453,22 @@ struct scene_powers jet_powers_of(const struct scene_values *v, const struct sce
 }
 
 /* Puts the rates of the free bodies' accelerations from the contact forces. */
-static void put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
+static void put_jerk(const struct scene_state *q, struct scene_jet *along)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
+        if (body_is_free(q->v, i)) {
             along->force[i] = path_slope(q->path[i].force, q->clock);
-            along->velocity[i][2] = free_bodies_half_jerk(v, along, i);
+            along->velocity[i][2] = free_bodies_half_jerk(q->v, along, i);
         }
     }
 }
 
 /* Puts the terms of the dissipated energy and of the external work. */
-static void put_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
+static void put_work(const struct scene_state *q, struct scene_jet *along)
 {
     along->time[1] = 1.0;
     for (int i = 1; i < JET_TERMS; ++i) {
-        const struct scene_powers power = jet_powers_of(v, q, along, i - 1);
+        const struct scene_powers power = jet_powers_of(q, along, i - 1);
         along->dissipated[i] = power.dissipated / i;
         along->external_work[i] = power.external / i;
         along->friction[i] = power.friction / i;
@@ -514,14 +505,13 @@ static void put_along_axes(struct vec3 axis[3][JET_TERMS], struct vec3 f, const 
 
 /* The angular acceleration is omega' = sum e_k (e_k.(tau - omega x L)) / I_k, where L = sum I_k (e_k.omega)
  * e_k with the principal axes e_k. */
-struct vec3 turning_jet_half_jerk(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_instant *at, const struct scene_jet *along, int body)
+struct vec3 turning_jet_half_jerk(const struct scene_instant *at, const struct scene_jet *along, int body)
 {
     struct vec3 axis[3][JET_TERMS], momentum[2], faster[2];
-    struct vec3 by[2] = {turning_torque_on(v, q, q->clock, at, body), along->torque[body]};
+    struct vec3 by[2] = {turning_torque_on(at->q->clock, at, body), along->torque[body]};
     const struct vec3 *omega = along->angular_velocity[body];
-    const struct vec3 inertia = put_principal_axes(v, along, body, axis);
-    by[1] = body_part_that_turns(v, body, vec3_add(by[1], jet_load_on(along, body, 1).torque));
+    const struct vec3 inertia = put_principal_axes(at->v, along, body, axis);
+    by[1] = body_part_that_turns(at->v, body, vec3_add(by[1], jet_load_on(along, body, 1).torque));
     put_along_axes(axis, inertia, omega, 2, momentum);
     for (int i = 0; i < 2; ++i) {
         by[i] = vec3_sub(by[i], turning_jet_cross(omega, momentum, i));
@@ -576,20 +566,19 @@ static void put_normal_rate(const struct contact_shape *shape, const struct cont
 }
 
 /* xi' is the sum of the law's rate f(F_n, v_t, xi) and opposed_turned. */
-struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct scene_state *q,
-                                      const struct scene_instant *at, const struct scene_jet *along,
+struct vec3 turning_jet_spring_change(const struct scene_instant *at, const struct scene_jet *along,
                                       int contact, int part)
 {
-    const struct friction_law law = scene_friction_law(v, q, contact, part);
-    const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
+    const struct friction_law law = scene_friction_law(at->q, contact, part);
+    const enum friction_regime regime = (enum friction_regime)at->q->contact[contact].friction_regime[part];
     const struct contact_jet *jet = &along->contact[contact];
     struct vec3 rate[2];
-    if (q->contact[contact].regime == (int32_t)REGIME_APART) {
+    if (at->q->contact[contact].regime == (int32_t)REGIME_APART) {
         return vec3_make(0.0, 0.0, 0.0);
     }
-    const struct friction_path rubbing = friction_path_of(q, along, contact, part);
-    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
-    const struct contact_path path = path_of(v, at, along, &shape, contact);
+    const struct friction_path rubbing = friction_path_of(at->q, along, contact, part);
+    const struct contact_shape shape = scene_shape_met(at, contact);
+    const struct contact_path path = path_of(at, along, &shape, contact);
     put_normal_rate(&shape, &at->geometry[contact], &path, jet, rate);
     return vec3_add(friction_spring_rate_change(&law, regime, &rubbing),
                     opposed_turned_change((enum opposed)part, rubbing.spring, jet->normal, rate));
@@ -597,18 +586,17 @@ struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct
 
 /* Sets the second-order terms of rotations and springs from contacts known to the first order; without `all`
  * only the rotations that move a gap. */
-static void put_turning_changes(const struct scene_values *v, const struct scene_state *q,
-                                const struct scene_instant *at, bool all, struct scene_jet *along)
+static void put_turning_changes(const struct scene_instant *at, bool all, struct scene_jet *along)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_turns_freely(v, i) && (all || body_has_axis(i) || body_is_compound(i))) {
-            along->angular_velocity[i][2] = turning_jet_half_jerk(v, q, at, along, i);
+        if (body_turns_freely(at->v, i) && (all || body_has_axis(i) || body_is_compound(i))) {
+            along->angular_velocity[i][2] = turning_jet_half_jerk(at, along, i);
         }
     }
     for (int j = 0; all && j < SCENE_CONTACTS; ++j) {
-        for (int i = 0; i < OPPOSED && q->contact[j].regime != (int32_t)REGIME_APART; ++i) {
-            if (contact_has_spring(v, j, i)) {
-                along->spring[j][i][2] = vec3_scale(0.5, turning_jet_spring_change(v, q, at, along, j, i));
+        for (int i = 0; i < OPPOSED && at->q->contact[j].regime != (int32_t)REGIME_APART; ++i) {
+            if (contact_has_spring(at->v, j, i)) {
+                along->spring[j][i][2] = vec3_scale(0.5, turning_jet_spring_change(at, along, j, i));
             }
         }
     }
@@ -617,52 +605,49 @@ static void put_turning_changes(const struct scene_values *v, const struct scene
 /* Puts the contacts' terms. The forces then give the coefficients 2 of the free bodies' velocities and of
  * rotations, on which the coefficients 2 of the contacts depend; therefore the contacts' terms are put
  * again: all of them, or those of the normal forces in `met`. */
-static void put_contacts(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, const bool *met, struct scene_jet *along)
+static void put_contacts(const struct scene_instant *at, const bool *met, struct scene_jet *along)
 {
     const bool all = met == NULL;
-    const bool moves = !scene_is_force_element(v);
-    jet_of_contacts(v, q, at, moves ? NULL : met, all || (moves && scene_turns(v)), along);
-    if (scene_turns(v)) {
-        put_turning_changes(v, q, at, all, along);
+    const bool moves = !scene_is_force_element(at->v);
+    jet_of_contacts(at, moves ? NULL : met, all || (moves && scene_turns(at->v)), along);
+    if (scene_turns(at->v)) {
+        put_turning_changes(at, all, along);
     }
     if (SCENE_ANY_FREE) {
-        put_jerk(v, q, along);
+        put_jerk(at->q, along);
     }
-    if (moves || (all && scene_turns(v))) {
-        jet_of_contacts(v, q, at, met, all, along);
+    if (moves || (all && scene_turns(at->v))) {
+        jet_of_contacts(at, met, all, along);
     }
 }
 
-void jet_in_time(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
-                 struct scene_jet *along)
+void jet_in_time(const struct scene_instant *at, struct scene_jet *along)
 {
-    put_bodies(v, q, at, along);
-    put_contacts(v, q, at, NULL, along);
+    put_bodies(at, along);
+    put_contacts(at, NULL, along);
     if (SCENE_ANY_FREE) {
-        put_work(v, q, along);
+        put_work(at->q, along);
     }
 }
 
-void jet_of_motion(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
-                   const bool *met, struct scene_jet *along)
+void jet_of_motion(const struct scene_instant *at, const bool *met, struct scene_jet *along)
 {
-    put_bodies(v, q, at, along);
+    put_bodies(at, along);
     along->touching = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_prescribed(v, i)) {
-            struct body_path path = q->path[i];
-            body_path_shift(v, i, &path, q->clock);
+        if (body_is_prescribed(at->v, i)) {
+            struct body_path path = at->q->path[i];
+            body_path_shift(at->v, i, &path, at->q->clock);
             memcpy(&along->displacement[i][1], &path.displacement[1], 2 * sizeof path.displacement[1]);
         }
     }
-    put_contacts(v, q, at, met, along);
+    put_contacts(at, met, along);
 }
 
-void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at, int body,
-                           int component, double change, struct scene_jet *along)
+void turning_jet_move_axis(const struct scene_instant *at, int body, int component, double change,
+                           struct scene_jet *along)
 {
-    const double length = vec3_norm(body_prescribed_axis(v, body));
+    const double length = vec3_norm(body_prescribed_axis(at->v, body));
     const struct vec3 e = quaternion_third_axis(at->turning.body[body].orientation);
     struct vec3 by = {0.0, 0.0, 0.0};
     vec3_set(&by, component, change / length);
@@ -689,25 +674,24 @@ static double rotational_term(const struct scene_values *v, const struct scene_j
     return 0.5 * jet_dot(along->angular_velocity[body], momentum, order);
 }
 
-struct scene_energies jet_energies_of(const struct scene_values *v, const struct scene_state *q,
-                                      const struct scene_jet *along, int order)
+struct scene_energies jet_energies_of(const struct scene_state *q, const struct scene_jet *along, int order)
 {
     struct scene_energies sum = {0.0, 0.0, 0.0, 0.0, 0.0};
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            const double mass = body_mass(v, i);
+        if (body_is_free(q->v, i)) {
+            const double mass = body_mass(q->v, i);
             sum.kinetic += 0.5 * mass * jet_dot(along->velocity[i], along->velocity[i], order);
-            sum.potential -= mass * vec3_dot(gravity(v), along->displacement[i][order]);
+            sum.potential -= mass * vec3_dot(gravity(q->v), along->displacement[i][order]);
         }
-        if (SCENE_ANY_TURNING && body_turns_freely(v, i)) {
-            sum.rotational += rotational_term(v, along, i, order);
+        if (SCENE_ANY_TURNING && body_turns_freely(q->v, i)) {
+            sum.rotational += rotational_term(q->v, along, i, order);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_law law = scene_contact_law(v, q, j);
+        const struct contact_law law = scene_contact_law(q, j);
         const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
         sum.stored += contact_stored_term(&law, &along->law_slope[j], regime, along->contact[j].gap, order);
-        if (SCENE_ANY_TURNING && contact_has_springs(v, j) && regime != REGIME_APART) {
+        if (SCENE_ANY_TURNING && contact_has_springs(q->v, j) && regime != REGIME_APART) {
             sum.tangential += along->turning[j].stored[order];
         }
     }

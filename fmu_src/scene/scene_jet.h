@@ -45,35 +45,28 @@ struct scene_jet {
 
 /* Computes the part of one contact, which is not apart, from the bodies and the factors. If `rubs`, this part
  * has the slip, friction and torques. */
-void jet_of_contact(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_instant *at, int contact, bool rubs,
-                                 struct scene_jet *along);
+void jet_of_contact(const struct scene_instant *at, int contact, bool rubs, struct scene_jet *along);
 
 /* Computes the parts of the contacts that `met` marks; NULL marks all. */
-CONTACT_COLD void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_instant *at, const bool *met, bool rubs,
+CONTACT_COLD void jet_of_contacts(const struct scene_instant *at, const bool *met, bool rubs,
                                   struct scene_jet *along);
 
 /* Computes the whole jet in time. Free bodies follow Newton's law; prescribed bodies follow their velocity,
  * which counts as the derivative of their displacement. */
-CONTACT_COLD void jet_in_time(const struct scene_values *v, const struct scene_state *q,
-                              const struct scene_instant *at, struct scene_jet *along);
+CONTACT_COLD void jet_in_time(const struct scene_instant *at, struct scene_jet *along);
 
 /* Computes the jet in time of the contacts in touch, in which prescribed displacements follow their own
  * derivatives. These need not be the prescribed velocity, which the force law sees. `met` tells of which
  * contacts gaps and normal forces are wanted; NULL: all terms of all contacts. */
-CONTACT_COLD void jet_of_motion(const struct scene_values *v, const struct scene_state *q,
-                                const struct scene_instant *at, const bool *met, struct scene_jet *along);
+CONTACT_COLD void jet_of_motion(const struct scene_instant *at, const bool *met, struct scene_jet *along);
 
 /* Returns half the rate of the angular acceleration of a body that turns freely [rad/s^3 in time]. */
-CONTACT_COLD struct vec3 turning_jet_half_jerk(const struct scene_values *v, const struct scene_state *q,
-                                               const struct scene_instant *at, const struct scene_jet *along,
+CONTACT_COLD struct vec3 turning_jet_half_jerk(const struct scene_instant *at, const struct scene_jet *along,
                                                int body);
 
 /* Returns the change of a spring's rate [m/s, rad/s] along the path, from the first-order terms of its
  * contact. */
-CONTACT_COLD struct vec3 turning_jet_spring_change(const struct scene_values *v, const struct scene_state *q,
-                                                   const struct scene_instant *at,
+CONTACT_COLD struct vec3 turning_jet_spring_change(const struct scene_instant *at,
                                                    const struct scene_jet *along, int contact, int part);
 
 /* Puts the terms of the third axis of a body's frame. */
@@ -90,8 +83,8 @@ CONTACT_COLD void turning_jet_move_orientation(int body, struct quaternion unit,
                                                double change, struct scene_jet *along);
 
 /* Puts the change of the axis of a body of prescribed rotation by a change of the input axis. */
-CONTACT_COLD void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at,
-                                        int body, int component, double change, struct scene_jet *along);
+CONTACT_COLD void turning_jet_move_axis(const struct scene_instant *at, int body, int component,
+                                        double change, struct scene_jet *along);
 
 /* Returns coefficient `order` of the sums of the forces and torques of the contacts of a body. */
 struct contact_load jet_load_on(const struct scene_jet *along, int body, int order);
@@ -100,11 +93,9 @@ struct contact_load jet_load_on(const struct scene_jet *along, int body, int ord
 struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body);
 
 /* Returns coefficient `order`, 0 or 1, of the powers [W]. */
-struct scene_powers jet_powers_of(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_jet *along, int order);
+struct scene_powers jet_powers_of(const struct scene_state *q, const struct scene_jet *along, int order);
 
 /* Returns the coefficients of one order of the energies along the path [J/s^order in time]. */
-struct scene_energies jet_energies_of(const struct scene_values *v, const struct scene_state *q,
-                                      const struct scene_jet *along, int order);
+struct scene_energies jet_energies_of(const struct scene_state *q, const struct scene_jet *along, int order);
 
 #endif

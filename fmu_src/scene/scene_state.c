@@ -176,13 +176,13 @@ bool scene_keeps_steps(const struct scene_values *v)
     return SCENE_HAS_GENERAL && (scene_turns(v) || scene_shares_free_body(v));
 }
 
-void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to)
+void scene_state_copy(const struct scene_state *from, struct scene_state *to)
 {
-    const bool goes_on = !from->integrator_fresh && scene_keeps_steps(v);
+    const bool goes_on = !from->integrator_fresh && scene_keeps_steps(from->v);
     memcpy(to, from,
-           goes_on          ? sizeof *to
-           : scene_turns(v) ? offsetof(struct scene_state, unfinished)
-                            : offsetof(struct scene_state, turning));
+           goes_on                ? sizeof *to
+           : scene_turns(from->v) ? offsetof(struct scene_state, unfinished)
+                                  : offsetof(struct scene_state, turning));
 }
 
 bool contact_is_prescribed(const struct scene_values *v, int contact)
@@ -233,9 +233,9 @@ bool scene_is_apart(const struct scene_state *q)
     return true;
 }
 
-bool contact_pushes(const struct scene_values *v, const struct scene_state *q, int contact)
+bool contact_pushes(const struct scene_state *q, int contact)
 {
-    return contact_transmits(q, contact) && !contact_is_prescribed(v, contact);
+    return contact_transmits(q, contact) && !contact_is_prescribed(q->v, contact);
 }
 
 bool body_is_loaded(const struct scene_state *q, int body, int except)
@@ -264,7 +264,7 @@ static int island_of(int16_t *above, int contact)
     return contact;
 }
 
-struct islands scene_islands(const struct scene_values *v, const struct scene_state *q)
+struct islands scene_islands(const struct scene_state *q)
 {
     struct islands found = {0};
     int16_t above[SCENE_CONTACTS];
@@ -276,7 +276,7 @@ struct islands scene_islands(const struct scene_values *v, const struct scene_st
         const int ends[2] = {contact_source(j), contact_destination(j)};
         above[j] = (int16_t)j;
         for (int k = 0; k < 2 && q->contact[j].regime != (int32_t)REGIME_APART; ++k) {
-            if (body_moves_freely(v, ends[k]) && latest[ends[k]] >= 0) {
+            if (body_moves_freely(q->v, ends[k]) && latest[ends[k]] >= 0) {
                 above[island_of(above, j)] = (int16_t)island_of(above, latest[ends[k]]);
             }
             latest[ends[k]] = j;
@@ -295,15 +295,15 @@ struct islands scene_islands(const struct scene_values *v, const struct scene_st
     return found;
 }
 
-bool contact_is_coupled(const struct scene_values *v, const struct scene_state *q, int contact)
+bool contact_is_coupled(const struct scene_state *q, int contact)
 {
     if (SCENE_CONTACTS == 1) {
         return false;
     }
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    return (body_moves_freely(v, source) && body_is_loaded(q, source, contact)) ||
-           (body_moves_freely(v, destination) && body_is_loaded(q, destination, contact));
+    return (body_moves_freely(q->v, source) && body_is_loaded(q, source, contact)) ||
+           (body_moves_freely(q->v, destination) && body_is_loaded(q, destination, contact));
 }
 
 static bool has_caps(const struct scene_values *v, int body)
@@ -312,13 +312,13 @@ static bool has_caps(const struct scene_values *v, int body)
            body_ends(v, body) == ENDS_CAPPED;
 }
 
-int scene_contact_side(const struct scene_values *v, const struct scene_state *q, int contact)
+int scene_contact_side(const struct scene_state *q, int contact)
 {
-    if (has_caps(v, contact_destination(contact)) || contact_has_skew_axes(v, contact)) {
+    if (has_caps(q->v, contact_destination(contact)) || contact_has_skew_axes(q->v, contact)) {
         return 1;
     }
-    if (contact_location(v, contact) != LOCATION_AUTOMATIC) {
-        return contact_location(v, contact) == LOCATION_INSIDE ? -1 : 1;
+    if (contact_location(q->v, contact) != LOCATION_AUTOMATIC) {
+        return contact_location(q->v, contact) == LOCATION_INSIDE ? -1 : 1;
     }
     return q->contact[contact].side;
 }
@@ -367,13 +367,14 @@ bool scene_ends_suddenly(const struct scene_values *v, int contact)
     return isfinite(half_length_of(v, contact)) && !has_caps(v, contact_destination(contact));
 }
 
-struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q, int contact)
+struct contact_shape scene_whole_shape(const struct scene_state *q, int contact)
 {
+    const struct scene_values *v = q->v;
     const int destination = contact_destination(contact);
     struct contact_shape shape = {.source_radius = contact_source_radius(v, contact),
                                   .other_radius = contact_destination_radius(v, contact),
                                   .half_length = half_length_of(v, contact),
-                                  .side = scene_contact_side(v, q, contact),
+                                  .side = scene_contact_side(q, contact),
                                   .destination = contact_destination_shape(contact)};
     if (SCENE_ANY_AXIS) {
         shape.axis = q->contact[contact].parameters.axis;
@@ -395,27 +396,24 @@ struct contact_shape scene_whole_shape(const struct scene_values *v, const struc
     return shape;
 }
 
-struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
-                                         int contact)
+struct contact_shape scene_contact_shape(const struct scene_state *q, int contact)
 {
     const int zone = q->contact[contact].zone;
-    const struct contact_shape whole = scene_whole_shape(v, q, contact);
+    const struct contact_shape whole = scene_whole_shape(q, contact);
     return SCENE_ANY_ZONES && zone != 0 ? contact_shape_in(&whole, zone) : whole;
 }
 
-struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,
-                                     const struct scene_instant *at, int contact)
+struct contact_shape scene_shape_met(const struct scene_instant *at, int contact)
 {
-    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
+    const struct contact_shape shape = scene_contact_shape_at(at, contact);
     const int zone = at->geometry[contact].zone;
     return SCENE_ANY_ZONES && zone != 0 ? contact_shape_in(&shape, zone) : shape;
 }
 
-struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,
-                                            const struct scene_instant *at, int contact)
+struct contact_shape scene_contact_shape_at(const struct scene_instant *at, int contact)
 {
-    struct contact_shape shape = scene_contact_shape(v, q, contact);
-    if (contact_tips(v, contact)) {
+    struct contact_shape shape = scene_contact_shape(at->q, contact);
+    if (contact_tips(at->v, contact)) {
         shape.axis = quaternion_third_axis(at->turning.body[contact_destination(contact)].orientation);
         if (contact_is_capped(&shape)) {
             shape.solid.axis = shape.axis;

@@ -1,6 +1,7 @@
 /*
- * The state of motion of a scene. The struct is flat and has no pointers, so that copying it saves it. It has
- * fields for every kind of scene; the fields that this scene has no code for stay zero.
+ * The state of motion of a scene. The struct is flat and has no pointers but that to the scene's values, so
+ * that copying it saves it; a saved state of an FMU leaves the pointer out (model/model.c). It has fields for
+ * every kind of scene; the fields that this scene has no code for stay zero.
  *
  * Time is kept as base + base_tail + clock. The clock starts at zero whenever the motion is rebased (an
  * event, a change of input), so that short contacts keep all their digits at late times; base_tail holds what
@@ -221,9 +222,10 @@ struct scene_state {
     int32_t integrator_fresh;
     /* 1: the motion is deferred and stands at an earlier clock; see integrator_catch_up */
     int32_t deferred;
-    int32_t only_flies;   /* 1: the deferred steps are flights in which nothing turns; see foresee_reading */
-    double deferred_from; /* the clock at which the last deferred step began [s] */
-    struct phase_start phase; /* used by event_driven */
+    int32_t only_flies; /* 1: the deferred steps are flights in which nothing turns; see foresee_reading */
+    const struct scene_values *v; /* of the scene */
+    double deferred_from;         /* the clock at which the last deferred step began [s] */
+    struct phase_start phase;     /* used by event_driven */
     /* the fields from here on have no meaning where nothing turns or rubs and no step is kept, see
      * scene_state_copy */
     struct turning_state turning;
@@ -241,7 +243,7 @@ double scene_remaining(const struct scene_state *q, double end_time);
 /* Moves the origin of the clock to the present: paths are shifted, durations kept; nothing else changes. The
  * integrator restarts. The function is to be called after every change of body states, and not during a
  * deferred flight (flight/flight.h). */
-void scene_rebase(const struct scene_values *v, struct scene_state *q);
+void scene_rebase(struct scene_state *q);
 
 /* Whether a body moves freely, by Newton's law; whether its motion is prescribed. The answers are
  * compile-time constants where the scene pins the choice. */
@@ -295,7 +297,7 @@ bool scene_keeps_steps(const struct scene_values *v);
 
 /* Copies a state, but leaves out two fields where they have no meaning: `unfinished` where no step is kept
  * for the next call, and `turning` where nothing turns or rubs. */
-void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to);
+void scene_state_copy(const struct scene_state *from, struct scene_state *to);
 
 /* Whether the motion of a contact is prescribed: neither body is free or turns freely. */
 bool contact_is_prescribed(const struct scene_values *v, int contact);
@@ -317,7 +319,7 @@ bool contact_transmits(const struct scene_state *q, int contact);
 bool body_is_loaded(const struct scene_state *q, int body, int except);
 
 /* Whether a contact transmits a force and one of its bodies is free. */
-bool contact_pushes(const struct scene_values *v, const struct scene_state *q, int contact);
+bool contact_pushes(const struct scene_state *q, int contact);
 
 /* Islands are sets of contacts in touch that share free bodies. Contacts of one island have one number, which
  * counts from zero; -1: apart. */
@@ -326,7 +328,7 @@ struct islands {
     int of[SCENE_CONTACTS];
 };
 
-struct islands scene_islands(const struct scene_values *v, const struct scene_state *q);
+struct islands scene_islands(const struct scene_state *q);
 
 /* Whether a body is a compound: one rigid body of several spheres, its parts. */
 bool body_is_compound(int body);
@@ -339,6 +341,6 @@ bool contact_tips(const struct scene_values *v, int contact);
 
 /* Whether another contact exerts a force on a free body of this contact, so that its motion is no polynomial
  * even while this one is apart. Constant false in scenes of one contact. */
-bool contact_is_coupled(const struct scene_values *v, const struct scene_state *q, int contact);
+bool contact_is_coupled(const struct scene_state *q, int contact);
 
 #endif

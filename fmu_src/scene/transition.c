@@ -8,58 +8,54 @@
  * change, so that two bounds are needed; four leave room. */
 static const double MARGIN_ROUNDINGS = 4.0;
 
-double regime_touch_margin(const struct scene_values *v, const struct scene_state *q,
-                           const struct scene_instant *at, int contact)
+double regime_touch_margin(const struct scene_instant *at, int contact)
 {
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_shape shape = scene_contact_shape(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    double rounding = rounding_of_gap(v, at, contact);
+    double rounding = rounding_of_gap(at, contact);
     if (SCENE_ANY_ENDS && isfinite(shape.half_length)) {
-        rounding = fmax(rounding, rounding_of_axial(v, at, contact, &shape));
+        rounding = fmax(rounding, rounding_of_axial(at, contact, &shape));
     }
     const double margin = fmax(g->gap, scene_beyond_ends(&shape, g));
-    const bool apart = q->contact[contact].regime == (int32_t)REGIME_APART;
+    const bool apart = at->q->contact[contact].regime == (int32_t)REGIME_APART;
     return apart ? margin + MARGIN_ROUNDINGS * rounding : margin - MARGIN_ROUNDINGS * rounding;
 }
 
-double regime_dashpot_margin(const struct scene_values *v, const struct scene_state *q,
-                             const struct scene_instant *at, int contact)
+double regime_dashpot_margin(const struct scene_instant *at, int contact)
 {
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    const enum contact_regime regime = (enum contact_regime)at->q->contact[contact].regime;
     if (regime == REGIME_APART || !contact_has_events(&law)) {
         return 1.0;
     }
     const struct contact_geometry *g = &at->geometry[contact];
     const double tolerated =
-        solver_relative_tolerance(v) * vec3_norm(at->rate[contact]) + solver_absolute_tolerance(v);
-    const double rounding = rounding_of_event(v, q, at, contact, tolerated);
+        solver_relative_tolerance(at->v) * vec3_norm(at->rate[contact]) + solver_absolute_tolerance(at->v);
+    const double rounding = rounding_of_event(at, contact, tolerated);
     const double margin = contact_event_force(&law, contact_event(&law, regime, g->gap, g->gap_rate) +
                                                         MARGIN_ROUNDINGS * rounding);
     return regime == REGIME_COMPRESSION ? margin : -margin;
 }
 
-double regime_zone_margin(const struct scene_values *v, const struct scene_state *q,
-                          const struct scene_instant *at, int contact)
+double regime_zone_margin(const struct scene_instant *at, int contact)
 {
-    return zones_margin(v, q, at, contact) + MARGIN_ROUNDINGS * rounding_of_gap(v, at, contact);
+    return zones_margin(at, contact) + MARGIN_ROUNDINGS * rounding_of_gap(at, contact);
 }
 
-enum contact_regime regime_by_margins(const struct scene_values *v, const struct scene_state *q,
-                                      const struct scene_instant *at, int contact)
+enum contact_regime regime_by_margins(const struct scene_instant *at, int contact)
 {
-    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const double touch = regime_touch_margin(v, q, at, contact);
+    const enum contact_regime regime = (enum contact_regime)at->q->contact[contact].regime;
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    const double touch = regime_touch_margin(at, contact);
     const bool apart = regime == REGIME_APART;
     const bool touches = apart ? touch <= 0.0 : touch < 0.0; /* at zero either regime ends */
     if (!touches) {
         return REGIME_APART;
     }
     if (apart) {
-        return scene_regime(v, q, at, contact, false);
+        return scene_regime(at, contact, false);
     }
-    const double margin = regime_dashpot_margin(v, q, at, contact);
+    const double margin = regime_dashpot_margin(at, contact);
     const bool within = regime == REGIME_COMPRESSION ? margin > 0.0 : margin < 0.0;
     return within || !contact_has_events(&law) ? regime : contact_regime_after(&law, regime);
 }
@@ -70,46 +66,42 @@ static enum friction_regime friction_regime_of(const struct scene_state *q, int 
 }
 
 /* Returns the error of an opposed motion that the solver's tolerances allow [m/s, rad/s]. */
-static double tolerated_motion(const struct scene_values *v, const struct scene_instant *at, int contact,
-                               int part)
+static double tolerated_motion(const struct scene_instant *at, int contact, int part)
 {
     const double size =
         part == OPPOSED_SLIP ? vec3_norm(at->turning.slip[contact]) : turning_spin_size(at, contact);
-    return solver_relative_tolerance(v) * size + solver_absolute_tolerance(v);
+    return solver_relative_tolerance(at->v) * size + solver_absolute_tolerance(at->v);
 }
 
 /* Returns an event function of friction. It is raised by its rounding error and by the error that the
  * tolerance allows in speeds, so that it falls below zero only beyond doubt. */
-static double raised_friction_event(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_instant *at, int contact, enum ode_event event)
+static double raised_friction_event(const struct scene_instant *at, int contact, enum ode_event event)
 {
-    struct scene_ode ode = {.values = v, .state = q};
+    struct scene_ode ode = {.values = at->v, .state = at->q};
     double events[ODE_EVENTS_EACH];
-    turning_friction_events(&ode, at, contact, tolerated_motion(v, at, contact, OPPOSED_SLIP),
-                            solver_relative_tolerance(v), solver_absolute_tolerance(v), events);
+    turning_friction_events(&ode, at, contact, tolerated_motion(at, contact, OPPOSED_SLIP),
+                            solver_relative_tolerance(at->v), solver_absolute_tolerance(at->v), events);
     return events[event];
 }
 
-double regime_friction_margin(const struct scene_values *v, const struct scene_state *q,
-                              const struct scene_instant *at, int contact, enum ode_event event)
+double regime_friction_margin(const struct scene_instant *at, int contact, enum ode_event event)
 {
-    if (!contact_rubs(v, contact) || !contact_transmits(q, contact)) {
+    if (!contact_rubs(at->v, contact) || !contact_transmits(at->q, contact)) {
         return 1.0;
     }
-    const double margin = raised_friction_event(v, q, at, contact, event);
-    const enum friction_regime regime = friction_regime_of(q, contact, ode_event_part(event));
+    const double margin = raised_friction_event(at, contact, event);
+    const enum friction_regime regime = friction_regime_of(at->q, contact, ode_event_part(event));
     const bool is_beyond = event == ODE_EVENT_CAP    ? regime == FRICTION_CAPPED
                            : event == ODE_EVENT_LIFT ? regime == FRICTION_LIFTED
                                                      : regime != FRICTION_STICKING;
     return is_beyond ? -margin : margin;
 }
 
-enum ode_event regime_friction_event(const struct scene_values *v, const struct scene_state *q,
-                                     const struct scene_instant *at, int contact)
+enum ode_event regime_friction_event(const struct scene_instant *at, int contact)
 {
-    const bool rubs = contact_rubs(v, contact) && contact_transmits(q, contact);
+    const bool rubs = contact_rubs(at->v, contact) && contact_transmits(at->q, contact);
     for (int event = ODE_EVENT_STICK; rubs && event < ODE_EVENT_ZONE; ++event) {
-        const double margin = raised_friction_event(v, q, at, contact, (enum ode_event)event);
+        const double margin = raised_friction_event(at, contact, (enum ode_event)event);
         if (margin < 0.0 ||
             (margin == 0.0 && at->normal_force[contact] > 0.0)) { /* at zero force friction has just begun */
             return (enum ode_event)event;
@@ -128,13 +120,13 @@ struct rubbed {
     struct vec3 *spring;
 };
 
-static struct rubbed rubbed_of(const struct scene_values *v, struct scene_state *q, int contact, int part)
+static struct rubbed rubbed_of(struct scene_state *q, int contact, int part)
 {
-    return (struct rubbed){v,
+    return (struct rubbed){q->v,
                            q,
                            contact,
                            part,
-                           scene_friction_law(v, q, contact, part),
+                           scene_friction_law(q, contact, part),
                            &q->contact[contact].friction_regime[part],
                            &q->turning.spring[contact][part]};
 }
@@ -146,14 +138,14 @@ static struct friction_state rubbing_now(const struct rubbed *r, const struct sc
 
 static double normal_force_rate(const struct rubbed *r, const struct scene_instant *at)
 {
-    return turning_normal_force_rate(r->v, r->q, r->q->clock, at, r->contact);
+    return turning_normal_force_rate(r->q->clock, at, r->contact);
 }
 
 /* Whether the dashpot pulls. The sign of contact_push decides this, as it decides the lift event, so that
  * friction which is lifted has an event that ends its regime. */
 static bool is_lifted(const struct rubbed *r, const struct scene_instant *at)
 {
-    const struct contact_law law = scene_contact_law(r->v, r->q, r->contact);
+    const struct contact_law law = scene_contact_law(r->q, r->contact);
     const struct contact_geometry *g = &at->geometry[r->contact];
     return contact_may_pull(&law) && contact_push(&law, g->gap, g->gap_rate) < 0.0;
 }
@@ -189,28 +181,26 @@ static void lift_friction(const struct rubbed *r)
  * The energy stored at a depth is proportional to its square under the linear law, and to its power 5/2 under
  * Hertz's law. The result is zero where neither body is free or nothing is stored.
  */
-static double impact_depth(const struct scene_values *v, const struct scene_state *q,
-                           const struct scene_instant *at, int contact)
+static double impact_depth(const struct scene_instant *at, int contact)
 {
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const double per_mass = scene_inverse_mass(v, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    const double per_mass = scene_inverse_mass(at->v, contact);
     const double at_one_metre = contact_stored_energy(&law, REGIME_COMPRESSION, -1.0);
     const double rate = at->geometry[contact].gap_rate;
     if (!(per_mass > 0.0) || !(at_one_metre > 0.0)) {
         return 0.0;
     }
     const double part = 0.5 * rate * rate / (per_mass * at_one_metre);
-    const double load = scene_pressing_acceleration(v, q, q->clock, at, contact) / (per_mass * at_one_metre);
+    const double load = scene_pressing_acceleration(at->q->clock, at, contact) / (per_mass * at_one_metre);
     const double power = contact_is_hertz(&law) ? 2.5 : 2.0;
     return fmax(pow(part, 1.0 / power), pow(0.5 * load, 1.0 / (power - 1.0)));
 }
 
 /* Changes all opposed motions of a contact, since the normal force lifts them together. */
-static void change_all(const struct scene_values *v, struct scene_state *q, int contact,
-                       void (*change)(const struct rubbed *))
+static void change_all(struct scene_state *q, int contact, void (*change)(const struct rubbed *))
 {
-    for (int i = 0; i < contact_opposed(v, contact); ++i) {
-        const struct rubbed r = rubbed_of(v, q, contact, i);
+    for (int i = 0; i < contact_opposed(q->v, contact); ++i) {
+        const struct rubbed r = rubbed_of(q, contact, i);
         change(&r);
     }
 }
@@ -227,28 +217,27 @@ static struct vec3 direction_to_slide(const struct rubbed *r, const struct scene
 {
     const struct friction_law *law = &r->law;
     const double size = vec3_norm(along);
-    const double depth = fmax(-at->geometry[r->contact].gap, impact_depth(r->v, r->q, at, r->contact));
-    const struct contact_law normal = scene_contact_law(r->v, r->q, r->contact);
+    const double depth = fmax(-at->geometry[r->contact].gap, impact_depth(at, r->contact));
+    const struct contact_law normal = scene_contact_law(r->q, r->contact);
     const double spring_force = -contact_stored_slope(&normal, REGIME_COMPRESSION, -depth);
     const double force = fmax(at->normal_force[r->contact], spring_force);
     const double length = fmin(law->coefficient * force, law->largest) / friction_stiffness(law, depth);
     const double unit = r->part == OPPOSED_SLIP ? contact_source_radius(r->v, r->contact) : 1.0;
-    const bool is_known = length > 0.0 && depth > rounding_of_gap(r->v, at, r->contact);
+    const bool is_known = length > 0.0 && depth > rounding_of_gap(at, r->contact);
     const double typical = is_known ? length : TYPICAL_LENGTH * unit;
     return size > 0.0 ? vec3_scale(typical / size, along) : along;
 }
 
 /* Returns F_n at an onset [N]. A force that rounding and the tolerance of speeds explain counts as zero; the
  * rates then decide which regime follows. */
-static double onset_force(const struct scene_values *v, const struct scene_state *q,
-                          const struct scene_instant *at, int contact)
+static double onset_force(const struct scene_instant *at, int contact)
 {
-    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    const enum contact_regime regime = (enum contact_regime)at->q->contact[contact].regime;
     const double by_rate = contact_force_slopes(&law, regime, g->gap, g->gap_rate).by_rate;
     const double error =
-        rounding_of_force(v, q, at, contact) + fabs(by_rate) * tolerated_motion(v, at, contact, OPPOSED_SLIP);
+        rounding_of_force(at, contact) + fabs(by_rate) * tolerated_motion(at, contact, OPPOSED_SLIP);
     const double force = at->normal_force[contact];
     return force > MARGIN_ROUNDINGS * error ? force : 0.0;
 }
@@ -258,9 +247,9 @@ static void begin_friction(const struct rubbed *r)
 {
     struct scene_instant at;
     end_friction(r);
-    scene_now(r->v, r->q, &at);
+    scene_now(r->q, &at);
     struct friction_state rubbing = rubbing_now(r, &at);
-    rubbing.normal_force = onset_force(r->v, r->q, &at, r->contact);
+    rubbing.normal_force = onset_force(&at, r->contact);
     const enum friction_regime next = friction_onset_regime(&r->law, rubbing, normal_force_rate(r, &at));
     *r->regime = (int32_t)next;
     if (r->law.kind == FRICTION_ELASTIC && r->law.damping == 0.0 && next != FRICTION_STICKING) {
@@ -282,18 +271,18 @@ static void break_away(const struct rubbed *r)
 {
     struct scene_instant at;
     const struct friction_law *law = &r->law;
-    scene_now(r->v, r->q, &at);
+    scene_now(r->q, &at);
     const enum friction_regime next = sliding_regime(law, at.normal_force[r->contact]);
     if (is_lifted(r, &at)) {
-        change_all(r->v, r->q, r->contact, lift_friction);
+        change_all(r->q, r->contact, lift_friction);
         return;
     }
     *r->regime = (int32_t)next;
-    scene_now(r->v, r->q, &at);
+    scene_now(r->q, &at);
     const struct friction_state rubbing = rubbing_now(r, &at);
     const bool jumps = law->static_coefficient > law->coefficient;
     /* the error of the motion does not explain a stick event below this */
-    const double least = jumps ? 0.0 : -tolerated_motion(r->v, &at, r->contact, r->part);
+    const double least = jumps ? 0.0 : -tolerated_motion(&at, r->contact, r->part);
     if (law->damping == 0.0 && friction_stick_event(law, next, rubbing, normal_force_rate(r, &at)) < least) {
         stick(r, next, rubbing);
     } else if (law->damping == 0.0) {
@@ -306,7 +295,7 @@ static void break_away(const struct rubbed *r)
 static void keep_sliding(const struct rubbed *r)
 {
     struct scene_instant at;
-    scene_now(r->v, r->q, &at);
+    scene_now(r->q, &at);
     const enum friction_regime next = sliding_regime(&r->law, at.normal_force[r->contact]);
     const struct friction_state rubbing = rubbing_now(r, &at);
     const double force_rate = normal_force_rate(r, &at);
@@ -331,7 +320,7 @@ static void reconsider(const struct rubbed *r)
 {
     struct scene_instant at;
     const enum friction_regime regime = friction_regime_of(r->q, r->contact, r->part);
-    scene_now(r->v, r->q, &at);
+    scene_now(r->q, &at);
     if (is_lifted(r, &at)) {
         lift_friction(r);
     } else if (regime == FRICTION_LIFTED) {
@@ -345,15 +334,14 @@ static void reconsider(const struct rubbed *r)
     }
 }
 
-void turning_take_regime(const struct scene_values *v, struct scene_state *q, int contact,
-                         enum contact_regime before)
+void turning_take_regime(struct scene_state *q, int contact, enum contact_regime before)
 {
-    if (!contact_rubs(v, contact)) {
+    if (!contact_rubs(q->v, contact)) {
         return;
     }
     const enum contact_regime now = (enum contact_regime)q->contact[contact].regime;
-    for (int i = 0; i < contact_opposed(v, contact); ++i) {
-        const struct rubbed r = rubbed_of(v, q, contact, i);
+    for (int i = 0; i < contact_opposed(q->v, contact); ++i) {
+        const struct rubbed r = rubbed_of(q, contact, i);
         if (now == REGIME_APART || before == REGIME_APART) {
             end_friction(&r);
         }
@@ -365,29 +353,27 @@ void turning_take_regime(const struct scene_values *v, struct scene_state *q, in
     }
 }
 
-void turning_take_event(const struct scene_values *v, struct scene_state *q, int contact,
-                        enum ode_event event)
+void turning_take_event(struct scene_state *q, int contact, enum ode_event event)
 {
-    const struct rubbed r = rubbed_of(v, q, contact, ode_event_part(event));
+    const struct rubbed r = rubbed_of(q, contact, ode_event_part(event));
     const enum friction_regime regime = friction_regime_of(q, contact, r.part);
     const bool sticks = event == ode_stick_event(r.part);
     if (regime == FRICTION_STICKING && (sticks || event == ODE_EVENT_CAP)) {
         break_away(&r);
     } else if (sticks) {
         struct scene_instant at;
-        scene_now(v, q, &at);
+        scene_now(q, &at);
         stick(&r, regime, rubbing_now(&r, &at));
     } else if (event == ODE_EVENT_CAP) {
         *r.regime = (int32_t)(regime == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED);
     } else if (regime == FRICTION_LIFTED) {
-        change_all(v, q, contact, end_lifting);
+        change_all(q, contact, end_lifting);
     } else {
-        change_all(v, q, contact, lift_friction);
+        change_all(q, contact, lift_friction);
     }
 }
 
-void transition_set_regime(const struct scene_values *v, struct scene_state *q, int contact,
-                           enum contact_regime regime)
+void transition_set_regime(struct scene_state *q, int contact, enum contact_regime regime)
 {
     struct contact_state *state = &q->contact[contact];
     const enum contact_regime before = (enum contact_regime)state->regime;
@@ -401,42 +387,40 @@ void transition_set_regime(const struct scene_values *v, struct scene_state *q, 
         state->record.last_duration = q->clock - state->record.touch_clock;
     }
     if (SCENE_ANY_FRICTION) {
-        turning_take_regime(v, q, contact, before);
+        turning_take_regime(q, contact, before);
     }
 }
 
 /* Returns the rounding error of the gap after a phase that has `lasted` so many seconds [m]: 64 roundings of
  * the distance that the bodies have covered relative to each other. The phases of a contact before it count
  * by the penetration. */
-static double way_rounding(const struct scene_state *q, const struct scene_instant *at, int contact,
-                           double lasted)
+static double way_rounding(const struct scene_instant *at, int contact, double lasted)
 {
-    const double way = vec3_norm(at->rate[contact]) * lasted + q->contact[contact].peaks.penetration;
+    const double way = vec3_norm(at->rate[contact]) * lasted + at->q->contact[contact].peaks.penetration;
     return 64.0 * DBL_EPSILON * way;
 }
 
 /* Returns the gap at a change of regime [m]. Where contact ends by the gap, the gap is at least zero. Where
  * an integrator has found a touch, the gap is zero; a foreseen touch has a gap of its own. */
-static double gap_at_change(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at, int contact, enum contact_regime regime,
+static double gap_at_change(const struct scene_instant *at, int contact, enum contact_regime regime,
                             double lasted)
 {
     const double gap = at->geometry[contact].gap;
-    const bool touches = q->contact[contact].regime == (int32_t)REGIME_APART;
+    const bool touches = at->q->contact[contact].regime == (int32_t)REGIME_APART;
     const double least = regime == REGIME_APART ? fmax(gap, 0.0) : gap;
-    const double meant = touches && !scene_gap_is_accumulated(q, at, contact) ? 0.0 : least;
+    const double meant = touches && !scene_gap_is_accumulated(at, contact) ? 0.0 : least;
     if (meant == gap) {
         return meant;
     }
-    const double rounding = regime == REGIME_APART ? way_rounding(q, at, contact, lasted) : 0.0;
-    return fabs(gap) > fmax(rounding_of_gap(v, at, contact), rounding) ? gap : meant;
+    const double rounding = regime == REGIME_APART ? way_rounding(at, contact, lasted) : 0.0;
+    return fabs(gap) > fmax(rounding_of_gap(at, contact), rounding) ? gap : meant;
 }
 
 /* Begins a phase of motion: forgets foreseen changes and notes the energy to be kept. */
-static void begin_phase(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at)
+static void begin_phase(struct scene_state *q, const struct scene_instant *at)
 {
     q->horizon_clock = -(double)INFINITY;
-    q->phase_energy = scene_uses_ode(v) ? projection_balance(v, q, at) : 0.0;
+    q->phase_energy = scene_uses_ode(at->v) ? projection_balance(at) : 0.0;
 }
 
 /* Raises the peaks of the communication step to the values of the instant. */
@@ -450,129 +434,123 @@ static void note_peaks_of(struct scene_state *q, const struct scene_instant *at)
     }
 }
 
-static inline void note_peaks_of_touching(const struct scene_values *v, struct scene_state *q,
-                                          struct scene_instant *at)
+static inline void note_peaks_of_touching(struct scene_state *q, struct scene_instant *at)
 {
     if (!scene_is_apart(q)) {
-        scene_forces(v, q, q->clock, at);
+        scene_forces(q->clock, at);
         note_peaks_of(q, at);
     }
 }
 
 /* Returns the regime after a jump of n, with which the gap rate jumps too. Positions give the gap, the law
  * gives the regime for the new rate, and the spring of elastic friction begins at rest on the new face. */
-static enum contact_regime regime_at_jump(const struct scene_values *v, struct scene_state *q,
-                                          struct scene_instant *at, int contact)
+static enum contact_regime regime_at_jump(struct scene_state *q, struct scene_instant *at, int contact)
 {
     q->contact[contact].physics.accumulated_gap = DBL_MAX;
-    scene_kinematics_now(v, q, at);
-    if (SCENE_ANY_FRICTION && contact_rubs(v, contact)) {
-        change_all(v, q, contact, end_friction);
+    scene_kinematics_now(q, at);
+    if (SCENE_ANY_FRICTION && contact_rubs(q->v, contact)) {
+        change_all(q, contact, end_friction);
     }
-    return scene_regime(v, q, at, contact, true);
+    return scene_regime(at, contact, true);
 }
 
 /* Passes into the contact's next zone and returns the regime there. The known gap is kept unless n jumps. */
-static enum contact_regime pass_zone(const struct scene_values *v, struct scene_state *q,
-                                     struct scene_instant *at, int contact)
+static enum contact_regime pass_zone(struct scene_state *q, struct scene_instant *at, int contact)
 {
-    if (zones_pass(v, q, at, contact)) {
-        return regime_at_jump(v, q, at, contact);
+    if (zones_pass(q, at, contact)) {
+        return regime_at_jump(q, at, contact);
     }
     if (SCENE_ANY_ZONES) {
-        scene_kinematics_now(v, q, at);
+        scene_kinematics_now(q, at);
     }
     return (enum contact_regime)q->contact[contact].regime;
 }
 
 /* Puts a contact into a regime and a zone at an instant of the present, where all contacts have stored the
  * energy `before` [J]. */
-static void enter_regime(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
-                         int contact, enum contact_regime regime, double before)
+static void enter_regime(struct scene_state *q, const struct scene_instant *at, int contact,
+                         enum contact_regime regime, double before)
 {
-    transition_set_regime(v, q, contact, onset_note(v, q, at, contact, regime));
-    zones_follow(v, q, at, contact);
-    q->dissipated += before - energy_stored(v, q, at);
+    transition_set_regime(q, contact, onset_note(q, at, contact, regime));
+    zones_follow(q, at, contact);
+    q->dissipated += before - energy_stored(at);
     counter_add(&q->counters.events, 1);
 }
 
-void transition_change_regime(const struct scene_values *v, struct scene_state *q, int contact,
-                              enum contact_regime regime, struct scene_instant *at)
+void transition_change_regime(struct scene_state *q, int contact, enum contact_regime regime,
+                              struct scene_instant *at)
 {
     const double lasted = q->clock;
-    scene_rebase(v, q);
-    scene_kinematics_now(v, q, at);
-    note_peaks_of_touching(v, q, at);
-    const double before = energy_stored(v, q, at);
-    at->geometry[contact].gap = gap_at_change(v, q, at, contact, regime, lasted);
+    scene_rebase(q);
+    scene_kinematics_now(q, at);
+    note_peaks_of_touching(q, at);
+    const double before = energy_stored(at);
+    at->geometry[contact].gap = gap_at_change(at, contact, regime, lasted);
     q->contact[contact].physics.accumulated_gap = at->geometry[contact].gap;
     if (regime == (enum contact_regime)q->contact[contact].regime) {
-        regime = pass_zone(v, q, at, contact);
+        regime = pass_zone(q, at, contact);
     }
-    enter_regime(v, q, at, contact, regime, before);
-    begin_phase(v, q, at);
-    note_peaks_of_touching(v, q, at);
+    enter_regime(q, at, contact, regime, before);
+    begin_phase(q, at);
+    note_peaks_of_touching(q, at);
 }
 
-void transition_change_friction(const struct scene_values *v, struct scene_state *q, int contact,
-                                enum ode_event event, struct scene_instant *at)
+void transition_change_friction(struct scene_state *q, int contact, enum ode_event event,
+                                struct scene_instant *at)
 {
-    scene_rebase(v, q);
-    turning_take_event(v, q, contact, event);
+    scene_rebase(q);
+    turning_take_event(q, contact, event);
     counter_add(&q->counters.events, 1);
-    scene_kinematics_now(v, q, at);
-    begin_phase(v, q, at);
-    note_peaks_of_touching(v, q, at);
+    scene_kinematics_now(q, at);
+    begin_phase(q, at);
+    note_peaks_of_touching(q, at);
 }
 
-void transition_switch_regime(const struct scene_values *v, struct scene_state *q, int contact,
-                              enum contact_regime regime)
+void transition_switch_regime(struct scene_state *q, int contact, enum contact_regime regime)
 {
     struct scene_instant at;
-    scene_rebase(v, q);
-    scene_kinematics_now(v, q, &at);
-    const double before = energy_stored(v, q, &at);
+    scene_rebase(q);
+    scene_kinematics_now(q, &at);
+    const double before = energy_stored(&at);
     if (SCENE_ANY_ZONES) {
-        zones_settle(v, q, &at, contact);
-        scene_kinematics_now(v, q, &at);
+        zones_settle(q, &at, contact);
+        scene_kinematics_now(q, &at);
     }
-    enter_regime(v, q, &at, contact, regime, before);
+    enter_regime(q, &at, contact, regime, before);
 }
 
-void transition_settle_regimes(const struct scene_values *v, struct scene_state *q, double stored_before,
-                               bool starting)
+void transition_settle_regimes(struct scene_state *q, double stored_before, bool starting)
 {
     struct scene_instant at;
-    scene_now(v, q, &at);
+    scene_now(q, &at);
     for (int j = 0; SCENE_ANY_ZONES && j < SCENE_CONTACTS; ++j) {
-        zones_settle(v, q, &at, j);
-        scene_now(v, q, &at);
+        zones_settle(q, &at, j);
+        scene_now(q, &at);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (starting || fabs(at.geometry[j].gap) > rounding_of_gap(v, &at, j)) {
-            transition_set_regime(v, q, j, onset_note(v, q, &at, j, scene_regime(v, q, &at, j, false)));
-            zones_follow(v, q, &at, j);
+        if (starting || fabs(at.geometry[j].gap) > rounding_of_gap(&at, j)) {
+            transition_set_regime(q, j, onset_note(q, &at, j, scene_regime(&at, j, false)));
+            zones_follow(q, &at, j);
         }
     }
     if (!starting) {
-        q->external_work += energy_stored(v, q, &at) - stored_before;
+        q->external_work += energy_stored(&at) - stored_before;
     }
-    scene_rebase(v, q);
-    begin_phase(v, q, &at);
+    scene_rebase(q);
+    begin_phase(q, &at);
 }
 
-void transition_take_law(const struct scene_values *v, struct scene_state *q, const bool *changed,
-                         double stored_before)
+void transition_take_law(struct scene_state *q, const bool *changed, double stored_before)
 {
     struct scene_instant at;
-    scene_now(v, q, &at);
+    scene_now(q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (changed[j] && q->contact[j].regime != REGIME_APART) {
-            transition_set_regime(v, q, j, scene_regime(v, q, &at, j, true));
+            transition_set_regime(q, j, scene_regime(&at, j, true));
         }
     }
-    q->external_work += energy_stored(v, q, &at) - stored_before;
-    begin_phase(v, q, &at);
+    q->external_work += energy_stored(&at) - stored_before;
+    begin_phase(q, &at);
 }
 
 void transition_scale_force_error(struct scene_state *q, int contact, struct contact_coefficients next)
@@ -593,9 +571,9 @@ static void note_instant(struct scene_state *q, const struct scene_instant *at)
     }
 }
 
-void transition_begin_step(const struct scene_values *v, struct scene_state *q, struct scene_instant *at)
+void transition_begin_step(struct scene_state *q, struct scene_instant *at)
 {
-    scene_now(v, q, at);
+    scene_now(q, at);
     q->step_length = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].record.impulse_mark = q->contact[j].physics.impulse;
@@ -609,9 +587,9 @@ void transition_begin_step(const struct scene_values *v, struct scene_state *q, 
     note_instant(q, at);
 }
 
-void transition_end_step(const struct scene_values *v, struct scene_state *q)
+void transition_end_step(struct scene_state *q)
 {
     struct scene_instant at;
-    scene_now(v, q, &at);
+    scene_now(q, &at);
     note_instant(q, &at);
 }

@@ -20,15 +20,15 @@ static const double LEAST_STIFFNESS = 16.0 * DBL_EPSILON;
 /* A chain lasts at most this many radians of the fastest mode. To search them costs some ten milliseconds. */
 static const double CHAIN_LONGEST = 10000.0;
 
-bool chain_may_be(const struct scene_values *v, const struct scene_state *q)
+bool chain_may_be(const struct scene_state *q)
 {
     int touching = 0;
-    if (scene_turns(v)) {
+    if (scene_turns(q->v)) {
         return false;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_pushes(v, q, j)) {
-            const struct contact_law law = scene_contact_law(v, q, j);
+        if (contact_pushes(q, j)) {
+            const struct contact_law law = scene_contact_law(q, j);
             const double k = contact_coefficients_of(&law, REGIME_COMPRESSION).k; /* 0 under Hertz's law */
             if (!contact_is_elastic(&law) || !(k > 0.0)) {
                 return false;
@@ -51,16 +51,16 @@ static bool goes_along(const struct contact_shape *shape, struct vec3 normal, st
 }
 
 /* Whether n keeps its direction while the bodies fly, and the gap is a parabola. */
-static bool flies_along(const struct chain *c, const struct scene_values *v, const struct scene_state *q,
-                        const struct scene_instant *at, int contact, const struct contact_shape *shape,
-                        const struct separation_path *flight)
+static bool flies_along(const struct chain *c, const struct scene_instant *at, int contact,
+                        const struct contact_shape *shape, const struct separation_path *flight)
 {
     const struct contact_geometry *g = &at->geometry[contact];
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    const bool may_turn_over = !contact_is_plane(shape) && shape->side < 0 && !contact_transmits(q, contact);
-    if (g->degenerate || may_turn_over || contact_is_zoned(shape) || scene_ends_suddenly(v, contact) ||
-        !flight_is_steady(v, q, source) || !flight_is_steady(v, q, destination)) {
+    const bool may_turn_over =
+        !contact_is_plane(shape) && shape->side < 0 && !contact_transmits(at->q, contact);
+    if (g->degenerate || may_turn_over || contact_is_zoned(shape) || scene_ends_suddenly(at->v, contact) ||
+        !flight_is_steady(at->q, source) || !flight_is_steady(at->q, destination)) {
         return false;
     }
     return goes_along(shape, g->normal, flight->c[1], c->speed) &&
@@ -83,17 +83,16 @@ static double shared_inverse_mass(const struct scene_values *v, int i, int j)
     return sum;
 }
 
-static bool chain_add(struct chain *c, const struct scene_values *v, const struct scene_state *q,
-                      const struct scene_instant *at, int contact)
+static bool chain_add(struct chain *c, const struct scene_instant *at, int contact)
 {
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const struct separation_path flight = separation_path_of(v, q, at, q->clock, contact);
+    const struct contact_shape shape = scene_contact_shape(at->q, contact);
+    const struct separation_path flight = separation_path_of(at, at->q->clock, contact);
     const int i = c->rows;
-    if (i == CHAIN_MOST || !flies_along(c, v, q, at, contact, &shape, &flight)) {
+    if (i == CHAIN_MOST || !flies_along(c, at, contact, &shape, &flight)) {
         return false;
     }
-    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
     c->contact[i] = contact;
     c->push[i] = vec3_scale(shape.side, g->normal);
     c->lever[i] = vec3_make(0.0, 0.0, 0.0);
@@ -104,20 +103,20 @@ static bool chain_add(struct chain *c, const struct scene_values *v, const struc
     c->rate[i] = g->gap_rate;
     c->acceleration[i] = 2.0 * vec3_dot(c->push[i], contact_across(&shape, flight.c[2]));
     c->root[i] = sqrt(contact_coefficients_of(&law, REGIME_COMPRESSION).k);
-    const double missing = contact_transmits(q, contact) ? c->gap[i] : -c->gap[i];
-    c->offset[i] = fmax(missing, 0.0) + rounding_of_gap(v, at, contact);
+    const double missing = contact_transmits(at->q, contact) ? c->gap[i] : -c->gap[i];
+    c->offset[i] = fmax(missing, 0.0) + rounding_of_gap(at, contact);
     c->rows += 1;
     return true;
 }
 
 /* Notes the inverse masses that a contact shares with the contacts in touch. Returns whether the forces of
  * those contacts leave its normal as it is. */
-static bool keeps_normal(struct chain *c, int row, const struct scene_values *v, const struct scene_state *q)
+static bool keeps_normal(struct chain *c, int row, const struct scene_state *q)
 {
-    const struct contact_shape shape = scene_contact_shape(v, q, c->contact[row]);
+    const struct contact_shape shape = scene_contact_shape(q, c->contact[row]);
     bool keeps = true;
     for (int j = 0; keeps && j < c->touching; ++j) {
-        c->shared[row][j] = shared_inverse_mass(v, c->contact[row], c->contact[j]);
+        c->shared[row][j] = shared_inverse_mass(q->v, c->contact[row], c->contact[j]);
         keeps = c->shared[row][j] == 0.0 || goes_along(&shape, c->push[row], c->push[j], 1.0);
     }
     return keeps;
@@ -456,15 +455,14 @@ void chain_find_end(struct chain *c, double longest)
     }
 }
 
-static void note_sizes(struct chain *c, const struct scene_values *v, const struct scene_state *q,
-                       const struct scene_instant *at)
+static void note_sizes(struct chain *c, const struct scene_instant *at)
 {
     c->speed = c->pull = 0.0;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            const double force = vec3_norm(q->path[i].force[0]) / body_mass(v, i);
+        if (body_is_free(at->v, i)) {
+            const double force = vec3_norm(at->q->path[i].force[0]) / body_mass(at->v, i);
             c->speed = fmax(c->speed, vec3_norm(at->velocity[i]));
-            c->pull = fmax(c->pull, vec3_norm(gravity(v)) + force);
+            c->pull = fmax(c->pull, vec3_norm(gravity(at->v)) + force);
         }
     }
 }
@@ -474,28 +472,28 @@ long chain_work(const struct chain *c)
     return 4 * c->touching + (long)(c->end * c->fastest * (1.0 + 0.25 * c->rows));
 }
 
-bool chain_make(struct chain *c, const struct scene_values *v, const struct scene_state *q,
-                const struct scene_instant *at)
+bool chain_make(struct chain *c, const struct scene_instant *at)
 {
+    const struct scene_state *q = at->q;
     c->rows = 0;
-    note_sizes(c, v, q, at);
+    note_sizes(c, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_pushes(v, q, j) && !chain_add(c, v, q, at, j)) {
+        if (contact_pushes(q, j) && !chain_add(c, at, j)) {
             return false;
         }
     }
     c->touching = c->rows;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const bool is_pushed = !contact_transmits(q, j) && contact_is_coupled(v, q, j);
+        const bool is_pushed = !contact_transmits(q, j) && contact_is_coupled(q, j);
         if (is_pushed && q->contact[j].regime == (int32_t)REGIME_SEPARATING) {
             return false; /* it may push again before it parts */
         }
-        if (is_pushed && chain_add(c, v, q, at, j) && !keeps_normal(c, c->rows - 1, v, q)) {
+        if (is_pushed && chain_add(c, at, j) && !keeps_normal(c, c->rows - 1, q)) {
             c->rows -= 1;
         }
     }
     for (int i = 0; i < c->touching; ++i) {
-        if (!keeps_normal(c, i, v, q)) {
+        if (!keeps_normal(c, i, q)) {
             return false;
         }
     }
@@ -504,7 +502,7 @@ bool chain_make(struct chain *c, const struct scene_values *v, const struct scen
     }
     bound_gaps(c);
     for (int i = 0; i < c->touching; ++i) { /* n jumps where a source passes the centre of its destination */
-        const struct contact_shape shape = scene_contact_shape(v, q, c->contact[i]);
+        const struct contact_shape shape = scene_contact_shape(q, c->contact[i]);
         if (contact_may_reach_centre(&shape) && -c->least[i] > 0.5 * contact_reach(&shape)) {
             return false;
         }
@@ -546,8 +544,7 @@ static void raise_peak(struct chain_peak *peak, const struct chain *c, int row,
 }
 
 /* Notes the largest forces and depths of the contacts in touch between two times. */
-static void note_peaks_of_chain(const struct chain *c, double from, double to, const struct scene_values *v,
-                                struct scene_state *q)
+static void note_peaks_of_chain(const struct chain *c, double from, double to, struct scene_state *q)
 {
     struct chain_peak peak[CHAIN_MOST];
     struct mode_step step[CHAIN_MOST];
@@ -583,7 +580,7 @@ static void note_peaks_of_chain(const struct chain *c, double from, double to, c
         time = next;
     }
     for (int i = 0; i < c->touching; ++i) {
-        const struct contact_law law = scene_contact_law(v, q, c->contact[i]);
+        const struct contact_law law = scene_contact_law(q, c->contact[i]);
         contact_peaks_note(&q->contact[c->contact[i]].peaks,
                            contact_force(&law, REGIME_COMPRESSION, -peak[i].depth, 0.0), peak[i].depth);
     }
@@ -595,13 +592,12 @@ struct body_change {
     struct vec3 moved, velocity;
 };
 
-void chain_advance(const struct chain *c, double from, double time, const struct scene_values *v,
-                   struct scene_state *q)
+void chain_advance(const struct chain *c, double from, double time, struct scene_state *q)
 {
     struct body_change change[SCENE_BODIES] = {{.is_loaded = false}};
     struct chain_instant at;
     if (from < time) {
-        note_peaks_of_chain(c, from, time, v, q);
+        note_peaks_of_chain(c, from, time, q);
     }
     chain_at(c, time, &at, true);
     for (int i = 0; i < c->touching; ++i) {
@@ -615,9 +611,9 @@ void chain_advance(const struct chain *c, double from, double time, const struct
             second -= c->root[i] * c->root[i] * c->mode[i][k] * at.mode[k].second;
         }
         for (int end = 0; end < 2; ++end) {
-            if (body_is_free(v, ends[end])) {
+            if (body_is_free(q->v, ends[end])) {
                 struct body_change *body = &change[ends[end]];
-                const double by_mass = (end == 0 ? -1.0 : 1.0) / body_mass(v, ends[end]);
+                const double by_mass = (end == 0 ? -1.0 : 1.0) / body_mass(q->v, ends[end]);
                 body->is_loaded = true;
                 body->velocity = vec3_axpy(body->velocity, by_mass * impulse, c->push[i]);
                 body->moved = vec3_axpy(body->moved, by_mass * second, c->push[i]);
@@ -634,7 +630,7 @@ void chain_advance(const struct chain *c, double from, double time, const struct
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (change[i].is_loaded) {
             q->external_work += vec3_dot(q->path[i].force[0], change[i].moved);
-            flight_deviate(v, q, i, time, change[i].moved, change[i].velocity);
+            flight_deviate(q, i, time, change[i].moved, change[i].velocity);
         }
     }
 }

@@ -56,11 +56,10 @@ struct chain {
 };
 
 /* Whether the contacts in touch may be a chain, by their laws; chain_make tells by their motion. */
-bool chain_may_be(const struct scene_values *v, const struct scene_state *q);
+bool chain_may_be(const struct scene_state *q);
 
 /* Makes the chain of all contacts in touch from the present instant. Returns false where it is none. */
-bool chain_make(struct chain *c, const struct scene_values *v, const struct scene_state *q,
-                const struct scene_instant *at);
+bool chain_make(struct chain *c, const struct scene_instant *at);
 
 /* Whether the gap of a contact is one of the chain's. */
 bool chain_has(const struct chain *c, int contact);
@@ -74,7 +73,6 @@ long chain_work(const struct chain *c);
 
 /* Moves the bodies from the start of the chain to a time since then, and notes peaks since the time `from`
  * [s]. The caller advances the clock and all bodies without contact force. */
-void chain_advance(const struct chain *c, double from, double time, const struct scene_values *v,
-                   struct scene_state *q);
+void chain_advance(const struct chain *c, double from, double time, struct scene_state *q);
 
 #endif

@@ -10,11 +10,11 @@
 
 #if SCENE_HAS_ISLANDS
 
-bool island_may_be(const struct scene_values *v, const struct scene_state *q)
+bool island_may_be(const struct scene_state *q)
 {
     int touching = 0;
-    for (int j = 0; j < SCENE_CONTACTS && !scene_turns(v); ++j) {
-        touching += contact_pushes(v, q, j) ? 1 : 0;
+    for (int j = 0; j < SCENE_CONTACTS && !scene_turns(q->v); ++j) {
+        touching += contact_pushes(q, j) ? 1 : 0;
     }
     return touching > 0 && touching <= ISLAND_MOST;
 }
@@ -62,12 +62,11 @@ static int add_body(struct island *s, const struct scene_values *v, int body)
     return s->index[body];
 }
 
-static void put_law(struct expansion_row *r, const struct scene_values *v, const struct scene_state *q,
-                    const struct scene_instant *at, double tolerated)
+static void put_law(struct expansion_row *r, const struct scene_instant *at, double tolerated)
 {
-    const struct contact_law law = scene_contact_law(v, q, r->contact);
+    const struct contact_law law = scene_contact_law(at->q, r->contact);
     const struct contact_geometry *g = &at->geometry[r->contact];
-    const enum contact_regime regime = (enum contact_regime)q->contact[r->contact].regime;
+    const enum contact_regime regime = (enum contact_regime)at->q->contact[r->contact].regime;
     r->is_hertz = contact_is_hertz(&law);
     const struct contact_coefficients of =
         r->is_hertz ? contact_factors_of(&law) : contact_coefficients_of(&law, regime);
@@ -79,19 +78,18 @@ static void put_law(struct expansion_row *r, const struct scene_values *v, const
         r->by_gap = slopes.by_gap;
         r->by_rate = slopes.by_rate;
         r->margin = contact_event(&law, regime, g->gap, g->gap_rate) +
-                    rounding_margin_offset(v, q, at, r->contact, tolerated);
+                    rounding_margin_offset(at, r->contact, tolerated);
     }
 }
 
-static bool add_touching(struct island *s, const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, int contact)
+static bool add_touching(struct island *s, const struct scene_instant *at, int contact)
 {
     struct expansion_row *r = &s->terms.row[s->terms.rows];
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_shape shape = scene_contact_shape(at->q, contact);
     const int bodies[2] = {contact_source(contact), contact_destination(contact)};
-    if (g->degenerate || !knows_shape(v, &shape, contact) || !flight_is_steady(v, q, bodies[0]) ||
-        !flight_is_steady(v, q, bodies[1])) {
+    if (g->degenerate || !knows_shape(at->v, &shape, contact) || !flight_is_steady(at->q, bodies[0]) ||
+        !flight_is_steady(at->q, bodies[1])) {
         return false;
     }
     memset(r, 0, sizeof *r);
@@ -99,23 +97,23 @@ static bool add_touching(struct island *s, const struct scene_values *v, const s
     r->side = shape.side;
     r->is_straight = contact_is_plane(&shape);
     vec3_to(contact_is_cylinder(&shape) ? shape.axis : vec3_make(0.0, 0.0, 0.0), r->axis);
-    const struct separation_path flight = separation_path_of(v, q, at, q->clock, contact);
+    const struct separation_path flight = separation_path_of(at, at->q->clock, contact);
     const int degree = path_degree(flight.c, SEPARATION_DEGREE + 1);
     s->terms.degree = degree > s->terms.degree ? degree : s->terms.degree;
     memcpy(r->flown, flight.c, sizeof r->flown);
     memcpy(r->flown_rate, flight.w, sizeof flight.w);
-    put_law(r, v, q, at, ACCURACY * vec3_norm(at->rate[contact]));
+    put_law(r, at, ACCURACY * vec3_norm(at->rate[contact]));
     r->gap[0] = g->gap;
     r->by_distance = 1.0 / g->distance;
     r->passage = r->is_straight ? 0.0 : vec3_norm(at->rate[contact]) * r->by_distance;
     r->rate[0] = g->gap_rate;
-    put_timescales(r, scene_inverse_mass(v, contact));
+    put_timescales(r, scene_inverse_mass(at->v, contact));
     for (int k = 0; k < EXPANSION_AXES; ++k) {
         taylor_put(&r->n[k], 0, vec3_get(g->normal, k));
     }
-    r->offset = fmax(g->gap, 0.0) + rounding_of_gap(v, at, contact);
+    r->offset = fmax(g->gap, 0.0) + rounding_of_gap(at, contact);
     for (int end = 0; end < 2; ++end) {
-        r->end[end] = add_body(s, v, bodies[end]);
+        r->end[end] = add_body(s, at->v, bodies[end]);
     }
     s->terms.rows += 1;
     return true;
@@ -157,15 +155,14 @@ static void find_axes(struct island *s)
 }
 
 /* Sets g'' of the contacts in touch at the start. */
-static void find_bends(struct island *s, const struct scene_values *v, const struct scene_state *q,
-                       const struct scene_instant *at)
+static void find_bends(struct island *s, const struct scene_instant *at)
 {
     struct scene_instant now = *at;
-    scene_forces(v, q, q->clock, &now);
+    scene_forces(at->q->clock, &now);
     for (int i = 0; i < s->terms.rows; ++i) {
         struct expansion_row *r = &s->terms.row[i];
         const struct contact_geometry *g = &at->geometry[r->contact];
-        const struct contact_shape shape = scene_contact_shape(v, q, r->contact);
+        const struct contact_shape shape = scene_contact_shape(at->q, r->contact);
         const struct vec3 w = at->rate[r->contact];
         const struct vec3 a = vec3_sub(now.acceleration[contact_destination(r->contact)],
                                        now.acceleration[contact_source(r->contact)]);
@@ -273,7 +270,7 @@ static void note_change(struct island *s, double at, int contact, enum contact_r
 }
 
 /* Finds where the contacts in touch end or change their regimes. */
-static void find_changes(struct island *s, const struct scene_values *v, const struct scene_state *q)
+static void find_changes(struct island *s, const struct scene_state *q)
 {
     double of[TAYLOR_TERMS];
     for (int n = 0; n < s->terms.rows; ++n) {
@@ -285,7 +282,7 @@ static void find_changes(struct island *s, const struct scene_values *v, const s
         note_change(s, parts_now ? 0.0 : taylor_first_fall(of, TAYLOR_TERMS, s->end), r->contact,
                     REGIME_APART);
         if (r->margin > 0.0) {
-            const struct contact_law law = scene_contact_law(v, q, r->contact);
+            const struct contact_law law = scene_contact_law(q, r->contact);
             for (int i = 0; i < TAYLOR_TERMS; ++i) {
                 of[i] = i == 0 ? r->margin : r->by_gap * r->gap[i] + r->by_rate * r->rate[i];
             }
@@ -364,21 +361,20 @@ static double touch_within(const struct island *s, const struct contact_shape *s
 enum { MOST_HALVINGS = 6 };
 
 /* Finds where contacts that are apart begin. Returns false where one might that the series do not know. */
-static bool find_touches(struct island *s, const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at)
+static bool find_touches(struct island *s, const struct scene_instant *at)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const int end[2] = {s->index[contact_source(j)], s->index[contact_destination(j)]};
-        if (contact_transmits(q, j) || !contact_is_coupled(v, q, j) || end[0] + end[1] == 0) {
+        if (contact_transmits(at->q, j) || !contact_is_coupled(at->q, j) || end[0] + end[1] == 0) {
             continue;
         }
         const struct contact_geometry *g = &at->geometry[j];
-        const struct contact_shape shape = scene_contact_shape(v, q, j);
-        const struct separation_path flight = separation_path_of(v, q, at, q->clock, j);
-        const double offset = fmax(-g->gap, 0.0) + rounding_of_gap(v, at, j);
-        const bool is_apart = q->contact[j].regime == (int32_t)REGIME_APART;
+        const struct contact_shape shape = scene_contact_shape(at->q, j);
+        const struct separation_path flight = separation_path_of(at, at->q->clock, j);
+        const double offset = fmax(-g->gap, 0.0) + rounding_of_gap(at, j);
+        const bool is_apart = at->q->contact[j].regime == (int32_t)REGIME_APART;
         bool may_touch = !(separation_within(s, &flight, end) < g->gap);
-        if (is_apart && may_touch && knows_shape(v, &shape, j)) {
+        if (is_apart && may_touch && knows_shape(at->v, &shape, j)) {
             expansion_add_powers(&s->terms, path_degree(flight.c, SEPARATION_DEGREE + 1));
             note_change(s, touch_within(s, &shape, &flight, g, offset, end), j, REGIME_COMPRESSION);
             continue;
@@ -412,8 +408,7 @@ long island_work(const struct island *s)
     return 4 + 4L * s->terms.rows;
 }
 
-bool island_make(struct island *s, const struct scene_values *v, const struct scene_state *q,
-                 const struct scene_instant *at, double longest, double quiet)
+bool island_make(struct island *s, const struct scene_instant *at, double longest, double quiet)
 {
     s->terms.rows = 0;
     s->terms.is_framed = false;
@@ -423,12 +418,12 @@ bool island_make(struct island *s, const struct scene_values *v, const struct sc
     memset(s->index, 0, sizeof s->index);
     memset(&s->terms.body[0], 0, sizeof s->terms.body[0]);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_pushes(v, q, j) && !add_touching(s, v, q, at, j)) {
+        if (contact_pushes(at->q, j) && !add_touching(s, at, j)) {
             return false;
         }
     }
     find_axes(s);
-    find_bends(s, v, q, at);
+    find_bends(s, at);
     if (is_quiet(s, quiet) || !choose_pace(s)) {
         return false;
     }
@@ -448,13 +443,13 @@ bool island_make(struct island *s, const struct scene_values *v, const struct sc
             return false;
         }
     }
-    find_changes(s, v, q); /* before the time is asked for: it goes back beyond a zero of the pace */
+    find_changes(s, at->q); /* before the time is asked for: it goes back beyond a zero of the pace */
     s->time = expansion_time_at(&s->terms, s->end);
     if (s->time > longest) {
         s->end = place_of(s, longest);
         s->terminal = -1;
     }
-    if (!find_touches(s, v, q, at)) {
+    if (!find_touches(s, at)) {
         return false;
     }
     s->time = expansion_time_at(&s->terms, s->end);
@@ -553,8 +548,7 @@ static void add_island_torque(const struct island *s, const struct expansion_row
     }
 }
 
-void island_advance(const struct island *s, double from, double time, const struct scene_values *v,
-                    struct scene_state *q)
+void island_advance(const struct island *s, double from, double time, struct scene_state *q)
 {
     const double place = time < s->time ? place_of(s, time) : s->end;
     if (from < time) {
@@ -575,7 +569,7 @@ void island_advance(const struct island *s, double from, double time, const stru
         const struct expansion_body *body = &s->body[b];
         const struct vec3 moved = three_at(s, body->moved, place);
         q->external_work += vec3_dot(q->path[body->body].force[0], moved);
-        flight_deviate(v, q, body->body, time, moved, three_at(s, body->rate, place));
+        flight_deviate(q, body->body, time, moved, three_at(s, body->rate, place));
     }
 }
 

@@ -24,20 +24,18 @@ struct island {
 
 /* Whether the contacts in touch may be an island by power series, by their laws; island_make tells by their
  * motion. */
-bool island_may_be(const struct scene_values *v, const struct scene_state *q);
+bool island_may_be(const struct scene_state *q);
 
 /* Makes one series of all contacts in touch over at most `longest` seconds, up to the first contact that
  * begins, ends or changes its regime. It is exact to a few roundings. Returns false where there is none, or
  * where no contact oscillates by more than `quiet` [m]: the general segment then takes longer steps. */
-bool island_make(struct island *s, const struct scene_values *v, const struct scene_state *q,
-                 const struct scene_instant *at, double longest, double quiet);
+bool island_make(struct island *s, const struct scene_instant *at, double longest, double quiet);
 
 /* Returns the cost of making it, in steps in closed form (integrator/phases.h). */
 long island_work(const struct island *s);
 
 /* Moves the bodies from the start to a time since then, and notes peaks since the time `from` [s]. The caller
  * advances the clock and all bodies without contact force. */
-void island_advance(const struct island *s, double from, double time, const struct scene_values *v,
-                    struct scene_state *q);
+void island_advance(const struct island *s, double from, double time, struct scene_state *q);
 
 #endif

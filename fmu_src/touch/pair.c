@@ -6,16 +6,16 @@
 #include "scene/evaluate.h"
 #include "touch/pair.h"
 
-static struct pair_work work_on(const struct contact_pair *p, const struct scene_values *v,
-                                const struct scene_state *q, int body, double sign)
+static struct pair_work work_on(const struct contact_pair *p, const struct scene_state *q, int body,
+                                double sign)
 {
     struct pair_work work = {.order = 0};
     const struct body_path *path = &q->path[body];
-    if (body_is_free(v, body)) {
+    if (body_is_free(q->v, body)) {
         memcpy(work.path, path->force, sizeof work.path);
-        work.factor = sign * p->reduced_mass / body_mass(v, body);
+        work.factor = sign * p->reduced_mass / body_mass(q->v, body);
         work.order = 1;
-    } else if (body_is_prescribed(v, body)) {
+    } else if (body_is_prescribed(q->v, body)) {
         memcpy(work.path, path->velocity, sizeof work.path);
         work.factor = -sign * p->reduced_mass;
         work.order = 2;
@@ -66,9 +66,9 @@ static void take_rate(struct contact_pair *p, double rate)
 
 /* Whether the prescribed velocity differs from the derivative of the prescribed displacement by more than
  * rounding. */
-static bool path_contradicts(const struct scene_values *v, const struct scene_state *q, int body)
+static bool path_contradicts(const struct scene_state *q, int body)
 {
-    if (!body_is_prescribed(v, body)) {
+    if (!body_is_prescribed(q->v, body)) {
         return false;
     }
     struct body_path path = q->path[body];
@@ -99,14 +99,14 @@ static void take_law(struct contact_pair *p, const struct contact_law *law, enum
     }
 }
 
-void pair_make(struct contact_pair *p, const struct scene_values *v, const struct scene_state *q,
-               const struct scene_instant *at, int contact)
+void pair_make(struct contact_pair *p, const struct scene_instant *at, int contact)
 {
+    const struct scene_state *q = at->q;
     const struct contact_geometry *geometry = &at->geometry[contact];
-    p->shape = scene_contact_shape(v, q, contact);
-    const struct contact_law law = scene_contact_law(v, q, contact);
+    p->shape = scene_contact_shape(q, contact);
+    const struct contact_law law = scene_contact_law(q, contact);
     take_law(p, &law, (enum contact_regime)q->contact[contact].regime, geometry);
-    p->flight = separation_path_of(v, q, at, q->clock, contact);
+    p->flight = separation_path_of(at, q->clock, contact);
     p->normal = geometry->normal;
     p->axial = geometry->axial;
     p->distance = geometry->distance;
@@ -114,20 +114,20 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
     const double shorter = p->shape.side * p->gap - (geometry->distance - contact_reach(&p->shape));
     p->rounded = vec3_scale(shorter, p->normal);
     p->rate_rounding = rounding_of_rate(at, contact);
-    p->reduced_mass = 1.0 / scene_inverse_mass(v, contact);
-    p->starts_rounded = singularity_is_reached(v, at, contact, &p->shape);
+    p->reduced_mass = 1.0 / scene_inverse_mass(at->v, contact);
+    p->starts_rounded = singularity_is_reached(at, contact, &p->shape);
     if (p->starts_rounded) {
         leave_centre(p, geometry);
     }
-    const bool is_carried = !p->starts_rounded && scene_rate_is_known(q, at, contact);
+    const bool is_carried = !p->starts_rounded && scene_rate_is_known(at, contact);
     const double rate =
         is_carried ? geometry->gap_rate : p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
     p->rate_is_known = is_carried || rate == 0.0;
     take_rate(p, rate);
-    p->has_mismatch = path_contradicts(v, q, contact_source(contact)) ||
-                      path_contradicts(v, q, contact_destination(contact));
-    p->work[0] = work_on(p, v, q, contact_source(contact), -1.0);
-    p->work[1] = work_on(p, v, q, contact_destination(contact), 1.0);
+    p->has_mismatch =
+        path_contradicts(q, contact_source(contact)) || path_contradicts(q, contact_destination(contact));
+    p->work[0] = work_on(p, q, contact_source(contact), -1.0);
+    p->work[1] = work_on(p, q, contact_destination(contact), 1.0);
     p->is_head_on = is_constant(p, &p->work[0]) && is_constant(p, &p->work[1]) &&
                     flight_is_head_on(&p->shape, &p->flight, p->normal);
 }
@@ -187,21 +187,20 @@ double pair_load(const struct contact_pair *p)
     return p->reduced_mass * fabs(pair_turning(p, distance) + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
 }
 
-static double speed_of(const struct scene_values *v, const struct scene_state *q, int body)
+static double speed_of(const struct scene_state *q, int body)
 {
-    if (body_is_prescribed(v, body)) {
+    if (body_is_prescribed(q->v, body)) {
         return vec3_norm(path_at(q->path[body].velocity, 3, q->clock));
     }
-    return body_is_free(v, body) ? vec3_norm(q->body[body].velocity) : 0.0;
+    return body_is_free(q->v, body) ? vec3_norm(q->body[body].velocity) : 0.0;
 }
 
 /* Returns the rounding error of g' computed from the velocities after the change [m/s]. Flight and deviation
  * nearly cancel in lasting contact, so that the size of either counts. */
-static double rate_rounding_after(const struct pair_change *change, const struct scene_values *v,
-                                  const struct scene_state *q, int contact)
+static double rate_rounding_after(const struct pair_change *change, const struct scene_state *q, int contact)
 {
     return 16.0 * DBL_EPSILON *
-           (speed_of(v, q, contact_source(contact)) + speed_of(v, q, contact_destination(contact)) +
+           (speed_of(q, contact_source(contact)) + speed_of(q, contact_destination(contact)) +
             vec3_norm(change->r_rate));
 }
 
@@ -230,9 +229,10 @@ struct common_motion {
     struct vec3 velocity[2];
 };
 
-static struct common_motion common_motion_of(const struct contact_pair *p, const struct scene_values *v,
-                                             const struct scene_state *q, const int ends[PAIR_BODIES])
+static struct common_motion common_motion_of(const struct contact_pair *p, const struct scene_state *q,
+                                             const int ends[PAIR_BODIES])
 {
+    const struct scene_values *v = q->v;
     struct common_motion common = {{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}};
     double inverse_mass = 0.0; /* of both bodies together [1/kg] */
     for (int end = 0; end < PAIR_BODIES; ++end) {
@@ -262,15 +262,14 @@ static struct common_motion common_motion_of(const struct contact_pair *p, const
 /* Moves a body head-on: by the common motion, its flight aside and its share of the separation. A difference
  * of two flights would lose the digits of bodies that rest against each other for long. */
 static void move_head_on(const struct contact_pair *p, const struct pair_change *change,
-                         const struct scene_values *v, struct scene_state *q, int body, double share,
-                         const struct common_motion *common)
+                         struct scene_state *q, int body, double share, const struct common_motion *common)
 {
     struct vec3 force[3];
     struct vec3 velocity[FLIGHT_TERMS];
     struct body_state *state = &q->body[body];
     const double side = p->shape.side;
     flight_force(q, body, q->clock, force);
-    const int terms = flight_velocity(v, body, state->velocity, force, velocity);
+    const int terms = flight_velocity(q->v, body, state->velocity, force, velocity);
     for (int i = 0; i < terms; ++i) {
         velocity[i] = aside(p, velocity[i]);
     }
@@ -320,8 +319,7 @@ static double work_by_parts(const struct pair_work *work, const struct pair_chan
 }
 
 void pair_apply(const struct contact_pair *p, const struct pair_change *change,
-                const struct vec3 moment[PAIR_MOMENTS], const struct scene_values *v, struct scene_state *q,
-                int contact)
+                const struct vec3 moment[PAIR_MOMENTS], struct scene_state *q, int contact)
 {
     struct contact_state *state = &q->contact[contact];
     const int ends[PAIR_BODIES] = {contact_source(contact), contact_destination(contact)};
@@ -330,25 +328,25 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change,
     const struct vec3 r_rate = vec3_add(change->r_rate, p->rate_rounded);
     struct common_motion common = {{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}};
     if (change->head_on) {
-        common = common_motion_of(p, v, q, ends);
+        common = common_motion_of(p, q, ends);
     }
     for (int end = 0; end < PAIR_BODIES; ++end) {
-        const bool is_free = body_is_free(v, ends[end]);
+        const bool is_free = body_is_free(q->v, ends[end]);
         const double share =
-            is_free ? (end == 0 ? -1.0 : 1.0) * p->reduced_mass / body_mass(v, ends[end]) : 0.0;
+            is_free ? (end == 0 ? -1.0 : 1.0) * p->reduced_mass / body_mass(q->v, ends[end]) : 0.0;
         if (is_free && change->head_on) {
-            move_head_on(p, change, v, q, ends[end], share, &common);
+            move_head_on(p, change, q, ends[end], share, &common);
             continue;
         }
         q->external_work += p->work[end].factor * work_by_parts(&p->work[end], change, moment);
         if (is_free) {
-            flight_deviate(v, q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, r_rate));
+            flight_deviate(q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, r_rate));
         }
     }
     q->dissipated += change->dissipated;
     state->physics.impulse = vec3_axpy(state->physics.impulse, -p->reduced_mass, change->r_rate);
     state->physics.accumulated_gap = change->gap;
-    state->physics.rate_rounding = rate_rounding_after(change, v, q, contact);
+    state->physics.rate_rounding = rate_rounding_after(change, q, contact);
 }
 
 /* A component perpendicular to the plane of motion is rounding if it is below this fraction of its vector. */

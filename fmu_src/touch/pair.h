@@ -72,10 +72,9 @@ struct pair_change {
     double dissipated;     /* energy dissipated by the dashpot [J] */
 };
 
-/* Makes the pair from the present instant `at`, taken at q->clock, for a contact in compression or
- * restitution. */
-void pair_make(struct contact_pair *p, const struct scene_values *v, const struct scene_state *q,
-               const struct scene_instant *at, int contact);
+/* Makes the pair from the present instant `at`, that of the clock of at->q, for a contact in
+ * compression or restitution. */
+void pair_make(struct contact_pair *p, const struct scene_instant *at, int contact);
 
 /* Returns dg/dt at the start [m/s]. It differs from g' where a prescribed velocity is not the derivative of
  * the prescribed displacement. */
@@ -108,8 +107,7 @@ void pair_hertz_force(const struct contact_pair *from, const double u[3], const 
 /* Moves the bodies and books impulse, dissipated energy and external work. The caller advances the clock, and
  * sets the rate that the next segment starts with. */
 void pair_apply(const struct contact_pair *p, const struct pair_change *change,
-                const struct vec3 moment[PAIR_MOMENTS], const struct scene_values *v, struct scene_state *q,
-                int contact);
+                const struct vec3 moment[PAIR_MOMENTS], struct scene_state *q, int contact);
 
 enum { FRAME = 3 }; /* directions of a frame */
 

@@ -35,7 +35,7 @@ static bool is_normal_load(struct vec3 normal, struct vec3 load, double size)
 }
 
 /* Whether no load acts along the plane on the relative motion, now and later. */
-static bool loads_are_normal(const struct scene_values *v, const struct scene_state *q, int contact)
+static bool loads_are_normal(const struct scene_state *q, int contact)
 {
     const int ends[PAIR_BODIES] = {contact_source(contact), contact_destination(contact)};
     const struct vec3 normal = q->contact[contact].parameters.axis;
@@ -45,12 +45,12 @@ static bool loads_are_normal(const struct scene_values *v, const struct scene_st
         for (int end = 0; end < PAIR_BODIES; ++end) {
             const struct body_path *path = &q->path[ends[end]];
             const double sign = end == 0 ? -1.0 : 1.0;
-            if (body_is_free(v, ends[end])) {
-                const struct vec3 by = vec3_scale(1.0 / body_mass(v, ends[end]), path->force[i]);
-                const struct vec3 field = i == 0 ? gravity(v) : vec3_make(0.0, 0.0, 0.0);
+            if (body_is_free(q->v, ends[end])) {
+                const struct vec3 by = vec3_scale(1.0 / body_mass(q->v, ends[end]), path->force[i]);
+                const struct vec3 field = i == 0 ? gravity(q->v) : vec3_make(0.0, 0.0, 0.0);
                 load = vec3_axpy(vec3_axpy(load, sign, by), sign, field);
                 size += vec3_max_abs(by) + vec3_max_abs(field);
-            } else if (body_is_prescribed(v, ends[end]) && i < 2) {
+            } else if (body_is_prescribed(q->v, ends[end]) && i < 2) {
                 load = vec3_axpy(load, sign * (i + 1), path->velocity[i + 1]);
                 size += (i + 1) * vec3_max_abs(path->velocity[i + 1]);
             }
@@ -62,8 +62,9 @@ static bool loads_are_normal(const struct scene_values *v, const struct scene_st
     return true;
 }
 
-bool rubbing_is_solvable(const struct scene_values *v, const struct scene_state *q, int contact)
+bool rubbing_is_solvable(const struct scene_state *q, int contact)
 {
+    const struct scene_values *v = q->v;
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     if (contact_tips(v, contact) || body_is_compound(source) || body_is_compound(destination) ||
@@ -83,7 +84,7 @@ bool rubbing_is_solvable(const struct scene_values *v, const struct scene_state 
     return body_shape(destination) == SHAPE_PLANE && !contact_has_springs(v, contact) &&
            q->contact[contact].friction_regime[OPPOSED_SLIP] != (int32_t)FRICTION_CAPPED &&
            body_is_free(v, source) && !body_turn_is_prescribed(v, source) &&
-           path_rests(q->path[source].torque) && loads_are_normal(v, q, contact);
+           path_rests(q->path[source].torque) && loads_are_normal(q, contact);
 }
 
 /* The slip at the start of a segment, and what friction makes of it. */
@@ -99,13 +100,12 @@ struct slide {
     struct vec3 spun;     /* its change per speed lost [rad/m]; zero where the source does not turn freely */
 };
 
-static struct slide slide_of(const struct segment *p, const struct scene_values *v,
-                             const struct scene_state *q, int contact)
+static struct slide slide_of(const struct segment *p, const struct scene_state *q, int contact)
 {
     const struct contact_pair *pair = &p->pair;
     const int source = contact_source(contact);
-    const bool turns = body_turns_freely(v, source);
-    const struct friction_law law = scene_friction_law(v, q, contact, OPPOSED_SLIP);
+    const bool turns = body_turns_freely(q->v, source);
+    const struct friction_law law = scene_friction_law(q, contact, OPPOSED_SLIP);
     struct slide f = {.segment = p, .unit = law.slip_velocity};
     f.arm = vec3_scale(pair->shape.side * pair->shape.source_radius, pair->normal);
     f.rotation = turns ? q->turning.body[source].angular_velocity : f.rotation;
@@ -117,8 +117,8 @@ static struct slide slide_of(const struct segment *p, const struct scene_values 
         ROLLING_ROUNDINGS * DBL_EPSILON *
         (vec3_norm(rolled) + vec3_norm(q->body[source].velocity) + vec3_norm(pair->flight.w[0]));
     f.slip = vec3_norm(slip);
-    f.admittance = scene_inverse_mass(v, contact);
-    const double per_inertia = turns ? 1.0 / body_inertia_of(v, source).x : 0.0;
+    f.admittance = scene_inverse_mass(q->v, contact);
+    const double per_inertia = turns ? 1.0 / body_inertia_of(q->v, source).x : 0.0;
     f.admittance += per_inertia * vec3_dot(f.arm, f.arm);
     if (!(f.slip > rounding)) { /* it rolls */
         f.slip = 0.0;
@@ -454,7 +454,7 @@ static struct vec3 lever_of_friction(const struct slide *f, const struct travel 
 
 /* Adds what friction does to the bodies and to the books. */
 static void apply(const struct slide *f, const struct travel *way, const struct pair_change *end, double lost,
-                  double slip, const struct scene_values *v, struct scene_state *q, int contact)
+                  double slip, struct scene_state *q, int contact)
 {
     const int ends[PAIR_BODIES] = {contact_source(contact), contact_destination(contact)};
     struct contact_torques *torques = &q->contact[contact].torques;
@@ -462,14 +462,14 @@ static void apply(const struct slide *f, const struct travel *way, const struct 
     const struct vec3 impulse = vec3_scale(-lost / f->admittance, f->along); /* on the source */
     const struct vec3 path = vec3_scale(-way->lost[0] / f->admittance, f->along);
     for (int end_of = 0; end_of < PAIR_BODIES; ++end_of) {
-        const double share = (end_of == 0 ? 1.0 : -1.0) * body_inverse_mass(v, ends[end_of]);
+        const double share = (end_of == 0 ? 1.0 : -1.0) * body_inverse_mass(q->v, ends[end_of]);
         struct body_state *body = &q->body[ends[end_of]];
-        if (body_is_free(v, ends[end_of])) {
+        if (body_is_free(q->v, ends[end_of])) {
             body->velocity = vec3_axpy(body->velocity, share, impulse);
             body->moved = vec3_axpy(body->moved, share, path);
         }
     }
-    if (body_is_prescribed(v, ends[1])) { /* its speed along the plane is constant */
+    if (body_is_prescribed(q->v, ends[1])) { /* its speed along the plane is constant */
         q->external_work += vec3_dot(impulse, path_at(q->path[ends[1]].velocity, 3, q->clock));
     }
     const struct vec3 torque = vec3_cross(f->arm, impulse);
@@ -480,22 +480,21 @@ static void apply(const struct slide *f, const struct travel *way, const struct 
         vec3_add(torques->destination_impulse, vec3_sub(lever_of_friction(f, way, end, lost), torque));
 }
 
-void rubbing_advance(struct segment *p, double from, double s, const struct scene_values *v,
-                     struct scene_state *q, int contact)
+void rubbing_advance(struct segment *p, double from, double s, struct scene_state *q, int contact)
 {
     const int source = contact_source(contact);
-    const struct slide f = slide_of(p, v, q, contact);
+    const struct slide f = slide_of(p, q, contact);
     struct body_turn *turn = &q->turning.body[source];
     struct pair_change end;
     double slip;
     const double lost = speed_lost(&f, impulse_at(&f, s, &end), &slip);
     const struct body_turn start = {turn->orientation, f.rotation};
-    segment_advance(p, from, s, v, q, contact);
+    segment_advance(p, from, s, q, contact);
     const struct travel way = travel_to(&f, s, &end, lost, start);
     if (f.slip > 0.0) {
-        apply(&f, &way, &end, lost, slip, v, q, contact);
+        apply(&f, &way, &end, lost, slip, q, contact);
     }
-    if (body_turns_freely(v, source)) {
+    if (body_turns_freely(q->v, source)) {
         *turn = way.turn;
     }
 }
@@ -515,9 +514,9 @@ static bool cap_may_act(const struct segment *p, const struct friction_law *law)
 /* Most radians of the contact's oscillation that quadratures follow in one segment: some hundred panels. */
 static const double MOST_RADIANS = 400.0;
 
-bool rubbing_allows(struct segment *p, const struct scene_values *v, const struct scene_state *q, int contact)
+bool rubbing_allows(struct segment *p, const struct scene_state *q, int contact)
 {
-    const struct friction_law law = scene_friction_law(v, q, contact, OPPOSED_SLIP);
+    const struct friction_law law = scene_friction_law(q, contact, OPPOSED_SLIP);
     if (cap_may_act(p, &law)) {
         return false;
     }
@@ -525,7 +524,7 @@ bool rubbing_allows(struct segment *p, const struct scene_values *v, const struc
     const double time = segment_time(p, end);
     const double radians = radians_in(p, time);
     if (radians > MOST_RADIANS) {
-        const struct slide f = slide_of(p, v, q, contact);
+        const struct slide f = slide_of(p, q, contact);
         const bool slips = f.per_impulse > 0.0;
         const double full = !slips ? end : axis_turns(&f, f.slip, time) ? 0.0 : end_of_full_friction(&f, end);
         if (full < end) {
@@ -536,10 +535,9 @@ bool rubbing_allows(struct segment *p, const struct scene_values *v, const struc
     return true;
 }
 
-double rubbing_short_until(const struct segment *p, const struct scene_values *v, const struct scene_state *q,
-                           int contact)
+double rubbing_short_until(const struct segment *p, const struct scene_state *q, int contact)
 {
-    const struct slide f = slide_of(p, v, q, contact);
+    const struct slide f = slide_of(p, q, contact);
     const double end = fmin(p->end, p->terminal.s);
     const double time = segment_time(p, end);
     if (!(f.per_impulse > 0.0)) {

@@ -1248,20 +1248,20 @@ static void note_zone_end(struct segment *p)
     }
 }
 
-bool segment_make(struct segment *p, const struct scene_values *v, const struct scene_state *q,
-                  const struct scene_instant *at, int contact, double longest, double tolerance)
+bool segment_make(struct segment *p, const struct scene_instant *at, int contact, double longest,
+                  double tolerance)
 {
-    pair_make(&p->pair, v, q, at, contact);
-    p->regime = (enum contact_regime)q->contact[contact].regime;
+    pair_make(&p->pair, at, contact);
+    p->regime = (enum contact_regime)at->q->contact[contact].regime;
     p->work = 0;
-    p->gap_rounding = rounding_of_gap(v, at, contact);
-    p->gap_is_known = p->pair.gap == 0.0 || scene_gap_is_accumulated(q, at, contact);
+    p->gap_rounding = rounding_of_gap(at, contact);
+    p->gap_is_known = p->pair.gap == 0.0 || scene_gap_is_accumulated(at, contact);
     p->tolerance = tolerance;
-    p->output.worth_a_search = dense_output_worth_a_search(v);
-    p->rubs = contact_rubs(v, contact);
+    p->output.worth_a_search = dense_output_worth_a_search(at->v);
+    p->rubs = contact_rubs(at->v, contact);
     p->may_pull = p->rubs && contact_may_pull(&p->pair.law);
     p->is_lifted =
-        p->may_pull && q->contact[contact].friction_regime[OPPOSED_SLIP] == (int32_t)FRICTION_LIFTED;
+        p->may_pull && at->q->contact[contact].friction_regime[OPPOSED_SLIP] == (int32_t)FRICTION_LIFTED;
     make_up_to(p, longest);
     if (SCENE_ANY_CAPS) {
         const double inside = zone_longest_inside(p);
@@ -1282,8 +1282,7 @@ bool segment_is_deep(const struct segment *p)
     return p->largest_gap > contact_reach(&p->pair.shape);
 }
 
-void segment_advance(struct segment *p, double from, double s, const struct scene_values *v,
-                     struct scene_state *q, int contact)
+void segment_advance(struct segment *p, double from, double s, struct scene_state *q, int contact)
 {
     struct contact_state *state = &q->contact[contact];
     struct pair_change change = segment_change(p, s);
@@ -1301,7 +1300,7 @@ void segment_advance(struct segment *p, double from, double s, const struct scen
     if (p->pair.coefficients.k >= PAIR_STIFF) {
         peak_error_note(p, segment_time(p, from), segment_time(p, s), state);
     }
-    pair_apply(&p->pair, &change, moment, v, q, contact);
+    pair_apply(&p->pair, &change, moment, q, contact);
     state->physics.carried_rate = dense_output_at(&p->output, s)->of[PAIR_GAP_RATE][0];
     if (SCENE_HAS_TORQUES) {
         add_torque_impulse(&p->pair, &lever, &change, moment, &state->torques);

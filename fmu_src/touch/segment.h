@@ -92,8 +92,8 @@ struct segment {
 
 /* Makes a segment from the present instant over at most `longest` > 0 seconds, accurate to `tolerance` [m].
  * Returns false where no segment can be made. */
-bool segment_make(struct segment *p, const struct scene_values *v, const struct scene_state *q,
-                  const struct scene_instant *at, int contact, double longest, double tolerance);
+bool segment_make(struct segment *p, const struct scene_instant *at, int contact, double longest,
+                  double tolerance);
 
 /* segment_time returns the time since the segment's start at s [s]; segment_place returns the s in [0, end]
  * at such a time. */
@@ -121,8 +121,7 @@ static inline void segment_take_timescales(struct segment *p)
 
 /* Moves the bodies from the start of the segment to s, books impulse, energies and work of the contact, but
  * not the clock. Notes the peaks from the place `from` on. */
-void segment_advance(struct segment *p, double from, double s, const struct scene_values *v,
-                     struct scene_state *q, int contact);
+void segment_advance(struct segment *p, double from, double s, struct scene_state *q, int contact);
 
 /*
  * The kinds of series.c and hertz.c. `applies` says whether the problem is of the form that the kind solves.

@@ -153,8 +153,8 @@ static bool friction_is_wrong(struct choice choice, const struct scene_values *v
     if (is_below(force, 0.0)) {
         return may_pull;
     }
-    scene_now(v, q, &at);
-    const double force_rate = turning_normal_force_rate(v, q, q->clock, &at, 0);
+    scene_now(q, &at);
+    const double force_rate = turning_normal_force_rate(q->clock, &at, 0);
     return sliding_is_wrong(choice, friction, force, force_rate, &at.geometry[0], q);
 }
 
@@ -171,9 +171,9 @@ static void check_ends(const struct scene_ode *ode, struct scene_state *q, bool 
         ends = ends || events[e] < 0.0;
     }
     CHECK(ends);
-    scene_now(ode->values, q, &at);
-    CHECK(by_law ? regime_by_margins(ode->values, q, &at, 0) != (enum contact_regime)q->contact[0].regime
-                 : regime_friction_event(ode->values, q, &at, 0) != ODE_EVENT_GAP);
+    scene_now(q, &at);
+    CHECK(by_law ? regime_by_margins(&at, 0) != (enum contact_regime)q->contact[0].regime
+                 : regime_friction_event(&at, 0) != ODE_EVENT_GAP);
 }
 
 /* Any state of touch, and whether the normal law or friction asks for another regime there. */
@@ -201,13 +201,13 @@ static void check_next(struct choice choice, struct model *m)
     struct scene_instant at;
     enum { MOST_EVENTS = 4 };
     for (int i = 0; i < MOST_EVENTS; ++i) {
-        scene_now(&m->state.values, q, &at);
-        const enum ode_event event = regime_friction_event(&m->state.values, q, &at, 0);
+        scene_now(q, &at);
+        const enum ode_event event = regime_friction_event(&at, 0);
         if (event != ODE_EVENT_GAP) {
-            turning_take_event(&m->state.values, q, 0, event);
+            turning_take_event(q, 0, event);
         }
     }
-    scene_now(&m->state.values, q, &at);
+    scene_now(q, &at);
     const struct contact_geometry *g = &at.geometry[0];
     CHECK(!friction_is_wrong(choice, &m->state.values, q, g->gap, g->gap_rate));
 }
@@ -224,7 +224,7 @@ static void check_pair(struct random *r, struct choice choice, struct model *m)
         wrong = put_deep_state(r, choice, m);
     }
     CHECK(!wrong.law && !wrong.friction);
-    scene_now(ode.values, q, &at);
+    scene_now(q, &at);
     ode_begin(&ode, &at, 1e-12, 1e-15);
     for (int i = 0; i < 4; ++i) {
         wrong = put_deep_state(r, choice, m);
@@ -246,7 +246,7 @@ static void check_regime(struct random *r, struct choice choice, struct model *m
     q->contact[0].friction_regime[OPPOSED_SLIP] =
         (int32_t)(before == REGIME_APART ? random_index(r, 4) : FRICTION_SLIDING);
     q->contact[0].regime = (int32_t)regime;
-    turning_take_regime(&m->state.values, q, 0, before);
+    turning_take_regime(q, 0, before);
     check_pair(r, choice, m);
 }
 
@@ -256,6 +256,7 @@ TEST(every_regime_in_touch_has_an_event_that_ends_it)
     for (int i = 0; i < CHOICES; ++i) {
         const struct choice choice = choice_of(i);
         struct model m = model_of(choice);
+        m.state.motion.v = &m.state.values;
         const bool eases = choice.damped && choice.dashpot == DASHPOT_APPROACH_ONLY;
         for (int k = 0; k < STATES; ++k) {
             const enum contact_regime regime = eases && k % 2 ? REGIME_RESTITUTION : REGIME_COMPRESSION;
@@ -273,10 +274,11 @@ TEST(nothing_lifts_friction_where_nothing_pulls)
         const struct choice choice = choice_of(i);
         struct model m = model_of(choice);
         struct scene_state *q = &m.state.motion;
+        q->v = &m.state.values;
         for (int k = 0; k < STATES && !(choice.damped && choice.dashpot == DASHPOT_UNCLAMPED); ++k) {
             put_any_state(&r, q);
             q->contact[0].regime = (int32_t)REGIME_COMPRESSION;
-            turning_take_regime(&m.state.values, q, 0, k % 2 ? REGIME_APART : REGIME_SEPARATING);
+            turning_take_regime(q, 0, k % 2 ? REGIME_APART : REGIME_SEPARATING);
             CHECK(q->contact[0].friction_regime[OPPOSED_SLIP] != (int32_t)FRICTION_LIFTED);
         }
     }

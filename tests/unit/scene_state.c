@@ -22,10 +22,11 @@ static void check_time_after_many_rebases(double start, double segment)
     struct scene_state q;
     memset(&q, 0, sizeof q);
     q.base = start;
+    q.v = &v;
     const int count = 1000000;
     for (int i = 0; i < count; ++i) {
         q.clock = segment;
-        scene_rebase(&v, &q);
+        scene_rebase(&q);
     }
     const long double passed = count * (long double)segment;
     /* Each rebase rounds base_tail + clock, which is no larger than the last bit of base and a segment. */
