@@ -526,7 +526,7 @@ double general_finish_step(struct general *g)
     g->error_within = error.within;
     g->error_is_noise = p->problem.turns && !(error.at_end < NOISE_OF_DECREASE * error.within);
     g->error_at_end = fmax(error.at_end, g->within_share * error.within);
-    /* radau_step_start_error also sets end_slopes */
+    /* radau_step_start_error also sets end_others, the slopes at the end of the step */
     const double of_start = general_rubs(g) ? g->within_share * radau_step_start_error(p) : 0.0;
     g->error_of_start = p->length * g->fastest_decay > LEAST_DECAY ? of_start : 0.0;
     const bool ends =
@@ -552,6 +552,15 @@ static double factor_of(const struct general *g, double error, const struct rada
     }
     const double factor = fmin(SAFETY * pow(fmax(at_end, 1e-100), -power), of_rolling);
     return fmin(fmax(factor, SHRINKAGE), longest);
+}
+
+/* Returns the largest ratio of the next step's length to that of a step which took so many iterations for the
+ * forces. A step that took many is near the length at which they fail. The ratios are chosen, not derived: F1
+ * to F4 of the report take 2 % fewer instructions in sum with them than without. */
+static double growth_by_iterations(int iterations)
+{
+    static const double GROWTH_AFTER[] = {4.0, 4.0, 4.0, 4.0, 2.0, 1.5, 1.1, 1.1};
+    return iterations < 8 ? GROWTH_AFTER[iterations] : 0.8;
 }
 
 /* An attempt at a step has a length [s], a number of stages, and an error, divided by the error allowed. */
@@ -768,6 +777,9 @@ static void lengthen(struct general *g, const struct attempt *now)
         g->longest = fmax(next, g->longest);
     } else {
         g->longest = fmin(next, GROWTH * fmax(g->longest, now->length));
+        if (general_rubs(g)) {
+            g->longest = fmin(g->longest, growth_by_iterations(g->step.iterations) * now->length);
+        }
     }
     g->longest = fmin(g->longest, fmax(g->solvable, now->length));
     g->solvable *= g->step.iterations <= EASY_ITERATIONS ? EASY_GROWTH : SOLVABLE_GROWTH;
