@@ -145,7 +145,7 @@ TEST(the_drive_of_a_spring_is_that_of_its_rate)
         for (int k = 0; k < 9 && !drive.is_force; ++k) {
             const double units = vec3_get(drive.unit, k / 3) * vec3_get(drive.unit, k % 3);
             const double entry = (drive.along - drive.across) * units + (k / 3 == k % 3 ? drive.across : 0.0);
-            struct friction_path path = {{at.normal_force}, {0.0}, {at.slip}, {at.spring}, 0.0};
+            struct friction_path path = {JET_TERMS, {at.normal_force}, {0.0}, {at.slip}, {at.spring}, 0.0};
             vec3_set(&path.slip[1], k % 3, 1.0);
             const struct vec3 change = friction_spring_rate_change(&law, regime, &path);
             CHECK(fabs(entry - vec3_get(change, k / 3)) <= 1e-12 * fmax(drive.along, drive.across));
