@@ -526,12 +526,13 @@ double general_finish_step(struct general *g)
     g->error_within = error.within;
     g->error_is_noise = p->problem.turns && !(error.at_end < NOISE_OF_DECREASE * error.within);
     g->error_at_end = fmax(error.at_end, g->within_share * error.within);
-    /* radau_step_start_error also sets end_others, the slopes at the end of the step */
-    const double of_start = general_rubs(g) ? g->within_share * radau_step_start_error(p) : 0.0;
-    g->error_of_start = p->length * g->fastest_decay > LEAST_DECAY ? of_start : 0.0;
-    const bool ends =
-        general_rubs(g) && fastest_decay_of(p, p->end_slopes) < END_OF_ROLLING * g->fastest_decay;
-    g->error_of_rolling = ends ? error.within : 0.0;
+    g->error_of_start = g->error_of_rolling = 0.0;
+    if (general_rubs(g) && g->error_at_end <= 1.0) { /* radau_step_start_error also sets end_slopes */
+        const double of_start = g->within_share * radau_step_start_error(p);
+        g->error_of_start = p->length * g->fastest_decay > LEAST_DECAY ? of_start : 0.0;
+        const bool ends = fastest_decay_of(p, p->end_slopes) < END_OF_ROLLING * g->fastest_decay;
+        g->error_of_rolling = ends ? error.within : 0.0;
+    }
     return fmax(fmax(g->error_at_end, g->error_of_rolling), g->error_of_start);
 }
 
