@@ -817,24 +817,19 @@ static void move_others(struct iteration *it)
 {
     const struct radau_step *p = &it->g->step;
     const struct ode_layout *layout = &it->g->ode.layout;
-    bool any = false;
-    for (int i = 0; SCENE_ANY_TIPPING && i < SCENE_BODIES; ++i) {
-        any = any || (layout->orientation[i] >= 0 && layout->orientation[i] < layout->coupled);
-    }
-    for (int c = 0; SCENE_ANY_SPRINGS && c < it->contacts; ++c) {
-        any = any || it->contact[c].springs;
-    }
-    if (!any) {
-        return;
-    }
-    radau_step_pending(p, it->rates, p->scratch);
+    bool known = false; /* whether the changes to come of all states are in p->scratch */
     for (int i = 0; SCENE_ANY_TIPPING && i < SCENE_BODIES; ++i) {
         if (layout->orientation[i] >= 0 && layout->orientation[i] < layout->coupled) {
+            radau_step_pending(p, it->among[layout->spin[i]], 3, it->rates, p->scratch);
             follow_spin(it, i, p->scratch);
         }
     }
     for (int k = 0; SCENE_ANY_SPRINGS && k < it->contacts * OPPOSED; ++k) {
         if (it->spring[k / OPPOSED][k % OPPOSED].is_there) {
+            if (!known) {
+                radau_step_pending(p, 0, p->others, it->rates, p->scratch);
+                known = true;
+            }
             follow_drive(it, k / OPPOSED, k % OPPOSED, p->scratch);
         }
     }
@@ -910,7 +905,7 @@ CONTACT_FLATTEN static void add_pending(struct iteration *it)
         const struct node *node = &it->node[k / it->contacts][k % it->contacts];
         add_force(it, k / it->contacts, k % it->contacts, node->force, node->torque);
     }
-    radau_step_pending(p, it->rates, p->scratch);
+    radau_step_pending(p, 0, p->others, it->rates, p->scratch);
     if (follows_places(it)) {
         radau_step_integrals(p, p->scratch, p->more);
     }
