@@ -30,7 +30,7 @@ void jet_direction(int terms, const struct vec3 a[JET_TERMS], double length[JET_
     length[0] = vec3_norm(a[0]);
     if (!(length[0] > 0.0)) {
         length[1] = vec3_norm(a[1]);
-        length[2] = length[1] > 0.0 ? vec3_dot(a[1], a[2]) / length[1] : 0.0;
+        length[2] = terms > 2 && length[1] > 0.0 ? vec3_dot(a[1], a[2]) / length[1] : 0.0;
         return;
     }
     for (int i = 0; i < terms; ++i) {

@@ -41,7 +41,7 @@ struct vec3 jet_scale(const double *a, const struct vec3 *b, int order);
 /* The series of the laws of friction (friction.h) along a path. */
 
 /* The arguments of F_t along a path: the series of F_n, v_t, xi and delta, and dv_0/ds. `terms` is the number
- * of terms that are wanted. */
+ * of coefficients that are wanted, 2 or JET_TERMS. */
 struct friction_path {
     int terms;
     double normal_force[JET_TERMS], depth[JET_TERMS];

@@ -81,7 +81,7 @@ bool flight_is_head_on(const struct contact_shape *shape, const struct separatio
 {
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
         if (vec3_is_zero(separation->c[i]) && vec3_is_zero(separation->w[i - 1])) {
-            continue; /* most forces are constant */
+            continue; /* the motion has no such term, as under constant forces */
         }
         const struct vec3 moved = part_that_counts(shape, normal, separation->c[i]);
         const struct vec3 rate = part_that_counts(shape, normal, separation->w[i - 1]);
@@ -255,12 +255,12 @@ struct body_state flight_body_at(const struct scene_values *v, const struct scen
     return flight_from(v, body, start, q->path[body].force, clock);
 }
 
-double flight_stored_energy(const struct scene_state *q)
+double flight_stored_energy(const struct scene_state *q, bool all)
 {
     struct scene_instant at;
     double sum = 0.0;
     for (int j = 0, known = 0; j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime == REGIME_SEPARATING && !contact_is_prescribed(q->v, j)) {
+        if (q->contact[j].regime == REGIME_SEPARATING && (all || !contact_is_prescribed(q->v, j))) {
             if (!known) {
                 scene_kinematics_now(q, &at);
                 known = 1;
@@ -274,7 +274,7 @@ double flight_stored_energy(const struct scene_state *q)
 
 void flight_advance(struct scene_state *q, double clock)
 {
-    const double stored = flight_stored_energy(q);
+    const double stored = flight_stored_energy(q, true);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(q->v, i)) {
             q->external_work += flight_work(q, i, q->body[i], q->clock, clock - q->clock);
@@ -287,7 +287,7 @@ void flight_advance(struct scene_state *q, double clock)
         }
     }
     q->clock = clock;
-    q->dissipated += stored - flight_stored_energy(q);
+    q->dissipated += stored - flight_stored_energy(q, true);
 }
 
 /* Whether a contact is apart, has had no force in the communication step, and keeps clear of its centre. */

@@ -82,8 +82,9 @@ struct body_state flight_body_at(const struct scene_values *v, const struct scen
 void flight_advance(struct scene_state *q, double clock);
 
 /* Returns the energy stored by separating contacts [J]. Their force is zero, so that this energy is
- * dissipated as the gap opens. */
-double flight_stored_energy(const struct scene_state *q);
+ * dissipated as the gap opens. Prescribed contacts count only if `all`, because where quadrature moves them
+ * it books that energy. */
+double flight_stored_energy(const struct scene_state *q, bool all);
 
 /* Returns the state of a free body without external force at a clock. */
 static inline struct body_state flight_unforced_at(const struct scene_state *q, int body, double clock)

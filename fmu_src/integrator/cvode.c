@@ -305,7 +305,6 @@ static void note_peaks(struct cvode *c, struct scene_state *q, double to)
 {
     const struct dense_output *any = NULL; /* of a contact in touch */
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        c->output[j].values = c->ode.values;
         c->output[j].state = q;
         any = q->contact[j].regime != REGIME_APART ? &c->output[j].output : any;
     }

@@ -579,7 +579,6 @@ static void look_for_peaks(struct general *g, struct scene_state *q, const struc
     const double last = fmin((q->clock - p->start) / p->length, 1.0);
     const int parts = (int)ceil((last - first) * p->stages->stages / 3);
     const double ends[2] = {radau_place(p->stages, first), radau_place(p->stages, last)};
-    output->values = g->ode.values;
     output->state = q;
     if (!search_tops(g, at, contact, ends)) {
         output->output.count = 0; /* the last call may have found no need */
@@ -816,8 +815,7 @@ static void general_keep_step(const struct general *g, struct scene_state *q)
     q->integrator_fresh = 0;
 }
 
-/* Goes on with the step that `q` stores. Returns false where `q` stores none, as where nothing turns or
- * rubs. */
+/* Goes on with the step that `q` stores. Returns false where `q` stores none. */
 static bool general_take_up(struct general *g, struct scene_state *q)
 {
     const struct unfinished_step *kept = &q->unfinished;

@@ -19,7 +19,7 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
 void general_close(struct general **slot);
 
 /* Integrates within fixed regimes up to the first terminal event, or step->clock_end. All that one call hands
- * on to the next is stored in the motion `q`. Where something turns or rubs, `q` also stores the last step,
+ * on to the next is stored in the motion `q`. Where scene_keeps_steps, `q` also stores the last step,
  * which may go on beyond step->clock_end up to step->clock_limit. The function returns ADVANCE_FAILED, with a
  * message, where no step is accurate enough. */
 enum advance_result general_advance(struct general *g, struct scene_state *q, struct advance *step);

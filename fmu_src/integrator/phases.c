@@ -151,12 +151,12 @@ static int contact_changing_first(const struct scene_state *q)
 }
 
 /* Puts the free bodies to their places in flight at a clock. */
-static void put_flown(void *values, double clock, struct scene_state *q)
+static void put_flown(void *unused, double clock, struct scene_state *q)
 {
-    const struct scene_values *v = *(const struct scene_values **)values;
+    (void)unused;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            q->body[i] = flight_body_at(v, q, i, clock);
+        if (body_is_free(q->v, i)) {
+            q->body[i] = flight_body_at(q->v, q, i, clock);
         }
     }
 }
@@ -173,8 +173,7 @@ static void note_depth_of_released(struct scene_state *q, struct advance *step)
             body_is_prescribed(q->v, contact_source(j)) || body_is_prescribed(q->v, contact_destination(j));
         if (led && q->contact[j].regime == REGIME_SEPARATING && !contact_advances(q->v, j)) {
             struct contact_peaks peaks = {0.0, 0.0};
-            struct scene_output output = {
-                .values = q->v, .state = q, .contact = j, .move = put_flown, .mover = &q->v};
+            struct scene_output output = {.state = q, .contact = j, .move = put_flown};
             scene_output_note_peaks(&output, q->clock, step->clock_end, RELEASED_PARTS, &peaks);
             struct scene_instant now;
             scene_kinematics_now(q, &now);
@@ -528,7 +527,7 @@ static void follow_pairs(struct pair_phase *all, struct scene_state *q, double n
         keep_start(q, true);
         q->clock = q->phase.clock;
     }
-    const double stored = flight_stored_energy(q);
+    const double stored = flight_stored_energy(q, false);
     if (SCENE_HAS_ISLANDS && all->form != PHASE_OF_SEGMENTS && time > 0.0) {
         if (SCENE_HAS_CHAINS && all->form == PHASE_OF_CHAIN) {
             chain_advance(&all->chain, from, time, q);
@@ -558,7 +557,7 @@ static void follow_pairs(struct pair_phase *all, struct scene_state *q, double n
         q->clock = clock;
         flight_restore(q);
     }
-    q->dissipated += stored - flight_stored_energy(q);
+    q->dissipated += stored - flight_stored_energy(q, false);
     q->phase.followed = clock;
 }
 

@@ -510,7 +510,8 @@ static void solve_groups(const struct radau_step *p, struct lu_matrix m, double 
     }
 }
 
-/* Factors I - h J of the states left, and if `follows` with the effect of the places that follow them. */
+/* Factors I - h J of the others. If `follows`, J has their effect through the places too, which follow the
+ * speeds. */
 static bool factor_dying(struct radau_step *p, struct lu_matrix system, const double *slopes, bool follows)
 {
     const int coupled = p->problem.coupled;

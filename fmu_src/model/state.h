@@ -29,8 +29,8 @@ struct input_signal {
  * prescribed angular velocity, axis and external torque; where any is a compound, prescribed orientation. */
 enum { SIGNALS_EACH = SCENE_ANY_COMPOUND ? 22 : SCENE_ANY_ROTATION ? 18 : 9 };
 
-/* The state as it is saved: flat, and model_save leaves out the only pointer, motion.v. Doubles come first,
- * which leaves no padding inside. */
+/* The state is saved as it stands: it is flat, and model_save leaves out its only pointer, motion.v. Doubles
+ * come first, so that there is no padding inside. */
 struct model_state {
     struct scene_values values;
     struct input_signal signals[SCENE_BODIES][SIGNALS_EACH];

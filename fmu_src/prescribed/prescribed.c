@@ -58,8 +58,8 @@ struct panel {
     struct panel_node node[PANEL_NODES];
 };
 
-/* One contact over a length of time. The clock and the springs of q are those of the last instant that was
- * computed. A search sets them before it knows whether they are reached. */
+/* One contact over a length of time. Functions that compute an instant leave its clock and its springs in q;
+ * the springs reached so far are those of the span. */
 struct span {
     const struct scene_values *v;
     struct scene_state *q;
@@ -105,7 +105,7 @@ static void kinematics_at(const struct span *s, double clock, struct scene_insta
     scene_kinematics(s->q, clock, s->q->body, at);
 }
 
-/* Gives a clock and springs to q. */
+/* Sets the clock of q, and the springs of the contact in q. */
 static void put_present(const struct span *s, double clock, const struct springs *springs)
 {
     s->q->clock = clock;
@@ -221,7 +221,8 @@ static struct vec3 spring_rate_at(const struct spring_problem *p, const struct s
                                   struct vec3 slopes[3])
 {
     const struct friction_state *rubbing = &node->rubbing;
-    struct friction_path path = {.normal_force = {rubbing->normal_force},
+    struct friction_path path = {.terms = 2,
+                                 .normal_force = {rubbing->normal_force},
                                  .depth = {rubbing->depth},
                                  .slip = {rubbing->slip},
                                  .spring = {rubbing->spring}};
@@ -540,7 +541,7 @@ enum { PANEL_PARTS = 4 };
 
 CONTACT_NOINLINE static void note_peaks_between(const struct span *s, double from, double to)
 {
-    struct scene_output output = {.values = s->v, .state = s->q, .contact = s->contact};
+    struct scene_output output = {.state = s->q, .contact = s->contact};
     scene_output_note_peaks(&output, from, to, PANEL_PARTS, &s->q->contact[s->contact].peaks);
     if (SCENE_ANY_FREE) {
         counter_add(&s->q->counters.force_evaluations, PANEL_PARTS + 1);
@@ -787,8 +788,10 @@ static bool make_halves(const struct span *s, double from, double to, struct pan
  * lies before `end` where no panels are left. */
 CONTACT_NOINLINE static double integrate_between(struct span *s, double from, double end)
 {
+    const struct contact_law law = scene_contact_law(s->q, s->contact);
     double clock = from;
     double width = end - from;
+    s->has_events = s->evaluations != NULL && (contact_has_events(&law) || contact_rubs(s->v, s->contact));
     while (clock < end) {
         if (*s->panels < s->panel_cost) {
             return clock;
@@ -1021,7 +1024,6 @@ bool prescribed_over(struct scene_state *q, double length, long panels)
     const double steps = SCENE_ANY_TURNING ? turning_prescribed_steps(q, end) : 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct span s = span_of(q, j, &panels);
-        const struct contact_law law = scene_contact_law(q, j);
         if (!contact_is_prescribed(q->v, j)) {
             continue;
         }
@@ -1031,7 +1033,6 @@ bool prescribed_over(struct scene_state *q, double length, long panels)
         }
 #endif
         s.evaluations = &evaluations;
-        s.has_events = contact_has_events(&law) || contact_rubs(q->v, j);
         s.panel_cost += (long)fmin(steps / STEPS_OF_PANEL, PRESCRIBED_PANELS);
         if (!integrate_located(&s, start, end)) {
             return false;

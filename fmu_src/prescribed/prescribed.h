@@ -29,13 +29,13 @@ double prescribed_integrate(struct scene_state *q, double end, long *budget);
  * are used up; q is then undefined. */
 bool prescribed_over(struct scene_state *q, double length, long panels);
 
-/* Sets the regimes of q to those of the present instant. */
+/* Lays the springs onto the present tangent planes, and sets the regimes of q to those of the present. */
 void prescribed_settle(struct scene_state *q);
 
 /* Begins a communication step with the regimes of the present instant and impulses of zero. */
 void prescribed_begin(struct scene_state *q);
 
-/* Projects the friction springs onto the new tangent planes after inputs have jumped. */
+/* Lays the friction springs onto the new tangent planes after inputs have jumped. */
 void prescribed_lay_springs(struct scene_state *q);
 
 #endif

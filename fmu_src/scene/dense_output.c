@@ -235,7 +235,7 @@ static void sample_scene(const void *output, double clock, struct pair_sample *s
     bool met[SCENE_CONTACTS] = {false};
     met[o->contact] = true;
     /* a contact of bodies whose motion is given depends on no other */
-    const bool alone = SCENE_CONTACTS > 1 && contact_is_prescribed(o->values, o->contact);
+    const bool alone = SCENE_CONTACTS > 1 && contact_is_prescribed(o->state->v, o->contact);
     scene_at(o, clock, alone ? met : NULL, &q, &at);
     jet_of_motion(&at, met, &along);
     put_sample(&along.contact[o->contact], sample);

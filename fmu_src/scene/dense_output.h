@@ -81,7 +81,6 @@ double dense_output_largest(const struct dense_output *w, const struct event_fun
  */
 
 struct scene_output {
-    const struct scene_values *values;
     const struct scene_state *state; /* regimes and paths */
     int contact;
     /* moves the free bodies to their places at a clock; NULL: no body is free */

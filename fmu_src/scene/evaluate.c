@@ -268,8 +268,8 @@ static struct body_turn turn_at(const struct scene_state *q, double clock,
         return (struct body_turn){quaternion_identity(), vec3_make(0.0, 0.0, 0.0)};
     }
     struct body_turn turn = turning->body[body];
-    if (!body_turns_freely(q->v,
-                           body)) { /* an importer's integrator may set an angular velocity all the same */
+    /* an importer's integrator may set an angular velocity all the same */
+    if (!body_turns_freely(q->v, body)) {
         turn.angular_velocity = vec3_make(0.0, 0.0, 0.0);
     }
     turn.orientation = quaternion_unit(turn.orientation); /* an importer's integrator lets its length drift */
@@ -1002,7 +1002,7 @@ void zones_follow(struct scene_state *q, const struct scene_instant *at, int con
 {
     struct contact_state *state = &q->contact[contact];
     const bool is_located = contact_is_prescribed(at->v, contact)
-                                ? scene_turns(at->v)
+                                ? !SCENE_ANY_FREE || scene_turns(at->v)
                                 : state->regime == (int32_t)REGIME_SEPARATING;
     if (state->regime == (int32_t)REGIME_APART || is_located) {
         state->zone = 0;

@@ -24,7 +24,8 @@ struct turning_instant {
 };
 
 struct scene_instant {
-    /* The instant is one of these values and of this state; scene_place_bodies sets both. */
+    /* The instant belongs to these values and to this state, which must live as long as it does.
+     * scene_place_bodies sets both. */
     const struct scene_values *v;
     const struct scene_state *q;
     struct vec3 displacement[SCENE_BODIES]; /* u [m] */
@@ -288,9 +289,9 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
 #define NO_ZONE_MARGIN 1.0
 
 /* Sets the zone after a change of regime: a contact whose law gives a force takes the zone of the instant,
- * and one that is apart or separates loses its zone. A prescribed contact has a zone also while it separates,
- * but none where something turns, because quadrature needs no limits of zones there. Without a zone the
- * nearest one holds. */
+ * and one that is apart or separates loses its zone. A prescribed contact has a zone also while it separates.
+ * It has none where something turns or no body may be free, because the quadrature there finds the edges of
+ * zones itself. Without a zone the nearest one holds. */
 void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact);
 
 /* Sets the next zone of the contact. Returns whether n jumps at its edge: it does where the centre is inside
@@ -340,8 +341,8 @@ enum contact_regime scene_regime(const struct scene_instant *at, int contact, bo
  * load gives. Bodies that touch with no speed and no load have no damping.
  */
 
-/* Returns the derivative of the law, of which only chi changes, at a start in overlap, from those of the gap
- * and the gap rate. A change of the load does not count. */
+/* Returns the derivative of a contact's law at a start in overlap, from the derivatives of the gap and of the
+ * gap rate. Only chi changes. A change of the load does not count. */
 CONTACT_COLD struct contact_law onset_law_slope(const struct scene_instant *at, int contact, double gap_slope,
                                                 double rate_slope);
 

@@ -649,7 +649,7 @@ struct linearization {
     const double *y;
     int states; /* number of rows and columns */
     double *columns;
-    struct scene_state q; /* the state, with the clock and the springs of y */
+    struct scene_state q; /* the state, with the clock, rotations and springs of y */
     struct scene_instant at;
     struct scene_jet along; /* the path, along one state */
 };
@@ -1059,7 +1059,7 @@ void projection_end_contact(const struct scene_ode *ode, struct scene_state *q, 
     const struct scene_values *v = ode->values;
     struct scene_instant at;
     scene_now(q, &at);
-    if (!parts_at_gap(ode, &at, contact)) {
+    if (!(scene_inverse_mass(v, contact) > 0.0) || !parts_at_gap(ode, &at, contact)) {
         return;
     }
     if (scene_turns(v)) {

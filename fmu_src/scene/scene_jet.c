@@ -109,7 +109,7 @@ static struct contact_path path_of(const struct scene_instant *at, const struct 
     return path;
 }
 
-/* Sets coefficients 1 and 2 of the offset d n: of c, of the part of c across a cylinder's axis, or of the
+/* Sets the wanted coefficients but the first of the offset d n: of c, of the part of c across a cylinder's axis, or of the
  * distance from a circle, (rho - R) a - (height - h) e. The unit vector a points to the axis, rho a = c
  * - (c.e) e, height = -c.e, h = L/2, and e points out of the cylinder at the rim's end. */
 static void put_offset(const struct contact_shape *shape, const struct contact_path *path,
@@ -122,7 +122,7 @@ static void put_offset(const struct contact_shape *shape, const struct contact_p
         return;
     }
     jet_across(path->terms, path->c, path->axis, across, axial);
-    memcpy(&offset[1], &across[1], 2 * sizeof offset[1]);
+    memcpy(&offset[1], &across[1], (size_t)(path->terms - 1) * sizeof offset[1]);
     if (contact_is_circle(shape)) {
         struct vec3 to_axis[JET_TERMS];
         jet_direction(path->terms, across, rho, to_axis);

@@ -79,7 +79,7 @@ struct contact_physics {
     /* the gap g as integration has accumulated it, in contact and as contact ends; it is more accurate than
      * positions give it [m] */
     double accumulated_gap;
-    /* g' at the end of the last segment, kept where velocities give g' too coarsely [m/s] */
+    /* g' at the end of the last segment, which has more digits than the velocities give [m/s] */
     double carried_rate;
     /* carried_rate is used while velocities differ from it by less than this; 0: it is not used [m/s] */
     double rate_rounding;

@@ -466,8 +466,8 @@ static enum contact_regime pass_zone(struct scene_state *q, struct scene_instant
     return (enum contact_regime)q->contact[contact].regime;
 }
 
-/* Puts a contact into a regime and a zone at an instant of the present, where all contacts have stored the
- * energy `before` [J]. */
+/* Sets the regime and the zone of a contact at an instant of the present. What the stored energy of all
+ * contacts has lost since it was `before` [J] counts as dissipated. */
 static void enter_regime(struct scene_state *q, const struct scene_instant *at, int contact,
                          enum contact_regime regime, double before)
 {

@@ -64,8 +64,8 @@ void transition_change_regime(struct scene_state *q, int contact, enum contact_r
 void transition_change_friction(struct scene_state *q, int contact, enum ode_event event,
                                 struct scene_instant *at);
 
-/* Changes a regime where the importer integrates: the bodies are not moved, no peaks are noted, and the
- * contact takes the nearest zone. */
+/* Changes a regime where the importer integrates. The function notes no peaks, and the contact takes the
+ * nearest zone. */
 void transition_switch_regime(struct scene_state *q, int contact, enum contact_regime regime);
 
 /*

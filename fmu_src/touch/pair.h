@@ -72,8 +72,7 @@ struct pair_change {
     double dissipated;     /* energy dissipated by the dashpot [J] */
 };
 
-/* Makes the pair from the present instant `at`, that of the clock of at->q, for a contact in
- * compression or restitution. */
+/* Makes the pair of a contact in compression or restitution from an instant at the present clock of at->q. */
 void pair_make(struct contact_pair *p, const struct scene_instant *at, int contact);
 
 /* Returns dg/dt at the start [m/s]. It differs from g' where a prescribed velocity is not the derivative of

@@ -98,7 +98,8 @@ static double separating_speed(const struct segment *p, struct contact_coefficie
     return fmax(open, fmin(full.k * p->tolerance, IDLE_DASHPOT * pair_load(&p->pair))) / full.c;
 }
 
-/* Returns the force by which the law's margin has to be negative, without rounding of the rate [N]. */
+/* Returns how far below zero the law's margin falls before the regime ends [N]. Rounding of the rate is not
+ * included. */
 static double hysteresis_of_force(const struct segment *p, struct contact_coefficients full)
 {
     return HYSTERESIS * pair_load(&p->pair) + full.k * 8.0 * DBL_EPSILON * largest_size(p, PAIR_GAP);
@@ -390,7 +391,7 @@ static bool collocated_stays_off_centre(const struct segment *p)
  * about 15 sweeps. */
 static const double LONG_STEP = 2.5;
 
-/* Trials of a collocated step. */
+/* An averaged or an overdamped step is tried with at most so many lengths. */
 enum { ATTEMPTS = 12 };
 
 /* Length by which an averaged step ends before an event [radians of the oscillator]: COLLOCATED_SHORTEST, so

@@ -7,7 +7,8 @@ step in which the inputs move as polynomials. Equality to 1e-12 of the size of t
 import numpy as np
 import pytest
 
-from support.checks import differences, start
+from contact_fmus.fmu.contact_fmu import ContactFmu
+from support.checks import check_relative, differences, start
 from support.reference.law import ReferenceContact, start_motion, vector
 from support.scenes.agreement import seeds
 from support.scenes.configurations import INPUTS, SHAPES, motion_of, random_configuration, random_inputs
@@ -268,6 +269,44 @@ def test_one_step_has_the_mean_of_many(opened, dashpot):
     means, peaks = np.array(parts).T
     assert abs(means.mean() - whole[0][0]) < 1e-9 * abs(whole[0][0])
     assert abs(peaks.max() - whole[1]) < 1e-9 * whole[1]
+
+
+def impulse_in(file, configuration, velocity, acceleration, length, count):
+    """The impulse on a source that moves along x, each step with the inputs of its own beginning."""
+    with ContactFmu(file) as fmu:
+        start(fmu, configuration)
+        total = np.zeros(3)
+        for t in np.arange(count) * length / count:
+            now = velocity + acceleration * t
+            fmu["source.prescribed_displacement"] = [velocity * t + 0.5 * acceleration * t**2, 0.0, 0.0]
+            fmu["source.prescribed_velocity"] = [now, 0.0, 0.0]
+            fmu.set_derivative("source.prescribed_displacement", [now, 0.0, 0.0], order=1)
+            fmu.set_derivative("source.prescribed_displacement", [acceleration, 0.0, 0.0], order=2)
+            fmu.set_derivative("source.prescribed_velocity", [acceleration, 0.0, 0.0], order=1)
+            fmu.step(length / count)
+            total += np.array(fmu["contact.mean_force"]) * length / count
+    return total
+
+
+@pytest.mark.parametrize("dashpot", ["non_adhesive", "approach_only", "unclamped"])
+def test_a_step_through_an_impact_with_restitution_has_the_impulse_of_many(built, dashpot):
+    """The onset within the step sets the dashpot, and with it whether the law has events."""
+    values = {"source.center": [REACH + 1e-3, 0.0, 0.0], "contact.law": "hertz", "contact.dashpot": dashpot}
+    values |= {"contact.viscous_control": "restitution", "contact.restitution": 0.1}
+    one, many = (impulse_in(built["MovedOverARim"], values, -0.3, 30.0, 0.02, n) for n in (1, 20))
+    check_relative("impulse", one, many, 1e-9)
+
+
+def test_a_step_over_a_rim_has_the_impulse_of_many(built):
+    """From the cap, over the rim, to beside the cylinder"""
+    values = {
+        "source.center": [0.45, 0.0, 0.599],
+        "destination.ends": "capped",
+        "destination.finite_length": True,
+    }
+    one, many = (impulse_in(built["MovedOverARim"], values, 0.5, 0.0, 0.4, n) for n in (1, 400))
+    assert one[0] > 0.5 and one[2] > 100.0
+    check_relative("impulse", one, many, 1e-9)
 
 
 def test_held_inputs_have_the_force_of_the_instant_as_mean_and_peak(opened):

@@ -267,3 +267,24 @@ def test_two_balls_on_one_held_body_move_as_if_alone(built, seed):
         for of_both, onsets_of_both in both:
             check_close("displacement", of_both[k], moved[k], 1e-8)
             assert onsets_of_both[k] == onsets[k]
+
+
+@pytest.mark.parametrize("steps", [1, 3, 40])
+def test_what_a_driven_contact_still_stores_as_it_separates_is_dissipated_while_the_other_ball_flies(
+    built, steps
+):
+    values = {"solver.method": "event_driven", "gravity": [0.0, 0.0, 0.0]}
+    flying = {**MARBLE, "source.initial_velocity": [0.0, 0.1, 0.0]}
+    for names, pair in zip(PAIRS.values(), (DRIVEN, flying), strict=True):
+        for name, value in {**COMMON, **pair}.items():
+            part, row = name.split(".", 1)
+            values[f"{names[part]}.{row}"] = value
+    with ContactFmu(built["TwoPairs"]) as fmu:
+        fmu.start(values | {"ball.prescribed_velocity": [0.0, 0.0, -1.5]}, tolerance=1e-12)
+        energy = fmu["energy.total"]
+        for time, velocity in ((PUSH, 1.5), (PULL, 0.0)):
+            for _ in range(steps):
+                fmu.step(time / steps)
+            fmu["ball.prescribed_velocity"] = [0.0, 0.0, velocity]
+        assert (fmu["first.onsets"], fmu["second.onsets"]) == (1, 0) and fmu["energy.dissipated"] > 0.0
+        check_close("energy", fmu["energy.total"], energy, 1e-9 * fmu["energy.dissipated"])

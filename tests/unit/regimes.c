@@ -139,8 +139,7 @@ static bool sliding_is_wrong(struct choice choice, enum friction_regime regime, 
 }
 
 /* Whether friction is in a regime that is not its own at the present of q. */
-static bool friction_is_wrong(struct choice choice, const struct scene_values *v, const struct scene_state *q,
-                              double gap, double rate)
+static bool friction_is_wrong(struct choice choice, const struct scene_state *q, double gap, double rate)
 {
     struct scene_instant at;
     const enum contact_regime regime = (enum contact_regime)q->contact[0].regime;
@@ -191,7 +190,7 @@ static struct wrong put_deep_state(struct random *r, struct choice choice, struc
     put_state(q, gap, velocity,
               vec3_make(0.0, random_between(r, -length, length), random_between(r, -length, length)));
     return (struct wrong){law_is_wrong(choice, (enum contact_regime)q->contact[0].regime, gap, rate),
-                          friction_is_wrong(choice, &m->state.values, q, gap, rate)};
+                          friction_is_wrong(choice, q, gap, rate)};
 }
 
 /* The events of friction lead to a regime that is right. */
@@ -209,7 +208,7 @@ static void check_next(struct choice choice, struct model *m)
     }
     scene_now(q, &at);
     const struct contact_geometry *g = &at.geometry[0];
-    CHECK(!friction_is_wrong(choice, &m->state.values, q, g->gap, g->gap_rate));
+    CHECK(!friction_is_wrong(choice, q, g->gap, g->gap_rate));
 }
 
 /* From a state in which a pair of regimes is right to states in which it is wrong. */
