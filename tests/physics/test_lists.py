@@ -122,15 +122,21 @@ def motion_alone(path, values, times):
         return motions, fmu["contact.onsets"]
 
 
+def side_by_side(*pairs):
+    """The values of TwoPairs, from those of each pair alone"""
+    values = {}
+    for names, pair in zip(PAIRS.values(), pairs, strict=True):
+        for name, value in {**COMMON, **pair}.items():
+            part, row = name.split(".", 1)
+            values[f"{names[part]}.{row}"] = value
+    return values
+
+
 @pytest.mark.parametrize("steps", [1, 40])
 @pytest.mark.parametrize("case", SIDE_BY_SIDE)
 def test_each_of_two_pairs_moves_as_if_it_were_alone(built, fmu_path, case, steps):
     times = np.linspace(0.0, 0.3, steps + 1)
-    values = {}
-    for names, pair in zip(PAIRS.values(), SIDE_BY_SIDE[case], strict=True):
-        for name, value in {**COMMON, **pair}.items():
-            part, row = name.split(".", 1)
-            values[f"{names[part]}.{row}"] = value
+    values = side_by_side(*SIDE_BY_SIDE[case])
     both = {name: [] for name in PAIRS}
     with ContactFmu(built["TwoPairs"]) as fmu:
         fmu.start(values | {"solver.method": "event_driven"}, tolerance=1e-12)
@@ -168,11 +174,7 @@ def test_a_driven_pair_beside_a_free_one_is_no_burden_to_it(built, fmu_path, met
     stiffness, damping = DRIVEN["contact.penalty_factor"], DRIVEN["contact.viscous_penalty_factor"]
     speed = 1.5
     deepest, open_at = speed * PUSH - 0.01, damping * speed / stiffness  # F = 0 on the way back
-    values = {"solver.method": method, "gravity": [0.0, 0.0, 0.0]}
-    for names, pair in zip(PAIRS.values(), (DRIVEN, MARBLE), strict=True):
-        for name, value in {**COMMON, **pair}.items():
-            part, row = name.split(".", 1)
-            values[f"{names[part]}.{row}"] = value
+    values = {"solver.method": method, "gravity": [0.0, 0.0, 0.0]} | side_by_side(DRIVEN, MARBLE)
     values["ball.prescribed_velocity"] = [0.0, 0.0, 0.4 - speed]
     values["floor.prescribed_velocity"] = [0.0, 0.0, 0.4]
     with ContactFmu(built["TwoPairs"]) as fmu:
@@ -274,11 +276,7 @@ def test_what_a_driven_contact_still_stores_as_it_separates_is_dissipated_while_
     built, steps
 ):
     values = {"solver.method": "event_driven", "gravity": [0.0, 0.0, 0.0]}
-    flying = {**MARBLE, "source.initial_velocity": [0.0, 0.1, 0.0]}
-    for names, pair in zip(PAIRS.values(), (DRIVEN, flying), strict=True):
-        for name, value in {**COMMON, **pair}.items():
-            part, row = name.split(".", 1)
-            values[f"{names[part]}.{row}"] = value
+    values |= side_by_side(DRIVEN, {**MARBLE, "source.initial_velocity": [0.0, 0.1, 0.0]})
     with ContactFmu(built["TwoPairs"]) as fmu:
         fmu.start(values | {"ball.prescribed_velocity": [0.0, 0.0, -1.5]}, tolerance=1e-12)
         energy = fmu["energy.total"]
