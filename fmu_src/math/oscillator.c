@@ -64,7 +64,7 @@ struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, do
 }
 
 struct oscillator_increment oscillator_increment(const struct oscillator *o, double x, double x_rate,
-                                                 double z)
+                                                 double load, double z)
 {
     if (!(z > 0.0)) {
         return (struct oscillator_increment){0.0, 0.0};
@@ -73,7 +73,7 @@ struct oscillator_increment oscillator_increment(const struct oscillator *o, dou
     double term = x_rate * z;
     struct oscillator_increment begun = {term, 0.0};
     for (int n = 2; n < 12; ++n) { /* 0.1^12 / 12! is far below rounding */
-        const double force = -o->omega2 * before;
+        const double force = n == 2 ? load - o->omega2 * before : -o->omega2 * before;
         const double next = z * (z * force - o->damping_rate * term * (n - 1)) / (n * (n - 1));
         before = term;
         term = next;
@@ -128,6 +128,18 @@ struct free_oscillation free_oscillation_of(double damping_rate, double y, doubl
     return d;
 }
 
+struct free_oscillation free_oscillation_of_dashpot(double y, double y_rate, double drift)
+{
+    return (struct free_oscillation){.oscillator = {0.0, 1.0},
+                                     .y = y,
+                                     .y_rate = y_rate,
+                                     .distinct = true,
+                                     .faster = 1.0,
+                                     .by_slower = y + (y_rate - drift),
+                                     .by_faster = drift - y_rate,
+                                     .drift = drift};
+}
+
 void free_oscillation_at(const struct free_oscillation *d, double s,
                          double y[1 + FREE_OSCILLATION_DERIVATIVES])
 {
@@ -147,6 +159,8 @@ void free_oscillation_at(const struct free_oscillation *d, double s,
         slow *= -d->slower;
         fast *= -d->faster;
     }
+    y[0] += d->drift * s;
+    y[1] += d->drift;
 }
 
 CONTACT_NOT_FUSED struct oscillator_increment free_oscillation_since(const struct free_oscillation *d,
@@ -154,12 +168,13 @@ CONTACT_NOT_FUSED struct oscillator_increment free_oscillation_since(const struc
 {
     const double damping_rate = d->oscillator.damping_rate;
     if (s * (1.0 + damping_rate) <= OSCILLATOR_SERIES_RANGE) {
-        return oscillator_increment(&d->oscillator, d->y, d->y_rate, s);
+        return oscillator_increment(&d->oscillator, d->y, d->y_rate, d->drift, s);
     }
     if (d->distinct) {
         const double slow = d->by_slower * expm1(-d->slower * s);
         const double fast = d->by_faster * expm1(-d->faster * s);
-        return (struct oscillator_increment){slow + fast, -(d->slower * slow + d->faster * fast)};
+        return (struct oscillator_increment){slow + fast + d->drift * s,
+                                             -(d->slower * slow + d->faster * fast)};
     }
     double by_rate;     /* e^(-mean s) sin(omega_d s) / omega_d, with the mean rate damping_rate / 2 */
     double cosine_less; /* e^(-mean s) cos(omega_d s) - 1 */
@@ -182,6 +197,10 @@ CONTACT_NOT_FUSED struct oscillator_increment free_oscillation_since(const struc
  * the zero moves on by log(faster / slower) / (faster - slower). */
 double free_oscillation_zero(const struct free_oscillation *d, int order)
 {
+    if (!(d->slower > 0.0)) { /* by_faster exp(-s) = drift */
+        const double left = d->drift / d->by_faster;
+        return order == 1 && left > 0.0 ? -log(left) : (double)INFINITY;
+    }
     const double spread = d->faster - d->slower;
     const double part = d->y_rate / (d->y + d->slower * d->y_rate);
     if (!(spread * part > -1.0)) {

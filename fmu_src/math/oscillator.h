@@ -38,7 +38,7 @@ struct oscillator_envelope {
 
 struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, double y, double y_rate);
 
-/* The increments of x and x' since x(0) = x, x'(0) = x_rate without a load, by a power series:
+/* The increments of x and x' since x(0) = x, x'(0) = x_rate under a constant load, by a power series:
  * subtracting the start values from the closed form would lose the digits of a small increment. For z up to
  * OSCILLATOR_SERIES_RANGE / (1 + damping_rate), omega2 up to 1. */
 static const double OSCILLATOR_SERIES_RANGE = 0.1;
@@ -48,7 +48,7 @@ struct oscillator_increment {
 };
 
 struct oscillator_increment oscillator_increment(const struct oscillator *o, double x, double x_rate,
-                                                 double z);
+                                                 double load, double z);
 
 /* Coefficients of the particular solution s for a polynomial load of `terms` coefficients. The recurrence is
  * finite. The coefficients of s are of the load's size where the slower rate exceeds the degree, and grow as
@@ -64,22 +64,26 @@ void relaxation_particular(double rate, const double *load, double *s, int terms
  *   y = by_slower exp(-slower s) + by_faster exp(-faster s)
  *   slower faster = 1,   slower + faster = damping_rate
  *
+ * and for a dashpot without a spring, y'' + y' = drift: slower = 0, faster = 1, and drift s is added.
+ *
  * y and each derivative keep full relative accuracy however far they have decayed, except near their zeros.
- * Variable s >= 0: radians of the undamped oscillator.
+ * Variable s >= 0: radians of the undamped oscillator, or decay times of the dashpot.
  */
 
 enum { FREE_OSCILLATION_DERIVATIVES = 4 };
 
 struct free_oscillation {
-    struct oscillator oscillator; /* omega2 is 1 */
+    struct oscillator oscillator; /* omega2 1, or 0 by a dashpot alone */
     double y, y_rate;             /* at the start */
     bool distinct;                /* whether the two rates differ enough to be summed separately */
     double slower, faster;
     double by_slower, by_faster;
+    double drift;
     double omega_d; /* frequency of y, sqrt(1 - damping_rate^2 / 4); 0 from critical damping on */
 };
 
 struct free_oscillation free_oscillation_of(double damping_rate, double y, double y_rate);
+struct free_oscillation free_oscillation_of_dashpot(double y, double y_rate, double drift);
 
 /* Writes y and its first four derivatives at s. */
 void free_oscillation_at(const struct free_oscillation *d, double s,

@@ -414,23 +414,59 @@ struct frame_flight frame_flight_of(const struct contact_pair *from)
  * decays below rounding within one period. */
 static const double LOWEST_FREQUENCY = 0.25;
 
+/* A contact without a spring drifts towards the centre, d = 0, where |g| is the reach. A segment in closed
+ * form is made only if its bound of |g| without the drift is below DRIFT_STARTS of the reach, and it ends
+ * where the drift may take |g| to DRIFT_ENDS of the reach. The two differ, so that each segment has room for
+ * some drift, and DRIFT_ENDS is below 1, so that no segment reaches the centre. */
+static const double DRIFT_STARTS = 0.5;
+static const double DRIFT_ENDS = 0.75;
+
 static double along_normal(const struct contact_pair *from, int degree)
 {
     return from->shape.side * vec3_dot(from->normal, pair_across(from, from->flight.c[degree]));
 }
 
-bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from)
+/* Returns the bound below which |g| must stay [m]. */
+static double largest_gap(const struct contact_pair *from)
 {
-    const bool may_meet_centre = contact_may_reach_centre(&from->shape);
-    p->from = from;
-    p->rate = sqrt(from->coefficients.k / from->reduced_mass);
-    p->equilibrium = 2.0 * along_normal(from, 2) / (p->rate * p->rate);
+    return contact_may_reach_centre(&from->shape) ? contact_reach(&from->shape) : DBL_MAX;
+}
+
+static bool make_of_spring(struct pair_oscillation *p)
+{
+    const struct contact_pair *from = p->from;
+    p->stiffness = from->coefficients.k;
+    p->equilibrium = p->load;
     p->y = from->gap - p->equilibrium;
-    p->y_rate = pair_gap_derivative(from) / p->rate;
     p->free = free_oscillation_of(from->coefficients.c / from->reduced_mass / p->rate, p->y, p->y_rate);
     p->omega_d = p->free.omega_d < LOWEST_FREQUENCY ? 0.0 : p->free.omega_d;
     p->amplitude = oscillator_envelope_of(&p->free.oscillator, p->y, p->y_rate).amplitude;
-    return fabs(p->equilibrium) + p->amplitude < (may_meet_centre ? contact_reach(&from->shape) : DBL_MAX);
+    return fabs(p->equilibrium) + p->amplitude < largest_gap(from);
+}
+
+static bool make_of_dashpot(struct pair_oscillation *p)
+{
+    const struct contact_pair *from = p->from;
+    p->stiffness = from->coefficients.c * p->rate;
+    p->omega_d = p->equilibrium = 0.0;
+    p->y = from->gap;
+    p->free = free_oscillation_of_dashpot(p->y, p->y_rate, p->load);
+    p->amplitude = fabs(p->y) + fabs(p->free.by_faster);
+    return p->amplitude < DRIFT_STARTS * largest_gap(from);
+}
+
+bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from)
+{
+    const bool has_spring = from->coefficients.k > 0.0;
+    p->rate = has_spring ? sqrt(from->coefficients.k / from->reduced_mass)
+                         : from->coefficients.c / from->reduced_mass;
+    if (!(p->rate > 0.0)) {
+        return false;
+    }
+    p->from = from;
+    p->load = 2.0 * along_normal(from, 2) / (p->rate * p->rate);
+    p->y_rate = pair_gap_derivative(from) / p->rate;
+    return has_spring ? make_of_spring(p) : make_of_dashpot(p);
 }
 
 double pair_oscillation_longest(const struct pair_oscillation *p)
@@ -438,7 +474,12 @@ double pair_oscillation_longest(const struct pair_oscillation *p)
     if (p->omega_d > 0.0) {
         return (double)INFINITY;
     }
-    return p->free.omega_d > 0.0 ? PI / p->free.omega_d : (double)INFINITY;
+    const double longest = p->free.omega_d > 0.0 ? PI / p->free.omega_d : (double)INFINITY;
+    if (p->from->coefficients.k > 0.0 || !contact_may_reach_centre(&p->from->shape)) {
+        return longest;
+    }
+    const double free = DRIFT_ENDS * contact_reach(&p->from->shape) - p->amplitude;
+    return fmin(longest, free / fabs(p->free.drift));
 }
 
 /* Whether y or y' has decayed so far that its direct value is more accurate than the start value plus the
@@ -492,6 +533,9 @@ static void put_oscillating_part(const struct contact_pair *from, enum pair_quan
 bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_quantity quantity,
                                   double factor, double offset)
 {
+    if (!(p->from->coefficients.k > 0.0)) {
+        return false; /* without a spring the gap drifts */
+    }
     const double k = p->from->coefficients.k;
     const double still = quantity == PAIR_GAP     ? p->equilibrium
                          : quantity == PAIR_FORCE ? -k * p->equilibrium
@@ -511,10 +555,10 @@ static void sample_overdamped(const struct pair_oscillation *p, double s, struct
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP][i] = y[i];
         sample->of[PAIR_GAP_RATE][i] = p->rate * y[1 + i];
-        sample->of[PAIR_FORCE][i] = p->from->coefficients.k * y[2 + i];
+        sample->of[PAIR_FORCE][i] = p->stiffness * y[2 + i];
     }
     sample->of[PAIR_GAP][0] = gap_after_decay(p, y[0], free_oscillation_since(&p->free, s).x);
-    sample->of[PAIR_FORCE][0] -= p->from->coefficients.k * p->equilibrium;
+    sample->of[PAIR_FORCE][0] -= p->stiffness * p->load;
 }
 
 void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample)
@@ -537,12 +581,13 @@ void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair
 }
 
 /* Returns the energy dissipated [J], by the oscillator's energy balance: p_nv g'^2 = -(m g'^2 / 2 + p_n (g -
- * equilibrium)^2 / 2)'. */
+ * equilibrium)^2 / 2)', or without a spring -(m g'^2 / 2 - side m n.A g)'. */
 static double dissipated_by_dashpot(const struct pair_oscillation *p, const double grown[2])
 {
+    const bool has_spring = p->from->coefficients.k > 0.0;
     const double by_rate = grown[1] * (2.0 * p->y_rate + grown[1]);
-    const double by_place = grown[0] * (2.0 * p->y + grown[0]);
-    return p->from->coefficients.c > 0.0 ? -0.5 * p->from->coefficients.k * (by_rate + by_place) : 0.0;
+    const double by_place = grown[0] * (has_spring ? 2.0 * p->y + grown[0] : -2.0 * p->load);
+    return p->from->coefficients.c > 0.0 ? -0.5 * p->stiffness * (by_rate + by_place) : 0.0;
 }
 
 /* Returns the gap; writes its rate per s and the changes of both since the start. */
@@ -596,7 +641,7 @@ struct pair_change pair_oscillation_advance(const void *pair_oscillation, double
  * where rho is g less the gap of the flight. With G_j the integral of t^j (g - g(0)), I_j that of t^j rho''
  * and J_j that of t^j g'
  *
- *   k (G_j + g(0) t^(j+1)/(j+1)) = -m_red I_j - c J_j
+ *   k (G_j + g(0) t^(j+1)/(j+1)) = -m_red I_j - c J_j,   without a spring 0 = m_red I_(j+1) + c J_(j+1)
  *   I_j = t^j rho' - j t^(j-1) rho + j (j-1) M_(j-2),    J_j = t^j (g - g(0)) - j G_(j-1)
  */
 void pair_oscillation_moments(const void *pair_oscillation, double s, const struct pair_change *change,
@@ -617,8 +662,12 @@ void pair_oscillation_moments(const void *pair_oscillation, double s, const stru
         const double second = j < 2 ? 0.0 : of[j - 2];
         const double inertia =
             power * rho_rate - (j > 0 ? j * (power / t) * rho : 0.0) + j * (j - 1) * second;
+        const double next =
+            power * t * rho_rate - (j + 1) * power * rho + (j > 0 ? (j + 1) * j * of[j - 1] : 0.0);
         const double damped = power * grown - j * before;
-        const double of_gap = -(p->reduced_mass * inertia + c * damped) / k - p->gap * power * t / (j + 1);
+        const double of_gap =
+            k > 0.0 ? -(p->reduced_mass * inertia + c * damped) / k - p->gap * power * t / (j + 1)
+                    : (power * t * grown + p->reduced_mass / c * next) / (j + 1);
         double flown = 0.0;
         for (int i = SEPARATION_DEGREE; i > 0; --i) {
             flown = t * (flown + p->shape.side * vec3_dot(p->normal, p->flight.c[i]) / (i + j + 1));

@@ -130,22 +130,24 @@ struct frame_flight frame_flight_of(const struct contact_pair *from);
  *   g = equilibrium + y,   m_red y'' + p_nv y' + p_n y = 0,   equilibrium = side m_red n.A / p_n
  *
  * Variable s = rate time, in radians of the undamped oscillator. Up to 0.97 of critical damping y oscillates,
- * beyond it decays.
+ * beyond it decays. Without a spring y = g, m_red y'' + p_nv y' = side m_red n.A, with s in decay times of
+ * the dashpot.
  */
 
 struct pair_oscillation {
     const struct contact_pair *from;
-    double rate;                  /* sqrt(p_n / m_red) [1/s] */
+    double rate;                  /* sqrt(p_n / m_red), or p_nv / m_red [1/s] */
+    double stiffness;             /* m_red rate^2: p_n where there is a spring [N/m] */
+    double load;                  /* side n.A per s^2 [m] */
     struct free_oscillation free; /* y */
     double omega_d;               /* radians of y per s: sqrt(1 - damping_rate^2 / 4); 0 where it decays */
-    double equilibrium;           /* gap at rest under the load [m] */
+    double equilibrium;           /* gap at rest under the load; 0 without a spring [m] */
     double y, y_rate;             /* at the start, per s [m] */
-    double amplitude;             /* bound of |y| [m] */
+    double amplitude;             /* bound of |y|, without the drift [m] */
 };
 
-/* Makes the oscillation of a pair that moves head-on (from->is_head_on) and has a spring. Returns false
- * where the motion might reach the centre of solid bodies; contact inside a hollow body ends before the
- * centre. */
+/* Makes the oscillation of a pair that moves head-on (from->is_head_on). Returns false where the motion might
+ * reach the centre of solid bodies; contact inside a hollow body ends before the centre. */
 bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from);
 
 /* Whether factor * quantity + offset stays positive for all s >= 0. */

@@ -276,10 +276,10 @@ static bool is_event_free(const struct segment *p)
            pair_oscillation_stays_above(made, margin.quantity, margin.factor, margin.offset);
 }
 
-/* Whether the motion is head-on under constant acceleration, by a spring. */
+/* Whether the motion is head-on under constant acceleration. */
 static bool closed_form_applies(const struct segment *p)
 {
-    return p->pair.is_head_on && p->pair.coefficients.k > 0.0 && !contact_is_rim(&p->pair.shape);
+    return p->pair.is_head_on && !contact_is_rim(&p->pair.shape);
 }
 
 /* Makes the segment over all of p->longest where no event follows. Otherwise the segment lasts a period of
