@@ -178,8 +178,8 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
 
 /*
  * Invariants at the end of a contact phase (projection methods: Hairer, Lubich, Wanner, Geometric Numerical
- * Integration, chapter IV.4). An integrator keeps them only to its tolerance; along the normal they can be put right
- * exactly, without a change of momentum.
+ * Integration, chapter IV.4). An integrator keeps them only to its tolerance; along the normal they can be
+ * put right exactly, without a change of momentum.
  *
  * The gap is made zero where the bodies part, so that the flight that follows starts outside.
  *

@@ -109,9 +109,9 @@ static struct contact_path path_of(const struct scene_instant *at, const struct 
     return path;
 }
 
-/* Sets the wanted coefficients but the first of the offset d n: of c, of the part of c across a cylinder's axis, or of the
- * distance from a circle, (rho - R) a - (height - h) e. The unit vector a points to the axis, rho a = c
- * - (c.e) e, height = -c.e, h = L/2, and e points out of the cylinder at the rim's end. */
+/* Sets the wanted coefficients but the first of the offset d n: of c, of the part of c across a cylinder's
+ * axis, or of the distance from a circle, (rho - R) a - (height - h) e. The unit vector a points to the axis,
+ * rho a = c - (c.e) e, height = -c.e, h = L/2, and e points out of the cylinder at the rim's end. */
 static void put_offset(const struct contact_shape *shape, const struct contact_path *path,
                        struct vec3 offset[JET_TERMS])
 {
@@ -281,8 +281,10 @@ void jet_of_contact(const struct scene_instant *at, int contact, bool rubs, stru
     const struct contact_shape shape = scene_shape_met(at, contact);
     const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_path path = path_of(at, along, &shape, contact);
-    memcpy(along->contact[contact].separation, path.c, sizeof path.c);
-    memcpy(along->contact[contact].axis, path.axis, sizeof path.axis);
+    if (SCENE_ANY_CAPS) {
+        memcpy(along->contact[contact].separation, path.c, sizeof path.c);
+        memcpy(along->contact[contact].axis, path.axis, sizeof path.axis);
+    }
     put_distance(&shape, &at->geometry[contact], &path, &along->contact[contact]);
     put_normal_force(&shape, &at->geometry[contact], &path, &law, &along->law_slope[contact], regime,
                      &along->contact[contact]);

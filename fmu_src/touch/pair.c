@@ -115,8 +115,9 @@ void pair_make(struct contact_pair *p, const struct scene_instant *at, int conta
     p->rounded = vec3_scale(shorter, p->normal);
     p->rate_rounding = rounding_of_rate(at, contact);
     p->reduced_mass = 1.0 / scene_inverse_mass(at->v, contact);
-    p->starts_rounded = singularity_is_reached(at, contact, &p->shape);
-    if (p->starts_rounded) {
+    p->starts_rounded = false;
+    if (singularity_is_reached(at, contact, &p->shape)) {
+        p->starts_rounded = true;
         leave_centre(p, geometry);
     }
     const bool is_carried = !p->starts_rounded && scene_rate_is_known(at, contact);
@@ -435,7 +436,7 @@ static double largest_gap(const struct contact_pair *from)
 static bool make_of_spring(struct pair_oscillation *p)
 {
     const struct contact_pair *from = p->from;
-    p->stiffness = from->coefficients.k;
+    p->dynamic_stiffness = from->coefficients.k;
     p->equilibrium = p->load;
     p->y = from->gap - p->equilibrium;
     p->free = free_oscillation_of(from->coefficients.c / from->reduced_mass / p->rate, p->y, p->y_rate);
@@ -447,7 +448,7 @@ static bool make_of_spring(struct pair_oscillation *p)
 static bool make_of_dashpot(struct pair_oscillation *p)
 {
     const struct contact_pair *from = p->from;
-    p->stiffness = from->coefficients.c * p->rate;
+    p->dynamic_stiffness = from->coefficients.c * p->rate;
     p->omega_d = p->equilibrium = 0.0;
     p->y = from->gap;
     p->free = free_oscillation_of_dashpot(p->y, p->y_rate, p->load);
@@ -555,10 +556,10 @@ static void sample_overdamped(const struct pair_oscillation *p, double s, struct
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP][i] = y[i];
         sample->of[PAIR_GAP_RATE][i] = p->rate * y[1 + i];
-        sample->of[PAIR_FORCE][i] = p->stiffness * y[2 + i];
+        sample->of[PAIR_FORCE][i] = p->dynamic_stiffness * y[2 + i];
     }
     sample->of[PAIR_GAP][0] = gap_after_decay(p, y[0], free_oscillation_since(&p->free, s).x);
-    sample->of[PAIR_FORCE][0] -= p->stiffness * p->load;
+    sample->of[PAIR_FORCE][0] -= p->dynamic_stiffness * p->load;
 }
 
 void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample)
@@ -587,7 +588,7 @@ static double dissipated_by_dashpot(const struct pair_oscillation *p, const doub
     const bool has_spring = p->from->coefficients.k > 0.0;
     const double by_rate = grown[1] * (2.0 * p->y_rate + grown[1]);
     const double by_place = grown[0] * (has_spring ? 2.0 * p->y + grown[0] : -2.0 * p->load);
-    return p->from->coefficients.c > 0.0 ? -0.5 * p->stiffness * (by_rate + by_place) : 0.0;
+    return p->from->coefficients.c > 0.0 ? -0.5 * p->dynamic_stiffness * (by_rate + by_place) : 0.0;
 }
 
 /* Returns the gap; writes its rate per s and the changes of both since the start. */
