@@ -124,12 +124,11 @@ def motion_alone(path, values, times):
 
 def side_by_side(*pairs):
     """The values of TwoPairs, from those of each pair alone"""
-    values = {}
-    for names, pair in zip(PAIRS.values(), pairs, strict=True):
-        for name, value in {**COMMON, **pair}.items():
-            part, row = name.split(".", 1)
-            values[f"{names[part]}.{row}"] = value
-    return values
+    return {
+        f"{names[part]}.{row}": value
+        for names, pair in zip(PAIRS.values(), pairs, strict=True)
+        for (part, row), value in ((name.split(".", 1), value) for name, value in {**COMMON, **pair}.items())
+    }
 
 
 @pytest.mark.parametrize("steps", [1, 40])
