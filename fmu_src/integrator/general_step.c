@@ -556,8 +556,8 @@ static double factor_of(const struct general *g, double error, const struct rada
 }
 
 /* Returns the largest ratio of the next step's length to that of a step which took so many iterations for the
- * forces. A step that took many is near the length at which they fail. The ratios are chosen, not derived: F1
- * to F4 of the report take 2 % fewer instructions in sum with them than without. */
+ * forces. A step that took many is near the length at which they fail. The ratios are chosen, not derived: F4
+ * of the report with 997 steps takes 8 % fewer instructions with them, other problems as many on average. */
 static double growth_by_iterations(int iterations)
 {
     static const double GROWTH_AFTER[] = {4.0, 4.0, 4.0, 4.0, 2.0, 1.5, 1.1, 1.1};

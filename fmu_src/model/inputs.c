@@ -209,8 +209,8 @@ static double size_of_forces(const struct scene_state *q)
 }
 
 /* Takes over the parameters of `v` that differ from those of `before` and may be set between steps, and books
- * the energy that they add or remove. False: a force, a factor or the work is not finite, and q is of no
- * use. */
+ * the energy that they add or remove. Returns false where a force, a factor or the work is not finite; q is
+ * then of no use. */
 static bool motion_tune(const struct scene_values *v, const struct scene_values *before,
                         struct scene_state *q)
 {
@@ -255,7 +255,8 @@ static bool motion_tune(const struct scene_values *v, const struct scene_values 
 }
 
 /* Takes parameters that were set between steps over into the motion and books the energy that they add or
- * remove. False: a force or an energy would be beyond the range of numbers; the motion is unchanged. */
+ * remove. Returns false, and leaves the motion unchanged, where a force or an energy would be beyond the
+ * range of numbers. */
 static bool model_tune(struct model *m)
 {
     if (!m->state.tuned) {

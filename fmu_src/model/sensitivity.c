@@ -16,7 +16,7 @@ struct linear_model {
     struct scene_jet along;
 };
 
-/* Sets the point at the present instant. False: the inputs cannot be taken over. */
+/* Sets the point at the present instant. Returns false where the inputs cannot be taken over. */
 static bool open_linear_model(struct model *m, struct linear_model *l)
 {
     const struct scene_values *v = &m->state.values;

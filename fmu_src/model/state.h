@@ -108,9 +108,9 @@ enum model_status model_refuse_zero(const struct model *m, enum model_status sta
 /* Whether the vector a, other than zero, has a part across the axis of a body that keeps its axis. */
 bool model_tilts_axis(const struct scene_values *v, int body, struct vec3 a);
 
-/* Takes changed inputs over into the paths of the motion. False: an energy would be beyond the range of
- * numbers, or an axis has no direction or would tilt that is kept. The motion is then unchanged, and other
- * inputs may be set. */
+/* Takes changed inputs over into the paths of the motion. Returns false where an energy would be beyond the
+ * range of numbers, where an axis has no direction, or where an axis that is kept would tilt. The motion is
+ * then unchanged, and other inputs may be set. */
 bool model_apply_inputs(struct model *m);
 
 /* Clears the marks of the inputs set at this communication point, once a step begins. */
@@ -120,7 +120,8 @@ void model_close_inputs(struct model *m);
  * velocity. */
 void model_warn_of_rates(struct model *m);
 
-/* Computes at least the outputs `wanted` of the present instant. False: the inputs cannot be taken over. */
+/* Computes at least the outputs `wanted` of the present instant. Returns false where the inputs cannot be
+ * taken over. */
 bool model_update_outputs(struct model *m, enum outputs wanted);
 
 /* Reports that an axis has no direction or would tilt that is kept, or that the inputs lead beyond the range

@@ -265,7 +265,7 @@ enum { NEWTON_STEPS = 12 };
  * is left behind such a correction. */
 static const double NEWTON_PART = 1e-9;
 
-/* Solves the equations for the springs at the nodes. False: the panel is too long. */
+/* Solves the equations for the springs at the nodes. Returns false where the panel is too long for them. */
 static bool solve_spring(struct spring_problem *p)
 {
     for (int step = 0; step < NEWTON_STEPS; ++step) {
@@ -297,8 +297,8 @@ static bool solve_spring(struct spring_problem *p)
     return false;
 }
 
-/* Sets one spring at the nodes of the panel, whose springs are those at its start. False: the panel is too
- * long. */
+/* Sets one spring at all nodes of the panel, from the springs at its start. Returns false where the panel is
+ * too long for the equations to be solved. */
 static bool put_spring(const struct span *s, int part, struct panel *panel)
 {
     const int j = s->contact;
@@ -335,8 +335,8 @@ static double relative_speed(const struct span *s, const struct scene_instant *a
                              : speed;
 }
 
-/* Sets the event functions of scene/ode.h at the present instant of q, raised by their rounding. They are
- * positive within the present regimes. */
+/* Sets the event functions of the contact (scene/ode.h) at the present instant of q, raised by their
+ * rounding. They are positive within the present regimes. */
 static void put_events(const struct span *s, const struct scene_instant *at, double events[ODE_EVENTS_EACH])
 {
     const int j = s->contact;
@@ -593,7 +593,7 @@ static int place_passed(const struct panel_node *const place[PANEL_PLACES])
 enum { PANELS_COMPARED = 3 };
 
 /* Bisects between two clocks until that of an event is known to rounding. Makes the panel that ends just past
- * the event. False: there is no such panel. */
+ * the event, and returns false where there is no such panel. */
 static bool panel_to_event(const struct span *s, const struct panel_node *start, double before, double after,
                            struct panel *panel)
 {
@@ -620,8 +620,8 @@ static bool panel_to_event(const struct span *s, const struct panel_node *start,
     return panel_make(s, start->clock, after, &s->springs, panel);
 }
 
-/* Integrates up to the event before a node of a panel and changes the regime. False: no panel that ends at
- * the event can be made; a shorter one may. */
+/* Integrates up to the event before a node of a panel and changes the regime. Returns false where
+ * no panel that ends at the event can be made; a shorter panel may be possible. */
 static bool pass_event(struct span *s, const struct panel_node *const place[PANEL_PLACES], int passed,
                        double *clock)
 {
@@ -774,7 +774,7 @@ CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, c
     counter_add(&s->q->counters.events, 1);
 }
 
-/* Makes both halves of a panel. False where they do not agree with the whole. */
+/* Makes both halves of a panel. Returns false where they do not agree with the whole. */
 static bool make_halves(const struct span *s, double from, double to, struct panel *left, struct panel *right)
 {
     const double middle = 0.5 * (from + to);
@@ -909,7 +909,8 @@ double prescribed_integrate(struct scene_state *q, double end, long *budget)
  * many take some tenths of a second of computing. */
 static const long SEARCH_BUDGET = 1000000;
 
-/* Sets *next to the clock of the next touch or parting, or to `end`. False: the evaluations are used up. */
+/* Sets *next to the clock of the next touch or parting, or to `end`. Returns false where the evaluations are
+ * used up. */
 static bool finds_change(const struct span *s, double clock, double end, double *next)
 {
     struct scene_instant at;

@@ -50,7 +50,7 @@ static bool find_bodies(const struct scene_values *v, const struct scene_state *
 }
 
 /* Writes the number of the group of each body to `of_body`, and that of each contact to layout->island. A
- * group is an island, or a body that belongs to none. */
+ * group is an island, whose contacts share free bodies, or a single body that belongs to no island. */
 static void find_groups(const struct scene_state *q, int of_body[SCENE_BODIES], struct ode_layout *layout)
 {
     if (SCENE_CONTACTS == 1 || q == NULL) {

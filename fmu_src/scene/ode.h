@@ -123,8 +123,8 @@ void ode_unpack(const struct scene_ode *ode, struct scene_state *q, const double
 /* Computes dy/dt. */
 void ode_rates(const void *scene_ode, double clock, const double *y, double *rates);
 
-/* Sets columns[j * states + i] to the derivative of (dy/dt)_i with respect to y_j. `states` is the number of
- * the coupled states or of all states. */
+/* Sets columns[j * states + i] to the derivative of (dy/dt)_i with respect to y_j. Rows and columns are those
+ * of the first `states` states: the coupled ones, layout.coupled, or all, layout.size. */
 void ode_jacobian(const struct scene_ode *ode, int states, double clock, const double *y, double *columns);
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);

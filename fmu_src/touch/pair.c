@@ -196,8 +196,8 @@ static double speed_of(const struct scene_state *q, int body)
     return body_is_free(q->v, body) ? vec3_norm(q->body[body].velocity) : 0.0;
 }
 
-/* Returns the rounding error of g' computed from the velocities after the change [m/s]. Flight and deviation
- * nearly cancel in lasting contact, so that the size of either counts. */
+/* Returns the rounding error of g' computed from the velocities after the change [m/s]. In lasting contact
+ * the velocity of the flight and the deviation from it nearly cancel, so that the sizes of both count. */
 static double rate_rounding_after(const struct pair_change *change, const struct scene_state *q, int contact)
 {
     return 16.0 * DBL_EPSILON *
@@ -516,8 +516,8 @@ double pair_oscillation_first_extremum(const struct pair_oscillation *p)
     return angle / p->omega_d;
 }
 
-/* Writes the start value and the rate per s of the part of a quantity that an oscillation y makes (for the
- * force: of minus the force). `per_time` is s per time [1/s]. */
+/* Writes the start value, and the rate per s, of the part of a quantity that an oscillation y makes. In place
+ * of the force it writes minus the force. The variable s of y is `per_time` [1/s] times the time. */
 static void put_oscillating_part(const struct contact_pair *from, enum pair_quantity quantity,
                                  const struct oscillator *o, double per_time, double y, double y_rate,
                                  double *start, double *rate)

@@ -67,7 +67,7 @@ struct rim_angles rim_angles_of(const struct rim_start *start, double turned, do
 
 struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 acceleration);
 
-/* Sets the derivatives of the rates of the four changes of rim_state_of with respect to d. */
+/* Sets the derivatives with respect to d of the rates of azimuth, tilt and both momenta (rim_slopes). */
 void rim_slopes_by_distance(const struct rim_start *start, const struct rim_state *at,
                             struct vec3 acceleration, double slopes[4]);
 
