@@ -545,8 +545,9 @@ class Reference(SpanMaker):
             self.clearest = self.zero
             self.law_regime = SPRING if self.law_regime == FULL else FULL
         elif event == "force":
-            if self.law_regime == FULL and abs(self.present()[0]) < SLIGHT:
-                self.slight.add(len(self.event_times))  # let go this near the surface is to part
+            # A contact let go this near the surface parts; one whose force starts at zero never transmits one.
+            if self.law_regime == FULL and (abs(self.present()[0]) < SLIGHT or self.time == 0):
+                self.slight.add(len(self.event_times))
             self.law_regime = CLIPPED if self.law_regime == FULL else FULL
         elif event == "centre":
             self.line = [-n for n in self.line]
