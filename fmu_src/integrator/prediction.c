@@ -9,14 +9,11 @@
 #include "scene/evaluate.h"
 
 /* Returns the time [s] in which a quantity with the rate `speed` and half the second derivative `bend` leaves
- * the rounding `noise` around zero; 0 where the quantity is outside. Until then its sign means nothing. */
+ * the rounding `noise` around zero: 0 where the quantity is outside, INFINITY where it does not change. Until
+ * then its sign means nothing. */
 static double leaving_time(double value, double noise, double speed, double bend)
 {
-    if (fabs(value) > noise) {
-        return 0.0;
-    }
-    const double soonest = fmin(noise / fabs(speed), sqrt(noise / fabs(bend)));
-    return isfinite(soonest) ? soonest : 0.0;
+    return fabs(value) > noise ? 0.0 : fmin(noise / fabs(speed), sqrt(noise / fabs(bend)));
 }
 
 /* Returns the change of a contact whose regime does not change within the horizon. */

@@ -194,7 +194,7 @@ def at_an_end(random):
     return Scene("SphereCylinder", values, end=1.0)
 
 
-@pytest.mark.parametrize("seed", seeds())
+@pytest.mark.parametrize("seed", [*seeds(), 95161])
 def test_outputs_agree_at_an_end_whichever_side_rounding_takes(opened, seed):
     random = np.random.default_rng(seed)
     scene, fmu = at_an_end(random), opened("SphereCylinder")
