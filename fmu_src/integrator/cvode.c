@@ -344,11 +344,6 @@ static enum advance_result one_internal_step(struct cvode *c, struct scene_state
 
 enum advance_result cvode_advance(struct cvode *c, struct scene_state *q, struct advance *step)
 {
-    /* CVODE stops at the next regime change that closed forms foresee, and at the horizon of that search. */
-    double stop = q->horizon_clock;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        stop = fmin(stop, q->contact[j].schedule.change_clock);
-    }
     c->ode.values = q->v;
     c->ode.state = q;
     c->ode.layout = ode_layout_of(q->v, NULL);
@@ -361,7 +356,7 @@ enum advance_result cvode_advance(struct cvode *c, struct scene_state *q, struct
             return advance_to_event(step, q, passed);
         }
     }
-    CVodeSetStopTime(c->memory, stop);
+    CVodeSetStopTime(c->memory, step->clock_limit);
     while (q->clock < step->clock_end) {
         if (!(c->reached > q->clock)) {
             const enum advance_result result = one_internal_step(c, q, step);

@@ -797,7 +797,8 @@ static enum integrator_status run_phases(struct integrator *s, struct scene_stat
         const int next = contact_changing_first(q);
         const double change = q->contact[next].schedule.change_clock;
         const double end = q->clock + remaining;
-        step->clock_end = fmin(end, fmin(change, q->horizon_clock));
+        step->clock_limit = fmin(change, q->horizon_clock);
+        step->clock_end = fmin(end, step->clock_limit);
         step->event = ODE_EVENT_GAP;
         const enum advance_result result = advance_phase(s, q, step);
         step->is_now = false;

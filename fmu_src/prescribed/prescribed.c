@@ -993,29 +993,17 @@ void prescribed_begin(struct scene_state *q)
     transition_begin_step(q, &at);
 }
 
-/* Whether nothing moves against anything. The force of the present is then the mean. */
-static bool takes_steady(const struct span *s, double length)
+#endif
+
+/* Whether nothing moves against anything, so that the force of the present is the mean. */
+static bool is_steady(const struct span *s)
 {
     struct scene_instant at;
-    const int j = s->contact;
-    struct contact_state *state = &s->q->contact[j];
-    scene_kinematics_now(s->q, &at);
-    const struct separation_path path = separation_path_of(&at, s->q->clock, j);
-    if (scene_turns(s->v) || !path_is_steady(path.c, SEPARATION_DEGREE + 1) ||
-        !path_is_steady(path.w, SEPARATION_DEGREE)) {
-        return false;
-    }
-    if (state->regime != (int32_t)REGIME_APART) {
-        scene_forces(s->q->clock, &at);
-        state->physics.impulse = vec3_scale(length, at.source_force[j]);
-        if (SCENE_HAS_TORQUES) {
-            state->torques.destination_impulse = vec3_scale(length, scene_torque_of_force(&at, j));
-        }
-    }
-    return true;
+    kinematics_at(s, s->q->clock, &at);
+    const struct separation_path path = separation_path_of(&at, s->q->clock, s->contact);
+    return !scene_turns(s->v) && path_is_steady(path.c, SEPARATION_DEGREE + 1) &&
+           path_is_steady(path.w, SEPARATION_DEGREE);
 }
-
-#endif
 
 bool prescribed_over(struct scene_state *q, double length, long panels)
 {
@@ -1028,14 +1016,13 @@ bool prescribed_over(struct scene_state *q, double length, long panels)
         if (!contact_is_prescribed(q->v, j)) {
             continue;
         }
-#if !SCENE_ANY_FREE
-        if (takes_steady(&s, length)) {
-            continue;
-        }
-#endif
         s.evaluations = &evaluations;
         s.panel_cost += (long)fmin(steps / STEPS_OF_PANEL, PRESCRIBED_PANELS);
-        if (!integrate_located(&s, start, end)) {
+        if (is_steady(&s)) {
+            if (regime_of(&s) != REGIME_APART) {
+                add_instant(&s, start, length);
+            }
+        } else if (!integrate_located(&s, start, end)) {
             return false;
         }
         q->clock = start;
