@@ -178,11 +178,9 @@ static double rounding_of_rates(const struct general *g, int left)
     double by_places = 0.0;
     double by_others = 0.0;
     for (int j = 0; j < p->problem.paired; ++j) {
-        if (p->group_of[p->speed_among[j]] == p->group_of[left]) {
-            by_places += fabs(radau_slope_of(p, p->other[left], p->problem.place[j]));
-        }
+        by_places += fabs(radau_slope_of(p, p->other[left], p->problem.place[j]));
     }
-    for (int j = radau_group_begin(p, left); j < radau_group_end(p, left); ++j) {
+    for (int j = 0; j < p->others; ++j) {
         by_others += fabs(radau_slope_of(p, p->other[left], p->other[j])) * g->size_of[p->other[j]];
     }
     return by_places * g->rounding[p->group_of[left]].place + ROUNDING_OF_STATES * by_others;

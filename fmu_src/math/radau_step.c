@@ -102,7 +102,7 @@ size_t radau_step_memory(const struct radau_problem *problem)
     const size_t s = RADAU_MOST_STAGES;
     const size_t all = (size_t)radau_padded(rows_of_all(problem));
     const size_t doubles = (8 * s + 1) * n + 2 * n * n + 7 * n + (all + 1) * all;
-    const size_t ints = 4 * n + 1 + all;
+    const size_t ints = 3 * n + all;
     return doubles * sizeof(double) + ints * sizeof(int);
 }
 
@@ -131,14 +131,12 @@ static void list_others(struct radau_step *p)
         }
     }
     int group = 0;
-    p->group_first[0] = 0;
     for (int j = 0; j < p->others; ++j) {
         while (problem->groups > 0 && p->other[j] >= problem->group_end[group]) {
-            p->group_first[++group] = j;
+            ++group;
         }
         p->group_of[j] = group;
     }
-    p->group_first[group + 1] = p->others;
     p->width = radau_padded(p->others);
 }
 
@@ -170,8 +168,7 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     int *whole = (int *)(void *)next;
     p->other = whole;
     p->speed_among = whole + n;
-    p->group_first = whole + 2 * n;
-    p->group_of = p->group_first + n + 1;
+    p->group_of = whole + 2 * n;
     p->all.pivot = p->group_of + n;
     list_others(p);
 }
@@ -492,45 +489,25 @@ static void put_start_defect(struct radau_step *p)
     p->side[p->others] = 0.0;
 }
 
-/* Factor a matrix with a row for each of the others, and solve its system, group by group. Outside the groups
- * the matrix is zero. */
-static bool factor_groups(const struct radau_step *p, struct lu_matrix m)
-{
-    bool done = true;
-    for (int j = 0; done && j < p->others; j = radau_group_end(p, j)) {
-        done = lu_factor(lu_part(m, j, radau_group_end(p, j) - j));
-    }
-    return done;
-}
-
-static void solve_groups(const struct radau_step *p, struct lu_matrix m, double *side)
-{
-    for (int j = 0; j < p->others; j = radau_group_end(p, j)) {
-        lu_solve(lu_part(m, j, radau_group_end(p, j) - j), side + j);
-    }
-}
-
 /* Factors I - h J of the others. If `follows`, J has their effect through the places too, which follow the
  * speeds. */
 static bool factor_dying(struct radau_step *p, struct lu_matrix system, const double *slopes, bool follows)
 {
     const int coupled = p->problem.coupled;
     for (int column = 0; column < p->others; ++column) {
-        const int end = radau_group_end(p, column);
         double *to = system.re + column * system.stride;
-        for (int i = radau_group_begin(p, column); i < end; ++i) {
+        for (int i = 0; i < p->others; ++i) {
             to[i] = (i == column ? 1.0 : 0.0) - p->length * slopes[p->other[column] * coupled + p->other[i]];
         }
-        to[end] = 0.0;
+        to[p->others] = 0.0;
     }
     for (int k = 0; k < p->problem.paired && follows; ++k) {
-        const int speed = p->speed_among[k];
-        double *to = system.re + speed * system.stride;
-        for (int i = radau_group_begin(p, speed); i < radau_group_end(p, speed); ++i) {
+        double *to = system.re + p->speed_among[k] * system.stride;
+        for (int i = 0; i < p->others; ++i) {
             to[i] -= p->length * p->length * slopes[p->problem.place[k] * coupled + p->other[i]];
         }
     }
-    return factor_groups(p, system);
+    return lu_factor(system);
 }
 
 void radau_step_stage(const struct radau_step *p, int stage, double *y)
@@ -551,17 +528,17 @@ void radau_step_stage(const struct radau_step *p, int stage, double *y)
 double radau_step_start_error(struct radau_step *p)
 {
     const int m = p->others;
-    const struct lu_matrix system = p->all;
+    const struct lu_matrix system = lu_part(p->all, 0, m);
     put_start_defect(p);
     if (!factor_dying(p, system, p->slopes, false)) {
         return (double)INFINITY;
     }
     memcpy(p->point, p->side, (size_t)m * sizeof *p->side);
-    solve_groups(p, system, p->side);
+    lu_solve(system, p->side);
     for (int i = 0; i < m; ++i) {
         p->side[i] = p->point[i] - p->side[i];
     }
-    solve_groups(p, system, p->side);
+    lu_solve(system, p->side);
     radau_step_at(p, 1.0, p->point);
     p->problem.slopes(p->problem.context, p->start + p->length, p->point, p->end_slopes);
     p->evaluations += 1;
@@ -570,7 +547,7 @@ double radau_step_start_error(struct radau_step *p)
     if (!factor_dying(p, system, p->end_slopes, true)) {
         return (double)INFINITY;
     }
-    solve_groups(p, system, p->side);
+    lu_solve(system, p->side);
     double largest = 0.0;
     for (int i = 0; i < m; ++i) {
         const double size = fabs(p->side[i]) * p->weight[p->other[i]];

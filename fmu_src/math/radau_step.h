@@ -69,19 +69,8 @@ struct radau_step {
     int others;         /* number of coupled states that are no places */
     int *other;         /* [others]: their indices */
     int *speed_among;   /* [paired]: index of a speed among the others */
-    int *group_first;   /* the first of the others in each group, and their number */
     int *group_of;      /* [others]: the group of each */
 };
-
-/* The first of the others in the group of one, and the end of that group. */
-static inline int radau_group_begin(const struct radau_step *p, int other)
-{
-    return p->group_first[p->group_of[other]];
-}
-static inline int radau_group_end(const struct radau_step *p, int other)
-{
-    return p->group_first[p->group_of[other] + 1];
-}
 
 /* Returns the slope at the start of the rate of one coupled state by another, both by their indices in y. */
 static inline double radau_slope_of(const struct radau_step *p, int rate, int by)
