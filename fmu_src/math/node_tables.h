@@ -54,7 +54,7 @@ struct radau_stages {
     const double *node, *integral, *inverse, *place, *chebyshev, *bernstein;
 };
 
-enum { RADAU_METHODS = 5, RADAU_MOST_STAGES = 12 };
+enum { RADAU_MOST_STAGES = 12 };
 
 extern const struct radau_stages radau_stages_4, radau_stages_8, radau_stages_12;
 extern const struct radau_stages radau_stages_touch, radau_stages_release; /* of twelve stages */

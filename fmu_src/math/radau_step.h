@@ -40,7 +40,7 @@ enum { RADAU_ROOM = 2048, RADAU_LEAST_STAGES = 4 };
 
 /* The matrix A of a method and A^2, column by column. */
 struct radau_columns {
-    bool known;
+    const struct radau_stages *of; /* the method; NULL: none yet */
     double once[RADAU_MOST_STAGES * RADAU_MOST_STAGES], twice[RADAU_MOST_STAGES * RADAU_MOST_STAGES];
 };
 
@@ -63,13 +63,13 @@ struct radau_step {
     double end_clock, *end_y; /* where end_slopes were evaluated; a clock of NaN: they are not known */
     struct lu_matrix all;     /* for the caller, as `side`: [radau_step_room] rows */
     double *side;
-    struct radau_columns columns[RADAU_METHODS];
-    double *point, *re; /* [size] each */
-    int stride, width;  /* padded lengths of rows of all states, and of the others */
-    int others;         /* number of coupled states that are no places */
-    int *other;         /* [others]: their indices */
-    int *speed_among;   /* [paired]: index of a speed among the others */
-    int *group_of;      /* [others]: the group of each */
+    struct radau_columns columns; /* of the last method */
+    double *point, *re;           /* [size] each */
+    int stride, width;            /* padded lengths of rows of all states, and of the others */
+    int others;                   /* number of coupled states that are no places */
+    int *other;                   /* [others]: their indices */
+    int *speed_among;             /* [paired]: index of a speed among the others */
+    int *group_of;                /* [others]: the group of each */
 };
 
 /* Returns the slope at the start of the rate of one coupled state by another, both by their indices in y. */
