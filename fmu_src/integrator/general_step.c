@@ -10,12 +10,8 @@
 #include "scene/scene_jet.h"
 
 /* Length of a first step in radians of the fastest oscillation. An impact takes pi radians with a linear
- * spring, and four with Hertz's law. */
+ * spring. A step from a touch under Hertz's law has no spring yet; its error shortens it. */
 static const double FIRST_STEP = 4.0;
-
-/* Length of a first step that begins at a touch under Hertz's law, in the same radians. A step from the touch
- * is accurate over a third of the impact. */
-static const double FIRST_STEP_FROM_TOUCH = 1.3;
 
 double general_length_of_springs(const struct general *g)
 {
@@ -29,52 +25,6 @@ double general_length_of_springs(const struct general *g)
         square = fmax(square, sum);
     }
     return square > 0.0 ? FIRST_STEP / sqrt(square) : (double)INFINITY;
-}
-
-/* The stiffness of Hertz's spring grows with the square root of the penetration. From this part of the
- * largest penetration on, general_length_of_springs and the error of a step show the stiffness well
- * enough. */
-static const double DEEP = 0.25;
-
-/* Returns the order of magnitude of the largest penetration delta after a touch [m]. An impact without
- * damping has delta^(5/2) = 5/4 v^2 / k; an impact with much damping has delta^(5/2) = 5/2 v / (k chi). A
- * body at rest under the acceleration `load` a has delta^(3/2) = a / k. `k` is k_h / m_red. */
-static double depth_to_come(double k, double chi, double speed, double load)
-{
-    const double stops = fmin(0.5 * speed, 1.0 / chi); /* chi = 0: 0.5 speed */
-    const double static_depth = cbrt(load / k);
-    return fmax(pow(2.5 * speed * stops / k, 0.4), static_depth * static_depth);
-}
-
-static double length_of_impact(const struct scene_instant *at, int contact)
-{
-    const struct contact_law law = scene_contact_law(at->q, contact);
-    const enum contact_regime regime = (enum contact_regime)at->q->contact[contact].regime;
-    const double per_mass = scene_inverse_mass(at->v, contact);
-    if (!contact_is_hertz(&law) || !contact_transmits(at->q, contact) || !(per_mass > 0.0)) {
-        return (double)INFINITY;
-    }
-    const struct contact_coefficients factors = contact_factors_of(&law);
-    const double k = factors.k * per_mass;
-    const double chi = regime == REGIME_COMPRESSION ? factors.c : 0.0;
-    const struct contact_geometry *g = &at->geometry[contact];
-    const double load = scene_pressing_acceleration(at->q->clock, at, contact);
-    const double depth = depth_to_come(k, chi, fabs(g->gap_rate), load);
-    if (!(-g->gap < DEEP * depth) || g->gap_rate > 0.0) {
-        return (double)INFINITY;
-    }
-    const double spring = sqrt(1.5 * k * sqrt(depth));
-    const double dashpot = k * chi * depth * sqrt(depth);
-    return FIRST_STEP_FROM_TOUCH / fmax(spring, dashpot);
-}
-
-double general_length_of_impacts(const struct scene_instant *at)
-{
-    double least = (double)INFINITY;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        least = fmin(least, length_of_impact(at, j));
-    }
-    return least;
 }
 
 /* Regularized friction as a function of the slip bends where the slip falls to a few v_0. A step ends before
@@ -568,17 +518,6 @@ struct attempt {
     const struct radau_stages *stages;
 };
 
-/* Returns the length of the next attempt at a step, divided by that of the last one, where the last two have
- * been rejected. Their errors show with which power of the length the error goes. The power is low where the
- * solution is not smooth, as at the touch by Hertz's law. */
-static double factor_after(const struct attempt *before, const struct attempt *now)
-{
-    const double highest = 2.0 * now->stages->stages - 1.0;
-    const double seen = log(before->error / now->error) / log(before->length / now->length);
-    const double order = before->stages == now->stages && seen < highest ? fmax(seen, 1.0) : highest;
-    return fmax(SAFETY * pow(now->error, -1.0 / order), START_SHRINKAGE);
-}
-
 /*
  * Forces under Hertz's law go with the power 3/2 of the time since the touch and of the time to the release.
  * A step from the touch and one to the release have a pace that makes these powers polynomials
@@ -735,12 +674,9 @@ static bool finds_release(struct general *g, double (*release_within)(struct gen
 }
 
 /* Shortens g->longest after the attempt `now` has been rejected, and `before` too if it has stages. */
-static void shorten(struct general *g, const struct attempt *before, const struct attempt *now)
+static void shorten(struct general *g, const struct attempt *now)
 {
-    double factor = factor_of(g, now->error, now->stages);
-    if (before->stages && now->error < (double)INFINITY && any_force_bends(g)) {
-        factor = fmin(factor, factor_after(before, now));
-    }
+    const double factor = factor_of(g, now->error, now->stages);
     g->longest = fmin(now->length / reach_of(now->stages) * factor, 0.9 * g->longest);
 }
 
@@ -787,7 +723,6 @@ static void lengthen(struct general *g, const struct attempt *now)
 bool general_step_make(struct general *g, double limit, double left, long *budget,
                        double (*release_within)(struct general *g))
 {
-    struct attempt before = {.stages = NULL};
     if (SCENE_ANY_HERTZ && !(g->release_clock - g->step.start > clock_rounding(g))) {
         forget_release(g);
     }
@@ -817,8 +752,7 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
             g->solvable = SOLVABLE_PART * now.length;
         }
         g->rejected += 1;
-        shorten(g, &before, &now);
-        before = now;
+        shorten(g, &now);
         if (!(g->step.start + g->longest > g->step.start) || g->longest < 1e-18 * limit) {
             snprintf(g->message, INTEGRATOR_MESSAGE_SIZE,
                      "no step of the general segment is accurate enough from here on");
