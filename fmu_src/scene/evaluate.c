@@ -933,24 +933,8 @@ static double gap_acceleration(double clock, const struct scene_instant *at, int
 
 double scene_pressing_acceleration(double clock, const struct scene_instant *at, int contact)
 {
-    const int source = contact_source(contact);
-    const int destination = contact_destination(contact);
-    const struct vec3 own = vec3_scale(-scene_contact_side(at->q, contact) * at->normal_force[contact],
-                                       at->geometry[contact].normal);
-    struct scene_instant without = *at;
-    without.acceleration[source] =
-        vec3_axpy(at->acceleration[source], -body_inverse_mass(at->v, source), own);
-    without.acceleration[destination] =
-        vec3_axpy(at->acceleration[destination], body_inverse_mass(at->v, destination), own);
-    if (scene_turns(at->v)) {
-        struct vec3 *torque = &without.turning.destination_torque[contact];
-        *torque = vec3_sub(*torque, vec3_cross(own, at->turning.destination_arm[contact]));
-        if (SCENE_ANY_COMPOUND) {
-            torque = &without.turning.source_torque[contact];
-            *torque = vec3_sub(*torque, vec3_cross(at->turning.source_arm[contact], own));
-        }
-    }
-    return fmax(-gap_acceleration(clock, &without, contact), 0.0);
+    const double own = at->normal_force[contact] * scene_inverse_mass(at->v, contact);
+    return fmax(own - gap_acceleration(clock, at, contact), 0.0);
 }
 
 double turning_normal_force_rate(double clock, const struct scene_instant *at, int contact)
