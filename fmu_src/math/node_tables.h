@@ -51,10 +51,10 @@ struct radau_stages {
     enum radau_pace pace;
     double start_pace; /* d tau/d sigma at the start */
     /* `node` holds the times tau of the stages, `place` their sigma */
-    const double *node, *integral, *inverse, *place, *chebyshev, *bernstein;
+    const double *node, *integral, *inverse, *once, *twice, *place, *chebyshev, *bernstein;
 };
 
-enum { RADAU_METHODS = 5, RADAU_MOST_STAGES = 12 };
+enum { RADAU_MOST_STAGES = 12 };
 
 extern const struct radau_stages radau_stages_4, radau_stages_8, radau_stages_12;
 extern const struct radau_stages radau_stages_touch, radau_stages_release; /* of twelve stages */

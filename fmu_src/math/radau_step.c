@@ -578,32 +578,3 @@ double radau_step_start_error(struct radau_step *p)
     }
     return largest;
 }
-
-/* Returns which of the five methods this is. */
-static int method_of(const struct radau_stages *stages)
-{
-    const struct radau_stages *const METHODS[RADAU_METHODS] = {
-        &radau_stages_4, &radau_stages_8, &radau_stages_12, &radau_stages_touch, &radau_stages_release};
-    int i = 0;
-    while (METHODS[i] != stages) {
-        ++i;
-    }
-    return i;
-}
-
-const struct radau_columns *radau_step_columns(struct radau_step *p)
-{
-    const int s = p->stages->stages;
-    const double *integral = p->stages->integral;
-    struct radau_columns *columns = p->columns + method_of(p->stages);
-    for (int i = 0; i < s * s && !columns->known; ++i) {
-        double sum = 0.0;
-        for (int k = 0; k < s; ++k) {
-            sum += integral[i / s * s + k] * integral[k * s + i % s];
-        }
-        columns->once[i % s * s + i / s] = integral[i];
-        columns->twice[i % s * s + i / s] = sum;
-    }
-    columns->known = true;
-    return columns;
-}
