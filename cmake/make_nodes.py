@@ -14,6 +14,7 @@ integral of l_j from 0 to c_i:
 
     integral     A, row by row
     inverse      A^-1, row by row
+    once, twice  A and A^2, column by column
     chebyshev    from values at the nodes to the s + 1 Chebyshev coefficients of the polynomial through them
                  and through zero at 0; by coefficients
     bernstein    from values at 0 and at the nodes to the s + 1 Bernstein coefficients; by places
@@ -24,6 +25,7 @@ then the integral of l_j times the pace dt/dsigma at c_j, and `node` holds the t
 
 import decimal
 import math
+import operator
 import sys
 import textwrap
 from decimal import Decimal
@@ -195,12 +197,15 @@ def stage_tables(stages: int, pace: str = "") -> str:
     times, paces = zip(*map(PACES.get(pace, even), at), strict=True)
     a = [[integral(b, 0, x) * faster for b, faster in zip(basis, paces, strict=True)] for x in at]
     inverse = inverted(a)
+    squared = [[sum(map(operator.mul, row, column)) for column in zip(*a, strict=True)] for row in a]
     places = [Decimal(0), *at]
     through_zero = [lagrange(places, j) for j in range(stages + 1)]
     named = {
         "node": [times],
         "integral": a,
         "inverse": inverse,
+        "once": zip(*a, strict=True),
+        "twice": zip(*squared, strict=True),
     }
     alike = {
         "chebyshev": zip(*(to_chebyshev(b) for b in through_zero[1:]), strict=True),

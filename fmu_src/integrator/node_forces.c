@@ -1067,7 +1067,6 @@ static void put_blocks_of_normals(const struct iteration *it, int c, int d, doub
 {
     struct radau_step *p = &it->g->step;
     const int s = p->stages->stages;
-    const struct radau_columns *columns = radau_step_columns(p);
     const struct normals *of = &it->normals[c];
     double slope[2][RADAU_MOST_STAGES]; /* response to 1 N over the step, by rate and by gap */
     for (int i = 0; i < s; ++i) {
@@ -1082,8 +1081,8 @@ static void put_blocks_of_normals(const struct iteration *it, int c, int d, doub
             const double2 alike = double2_at(of->push[0], i) * push[0] +
                                   double2_at(of->push[1], i) * push[1] + double2_at(of->push[2], i) * push[2];
             double2_put(to, i,
-                        alike * (double2_at(columns->once + j * s, i) * double2_at(slope[0], i) +
-                                 double2_at(columns->twice + j * s, i) * double2_at(slope[1], i)));
+                        alike * (double2_at(p->stages->once + j * s, i) * double2_at(slope[0], i) +
+                                 double2_at(p->stages->twice + j * s, i) * double2_at(slope[1], i)));
         }
         if (c == d) {
             to[j] -= it->admittance[c];
@@ -1096,7 +1095,6 @@ CONTACT_FLATTEN static void put_blocks(const struct iteration *it, int c, int d)
 {
     struct radau_step *p = &it->g->step;
     const int s = p->stages->stages;
-    const struct radau_columns *columns = radau_step_columns(p);
     const struct node_contact *of = &it->contact[c];
     const struct node_contact *from = &it->contact[d];
     struct shared_body shared[4];
@@ -1123,8 +1121,8 @@ CONTACT_FLATTEN static void put_blocks(const struct iteration *it, int c, int d)
             turned[l] = turned_rows_of(it, i, c, &shared[l]);
         }
         for (int j = 0; j < s; ++j) {
-            struct block_weights w = {.once = p->length * columns->once[j * s + i],
-                                      .square = p->length * p->length * columns->twice[j * s + i]};
+            struct block_weights w = {.once = p->length * p->stages->once[j * s + i],
+                                      .square = p->length * p->length * p->stages->twice[j * s + i]};
             for (int k = 0; SCENE_ANY_SPRINGS && of->springs && k < OPPOSED; ++k) {
                 const struct node_spring *spring = &it->spring[c][k];
                 const double weight = spring->is_there ? spring->weight[i * s + j] : 0.0;

@@ -51,7 +51,7 @@ struct radau_stages {
     enum radau_pace pace;
     double start_pace; /* d tau/d sigma at the start */
     /* `node` holds the times tau of the stages, `place` their sigma */
-    const double *node, *integral, *inverse, *place, *chebyshev, *bernstein;
+    const double *node, *integral, *inverse, *once, *twice, *place, *chebyshev, *bernstein;
 };
 
 enum { RADAU_MOST_STAGES = 12 };

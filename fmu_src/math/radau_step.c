@@ -555,20 +555,3 @@ double radau_step_start_error(struct radau_step *p)
     }
     return largest;
 }
-
-const struct radau_columns *radau_step_columns(struct radau_step *p)
-{
-    const int s = p->stages->stages;
-    const double *integral = p->stages->integral;
-    struct radau_columns *columns = &p->columns;
-    for (int i = 0; i < s * s && columns->of != p->stages; ++i) {
-        double sum = 0.0;
-        for (int k = 0; k < s; ++k) {
-            sum += integral[i / s * s + k] * integral[k * s + i % s];
-        }
-        columns->once[i % s * s + i / s] = integral[i];
-        columns->twice[i % s * s + i / s] = sum;
-    }
-    columns->of = p->stages;
-    return columns;
-}

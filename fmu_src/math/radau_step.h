@@ -38,12 +38,6 @@ struct radau_problem {
  * number of rows, which take 32 MB. More unknowns have room at four stages. */
 enum { RADAU_ROOM = 2048, RADAU_LEAST_STAGES = 4 };
 
-/* The matrix A of a method and A^2, column by column. */
-struct radau_columns {
-    const struct radau_stages *of; /* the method; NULL: none yet */
-    double once[RADAU_MOST_STAGES * RADAU_MOST_STAGES], twice[RADAU_MOST_STAGES * RADAU_MOST_STAGES];
-};
-
 struct radau_step {
     struct radau_problem problem;
     const struct radau_stages *stages; /* method of the last solution */
@@ -63,13 +57,12 @@ struct radau_step {
     double end_clock, *end_y; /* where end_slopes were evaluated; a clock of NaN: they are not known */
     struct lu_matrix all;     /* for the caller, as `side`: [radau_step_room] rows */
     double *side;
-    struct radau_columns columns; /* of the last method */
-    double *point, *re;           /* [size] each */
-    int stride, width;            /* padded lengths of rows of all states, and of the others */
-    int others;                   /* number of coupled states that are no places */
-    int *other;                   /* [others]: their indices */
-    int *speed_among;             /* [paired]: index of a speed among the others */
-    int *group_of;                /* [others]: the group of each */
+    double *point, *re; /* [size] each */
+    int stride, width;  /* padded lengths of rows of all states, and of the others */
+    int others;         /* number of coupled states that are no places */
+    int *other;         /* [others]: their indices */
+    int *speed_among;   /* [paired]: index of a speed among the others */
+    int *group_of;      /* [others]: the group of each */
 };
 
 /* Returns the slope at the start of the rate of one coupled state by another, both by their indices in y. */
@@ -96,7 +89,6 @@ void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages
  * radau_step_guess_rates gives the rates of `count` states from `first` on, along the guess, at
  * [stage * count + state]. radau_step_room returns the number of rows of `all`. */
 int radau_step_room(const struct radau_step *p);
-const struct radau_columns *radau_step_columns(struct radau_step *p);
 void radau_step_integrals(const struct radau_step *p, const double *rates, double *integrals);
 void radau_step_pending(const struct radau_step *p, int first, int count, const double *rates,
                         double *pending);

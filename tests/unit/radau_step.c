@@ -112,11 +112,10 @@ static void oscillate(struct radau_step *p, const struct radau_stages *stages, d
     const double damping = *(const double *)p->problem.context;
     const int s = stages->stages;
     radau_step_guess_on(p, stages, h);
-    const struct radau_columns *columns = radau_step_columns(p);
     const struct lu_matrix m = lu_part(p->all, 0, s);
     for (int k = 0; k < s * s; ++k) {
         m.re[k / s * m.stride + k % s] =
-            (k / s == k % s ? 1.0 : 0.0) + damping * h * columns->once[k] + h * h * columns->twice[k];
+            (k / s == k % s ? 1.0 : 0.0) + damping * h * stages->once[k] + h * h * stages->twice[k];
         m.re[k / s * m.stride + s] = 0.0;
     }
     CHECK(lu_factor(m));
@@ -318,7 +317,7 @@ TEST(given_rates_are_integrated_exactly_and_a_guess_tells_its_rates)
         CHECK_CLOSE("a", y[TIPPING], t * t, 1e-14);
         double twice = 0.0; /* A^2 times 6 t is t^3 / h^2 */
         for (int j = 0; j < 12; ++j) {
-            twice += radau_step_columns(&p)->twice[j * 12 + i] * 6.0 * length * p.stages->node[j];
+            twice += p.stages->twice[j * 12 + i] * 6.0 * length * p.stages->node[j];
         }
         CHECK_CLOSE("A^2", length * length * twice, t * t * t, 1e-14);
         p.rates[i * p.stride + PLACE] = y[SPEED];
