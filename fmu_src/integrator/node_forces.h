@@ -22,9 +22,9 @@ int node_forces_unknowns(const struct scene_values *v);
  * this length [s]. */
 int node_forces_stages(const struct general *g, double length);
 
-/* Solves the stages of g->step from their guess; false where the iterations do not converge. Where the guess
- * is far from the end of the step, `set_weights` sets the errors allowed anew after the first iteration; it
- * is NULL elsewhere. */
+/* Solves the stages of g->step from their guess. Returns false where the iterations do not converge. Where
+ * the guess is far from the end of the step, `set_weights` sets the errors allowed anew after the first
+ * iteration; it is NULL elsewhere. */
 bool node_forces_solve(struct general *g, double tolerance, void (*set_weights)(struct general *g));
 
 #endif

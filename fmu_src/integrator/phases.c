@@ -456,7 +456,7 @@ static double integrate_prescribed(struct scene_state *q, double end, struct adv
     return reached;
 }
 
-/* Integrates the prescribed contacts over the phase; false where the budget ends it early. */
+/* Integrates the prescribed contacts over the phase. Returns false where the budget ends the phase early. */
 static bool integrate_beside_pairs(struct pair_phase *all, struct scene_state *q, struct advance *step)
 {
     if (!SCENE_ANY_PRESCRIBED_CONTACT || SCENE_CONTACTS == 1) {

@@ -21,7 +21,8 @@ static inline struct lu_matrix lu_part(struct lu_matrix m, int first, int rows)
     return (struct lu_matrix){rows, m.stride, m.re + at, m.pivot + first};
 }
 
-/* Factors in place; false where a pivot is zero or not finite. The pivots are stored as their reciprocals. */
+/* Factors in place. Returns false where a pivot is zero or not finite. The pivots are stored as their
+ * reciprocals. */
 bool lu_factor(struct lu_matrix m);
 
 /* Solves for a right side in place. */

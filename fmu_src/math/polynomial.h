@@ -23,7 +23,8 @@ struct polynomial polynomial_derivative(const struct polynomial *p);
  */
 int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_MAX_DEGREE]);
 
-/* Sorts all of these s into `count` ascending numbers; returns the new count. */
+/* Adds the places of these changes of sign to `count` ascending numbers, and keeps all ascending. Returns
+ * the new count. */
 int polynomial_add_sign_changes(const struct polynomial *p, double *sorted, int count);
 
 /* A sum of a[i] s^i, and a root_function of it (below). */

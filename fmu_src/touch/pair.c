@@ -353,8 +353,8 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change,
 /* A component perpendicular to the plane of motion is rounding if it is below this fraction of its vector. */
 static const double OUT_OF_PLANE = 8.0 * DBL_EPSILON;
 
-/* Projecting a vector along the normal leaves rounding of any direction. Of such a direction a second
- * projection leaves less than this part. */
+/* The projection of a vector along the normal leaves rounding, whose direction is arbitrary. Where a second
+ * projection leaves less than this part of a unit vector, that vector is such rounding. */
 static const double MOSTLY_NORMAL = 0.5;
 
 /* Returns the first tangential direction in which the flight moves; zero where the motion is head-on. */
