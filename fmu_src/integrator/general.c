@@ -781,6 +781,9 @@ static void general_start(struct general *g, struct scene_state *q)
     general_set_events(g, &at);
     ode_pack(&g->ode, g->y);
     general_begin(g, q->clock, g->y);
+    if (SCENE_ANY_HERTZ) {
+        g->longest = fmin(g->longest, general_length_of_impacts(&at));
+    }
 }
 
 /* A step may go on beyond a communication point. The state of motion then stores the step's polynomial, which

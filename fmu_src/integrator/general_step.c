@@ -10,8 +10,12 @@
 #include "scene/scene_jet.h"
 
 /* Length of a first step in radians of the fastest oscillation. An impact takes pi radians with a linear
- * spring. A step from a touch under Hertz's law has no spring yet; its error shortens it. */
+ * spring, and four with Hertz's law. */
 static const double FIRST_STEP = 4.0;
+
+/* Length of a first step that begins at a touch under Hertz's law, in the same radians. A step from the touch
+ * is accurate over a third of the impact. */
+static const double FIRST_STEP_FROM_TOUCH = 1.3;
 
 double general_length_of_springs(const struct general *g)
 {
@@ -25,6 +29,52 @@ double general_length_of_springs(const struct general *g)
         square = fmax(square, sum);
     }
     return square > 0.0 ? FIRST_STEP / sqrt(square) : (double)INFINITY;
+}
+
+/* The stiffness of Hertz's spring grows with the square root of the penetration. From this part of the
+ * largest penetration on, general_length_of_springs and the error of a step show the stiffness well
+ * enough. */
+static const double DEEP = 0.25;
+
+/* Returns the order of magnitude of the largest penetration delta after a touch [m]. An impact without
+ * damping has delta^(5/2) = 5/4 v^2 / k; an impact with much damping has delta^(5/2) = 5/2 v / (k chi). A
+ * body at rest under the acceleration `load` a has delta^(3/2) = a / k. `k` is k_h / m_red. */
+static double depth_to_come(double k, double chi, double speed, double load)
+{
+    const double stops = fmin(0.5 * speed, 1.0 / chi); /* chi = 0: 0.5 speed */
+    const double static_depth = cbrt(load / k);
+    return fmax(pow(2.5 * speed * stops / k, 0.4), static_depth * static_depth);
+}
+
+static double length_of_impact(const struct scene_instant *at, int contact)
+{
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    const enum contact_regime regime = (enum contact_regime)at->q->contact[contact].regime;
+    const double per_mass = scene_inverse_mass(at->v, contact);
+    if (!contact_is_hertz(&law) || !contact_transmits(at->q, contact) || !(per_mass > 0.0)) {
+        return (double)INFINITY;
+    }
+    const struct contact_coefficients factors = contact_factors_of(&law);
+    const double k = factors.k * per_mass;
+    const double chi = regime == REGIME_COMPRESSION ? factors.c : 0.0;
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double load = scene_pressing_acceleration(at->q->clock, at, contact);
+    const double depth = depth_to_come(k, chi, fabs(g->gap_rate), load);
+    if (!(-g->gap < DEEP * depth) || g->gap_rate > 0.0) {
+        return (double)INFINITY;
+    }
+    const double spring = sqrt(1.5 * k * sqrt(depth));
+    const double dashpot = k * chi * depth * sqrt(depth);
+    return FIRST_STEP_FROM_TOUCH / fmax(spring, dashpot);
+}
+
+double general_length_of_impacts(const struct scene_instant *at)
+{
+    double least = (double)INFINITY;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        least = fmin(least, length_of_impact(at, j));
+    }
+    return least;
 }
 
 /* Regularized friction as a function of the slip bends where the slip falls to a few v_0. A step ends before

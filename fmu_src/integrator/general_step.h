@@ -104,9 +104,11 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
 bool general_force_bends(const struct general *g, int contact);
 
 /* Each function returns a limit of a step's length [s]; INFINITY: no limit. The springs at the start of
- * g->step limit the first step. Regularized friction whose slip is about to end limits every step. */
+ * g->step and impacts that begin under Hertz's law limit the first step. Regularized friction whose slip is
+ * about to end limits every step. */
 double general_length_of_springs(const struct general *g);
 double general_length_of_sliding(const struct general *g);
+double general_length_of_impacts(const struct scene_instant *at);
 
 /* Sets the errors allowed in the states from their sizes in the step. */
 void general_set_weights(struct general *g);
