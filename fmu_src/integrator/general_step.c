@@ -723,7 +723,7 @@ static bool finds_release(struct general *g, double (*release_within)(struct gen
     return is_near;
 }
 
-/* Shortens g->longest after the attempt `now` has been rejected, and `before` too if it has stages. */
+/* Shortens g->longest after the attempt `now` has been rejected. */
 static void shorten(struct general *g, const struct attempt *now)
 {
     const double factor = factor_of(g, now->error, now->stages);

@@ -9,11 +9,14 @@
 #include "scene/evaluate.h"
 
 /* Returns the time [s] in which a quantity with the rate `speed` and half the second derivative `bend` leaves
- * the rounding `noise` around zero: 0 where the quantity is outside, INFINITY where it does not change. Until
- * then its sign means nothing. */
+ * the rounding `noise` around zero; 0 where the quantity is outside. Until then its sign means nothing. */
 static double leaving_time(double value, double noise, double speed, double bend)
 {
-    return fabs(value) > noise ? 0.0 : fmin(noise / fabs(speed), sqrt(noise / fabs(bend)));
+    if (fabs(value) > noise) {
+        return 0.0;
+    }
+    const double soonest = fmin(noise / fabs(speed), sqrt(noise / fabs(bend)));
+    return isfinite(soonest) ? soonest : 0.0;
 }
 
 /* Returns the change of a contact whose regime does not change within the horizon. */
@@ -38,8 +41,10 @@ static struct regime_change passage_of_end(const struct contact_shape *shape,
     double ends[2 * POLYNOMIAL_MAX_DEGREE];
     const int count = separation_path_planes(separation, horizon, shape->axis, shape->half_length, ends, 0);
     const double beyond = fabs(vec3_dot(separation->c[0], shape->axis)) - shape->half_length;
-    const double leaves = leaving_time(beyond, axial_rounding, vec3_dot(separation->c[1], shape->axis),
-                                       vec3_dot(separation->c[2], shape->axis));
+    double leaves = fabs(beyond) > axial_rounding ? 0.0 : (double)INFINITY;
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) { /* a source that never moves along the axis stays */
+        leaves = fmin(leaves, pow(axial_rounding / fabs(vec3_dot(separation->c[i], shape->axis)), 1.0 / i));
+    }
     double from = fmax(leaves, settle) / horizon;
     for (int i = 0; i <= count; ++i) {
         const double to = i < count ? ends[i] : 1.0;
