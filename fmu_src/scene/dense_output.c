@@ -161,6 +161,29 @@ static bool may_be_larger(const struct dense_output *w, const struct event_funct
            dense_output_is_larger(w, term_of(what, at, 0) + low->value * meet, largest);
 }
 
+/* Whether a quantity that rises at `low` comes to rest at `high` without a bend, as the force does where a
+ * prescribed body passes a rim along a tangent. Both ends hold slopes. */
+static bool rests_flat(const struct root_bracket_end *low, const struct root_bracket_end *high)
+{
+    return low->value > 0.0 && fabs(high->value) <= 1e-9 * low->value &&
+           fabs(high->slope) * (high->s - low->s) <= 1e-3 * low->value;
+}
+
+/* Whether the quantity falls before it rests at `high`: its slope is then a double root there, and the top lies
+ * before. The ends, which hold slopes, move to both sides of the top. */
+static bool fell_before(const struct dense_output *w, const struct event_function *what,
+                        struct root_bracket_end *low, struct root_bracket_end *high)
+{
+    for (int i = 0; i < 12; ++i) {
+        const struct root_bracket_end middle = end_at(w, what, 1, 0.5 * (low->s + high->s));
+        *(middle.value < 0.0 ? high : low) = middle;
+        if (middle.value < 0.0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* Returns the larger of `largest` and of the top between the samples `at` and `next`, whose slopes are `low`
  * and `high`. */
 static double larger_between(const struct dense_output *w, const struct event_function *what,
@@ -169,13 +192,21 @@ static double larger_between(const struct dense_output *w, const struct event_fu
 {
     const struct probe slope = {w, what, 1};
     const bool turns = low.value > 0.0 && high.value < 0.0;
-    if (turns &&
+    const bool flat = rests_flat(&low, &high);
+    if (turns && !flat &&
         (is_top(what, at) || is_top(what, next) || !may_be_larger(w, what, &low, &high, at, next, largest))) {
         return largest;
     }
-    if (brackets_top(w, what, &low, &high)) {
-        const double top = root_between(probe_at, &slope, low, high);
-        largest = fmax(largest, end_at(w, what, 0, top).value);
+    if (flat ? fell_before(w, what, &low, &high) : brackets_top(w, what, &low, &high)) {
+        struct pair_sample top;
+        double s = root_between(probe_at, &slope, low, high);
+        w->sampler(w->segment, s, &top);
+        high = end_of(what, 1, s, &top);
+        if (rests_flat(&low, &high) && fell_before(w, what, &low, &high)) {
+            s = root_between(probe_at, &slope, low, high);
+            w->sampler(w->segment, s, &top);
+        }
+        largest = fmax(largest, term_of(what, &top, 0));
     }
     return largest;
 }
