@@ -169,8 +169,8 @@ static bool rests_flat(const struct root_bracket_end *low, const struct root_bra
            fabs(high->slope) * (high->s - low->s) <= 1e-3 * low->value;
 }
 
-/* Whether the quantity falls before it rests at `high`: its slope is then a double root there, and the top lies
- * before. The ends, which hold slopes, move to both sides of the top. */
+/* Whether the quantity falls before it rests at `high`: its slope then has a double root there, and the top
+ * lies before. The ends, which hold slopes, move to both sides of the top. */
 static bool fell_before(const struct dense_output *w, const struct event_function *what,
                         struct root_bracket_end *low, struct root_bracket_end *high)
 {
