@@ -161,20 +161,29 @@ static bool may_be_larger(const struct dense_output *w, const struct event_funct
            dense_output_is_larger(w, term_of(what, at, 0) + low->value * meet, largest);
 }
 
+/* A double root of a slope is found to the square root of rounding. The slope there is below the first part
+ * of the slope at the start of the interval, and the bend below the second part of the mean bend. */
+static const double SLOPE_AT_REST = 1e-9;
+static const double BEND_AT_REST = 1e-3;
+
 /* Whether a quantity that rises at `low` comes to rest at `high` without a bend, as the force does where a
  * prescribed body passes a rim along a tangent. Both ends hold slopes. */
 static bool rests_flat(const struct root_bracket_end *low, const struct root_bracket_end *high)
 {
-    return low->value > 0.0 && fabs(high->value) <= 1e-9 * low->value &&
-           fabs(high->slope) * (high->s - low->s) <= 1e-3 * low->value;
+    return low->value > 0.0 && fabs(high->value) <= SLOPE_AT_REST * low->value &&
+           fabs(high->slope) * (high->s - low->s) <= BEND_AT_REST * low->value;
 }
 
-/* Whether the quantity falls before it rests at `high`: its slope then has a double root there, and the top
- * lies before. The ends, which hold slopes, move to both sides of the top. */
+/* A top may be nearer to a double root than the interval halved so often. It then exceeds the value there by
+ * 1e-11 of the rise at most, because the excess goes with the cube of the distance. */
+enum { HALVINGS_TO_REST = 12 };
+
+/* Whether the quantity falls before it rests at `high`, where its slope then has a double root. The top lies
+ * before, and the ends, which hold slopes, move to both sides of it. */
 static bool fell_before(const struct dense_output *w, const struct event_function *what,
                         struct root_bracket_end *low, struct root_bracket_end *high)
 {
-    for (int i = 0; i < 12; ++i) {
+    for (int i = 0; i < HALVINGS_TO_REST; ++i) {
         const struct root_bracket_end middle = end_at(w, what, 1, 0.5 * (low->s + high->s));
         *(middle.value < 0.0 ? high : low) = middle;
         if (middle.value < 0.0) {
