@@ -76,12 +76,11 @@ def decay(mass, stiffness, damping, speed, time):
 
 
 def test_a_start_on_the_edge_of_cap_and_rim_goes_inward(opened):
-    values = CAPPED | {"source.radius": 0.5, "source.mass": 0.1}
+    values = CAPPED | {"source.radius": 0.5, "source.mass": 0.1, "contact.dashpot": "unclamped"}
     values |= {"source.center": [9.910557280900008, 0.044721359549995794, 0.6]}
     values |= {"source.initial_velocity": [0.4472135954999579, -0.22360679774997896, -2.0]}
     values |= {"destination.center": [10.0, 0.0, 0.0], "destination.radius": 0.1, "destination.length": 0.2}
     values |= {"contact.penalty_factor": 1e7, "contact.viscous_penalty_factor": 2e4}
-    values |= {"contact.dashpot": "unclamped"}
     fmu = run(opened("SphereCylinder"), values, 0.002, 1, 1e-10)
     check_close("gap", fmu["contact.gap"], -decay(0.1, 1e7, 2e4, 2.0, 0.002), 1e-13)
     check_close("x", fmu["source.position"][0], 9.910557280900008 + 0.002 * 0.4472135954999579, 1e-14)
@@ -93,10 +92,8 @@ def edge_start(random):
     r_s, r_d = float(random.choice([0.05, 0.1, 0.5])), float(random.choice([0.1, 0.5, 1.0]))
     length = float(random.choice([0.2, 1.0, 2.0]))
     angle = float(random.choice([0.0, 0.5 * np.pi, np.arctan2(3, 4), np.arctan2(1, -2), -0.75 * np.pi]))
-    out, up = (
-        np.array([np.cos(angle), np.sin(angle), 0.0]),
-        np.array([0.0, 0.0, float(random.choice([1, -1]))]),
-    )
+    out = np.array([np.cos(angle), np.sin(angle), 0.0])
+    up = np.array([0.0, 0.0, float(random.choice([1, -1]))])
     normal, inward = (up, -out) if random.random() < 0.5 else (out, -up)
     gap = float(random.choice([0.0, 0.0, 1e-3, -1e-3]))
     move = -float(random.choice([0.0, 0.5, 2.0])) * normal
@@ -108,9 +105,8 @@ def edge_start(random):
     values = CAPPED | {"source.radius": r_s, "source.mass": mass}
     values |= {"source.center": list(center + r_d * out + 0.5 * length * up + (r_s + gap) * normal)}
     values |= {"source.initial_velocity": list(move), "destination.center": list(center)}
-    values |= {"destination.radius": r_d, "destination.length": length}
+    values |= {"destination.radius": r_d, "destination.length": length, "contact.penalty_factor": stiffness}
     values |= {"gravity": list(-float(random.choice([0.0, 10.0])) * normal)}
-    values |= {"contact.penalty_factor": stiffness}
     values |= {"contact.viscous_penalty_factor": float(random.choice([0.0, 10.0, 2e3, 2e4]))}
     values |= {"contact.dashpot": str(random.choice(["non_adhesive", "unclamped", "approach_only"]))}
     # A dashpot of 2e4 N s/m makes 1e-9 N of what is rounding in a speed.
@@ -120,8 +116,7 @@ def edge_start(random):
 def on_a_cap(stiffness, damping):
     values = CAPPED | {"gravity": [0.0, 0.0, -10.0], "destination.radius": 0.3}
     values |= {"source.center": [0.0, 0.35, 2.1], "source.initial_velocity": [0.0, -1.0, -0.5]}
-    values |= {"contact.penalty_factor": stiffness, "contact.viscous_penalty_factor": damping}
-    return values
+    return values | {"contact.penalty_factor": stiffness, "contact.viscous_penalty_factor": damping}
 
 
 @pytest.mark.parametrize("stiffness", [1e12, 1e16, 1e17, 1e18, 1e20, 1e24])
@@ -162,13 +157,20 @@ IN_THE_PLANE |= {"destination.length": 10.0}
 @pytest.mark.parametrize("steps", [1, 10, 300])
 def test_the_plane_of_an_open_end_is_within(opened, steps):
     """The ball bounces as on a cylinder without ends."""
-    values = IN_THE_PLANE | {"destination.finite_length": False}
-    fmu = run(opened("SphereCylinder"), values, 1.0, steps, 1e-10)
+    fmu = run(
+        opened("SphereCylinder"), IN_THE_PLANE | {"destination.finite_length": False}, 1.0, steps, 1e-10
+    )
     endless = fmu["source.position"], fmu["energy.dissipated"]
     fmu = run(opened("SphereCylinder"), IN_THE_PLANE, 1.0, steps, 1e-10)
     check_close("position", fmu["source.position"], endless[0], 1e-12)
     check_close("dissipated", fmu["energy.dissipated"], endless[1], 1e-10)
     assert fmu["contact.within_extents"] and fmu["contact.onsets"] == 1
+
+
+def test_a_growing_force_takes_a_source_out_of_the_plane_of_an_open_end(opened):
+    values = IN_THE_PLANE | {"source.center": [0.0, -5.0, 11.0 - 1e-5], "source.external_force": [0.0] * 3}
+    values |= {"source.external_force.derivatives": [[0.0, -60.0, 0.0]]}
+    assert 0.0 < run(opened("SphereCylinder"), values, 0.2, 1, 1e-10)["contact.last_duration"] < 1e-4
 
 
 def at_an_end(random):
