@@ -545,7 +545,7 @@ class Reference(SpanMaker):
             self.clearest = self.zero
             self.law_regime = SPRING if self.law_regime == FULL else FULL
         elif event == "force":
-            # A contact let go this near the surface parts; one whose force starts at zero never transmits one.
+            # A contact let go this near the surface parts. A force that is clipped from the start never acts.
             if self.law_regime == FULL and (abs(self.present()[0]) < SLIGHT or self.time == 0):
                 self.slight.add(len(self.event_times))
             self.law_regime = CLIPPED if self.law_regime == FULL else FULL
