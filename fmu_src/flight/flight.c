@@ -81,7 +81,7 @@ bool flight_is_head_on(const struct contact_shape *shape, const struct separatio
 {
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
         if (vec3_is_zero(separation->c[i]) && vec3_is_zero(separation->w[i - 1])) {
-            continue; /* no motion has this power of time; constant forces make powers up to two */
+            continue; /* the motion lacks this power of time, as it does under constant forces */
         }
         const struct vec3 moved = part_that_counts(shape, normal, separation->c[i]);
         const struct vec3 rate = part_that_counts(shape, normal, separation->w[i - 1]);

@@ -38,9 +38,9 @@ struct oscillator_envelope {
 
 struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, double y, double y_rate);
 
-/* The increments of x and x' since x(0) = x, x'(0) = x_rate under a constant load, by a power series:
- * subtracting the start values from the closed form would lose the digits of a small increment. For z up to
- * OSCILLATOR_SERIES_RANGE / (1 + damping_rate), omega2 up to 1. */
+/* Returns the increments of x and x' since x(0) = x, x'(0) = x_rate under a constant load, by a power series.
+ * The closed form less the start values would lose the digits of a small increment. The series holds for z up
+ * to OSCILLATOR_SERIES_RANGE / (1 + damping_rate), and for omega2 up to 1. */
 static const double OSCILLATOR_SERIES_RANGE = 0.1;
 
 struct oscillator_increment {
@@ -59,21 +59,21 @@ void oscillator_particular(const struct oscillator *o, const double *load, doubl
 void relaxation_particular(double rate, const double *load, double *s, int terms);
 
 /*
- * The free oscillation y'' + damping_rate y' + y = 0 for any damping. Beyond critical damping
+ * The free oscillation y'' + damping_rate y' + y = 0 for any damping. Beyond critical damping y decays:
  *
  *   y = by_slower exp(-slower s) + by_faster exp(-faster s)
  *   slower faster = 1,   slower + faster = damping_rate
  *
- * and for a dashpot without a spring, y'' + y' = drift: slower = 0, faster = 1, and drift s is added.
+ * A dashpot without a spring has y'' + y' = drift. Then slower = 0 and faster = 1, and drift s is added to y.
  *
  * y and each derivative keep full relative accuracy however far they have decayed, except near their zeros.
- * Variable s >= 0: radians of the undamped oscillator, or decay times of the dashpot.
+ * The variable s >= 0 counts radians of the undamped oscillator, or decay times of the dashpot.
  */
 
 enum { FREE_OSCILLATION_DERIVATIVES = 4 };
 
 struct free_oscillation {
-    struct oscillator oscillator; /* omega2 1, or 0 by a dashpot alone */
+    struct oscillator oscillator; /* omega2 is 1, or 0 without a spring */
     double y, y_rate;             /* at the start */
     bool distinct;                /* whether the two rates differ enough to be summed separately */
     double slower, faster;

@@ -209,8 +209,8 @@ static double size_of_forces(const struct scene_state *q)
 }
 
 /* Takes over the parameters of `v` that differ from those of `before` and may be set between steps, and books
- * the energy that they add or remove. Returns false where a force, a factor or the work is not finite; q is
- * then of no use. */
+ * the energy that they add or remove. Returns false where a force, a factor or the work is not finite. The
+ * caller must then give up the state q. */
 static bool motion_tune(const struct scene_values *v, const struct scene_values *before,
                         struct scene_state *q)
 {

@@ -909,8 +909,8 @@ double prescribed_integrate(struct scene_state *q, double end, long *budget)
  * many take some tenths of a second of computing. */
 static const long SEARCH_BUDGET = 1000000;
 
-/* Sets *next to the clock of the next touch or parting, or to `end`. Returns false where the evaluations are
- * used up. */
+/* Sets *next to the clock of the next touch or parting, or to `end`. Returns false where the evaluations that
+ * the step may take (*s->evaluations) are used up. */
 static bool finds_change(const struct span *s, double clock, double end, double *next)
 {
     struct scene_instant at;

@@ -174,8 +174,9 @@ static bool rests_flat(const struct root_bracket_end *low, const struct root_bra
            fabs(high->slope) * (high->s - low->s) <= BEND_AT_REST * low->value;
 }
 
-/* A top may be nearer to a double root than the interval halved so often. It then exceeds the value there by
- * 1e-11 of the rise at most, because the excess goes with the cube of the distance. */
+/* The search for a top before a double root halves the interval so often. It may miss a top that is nearer
+ * to the root. The value at such a top exceeds the value at the root by 1e-11 of the rise at most, because
+ * the excess goes with the cube of the distance. */
 enum { HALVINGS_TO_REST = 12 };
 
 /* Whether the quantity falls before it rests at `high`, where its slope then has a double root. The top lies

@@ -115,8 +115,8 @@ double body_inverse_mass(const struct scene_values *v, int body);
 double scene_inverse_mass(const struct scene_values *v, int contact);
 
 /* Returns the acceleration that presses a contact's bodies together [m/s^2]: -g'' without the contact's own
- * normal force, at least zero. The force counts by the effective mass; the turning that the force causes is
- * left out. `at` must have forces. */
+ * normal force, at least zero. The function divides this force by the effective mass, and leaves out the
+ * turning that the force causes. `at` must have forces. */
 double scene_pressing_acceleration(double clock, const struct scene_instant *at, int contact);
 
 /* Returns the torque on the destination about its centre [N m] where nothing turns or rubs. The torque is c x

@@ -109,9 +109,10 @@ static struct contact_path path_of(const struct scene_instant *at, const struct 
     return path;
 }
 
-/* Sets the wanted coefficients but the first of the offset d n: of c, of the part of c across a cylinder's
- * axis, or of the distance from a circle, (rho - R) a - (height - h) e. The unit vector a points to the axis,
- * rho a = c - (c.e) e, height = -c.e, h = L/2, and e points out of the cylinder at the rim's end. */
+/* Sets the wanted Taylor coefficients of the offset d n, but for the first one. The offset is c itself, the
+ * part of c across a cylinder's axis, or the vector to the nearest point of a circle, which is
+ * (rho - R) a - (height - h) e. The unit vector a points to the axis, rho a = c - (c.e) e, height = -c.e,
+ * h = L/2, and e points out of the cylinder at the rim's end. */
 static void put_offset(const struct contact_shape *shape, const struct contact_path *path,
                        struct vec3 offset[JET_TERMS])
 {

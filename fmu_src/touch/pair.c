@@ -197,7 +197,7 @@ static double speed_of(const struct scene_state *q, int body)
 }
 
 /* Returns the rounding error of g' computed from the velocities after the change [m/s]. In lasting contact
- * the velocity of the flight and the deviation from it nearly cancel, so that the sizes of both count. */
+ * the velocity of the flight and the deviation from it nearly cancel. The bound takes the sizes of both. */
 static double rate_rounding_after(const struct pair_change *change, const struct scene_state *q, int contact)
 {
     return 16.0 * DBL_EPSILON *
@@ -639,10 +639,10 @@ struct pair_change pair_oscillation_advance(const void *pair_oscillation, double
 
 /*
  * The moments M_j, integrals of t^j rho, in closed form: r = side rho n and m_red rho'' = F_n = -k g - c g',
- * where rho is g less the gap of the flight. With G_j the integral of t^j (g - g(0)), I_j that of t^j rho''
- * and J_j that of t^j g'
+ * where rho is g less the gap of the flight. G_j is the integral of t^j (g - g(0)), I_j that of t^j rho'',
+ * and J_j that of t^j g'. The first equation holds with a spring, the second one without a spring:
  *
- *   k (G_j + g(0) t^(j+1)/(j+1)) = -m_red I_j - c J_j,   without a spring 0 = m_red I_(j+1) + c J_(j+1)
+ *   k (G_j + g(0) t^(j+1)/(j+1)) = -m_red I_j - c J_j,   0 = m_red I_(j+1) + c J_(j+1)
  *   I_j = t^j rho' - j t^(j-1) rho + j (j-1) M_(j-2),    J_j = t^j (g - g(0)) - j G_(j-1)
  */
 void pair_oscillation_moments(const void *pair_oscillation, double s, const struct pair_change *change,

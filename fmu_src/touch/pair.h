@@ -129,9 +129,9 @@ struct frame_flight frame_flight_of(const struct contact_pair *from);
  *
  *   g = equilibrium + y,   m_red y'' + p_nv y' + p_n y = 0,   equilibrium = side m_red n.A / p_n
  *
- * Variable s = rate time, in radians of the undamped oscillator. Up to 0.97 of critical damping y oscillates,
- * beyond it decays. Without a spring y = g, m_red y'' + p_nv y' = side m_red n.A, with s in decay times of
- * the dashpot.
+ * The variable s is the rate times the time: radians of the undamped oscillator. The deviation y oscillates
+ * up to 0.97 of critical damping, and decays beyond that. Without a spring there is no equilibrium: y is g
+ * itself, m_red y'' + p_nv y' = side m_red n.A, and s counts decay times of the dashpot.
  */
 
 struct pair_oscillation {
