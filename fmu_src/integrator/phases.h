@@ -46,11 +46,9 @@ struct advance {
 enum { EVALUATION_WORK = 6, CVODE_STEP_WORK = 25, PANEL_WORK = 35 };
 
 /* Subtracts internal steps and units of work from the budget. */
-static inline void advance_spend(struct advance *step, long steps, long work)
-{
-    step->budget -= steps;
-    step->work -= work;
-}
+void advance_spend(struct advance *step, long steps, long work);
+
+bool advance_is_spent(const struct advance *step);
 
 /* Ends an advance by the event function with this index (scene/ode.h). */
 static inline enum advance_result advance_to_event(struct advance *step, const struct scene_state *q,
@@ -60,11 +58,6 @@ static inline enum advance_result advance_to_event(struct advance *step, const s
     step->event = event % ODE_EVENTS_EACH;
     step->regime = ode_regime_after(q, step->contact, step->event);
     return ADVANCE_EVENT;
-}
-
-static inline bool advance_is_spent(const struct advance *step)
-{
-    return step->budget <= 0 || step->work <= 0;
 }
 
 enum integrator_status {

@@ -483,6 +483,11 @@ static enum outputs outputs_for(const struct model *m, const struct variable *va
     return given && m->state.initialized ? OUTPUTS_NONE : OUTPUTS_ALL;
 }
 
+bool variable_is_local(const struct variable *variable)
+{
+    return variable->causality >= VARIABLE_STATE;
+}
+
 enum model_status model_read(struct model *m, const struct variable *variable, void *value)
 {
     if (!model_update_outputs(m, outputs_for(m, variable))) {

@@ -40,10 +40,8 @@ struct variable {
     uint8_t tunable : 1; /* 1: a parameter that may be set between steps, or a value that depends on one */
 };
 
-static inline bool variable_is_local(const struct variable *variable)
-{
-    return variable->causality >= VARIABLE_STATE;
-}
+/* Whether the variable is local, so that it is computed when it is read. */
+bool variable_is_local(const struct variable *variable);
 
 static inline size_t variable_size(const struct variable *variable)
 {

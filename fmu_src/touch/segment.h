@@ -112,12 +112,7 @@ void segment_moments(const struct segment *p, double s, const struct pair_change
 bool segment_is_deep(const struct segment *p);
 
 /* Sets the rates and sizes of the motion at the start, from which a collocated step is made. */
-static inline void segment_take_timescales(struct segment *p)
-{
-    pair_timescales_make(&p->scales, &p->pair);
-    p->as.collocation.from = &p->pair;
-    p->as.collocation.felt = p->scales.felt;
-}
+void segment_take_timescales(struct segment *p);
 
 /* Moves the bodies from the start of the segment to s, books impulse, energies and work of the contact, but
  * not the clock. Notes the peaks from the place `from` on. */
