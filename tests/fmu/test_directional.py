@@ -1,11 +1,12 @@
 """Directional derivatives of every FMU: differences through the FMU itself, and what ModelStructure says.
 
-At some communication point of a run each input is moved a little and every Real output read again; a saved
-state undoes it. Fourth-order differences with steps of 1e-4 of a metre or of a metre per second are right to
-about 1e-9 where nothing changes its regime on the way.
+At some communication point of a run each input is moved a little and every Real output is read again; a saved
+state undoes the move. Fourth-order differences with steps of 1e-4 of a metre or of a metre per second are
+right to about 1e-9 where nothing changes its regime on the way.
 """
 
 import xml.etree.ElementTree as ElementTree
+from contextlib import contextmanager
 from ctypes import c_double, c_uint
 
 import numpy as np
@@ -35,14 +36,19 @@ def declared(fmu: raw.Fmu, causality: str = "input") -> dict[str, dict[str, str]
     return found
 
 
-@pytest.mark.parametrize("name", RUNS)
-def test_derivatives_are_those_of_difference_quotients(name):
+@contextmanager
+def saved_point(name):
+    """An instance at the saved point of a run, its Real outputs and its Real inputs"""
     run = RUNS[name]
     with begin(run) as instance:
         go_on(instance, run, 0, run.saved_at)
         instance.set(run.inputs(time_after(run.saved_at)))
-        unknowns = instance.fmu.select("output", kind="Real")
-        knowns = instance.fmu.select("input", kind="Real")
+        yield instance, *(instance.fmu.select(causality, kind="Real") for causality in ("output", "input"))
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_derivatives_are_those_of_difference_quotients(name):
+    with saved_point(name) as (instance, unknowns, knowns):
         given = checked_jacobian(instance, unknowns, knowns)
         structure = declared(instance.fmu)
         undeclared = [
@@ -54,15 +60,10 @@ def test_derivatives_are_those_of_difference_quotients(name):
 
 
 def test_some_run_makes_every_kind_of_dependency_felt():
-    """The runs above would not notice an input that moves nothing: here each dependency of a pair shows."""
+    """Difference quotients pass an input that moves nothing. Here each dependency of a pair shows."""
     felt = set()
     for name in ("both prescribed, turning and rubbing", "on a shaken sphere", "force element"):
-        run = RUNS[name]
-        with begin(run) as instance:
-            go_on(instance, run, 0, run.saved_at)
-            instance.set(run.inputs(time_after(run.saved_at)))
-            unknowns = instance.fmu.select("output", kind="Real")
-            knowns = instance.fmu.select("input", kind="Real")
+        with saved_point(name) as (instance, unknowns, knowns):
             for i, j in np.argwhere(jacobian(instance, unknowns, knowns) != 0.0):
                 felt.add((unknowns[i].name.partition("[")[0], knowns[j].name.partition("[")[0]))
     structure = declared(raw.load("SphereSphere"))
@@ -73,8 +74,8 @@ def test_some_run_makes_every_kind_of_dependency_felt():
         for known in entries
         if kinds[output] == "Real" and not output.startswith("contact.last_")
     }
-    # What a spring stores and friction takes depends on speeds where it slides, a gap's rate on the turning
-    # of a cylinder: declared for every scene that may be so, and zero for spheres that stick.
+    # The energies of springs and friction depend on speeds where bodies slide, the gap's rate on the turning
+    # of a cylinder. Scenes declare both where they may happen; both are zero for spheres that stick.
     elsewhere = {
         *((one, f"{body}.prescribed_{speed}") for one in ("energy.tangential", "energy.friction")
           for body in ("source", "destination") for speed in ("velocity", "angular_velocity")),
