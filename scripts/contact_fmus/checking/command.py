@@ -270,4 +270,6 @@ def _validated(name: str, program: str, file: Path, patience: float) -> Check:
         return not_done(name, f"not done after {patience:g} s")
     if run.returncode == 0 and VALIDATORS[name][1] in run.stdout:
         return result(name, [])
-    return result(name, [line.strip() for line in run.stdout.splitlines() if line.strip()])
+    lines = [line.strip() for line in run.stdout.splitlines() if line.strip()]
+    # fmuCheck tells of the run and prints its values besides.
+    return result(name, [line for line in lines if line.startswith(("[WARNING]", "[ERROR]", "[FATAL]"))] or lines)
