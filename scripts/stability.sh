@@ -4,7 +4,7 @@
 #   --quick        few of the scenes
 #   --check        the status is 1 unless event_driven comes to its end everywhere and is right there
 #   --output DIR   instead of docs/stability
-#   --beyond FIRST LAST   nothing of that: random scenes far beyond the atlas's axes, by event_driven; seeds
+#   --beyond FIRST LAST   runs random scenes far beyond the atlas's axes instead, one for each seed from FIRST to LAST
 #   -h, --help     prints this
 source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
 help_asked "$@"

@@ -1,7 +1,7 @@
 """contact-fmus COMMAND [OPTION ...]
 
-Contact of spheres, cylinders and planes as FMUs of FMI 2.0 and 3.0: build them from scenes, run them, check
-them, measure them."""
+Contact of spheres, cylinders, planes and tori as FMUs of FMI 2.0 and 3.0: build them from scenes, run them,
+check them, measure them."""
 
 import importlib
 import os

@@ -5,7 +5,9 @@ import functools
 import math
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
+
+from .errors import UserError
 
 
 def number(text: str) -> float:
@@ -37,7 +39,11 @@ def commands() -> dict[str, dict[str, Any]]:
 
 
 def parse(command: str, arguments: list[str] | None, **words: str) -> argparse.Namespace:
-    """`words` replace their names in braces."""
+    """`words` replace their names in braces. UserError where the arguments make no sense."""
+
+    def refuse(text: str) -> NoReturn:
+        raise UserError(f"{text} (contact-fmus {command} --help lists the options)")
+
     about = commands()[command]
     made = argparse.ArgumentParser(
         prog=f"contact-fmus {command}",
@@ -55,4 +61,5 @@ def parse(command: str, arguments: list[str] | None, **words: str) -> argparse.N
 
             option |= {"type": Path, "default": results_folder(option.pop("folder"))}
         made.add_argument(*names.split(), **option)
+    made.error = refuse  # type: ignore[method-assign]
     return made.parse_args(arguments)

@@ -101,4 +101,4 @@ def test_the_leave_out_table_knows_no_fmu_whose_scene_is_gone(fmu_path, tmp_path
     monkeypatch.setenv("CONTACT_FMUS", str(tmp_path))
     assert command.leave_out([]) == 0
     told = capfd.readouterr().out
-    assert "ForceElement" in told and "Gone" not in told
+    assert "ForceElement" in told and "Gone" not in told and "library [bytes]" in told

@@ -83,5 +83,5 @@ def test_other_numbers_are_told():
         assert lost.difference(reference) > 1.0
     assert reference.difference(Trial(FMPY, "Ball", problem="refused")) == float("inf")
     text = page({2: table([reference, still], [FMPY, LIBCOSIM])}, STEP, COUNT)
-    assert "| libcosim (PyPI) | 1 | 5e-01 **differs** |" in text
-    assert "| ecos (PyPI) |  | not installed |" in text
+    assert "| FMU | fmpy 1 (PyPI) | libcosim 1 (PyPI) | fmuloader (PyPI) | ecos (PyPI) |" in text
+    assert "| Ball | reference | 5e-01 **differs** | not installed | not installed |" in text

@@ -36,6 +36,15 @@ def test_a_shipped_fmu_passes_by_both_kinds_of_simulation(ask, name):
     assert status == 0 and {"exports", "run", "exchange", "state"} <= set(checks)
 
 
+def test_a_validator_s_complaints_are_told_without_its_other_words(ask, tmp_path, monkeypatch):
+    program = tmp_path / "fmuCheck"
+    program.write_text("#!/bin/sh\necho '[INFO] a run'; echo '[ERROR] a fault'; echo 0.0,1.0\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("FMUCHECK", str(program))
+    status, checks = checked(ask, "ForceElement")
+    assert (status, checks["fmuCheck"]["findings"]) == (1, ["[ERROR] a fault"])
+
+
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("fault", BROKEN)
 def test_a_broken_fmu_is_found_out(ask, tmp_path, fault, version):

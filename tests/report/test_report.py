@@ -206,7 +206,7 @@ def test_optional_parts_are_shown_when_they_are_there(with_parts):
 def test_a_part_measured_by_itself_leaves_the_others_alone(with_parts, monkeypatch, rows):
     plan = dataclasses.replace(QUICK, tolerances=[1e-6], communication_steps=[1], limit=PATIENCE)
     monkeypatch.setattr(measure, "QUICK", plan)
-    asked = ["--quick", "--only", "pairs", "--note", "It rained.", "--output", str(with_parts)]
+    asked = ["--quick", "--only", "pairs", "--note", "It rained", "--output", str(with_parts)]
     assert measure.main(asked) == report_page.main(asked[-2:]) == 0
     found, pairs = read_rows(with_parts / "results.csv"), SETS["pairs"][1]()
     alone, before = ([row for row in some if row.problem not in pairs] for some in (found, rows))

@@ -58,7 +58,7 @@ def test_what_is_wrong_or_refused_is_named_and_counted(monkeypatch, capsys):
             return map(function, values)
 
     monkeypatch.setattr(command.multiprocessing, "get_context", lambda _: type("Context", (), {"Pool": Here}))
-    assert command.main(["--beyond", "3", "5"]) == 0
+    assert command.main(["--beyond", "3", "4"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 5
     assert lines[0].startswith("3, ") and ": energy; error" in lines[0]

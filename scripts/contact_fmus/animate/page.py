@@ -111,7 +111,7 @@ def _gone_along(motion: Motion, body: str) -> float | None:
 
 def view(motion: Motion) -> tuple[np.ndarray, float]:
     """Centre and radius of what is looked at first: the bodies that move on all their way, and of the others
-    those that would not make these too small to see"""
+    those that would not make the moving ones too small to see"""
     boxes = {body.name: _box(motion, body.name) for body in motion.scene.bodies}
     moving = [name for name in boxes if motion.moves(name)] or [motion.scene.contacts[0].source]
     low = np.min([boxes[name][0] for name in moving], axis=0)
@@ -196,9 +196,6 @@ def write_page(run: Run, file: Path) -> None:
     )
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(text, encoding="utf-8")
-
-
-# The command animate of contact-fmus
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -43,8 +43,8 @@ class Problem:
     stop: float  # s
     start: dict[str, Any] = field(hash=False)
     position: tuple[float, ...]  # x, y and z of each of `bodies`
-    uncertainty: float = 0.0  # m, of `position`
-    method: str = "Taylor series in quadruple precision"  # that gave `position`
+    uncertainty: float = 0.0  # of `position`, m
+    method: str = "Taylor series in quadruple precision"  # by which `position` was computed
     bodies: tuple[str, ...] = ("source",)
     contacts: tuple[str, ...] = ("contact",)
 
@@ -76,7 +76,7 @@ def benchmarks() -> dict[str, Problem]:
 
 @cache
 def stored_problems(file: Path) -> dict[str, Problem]:
-    """Those that stand in a file together with their references"""
+    """The problems of a file, which holds their references too"""
     rows = json.loads(file.read_text(encoding="utf-8"))
     rows = [{key: tuple(one) if isinstance(one, list) else one for key, one in row.items()} for row in rows]
     return {row["name"]: Problem(**{key: one for key, one in row.items() if key != "onsets"}) for row in rows}
@@ -146,7 +146,7 @@ def _stiff_problem(name: str, reference: dict[str, Any]) -> Problem:
 
 EVENT_DRIVEN, CVODE = "event_driven", ("cvode_bdf", "cvode_adams")
 METHODS = (EVENT_DRIVEN, *CVODE)
-CODES = {"radau5": "RADAU5", "kencarp4": "KenCarp4"}  # of others, on the FMU's Model Exchange
+CODES = {"radau5": "RADAU5", "kencarp4": "KenCarp4"}  # integrators of other authors, which use Model Exchange
 ABSOLUTE = 1e-4  # absolute tolerance / relative tolerance, as in the start values
 UNLIMITED = 1_000_000_000  # internal steps: CVODE takes seconds where bodies are stiff
 STIFF_TOLERANCE = 1e-9  # of the runs that the stiffness tables show
@@ -202,7 +202,7 @@ def runnable(fmu: str) -> Path:
 
 
 def moved_states(start: dict[str, Any]) -> list[str]:
-    """Those that act on the problems here, in which the source is a free sphere and friction is not elastic"""
+    """The states that act on these problems, in which the source is a free sphere and friction is not elastic"""
     free = ["source", *["destination"] * (start.get("destination.motion") == "free")]
     turning = [body for body in free if start.get(f"{body}.rotation") == "free"]
     names = [f"{body}.{name}_state" for name in ("displacement", "velocity") for body in free]

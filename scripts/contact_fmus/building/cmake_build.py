@@ -211,7 +211,7 @@ def _program(name: str) -> str:
 
 @contextmanager
 def _folder(how: How, say: Callable[[str], None]) -> Iterator[Path]:
-    """The build folder of these, for one build at a time; made anew after an update"""
+    """The build folder of this compiler and platform, for one build at a time; it is made anew after an update"""
     about = "\n".join([str(repository()), *how.compiler, how.toolchain or "", sys.executable])
     name = hashlib.sha256(about.encode()).hexdigest()[:12]
     folder = Path(platformdirs.user_cache_path("contact-fmus")) / name / "build"
@@ -230,8 +230,7 @@ def _folder(how: How, say: Callable[[str], None]) -> Iterator[Path]:
 
 
 def _tree() -> str:
-    """Differs after an update of an installed package, whose files may be older than what was built before.
-
+    """A digest of an installed package, which differs after an update, whose files may be older than the last build.
     In a clone CMake sees by itself what has changed."""
     if is_clone():
         return "clone"

@@ -1,6 +1,7 @@
 """The commands build and new"""
 
 import json
+import os
 import platform
 import re
 import shutil
@@ -145,10 +146,13 @@ def new(arguments: list[str] | None = None) -> int:
         raise UserError(f"{file} exists: another name, or --force to overwrite it")
     text = scene_text(options.name, options.scene, options.shape, options.inside, options.pinned)
     with tempfile.TemporaryDirectory() as folder:  # so that nothing is written that cannot be built
-        trial = Path(folder) / "new" / f"{options.name}.toml"
+        trial = Path(folder) / "new" / file.name
         trial.parent.mkdir()
         trial.write_text(text, encoding="utf-8")
-        check_scene(trial, Path(folder))
+        try:
+            check_scene(trial, Path(folder))
+        except UserError as error:
+            raise UserError(str(error).replace(f"{trial.parent}{os.sep}", "")) from None
     options.output.mkdir(parents=True, exist_ok=True)
     file.write_text(text, encoding="utf-8")
     print(f"{file}: build it with contact-fmus build {file}")

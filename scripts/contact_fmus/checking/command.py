@@ -17,7 +17,7 @@ import fmpy
 from fmpy.validation import validate_fmu
 
 from contact_fmus.errors import CLAIM_FAILED, DONE, UserError, similar
-from contact_fmus.fmu.files import fmu_file, shipped_fmus
+from contact_fmus.fmu.files import file_or_shipped
 from contact_fmus.options import parse
 
 from .trial import CHECKS, TRIALS, platform_folder
@@ -132,8 +132,6 @@ def _data(text: str) -> str:
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 
-# The command check
-
 PATIENCE = 120.0  # s, of a trial run or of a validator
 # Programs that are asked where they are installed: names, and the words of a report that finds nothing
 VALIDATORS = {
@@ -153,11 +151,7 @@ def main(arguments: list[str] | None = None) -> int:
         known = [*WHAT, *VALIDATORS, ALL]
         hint = f"{similar(name, known)}: {', '.join(known)}"
         raise UserError(f"--allow-missing: there is no check '{name}'{hint}")
-    shipped = shipped_fmus()
-    files = {
-        name: fmu_file(name) if not Path(name).exists() and name in shipped else Path(name) for name in options.files
-    }
-    found = {name: check_file(file, options.patience) for name, file in files.items()}
+    found = {name: check_file(file_or_shipped(name), options.patience) for name in options.files}
     allowed = {check.name for checks in found.values() for check in checks}
     allowed = allowed if ALL in options.allow_missing else set(options.allow_missing)
     report = [
@@ -276,4 +270,6 @@ def _validated(name: str, program: str, file: Path, patience: float) -> Check:
         return not_done(name, f"not done after {patience:g} s")
     if run.returncode == 0 and VALIDATORS[name][1] in run.stdout:
         return result(name, [])
-    return result(name, [line.strip() for line in run.stdout.splitlines() if line.strip()])
+    lines = [line.strip() for line in run.stdout.splitlines() if line.strip()]
+    # fmuCheck tells of the run and prints its values besides.
+    return result(name, [line for line in lines if line.startswith(("[WARNING]", "[ERROR]", "[FATAL]"))] or lines)

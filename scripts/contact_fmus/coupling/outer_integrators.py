@@ -25,7 +25,7 @@ class FmuElement:
         self.inputs = [fmu.variable(f"source.prescribed_{kind}[3]").references[0] for kind in kinds]
 
     def force_at(self, u: float, v: float) -> float:
-        """The force of this state, at once: no step is needed, because the force has no memory."""
+        """The force in this state. No step is needed, because the force has no memory."""
         self.fmu.call("setReal", self.inputs, [u, v])
         return self.fmu["contact.source_force[3]"]
 
@@ -39,7 +39,7 @@ class FmuElement:
 
     @property
     def force(self) -> float:
-        """At the end of the step"""
+        """The force at the end of the step"""
         return self.fmu["contact.source_force[3]"]
 
     @property
@@ -51,7 +51,7 @@ class FmuElement:
         self._state = self.fmu.save()
 
     def take_back(self) -> None:
-        """Back to what was remembered: the step is done again with another path."""
+        """Goes back to the remembered state, so that the step can be done again with another path"""
         self.fmu.restore(self._state)
 
 

@@ -72,6 +72,11 @@ def fmu_file(name: str) -> Path:
     return path
 
 
+def file_or_shipped(name: str) -> Path:
+    """The file of this name, which need not be there; where it is not, the shipped FMU of this name"""
+    return fmu_file(name) if not Path(name).exists() and name in shipped_fmus() else Path(name)
+
+
 def unpack(path: str | os.PathLike, fmi: str = "", kind: str = "coSimulation") -> tuple[Path, Any]:
     """Folder of the unpacked FMU and its description; unpacked once per process
 
@@ -127,7 +132,7 @@ FORMAT = 1
 @dataclass(frozen=True)
 class Body:
     name: str
-    shape: str  # sphere, cylinder, plane; others later
+    shape: str  # sphere, cylinder, plane, torus or compound
     parts: tuple = ()  # of a compound: name, radius, center in its frame
 
 

@@ -18,18 +18,15 @@ import platformdirs
 from rich.console import Console
 
 from contact_fmus.errors import UserError
-from contact_fmus.fmu.files import unpack
+from contact_fmus.fmu.files import file_or_shipped, unpack
 from contact_fmus.options import parse
 
-# Runs an FMU in each importer, in a process of its own, and compares end values with fmpy's
-#
 # Some importers report success for an FMU that never ran: numbers are compared, always.
-
 RUNNERS = Path(__file__).resolve().parent / "runners"
 SECONDS = 900  # a run takes less than one; the rest is a busy machine
 
-# Where both make the same calls at the same times the bits are the same. Importers that add up their clock
-# make steps that differ by rounding; what comes of it was 1e-14 at most.
+# An importer that makes fmpy's calls at fmpy's times gets fmpy's bits. One that adds up its clock makes steps that
+# differ by rounding, and most FMUs by 1e-14 then; docs/importers.md says which scenes multiply such roundings.
 AGREE = 1e-12
 
 TEXT = {"capture_output": True, "text": True, "check": False}
@@ -167,19 +164,19 @@ def page(tables: dict[int, list[str]], step: float, count: int) -> str:
 
 
 def table(trials: list[Trial], present: list[Importer], importers: Sequence[Importer] = IMPORTERS) -> list[str]:
-    """Its lines: a row for each of the importers"""
+    """Its lines: a row for each FMU, a column for each importer"""
     fmus = list(dict.fromkeys(trial.fmu for trial in trials))
     found = {(trial.importer.name, trial.fmu): trial for trial in trials}
     versions = {trial.importer.name: trial.version for trial in trials if trial.version}
-    lines = [f"| importer | version | {' | '.join(fmus)} |", f"| --- | --- | {' | '.join('---' for _ in fmus)} |"]
+    heads = [f"{one.name} {versions.get(one.name, '')} ({one.registry})".replace("  ", " ") for one in importers]
+    lines = [f"| FMU | {' | '.join(heads)} |", f"| --- | {' | '.join('---' for _ in heads)} |"]
     problems: dict[str, str] = {}
-    for importer in importers:
-        if importer not in present:
-            cells = ["not installed"] * len(fmus)
-        else:
-            cells = [_cell(found[importer.name, fmu], found["fmpy", fmu], problems) for fmu in fmus]
-        about = f"{importer.name} ({importer.registry})"
-        lines.append(f"| {about} | {versions.get(importer.name, '')} | {' | '.join(cells)} |")
+    for fmu in fmus:
+        cells = [
+            _cell(found[one.name, fmu], found["fmpy", fmu], problems) if one in present else "not installed"
+            for one in importers
+        ]
+        lines.append(f"| {fmu} | {' | '.join(cells)} |")
     if problems:
         lines += ["", *(f"- {name} refuses: {text}" for name, text in problems.items())]
     return lines
@@ -195,14 +192,12 @@ def _cell(trial: Trial, reference: Trial, problems: dict[str, str]) -> str:
     return ("0" if off == 0.0 else f"{off:.0e}") + ("" if off <= AGREE else " **differs**")
 
 
-# The command importers
-
-
 def main(arguments: list[str] | None = None) -> int:
     """0: every importer that ran an FMU agrees with fmpy; 1: one does not, or refuses one; 2: no such FMU"""
     options = parse("importers", arguments)
     python = options.python or Path(sys.executable)
-    for fmu in options.fmus:
+    files = [file_or_shipped(name) for name in options.fmus]
+    for fmu in files:
         if not fmu.is_file():
             raise UserError(f"{fmu}: there is no such file")
     if not (options.steps > 0 and 0.0 < options.step < 1e6):
@@ -212,7 +207,7 @@ def main(arguments: list[str] | None = None) -> int:
     given = Given(options.step, options.steps, python, java, dict(options.set))
     console, good, tables = Console(stderr=True), True, {}
     for version in (2, 3):
-        fmus = [fmu for fmu in options.fmus if unpack(fmu, kind="")[1].fmiVersion.startswith(f"{version}.")]
+        fmus = [fmu for fmu in files if unpack(fmu, kind="")[1].fmiVersion.startswith(f"{version}.")]
         taking = [importer for importer in IMPORTERS if version == 2 or importer.fmi3]
         trials = []
         for fmu in fmus:

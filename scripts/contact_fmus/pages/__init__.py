@@ -18,6 +18,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+import rich.markup
 import rich.table
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup, escape
@@ -94,10 +95,10 @@ def write_json(file: Path, content: Any) -> None:
 
 
 def show(table: Table, console: Console | None = None) -> None:
-    """Prints the table on the terminal"""
+    """Prints the table on the terminal. Its cells may have rich's markup; brackets in the header hold units."""
     drawn = rich.table.Table(title=table.caption, title_justify="left", header_style="bold")
     for place, head in enumerate(table.header):
-        drawn.add_column(head, justify="left" if place < table.numbers else "right")
+        drawn.add_column(rich.markup.escape(head), justify="left" if place < table.numbers else "right")
     for row in table.rows:
         drawn.add_row(*row)
     (console or make_console()).print(drawn)

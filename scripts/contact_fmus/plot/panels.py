@@ -127,7 +127,7 @@ def usual(result: Result) -> list[Panel]:
     if not contacts:
         numbers = [name for name, column in result.columns.items() if column.dtype.kind != "U"]
         return chosen(result, sorted(numbers))[:MOST]
-    if len(contacts) > MOST:  # those that came nearest
+    if len(contacts) > MOST:  # the contacts that came nearest
         least = sorted(contacts, key=lambda one: float(np.min(result.columns[f"{one}.gap"])))[:MOST]
         contacts = [one for one in contacts if one in least]
     rubbing = [one for one in contacts if _largest(result, f"{one}.friction_force") > 0.0]

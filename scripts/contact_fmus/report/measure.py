@@ -250,7 +250,8 @@ def main(arguments: list[str] | None = None) -> int:
         summary[SETS[name][0]] = compare_best(problems, found, plan, say)
         rows += found
         if options.only:
-            summary[f"{name}_apart"] = [words["apart"].format(name=name, note=f"{options.note} ".lstrip(), **about)]
+            note = f"{options.note.rstrip('.')}. " if options.note else ""
+            summary[f"{name}_apart"] = [words["apart"].format(name=name, note=note, **about)]
     rows += [] if options.only else stiffness(METHODS, plan.communication_steps, plan, say)
     write_rows(options.output / "results.csv", rows, bool(options.only))
     write_json(file, summary)

@@ -125,7 +125,7 @@ def paragraphs(ratios: Sequence[dict], others: Sequence[Row]) -> list[str]:
     factors: dict[str, list[float]] = {}
     for one in (one for one in ratios if one["ratio"]):
         count, reaches = one["communication_steps"], one["cvode_reaches_m"]
-        key = f"in {steps_of(count)}, where CVODE places it to {reaches:.0e} m".replace("e-0", "e-")
+        key = f"as long in {steps_of(count)} to place it to {reaches:.0e} m".replace("e-0", "e-")
         factors.setdefault(key, []).append(one["ratio"])
     sides = [f"{ratio_text(min(some))} to {ratio_text(max(some))} times {key}" for key, some in factors.items()]
     texts = [WORDS["summary"]["text"].format(factors="; ".join(sides))]

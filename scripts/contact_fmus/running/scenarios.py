@@ -160,9 +160,6 @@ def plotted_labels(result: ScenarioResult) -> str:
     return ", ".join(labels) if len(labels) > 1 else ""
 
 
-# The commands
-
-
 def run(arguments: list[str] | None = None) -> int:
     """0: all claims hold; 1: one does not, or an FMU refused in one; 2: the request makes no sense"""
     options = parse("scenarios", arguments)

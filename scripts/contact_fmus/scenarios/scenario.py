@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_fmus.errors import UserError, read_toml, similar
-from contact_fmus.fmu.files import fmu_file, fmus_folder, has_scene, read_scene, repository, shipped_fmus, unpack
+from contact_fmus.fmu.files import FMI3, fmu_file, fmus_folder, has_scene, read_scene, repository, shipped_fmus, unpack
 from contact_fmus.fmu.variables import read_settings, read_variables
 
 from . import claims
@@ -181,7 +181,8 @@ def find(name: str, suffixes: tuple[str, ...] = RUNS) -> Path:
     hint = similar(name, [*fmus, *scenarios])
     known = f"scenarios: {', '.join(sorted(scenarios))}"
     if ".fmu" in suffixes:
-        known = f"FMUs: {', '.join(fmus) or f'none is built in {fmus_folder()}'}; {known}"
+        listed = ", ".join(one for one in fmus if not one.startswith(FMI3)) or f"none is built in {fmus_folder()}"
+        known = f"FMUs (of FMI 3.0: {FMI3}NAME): {listed}; {known}"
     kinds = "FMU or scenario" if ".fmu" in suffixes else "scenario"
     known = "" if hint else f"; {known}"  # all names only where none is near
     raise UserError(f"'{name}' is no {kinds}{hint}, and no file: {words(suffixes)}{known}")

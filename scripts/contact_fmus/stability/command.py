@@ -71,7 +71,7 @@ def drawn(seed: int) -> Scene:
 
 
 def run_seed(seed: int) -> list[SceneRun] | str:
-    """Or why it has no closed form"""
+    """The runs of one scene, or the reason why it has no closed form"""
     try:
         return run_scene(drawn(seed), ("event_driven",))
     except ArithmeticError as error:
@@ -93,7 +93,7 @@ def beyond(first: int, last: int, workers: int) -> None:
     or swing so far beyond the clearance between them, that positions of 16 digits do not tell the gap any more,
     impacts are lost or without end."""
     count: Counter[str] = Counter()
-    seeds = range(first, last)
+    seeds = range(first, last + 1)
     with multiprocessing.get_context("spawn").Pool(workers) as pool:
         for seed, rows in zip(seeds, pool.imap(run_seed, seeds, chunksize=4), strict=True):
             if isinstance(rows, str):
