@@ -46,21 +46,36 @@ static size_t list_length(const struct variable_list *list, size_t i)
     return list->vectors ? vector_length(scene_variable(list->references[i])) : 1;
 }
 
+/* Returns the derivative of a variable along the path, whose outputs have the `terms`. No input changes a
+ * state at once. */
+static double derivative_in(const struct scene_values *terms, const struct linear_model *l,
+                            const struct variable *variable)
+{
+    if (variable_is_local(variable)) {
+        return variable->causality == VARIABLE_RATE ? model_exchange_rate(&l->at, &l->along, variable) : 0.0;
+    }
+    return variable_number(variable, (const char *)terms + variable->offset);
+}
+
 enum model_status model_get_output_derivatives(struct model *m, const struct variable_list *outputs,
                                                const int *orders, double *values)
 {
     enum model_status status = MODEL_OK;
     struct linear_model l;
+    struct scene_values terms[JET_TERMS];
     if (!open_linear_model(m, &l)) {
         return model_refuse_inputs(m);
     }
     jet_in_time(&l.at, &l.along);
+    for (int order = 1; order < JET_TERMS; ++order) {
+        output_terms(m, &l.at, &l.along, order, &terms[order]);
+    }
     for (size_t i = 0; i < outputs->count; ++i) {
         const struct variable *first = scene_variable(outputs->references[i]);
         const size_t length = list_length(outputs, i);
         for (size_t k = 0; k < length && status == MODEL_OK; ++k, ++values) {
             /* a derivative is the Taylor coefficient times order!, which is the order for 1 and 2 */
-            *values = orders[i] * output_term(m, &l.at, &l.along, first + k, orders[i]);
+            *values = orders[i] * derivative_in(&terms[orders[i]], &l, first + k);
             status = check_finite(m, first + k, *values);
         }
     }
@@ -129,45 +144,17 @@ static void vary_laws(const struct model *m, struct linear_model *l)
     const struct scene_values *v = &m->state.values;
     struct scene_jet *along = &l->along;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const double slope = diagonal_slope(m, along, j);
-        along->law_slope[j] = model_law_slope(m, j, slope);
+        along->diagonal_slope[j] = diagonal_slope(m, along, j);
+        along->law_slope[j] = model_law_slope(m, j, along->diagonal_slope[j]);
         if (SCENE_ANY_FRICTION && contact_slip_velocity_control(v, j) == SLIP_VELOCITY_CONTROL_AUTOMATIC) {
-            along->slip_velocity_slope[j] = 1e-3 * slope; /* prepare.c has this factor too */
+            /* prepare.c has this factor too */
+            along->slip_velocity_slope[j] = 1e-3 * along->diagonal_slope[j];
         }
         if (SCENE_ANY_HERTZ && !m->state.initialized && scene_damps_by_onset(v, j)) {
             const struct contact_jet *contact = &along->contact[j];
             jet_of_contacts(&l->at, NULL, true, along);
             along->law_slope[j] = onset_law_slope(&l->at, j, contact->gap[1], contact->gap_rate[1]);
         }
-    }
-}
-
-/* Returns the derivative of an unknown along the path. Calculated parameters change with the start until the
- * end of initialization. */
-static double input_derivative(const struct model *m, const struct scene_instant *at,
-                               const struct scene_jet *along, const struct variable *variable)
-{
-    const int j = variable->element;
-    if (variable_is_local(variable)) { /* a rate, or a state: no input changes a state at once */
-        return variable->causality == VARIABLE_RATE ? model_exchange_rate(at, along, variable) : 0.0;
-    }
-    switch (variable->row) {
-    case ROW_contact_effective_slip_velocity:
-        return along->slip_velocity_slope[j];
-    case ROW_contact_effective_penalty_factor:
-        return contact_coefficients_of(&along->law_slope[j], REGIME_COMPRESSION).k;
-    case ROW_contact_effective_viscous_penalty_factor:
-        return contact_coefficients_of(&along->law_slope[j], REGIME_COMPRESSION).c;
-    case ROW_contact_effective_hertz_stiffness:
-        return 0.0; /* depends on shapes and materials, not on inputs */
-    case ROW_contact_effective_hunt_crossley_factor:
-        return contact_is_hertz(&along->law_slope[j]) ? contact_factors_of(&along->law_slope[j]).c : 0.0;
-#if HAS_contact_diagonal
-    case ROW_contact_diagonal:
-        return diagonal_slope(m, along, j);
-#endif
-    default:
-        return output_term(m, at, along, variable, 1);
     }
 }
 
@@ -209,13 +196,15 @@ static enum model_status put_changes(const struct model *m, struct linear_model 
                                      const struct variable_list *unknowns, const double *seed, double *values)
 {
     enum model_status status = MODEL_OK;
+    struct scene_values terms;
     double sum = 0.0;
     finish_path(m, l);
+    output_terms(m, &l->at, &l->along, 1, &terms);
     for (size_t i = 0; i < unknowns->count; ++i) {
         const struct variable *first = scene_variable(unknowns->references[i]);
         const size_t length = list_length(unknowns, i);
         for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
-            const double change = input_derivative(m, &l->at, &l->along, first + k);
+            const double change = derivative_in(&terms, l, first + k);
             sum += seed ? *seed++ * change : 0.0;
             *values = seed ? sum : change;
             values += seed ? 0 : 1;

@@ -175,9 +175,9 @@ void model_exchange_move(const struct scene_state *q, const struct variable *sta
 double model_exchange_rate(const struct scene_instant *at, const struct scene_jet *along,
                            const struct variable *rate);
 
-/* Returns the Taylor coefficient `order` of an output along a path (scene_jet.h); zero where the path does
- * not change the output. */
-double output_term(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
-                   const struct variable *variable, int order);
+/* Sets the Taylor coefficients of one order of all outputs and calculated parameters along a path
+ * (scene_jet.h); zero where the path does not change them. */
+void output_terms(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
+                  int order, struct scene_values *terms);
 
 #endif

@@ -23,8 +23,9 @@ struct scene_jet {
     struct vec3 displacement[SCENE_BODIES][JET_TERMS];
     struct vec3 velocity[SCENE_BODIES][JET_TERMS];
     struct vec3 force[SCENE_BODIES]; /* d/ds of the external forces on free bodies */
-    /* d/ds of the law's factors, where these are automatic */
+    /* d/ds of the law's factors, where these are automatic, and of the diagonal that they follow */
     struct contact_law law_slope[SCENE_CONTACTS];
+    double diagonal_slope[SCENE_CONTACTS];
     struct contact_jet contact[SCENE_CONTACTS];
     struct vec3 angular_velocity[SCENE_BODIES][JET_TERMS];
     struct quaternion orientation[SCENE_BODIES][JET_TERMS];
