@@ -131,7 +131,8 @@ static double diagonal_slope(const struct model *m, const struct scene_jet *alon
     }
     struct vec3 c[JET_TERMS] = {{0.0, 0.0, 0.0}};
     struct vec3 w[JET_TERMS] = {{0.0, 0.0, 0.0}};
-    jet_add_levers(along, contact, c, w);
+    struct vec3 lever[2][JET_TERMS];
+    jet_add_levers(along, contact, c, w, lever);
     return model_diagonal_slope(m, contact,
                                 vec3_add(c[1], vec3_sub(along->displacement[contact_destination(contact)][1],
                                                         along->displacement[contact_source(contact)][1])));
