@@ -59,7 +59,7 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
     put_contact_last_duration(v, contact,
                               touching ? q->clock - state->record.touch_clock : state->record.last_duration);
     const double known = peaks_are_known(state) ? 0.0 : (double)INFINITY;
-    return mean.x + mean.y + mean.z + state->peaks.force + known;
+    return mean.x + mean.y + mean.z + state->peaks.force + state->peaks.penetration + known;
 }
 
 /* Sets the energies [J], or one of their coefficients along a path. `friction` holds what friction and its
@@ -102,7 +102,7 @@ static void put_counters(struct scene_values *v, const struct scene_state *q)
 static double show_motion(struct scene_values *v, const struct scene_instant *at)
 {
     const struct scene_state *q = at->q;
-    double sum = motion_size(q);
+    double sum = 0.0;
     if (SCENE_ANY_FREE) {
         const struct scene_energies energy = scene_energies_of(at);
         sum = put_energies(v, &energy, q->dissipated, q->external_work, q->friction_energy);
@@ -164,14 +164,11 @@ static void put_contact_sums(struct scene_values *v, int body, struct contact_lo
     put_body_contact_torque(v, body, sum.torque);
 }
 
-/* Completes the instant by rotation and friction, and sets the outputs of bodies that turn and contacts that
- * rub. Returns a sum of them, which is finite only if every output is. */
-static double show_turning(struct scene_values *v, struct scene_instant *at)
+/* Sets the outputs of bodies that turn and contacts that rub. Returns a sum of them, which is finite only if
+ * every output is. */
+static double show_turning(struct scene_values *v, const struct scene_instant *at)
 {
     double sum = 0.0;
-    if (!scene_turns(v)) {
-        turning_complete(at);
-    }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         const struct body_turn *turn = &at->turning.body[i];
         const bool rests = SCENE_ANY_ROTATION && !body_turns(v, i);
@@ -315,16 +312,6 @@ void output_terms(const struct model *m, const struct scene_instant *at, const s
     }
 }
 
-/* Returns the output `distance` [m], for a capped cylinder the distance from its axis in every zone. */
-static double distance_of(const struct contact_shape *shape, const struct scene_instant *at, int contact)
-{
-    if (contact_is_capped(shape)) {
-        const struct vec3 c = at->separation[contact];
-        return vec3_norm(vec3_axpy(c, -vec3_dot(c, shape->solid.axis), shape->solid.axis));
-    }
-    return at->geometry[contact].distance;
-}
-
 /* Sets the outputs of a contact. Returns a sum that is finite only if all of them are, since products of
  * values within their ranges may be more than a double holds. */
 static double put_contact(struct scene_values *v, const struct scene_instant *at, int contact)
@@ -334,7 +321,10 @@ static double put_contact(struct scene_values *v, const struct scene_instant *at
     const int source = contact_source(contact);
     const struct vec3 centre =
         vec3_add(vec3_add(body_center(v, source), at->displacement[source]), scene_lever(at, contact, 0));
-    const double distance = distance_of(&shape, at, contact);
+    const struct vec3 c = at->separation[contact];
+    const struct vec3 across = vec3_axpy(c, -vec3_dot(c, shape.solid.axis), shape.solid.axis);
+    /* for a capped cylinder it is the distance from its axis in every zone */
+    const double distance = contact_is_capped(&shape) ? vec3_norm(across) : g->distance;
     const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_state *state = &at->q->contact[contact];
     const enum contact_regime regime = (enum contact_regime)state->regime;
@@ -389,10 +379,9 @@ static void update_all(struct model *m)
 {
     struct scene_values *v = &m->state.values;
     struct scene_state settled;
-    const struct scene_state *q = motion_shown(&m->state.motion, &settled);
     struct scene_instant at;
     double sum = 0.0;
-    scene_now(q, &at);
+    motion_shown(&m->state.motion, &settled, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         m->state.motion.contact[j].normal = at.geometry[j].normal;
         sum += put_contact(v, &at, j);
@@ -433,7 +422,7 @@ static enum outputs outputs_for(const struct model *m, const struct variable *va
     return given && m->state.initialized ? OUTPUTS_NONE : OUTPUTS_ALL;
 }
 
-enum model_status model_read(struct model *m, const struct variable *variable, void *value)
+enum model_status model_read(struct model *m, const struct variable *variable, double *value)
 {
     if (!model_update_outputs(m, outputs_for(m, variable))) {
         return model_refuse_inputs(m);
@@ -442,35 +431,39 @@ enum model_status model_read(struct model *m, const struct variable *variable, v
     if (unknown) {
         return model_report(m, MODEL_DISCARD, "%s is not known: %s.", variable->name, unknown);
     }
-    double local = 0.0;
-    const void *at = (const char *)&m->state.values + variable->offset;
     if (variable_is_local(variable)) {
         struct scene_instant now;
         scene_now(&m->state.motion, &now);
-        local = model_exchange_value(&now, variable);
-        at = &local;
+        *value = model_exchange_value(&now, variable);
+    } else {
+        *value = variable_value(variable, &m->state.values);
     }
-    if (!isfinite(variable_number(variable, at))) {
+    if (!isfinite(*value)) {
         return model_report(m, MODEL_DISCARD,
                             "%s is beyond the range of numbers (allowed: parameters and inputs with finite "
                             "forces and energies).",
                             variable->name);
     }
-    memcpy(value, at, variable_size(variable));
     return MODEL_OK;
 }
 
-size_t model_get_reals(struct model *m, const uint32_t *references, size_t count, double *values)
+bool model_get_reals(struct model *m, const struct variable_list *list, size_t count, double *values)
 {
-    for (size_t i = 0; i < count; ++i) {
-        const uint32_t real = references[i] < SCENE_REFERENCES ? scene_reals[references[i]] : 0;
+    const double *end = values + count;
+    for (size_t i = 0; i < list->count; ++i) {
+        const uint32_t reference = list->references[i];
+        const uint32_t real = reference < SCENE_REFERENCES ? scene_reals[reference] : 0;
+        const uint32_t length = list->vectors ? real >> VARIABLE_LENGTH : 1;
         if (i == 0 && (real & (VARIABLE_BODY | VARIABLE_COMPUTED))) {
             (void)model_update_outputs(m, real & VARIABLE_COMPUTED ? OUTPUTS_ALL : OUTPUTS_BODIES);
         }
-        if (!(real & (uint32_t)m->outputs)) {
-            return i;
+        if (!(real & (uint32_t)m->outputs) || length == 0 || length > (size_t)(end - values)) {
+            return false;
         }
-        memcpy(&values[i], (const char *)&m->state.values + (real & VARIABLE_OFFSET), sizeof values[i]);
+        const double *from = (const double *)((const char *)&m->state.values + (real & VARIABLE_OFFSET));
+        for (uint32_t k = 0; k < length; ++k) {
+            *values++ = from[k];
+        }
     }
-    return count;
+    return values == end;
 }

@@ -10,8 +10,7 @@
 
 /* The point about which outputs are differentiated, and a path through it. */
 struct linear_model {
-    const struct scene_state *q; /* the state that outputs show */
-    struct scene_state settled;  /* memory for q where it is a copy */
+    struct scene_state settled; /* memory for the state of `at` where it is a copy */
     struct scene_instant at;
     struct scene_jet along;
 };
@@ -19,16 +18,11 @@ struct linear_model {
 /* Sets the point at the present instant. Returns false where the inputs cannot be taken over. */
 static bool open_linear_model(struct model *m, struct linear_model *l)
 {
-    const struct scene_values *v = &m->state.values;
-    if (!model_update_outputs(m, OUTPUTS_ALL)) {
-        return false;
+    const bool taken = model_update_outputs(m, OUTPUTS_ALL);
+    if (taken) {
+        motion_shown(&m->state.motion, &l->settled, &l->at);
     }
-    l->q = motion_shown(&m->state.motion, &l->settled);
-    scene_now(l->q, &l->at);
-    if (SCENE_ANY_TURNING && !scene_turns(v)) {
-        turning_complete(&l->at);
-    }
-    return true;
+    return taken;
 }
 
 static enum model_status check_finite(const struct model *m, const struct variable *variable, double value)
@@ -40,12 +34,6 @@ static enum model_status check_finite(const struct model *m, const struct variab
                               variable->name);
 }
 
-/* Returns the number of variables that reference i of the list stands for. */
-static size_t list_length(const struct variable_list *list, size_t i)
-{
-    return list->vectors ? vector_length(scene_variable(list->references[i])) : 1;
-}
-
 /* Returns the derivative of a variable along the path, whose outputs have the `terms`. No input changes a
  * state at once. */
 static double derivative_in(const struct scene_values *terms, const struct linear_model *l,
@@ -54,13 +42,14 @@ static double derivative_in(const struct scene_values *terms, const struct linea
     if (variable_is_local(variable)) {
         return variable->causality == VARIABLE_RATE ? model_exchange_rate(&l->at, &l->along, variable) : 0.0;
     }
-    return variable_number(variable, (const char *)terms + variable->offset);
+    return variable_value(variable, terms);
 }
 
 enum model_status model_get_output_derivatives(struct model *m, const struct variable_list *outputs,
                                                const int *orders, double *values)
 {
     enum model_status status = MODEL_OK;
+    size_t place = 0;
     struct linear_model l;
     struct scene_values terms[JET_TERMS];
     if (!open_linear_model(m, &l)) {
@@ -70,14 +59,12 @@ enum model_status model_get_output_derivatives(struct model *m, const struct var
     for (int order = 1; order < JET_TERMS; ++order) {
         output_terms(m, &l.at, &l.along, order, &terms[order]);
     }
-    for (size_t i = 0; i < outputs->count; ++i) {
-        const struct variable *first = scene_variable(outputs->references[i]);
-        const size_t length = list_length(outputs, i);
-        for (size_t k = 0; k < length && status == MODEL_OK; ++k, ++values) {
-            /* a derivative is the Taylor coefficient times order!, which is the order for 1 and 2 */
-            *values = orders[i] * derivative_in(&terms[orders[i]], &l, first + k);
-            status = check_finite(m, first + k, *values);
-        }
+    for (const struct variable *one = NULL;
+         status == MODEL_OK && (one = next_variable(outputs, one, &place)) != NULL;) {
+        /* a derivative is the Taylor coefficient times order!, which is the order for 1 and 2 */
+        const int order = orders[place - 1];
+        *values = order * derivative_in(&terms[order], &l, one);
+        status = check_finite(m, one, *values++);
     }
     return status;
 }
@@ -187,7 +174,7 @@ static void finish_path(const struct model *m, struct linear_model *l)
     jet_of_contacts(&l->at, NULL, true, &l->along);
     if (SCENE_ANY_FREE && m->state.initialized && !m->host.exchange) {
         /* The jump of an input that moves a body does the work that changes the energy stored in contacts. */
-        l->along.external_work[1] = jet_energies_of(l->q, &l->along, 1).stored;
+        l->along.external_work[1] = jet_energies_of(l->at.q, &l->along, 1).stored;
     }
 }
 
@@ -197,20 +184,18 @@ static enum model_status put_changes(const struct model *m, struct linear_model 
                                      const struct variable_list *unknowns, const double *seed, double *values)
 {
     enum model_status status = MODEL_OK;
+    size_t place = 0;
     struct scene_values terms;
     double sum = 0.0;
     finish_path(m, l);
     output_terms(m, &l->at, &l->along, 1, &terms);
-    for (size_t i = 0; i < unknowns->count; ++i) {
-        const struct variable *first = scene_variable(unknowns->references[i]);
-        const size_t length = list_length(unknowns, i);
-        for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
-            const double change = derivative_in(&terms, l, first + k);
-            sum += seed ? *seed++ * change : 0.0;
-            *values = seed ? sum : change;
-            values += seed ? 0 : 1;
-            status = check_finite(m, first + k, change);
-        }
+    for (const struct variable *one = NULL;
+         status == MODEL_OK && (one = next_variable(unknowns, one, &place)) != NULL;) {
+        const double change = derivative_in(&terms, l, one);
+        sum += seed ? *seed++ * change : 0.0;
+        *values = seed ? sum : change;
+        values += seed ? 0 : 1;
+        status = check_finite(m, one, change);
     }
     return status;
 }
@@ -222,27 +207,25 @@ enum model_status model_product(struct model *m, const struct product *p)
     enum model_status status = MODEL_OK;
     const double *direction = p->seed;
     double *values = p->sensitivity;
+    size_t place = 0;
     struct linear_model l;
     if (!open_linear_model(m, &l)) {
         return model_refuse_inputs(m);
     }
     begin_path(m, &l);
-    for (size_t i = 0; i < p->knowns.count; ++i) {
-        const struct variable *first = scene_variable(p->knowns.references[i]);
-        const size_t length = list_length(&p->knowns, i);
-        for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
-            move_inputs(&l.at, first + k, p->adjoint ? 1.0 : *direction++, &l.along);
-            if (p->adjoint) {
-                *values = 0.0;
-                status = put_changes(m, &l, &p->unknowns, p->seed, values);
-                if (status == MODEL_OK && !isfinite(*values++)) {
-                    status = model_report(m, MODEL_DISCARD,
-                                          "An adjoint derivative with respect to %s is beyond the range of "
-                                          "numbers (allowed: finite).",
-                                          first[k].name);
-                }
-                begin_path(m, &l);
+    for (const struct variable *known = NULL;
+         status == MODEL_OK && (known = next_variable(&p->knowns, known, &place)) != NULL;) {
+        move_inputs(&l.at, known, p->adjoint ? 1.0 : *direction++, &l.along);
+        if (p->adjoint) {
+            *values = 0.0;
+            status = put_changes(m, &l, &p->unknowns, p->seed, values);
+            if (status == MODEL_OK && !isfinite(*values++)) {
+                status = model_report(m, MODEL_DISCARD,
+                                      "An adjoint derivative with respect to %s is beyond the range of "
+                                      "numbers (allowed: finite).",
+                                      known->name);
             }
+            begin_path(m, &l);
         }
     }
     return p->adjoint ? status : put_changes(m, &l, &p->unknowns, NULL, values);
