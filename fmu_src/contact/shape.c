@@ -346,13 +346,6 @@ double contact_turning_rate(const struct contact_shape *shape, const struct cont
     return vec3_dot(contact_is_circle(shape) ? w : contact_turning_part(shape, at, w), turned);
 }
 
-struct vec3 contact_escape_direction(const struct contact_shape *shape, struct vec3 w, struct vec3 fallback)
-{
-    const struct vec3 across = contact_across(shape, w);
-    const double speed = vec3_norm(across);
-    return speed > 0.0 ? vec3_make(across.x / speed, across.y / speed, across.z / speed) : fallback;
-}
-
 struct vec3 contact_default_normal(const struct contact_shape *shape)
 {
     if (contact_is_plane(shape)) {

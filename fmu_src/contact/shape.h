@@ -159,11 +159,6 @@ struct vec3 contact_turning_part(const struct contact_shape *shape, const struct
 double contact_turning_rate(const struct contact_shape *shape, const struct contact_geometry *at,
                             struct vec3 w, struct vec3 moved);
 
-/* Returns the escape direction at d = 0, where the distance can only grow: the unit vector along w (for a
- * cylinder, along the part of w across the axis), or `fallback` where this part is zero. */
-CONTACT_COLD struct vec3 contact_escape_direction(const struct contact_shape *shape, struct vec3 w,
-                                                  struct vec3 fallback);
-
 /* Returns a unit normal where no other direction is known. For a sphere it is -z (the source is above the
  * destination). For a cylinder it is the negative coordinate axis least aligned with e_d, made perpendicular
  * to e_d. For a plane it is n. */

@@ -206,15 +206,6 @@ bool array_given(struct instance *instance, const char *argument, const void *ar
     return true;
 }
 
-bool arrays_given(struct instance *instance, const struct argument *arguments)
-{
-    bool given = true;
-    for (; given && arguments->name != NULL; ++arguments) {
-        given = array_given(instance, arguments->name, arguments->array, arguments->count);
-    }
-    return given;
-}
-
 /*
  * This part finds variables by value reference. FMI 2.0 has only scalars. In FMI 3.0 a vector is one variable
  * with the reference of its first component, and time is a variable too.
@@ -225,21 +216,16 @@ static bool has_vectors(const struct instance *instance)
     return instance->adapter->version >= 3;
 }
 
-/* Time, which has the value reference 0 in FMI 3.0. No variable of the model has this reference. */
-static const struct variable time_variable = {
-    .name = "time", .reference = 0, .type = VARIABLE_REAL, .causality = VARIABLE_INDEPENDENT};
+static struct variable_list list_of(const struct instance *instance, const uint32_t *references, size_t count)
+{
+    return (struct variable_list){references, count, has_vectors(instance)};
+}
 
 /* Returns the variable of a reference, for a vector its first component, or NULL where there is none. */
 static inline const struct variable *variable_of(const struct instance *instance, uint32_t reference)
 {
-    return !has_vectors(instance)                 ? scene_variable(reference)
-           : reference == time_variable.reference ? &time_variable
-                                                  : vector_variable(reference);
-}
-
-static inline size_t length_of(const struct instance *instance, const struct variable *first)
-{
-    return has_vectors(instance) && first != &time_variable ? vector_length(first) : 1;
+    const struct variable_list list = list_of(instance, NULL, 0);
+    return listed_variable(&list, reference);
 }
 
 static const char *real_name(const struct instance *instance)
@@ -272,7 +258,7 @@ static inline const struct variable *find_readable(struct instance *instance, ui
     const struct variable *variable = find_variable(instance, reference, types);
     if (variable != NULL && (instance->phase & PHASE_INSTANTIATED) != 0 &&
         variable->causality != VARIABLE_PARAMETER && variable->causality != VARIABLE_INPUT &&
-        variable != &time_variable) {
+        variable->causality != VARIABLE_INDEPENDENT) {
         log_report(instance, MODEL_ERROR, ": %s has no value before initialization mode", variable->name);
         return NULL;
     }
@@ -300,7 +286,7 @@ static inline const struct variable *find_settable(struct instance *instance, ui
         return variable;
     }
     log_report(instance, MODEL_ERROR, ": %s %s", variable->name,
-               variable == &time_variable                  ? "is the independent variable and cannot be set"
+               variable->causality == VARIABLE_INDEPENDENT ? "is the independent variable and cannot be set"
                : variable->causality != VARIABLE_PARAMETER ? "is calculated and cannot be set"
                : !variable->tunable                        ? "is a parameter, fixed after initialization"
                                     : "is a tunable parameter, to be set in event mode");
@@ -323,18 +309,17 @@ const struct variable *find_real(struct instance *instance, uint32_t reference,
 /* find_variable, find_readable or find_settable */
 typedef const struct variable *variable_finder(struct instance *instance, uint32_t reference, unsigned types);
 
-/* Checks that all references are found and have as many components as the importer counts. */
+/* Checks that all references of a list are found and have as many components as the importer counts. */
 static enum model_status check_components(struct instance *instance, variable_finder *find, unsigned types,
-                                          const uint32_t *references, size_t count, const char *name,
-                                          size_t given)
+                                          const struct variable_list *list, const char *name, size_t given)
 {
     size_t components = 0;
-    for (size_t i = 0; i < count; ++i) {
-        const struct variable *first = find(instance, references[i], types);
+    for (size_t i = 0; i < list->count; ++i) {
+        const struct variable *first = find(instance, list->references[i], types);
         if (first == NULL) {
             return MODEL_ERROR;
         }
-        components += length_of(instance, first);
+        components += list->vectors ? first->length : 1;
     }
     return given == components
                ? MODEL_OK
@@ -344,8 +329,7 @@ static enum model_status check_components(struct instance *instance, variable_fi
 
 /*
  * This part gets and sets values. An element of the importer's arrays has adapter.value_sizes bytes, by the
- * type of the variable. An element of 1 byte is a bool, and 8 bytes of an enumeration are an int64_t. Every
- * other element has the type that the model uses.
+ * type of the variable: 1 byte is a bool, 4 bytes are an int32_t, and 8 bytes a double or an int64_t.
  */
 
 static inline size_t value_size(const struct instance *instance, const struct variable *variable)
@@ -353,98 +337,84 @@ static inline size_t value_size(const struct instance *instance, const struct va
     return instance->adapter->value_sizes[variable->type];
 }
 
-static inline enum model_status read_value(struct instance *instance, const struct variable *variable,
-                                           void *to)
+/* Returns the importer's value as a number. */
+static inline double number_from(const struct instance *instance, const struct variable *variable,
+                                 const void *from)
 {
-    const size_t size = value_size(instance, variable);
-    if (variable == &time_variable) {
-        *(double *)to = model_time(instance->model);
-        return MODEL_OK;
+    switch (value_size(instance, variable)) {
+    case sizeof(bool):
+        return *(const bool *)from;
+    case sizeof(int32_t):
+        return *(const int32_t *)from;
+    default:
+        return variable->type == VARIABLE_REAL ? *(const double *)from : (double)*(const int64_t *)from;
     }
-    if (size == variable_size(variable)) {
-        return model_read(instance->model, variable, to);
-    }
-    int32_t whole = 0;
-    const enum model_status status = model_read(instance->model, variable, &whole);
-    if (status == MODEL_OK && size == sizeof(bool)) {
-        *(bool *)to = whole != 0;
-    } else if (status == MODEL_OK) {
-        *(int64_t *)to = whole;
-    }
-    return status;
 }
 
-/* Returns the importer's value in the type that the model uses: in its place, or converted in `whole`. */
-static inline const void *value_for_model(const struct instance *instance, const struct variable *variable,
-                                          const void *from, int32_t *whole)
-{
-    const size_t size = value_size(instance, variable);
-    if (size == variable_size(variable)) {
-        return from;
-    }
-    *whole = size == sizeof(bool) ? *(const bool *)from : (int32_t) * (const int64_t *)from;
-    return whole;
-}
-
-static inline enum model_status check_value(struct instance *instance, const struct variable *variable,
-                                            const void *from)
+static enum model_status check_value(struct instance *instance, const struct variable *variable,
+                                     const void *from)
 {
     if (value_size(instance, variable) == sizeof(int64_t) && variable->type == VARIABLE_ENUMERATION) {
         const int64_t given = *(const int64_t *)from;
-        if (given < INT32_MIN || given > INT32_MAX) {
+        if (given < INT32_MIN || given > INT32_MAX) { /* a double may not hold all digits of it */
             return log_report(instance, MODEL_DISCARD,
                               "%s = %lld refused (allowed: %.10g .. %.10g); it stays as it was.",
                               variable->name, (long long)given, variable->min, variable->max);
         }
     }
-    int32_t whole;
-    return model_check(instance->model, variable, value_for_model(instance, variable, from, &whole));
+    return model_check(instance->model, variable, number_from(instance, variable, from));
 }
 
-static enum model_status set_value(struct instance *instance, const struct variable *variable,
-                                   const void *from)
+/* Writes a number as the importer's value. */
+static inline void number_to(const struct instance *instance, const struct variable *variable, double number,
+                             void *to)
 {
-    int32_t whole;
-    const void *value = value_for_model(instance, variable, from, &whole);
-    if (variable->causality == VARIABLE_STATE) {
-        model_exchange_set_state(instance->model, variable, *(const double *)value);
+    const size_t size = value_size(instance, variable);
+    if (variable->type == VARIABLE_REAL) {
+        *(double *)to = number;
+    } else if (size == sizeof(bool)) {
+        *(bool *)to = number != 0.0;
+    } else if (size == sizeof(int32_t)) {
+        *(int32_t *)to = (int32_t)number;
     } else {
-        model_set(instance->model, variable, value);
+        *(int64_t *)to = (int64_t)number;
     }
-    return MODEL_OK;
 }
 
 static bool values_ready(struct instance *instance, const uint32_t *references, size_t reference_count,
                          const void *values, size_t count)
 {
     const char *const *names = instance->adapter->arguments;
-    return arrays_given(instance, ARGUMENTS({names[ARGUMENT_REFERENCES], references, reference_count},
-                                            {names[ARGUMENT_VALUES], values, count}));
+    return array_given(instance, names[ARGUMENT_REFERENCES], references, reference_count) &&
+           array_given(instance, names[ARGUMENT_VALUES], values, count);
 }
 
 CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance, unsigned types,
                                                        const uint32_t *references, size_t reference_count,
                                                        void *values, size_t count)
 {
-    const bool is_quick = types == TYPES_REAL && instance->phase == PHASE_STEP && !has_vectors(instance);
+    const struct variable_list list = list_of(instance, references, reference_count);
+    const bool is_quick = types == TYPES_REAL && instance->phase == PHASE_STEP;
     if (is_quick && references != NULL && values != NULL &&
-        model_get_reals(instance->model, references, count, values) == count) {
+        model_get_reals(instance->model, &list, count, values)) {
         return MODEL_OK;
     }
     if (!values_ready(instance, references, reference_count, values, count)) {
         return MODEL_ERROR;
     }
-    enum model_status status =
-        check_components(instance, find_readable, types, references, reference_count, "nValues", count);
+    size_t place = 0;
     char *to = values;
-    for (size_t i = 0; references != NULL && values != NULL && i < reference_count && status == MODEL_OK;
-         ++i) {
-        const struct variable *first = variable_of(instance, references[i]);
-        const size_t length = length_of(instance, first);
-        for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
-            status = read_value(instance, first + k, to);
-            to += value_size(instance, first);
+    enum model_status status = check_components(instance, find_readable, types, &list, "nValues", count);
+    for (const struct variable *one = NULL;
+         to != NULL && status == MODEL_OK && (one = next_variable(&list, one, &place)) != NULL;) {
+        double number = model_time(instance->model);
+        if (one->causality != VARIABLE_INDEPENDENT) {
+            status = model_read(instance->model, one, &number);
         }
+        if (status == MODEL_OK) {
+            number_to(instance, one, number, to);
+        }
+        to += value_size(instance, one);
     }
     return status;
 }
@@ -452,22 +422,24 @@ CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance
 enum model_status instance_set_values(struct instance *instance, unsigned types, const uint32_t *references,
                                       size_t reference_count, const void *values, size_t count)
 {
+    const struct variable_list list = list_of(instance, references, reference_count);
     if (!values_ready(instance, references, reference_count, values, count)) {
         return MODEL_ERROR;
     }
-    enum model_status status =
-        check_components(instance, find_settable, types, references, reference_count, "nValues", count);
+    enum model_status status = check_components(instance, find_settable, types, &list, "nValues", count);
     for (int setting = 0; setting < 2; ++setting) { /* all values are checked before any is set */
+        size_t place = 0;
         const char *from = values;
-        for (size_t i = 0;
-             references != NULL && values != NULL && i < reference_count && status <= MODEL_WARNING; ++i) {
-            const struct variable *first = variable_of(instance, references[i]);
-            const size_t length = length_of(instance, first);
-            for (size_t k = 0; k < length && status <= MODEL_WARNING; ++k) {
-                status =
-                    setting ? set_value(instance, first + k, from) : check_value(instance, first + k, from);
-                from += value_size(instance, first);
+        for (const struct variable *one = NULL;
+             status == MODEL_OK && (one = next_variable(&list, one, &place)) != NULL;) {
+            if (!setting) {
+                status = check_value(instance, one, from);
+            } else if (one->causality == VARIABLE_STATE) {
+                model_exchange_set_state(instance->model, one, number_from(instance, one, from));
+            } else {
+                model_set(instance->model, one, number_from(instance, one, from));
             }
+            from += value_size(instance, one);
         }
     }
     return status;
@@ -505,17 +477,15 @@ enum model_status instance_output_derivatives(struct instance *instance, const u
                                               size_t count)
 {
     const char *const *names = instance->adapter->arguments;
-    if (!arrays_given(instance, ARGUMENTS({names[ARGUMENT_REFERENCES], references, reference_count},
-                                          {names[ARGUMENT_ORDERS], orders, reference_count},
-                                          {names[ARGUMENT_VALUES], values, count}))) {
+    if (!values_ready(instance, references, reference_count, values, count) ||
+        !array_given(instance, names[ARGUMENT_ORDERS], orders, reference_count)) {
         return MODEL_ERROR;
     }
-    enum model_status status =
-        check_components(instance, find_variable, ANY_TYPE, references, reference_count, "nValues", count);
+    const struct variable_list list = list_of(instance, references, reference_count);
+    enum model_status status = check_components(instance, find_variable, ANY_TYPE, &list, "nValues", count);
     for (size_t i = 0; i < reference_count && status == MODEL_OK; ++i) {
         status = check_output_derivative(instance, references[i], orders[i]);
     }
-    const struct variable_list list = {references, reference_count, has_vectors(instance)};
     return status == MODEL_OK ? model_get_output_derivatives(instance->model, &list, orders, values) : status;
 }
 
@@ -549,14 +519,11 @@ static enum model_status check_role(struct instance *instance, uint32_t referenc
 static enum model_status check_seeds(struct instance *instance, const struct variable_list *list,
                                      const double *seed)
 {
-    for (size_t i = 0; i < list->count; ++i) {
-        const struct variable *first = variable_of(instance, list->references[i]);
-        const size_t length = length_of(instance, first);
-        for (size_t k = 0; k < length; ++k, ++seed) {
-            if (!isfinite(*seed)) {
-                return log_report(instance, MODEL_DISCARD, ": %s of %s = %g refused, allowed: finite",
-                                  instance->adapter->arguments[ARGUMENT_SEED], first[k].name, *seed);
-            }
+    size_t place = 0;
+    for (const struct variable *one = NULL; (one = next_variable(list, one, &place)) != NULL; ++seed) {
+        if (!isfinite(*seed)) {
+            return log_report(instance, MODEL_DISCARD, ": %s of %s = %g refused, allowed: finite",
+                              instance->adapter->arguments[ARGUMENT_SEED], one->name, *seed);
         }
     }
     return MODEL_OK;
@@ -567,7 +534,7 @@ static enum model_status check_product(struct instance *instance, const struct p
     enum model_status status = MODEL_OK;
     for (int knowns = 0; knowns < 2 && status == MODEL_OK; ++knowns) {
         const struct variable_list *list = knowns ? &p->knowns : &p->unknowns;
-        status = check_components(instance, find_variable, ANY_TYPE, list->references, list->count,
+        status = check_components(instance, find_variable, ANY_TYPE, list,
                                   knowns != p->adjoint ? "nSeed" : "nSensitivity",
                                   knowns ? p->known_components : p->unknown_components);
         for (size_t i = 0; i < list->count && status == MODEL_OK; ++i) {
@@ -583,11 +550,10 @@ enum model_status instance_product(struct instance *instance, const struct produ
     const size_t seeds = p->adjoint ? p->unknown_components : p->known_components;
     const size_t sensitivities = p->adjoint ? p->known_components : p->unknown_components;
     const char *const *names = instance->adapter->arguments;
-    if (!arrays_given(instance,
-                      ARGUMENTS({names[ARGUMENT_UNKNOWNS], p->unknowns.references, p->unknowns.count},
-                                {names[ARGUMENT_KNOWNS], p->knowns.references, p->knowns.count},
-                                {names[ARGUMENT_SEED], p->seed, seeds},
-                                {names[ARGUMENT_SENSITIVITY], p->sensitivity, sensitivities}))) {
+    if (!array_given(instance, names[ARGUMENT_UNKNOWNS], p->unknowns.references, p->unknowns.count) ||
+        !array_given(instance, names[ARGUMENT_KNOWNS], p->knowns.references, p->knowns.count) ||
+        !array_given(instance, names[ARGUMENT_SEED], p->seed, seeds) ||
+        !array_given(instance, names[ARGUMENT_SENSITIVITY], p->sensitivity, sensitivities)) {
         return MODEL_ERROR;
     }
     const enum model_status status = check_product(instance, p);
@@ -644,7 +610,7 @@ enum model_status instance_step(struct instance *instance, double point, double 
     if (status == MODEL_OK) {
         struct step_request whole = *request;
         whole.end_time = point + size;
-        status = model_step_requested(instance->model, &whole);
+        status = model_step(instance->model, &whole);
         if (status >= MODEL_ERROR) {
             instance->phase = status == MODEL_ERROR ? PHASE_ERROR : PHASE_FATAL;
         }
@@ -663,8 +629,8 @@ double instance_time_reached(const struct instance *instance)
 enum model_status exchange_accept_step(struct instance *instance, void *enters_events, void *terminates,
                                        size_t size)
 {
-    if (!arrays_given(instance, ARGUMENTS({"enterEventMode", enters_events, 1},
-                                          {"terminateSimulation", terminates, 1}))) {
+    if (!array_given(instance, "enterEventMode", enters_events, 1) ||
+        !array_given(instance, "terminateSimulation", terminates, 1)) {
         return MODEL_ERROR;
     }
     memset(enters_events, 0, size);
@@ -1025,10 +991,11 @@ void instance_free(struct instance *instance)
     }
 }
 
-enum model_status instance_categories(struct instance *instance, size_t count, const char *const *categories,
-                                      unsigned *chosen)
+enum model_status instance_set_logging(struct instance *instance, bool on, size_t count,
+                                       const char *const *categories)
 {
-    if (!arrays_given(instance, ARGUMENTS({"categories", (const void *)categories, count}))) {
+    unsigned named = count == 0 ? (unsigned)LOG_ALL : 0;
+    if (!array_given(instance, "categories", (const void *)categories, count)) {
         return MODEL_ERROR;
     }
     for (size_t i = 0; i < count; ++i) {
@@ -1037,7 +1004,12 @@ enum model_status instance_categories(struct instance *instance, size_t count, c
             return log_report(instance, MODEL_ERROR, ": unknown category \"%.100s\" (allowed: %s)", name,
                               ALL_CATEGORIES);
         }
-        *chosen |= category_bits(name);
+        named |= category_bits(name);
+    }
+    if (instance->adapter->version == 2) { /* with logging off, warnings and worse are still sent */
+        instance->log_categories = on ? named : (unsigned)LOG_STATUS_ALL;
+    } else { /* FMI 3.0.2, section 2.3.1 */
+        instance->log_categories = on ? instance->log_categories | named : instance->log_categories & ~named;
     }
     return MODEL_OK;
 }

@@ -134,26 +134,6 @@ bool call_begin(struct instance *instance, const struct call *call);
  * may be missing. */
 bool array_given(struct instance *instance, const char *argument, const void *array, size_t count);
 
-/* An array that a call got from the importer. */
-struct argument {
-    const char *name;
-    const void *array;
-    size_t count; /* elements that the array must have; 0: the array may be missing */
-};
-
-/* Arguments for arrays_given; the last one has no name and ends the array. */
-#define ARGUMENTS(...)                                                                                       \
-    (const struct argument[])                                                                                \
-    {                                                                                                        \
-        __VA_ARGS__,                                                                                         \
-        {                                                                                                    \
-            NULL, NULL, 0                                                                                    \
-        }                                                                                                    \
-    }
-
-/* Whether all arrays were given; if not, a message names the first that was not. */
-bool arrays_given(struct instance *instance, const struct argument *arguments);
-
 /*
  * Getting and setting values: each reference must name a variable of one of the types (bits of enum
  * type_bits) that may be read or set now. All values are checked before any is set. `count` is the number of
@@ -232,9 +212,10 @@ CONTACT_COLD struct instance *instance_create(struct instance *nobody, size_t si
 /* Frees an instance; does nothing while the instance's logger or another callback runs. */
 void instance_free(struct instance *instance);
 
-/* Adds the bits of the named log categories to *chosen. */
-enum model_status instance_categories(struct instance *instance, size_t count, const char *const *categories,
-                                      unsigned *chosen);
+/* Switches logging on or off. With FMI 2.0 the named categories are the only ones from then on, with FMI 3.0
+ * the others stay as they are. Without names all categories are meant. */
+enum model_status instance_set_logging(struct instance *instance, bool on, size_t count,
+                                       const char *const *categories);
 
 /* Takes over start time [s], stop time [s] and the importer's relative tolerance. */
 CONTACT_COLD enum model_status instance_set_up(struct instance *instance, bool tolerance_defined,

@@ -113,18 +113,6 @@ CONTACT_EXPORTED void fmi2FreeInstance(fmi2Component c)
     instance_free(c);
 }
 
-static enum model_status choose_categories(struct instance *instance, bool on, size_t count,
-                                           const fmi2String *categories)
-{
-    unsigned chosen = 0;
-    const enum model_status status = instance_categories(instance, count, categories, &chosen);
-    if (status == MODEL_OK) {
-        /* With logging off, warnings and worse are still sent. */
-        instance->log_categories = !on ? LOG_STATUS_ALL : count == 0 ? (unsigned)LOG_ALL : chosen;
-    }
-    return status;
-}
-
 static enum model_status enter_initialization(struct instance *instance)
 {
     return instance->experiment.set_up
@@ -134,7 +122,7 @@ static enum model_status enter_initialization(struct instance *instance)
 
 CALL2(SetDebugLogging, ANY, PHASES_ALL,
       (fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[]),
-      choose_categories(instance, on != fmi2False, count, categories))
+      instance_set_logging(instance, on != fmi2False, count, categories))
 CALL2(EnterInitializationMode, ANY, PHASE_INSTANTIATED, (fmi2Component c), enter_initialization(instance))
 CALL2(SetupExperiment, ANY, PHASE_INSTANTIATED,
       (fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start_time,
@@ -167,31 +155,22 @@ SETTER2(Boolean, TYPES_BOOLEAN, PHASES_SETTABLE)
 GETTER2(String, TYPES_NONE)
 SETTER2(String, TYPES_NONE, PHASES_SETTABLE)
 
-static enum model_status check_input_derivative(struct instance *instance, fmi2ValueReference reference,
-                                                fmi2Integer order, fmi2Real value)
-{
-    const struct variable *variable = find_real(instance, reference, VARIABLE_INPUT);
-    if (variable == NULL) {
-        return MODEL_ERROR;
-    }
-    const enum model_status status = check_order(instance, variable, order);
-    if (status == MODEL_OK && !(value >= variable->min && value <= variable->max)) {
-        return log_report(instance, MODEL_DISCARD,
-                          ": derivative of order %d of %s = %g refused, allowed: %g .. %g", order,
-                          variable->name, value, variable->min, variable->max);
-    }
-    return status;
-}
-
 static enum model_status set_input_derivatives(struct instance *instance, const fmi2ValueReference *vr,
                                                size_t nvr, const fmi2Integer *order, const fmi2Real *value)
 {
-    if (!arrays_given(instance, ARGUMENTS({"vr", vr, nvr}, {"order", order, nvr}, {"value", value, nvr}))) {
+    if (!array_given(instance, "vr", vr, nvr) || !array_given(instance, "order", order, nvr) ||
+        !array_given(instance, "value", value, nvr)) {
         return MODEL_ERROR;
     }
     enum model_status status = MODEL_OK;
     for (size_t i = 0; i < nvr && status == MODEL_OK; ++i) {
-        status = check_input_derivative(instance, vr[i], order[i], value[i]);
+        const struct variable *variable = find_real(instance, vr[i], VARIABLE_INPUT);
+        status = variable == NULL ? MODEL_ERROR : check_order(instance, variable, order[i]);
+        if (status == MODEL_OK && !(value[i] >= variable->min && value[i] <= variable->max)) {
+            status = log_report(instance, MODEL_DISCARD,
+                                ": derivative of order %d of %s = %g refused, allowed: %g .. %g", order[i],
+                                variable->name, value[i], variable->min, variable->max);
+        }
     }
     for (size_t i = 0; i < nvr && status == MODEL_OK; ++i) {
         model_set_input_derivative(instance->model, scene_variable(vr[i]), order[i], value[i]);

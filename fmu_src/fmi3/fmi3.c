@@ -181,23 +181,9 @@ CONTACT_EXPORTED void fmi3FreeInstance(fmi3Instance c)
     instance_free(c);
 }
 
-/* Switches the named log categories on or off and leaves the others as they are. Without names all categories
- * are switched (FMI 3.0.2, section 2.3.1). */
-static enum model_status switch_categories(struct instance *instance, bool on, size_t count,
-                                           const fmi3String *categories)
-{
-    unsigned chosen = 0;
-    const enum model_status status = instance_categories(instance, count, categories, &chosen);
-    const unsigned bits = count == 0 ? (unsigned)LOG_ALL : chosen;
-    if (status == MODEL_OK) {
-        instance->log_categories = on ? instance->log_categories | bits : instance->log_categories & ~bits;
-    }
-    return status;
-}
-
 CALL3(SetDebugLogging, ANY, PHASES_ALL,
       (fmi3Instance c, fmi3Boolean on, size_t count, const fmi3String categories[]),
-      switch_categories(instance, on, count, categories))
+      instance_set_logging(instance, on, count, categories))
 
 static enum model_status begin_initialization(struct instance *instance, enum model_status set_up)
 {
@@ -324,11 +310,11 @@ CONTACT_NOINLINE static fmi3Status fmi3_do_step(struct instance *instance, doubl
 {
     static const struct call call = {"fmi3DoStep", CALL_STEPS, PHASE_STEP, NULL};
     struct fmi3_instance *own = (struct fmi3_instance *)instance;
-    const bool ready =
-        call_begin(instance, &call) &&
-        arrays_given(instance,
-                     ARGUMENTS({"eventHandlingNeeded", event, 1}, {"terminateSimulation", terminate, 1},
-                               {"earlyReturn", early, 1}, {"lastSuccessfulTime", time, 1}));
+    const bool ready = call_begin(instance, &call) &&
+                       array_given(instance, "eventHandlingNeeded", event, 1) &&
+                       array_given(instance, "terminateSimulation", terminate, 1) &&
+                       array_given(instance, "earlyReturn", early, 1) &&
+                       array_given(instance, "lastSuccessfulTime", time, 1);
     if (!ready || event == NULL || terminate == NULL || early == NULL || time == NULL) {
         return fmi3Error;
     }
@@ -395,11 +381,12 @@ static enum model_status update_discrete_states(struct instance *instance, bool 
                                                 bool *nominals_changed, bool *values_changed,
                                                 bool *time_defined, double *time)
 {
-    if (!arrays_given(instance,
-                      ARGUMENTS({"discreteStatesNeedUpdate", again, 1}, {"terminateSimulation", terminate, 1},
-                                {"nominalsOfContinuousStatesChanged", nominals_changed, 1},
-                                {"valuesOfContinuousStatesChanged", values_changed, 1},
-                                {"nextEventTimeDefined", time_defined, 1}, {"nextEventTime", time, 1}))) {
+    if (!array_given(instance, "discreteStatesNeedUpdate", again, 1) ||
+        !array_given(instance, "terminateSimulation", terminate, 1) ||
+        !array_given(instance, "nominalsOfContinuousStatesChanged", nominals_changed, 1) ||
+        !array_given(instance, "valuesOfContinuousStatesChanged", values_changed, 1) ||
+        !array_given(instance, "nextEventTimeDefined", time_defined, 1) ||
+        !array_given(instance, "nextEventTime", time, 1)) {
         return MODEL_ERROR;
     }
     struct exchange_news news = {0};

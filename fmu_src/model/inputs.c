@@ -1,4 +1,5 @@
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "contact/law.h"
@@ -32,10 +33,10 @@ static void put_signals(struct vec3 *path, struct vec3 value, const struct input
     }
 }
 
-static void put_displacement(struct body_path *path, struct vec3 value, const struct input_signal *signals,
-                             const uint8_t *marks, bool follows_velocity)
+/* Lets a displacement go on as a polynomial of third degree where it follows the velocity, and else of second
+ * degree. */
+static void extend_displacement(struct body_path *path, const uint8_t *marks, bool follows_velocity)
 {
-    put_signals(path->displacement, value, signals, marks);
     for (int k = 0; k < 3; ++k) {
         if (marks[k] & (SIGNAL_VALUE | SIGNAL_RATE | SIGNAL_CURVATURE)) {
             vec3_set(&path->displacement[3], k, 0.0);
@@ -56,29 +57,45 @@ static bool inputs_prescribe_all(const struct scene_values *v)
     return true;
 }
 
-/* Renews the paths of a body's rotation. The prescribed axis follows its given derivatives where it has some,
- * else the angular velocity; in Model Exchange the axis input alone tells it. */
+/* The inputs of a body in the order of their signals: the row, the path that takes the input, its value, and
+ * whether the body follows it. The orientation has no derivatives. */
+static const struct input_kind {
+    int row;
+    size_t path; /* its place in struct body_path [bytes] */
+    struct vec3 (*value)(const struct scene_values *v, int body);
+    bool (*in_use)(const struct scene_values *v, int body);
+} input_kinds[] = {
+    {ROW_body_prescribed_displacement, offsetof(struct body_path, displacement), body_prescribed_displacement,
+     body_is_prescribed},
+    {ROW_body_prescribed_velocity, offsetof(struct body_path, velocity), body_prescribed_velocity,
+     body_is_prescribed},
+    {ROW_body_external_force, offsetof(struct body_path, force), body_external_force, body_is_free},
+    {ROW_body_prescribed_angular_velocity, offsetof(struct body_path, angular_velocity),
+     body_prescribed_angular_velocity, body_turn_is_prescribed},
+    {ROW_body_prescribed_axis, offsetof(struct body_path, axis), body_prescribed_axis,
+     body_turn_is_prescribed},
+    {ROW_body_external_torque, offsetof(struct body_path, torque), body_external_torque, body_turns_freely},
+    {.row = ROW_body_prescribed_orientation}};
+
+enum {
+    INPUT_KINDS = sizeof input_kinds / sizeof input_kinds[0],
+    VECTOR_INPUTS = SCENE_ANY_ROTATION ? INPUT_KINDS - 1 : 3,
+    AXIS_SIGNAL = 12,       /* the first signal of the prescribed axis */
+    ORIENTATION_SIGNAL = 18 /* the first of the prescribed orientation */
+};
+
+/* Renews the rotation that a body is prescribed. The prescribed axis follows its given derivatives where it
+ * has some, else the angular velocity; in Model Exchange the axis input alone tells it. */
 static void renew_turn(const struct model *m, int body, const uint8_t *marks, struct body_path *path)
 {
-    const struct scene_values *v = &m->state.values;
-    const struct input_signal *signals = m->state.signals[body];
-    const bool prescribed = body_turn_is_prescribed(v, body);
-    if (prescribed) {
-        put_signals(path->angular_velocity, body_prescribed_angular_velocity(v, body), signals + 9,
-                    marks + 9);
-        put_signals(path->axis, body_prescribed_axis(v, body), signals + 12, marks + 12);
+    struct quaternion given = body_prescribed_orientation(&m->state.values, body);
+    for (int k = 0; SCENE_ANY_COMPOUND && k < 4; ++k) {
+        if (marks[ORIENTATION_SIGNAL + k] & SIGNAL_VALUE) {
+            *quaternion_part(&path->orientation, k) = *quaternion_part(&given, k);
+        }
     }
-    if (body_turns_freely(v, body)) {
-        put_signals(path->torque, body_external_torque(v, body), signals + 15, marks + 15);
-    }
-    if (SCENE_ANY_COMPOUND && prescribed) {
-        const struct quaternion given = body_prescribed_orientation(v, body);
-        path->orientation.w = marks[18] & SIGNAL_VALUE ? given.w : path->orientation.w;
-        path->orientation.x = marks[19] & SIGNAL_VALUE ? given.x : path->orientation.x;
-        path->orientation.y = marks[20] & SIGNAL_VALUE ? given.y : path->orientation.y;
-        path->orientation.z = marks[21] & SIGNAL_VALUE ? given.z : path->orientation.z;
-    }
-    const bool has_rate = ((marks[12] | marks[13] | marks[14]) & SIGNAL_EXPLICIT) != 0;
+    const uint8_t *axis = marks + AXIS_SIGNAL;
+    const bool has_rate = ((axis[0] | axis[1] | axis[2]) & SIGNAL_EXPLICIT) != 0;
     path->turn_follows = m->host.exchange ? TURN_FOLLOWS_AXIS_ALONE
                          : has_rate       ? TURN_FOLLOWS_AXIS
                                           : TURN_FOLLOWS_VELOCITY;
@@ -87,14 +104,15 @@ static void renew_turn(const struct model *m, int body, const uint8_t *marks, st
 static void input_path_renew(const struct model *m, int body, const uint8_t *marks, struct body_path *path)
 {
     const struct scene_values *v = &m->state.values;
-    const struct input_signal *signals = m->state.signals[body];
-    const bool follows_velocity = !m->host.exchange && !inputs_prescribe_all(v);
-    if (body_is_prescribed(v, body)) {
-        put_signals(path->velocity, body_prescribed_velocity(v, body), signals + 3, marks + 3);
-        put_displacement(path, body_prescribed_displacement(v, body), signals, marks, follows_velocity);
+    for (int i = 0; i < VECTOR_INPUTS; ++i) {
+        const struct input_kind *kind = &input_kinds[i];
+        if (kind->in_use(v, body)) {
+            put_signals((struct vec3 *)((char *)path + kind->path), kind->value(v, body),
+                        &m->state.signals[body][3 * i], &marks[3 * i]);
+        }
     }
-    if (body_is_free(v, body)) {
-        put_signals(path->force, body_external_force(v, body), signals + 6, marks + 6);
+    if (body_is_prescribed(v, body)) {
+        extend_displacement(path, marks, !m->host.exchange && !inputs_prescribe_all(v));
     }
     if (SCENE_ANY_ROTATION) {
         renew_turn(m, body, marks, path);
@@ -104,22 +122,21 @@ static void input_path_renew(const struct model *m, int body, const uint8_t *mar
 void model_start_paths(struct model *m)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
+        const uint8_t *set = m->state.marks[i];
+        struct body_path *path = &m->state.motion.path[i];
         uint8_t marks[SIGNALS_EACH];
         for (int k = 0; k < SIGNALS_EACH; ++k) {
-            marks[k] = m->state.marks[i][k] | SIGNAL_VALUE;
+            marks[k] = set[k] | SIGNAL_VALUE;
         }
-        input_path_renew(m, i, marks, &m->state.motion.path[i]);
-        if (SCENE_ANY_COMPOUND) { /* until the input is set, the parameter gives the orientation */
-            const uint8_t *set = &m->state.marks[i][18];
-            if (!(set[0] | set[1] | set[2] | set[3])) {
-                m->state.motion.path[i].orientation = body_initial_orientation(&m->state.values, i);
-            }
+        input_path_renew(m, i, marks, path);
+        /* until the inputs are set, parameters give the orientation and the axis */
+        if (SCENE_ANY_COMPOUND && !(set[ORIENTATION_SIGNAL] | set[ORIENTATION_SIGNAL + 1] |
+                                    set[ORIENTATION_SIGNAL + 2] | set[ORIENTATION_SIGNAL + 3])) {
+            path->orientation = body_initial_orientation(&m->state.values, i);
         }
-        if (SCENE_ANY_ROTATION && body_has_axis(i)) {
-            const uint8_t *set = &m->state.marks[i][12];
-            if (!(set[0] | set[1] | set[2])) { /* until the input is set, the parameter gives the axis */
-                m->state.motion.path[i].axis[0] = body_axis(&m->state.values, i);
-            }
+        if (SCENE_ANY_ROTATION && body_has_axis(i) &&
+            !(set[AXIS_SIGNAL] | set[AXIS_SIGNAL + 1] | set[AXIS_SIGNAL + 2])) {
+            path->axis[0] = body_axis(&m->state.values, i);
         }
     }
 }
@@ -272,12 +289,12 @@ static bool model_tune(struct model *m)
 }
 
 /* Whether model_tune would accept one value. */
-static bool model_can_tune(struct model *m, const struct variable *variable, const void *value)
+static bool model_can_tune(struct model *m, const struct variable *variable, double value)
 {
     motion_catch_up(m);
     struct scene_values v = m->state.values;
     struct scene_state q = m->state.motion;
-    memcpy((char *)&v + variable->offset, value, variable_size(variable));
+    variable_put(variable, &v, value);
     q.v = &v;
     return motion_tune(&v, m->state.tuned ? &m->state.in_force : &m->state.values, &q);
 }
@@ -285,12 +302,8 @@ static bool model_can_tune(struct model *m, const struct variable *variable, con
 /* Returns the index of a variable among its body's input signals, or -1 when it is no input. */
 static int signal_of(const struct variable *variable)
 {
-    static const int rows[] = {ROW_body_prescribed_displacement, ROW_body_prescribed_velocity,
-                               ROW_body_external_force,          ROW_body_prescribed_angular_velocity,
-                               ROW_body_prescribed_axis,         ROW_body_external_torque,
-                               ROW_body_prescribed_orientation};
-    for (int i = 0; i < (int)(sizeof rows / sizeof rows[0]); ++i) {
-        if (variable->row == rows[i]) {
+    for (int i = 0; i < INPUT_KINDS; ++i) {
+        if (variable->row == input_kinds[i].row) {
             return 3 * i + variable->component;
         }
     }
@@ -320,41 +333,44 @@ const struct variable *variable_of_row(int row, int element)
     return NULL;
 }
 
-double variable_number(const struct variable *variable, const void *at)
+double variable_value(const struct variable *variable, const struct scene_values *values)
 {
-    double real;
-    int32_t integer;
-    if (variable->type == VARIABLE_REAL) {
-        memcpy(&real, at, sizeof real);
-        return real;
-    }
-    memcpy(&integer, at, sizeof integer);
-    return integer;
+    const char *at = (const char *)values + variable->offset;
+    return variable->type == VARIABLE_REAL ? *(const double *)at : *(const int32_t *)at;
 }
 
-enum model_status model_check(struct model *m, const struct variable *variable, const void *value)
+void variable_put(const struct variable *variable, struct scene_values *values, double value)
 {
-    const double number = variable_number(variable, value);
-    if (isfinite(number) && number >= variable->min && number <= variable->max) {
+    char *at = (char *)values + variable->offset;
+    if (variable->type == VARIABLE_REAL) {
+        *(double *)at = value;
+    } else {
+        *(int32_t *)at = (int32_t)value;
+    }
+}
+
+enum model_status model_check(struct model *m, const struct variable *variable, double value)
+{
+    if (isfinite(value) && value >= variable->min && value <= variable->max) {
         const bool tunes = m->state.initialized && variable->causality == VARIABLE_PARAMETER;
         return !tunes || model_can_tune(m, variable, value)
                    ? MODEL_OK
                    : model_report(m, MODEL_DISCARD,
                                   "%s = %s refused: a force or an energy would be beyond the range of "
                                   "numbers (allowed: values with finite ones); it stays as it was.",
-                                  variable->name, shortest_digits(number).text);
+                                  variable->name, shortest_digits(value).text);
     }
     return model_report(m, MODEL_DISCARD, "%s = %s refused (allowed: %s .. %s); it stays as it was.",
-                        variable->name, shortest_digits(number).text, shortest_digits(variable->min).text,
+                        variable->name, shortest_digits(value).text, shortest_digits(variable->min).text,
                         shortest_digits(variable->max).text);
 }
 
-void model_set(struct model *m, const struct variable *variable, const void *value)
+void model_set(struct model *m, const struct variable *variable, double value)
 {
     if (m->state.initialized && variable->causality == VARIABLE_PARAMETER) {
         model_begin_tuning(m);
     }
-    memcpy((char *)&m->state.values + variable->offset, value, variable_size(variable));
+    variable_put(variable, &m->state.values, value);
     uint8_t *marks = changed_marks(m, variable);
     if (marks != NULL) {
         /* A new value without derivatives at the same communication point ends earlier derivatives. */
@@ -382,32 +398,36 @@ bool model_tilts_axis(const struct scene_values *v, int body, struct vec3 a)
 static bool turn_tilts_axis(const struct model *m, int body)
 {
     struct body_path path = m->state.motion.path[body];
-    if (!body_keeps_axis(body) || !body_turn_is_prescribed(&m->state.values, body)) {
-        return false;
-    }
     input_path_renew(m, body, m->state.marks[body], &path);
     return model_tilts_axis(&m->state.values, body, path.angular_velocity[0]) ||
            model_tilts_axis(&m->state.values, body, path.angular_velocity[1]) ||
            model_tilts_axis(&m->state.values, body, path.angular_velocity[2]);
 }
 
-bool model_has_no_axis(const struct scene_values *v, int body)
+const char *model_unfit_turn(const struct model *m, int body)
 {
-    return body_has_axis(body) && body_turn_is_prescribed(v, body) &&
-           vec3_is_zero(body_prescribed_axis(v, body));
+    const struct scene_values *v = &m->state.values;
+    if (!body_turn_is_prescribed(v, body)) {
+        return NULL;
+    }
+    return body_has_axis(body) && vec3_is_zero(body_prescribed_axis(v, body)) ? "prescribed_axis"
+           : body_is_compound(body) && quaternion_is_zero(body_prescribed_orientation(v, body))
+               ? "prescribed_orientation"
+           : SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, body) ? "prescribed_angular_velocity"
+                                                             : NULL;
 }
 
-bool model_has_no_orientation(const struct scene_values *v, int body)
-{
-    const struct quaternion q = body_prescribed_orientation(v, body);
-    return body_is_compound(body) && body_turn_is_prescribed(v, body) && quaternion_is_zero(q);
-}
-
-enum model_status model_refuse_zero(const struct model *m, enum model_status status, int body,
+enum model_status model_refuse_turn(const struct model *m, enum model_status status, int body,
                                     const char *name)
 {
     const char *of = scene_body_name(body);
     const char *follows = status == MODEL_DISCARD ? " and is not in force" : "";
+    if (strstr(name, "velocity") != NULL) {
+        return model_report(m, status,
+                            "%s.%s would tilt %s.axis%s: a cylinder that touches a cylinder turns about its "
+                            "own axis (allowed: multiples of the axis).",
+                            of, name, of, follows);
+    }
     return strstr(name, "orientation") != NULL
                ? model_report(m, status,
                               "%s.%s[1..4] = 0, 0, 0, 0 is no rotation%s (allowed: at least one component "
@@ -421,22 +441,10 @@ enum model_status model_refuse_zero(const struct model *m, enum model_status sta
 
 enum model_status model_refuse_inputs(const struct model *m)
 {
-    if (SCENE_ANY_ROTATION) {
-        for (int i = 0; i < SCENE_BODIES; ++i) {
-            if (model_has_no_axis(&m->state.values, i)) {
-                return model_refuse_zero(m, MODEL_DISCARD, i, "prescribed_axis");
-            }
-            if (model_has_no_orientation(&m->state.values, i)) {
-                return model_refuse_zero(m, MODEL_DISCARD, i, "prescribed_orientation");
-            }
-            if (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)) {
-                const char *name = scene_body_name(i);
-                return model_report(
-                    m, MODEL_DISCARD,
-                    "%s.prescribed_angular_velocity would tilt the axis and is not in force: a cylinder that "
-                    "touches a cylinder turns about its own axis (allowed: multiples of %s.axis).",
-                    name, name);
-            }
+    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) {
+        const char *unfit = model_unfit_turn(m, i);
+        if (unfit != NULL) {
+            return model_refuse_turn(m, MODEL_DISCARD, i, unfit);
         }
     }
     return model_report(m, MODEL_DISCARD,
@@ -463,9 +471,7 @@ bool model_apply_inputs(struct model *m)
         input_path_shift(m, i, &next[i]);
         const struct body_path before = next[i];
         input_path_renew(m, i, m->state.marks[i], &next[i]);
-        if (SCENE_ANY_ROTATION &&
-            (model_has_no_axis(&m->state.values, i) || model_has_no_orientation(&m->state.values, i) ||
-             (SCENE_ANY_KEPT_AXIS && turn_tilts_axis(m, i)))) {
+        if (SCENE_ANY_ROTATION && model_unfit_turn(m, i) != NULL) {
             return false;
         }
         const void *bytes[2] = {&before, &next[i]}; /* a path has no padding */
@@ -498,8 +504,8 @@ static bool has_rate_of_its_own(const struct model *m, int body, struct vec3 rat
 /* Bits of model_state.warned_of_rate. */
 enum { WARNED_OF_DISPLACEMENT = 1, WARNED_OF_AXIS = 2 };
 
-/* Warns where two rates of one quantity differ by more than their rounding plus `least`, in the unit of the
- * rates: `given` follows from derivatives that the importer gives, `other` from another input. */
+/* Warns once where two rates of one quantity differ by more than their rounding plus `least`, in the unit of
+ * the rates: `given` follows from derivatives that the importer gives, `other` from another input. */
 static void warn_of_rates(struct model *m, int body, int bit, struct vec3 given, struct vec3 other,
                           double least)
 {
@@ -510,7 +516,8 @@ static void warn_of_rates(struct model *m, int body, int bit, struct vec3 given,
                             "prescribed_angular_velocity turns it by",
                             "the axis, slip and work the angular velocity"}};
     const double size = fmax(vec3_norm(given), vec3_norm(other));
-    if (!(vec3_norm(vec3_sub(given, other)) > RATE_AGREEMENT * size + least)) {
+    if ((m->state.warned_of_rate[body] & bit) != 0 ||
+        !(vec3_norm(vec3_sub(given, other)) > RATE_AGREEMENT * size + least)) {
         return;
     }
     m->state.warned_of_rate[body] |= (uint8_t)bit;
@@ -529,21 +536,13 @@ static void warn_of_rates(struct model *m, int body, int bit, struct vec3 given,
 static const double AXIS_AGREEMENT = 1e-9;
 
 /* Warns of a prescribed axis whose given derivatives contradict the angular velocity of its body. */
-static void warn_of_axis(struct model *m, int body)
+static void warn_of_axis(struct model *m, int body, const struct body_path *path)
 {
-    const struct scene_values *v = &m->state.values;
-    const struct scene_state *q = &m->state.motion;
-    struct body_path path = q->path[body];
-    if (path.turn_follows != TURN_FOLLOWS_AXIS || (m->state.warned_of_rate[body] & WARNED_OF_AXIS) ||
-        !body_has_axis(body) || !body_turn_is_prescribed(v, body)) {
-        return;
-    }
-    body_path_shift(v, body, &path, q->clock);
-    const double length = vec3_norm(path.axis[0]);
-    const struct vec3 axis = vec3_scale(1.0 / length, path.axis[0]);
-    const struct vec3 raw = vec3_scale(1.0 / length, path.axis[1]);
+    const double length = vec3_norm(path->axis[0]);
+    const struct vec3 axis = vec3_scale(1.0 / length, path->axis[0]);
+    const struct vec3 raw = vec3_scale(1.0 / length, path->axis[1]);
     const struct vec3 rate = vec3_axpy(raw, -vec3_dot(raw, axis), axis);
-    const struct vec3 turning = vec3_cross(path.angular_velocity[0], axis);
+    const struct vec3 turning = vec3_cross(path->angular_velocity[0], axis);
     warn_of_rates(m, body, WARNED_OF_AXIS, rate, turning, AXIS_AGREEMENT);
 }
 
@@ -554,15 +553,12 @@ void model_warn_of_rates(struct model *m)
     /* A scene without a solver takes the start value that solver.absolute_tolerance has elsewhere. */
     const double least_speed = SCENE_ANY_FREE ? solver_absolute_tolerance(v) : 1e-12;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (SCENE_ANY_ROTATION) {
-            warn_of_axis(m, i);
-        }
-        if (!body_is_prescribed(v, i) || (m->state.warned_of_rate[i] & WARNED_OF_DISPLACEMENT)) {
-            continue;
-        }
         struct body_path path = q->path[i];
         body_path_shift(v, i, &path, q->clock);
-        if (has_rate_of_its_own(m, i, path.displacement[1])) {
+        if (body_turn_is_prescribed(v, i) && body_has_axis(i) && path.turn_follows == TURN_FOLLOWS_AXIS) {
+            warn_of_axis(m, i, &path);
+        }
+        if (body_is_prescribed(v, i) && has_rate_of_its_own(m, i, path.displacement[1])) {
             warn_of_rates(m, i, WARNED_OF_DISPLACEMENT, path.displacement[1], path.velocity[0], least_speed);
         }
     }

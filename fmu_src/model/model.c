@@ -110,21 +110,6 @@ double model_time(const struct model *m)
     return m->state.initialized ? scene_time(&m->state.motion) : m->state.start_time;
 }
 
-/* Whether the motion of the bodies and its energies are finite. */
-static bool motion_is_finite(const struct model *m)
-{
-    const struct scene_values *v = &m->state.values;
-    const struct scene_state *q = &m->state.motion;
-    double sum = scene_time(q) + motion_size(q);
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_prescribed(v, i)) {
-            const struct body_instant at = scene_body_now(q, i);
-            sum += vec3_norm(at.displacement) + vec3_norm(at.velocity);
-        }
-    }
-    return isfinite(sum);
-}
-
 /* Returns the motion to the state before a step; the integrator restarts there. */
 static void undo_step(struct model *m, const struct scene_state *before)
 {
@@ -140,7 +125,7 @@ static enum model_status take_step(struct model *m, const struct step_request *r
     struct scene_state before;
     scene_state_copy(&m->state.motion, &before);
     const enum model_status status = motion_advance(m, request);
-    if (!motion_is_finite(m)) {
+    if (!motion_is_finite(&m->state.motion)) {
         undo_step(m, &before);
         return model_report(m, MODEL_DISCARD,
                             "The step to %s s takes the motion beyond the range of numbers; it stays at %s s "
@@ -169,7 +154,7 @@ static double ask_owner(void *context, double end_time)
     return end_time;
 }
 
-enum model_status model_step_requested(struct model *m, const struct step_request *request)
+enum model_status model_step(struct model *m, const struct step_request *request)
 {
     if (!m->state.initialized) {
         return model_report(m, MODEL_ERROR, "A step to %s s before the end of the initialization.",
@@ -193,11 +178,6 @@ enum model_status model_step_requested(struct model *m, const struct step_reques
     const enum model_status status = take_step(m, &inner);
     m->outputs = OUTPUTS_NONE;
     return status;
-}
-
-enum model_status model_step(struct model *m, double end_time)
-{
-    return model_step_requested(m, &(const struct step_request){.end_time = end_time});
 }
 
 /* A saved state is struct model_state itself. */
@@ -226,7 +206,7 @@ CONTACT_NOINLINE static bool value_in_range(const struct scene_values *values, c
     if (variable_is_local(row)) {
         return true; /* it is computed from values that are checked */
     }
-    const double value = variable_number(row, (const char *)values + row->offset);
+    const double value = variable_value(row, values);
     return isfinite(value) && (row->causality == VARIABLE_OUTPUT || (value >= row->min && value <= row->max));
 }
 
@@ -446,13 +426,18 @@ const struct variable *vector_variable(uint32_t reference)
     return variable != NULL && variable->component == 0 ? variable : NULL;
 }
 
-size_t vector_length(const struct variable *first)
+const struct variable *listed_variable(const struct variable_list *list, uint32_t reference)
 {
-    const struct variable *end = scene_variables + scene_variable_count;
-    size_t length = 1;
-    while (first + length < end && first[length].row == first->row &&
-           first[length].element == first->element && first[length].component == length) {
-        ++length;
+    static const struct variable time = {
+        .name = "time", .type = VARIABLE_REAL, .causality = VARIABLE_INDEPENDENT, .length = 1};
+    return !list->vectors ? scene_variable(reference) : reference == 0 ? &time : vector_variable(reference);
+}
+
+const struct variable *next_variable(const struct variable_list *list, const struct variable *last,
+                                     size_t *place)
+{
+    if (last != NULL && list->vectors && last->component + 1 < last->length) {
+        return last + 1;
     }
-    return length;
+    return *place < list->count ? listed_variable(list, list->references[(*place)++]) : NULL;
 }

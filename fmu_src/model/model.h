@@ -49,33 +49,31 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
  * that names both; all parameters can then still be set. */
 enum model_status model_exit_initialization(struct model *m);
 
-/* Integrates to end_time [s], which lies after model_time. MODEL_DISCARD: solver.max_internal_steps ended the
- * step earlier, at model_time. All values are then those of model_time, where the next step may begin. */
-enum model_status model_step(struct model *m, double end_time);
-
-/* Does model_step with a request (integrator/step_request.h). A callback at_event may read the outputs of its
- * instant, and may call no other function. */
-enum model_status model_step_requested(struct model *m, const struct step_request *request);
+/* Integrates to the end of a requested step (integrator/step_request.h), which lies after model_time.
+ * MODEL_DISCARD: solver.max_internal_steps ended the step earlier, at model_time. All values are then those
+ * of model_time, where the next step may begin. A callback at_event may read the outputs of its instant, and
+ * may call no other function. */
+enum model_status model_step(struct model *m, const struct step_request *request);
 
 /* Advances only the clock to end_time [s], where the flight of the bodies can be deferred (flight/flight.h).
- * Returns false, and does nothing, where model_step_requested is needed. */
+ * Returns false, and does nothing, where model_step is needed. */
 bool model_step_deferred(struct model *m, double end_time);
 
 double model_time(const struct model *m);
 
-/* model_check returns MODEL_OK, or reports that a value is refused; NaN and infinity always are. `value` is a
- * double for VARIABLE_REAL, else an int32_t. model_set sets a value that model_check has accepted. */
-enum model_status model_check(struct model *m, const struct variable *variable, const void *value);
-void model_set(struct model *m, const struct variable *variable, const void *value);
+/* model_check returns MODEL_OK, or reports that a value is refused; NaN and infinity always are. model_set
+ * sets a value that model_check has accepted. A variable that is not Real takes whole numbers. */
+enum model_status model_check(struct model *m, const struct variable *variable, double value);
+void model_set(struct model *m, const struct variable *variable, double value);
 
-/* Reads a value, after the outputs have been brought up to date with the inputs. Returns MODEL_DISCARD, and
- * reads nothing, where the value would be beyond the range of numbers. */
-enum model_status model_read(struct model *m, const struct variable *variable, void *value);
+/* Reads a value, after the outputs have been brought up to date with the inputs. Returns MODEL_DISCARD where
+ * the value would be beyond the range of numbers; *value then has no meaning. */
+enum model_status model_read(struct model *m, const struct variable *variable, double *value);
 
 /* Reads many Real variables quickly once the model is initialized, after the outputs have been brought up to
- * date for the first. Returns the number of variables read before the first one that is not Real or has to be
- * computed. */
-size_t model_get_reals(struct model *m, const uint32_t *references, size_t count, double *values);
+ * date for the first. Returns whether all were read: each is Real and need not be computed by itself, and
+ * there are `count` numbers. */
+bool model_get_reals(struct model *m, const struct variable_list *list, size_t count, double *values);
 
 /* Sets the time derivative of `order` 1 or 2 of a real input from the present communication point on, to a
  * value in the range of the input. */

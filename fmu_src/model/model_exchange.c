@@ -20,30 +20,59 @@ static int part_of(int row)
     return rolls ? OPPOSED_ROLLING : spins ? OPPOSED_SPINNING : OPPOSED_SLIP;
 }
 
-/* Returns the place of a state in the scene. The scene holds a displacement relative to its body's origin. */
-static double *state_at(struct scene_state *q, const struct variable *state)
+/* Whether a state or its rate is in use. Any other state stays constant: that of a body that is not free or
+ * does not turn freely, and a spring that a contact does not have. */
+static bool is_in_use(const struct scene_values *v, const struct variable *variable)
+{
+    switch (variable->row) {
+    case ROW_body_displacement_state:
+    case ROW_body_displacement_rate:
+    case ROW_body_velocity_state:
+    case ROW_body_acceleration:
+        return body_is_free(v, variable->element);
+    case ROW_body_orientation_state:
+    case ROW_body_orientation_rate:
+    case ROW_body_angular_velocity_state:
+    case ROW_body_angular_acceleration:
+        return body_turns_freely(v, variable->element);
+    case ROW_contact_spring_state:
+    case ROW_contact_spring_rate:
+    case ROW_contact_rolling_spring_state:
+    case ROW_contact_rolling_spring_rate:
+    case ROW_contact_spinning_spring_state:
+    case ROW_contact_spinning_spring_rate:
+        return contact_has_spring(v, variable->element, part_of(variable->row));
+    default: /* of an energy */
+        return true;
+    }
+}
+
+/* Returns the place of a state in the scene, or that of its change in a path; NULL: no path. The scene holds
+ * a displacement relative to its body's origin. */
+static double *state_at(struct scene_state *q, struct scene_jet *along, const struct variable *state)
 {
     const int i = state->element;
     const int k = state->component;
+    const int part = part_of(state->row);
     switch (state->row) {
     case ROW_body_orientation_state:
-        return quaternion_part(&q->turning.body[i].orientation, k);
+        return quaternion_part(along ? &along->given_orientation[i] : &q->turning.body[i].orientation, k);
     case ROW_body_angular_velocity_state:
-        return vec3_part(&q->turning.body[i].angular_velocity, k);
+        return vec3_part(along ? &along->angular_velocity[i][1] : &q->turning.body[i].angular_velocity, k);
     case ROW_contact_spring_state:
     case ROW_contact_rolling_spring_state:
     case ROW_contact_spinning_spring_state:
-        return vec3_part(&q->turning.spring[i][part_of(state->row)], k);
+        return vec3_part(along ? &along->spring[i][part][1] : &q->turning.spring[i][part], k);
     case ROW_body_displacement_state:
-        return vec3_part(&q->body[i].moved, k);
+        return vec3_part(along ? &along->displacement[i][1] : &q->body[i].moved, k);
     case ROW_body_velocity_state:
-        return vec3_part(&q->body[i].velocity, k);
+        return vec3_part(along ? &along->velocity[i][1] : &q->body[i].velocity, k);
     case ROW_energy_dissipated_state:
-        return &q->dissipated;
+        return along ? &along->dissipated[1] : &q->dissipated;
     case ROW_energy_external_work_state:
-        return &q->external_work;
+        return along ? &along->external_work[1] : &q->external_work;
     default: /* ROW_energy_friction_state */
-        return &q->friction_energy;
+        return along ? &along->friction[1] : &q->friction_energy;
     }
 }
 
@@ -80,67 +109,22 @@ static double indicator_of(const struct scene_instant *at, const struct variable
  * sliding begins or ends. */
 static uint32_t booked_states(const struct scene_state *q)
 {
-    const double energies[2] = {q->dissipated, q->external_work};
-    uint32_t mark = checksum_of(CHECKSUM_START, energies, sizeof energies);
-    for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS * OPPOSED; ++j) {
-        const struct vec3 spring = q->turning.spring[j / OPPOSED][j % OPPOSED];
-        const double values[3] = {spring.x, spring.y, spring.z};
-        mark = checksum_of(mark, values, sizeof values);
-    }
-    return SCENE_ANY_FRICTION ? checksum_of(mark, &q->friction_energy, sizeof(double)) : mark;
-}
-
-/* Changes one component of an orientation along a path. */
-static void move_orientation(const struct scene_state *q, const struct variable *state, double change,
-                             struct scene_jet *along)
-{
-    const int body = state->element;
-    const struct quaternion raw = q->turning.body[body].orientation;
-    struct quaternion by = {0.0, 0.0, 0.0, 0.0};
-    *quaternion_part(&by, state->component) = change;
-    along->given_orientation[body] = quaternion_axpy(along->given_orientation[body], 1.0, by);
-    turning_jet_move_orientation(body, quaternion_unit(raw), sqrt(quaternion_dot(raw, raw)), state->component,
-                                 change, along);
+    const double energies[] = {q->dissipated, q->external_work};
+    const uint32_t mark = checksum_of(CHECKSUM_START, energies, sizeof energies);
+    const uint32_t springs = checksum_of(mark, q->turning.spring, sizeof q->turning.spring);
+    return SCENE_ANY_FRICTION ? checksum_of(springs, &q->friction_energy, sizeof(double)) : mark;
 }
 
 void model_exchange_move(const struct scene_state *q, const struct variable *state, double change,
                          struct scene_jet *along)
 {
-    const int i = state->element;
-    const int part = part_of(state->row);
-    struct vec3 *vector = NULL;
-    switch (state->row) {
-    case ROW_body_orientation_state:
-        if (SCENE_ANY_ROTATION && body_turns_freely(q->v, i)) {
-            move_orientation(q, state, change, along);
+    if (is_in_use(q->v, state)) {
+        *state_at(NULL, along, state) += change;
+        if (SCENE_ANY_ROTATION && state->row == ROW_body_orientation_state) {
+            const struct quaternion raw = q->turning.body[state->element].orientation;
+            turning_jet_move_orientation(state->element, quaternion_unit(raw), sqrt(quaternion_dot(raw, raw)),
+                                         state->component, change, along);
         }
-        break;
-    case ROW_body_angular_velocity_state:
-        vector = body_turns_freely(q->v, i) ? &along->angular_velocity[i][1] : NULL;
-        break;
-    case ROW_contact_spring_state:
-    case ROW_contact_rolling_spring_state:
-    case ROW_contact_spinning_spring_state:
-        vector = contact_has_spring(q->v, i, part) ? &along->spring[i][part][1] : NULL;
-        break;
-    case ROW_body_displacement_state:
-        vector = body_is_free(q->v, i) ? &along->displacement[i][1] : NULL;
-        break;
-    case ROW_body_velocity_state:
-        vector = body_is_free(q->v, i) ? &along->velocity[i][1] : NULL;
-        break;
-    case ROW_energy_dissipated_state:
-        along->dissipated[1] += change;
-        break;
-    case ROW_energy_external_work_state:
-        along->external_work[1] += change;
-        break;
-    default: /* ROW_energy_friction_state */
-        along->friction[1] += change;
-        break;
-    }
-    if (vector != NULL) {
-        *vec3_part(vector, state->component) += change;
     }
 }
 
@@ -156,40 +140,27 @@ static struct quaternion orientation_rate(const struct scene_state *q, const str
                            quaternion_rate(along->given_orientation[body], turn->angular_velocity));
 }
 
-/* Returns the rate of a vector that is a state, or its change along a path; NULL: no path. Both are zero for
- * a state that stays constant. */
-static struct vec3 vector_rate(const struct scene_instant *at, const struct scene_jet *along,
-                               const struct variable *rate)
-{
-    const int i = rate->element;
-    const int part = part_of(rate->row);
-    struct vec3 none = {0.0, 0.0, 0.0};
-    switch (rate->row) {
-    case ROW_body_displacement_rate:
-        return !body_is_free(at->v, i) ? none : along ? along->velocity[i][1] : at->velocity[i];
-    case ROW_body_acceleration:
-        return !body_is_free(at->v, i) ? none
-               : along                 ? vec3_scale(2.0, free_bodies_half_jerk(at->v, along, i))
-                                       : at->acceleration[i];
-    case ROW_body_angular_acceleration:
-        return !body_turns_freely(at->v, i) ? none
-               : along                      ? vec3_scale(2.0, turning_jet_half_jerk(at, along, i))
-                                            : turning_acceleration(at->q->clock, at, i);
-    default: /* of a spring */
-        return !contact_has_spring(at->v, i, part) ? none
-               : along                             ? turning_jet_spring_change(at, along, i, part)
-                                                   : turning_spring_rate(&at->q->turning, at, i, part);
-    }
-}
-
 double model_exchange_rate(const struct scene_instant *at, const struct scene_jet *along,
                            const struct variable *rate)
 {
+    const int i = rate->element;
+    const int k = rate->component;
     struct quaternion turned;
+    if (!is_in_use(at->v, rate)) {
+        return 0.0;
+    }
     switch (rate->row) {
     case ROW_body_orientation_rate:
-        turned = orientation_rate(at->q, along, rate->element);
-        return body_turns_freely(at->v, rate->element) ? *quaternion_part(&turned, rate->component) : 0.0;
+        turned = orientation_rate(at->q, along, i);
+        return *quaternion_part(&turned, k);
+    case ROW_body_displacement_rate:
+        return vec3_get(along ? along->velocity[i][1] : at->velocity[i], k);
+    case ROW_body_acceleration:
+        return along ? 2.0 * vec3_get(free_bodies_half_jerk(at->v, along, i), k)
+                     : vec3_get(at->acceleration[i], k);
+    case ROW_body_angular_acceleration:
+        return along ? 2.0 * vec3_get(turning_jet_half_jerk(at, along, i), k)
+                     : vec3_get(turning_acceleration(at->q->clock, at, i), k);
     case ROW_energy_friction_power:
     case ROW_energy_dissipated_power:
     case ROW_energy_external_power: {
@@ -200,8 +171,12 @@ double model_exchange_rate(const struct scene_instant *at, const struct scene_je
                : rate->row == ROW_energy_dissipated_power ? power.dissipated
                                                           : power.external;
     }
-    default:
-        return vec3_get(vector_rate(at, along, rate), rate->component);
+    default: { /* of a spring */
+        const int part = part_of(rate->row);
+        return vec3_get(along ? turning_jet_spring_change(at, along, i, part)
+                              : turning_spring_rate(&at->q->turning, at, i, part),
+                        k);
+    }
     }
 }
 
@@ -211,7 +186,7 @@ double model_exchange_value(const struct scene_instant *at, const struct variabl
         return 0.0;
     }
     if (variable->causality == VARIABLE_STATE) {
-        const double kept = *state_at((struct scene_state *)at->q, variable);
+        const double kept = *state_at((struct scene_state *)at->q, NULL, variable);
         return variable->row == ROW_body_displacement_state ? state_origin(at->q, variable) + kept : kept;
     }
     return variable->causality == VARIABLE_RATE ? model_exchange_rate(at, NULL, variable)
@@ -279,7 +254,7 @@ enum model_status model_exchange_set_time(struct model *m, double time)
 
 void model_exchange_set_state(struct model *m, const struct variable *state, double value)
 {
-    *state_at(&m->state.motion, state) = value - state_origin(&m->state.motion, state);
+    *state_at(&m->state.motion, NULL, state) = value - state_origin(&m->state.motion, state);
     m->state.booked = booked_states(&m->state.motion);
     m->outputs = OUTPUTS_NONE;
 }
@@ -287,7 +262,7 @@ void model_exchange_set_state(struct model *m, const struct variable *state, dou
 enum model_status model_exchange_set_states(struct model *m, const double *states)
 {
     for (int i = 0; i < SCENE_STATES; ++i) {
-        const enum model_status status = model_check(m, &scene_variables[scene_states[i]], &states[i]);
+        const enum model_status status = model_check(m, &scene_variables[scene_states[i]], states[i]);
         if (status != MODEL_OK) {
             return status;
         }

@@ -17,14 +17,16 @@ static const bool SUMS_UP_STEPS = HAS_contact_mean_force || HAS_contact_peak_for
                                   HAS_contact_peak_penetration || HAS_contact_mean_source_torque ||
                                   HAS_contact_mean_destination_torque;
 
-const struct scene_state *motion_shown(const struct scene_state *q, struct scene_state *settled)
+void motion_shown(const struct scene_state *q, struct scene_state *settled, struct scene_instant *at)
 {
-    if (SCENE_ANY_FREE) {
-        return q;
+    if (!SCENE_ANY_FREE) {
+        scene_state_copy(q, settled);
+        prescribed_settle(settled);
     }
-    scene_state_copy(q, settled);
-    prescribed_settle(settled);
-    return settled;
+    scene_now(SCENE_ANY_FREE ? q : settled, at);
+    if (SCENE_ANY_TURNING && !scene_turns(q->v)) {
+        turning_complete(at);
+    }
 }
 
 void motion_forget_integration(struct scene_state *q)
@@ -236,18 +238,18 @@ bool motion_defer(struct model *m, double end_time)
     return true;
 }
 
-double motion_size(const struct scene_state *q)
+bool motion_is_finite(const struct scene_state *q)
 {
-    double sum = !SCENE_ANY_FREE || scene_is_force_element(q->v) ? 0.0 : q->dissipated + q->external_work;
+    double sum = scene_time(q);
+    sum += !SCENE_ANY_FREE || scene_is_force_element(q->v) ? 0.0 : q->dissipated + q->external_work;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(q->v, i)) {
-            const struct vec3 speed = q->body[i].velocity;
-            sum += body_mass(q->v, i) * vec3_dot(speed, speed) + vec3_norm(q->body[i].moved);
-        }
+        const struct body_instant at = scene_body_now(q, i);
+        sum += vec3_norm(at.displacement) + vec3_norm(at.velocity);
+        sum += body_is_free(q->v, i) ? body_mass(q->v, i) * vec3_dot(at.velocity, at.velocity) : 0.0;
     }
     for (int j = 0; !SCENE_ANY_FREE && SUMS_UP_STEPS && j < SCENE_CONTACTS; ++j) {
         const struct contact_state *state = &q->contact[j];
         sum += vec3_norm(state->physics.impulse) + state->peaks.force + state->peaks.penetration;
     }
-    return sum;
+    return isfinite(sum);
 }

@@ -1,5 +1,6 @@
 /* The outputs of bodies, contacts, rotation and friction, and their derivatives along a path. */
 #include <math.h>
+#include <string.h>
 
 #include "contact/shape.h"
 #include "model/state.h"
@@ -58,25 +59,30 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
     put_contact_last_duration(v, contact,
                               touching ? q->clock - state->record.touch_clock : state->record.last_duration);
     const double known = peaks_are_known(state) ? 0.0 : (double)INFINITY;
-    return mean.x + mean.y + mean.z + state->peaks.force + known;
+    return mean.x + mean.y + mean.z + state->peaks.force + state->peaks.penetration + known;
 }
 
-/* Sets the energies and the counters. Returns the total energy [J]. */
-static double put_energies(struct scene_values *v, const struct scene_instant *at)
+/* Sets the energies [J], or one of their coefficients along a path. `friction` holds what friction and its
+ * springs take. Returns the total energy. */
+static double put_energies(struct scene_values *v, const struct scene_energies *energy, double dissipated,
+                           double external_work, double friction)
 {
-    const struct scene_state *q = at->q;
-    const struct scene_energies energy = scene_energies_of(at);
-    const double total = energy.kinetic + energy.potential + energy.stored + q->dissipated -
-                         q->external_work + (energy.rotational + q->friction_energy);
-    put_energy_kinetic(v, energy.kinetic);
-    put_energy_potential(v, energy.potential);
-    put_energy_contact(v, energy.stored);
-    put_energy_rotational(v, energy.rotational);
-    put_energy_tangential(v, energy.tangential);
-    put_energy_friction(v, q->friction_energy - energy.tangential);
-    put_energy_dissipated(v, q->dissipated);
-    put_energy_external_work(v, q->external_work);
+    const double total = energy->kinetic + energy->potential + energy->stored + dissipated - external_work +
+                         (energy->rotational + friction);
+    put_energy_kinetic(v, energy->kinetic);
+    put_energy_potential(v, energy->potential);
+    put_energy_contact(v, energy->stored);
+    put_energy_rotational(v, energy->rotational);
+    put_energy_tangential(v, energy->tangential);
+    put_energy_friction(v, friction - energy->tangential);
+    put_energy_dissipated(v, dissipated);
+    put_energy_external_work(v, external_work);
     put_energy_total(v, total);
+    return total;
+}
+
+static void put_counters(struct scene_values *v, const struct scene_state *q)
+{
     put_solver_steps(v, q->counters.steps);
     put_solver_force_evaluations(v, q->counters.force_evaluations);
     put_solver_events(v, q->counters.events);
@@ -89,16 +95,21 @@ static double put_energies(struct scene_values *v, const struct scene_instant *a
         put_solver_largest_island(v, islands.largest);
     }
 #endif
-    return total;
 }
 
 /* Sets the energies, the counters and the contact outputs over a step or the run. Returns a sum that is
  * finite only if all of them are. */
 static double show_motion(struct scene_values *v, const struct scene_instant *at)
 {
-    double sum = SCENE_ANY_FREE ? put_energies(v, at) : motion_size(at->q);
+    const struct scene_state *q = at->q;
+    double sum = 0.0;
+    if (SCENE_ANY_FREE) {
+        const struct scene_energies energy = scene_energies_of(at);
+        sum = put_energies(v, &energy, q->dissipated, q->external_work, q->friction_energy);
+        put_counters(v, q);
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        sum += put_history(v, at->q, j);
+        sum += put_history(v, q, j);
     }
     return sum;
 }
@@ -108,36 +119,6 @@ bool model_has_derivatives(const struct variable *variable)
     return variable->row != ROW_contact_mean_force && variable->row != ROW_contact_mean_source_torque &&
            variable->row != ROW_contact_mean_destination_torque && variable->row != ROW_contact_peak_force &&
            variable->row != ROW_contact_peak_penetration;
-}
-
-/* Returns coefficient `order` of an energy [J/s^order in time]. */
-static double energy_term(const struct model *m, const struct scene_jet *along, int row, int order)
-{
-    const struct scene_energies energy = jet_energies_of(&m->state.motion, along, order);
-    switch (row) {
-    case ROW_energy_kinetic:
-        return energy.kinetic;
-    case ROW_energy_potential:
-        return energy.potential;
-    case ROW_energy_contact:
-        return energy.stored;
-    case ROW_energy_rotational:
-        return energy.rotational;
-    case ROW_energy_tangential:
-        return energy.tangential;
-    case ROW_energy_friction:
-        return along->friction[order] - energy.tangential;
-    case ROW_energy_dissipated:
-        return along->dissipated[order];
-    case ROW_energy_external_work:
-        return along->external_work[order];
-    case ROW_energy_total:
-        return energy.kinetic + energy.potential + energy.stored + along->dissipated[order] -
-               along->external_work[order] +
-               (SCENE_ANY_TURNING ? energy.rotational + along->friction[order] : 0.0);
-    default:
-        return 0.0;
-    }
 }
 
 static bool sticks(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
@@ -158,9 +139,6 @@ static double put_rubbing(struct scene_values *v, const struct scene_instant *at
     const int source = contact_source(contact);
     const struct vec3 centre = vec3_add(body_center(v, source), at->displacement[source]);
     const struct vec3 friction = turning->friction_force[contact];
-    if (SCENE_ANY_FRICTION) {
-        put_contact_effective_slip_velocity(v, contact, at->q->contact[contact].parameters.slip_velocity);
-    }
     put_contact_sticking(v, contact, sticks(v, at->q, at, contact));
     put_contact_friction_force(v, contact, friction);
     put_contact_slip_velocity(v, contact, turning->slip[contact]);
@@ -180,21 +158,17 @@ static double put_rubbing(struct scene_values *v, const struct scene_instant *at
 }
 
 /* Sets the sums of the forces and torques of the contacts of a compound body about its centre of mass. */
-static void put_contact_sums(struct scene_values *v, const struct scene_instant *at, int body)
+static void put_contact_sums(struct scene_values *v, int body, struct contact_load sum)
 {
-    const struct contact_load sum = scene_load_on(at, body);
     put_body_contact_force(v, body, sum.force);
     put_body_contact_torque(v, body, sum.torque);
 }
 
-/* Completes the instant by rotation and friction, and sets the outputs of bodies that turn and contacts that
- * rub. Returns a sum of them, which is finite only if every output is. */
-static double show_turning(struct scene_values *v, struct scene_instant *at)
+/* Sets the outputs of bodies that turn and contacts that rub. Returns a sum of them, which is finite only if
+ * every output is. */
+static double show_turning(struct scene_values *v, const struct scene_instant *at)
 {
     double sum = 0.0;
-    if (!scene_turns(v)) {
-        turning_complete(at);
-    }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         const struct body_turn *turn = &at->turning.body[i];
         const bool rests = SCENE_ANY_ROTATION && !body_turns(v, i);
@@ -203,7 +177,7 @@ static double show_turning(struct scene_values *v, struct scene_instant *at)
         put_body_orientation(v, i, orientation);
         put_body_current_axis(v, i, quaternion_third_axis(orientation));
         if (body_is_compound(i)) {
-            put_contact_sums(v, at, i);
+            put_contact_sums(v, i, scene_load_on(at, i));
         }
         sum += vec3_norm(turn->angular_velocity);
     }
@@ -211,29 +185,6 @@ static double show_turning(struct scene_values *v, struct scene_instant *at)
         sum += put_rubbing(v, at, j);
     }
     return sum;
-}
-
-/* Returns coefficient `order` of an output of the resistance to rolling; a scalar is the first component. */
-static struct vec3 resistance_term(double side, const struct turning_jet *turning, const struct vec3 *normal,
-                                   int row, int order)
-{
-    double along[JET_TERMS];
-    for (int i = 0; i <= order; ++i) {
-        along[i] = jet_dot(turning->spin, normal, i);
-    }
-    return row == ROW_contact_rolling_torque ? turning->resistance[order]
-           : row == ROW_contact_rolling_rate ? vec3_sub(turning->spin[order], jet_scale(along, normal, order))
-                                             : vec3_make(side * along[order], 0.0, 0.0);
-}
-
-/* Returns coefficient `order` of the place at which both forces of a contact act, on the source's surface. */
-static struct vec3 source_point_term(const struct scene_jet *along, const struct contact_shape *shape,
-                                     int contact, int order)
-{
-    const struct vec3 arm = SCENE_ANY_TURNING ? along->turning[contact].source_arm[order]
-                                              : vec3_scale(shape->side * shape->source_radius,
-                                                           along->contact[contact].normal[order]);
-    return vec3_add(along->displacement[contact_source(contact)][order], arm);
 }
 
 /* Returns coefficient `order` of the output `distance`, for a capped cylinder that of the distance from its
@@ -250,123 +201,115 @@ static double distance_term(const struct contact_shape *shape, const struct cont
     return order > 0 && !(rho[0] > 0.0) ? 0.0 : rho[order];
 }
 
-/* Returns coefficient `order` of a vector output of a contact; zero where the output is constant. */
-static struct vec3 contact_vector_term(const struct scene_jet *along, const struct contact_shape *shape,
-                                       int contact, int row, int order)
+/* Sets coefficient `order` of the outputs of a body. */
+static void put_body_terms(struct scene_values *v, const struct scene_jet *along, int body, int order)
+{
+    put_body_displacement(v, body, along->displacement[body][order]);
+    put_body_position(v, body, along->displacement[body][order]);
+    put_body_velocity(v, body, along->velocity[body][order]);
+    put_body_angular_velocity(v, body, along->angular_velocity[body][order]);
+    put_body_orientation(v, body, along->orientation[body][order]);
+    if (SCENE_ANY_ROTATION) {
+        struct vec3 axis[JET_TERMS];
+        jet_axis_of(along, body, axis);
+        put_body_current_axis(v, body, axis[order]);
+    }
+    if (body_is_compound(body)) {
+        put_contact_sums(v, body, jet_load_on(along, body, order));
+    }
+}
+
+/* Sets coefficient `order` of the outputs of friction and rotation in a contact. */
+static void put_rubbing_terms(struct scene_values *v, const struct scene_jet *along, double side, int contact,
+                              int order)
+{
+    const struct turning_jet *turning = &along->turning[contact];
+    put_contact_friction_force(v, contact, turning->friction_force[order]);
+    put_contact_slip_velocity(v, contact, turning->motion[OPPOSED_SLIP][order]);
+    put_contact_source_torque(v, contact, turning->source_torque[order]);
+    put_contact_destination_torque(v, contact, turning->destination_torque[order]);
+    if (SCENE_ANY_ROLLING) {
+        const struct vec3 *normal = along->contact[contact].normal;
+        double spinning[JET_TERMS];
+        for (int i = 0; i <= order; ++i) {
+            spinning[i] = jet_dot(turning->spin, normal, i);
+        }
+        put_contact_rolling_torque(v, contact, turning->resistance[order]);
+        put_contact_rolling_rate(v, contact,
+                                 vec3_sub(turning->spin[order], jet_scale(spinning, normal, order)));
+        put_contact_spinning_rate(v, contact, side * spinning[order]);
+    }
+}
+
+/* Sets coefficient `order` of the outputs of a contact. */
+static void put_contact_terms(struct scene_values *v, const struct scene_instant *at,
+                              const struct scene_jet *along, int contact, int order)
 {
     const struct contact_jet *jet = &along->contact[contact];
-    const struct turning_jet *turning = &along->turning[contact];
-    switch (row) {
-    case ROW_contact_direction: {
-        const struct contact_geometry turned = {.normal = jet->normal[order]};
-        return contact_direction_of(shape, &turned);
-    }
-    case ROW_contact_source_force:
-        return jet->source_force[order];
-    case ROW_contact_destination_force:
-        return vec3_scale(-1.0, jet->source_force[order]);
-    case ROW_contact_point: /* by g n beyond the source's point, on the destination's surface */
-        return vec3_axpy(source_point_term(along, shape, contact, order), shape->side,
-                         jet_scale(jet->gap, jet->normal, order));
-    case ROW_contact_source_point:
-        return source_point_term(along, shape, contact, order);
-    case ROW_contact_friction_force:
-        return turning->friction_force[order];
-    case ROW_contact_slip_velocity:
-        return turning->motion[OPPOSED_SLIP][order];
-    case ROW_contact_source_torque:
-        return turning->source_torque[order];
-    case ROW_contact_destination_torque:
-        return turning->destination_torque[order];
-    case ROW_contact_rolling_torque:
-    case ROW_contact_rolling_rate:
-    case ROW_contact_spinning_rate:
-        return SCENE_ANY_ROLLING ? resistance_term(shape->side, turning, jet->normal, row, order)
-                                 : vec3_make(0.0, 0.0, 0.0);
-    default:
-        return vec3_make(0.0, 0.0, 0.0);
+    const struct contact_shape shape = scene_shape_met(at, contact);
+    const struct contact_geometry turned = {.normal = jet->normal[order]};
+    const bool within = scene_shown_within(at, contact, &shape);
+    const struct vec3 arm = SCENE_ANY_TURNING
+                                ? along->turning[contact].source_arm[order]
+                                : vec3_scale(shape.side * shape.source_radius, jet->normal[order]);
+    const struct vec3 source_point = vec3_add(along->displacement[contact_source(contact)][order], arm);
+    put_contact_gap(v, contact, within ? jet->gap[order] : 0.0);
+    put_contact_gap_rate(v, contact, within ? jet->gap_rate[order] : 0.0);
+    put_contact_distance(v, contact, distance_term(&shape, jet, order));
+    put_contact_direction(v, contact, contact_direction_of(&shape, &turned));
+    put_contact_source_point(v, contact, source_point);
+    /* by g n beyond the source's point, on the destination's surface */
+    put_contact_point(v, contact,
+                      vec3_axpy(source_point, shape.side, jet_scale(jet->gap, jet->normal, order)));
+    put_contact_normal_force(v, contact, jet->normal_force[order]);
+    put_contact_source_force(v, contact, jet->source_force[order]);
+    put_contact_destination_force(v, contact, vec3_scale(-1.0, jet->source_force[order]));
+    if (SCENE_ANY_TURNING) {
+        put_rubbing_terms(v, along, shape.side, contact, order);
     }
 }
 
-static double contact_term(const struct scene_instant *at, const struct scene_jet *along,
-                           const struct variable *variable, int order)
+/* Sets the factors of a contact's law, the diagonal of its box [m] and v_0 [m/s], or the slopes of all of
+ * them. Returns a sum that is finite only if the factors are. */
+static double put_factors(struct scene_values *v, int contact, const struct contact_law *law, double diagonal,
+                          double slip_velocity)
 {
-    const int j = variable->element;
-    const struct contact_shape shape = scene_shape_met(at, j);
-    const struct contact_jet *contact = &along->contact[j];
-    switch (variable->row) {
-    case ROW_contact_gap:
-        return scene_shown_within(at, j, &shape) ? contact->gap[order] : 0.0;
-    case ROW_contact_gap_rate:
-        return scene_shown_within(at, j, &shape) ? contact->gap_rate[order] : 0.0;
-    case ROW_contact_distance:
-        return distance_term(&shape, contact, order);
-    case ROW_contact_normal_force:
-        return contact->normal_force[order];
-    default:
-        return vec3_get(contact_vector_term(along, &shape, j, variable->row, order), variable->component);
-    }
+    const struct contact_coefficients none = {0.0, 0.0};
+    const struct contact_coefficients linear = contact_coefficients_of(law, REGIME_COMPRESSION);
+    const struct contact_coefficients hertz = contact_is_hertz(law) ? contact_factors_of(law) : none;
+    put_contact_effective_penalty_factor(v, contact, linear.k);
+    put_contact_effective_viscous_penalty_factor(v, contact, linear.c);
+    put_contact_effective_hertz_stiffness(v, contact, hertz.k);
+    put_contact_effective_hunt_crossley_factor(v, contact, hertz.c);
+    put_contact_effective_slip_velocity(v, contact, slip_velocity);
+    put_contact_diagonal(v, contact, diagonal);
+    return linear.k + linear.c + (hertz.k + hertz.c);
 }
 
-double output_term(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
-                   const struct variable *variable, int order)
+void output_terms(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
+                  int order, struct scene_values *terms)
 {
-    const int j = variable->element;
-    const int k = variable->component;
     const bool starting = !m->state.initialized;
-    const bool touches = j < SCENE_CONTACTS && at->q->contact[j].regime != REGIME_APART;
-    struct quaternion orientation;
-    struct vec3 axis[JET_TERMS];
-    switch (variable->row) {
-    case ROW_body_displacement:
-    case ROW_body_position:
-        return vec3_get(along->displacement[j][order], k);
-    case ROW_body_velocity:
-        return vec3_get(along->velocity[j][order], k);
-    case ROW_body_angular_velocity:
-        return vec3_get(along->angular_velocity[j][order], k);
-    case ROW_body_current_axis:
-        if (SCENE_ANY_ROTATION) {
-            jet_axis_of(along, j, axis);
-            return vec3_get(axis[order], k);
+    memset(terms, 0, sizeof *terms);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        put_body_terms(terms, along, i, order);
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_jet *jet = &along->contact[j];
+        const bool touches = at->q->contact[j].regime != (int32_t)REGIME_APART;
+        put_contact_terms(terms, at, along, j, order);
+        put_factors(terms, j, &along->law_slope[j], along->diagonal_slope[j], along->slip_velocity_slope[j]);
+        if (starting) { /* until initialization ends, peaks are values at the start */
+            put_contact_peak_force(terms, j, at->normal_force[j] > 0.0 ? jet->normal_force[order] : 0.0);
+            put_contact_peak_penetration(terms, j, touches ? -jet->gap[order] : 0.0);
         }
-        return 0.0;
-    case ROW_body_contact_force:
-        return SCENE_ANY_COMPOUND ? vec3_get(jet_load_on(along, j, order).force, k) : 0.0;
-    case ROW_body_contact_torque:
-        return SCENE_ANY_COMPOUND ? vec3_get(jet_load_on(along, j, order).torque, k) : 0.0;
-    case ROW_body_orientation:
-        orientation = along->orientation[j][order];
-        return *quaternion_part(&orientation, k);
-    case ROW_contact_peak_force: /* until initialization ends, peaks are values at the start */
-        return starting && at->normal_force[j] > 0.0 ? along->contact[j].normal_force[order] : 0.0;
-    case ROW_contact_peak_penetration:
-        return starting && touches ? -along->contact[j].gap[order] : 0.0;
-    case ROW_contact_last_duration: /* the duration grows with time in contact */
-        return touches ? along->time[order] : 0.0;
-    case ROW_energy_kinetic:
-    case ROW_energy_potential:
-    case ROW_energy_contact:
-    case ROW_energy_dissipated:
-    case ROW_energy_external_work:
-    case ROW_energy_total:
-    case ROW_energy_rotational:
-    case ROW_energy_tangential:
-    case ROW_energy_friction:
-        return energy_term(m, along, variable->row, order);
-    default:
-        return contact_term(at, along, variable, order);
+        put_contact_last_duration(terms, j, touches ? along->time[order] : 0.0);
     }
-}
-
-/* Returns the output `distance` [m], for a capped cylinder the distance from its axis in every zone. */
-static double distance_of(const struct contact_shape *shape, const struct scene_instant *at, int contact)
-{
-    if (contact_is_capped(shape)) {
-        const struct vec3 c = at->separation[contact];
-        return vec3_norm(vec3_axpy(c, -vec3_dot(c, shape->solid.axis), shape->solid.axis));
+    if (SCENE_ANY_FREE) {
+        const struct scene_energies energy = jet_energies_of(at->q, along, order);
+        put_energies(terms, &energy, along->dissipated[order], along->external_work[order],
+                     along->friction[order]);
     }
-    return at->geometry[contact].distance;
 }
 
 /* Sets the outputs of a contact. Returns a sum that is finite only if all of them are, since products of
@@ -378,20 +321,17 @@ static double put_contact(struct scene_values *v, const struct scene_instant *at
     const int source = contact_source(contact);
     const struct vec3 centre =
         vec3_add(vec3_add(body_center(v, source), at->displacement[source]), scene_lever(at, contact, 0));
-    const double distance = distance_of(&shape, at, contact);
+    const struct vec3 c = at->separation[contact];
+    const struct vec3 across = vec3_axpy(c, -vec3_dot(c, shape.solid.axis), shape.solid.axis);
+    /* for a capped cylinder it is the distance from its axis in every zone */
+    const double distance = contact_is_capped(&shape) ? vec3_norm(across) : g->distance;
     const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_state *state = &at->q->contact[contact];
     const enum contact_regime regime = (enum contact_regime)state->regime;
     const bool within = scene_shown_within(at, contact, &shape);
     const double force = contact_normal_force_of(&law, regime, g->gap, g->gap_rate);
-    const struct contact_coefficients factors = contact_coefficients_of(&law, REGIME_COMPRESSION);
-    const struct contact_coefficients none = {0.0, 0.0};
-    const struct contact_coefficients hertz = contact_is_hertz(&law) ? contact_factors_of(&law) : none;
-    put_contact_effective_penalty_factor(v, contact, factors.k);
-    put_contact_effective_viscous_penalty_factor(v, contact, factors.c);
-    put_contact_effective_hertz_stiffness(v, contact, hertz.k);
-    put_contact_effective_hunt_crossley_factor(v, contact, hertz.c);
-    put_contact_diagonal(v, contact, state->parameters.diagonal);
+    const double factors =
+        put_factors(v, contact, &law, state->parameters.diagonal, state->parameters.slip_velocity);
     put_contact_gap(v, contact, within ? g->gap : contact_gap_beyond_ends(v, contact));
     put_contact_gap_rate(v, contact, within ? g->gap_rate : 0.0);
     put_contact_distance(v, contact, distance);
@@ -407,7 +347,7 @@ static double put_contact(struct scene_values *v, const struct scene_instant *at
     put_contact_normal_force(v, contact, force);
     put_contact_source_force(v, contact, source_force);
     put_contact_destination_force(v, contact, vec3_scale(-1.0, source_force));
-    return force + distance + g->gap_rate + factors.k + factors.c + (hertz.k + hertz.c);
+    return force + distance + g->gap_rate + factors;
 }
 
 static void warn_of_missing_direction(struct model *m, const struct scene_instant *at)
@@ -439,10 +379,9 @@ static void update_all(struct model *m)
 {
     struct scene_values *v = &m->state.values;
     struct scene_state settled;
-    const struct scene_state *q = motion_shown(&m->state.motion, &settled);
     struct scene_instant at;
     double sum = 0.0;
-    scene_now(q, &at);
+    motion_shown(&m->state.motion, &settled, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         m->state.motion.contact[j].normal = at.geometry[j].normal;
         sum += put_contact(v, &at, j);
@@ -488,7 +427,7 @@ bool variable_is_local(const struct variable *variable)
     return variable->causality >= VARIABLE_STATE;
 }
 
-enum model_status model_read(struct model *m, const struct variable *variable, void *value)
+enum model_status model_read(struct model *m, const struct variable *variable, double *value)
 {
     if (!model_update_outputs(m, outputs_for(m, variable))) {
         return model_refuse_inputs(m);
@@ -497,35 +436,39 @@ enum model_status model_read(struct model *m, const struct variable *variable, v
     if (unknown) {
         return model_report(m, MODEL_DISCARD, "%s is not known: %s.", variable->name, unknown);
     }
-    double local = 0.0;
-    const void *at = (const char *)&m->state.values + variable->offset;
     if (variable_is_local(variable)) {
         struct scene_instant now;
         scene_now(&m->state.motion, &now);
-        local = model_exchange_value(&now, variable);
-        at = &local;
+        *value = model_exchange_value(&now, variable);
+    } else {
+        *value = variable_value(variable, &m->state.values);
     }
-    if (!isfinite(variable_number(variable, at))) {
+    if (!isfinite(*value)) {
         return model_report(m, MODEL_DISCARD,
                             "%s is beyond the range of numbers (allowed: parameters and inputs with finite "
                             "forces and energies).",
                             variable->name);
     }
-    memcpy(value, at, variable_size(variable));
     return MODEL_OK;
 }
 
-size_t model_get_reals(struct model *m, const uint32_t *references, size_t count, double *values)
+bool model_get_reals(struct model *m, const struct variable_list *list, size_t count, double *values)
 {
-    for (size_t i = 0; i < count; ++i) {
-        const uint32_t real = references[i] < SCENE_REFERENCES ? scene_reals[references[i]] : 0;
+    const double *end = values + count;
+    for (size_t i = 0; i < list->count; ++i) {
+        const uint32_t reference = list->references[i];
+        const uint32_t real = reference < SCENE_REFERENCES ? scene_reals[reference] : 0;
+        const uint32_t length = list->vectors ? real >> VARIABLE_LENGTH : 1;
         if (i == 0 && (real & (VARIABLE_BODY | VARIABLE_COMPUTED))) {
             (void)model_update_outputs(m, real & VARIABLE_COMPUTED ? OUTPUTS_ALL : OUTPUTS_BODIES);
         }
-        if (!(real & (uint32_t)m->outputs)) {
-            return i;
+        if (!(real & (uint32_t)m->outputs) || length == 0 || length > (size_t)(end - values)) {
+            return false;
         }
-        memcpy(&values[i], (const char *)&m->state.values + (real & VARIABLE_OFFSET), sizeof values[i]);
+        const double *from = (const double *)((const char *)&m->state.values + (real & VARIABLE_OFFSET));
+        for (uint32_t k = 0; k < length; ++k) {
+            *values++ = from[k];
+        }
     }
-    return count;
+    return values == end;
 }

@@ -44,27 +44,16 @@ static enum model_status check_inertia(struct model *m, int body)
 static enum model_status check_rotation(struct model *m, int body)
 {
     const struct scene_values *v = &m->state.values;
-    if (model_has_no_orientation(v, body)) {
-        return model_refuse_zero(m, MODEL_ERROR, body, "prescribed_orientation");
-    }
-    if (body_is_compound(body) && quaternion_is_zero(body_initial_orientation(v, body))) {
-        return model_refuse_zero(m, MODEL_ERROR, body, "initial_orientation");
-    }
-    if (model_has_no_axis(v, body)) {
-        return model_refuse_zero(m, MODEL_ERROR, body, "prescribed_axis");
-    }
     const bool turns = body_turns_freely(v, body);
-    struct vec3 omega = {0.0, 0.0, 0.0};
-    if (SCENE_ANY_KEPT_AXIS && (turns || body_turn_is_prescribed(v, body))) {
-        omega = turns ? body_initial_angular_velocity(v, body) : body_prescribed_angular_velocity(v, body);
+    const char *unfit = model_unfit_turn(m, body);
+    if (body_is_compound(body) && quaternion_is_zero(body_initial_orientation(v, body))) {
+        unfit = "initial_orientation";
     }
-    if (SCENE_ANY_KEPT_AXIS && model_tilts_axis(v, body, omega)) {
-        const char *name = scene_body_name(body);
-        return model_report(m, MODEL_ERROR,
-                            "%s.%s = (%g, %g, %g) rad/s contradicts %s.axis: a cylinder that touches a "
-                            "cylinder turns about its own axis (allowed: multiples of the axis).",
-                            name, turns ? "initial_angular_velocity" : "prescribed_angular_velocity", omega.x,
-                            omega.y, omega.z, name);
+    if (SCENE_ANY_KEPT_AXIS && turns && model_tilts_axis(v, body, body_initial_angular_velocity(v, body))) {
+        unfit = "initial_angular_velocity";
+    }
+    if (unfit != NULL) {
+        return model_refuse_turn(m, MODEL_ERROR, body, unfit);
     }
     return SCENE_ANY_FREE_ROTATION && turns ? check_inertia(m, body) : MODEL_OK;
 }
@@ -114,7 +103,7 @@ static enum model_status check_axes(struct model *m, int contact)
     const int bodies[] = {contact_destination(contact), contact_source(contact)};
     for (int i = 0; i < 2; ++i) {
         if (body_has_axis(bodies[i]) && !(vec3_norm(body_axis(v, bodies[i])) > 0.0)) {
-            return model_refuse_zero(m, MODEL_ERROR, bodies[i], "axis");
+            return model_refuse_turn(m, MODEL_ERROR, bodies[i], "axis");
         }
     }
     if (contact_has_skew_axes(v, contact)) {
@@ -344,18 +333,16 @@ void model_warn_of_idle(struct model *m)
     scene_start(&start);
     for (int i = 0; i < scene_variable_count; ++i) {
         const struct variable *variable = &scene_variables[i];
-        const char *value = (const char *)&m->state.values + variable->offset;
-        const double number = variable_number(variable, value);
+        const double value = variable_value(variable, &m->state.values);
         char remedy[REMEDY_SIZE];
-        if (variable->causality != VARIABLE_PARAMETER ||
-            number == variable_number(variable, (const char *)&start + variable->offset) ||
+        if (variable->causality != VARIABLE_PARAMETER || value == variable_value(variable, &start) ||
             (warned && warned->row == variable->row && warned->element == variable->element) ||
             !is_idle(&m->state.values, variable, remedy)) {
             continue;
         }
         warned = variable; /* one warning for the three components of a vector */
         model_report(m, MODEL_WARNING, "%s = %s was set and is not in force: nothing reads it unless %s.",
-                     variable->name, shortest_digits(number).text, remedy);
+                     variable->name, shortest_digits(value).text, remedy);
     }
 }
 

@@ -10,8 +10,7 @@
 
 /* The point about which outputs are differentiated, and a path through it. */
 struct linear_model {
-    const struct scene_state *q; /* the state that outputs show */
-    struct scene_state settled;  /* memory for q where it is a copy */
+    struct scene_state settled; /* memory for the state of `at` where it is a copy */
     struct scene_instant at;
     struct scene_jet along;
 };
@@ -19,16 +18,11 @@ struct linear_model {
 /* Sets the point at the present instant. Returns false where the inputs cannot be taken over. */
 static bool open_linear_model(struct model *m, struct linear_model *l)
 {
-    const struct scene_values *v = &m->state.values;
-    if (!model_update_outputs(m, OUTPUTS_ALL)) {
-        return false;
+    const bool taken = model_update_outputs(m, OUTPUTS_ALL);
+    if (taken) {
+        motion_shown(&m->state.motion, &l->settled, &l->at);
     }
-    l->q = motion_shown(&m->state.motion, &l->settled);
-    scene_now(l->q, &l->at);
-    if (SCENE_ANY_TURNING && !scene_turns(v)) {
-        turning_complete(&l->at);
-    }
-    return true;
+    return taken;
 }
 
 static enum model_status check_finite(const struct model *m, const struct variable *variable, double value)
@@ -40,29 +34,37 @@ static enum model_status check_finite(const struct model *m, const struct variab
                               variable->name);
 }
 
-/* Returns the number of variables that reference i of the list stands for. */
-static size_t list_length(const struct variable_list *list, size_t i)
+/* Returns the derivative of a variable along the path, whose outputs have the `terms`. No input changes a
+ * state at once. */
+static double derivative_in(const struct scene_values *terms, const struct linear_model *l,
+                            const struct variable *variable)
 {
-    return list->vectors ? vector_length(scene_variable(list->references[i])) : 1;
+    if (variable_is_local(variable)) {
+        return variable->causality == VARIABLE_RATE ? model_exchange_rate(&l->at, &l->along, variable) : 0.0;
+    }
+    return variable_value(variable, terms);
 }
 
 enum model_status model_get_output_derivatives(struct model *m, const struct variable_list *outputs,
                                                const int *orders, double *values)
 {
     enum model_status status = MODEL_OK;
+    size_t place = 0;
     struct linear_model l;
+    struct scene_values terms[JET_TERMS];
     if (!open_linear_model(m, &l)) {
         return model_refuse_inputs(m);
     }
     jet_in_time(&l.at, &l.along);
-    for (size_t i = 0; i < outputs->count; ++i) {
-        const struct variable *first = scene_variable(outputs->references[i]);
-        const size_t length = list_length(outputs, i);
-        for (size_t k = 0; k < length && status == MODEL_OK; ++k, ++values) {
-            /* a derivative is the Taylor coefficient times order!, which is the order for 1 and 2 */
-            *values = orders[i] * output_term(m, &l.at, &l.along, first + k, orders[i]);
-            status = check_finite(m, first + k, *values);
-        }
+    for (int order = 1; order < JET_TERMS; ++order) {
+        output_terms(m, &l.at, &l.along, order, &terms[order]);
+    }
+    for (const struct variable *one = NULL;
+         status == MODEL_OK && (one = next_variable(outputs, one, &place)) != NULL;) {
+        /* a derivative is the Taylor coefficient times order!, which is the order for 1 and 2 */
+        const int order = orders[place - 1];
+        *values = order * derivative_in(&terms[order], &l, one);
+        status = check_finite(m, one, *values++);
     }
     return status;
 }
@@ -116,7 +118,8 @@ static double diagonal_slope(const struct model *m, const struct scene_jet *alon
     }
     struct vec3 c[JET_TERMS] = {{0.0, 0.0, 0.0}};
     struct vec3 w[JET_TERMS] = {{0.0, 0.0, 0.0}};
-    jet_add_levers(along, contact, c, w);
+    struct vec3 lever[2][JET_TERMS];
+    jet_add_levers(along, contact, c, w, lever);
     return model_diagonal_slope(m, contact,
                                 vec3_add(c[1], vec3_sub(along->displacement[contact_destination(contact)][1],
                                                         along->displacement[contact_source(contact)][1])));
@@ -129,45 +132,17 @@ static void vary_laws(const struct model *m, struct linear_model *l)
     const struct scene_values *v = &m->state.values;
     struct scene_jet *along = &l->along;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const double slope = diagonal_slope(m, along, j);
-        along->law_slope[j] = model_law_slope(m, j, slope);
+        along->diagonal_slope[j] = diagonal_slope(m, along, j);
+        along->law_slope[j] = model_law_slope(m, j, along->diagonal_slope[j]);
         if (SCENE_ANY_FRICTION && contact_slip_velocity_control(v, j) == SLIP_VELOCITY_CONTROL_AUTOMATIC) {
-            along->slip_velocity_slope[j] = 1e-3 * slope; /* prepare.c has this factor too */
+            /* prepare.c has this factor too */
+            along->slip_velocity_slope[j] = 1e-3 * along->diagonal_slope[j];
         }
         if (SCENE_ANY_HERTZ && !m->state.initialized && scene_damps_by_onset(v, j)) {
             const struct contact_jet *contact = &along->contact[j];
             jet_of_contacts(&l->at, NULL, true, along);
             along->law_slope[j] = onset_law_slope(&l->at, j, contact->gap[1], contact->gap_rate[1]);
         }
-    }
-}
-
-/* Returns the derivative of an unknown along the path. Calculated parameters change with the start until the
- * end of initialization. */
-static double input_derivative(const struct model *m, const struct scene_instant *at,
-                               const struct scene_jet *along, const struct variable *variable)
-{
-    const int j = variable->element;
-    if (variable_is_local(variable)) { /* a rate, or a state: no input changes a state at once */
-        return variable->causality == VARIABLE_RATE ? model_exchange_rate(at, along, variable) : 0.0;
-    }
-    switch (variable->row) {
-    case ROW_contact_effective_slip_velocity:
-        return along->slip_velocity_slope[j];
-    case ROW_contact_effective_penalty_factor:
-        return contact_coefficients_of(&along->law_slope[j], REGIME_COMPRESSION).k;
-    case ROW_contact_effective_viscous_penalty_factor:
-        return contact_coefficients_of(&along->law_slope[j], REGIME_COMPRESSION).c;
-    case ROW_contact_effective_hertz_stiffness:
-        return 0.0; /* depends on shapes and materials, not on inputs */
-    case ROW_contact_effective_hunt_crossley_factor:
-        return contact_is_hertz(&along->law_slope[j]) ? contact_factors_of(&along->law_slope[j]).c : 0.0;
-#if HAS_contact_diagonal
-    case ROW_contact_diagonal:
-        return diagonal_slope(m, along, j);
-#endif
-    default:
-        return output_term(m, at, along, variable, 1);
     }
 }
 
@@ -199,7 +174,7 @@ static void finish_path(const struct model *m, struct linear_model *l)
     jet_of_contacts(&l->at, NULL, true, &l->along);
     if (SCENE_ANY_FREE && m->state.initialized && !m->host.exchange) {
         /* The jump of an input that moves a body does the work that changes the energy stored in contacts. */
-        l->along.external_work[1] = jet_energies_of(l->q, &l->along, 1).stored;
+        l->along.external_work[1] = jet_energies_of(l->at.q, &l->along, 1).stored;
     }
 }
 
@@ -209,18 +184,18 @@ static enum model_status put_changes(const struct model *m, struct linear_model 
                                      const struct variable_list *unknowns, const double *seed, double *values)
 {
     enum model_status status = MODEL_OK;
+    size_t place = 0;
+    struct scene_values terms;
     double sum = 0.0;
     finish_path(m, l);
-    for (size_t i = 0; i < unknowns->count; ++i) {
-        const struct variable *first = scene_variable(unknowns->references[i]);
-        const size_t length = list_length(unknowns, i);
-        for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
-            const double change = input_derivative(m, &l->at, &l->along, first + k);
-            sum += seed ? *seed++ * change : 0.0;
-            *values = seed ? sum : change;
-            values += seed ? 0 : 1;
-            status = check_finite(m, first + k, change);
-        }
+    output_terms(m, &l->at, &l->along, 1, &terms);
+    for (const struct variable *one = NULL;
+         status == MODEL_OK && (one = next_variable(unknowns, one, &place)) != NULL;) {
+        const double change = derivative_in(&terms, l, one);
+        sum += seed ? *seed++ * change : 0.0;
+        *values = seed ? sum : change;
+        values += seed ? 0 : 1;
+        status = check_finite(m, one, change);
     }
     return status;
 }
@@ -232,27 +207,25 @@ enum model_status model_product(struct model *m, const struct product *p)
     enum model_status status = MODEL_OK;
     const double *direction = p->seed;
     double *values = p->sensitivity;
+    size_t place = 0;
     struct linear_model l;
     if (!open_linear_model(m, &l)) {
         return model_refuse_inputs(m);
     }
     begin_path(m, &l);
-    for (size_t i = 0; i < p->knowns.count; ++i) {
-        const struct variable *first = scene_variable(p->knowns.references[i]);
-        const size_t length = list_length(&p->knowns, i);
-        for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
-            move_inputs(&l.at, first + k, p->adjoint ? 1.0 : *direction++, &l.along);
-            if (p->adjoint) {
-                *values = 0.0;
-                status = put_changes(m, &l, &p->unknowns, p->seed, values);
-                if (status == MODEL_OK && !isfinite(*values++)) {
-                    status = model_report(m, MODEL_DISCARD,
-                                          "An adjoint derivative with respect to %s is beyond the range of "
-                                          "numbers (allowed: finite).",
-                                          first[k].name);
-                }
-                begin_path(m, &l);
+    for (const struct variable *known = NULL;
+         status == MODEL_OK && (known = next_variable(&p->knowns, known, &place)) != NULL;) {
+        move_inputs(&l.at, known, p->adjoint ? 1.0 : *direction++, &l.along);
+        if (p->adjoint) {
+            *values = 0.0;
+            status = put_changes(m, &l, &p->unknowns, p->seed, values);
+            if (status == MODEL_OK && !isfinite(*values++)) {
+                status = model_report(m, MODEL_DISCARD,
+                                      "An adjoint derivative with respect to %s is beyond the range of "
+                                      "numbers (allowed: finite).",
+                                      known->name);
             }
+            begin_path(m, &l);
         }
     }
     return p->adjoint ? status : put_changes(m, &l, &p->unknowns, NULL, values);

@@ -95,14 +95,14 @@ CONTACT_COLD enum model_status model_check_consistency(struct model *m);
  * would. */
 CONTACT_COLD void model_warn_of_idle(struct model *m);
 
-/* Whether the prescribed axis or orientation of a body is zero, so that it has no direction or is no
- * rotation. */
-bool model_has_no_axis(const struct scene_values *v, int body);
-bool model_has_no_orientation(const struct scene_values *v, int body);
+/* Returns the name of the input of a body's rotation that cannot be in force, or NULL: an axis without
+ * direction, an orientation that is no rotation, or an angular velocity that would tilt an axis that is
+ * kept. */
+const char *model_unfit_turn(const struct model *m, int body);
 
-/* Reports a vector of a body or an orientation that is zero: an error of the initialization, or an input
+/* Reports such a parameter or input of a body by its name: an error of the initialization, or an input
  * (MODEL_DISCARD) that is therefore not in force. */
-enum model_status model_refuse_zero(const struct model *m, enum model_status status, int body,
+enum model_status model_refuse_turn(const struct model *m, enum model_status status, int body,
                                     const char *name);
 
 /* Whether the vector a, other than zero, has a part across the axis of a body that keeps its axis. */
@@ -153,12 +153,13 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
 bool motion_defer(struct model *m, double end_time);
 void motion_catch_up(struct model *m);
 
-/* Returns a sum that is finite only if the motion of the free bodies is. */
-double motion_size(const struct scene_state *q);
+/* Whether the motion of the bodies, its energies and its sums over the last step are finite. */
+bool motion_is_finite(const struct scene_state *q);
 
-/* Returns the state that outputs show. This is q where a body may be free, else `settled`, a copy of q with
- * the regimes that the present inputs ask for. Reading outputs leaves q as it is. */
-const struct scene_state *motion_shown(const struct scene_state *q, struct scene_state *settled);
+/* Sets the instant that outputs show, with rotations. It is that of q where a body may be free, else that of
+ * `settled`, a copy of q with the regimes that the present inputs ask for. Reading outputs leaves q as it
+ * is. */
+void motion_shown(const struct scene_state *q, struct scene_state *settled, struct scene_instant *at);
 
 /* Clears the caches that only the model's own integrator fills. Model Exchange calls it before the first step
  * and after an event. */
@@ -175,9 +176,9 @@ void model_exchange_move(const struct scene_state *q, const struct variable *sta
 double model_exchange_rate(const struct scene_instant *at, const struct scene_jet *along,
                            const struct variable *rate);
 
-/* Returns the Taylor coefficient `order` of an output along a path (scene_jet.h); zero where the path does
- * not change the output. */
-double output_term(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
-                   const struct variable *variable, int order);
+/* Sets the Taylor coefficients of one order of all outputs and calculated parameters along a path
+ * (scene_jet.h); zero where the path does not change them. */
+void output_terms(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
+                  int order, struct scene_values *terms);
 
 #endif

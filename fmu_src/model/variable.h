@@ -12,6 +12,8 @@
 
 enum variable_type { VARIABLE_REAL, VARIABLE_INTEGER, VARIABLE_BOOLEAN, VARIABLE_ENUMERATION };
 
+struct scene_values;
+
 enum variable_causality {
     VARIABLE_PARAMETER,
     VARIABLE_CALCULATED_PARAMETER,
@@ -21,7 +23,7 @@ enum variable_causality {
     VARIABLE_STATE,      /* of the importer's integrator */
     VARIABLE_RATE,       /* d/dt of a state */
     VARIABLE_INDICATOR,  /* an event where it changes its sign */
-    VARIABLE_INDEPENDENT /* time, which no table of a model lists (fmi/instance.c) */
+    VARIABLE_INDEPENDENT /* time, which no table of a model lists */
 };
 
 struct variable {
@@ -31,37 +33,36 @@ struct variable {
     /* position of the value in struct scene_values [bytes], 0 for local variables; the value is a double for
      * VARIABLE_REAL, else an int32_t */
     uint32_t offset;
-    uint16_t row;        /* enum variable_row of scene.h */
-    uint8_t type;        /* enum variable_type */
-    uint8_t causality;   /* enum variable_causality */
-    uint16_t element;    /* index of the body or contact, 0 for the rest */
-    uint8_t component;   /* 0..2 in a vector, else 0 */
-    uint8_t reinit : 1;  /* for a state: whether events may make it jump */
-    uint8_t tunable : 1; /* 1: a parameter that may be set between steps, or a value that depends on one */
+    uint16_t row;          /* enum variable_row of scene.h */
+    uint8_t type;          /* enum variable_type */
+    uint8_t causality;     /* enum variable_causality */
+    uint16_t element;      /* index of the body or contact, 0 for the rest */
+    uint8_t component : 2; /* 0..3 in a vector, else 0 */
+    uint8_t length : 3;    /* number of components of its vector, else 1; they follow each other */
+    uint8_t reinit : 1;    /* for a state: whether events may make it jump */
+    uint8_t tunable : 1;   /* 1: a parameter that may be set between steps, or a value that depends on one */
 };
 
 /* Whether the variable is local, so that it is computed when it is read. */
 bool variable_is_local(const struct variable *variable);
 
-static inline size_t variable_size(const struct variable *variable)
-{
-    return variable->type == VARIABLE_REAL ? sizeof(double) : sizeof(int32_t);
-}
-
-/* Returns the variable's value stored at `at` as a number. */
-double variable_number(const struct variable *variable, const void *at);
+/* Read and write the value of a variable that is not local, as a number. */
+double variable_value(const struct variable *variable, const struct scene_values *values);
+void variable_put(const struct variable *variable, struct scene_values *values, double value);
 
 /* Bits that tell what must be up to date before a Real variable can be read. They lie above the bits of an
  * offset. */
 enum variable_source {
     VARIABLE_OFFSET = 0xffffff,
-    VARIABLE_GIVEN = 0x1000000,   /* nothing, because the importer gave the value */
-    VARIABLE_BODY = 0x4000000,    /* the motion of the bodies */
-    VARIABLE_COMPUTED = 0x8000000 /* everything */
+    VARIABLE_GIVEN = 0x1000000,    /* nothing, because the importer gave the value */
+    VARIABLE_BODY = 0x4000000,     /* the motion of the bodies */
+    VARIABLE_COMPUTED = 0x8000000, /* everything */
+    VARIABLE_LENGTH = 28           /* a shift by so many bits leaves the number of components */
 };
 
-/* For each of the SCENE_REFERENCES value references: the offset of its Real variable and the bits of enum
- * variable_source, or 0 where the reference has no Real variable. */
+/* For each of the SCENE_REFERENCES value references: the offset of its Real variable, the bits of enum
+ * variable_source and the number of components of its vector, which only the first component has; or 0 where
+ * the reference has no Real variable. */
 extern const uint32_t scene_reals[];
 
 extern const struct variable scene_variables[];
@@ -84,8 +85,6 @@ struct scene_use {
 };
 
 extern const struct scene_use scene_uses[];
-
-struct scene_values;
 
 /* Returns the number of the item that a choice of a body or contact has; a constant where the scene pins
  * it. */
@@ -112,15 +111,21 @@ const struct variable *variable_of_row(int row, int element);
  * reference of a vector is that of its first component. */
 const struct variable *vector_variable(uint32_t reference);
 
-/* Returns the number of a vector's components, or 1 for a scalar. Components follow each other in
- * scene_variables. */
-size_t vector_length(const struct variable *first);
-
 /* Variables that a caller names by their value references. */
 struct variable_list {
     const uint32_t *references;
     size_t count;
-    bool vectors; /* true: a reference stands for a whole vector or a scalar; else for one number */
+    /* true: a reference stands for a whole vector or a scalar, and 0 for time; else for one number */
+    bool vectors;
 };
+
+/* Returns the first variable, or the only one, that a reference of a list stands for; else NULL. */
+const struct variable *listed_variable(const struct variable_list *list, uint32_t reference);
+
+/* Returns the number after `last` of those that a list stands for, where *place is the index of the reference
+ * after that of `last`; NULL at the end. A walk begins with NULL and *place = 0. All references must have
+ * variables. */
+const struct variable *next_variable(const struct variable_list *list, const struct variable *last,
+                                     size_t *place);
 
 #endif

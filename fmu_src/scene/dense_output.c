@@ -207,16 +207,14 @@ static double larger_between(const struct dense_output *w, const struct event_fu
         (is_top(what, at) || is_top(what, next) || !may_be_larger(w, what, &low, &high, at, next, largest))) {
         return largest;
     }
-    if (flat ? fell_before(w, what, &low, &high) : brackets_top(w, what, &low, &high)) {
+    bool found = flat ? fell_before(w, what, &low, &high) : brackets_top(w, what, &low, &high);
+    while (found) {
         struct pair_sample top;
-        double s = root_between(probe_at, &slope, low, high);
+        const double s = root_between(probe_at, &slope, low, high);
         w->sampler(w->segment, s, &top);
-        high = end_of(what, 1, s, &top);
-        if (rests_flat(&low, &high) && fell_before(w, what, &low, &high)) {
-            s = root_between(probe_at, &slope, low, high);
-            w->sampler(w->segment, s, &top);
-        }
         largest = fmax(largest, term_of(what, &top, 0));
+        high = end_of(what, 1, s, &top);
+        found = rests_flat(&low, &high) && fell_before(w, what, &low, &high);
     }
     return largest;
 }

@@ -113,19 +113,13 @@ static double mindlin_stiffness(const struct scene_state *q, int contact)
     return fmax(1.5 * ratio * q->contact[contact].parameters.factors.k, 1e-150);
 }
 
-/* Returns R_r [m], the radius of the source that rolls on a plane as the source does on the destination. */
-static double rolling_radius(const struct scene_state *q, int contact)
-{
-    const int destination = contact_destination(contact);
-    const double r_s = contact_source_radius(q->v, contact);
-    const double r_d = scene_contact_side(q, contact) * contact_destination_radius(q->v, contact);
-    return body_shape(destination) == SHAPE_PLANE ? r_s : r_s * fabs(r_d) / fabs(r_s + r_d);
-}
-
 static struct friction_law resistance_law(const struct scene_state *q, int contact, int part)
 {
     const struct scene_values *v = q->v;
-    const double lever = rolling_radius(q, contact);
+    const double r_s = contact_source_radius(v, contact);
+    const double r_d = scene_contact_side(q, contact) * contact_destination_radius(v, contact);
+    const bool on_plane = body_shape(contact_destination(contact)) == SHAPE_PLANE;
+    const double lever = on_plane ? r_s : r_s * fabs(r_d) / fabs(r_s + r_d); /* R_r [m] */
     struct friction_law law = {.kind = (enum friction)contact_rolling(v, contact),
                                .coefficient = lever * contact_rolling_coefficient(v, contact),
                                .largest = (double)INFINITY,
@@ -978,8 +972,14 @@ bool singularity_is_reached(const struct scene_instant *at, int contact, const s
 struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 rate, struct vec3 acceleration,
                                struct vec3 held)
 {
-    const struct vec3 at_rest = contact_escape_direction(shape, acceleration, held);
-    return contact_escape_direction(shape, rate, at_rest);
+    const struct vec3 ways[] = {contact_across(shape, rate), contact_across(shape, acceleration)};
+    for (int i = 0; i < 2; ++i) {
+        const double size = vec3_norm(ways[i]);
+        if (size > 0.0) {
+            return vec3_make(ways[i].x / size, ways[i].y / size, ways[i].z / size);
+        }
+    }
+    return held;
 }
 
 void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact)

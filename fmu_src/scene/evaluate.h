@@ -277,9 +277,10 @@ double turning_friction_power_of(const struct scene_instant *at, int contact);
  * singularity, where n is undefined and reverses; the escape direction takes the place of n. */
 bool singularity_is_reached(const struct scene_instant *at, int contact, const struct contact_shape *shape);
 
-/* Returns the escape direction, in which bodies leave d = 0. It is the direction of their relative velocity
- * `rate`. At relative rest it is the direction of `acceleration`, the relative acceleration by all but this
- * contact. Without an acceleration it is `held`, the direction that n had before. */
+/* Returns the escape direction, in which bodies leave d = 0 because the distance can only grow there. It is
+ * the direction of their relative velocity `rate`, for a cylinder of its part across the axis. At relative
+ * rest it is that of `acceleration`, the relative acceleration by all but this contact. Without an
+ * acceleration it is `held`, the direction that n had before. */
 struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 rate, struct vec3 acceleration,
                                struct vec3 held);
 

@@ -16,13 +16,17 @@ static struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b,
 }
 
 /* Puts the terms of q a q*, the vector a as the quaternion q of unit length turns it. */
-static void put_turned(int terms, const struct quaternion q[JET_TERMS], struct vec3 a,
+static void put_turned(int terms, const struct quaternion q[JET_TERMS], const struct vec3 a[JET_TERMS],
                        struct vec3 turned[JET_TERMS])
 {
     struct quaternion half[JET_TERMS]; /* q a */
     for (int i = 0; i < terms; ++i) {
-        half[i] = quaternion_product(q[i], quaternion_make(0.0, a));
+        half[i] = quaternion_make(0.0, vec3_make(0.0, 0.0, 0.0));
         turned[i] = vec3_make(0.0, 0.0, 0.0);
+        for (int k = 0; k <= i; ++k) {
+            const struct quaternion part = quaternion_product(q[i - k], quaternion_make(0.0, a[k]));
+            half[i] = quaternion_axpy(half[i], 1.0, part);
+        }
         for (int k = 0; k <= i; ++k) {
             const struct quaternion part = quaternion_product(half[k], quaternion_inverse(q[i - k]));
             turned[i] = vec3_add(turned[i], quaternion_vector(part));
@@ -32,28 +36,22 @@ static void put_turned(int terms, const struct quaternion q[JET_TERMS], struct v
 
 void jet_axis_of(const struct scene_jet *along, int body, struct vec3 axis[JET_TERMS])
 {
-    put_turned(along->first_order ? 2 : JET_TERMS, along->orientation[body], vec3_make(0.0, 0.0, 1.0), axis);
-}
-
-/* Puts the terms of the lever arm R o of a contact's end (0: source, 1: destination), as in scene_lever. */
-static void put_lever(const struct scene_jet *along, int contact, int end, struct vec3 lever[JET_TERMS])
-{
-    const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
-    put_turned(JET_TERMS, along->orientation[body],
-               end == 0 ? contact_source_part(contact) : contact_destination_part(contact), lever);
+    const struct vec3 z[JET_TERMS] = {{0.0, 0.0, 1.0}};
+    put_turned(along->first_order ? 2 : JET_TERMS, along->orientation[body], z, axis);
 }
 
 void jet_add_levers(const struct scene_jet *along, int contact, struct vec3 c[JET_TERMS],
-                    struct vec3 w[JET_TERMS])
+                    struct vec3 w[JET_TERMS], struct vec3 lever[2][JET_TERMS])
 {
     for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
         const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
         const double sign = end == 0 ? -1.0 : 1.0;
-        struct vec3 lever[JET_TERMS];
-        put_lever(along, contact, end, lever);
+        const struct vec3 part[JET_TERMS] = {end == 0 ? contact_source_part(contact)
+                                                      : contact_destination_part(contact)};
+        put_turned(JET_TERMS, along->orientation[body], part, lever[end]);
         for (int i = 0; i < JET_TERMS; ++i) {
-            c[i] = vec3_axpy(c[i], sign, lever[i]);
-            w[i] = vec3_axpy(w[i], sign, turning_jet_cross(along->angular_velocity[body], lever, i));
+            c[i] = vec3_axpy(c[i], sign, lever[end][i]);
+            w[i] = vec3_axpy(w[i], sign, turning_jet_cross(along->angular_velocity[body], lever[end], i));
         }
     }
 }
@@ -64,7 +62,9 @@ struct contact_path {
     struct vec3 c[JET_TERMS], w[JET_TERMS], seen[JET_TERMS];
     const struct vec3 *source, *destination; /* angular velocities */
     struct vec3 axis[JET_TERMS];
-    int terms; /* number of terms that are wanted */
+    struct vec3 lever[2]
+                     [JET_TERMS]; /* R o of a compound at the source and at the destination (scene_lever) */
+    int terms;                    /* number of terms that are wanted */
 };
 
 /* Puts the motion of the shape's axis, and the rate of c as the destination sees it. */
@@ -98,7 +98,7 @@ static struct contact_path path_of(const struct scene_instant *at, const struct 
         path.c[i] = vec3_sub(along->displacement[to][i], along->displacement[from][i]);
         path.w[i] = vec3_sub(along->velocity[to][i], along->velocity[from][i]);
     }
-    jet_add_levers(along, contact, path.c, path.w);
+    jet_add_levers(along, contact, path.c, path.w, path.lever);
     path.c[0] = at->separation[contact];
     path.w[0] = at->rate[contact];
     path.axis[0] = shape->axis;
@@ -186,18 +186,9 @@ static void put_slip(const struct contact_shape *shape, const struct contact_pat
         turning->spin[i] = vec3_sub(path->source[i], path->destination[i]);
     }
     opposed_laid_terms(OPPOSED_SLIP, path->terms, all, jet->normal, turning->motion[OPPOSED_SLIP]);
-}
-
-/* Adds the lever arms of compound bodies to those from the centres of the spheres. */
-static void add_levers_to_arms(const struct scene_jet *along, int contact, struct turning_jet *turning)
-{
-    for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
-        struct vec3 *arm = end == 0 ? turning->source_arm : turning->destination_arm;
-        struct vec3 lever[JET_TERMS];
-        put_lever(along, contact, end, lever);
-        for (int i = 0; i < JET_TERMS; ++i) {
-            arm[i] = vec3_add(arm[i], lever[i]);
-        }
+    for (int i = 0; SCENE_ANY_COMPOUND && i < path->terms; ++i) { /* until here from the spheres' centres */
+        turning->source_arm[i] = vec3_add(turning->source_arm[i], path->lever[0][i]);
+        turning->destination_arm[i] = vec3_add(turning->destination_arm[i], path->lever[1][i]);
     }
 }
 
@@ -263,7 +254,6 @@ static void put_turning(const struct scene_state *q, const struct contact_shape 
     struct turning_jet *turning = &along->turning[contact];
     memset(turning, 0, sizeof *turning);
     put_slip(shape, path, jet, turning);
-    add_levers_to_arms(along, contact, turning);
     put_friction(q, contact, along);
     for (int i = 0; i < path->terms; ++i) {
         turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
@@ -311,32 +301,27 @@ static void put_orientation(const struct vec3 omega[2], struct quaternion q[JET_
         0.5, quaternion_axpy(quaternion_rate(q[0], omega[1]), 1.0, quaternion_rate(q[1], omega[0])));
 }
 
-/* Puts the jet of an axis whose direction is a polynomial that need not have unit length. */
-static void put_given_axis(const struct scene_state *q, int body, struct vec3 e[JET_TERMS])
-{
-    struct body_path path = q->path[body];
-    double length[JET_TERMS];
-    struct vec3 unit[JET_TERMS];
-    body_path_shift(q->v, body, &path, q->clock);
-    jet_direction(JET_TERMS, path.axis, length, unit);
-    if (length[0] > 0.0) {
-        memcpy(&e[1], &unit[1], 2 * sizeof e[1]);
-    }
-}
-
+/* Puts the terms of a prescribed rotation. An axis that follows a path of its own, a polynomial that need not
+ * have unit length, turns by e x e', and the body spins about it. */
 static void put_prescribed(const struct scene_state *q, int body, struct scene_jet *along)
 {
-    const struct body_path *path = &q->path[body];
+    struct body_path path = q->path[body];
     struct vec3 *omega = along->angular_velocity[body];
     struct vec3 e[JET_TERMS] = {quaternion_third_axis(along->orientation[body][0])};
-    omega[2] = path->angular_velocity[2];
+    omega[2] = path.angular_velocity[2];
     struct vec3 seen[2] = {omega[0], omega[1]};
-    if (path->turn_follows != TURN_FOLLOWS_VELOCITY && body_has_axis(body)) {
-        put_given_axis(q, body, e);
+    if (path.turn_follows != TURN_FOLLOWS_VELOCITY && body_has_axis(body)) {
+        double length[JET_TERMS];
+        struct vec3 unit[JET_TERMS];
+        body_path_shift(q->v, body, &path, q->clock);
+        jet_direction(JET_TERMS, path.axis, length, unit);
+        if (length[0] > 0.0) {
+            memcpy(&e[1], &unit[1], 2 * sizeof e[1]);
+        }
         const struct vec3 rate[2] = {e[1], vec3_scale(2.0, e[2])};
         const double spin[2] = {vec3_dot(omega[0], e[0]),
                                 vec3_dot(omega[1], e[0]) + vec3_dot(omega[0], e[1])};
-        for (int i = 0; i < 2; ++i) { /* e x e' turns the axis; the spin is about it */
+        for (int i = 0; i < 2; ++i) {
             seen[i] = vec3_add(turning_jet_cross(e, rate, i), jet_scale(spin, e, i));
         }
     }
@@ -413,30 +398,18 @@ struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct sce
 struct scene_powers jet_powers_of(const struct scene_state *q, const struct scene_jet *along, int order)
 {
     const struct scene_values *v = q->v;
-    const bool turns = SCENE_ANY_ROTATION && scene_turns(v);
     struct scene_powers sum = {0.0, 0.0, 0.0};
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            const struct vec3 force[2] = {path_at(q->path[i].force, 3, q->clock), along->force[i]};
-            sum.external += jet_dot(force, along->velocity[i], order);
+        struct vec3 force[2] = {path_at(q->path[i].force, 3, q->clock), along->force[i]};
+        struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
+        for (int k = 0; k <= order && (body_is_prescribed(v, i) || body_turn_is_prescribed(v, i)); ++k) {
+            const struct contact_load load = jet_load_on(along, i, k); /* drives balance it */
+            force[k] = body_is_prescribed(v, i) ? vec3_scale(-1.0, load.force) : force[k];
+            torque[k] = body_turn_is_prescribed(v, i) ? vec3_scale(-1.0, load.torque) : torque[k];
         }
-        if (turns && body_turns_freely(v, i)) {
-            const struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
+        sum.external += jet_dot(force, along->velocity[i], order);
+        if (SCENE_ANY_ROTATION) {
             sum.external += jet_dot(torque, along->angular_velocity[i], order);
-        }
-    }
-    for (int end = 0; end < 2 * SCENE_CONTACTS; ++end) {
-        const int j = end / 2;
-        const bool is_source = end % 2 == 0;
-        const int body = is_source ? contact_source(j) : contact_destination(j);
-        if (body_is_prescribed(v, body)) {
-            const double given = jet_dot(along->contact[j].source_force, along->velocity[body], order);
-            sum.external += is_source ? -given : given;
-        }
-        if (turns && body_turn_is_prescribed(v, body)) {
-            const struct vec3 *torque =
-                is_source ? along->turning[j].source_torque : along->turning[j].destination_torque;
-            sum.external -= jet_dot(torque, along->angular_velocity[body], order);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -455,71 +428,38 @@ struct scene_powers jet_powers_of(const struct scene_state *q, const struct scen
     return sum;
 }
 
-/* Puts the rates of the free bodies' accelerations from the contact forces. */
-static void put_jerk(const struct scene_state *q, struct scene_jet *along)
+/* Puts the first terms of R diag(d) R^T a, where the quaternion q turns the frame of a body into the world's
+ * by R. */
+static void put_along_axes(const struct quaternion q[JET_TERMS], struct vec3 d, const struct vec3 *a,
+                           int terms, struct vec3 *sum)
 {
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(q->v, i)) {
-            along->force[i] = path_slope(q->path[i].force, q->clock);
-            along->velocity[i][2] = free_bodies_half_jerk(q->v, along, i);
-        }
-    }
-}
-
-/* Puts the terms of the dissipated energy and of the external work. */
-static void put_work(const struct scene_state *q, struct scene_jet *along)
-{
-    along->time[1] = 1.0;
-    for (int i = 1; i < JET_TERMS; ++i) {
-        const struct scene_powers power = jet_powers_of(q, along, i - 1);
-        along->dissipated[i] = power.dissipated / i;
-        along->external_work[i] = power.external / i;
-        along->friction[i] = power.friction / i;
-    }
-}
-
-/* Puts the terms of the principal axes of a body, and returns its moments of inertia. */
-static struct vec3 put_principal_axes(const struct scene_values *v, const struct scene_jet *along, int body,
-                                      struct vec3 axis[3][JET_TERMS])
-{
-    for (int k = 0; k < 3; ++k) {
-        struct vec3 a = {0.0, 0.0, 0.0};
-        vec3_set(&a, k, 1.0);
-        put_turned(JET_TERMS, along->orientation[body], a, axis[k]);
-    }
-    return body_inertia_of(v, body);
-}
-
-/* Puts the first terms of sum f_k (e_k.a) e_k over the principal axes e_k. */
-static void put_along_axes(struct vec3 axis[3][JET_TERMS], struct vec3 f, const struct vec3 *a, int terms,
-                           struct vec3 *sum)
-{
+    struct quaternion back[JET_TERMS];
+    struct vec3 in_body[JET_TERMS];
     for (int i = 0; i < terms; ++i) {
-        sum[i] = vec3_make(0.0, 0.0, 0.0);
+        back[i] = quaternion_inverse(q[i]);
     }
-    for (int k = 0; k < 3; ++k) {
-        double part[JET_TERMS];
-        for (int i = 0; i < terms; ++i) {
-            part[i] = jet_dot(a, axis[k], i);
-            sum[i] = vec3_axpy(sum[i], vec3_get(f, k), jet_scale(part, axis[k], i));
-        }
+    put_turned(terms, back, a, in_body);
+    for (int i = 0; i < terms; ++i) {
+        in_body[i] = vec3_make(d.x * in_body[i].x, d.y * in_body[i].y, d.z * in_body[i].z);
     }
+    put_turned(terms, q, in_body, sum);
 }
 
-/* The angular acceleration is omega' = sum e_k (e_k.(tau - omega x L)) / I_k, where L = sum I_k (e_k.omega)
- * e_k with the principal axes e_k. */
+/* The angular acceleration is omega' = R diag(1/I) R^T (tau - omega x L), where L = R diag(I) R^T omega with
+ * the moments of inertia I. */
 struct vec3 turning_jet_half_jerk(const struct scene_instant *at, const struct scene_jet *along, int body)
 {
-    struct vec3 axis[3][JET_TERMS], momentum[2], faster[2];
+    struct vec3 momentum[2], faster[2];
     struct vec3 by[2] = {turning_torque_on(at->q->clock, at, body), along->torque[body]};
     const struct vec3 *omega = along->angular_velocity[body];
-    const struct vec3 inertia = put_principal_axes(at->v, along, body, axis);
+    const struct vec3 inertia = body_inertia_of(at->v, body);
     by[1] = body_part_that_turns(at->v, body, vec3_add(by[1], jet_load_on(along, body, 1).torque));
-    put_along_axes(axis, inertia, omega, 2, momentum);
+    put_along_axes(along->orientation[body], inertia, omega, 2, momentum);
     for (int i = 0; i < 2; ++i) {
         by[i] = vec3_sub(by[i], turning_jet_cross(omega, momentum, i));
     }
-    put_along_axes(axis, vec3_make(1.0 / inertia.x, 1.0 / inertia.y, 1.0 / inertia.z), by, 2, faster);
+    put_along_axes(along->orientation[body], vec3_make(1.0 / inertia.x, 1.0 / inertia.y, 1.0 / inertia.z), by,
+                   2, faster);
     return vec3_scale(0.5, faster[1]);
 }
 
@@ -616,8 +556,11 @@ static void put_contacts(const struct scene_instant *at, const bool *met, struct
     if (scene_turns(at->v)) {
         put_turning_changes(at, all, along);
     }
-    if (SCENE_ANY_FREE) {
-        put_jerk(at->q, along);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(at->v, i)) {
+            along->force[i] = path_slope(at->q->path[i].force, at->q->clock);
+            along->velocity[i][2] = free_bodies_half_jerk(at->v, along, i);
+        }
     }
     if (moves || (all && scene_turns(at->v))) {
         jet_of_contacts(at, met, all, along);
@@ -628,8 +571,12 @@ void jet_in_time(const struct scene_instant *at, struct scene_jet *along)
 {
     put_bodies(at, along);
     put_contacts(at, NULL, along);
-    if (SCENE_ANY_FREE) {
-        put_work(at->q, along);
+    along->time[1] = SCENE_ANY_FREE ? 1.0 : 0.0;
+    for (int i = 1; SCENE_ANY_FREE && i < JET_TERMS; ++i) {
+        const struct scene_powers power = jet_powers_of(at->q, along, i - 1);
+        along->dissipated[i] = power.dissipated / i;
+        along->external_work[i] = power.external / i;
+        along->friction[i] = power.friction / i;
     }
 }
 
@@ -671,9 +618,9 @@ void turning_jet_move_orientation(int body, struct quaternion unit, double lengt
 static double rotational_term(const struct scene_values *v, const struct scene_jet *along, int body,
                               int order)
 {
-    struct vec3 axis[3][JET_TERMS], momentum[JET_TERMS];
-    const struct vec3 inertia = put_principal_axes(v, along, body, axis);
-    put_along_axes(axis, inertia, along->angular_velocity[body], order + 1, momentum);
+    struct vec3 momentum[JET_TERMS];
+    put_along_axes(along->orientation[body], body_inertia_of(v, body), along->angular_velocity[body],
+                   order + 1, momentum);
     return 0.5 * jet_dot(along->angular_velocity[body], momentum, order);
 }
 
@@ -694,9 +641,7 @@ struct scene_energies jet_energies_of(const struct scene_state *q, const struct 
         const struct contact_law law = scene_contact_law(q, j);
         const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
         sum.stored += contact_stored_term(&law, &along->law_slope[j], regime, along->contact[j].gap, order);
-        if (SCENE_ANY_TURNING && contact_has_springs(q->v, j) && regime != REGIME_APART) {
-            sum.tangential += along->turning[j].stored[order];
-        }
+        sum.tangential += SCENE_ANY_SPRINGS ? along->turning[j].stored[order] : 0.0;
     }
     return sum;
 }

@@ -264,44 +264,31 @@ static void stick(const struct rubbed *r, enum friction_regime regime, struct fr
     *r->regime = (int32_t)FRICTION_STICKING;
 }
 
-/* Ends sticking. Without a dashpot a contact slides only while the slip stretches the spring further; else it
- * sticks again at once. It does so with mu_s > mu, where the spring jumps back as the contact breaks away,
- * and where errors have put F* beyond its limit although F* falls. */
-static void break_away(const struct rubbed *r)
+/* Lets a contact slide unless it sticks, where it goes on sliding or `breaks` away. The slip may no longer
+ * stretch the spring after a corner of the law, from where on the force falls more slowly or rises, and after
+ * a prescribed velocity has jumped. A contact without a dashpot that breaks away sticks again at once with
+ * mu_s > mu, where the spring jumps back, and where errors have put F* beyond its limit although F* falls. */
+static void slide(const struct rubbed *r, bool breaks)
 {
     struct scene_instant at;
     const struct friction_law *law = &r->law;
+    const bool turns = breaks && law->damping == 0.0; /* the spring turns into the direction of sliding */
     scene_now(r->q, &at);
-    const enum friction_regime next = sliding_regime(law, at.normal_force[r->contact]);
-    if (is_lifted(r, &at)) {
+    if (breaks && is_lifted(r, &at)) {
         change_all(r->q, r->contact, lift_friction);
         return;
     }
+    const enum friction_regime next = sliding_regime(law, at.normal_force[r->contact]);
     *r->regime = (int32_t)next;
     scene_now(r->q, &at);
     const struct friction_state rubbing = rubbing_now(r, &at);
-    const bool jumps = law->static_coefficient > law->coefficient;
     /* the error of the motion does not explain a stick event below this */
-    const double least = jumps ? 0.0 : -tolerated_motion(&at, r->contact, r->part);
-    if (law->damping == 0.0 && friction_stick_event(law, next, rubbing, normal_force_rate(r, &at)) < least) {
+    const bool is_exact = !breaks || law->static_coefficient > law->coefficient;
+    const double least = is_exact ? 0.0 : -tolerated_motion(&at, r->contact, r->part);
+    if ((turns || !breaks) && friction_stick_event(law, next, rubbing, normal_force_rate(r, &at)) < least) {
         stick(r, next, rubbing);
-    } else if (law->damping == 0.0) {
+    } else if (turns) {
         *r->spring = direction_to_slide(r, &at, rubbing.spring);
-    }
-}
-
-/* Lets a contact go on sliding unless it sticks. The slip may no longer stretch the spring after a corner of
- * the law, from where on the force falls more slowly or rises, and after a prescribed velocity has jumped. */
-static void keep_sliding(const struct rubbed *r)
-{
-    struct scene_instant at;
-    scene_now(r->q, &at);
-    const enum friction_regime next = sliding_regime(&r->law, at.normal_force[r->contact]);
-    const struct friction_state rubbing = rubbing_now(r, &at);
-    const double force_rate = normal_force_rate(r, &at);
-    *r->regime = (int32_t)next;
-    if (friction_stick_event(&r->law, next, rubbing, force_rate) < 0.0) {
-        stick(r, next, rubbing);
     }
 }
 
@@ -309,7 +296,7 @@ static void keep_sliding(const struct rubbed *r)
 static void end_lifting(const struct rubbed *r)
 {
     if (vec3_max_abs(*r->spring) > 0.0) {
-        keep_sliding(r);
+        slide(r, false);
     } else {
         begin_friction(r);
     }
@@ -327,10 +314,10 @@ static void reconsider(const struct rubbed *r)
         end_lifting(r);
     } else if (regime == FRICTION_STICKING) {
         if (friction_stick_event(&r->law, regime, rubbing_now(r, &at), 0.0) < 0.0) {
-            break_away(r);
+            slide(r, true);
         }
     } else {
-        keep_sliding(r);
+        slide(r, false);
     }
 }
 
@@ -359,7 +346,7 @@ void turning_take_event(struct scene_state *q, int contact, enum ode_event event
     const enum friction_regime regime = friction_regime_of(q, contact, r.part);
     const bool sticks = event == ode_stick_event(r.part);
     if (regime == FRICTION_STICKING && (sticks || event == ODE_EVENT_CAP)) {
-        break_away(&r);
+        slide(&r, true);
     } else if (sticks) {
         struct scene_instant at;
         scene_now(q, &at);

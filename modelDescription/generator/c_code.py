@@ -192,7 +192,9 @@ def reals(resolved: Resolved) -> list[str]:
         if C_BASE[row.type.base] == "REAL" and not row.role and variable.reference < BEHIND_BLOCKS:
             given = row.causality in ("parameter", "input")
             source = "GIVEN" if given else "BODY" if row.c_name in BODY_MOTION else "COMPUTED"
-            lines.append(f"[{variable.reference}] = {_offset(variable)} | VARIABLE_{source},")
+            length = row.dim if variable.component == 0 else 0
+            bits = f"VARIABLE_{source} | {length} << VARIABLE_LENGTH"
+            lines.append(f"[{variable.reference}] = {_offset(variable)} | {bits},")
     return lines
 
 
@@ -207,7 +209,7 @@ def table(resolved: Resolved) -> list[str]:
         lines.append(
             f'{{"{variable.name}", {low}, {high}, {variable.reference}, {offset}, ROW_{row.c_name}, '
             f"VARIABLE_{C_BASE[row.type.base]}, VARIABLE_{causality}, {cell.element}, "
-            f"{variable.component}, {int(row.reinit)}, {int(row.tunable)}}},"
+            f"{variable.component}, {row.dim}, {int(row.reinit)}, {int(row.tunable)}}},"
         )
     return lines
 

@@ -9,8 +9,8 @@ _Static_assert(sizeof(struct scene_values) <= VARIABLE_OFFSET, "an offset does n
 
 const int scene_variable_count = SCENE_VARIABLES;
 
-/* Name, min, max, value reference, offset, row, type, causality, body or contact, component, reinit,
- * tunable. */
+/* Name, min, max, value reference, offset, row, type, causality, body or contact, component, length,
+ * reinit, tunable. */
 const struct variable scene_variables[SCENE_VARIABLES] = {
 {% for line in table %}
     {{ line }}

@@ -57,7 +57,7 @@ static size_t components_of(const fmi3ValueReference *references, size_t count)
     size_t sum = 0;
     for (size_t i = 0; references != NULL && i < count; ++i) {
         const struct variable *first = vector_variable(references[i]);
-        sum += first == NULL ? 1 : vector_length(first);
+        sum += first == NULL ? 1 : first->length;
     }
     return sum;
 }
@@ -216,7 +216,7 @@ fmi_status arrays_set_one(struct player *player, struct bytes *b)
     fmi3Float64 room_for_values[LONGEST_VECTOR];
     const struct arrays3 a = {
         .count = 1,
-        .values_count = vector_length(variable),
+        .values_count = variable->length,
         .references = (fmi3ValueReference *)&reference,
         .values = room_for_values,
     };

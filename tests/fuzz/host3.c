@@ -99,7 +99,7 @@ void host_read_all(fmi3Instance c)
 {
     for (int i = 0; i < scene_variable_count; ++i) {
         if (scene_variables[i].component == 0) {
-            read_one(c, &scene_variables[i], vector_length(&scene_variables[i]));
+            read_one(c, &scene_variables[i], scene_variables[i].length);
         }
     }
 }

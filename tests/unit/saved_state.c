@@ -112,8 +112,8 @@ static void begin(struct model *m, struct heard *heard)
     m->state.values.world.gravity[2] = -9.81;
     vec3_to(vec3_make(0.0, 1.0, 0.0), m->state.values.body[DESTINATION].axis);
     CHECK(model_exit_initialization(m) == MODEL_OK);
-    CHECK(model_step(m, 0.25) == MODEL_OK);
-    CHECK(model_step(m, 0.5) == MODEL_OK);
+    CHECK(model_step(m, &(struct step_request){.end_time = 0.25}) == MODEL_OK);
+    CHECK(model_step(m, &(struct step_request){.end_time = 0.5}) == MODEL_OK);
 }
 
 TEST(a_state_with_one_wrong_value_is_refused_and_changes_nothing)
@@ -133,7 +133,7 @@ TEST(a_state_with_one_wrong_value_is_refused_and_changes_nothing)
                            memcmp(&after, &good, sizeof good) == 0;
         check_that(holds, harmful[i].name, __FILE__, __LINE__);
     }
-    CHECK(model_step(&m, 0.75) == MODEL_OK);
+    CHECK(model_step(&m, &(struct step_request){.end_time = 0.75}) == MODEL_OK);
     integrator_close(&m.integrator);
 }
 
@@ -185,7 +185,7 @@ TEST(counters_stay_at_the_largest_integer_and_can_be_restored)
     vec3_to(vec3_make(3.0, 0.0, 0.0), m.state.values.body[SOURCE].prescribed_velocity);
     CHECK(model_exit_initialization(&m) == MODEL_OK);
     m.state.motion.counters.force_evaluations = INT32_MAX - 3;
-    CHECK(model_step(&m, 2.0) == MODEL_OK);
+    CHECK(model_step(&m, &(struct step_request){.end_time = 2.0}) == MODEL_OK);
     CHECK(m.state.motion.counters.force_evaluations == INT32_MAX);
     model_save(&m, &saved);
     CHECK(model_restore(&m, &saved) == MODEL_OK);
