@@ -1,4 +1,5 @@
 #include <float.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "contact/shape.h"
@@ -323,16 +324,18 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
         bound_ring(&shape, distance_grows(path, change), speed, length, at);
     }
     struct falling *gap = &at->of[ADVANCEMENT_GAP];
-    if (contact_is_cylinder(&shape) && !contact_is_capped(&shape) && !(axis.speed > 0.0)) {
-        /* the gap at the side changes by motion across the axis alone, the distance from the ends by motion
-         * along the axis alone */
+    const int zone = abs(at->geometry.zone); /* of a capped cylinder, else 0 */
+    const bool is_split = zone == 0 || (zone != ZONE_RIM && !distance_grows(path, change));
+    if (contact_is_cylinder(&shape) && is_split && !(axis.speed > 0.0)) {
+        /* the distance from the side changes by motion across the axis alone, that from ends and caps by
+         * motion along it; none is larger than the distance from the whole solid */
         struct vec3 across[ADVANCEMENT_TERMS];
         struct vec3 along[ADVANCEMENT_TERMS];
         for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
             across[i] = contact_across(&shape, at->c[i]);
             along[i] = vec3_sub(at->c[i], across[i]);
         }
-        gap->bend = size_within(across, 2, length) + of_levers;
+        gap->bend = size_within(zone == ZONE_CAP ? along : across, 2, length) + of_levers;
         for (int i = ADVANCEMENT_UPPER_END; i < functions_of(path); ++i) {
             at->of[i].bend = size_within(along, 2, length) + of_levers;
         }
