@@ -408,23 +408,15 @@ static bool surely_changed(const struct advancement_search *search, const struct
     return touch;
 }
 
-/* Returns the deciding function as an end of a bracket. */
-static struct root_bracket_end decision_at(const struct advancement_search *search,
-                                           const struct advancement_instant *at, double time)
-{
-    const struct falling *f = &at->of[deciding(search, at)];
-    return (struct root_bracket_end){time, f->value, f->slope};
-}
-
 /* The deciding function and its slope as a root_function of time. */
 static void decision(const void *data, double time, double *value, double *slope)
 {
     const struct advancement_search *search = data;
     struct advancement_instant at;
     advancement_at(search->path, search->change, time, &at);
-    const struct root_bracket_end end = decision_at(search, &at, time);
-    *value = end.value;
-    *slope = end.slope;
+    const struct falling *f = &at.of[deciding(search, &at)];
+    *value = f->value;
+    *slope = f->slope;
 }
 
 /* Returns a time during which a function stays above -noise [s]; 0 if the function is already below.
@@ -512,7 +504,8 @@ struct advancement_result advancement_first(const struct advancement_path *path,
     for (long evaluations = 1; evaluations <= budget; ++evaluations) {
         struct advancement_instant at;
         advancement_at(&moving, change, time, &at);
-        const struct root_bracket_end now = decision_at(&search, &at, time);
+        const struct falling *decides = &at.of[deciding(&search, &at)];
+        const struct root_bracket_end now = {time, decides->value, decides->slope};
         double step = 0.0;
         if (surely_changed(&search, &at)) {
             step = before.s < 0.0 ? still_rising_for(now) : 0.0;
