@@ -985,12 +985,13 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
 double singularity_rate(const struct scene_instant *at, int contact)
 {
     const struct contact_geometry *g = &at->geometry[contact];
-    if (!SCENE_ANY_CURVED || g->distance > 4.0 * rounding_of_gap(at, contact)) {
+    if (!SCENE_ANY_CURVED || g->distance > -g->gap) { /* less than half-way to the centre */
         return g->gap_rate;
     }
     const struct contact_shape shape = scene_shape_met(at, contact);
     const struct vec3 w = contact_across(&shape, at->rate[contact]);
-    return contact_is_circle(&shape) || singularity_is_reached(at, contact, &shape)
+    return (contact_is_circle(&shape) && g->distance <= rounding_of_gap(at, contact)) ||
+                   singularity_is_reached(at, contact, &shape)
                ? shape.side * vec3_norm(vec3_axpy(w, -vec3_dot(w, g->circumferential), g->circumferential))
                : g->gap_rate;
 }
