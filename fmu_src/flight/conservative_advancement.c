@@ -1,4 +1,5 @@
 #include <float.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "contact/shape.h"
@@ -323,16 +324,18 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
         bound_ring(&shape, distance_grows(path, change), speed, length, at);
     }
     struct falling *gap = &at->of[ADVANCEMENT_GAP];
-    if (contact_is_cylinder(&shape) && !contact_is_capped(&shape) && !(axis.speed > 0.0)) {
-        /* the gap at the side changes by motion across the axis alone, the distance from the ends by motion
-         * along the axis alone */
+    const int zone = abs(at->geometry.zone); /* of a capped cylinder, else 0 */
+    const bool is_split = zone == 0 || (zone != ZONE_RIM && !distance_grows(path, change));
+    if (contact_is_cylinder(&shape) && is_split && !(axis.speed > 0.0)) {
+        /* the distance from the side changes by motion across the axis alone, that from ends and caps by
+         * motion along it; none is larger than the distance from the whole solid */
         struct vec3 across[ADVANCEMENT_TERMS];
         struct vec3 along[ADVANCEMENT_TERMS];
         for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
             across[i] = contact_across(&shape, at->c[i]);
             along[i] = vec3_sub(at->c[i], across[i]);
         }
-        gap->bend = size_within(across, 2, length) + of_levers;
+        gap->bend = size_within(zone == ZONE_CAP ? along : across, 2, length) + of_levers;
         for (int i = ADVANCEMENT_UPPER_END; i < functions_of(path); ++i) {
             at->of[i].bend = size_within(along, 2, length) + of_levers;
         }
@@ -405,23 +408,15 @@ static bool surely_changed(const struct advancement_search *search, const struct
     return touch;
 }
 
-/* Returns the deciding function as an end of a bracket. */
-static struct root_bracket_end decision_at(const struct advancement_search *search,
-                                           const struct advancement_instant *at, double time)
-{
-    const struct falling *f = &at->of[deciding(search, at)];
-    return (struct root_bracket_end){time, f->value, f->slope};
-}
-
 /* The deciding function and its slope as a root_function of time. */
 static void decision(const void *data, double time, double *value, double *slope)
 {
     const struct advancement_search *search = data;
     struct advancement_instant at;
     advancement_at(search->path, search->change, time, &at);
-    const struct root_bracket_end end = decision_at(search, &at, time);
-    *value = end.value;
-    *slope = end.slope;
+    const struct falling *f = &at.of[deciding(search, &at)];
+    *value = f->value;
+    *slope = f->slope;
 }
 
 /* Returns a time during which a function stays above -noise [s]; 0 if the function is already below.
@@ -509,7 +504,8 @@ struct advancement_result advancement_first(const struct advancement_path *path,
     for (long evaluations = 1; evaluations <= budget; ++evaluations) {
         struct advancement_instant at;
         advancement_at(&moving, change, time, &at);
-        const struct root_bracket_end now = decision_at(&search, &at, time);
+        const struct falling *decides = &at.of[deciding(&search, &at)];
+        const struct root_bracket_end now = {time, decides->value, decides->slope};
         double step = 0.0;
         if (surely_changed(&search, &at)) {
             step = before.s < 0.0 ? still_rising_for(now) : 0.0;

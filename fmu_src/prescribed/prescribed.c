@@ -742,7 +742,8 @@ static double zone_left(const struct span *s, double clock, double to)
     return before > clock ? after : to; /* a panel that begins at the edge has it behind itself */
 }
 
-/* Adds the integrals over a time so short that forces and speeds are those at a clock at one of its ends. */
+/* Adds the integrals over a time so short that forces and speeds are those at a clock at one of its ends, and
+ * notes the peaks there. */
 static void add_instant(struct span *s, double clock, double time)
 {
     struct scene_instant at;
@@ -751,6 +752,8 @@ static void add_instant(struct span *s, double clock, double time)
     double lever[TERMS];
     instant_at(s, clock, &s->springs, &at);
     (void)rates_at(s, &at, rate, scale, lever);
+    contact_peaks_note(&s->q->contact[s->contact].peaks, singularity_force(&at, s->contact),
+                       -at.geometry[s->contact].gap);
     for (int k = 0; k < TERMS; ++k) {
         s->sum[k] += time * rate[k];
         s->size[k] += time * scale[k];
@@ -764,9 +767,6 @@ CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, c
     const double centre = fmin(passage->centre, to);
     struct scene_instant at;
     add_instant(s, clock, centre - clock);
-    instant_at(s, centre, &s->springs, &at);
-    contact_peaks_note(&s->q->contact[s->contact].peaks, at.normal_force[s->contact],
-                       -at.geometry[s->contact].gap);
     lay_springs(s, to);
     kinematics_at(s, to, &at);
     take_regime(s, to, scene_regime(&at, s->contact, false));

@@ -278,6 +278,10 @@ static void sample_scene(const void *output, double clock, struct pair_sample *s
     scene_at(o, clock, alone ? met : NULL, &q, &at);
     jet_of_motion(&at, met, &along);
     put_sample(&along.contact[o->contact], sample);
+    if (singularity_rate(&at, o->contact) != at.geometry[o->contact].gap_rate) {
+        sample->of[PAIR_GAP][1] = singularity_rate(&at, o->contact);
+        sample->of[PAIR_FORCE][0] = singularity_force(&at, o->contact);
+    }
 }
 
 void scene_outputs_add(struct scene_output *outputs, double clock)

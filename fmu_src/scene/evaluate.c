@@ -982,6 +982,30 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
     return held;
 }
 
+double singularity_rate(const struct scene_instant *at, int contact)
+{
+    const struct contact_geometry *g = &at->geometry[contact];
+    if (!SCENE_ANY_CURVED || g->distance > -g->gap) { /* less than half-way to the centre */
+        return g->gap_rate;
+    }
+    const struct contact_shape shape = scene_shape_met(at, contact);
+    const struct vec3 w = contact_across(&shape, at->rate[contact]);
+    return (contact_is_circle(&shape) && g->distance <= rounding_of_gap(at, contact)) ||
+                   singularity_is_reached(at, contact, &shape)
+               ? shape.side * vec3_norm(vec3_axpy(w, -vec3_dot(w, g->circumferential), g->circumferential))
+               : g->gap_rate;
+}
+
+double singularity_force(const struct scene_instant *at, int contact)
+{
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    const double rate = singularity_rate(at, contact);
+    return rate == g->gap_rate
+               ? at->normal_force[contact]
+               : contact_force(&law, (enum contact_regime)at->q->contact[contact].regime, g->gap, rate);
+}
+
 void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact)
 {
     struct contact_state *state = &q->contact[contact];
@@ -1073,12 +1097,7 @@ enum contact_regime scene_regime(const struct scene_instant *at, int contact, bo
     const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_shape shape = scene_contact_shape(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    double rate = g->gap_rate;
-    if (singularity_is_reached(at, contact, &shape)) {
-        const struct vec3 w = at->rate[contact];
-        const struct vec3 none = {0.0, 0.0, 0.0};
-        rate = shape.side * vec3_dot(singularity_escape(&shape, w, none, none), w);
-    }
+    const double rate = singularity_rate(at, contact);
     return contact_regime_of(&law, touching ? fmin(g->gap, -DBL_MIN) : g->gap, rate,
                              touching || scene_beyond_ends(&shape, g) <= 0.0);
 }

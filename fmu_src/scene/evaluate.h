@@ -284,6 +284,11 @@ bool singularity_is_reached(const struct scene_instant *at, int contact, const s
 struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 rate, struct vec3 acceleration,
                                struct vec3 held);
 
+/* Return g' [m/s] and F_n [N]; where d = 0 within rounding, or on a circle, those of a source that leaves.
+ * The rounding of n there must make no peak and no regime. */
+double singularity_rate(const struct scene_instant *at, int contact);
+double singularity_force(const struct scene_instant *at, int contact);
+
 /* The zone of a capped cylinder or of skew cylinders that a contact is in (shape.h) is set when the contact
  * begins, changed at the zone's edges, and forgotten when the contact ends. Other scenes have no zones. */
 

@@ -29,11 +29,6 @@ static const double ROLLING_ROUNDINGS = 8.0;
 /* A load along the plane is zero if it is below this part of all loads: a slanted normal is rounded. */
 static const double LOAD_ROUNDING = 8.0 * DBL_EPSILON;
 
-static bool is_normal_load(struct vec3 normal, struct vec3 load, double size)
-{
-    return vec3_max_abs(contact_across_plane(normal, load)) <= LOAD_ROUNDING * size;
-}
-
 /* Whether no load acts along the plane on the relative motion, now and later. */
 static bool loads_are_normal(const struct scene_state *q, int contact)
 {
@@ -55,7 +50,7 @@ static bool loads_are_normal(const struct scene_state *q, int contact)
                 size += (i + 1) * vec3_max_abs(path->velocity[i + 1]);
             }
         }
-        if (!is_normal_load(normal, load, size)) {
+        if (!(vec3_max_abs(contact_across_plane(normal, load)) <= LOAD_ROUNDING * size)) {
             return false;
         }
     }
