@@ -645,6 +645,21 @@ static void add_contact(struct linearization *l, int contact, int column, double
                         rates + layout->spring[contact][i]);
         }
     }
+    if (l->states == layout->size) {
+        const struct vec3 force = l->along.contact[contact].source_force[1];
+        const struct scene_powers power = jet_powers_of_contact(&l->q, &l->along, contact, 1);
+        double *impulse = rates + layout->impulse[contact];
+        vec3_add_to(sign, force, impulse);
+        if (scene_turns(v)) {
+            vec3_add_to(sign, turning->destination_torque[1], impulse + 3);
+            vec3_add_to(sign, turning->source_torque[1], impulse + 6);
+            rates[layout->dissipated + 2] += sign * power.friction;
+        } else if (SCENE_HAS_TORQUES) {
+            vec3_add_to(sign, vec3_cross(l->at.separation[contact], force), impulse + 3);
+        }
+        rates[layout->dissipated] += sign * power.dissipated;
+        rates[layout->dissipated + 1] += sign * power.external;
+    }
 }
 
 /* Adds what a contact does to the columns of the motion of both centres, of which it sees the difference, and
@@ -742,9 +757,12 @@ void ode_jacobian(const void *scene_ode, int states, double clock, const double 
     if (scene_turns(ode->values)) {
         turning_unpack(ode, y, &l.q.turning);
     }
-    for (int i = 0; scene_turns(ode->values) && i < SCENE_BODIES; ++i) {
-        l.along.orientation[i][0] = l.at.turning.body[i].orientation;
-        l.along.angular_velocity[i][0] = l.at.turning.body[i].angular_velocity;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        l.along.velocity[i][0] = l.at.velocity[i];
+        if (scene_turns(ode->values)) {
+            l.along.orientation[i][0] = l.at.turning.body[i].orientation;
+            l.along.angular_velocity[i][0] = l.at.turning.body[i].angular_velocity;
+        }
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         for (int k = 0; ode->layout.body[i] >= 0 && k < 3; ++k) { /* the rate of a place is a velocity */

@@ -123,7 +123,8 @@ void ode_rates(const void *scene_ode, double clock, const double *y, double *rat
 
 /* Sets columns[j * states + i] to the derivative of (dy/dt)_i with respect to y_j. Rows and columns are those
  * of the first `states` states: the coupled ones, layout.coupled, or all, layout.size. The rows of integrals
- * stay zero: Newton's method needs none of them, because no rate depends on an integral. */
+ * have what contacts change, which may be stiff. They leave out the power of external forces, and the turning
+ * of the lever arm of a torque where nothing turns: a Newton iteration finds these by itself. */
 void ode_jacobian(const void *scene_ode, int states, double clock, const double *y, double *columns);
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
