@@ -295,7 +295,7 @@ static bool contact_is_deferrable(const struct contact_state *state)
 {
     return state->regime == REGIME_APART && !state->schedule.passes_centre &&
            state->peaks.penetration == 0.0 &&
-           vec3_is_zero(vec3_sub(state->physics.impulse, state->record.impulse_mark));
+           vec3_is_zero(vec3_sub(state->physics.impulse.force, state->record.impulse_mark.force));
 }
 
 /* Whether a body has no external force and torque, and speed, displacement and kinetic energy far from

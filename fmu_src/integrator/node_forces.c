@@ -202,42 +202,18 @@ static void note_node_contact(struct iteration *it, int contact, double length)
     it->rows += to->rows;
 }
 
-/* Returns the number of contacts that transmit forces and share a free body with this one. */
-static int neighbours_of(const struct iteration *it, int contact)
-{
-    const int body[2] = {contact_source(contact), contact_destination(contact)};
-    int count = 0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const int other[2] = {contact_source(j), contact_destination(j)};
-        bool shares = false;
-        for (int k = 0; k < 4; ++k) {
-            shares = shares || (body[k / 2] == other[k % 2] && it->mobility[body[k / 2]].moves);
-        }
-        count += shares && contact_transmits(it->g->state, j) ? 1 : 0;
-    }
-    return count;
-}
-
-/* Lists the contacts that transmit forces, island by island. Those with the fewest neighbours come first,
- * because their elimination fills the least of the matrix. */
+/* Lists the contacts that transmit forces, island by island. Those with one body that moves come first,
+ * because they have the fewest neighbours, and their elimination fills the least of the matrix. */
 static void note_contacts(struct iteration *it)
 {
-    const int *island = it->g->ode.layout.island;
-    int neighbours[SCENE_CONTACTS];
     it->contacts = it->rows = 0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        neighbours[j] = SCENE_CONTACTS > 2 && contact_transmits(it->g->state, j) ? neighbours_of(it, j) : 0;
-    }
-    for (int k = 0; k < SCENE_CONTACTS; ++k) { /* the first contact of an island stands for it */
-        bool is_first = contact_transmits(it->g->state, k);
-        for (int j = 0; j < k; ++j) {
-            is_first = is_first && !(contact_transmits(it->g->state, j) && island[j] == island[k]);
-        }
-        for (int n = 0; is_first && n <= SCENE_CONTACTS; ++n) {
-            for (int j = k; j < SCENE_CONTACTS; ++j) {
-                if (island[j] == island[k] && neighbours[j] == n && contact_transmits(it->g->state, j)) {
-                    note_node_contact(it, j, it->g->step.length);
-                }
+    for (int k = 0; k < 2 * it->g->ode.layout.groups; ++k) {
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            const bool both =
+                it->mobility[contact_source(j)].moves && it->mobility[contact_destination(j)].moves;
+            if (it->g->ode.layout.island[j] == k / 2 && both == (k % 2 == 1) &&
+                contact_transmits(it->g->state, j)) {
+                note_node_contact(it, j, it->g->step.length);
             }
         }
     }
@@ -347,17 +323,14 @@ static struct vec3 respond_opposed(struct iteration *it, int stage, int index, i
     const struct node_contact *c = &it->contact[index];
     const struct friction_law *law = &c->laws.rubbing[part];
     const enum friction_regime regime = c->laws.rubbing_regime[part];
-    const struct contact_geometry *g = &at->geometry[c->contact];
     const int spring = it->g->ode.layout.spring[c->contact][part];
     const double a = part == OPPOSED_SLIP ? it->admittance[index] : it->turning_admittance[index];
     struct node *node = &it->node[stage][index];
-    struct friction_state rubbing = {
-        .normal_force = normal_force, .depth = -g->gap, .depth_rate = -g->gap_rate};
-    rubbing.slip = part == OPPOSED_SLIP
-                       ? at->turning.slip[c->contact]
-                       : opposed_laid((enum opposed)part, turning_spin(at, c->contact), g->normal);
+    struct friction_state rubbing = turning_rubbing(&it->g->state->turning, at, c->contact, part);
+    rubbing.normal_force = normal_force;
     if (SCENE_ANY_SPRINGS && spring >= 0) {
-        rubbing.spring = opposed_laid((enum opposed)part, vec3_from(it->g->step.point + spring), g->normal);
+        rubbing.spring = opposed_laid((enum opposed)part, vec3_from(it->g->step.point + spring),
+                                      at->geometry[c->contact].normal);
     }
     if (slopes) {
         node->rolls[part] = friction_rolls(law, regime, normal_force, *opposing, a);
@@ -434,48 +407,20 @@ static void put_swing(struct iteration *it, int stage, int index, const struct s
     node->offset[1] = vec3_sub(node->arm[1], vec3_sub(arm, at->separation[c->contact]));
 }
 
-/* Sets the response of a contact without friction that swings and, if `anew`, its slopes. The response is the
- * admittance a times F less the force -F_law e of the law. */
-static void respond_freely(struct iteration *it, int stage, int index, const struct scene_instant *at,
-                           bool anew)
-{
-    const struct node_contact *c = &it->contact[index];
-    const struct contact_geometry *g = &at->geometry[c->contact];
-    struct node *node = &it->node[stage][index];
-    struct vec3 by_normal[ROWS];
-    const double a = it->admittance[index];
-    const struct vec3 e = vec3_scale(c->side, g->normal);
-    const double by_law = contact_force(&c->laws.normal, c->laws.regime, g->gap, g->gap_rate);
-    vec3_to(vec3_scale(a, vec3_axpy(node->force, by_law, e)), node->response);
-    if (!anew) {
-        return;
-    }
-    const struct contact_slopes slopes =
-        contact_force_slopes(&c->laws.normal, c->laws.regime, g->gap, g->gap_rate);
-    for (int r = 0; r < ROWS; ++r) {
-        const struct vec3 unit = {r == 0, r == 1, r == 2};
-        const double along = a * vec3_get(e, r);
-        node->by_force[r] = vec3_scale(a, unit);
-        node->by_velocity[r] = vec3_scale(-along * slopes.by_rate, e); /* g' = -e.U */
-        node->by_place[r] = vec3_scale(-along * slopes.by_gap, e);
-        by_normal[r] = vec3_axpy(vec3_scale(a * by_law, unit), along * slopes.by_rate, at->rate[c->contact]);
-    }
-    put_swing(it, stage, index, at, by_normal);
-}
-
-/* Sets the response of a contact and, if `anew`, its slopes. Along e it is that of respond_along_normal;
- * across e it is the response of friction. */
-CONTACT_NOT_FUSED CONTACT_FLATTEN static void
-respond_with_friction(struct iteration *it, int stage, int index, const struct scene_instant *at, bool anew)
+/* Sets the response of a contact whose whole force is unknown and, if `anew`, its slopes. Along e it is that
+ * of respond_along_normal; across e it is the response of friction, or without friction the admittance times
+ * the force. */
+CONTACT_NOT_FUSED CONTACT_FLATTEN static void respond_as_a_whole(struct iteration *it, int stage, int index,
+                                                                 const struct scene_instant *at, bool anew)
 {
     const struct node_contact *c = &it->contact[index];
     const struct turning_laws *laws = &c->laws;
     const struct contact_geometry *g = &at->geometry[c->contact];
     struct node *node = &it->node[stage][index];
-    struct friction_response friction;
     struct vec3 by_normal[ROWS];
     const double by_law = contact_force(&laws->normal, laws->regime, g->gap, g->gap_rate);
     const double a = it->admittance[index];
+    struct friction_response friction = {.by_force = {{a, 0.0, 0.0}, {0.0, a, 0.0}, {0.0, 0.0, a}}};
     const struct vec3 e = vec3_scale(c->side, g->normal);
     const double normal_force = -vec3_dot(node->force, e);
     struct vec3 tangential = vec3_axpy(node->force, normal_force, e);
@@ -483,8 +428,11 @@ respond_with_friction(struct iteration *it, int stage, int index, const struct s
         memset(node->by_spring, 0, sizeof node->by_spring);
         memset(node->by_drive, 0, sizeof node->by_drive);
     }
-    const struct vec3 missed = respond_opposed(it, stage, index, OPPOSED_SLIP, at, normal_force, &tangential,
-                                               anew ? &friction : NULL);
+    struct vec3 missed = vec3_scale(a, tangential);
+    if (SCENE_ANY_FRICTION && c->rubs) {
+        missed = respond_opposed(it, stage, index, OPPOSED_SLIP, at, normal_force, &tangential,
+                                 anew ? &friction : NULL);
+    }
     node->force = vec3_axpy(tangential, -normal_force, e);
     vec3_to(vec3_axpy(missed, a * (by_law - normal_force), e), node->response);
     if (SCENE_ANY_ROLLING && c->rows == MOST_ROWS) {
@@ -495,10 +443,12 @@ respond_with_friction(struct iteration *it, int stage, int index, const struct s
     }
     const struct contact_slopes slopes =
         contact_force_slopes(&laws->normal, laws->regime, g->gap, g->gap_rate);
+    const struct vec3 slip = SCENE_ANY_TURNING && scene_turns(it->g->ode.values)
+                                 ? at->turning.slip[c->contact]
+                                 : vec3_scale(-1.0, at->rate[c->contact]);
     put_rows(node->by_force, friction.by_force, a, e);
     put_rows(node->by_velocity, friction.by_slip, -a * slopes.by_rate, e); /* g' = -e.U */
     for (int i = 0; i < ROWS; ++i) {
-        const struct vec3 slip = at->turning.slip[c->contact];
         const double along = a * vec3_get(e, i);
         node->by_force[i] = vec3_axpy(node->by_force[i], -vec3_get(friction.by_normal_force, i), e);
         node->by_place[i] = vec3_scale(-along * slopes.by_gap, e);
@@ -534,22 +484,12 @@ static void put_orientation_rates(struct iteration *it, int stage, const struct 
     for (int i = 0; SCENE_ANY_TIPPING && i < SCENE_BODIES; ++i) {
         const int k = layout->orientation[i];
         if (k >= 0 && k < layout->coupled) {
-            const double *y = it->g->step.point + k;
-            const struct quaternion rate = quaternion_rate((struct quaternion){y[0], y[1], y[2], y[3]},
-                                                           at->turning.body[i].angular_velocity);
-            double *to = it->rates + stage * it->g->step.width + it->among[k];
-            to[0] = rate.w;
-            vec3_to(quaternion_vector(rate), to + 1);
+            const struct quaternion given = quaternion_from(it->g->step.point + k);
+            quaternion_to(quaternion_rate(given, at->turning.body[i].angular_velocity),
+                          it->rates + stage * it->g->step.width + it->among[k]);
             it->rotation[stage][i] = rotation_of(it->g->ode.values, i, at->turning.body[i].orientation);
         }
     }
-}
-
-static void add_vector(double *to, double factor, struct vec3 a)
-{
-    to[0] += factor * a.x;
-    to[1] += factor * a.y;
-    to[2] += factor * a.z;
 }
 
 /* Sets the filter and the weight of a spring by its decays at the stages (struct node_spring). */
@@ -614,10 +554,8 @@ static void evaluate_nodes(struct iteration *it, bool anew)
             if (SCENE_ANY_ROLLING && it->contact[j].rows == MOST_ROWS && p->iterations == 1) {
                 node->torque = vec3_sub(node->torque, vec3_cross(node->arm[0], node->force));
             }
-            if (SCENE_ANY_FRICTION && it->contact[j].rubs) {
-                respond_with_friction(it, i, j, at, anew);
-            } else if (SCENE_ANY_CURVED && it->contact[j].rows == ROWS) {
-                respond_freely(it, i, j, at, anew);
+            if ((SCENE_ANY_FRICTION || SCENE_ANY_CURVED) && it->contact[j].rows >= ROWS) {
+                respond_as_a_whole(it, i, j, at, anew);
             } else {
                 respond_along_normal(it, i, j, &at->geometry[contact], anew);
             }
@@ -637,14 +575,14 @@ static void add_force(struct iteration *it, int stage, int contact, struct vec3 
     for (int end = 0; end < 2; ++end) {
         const struct mobility *m = &it->mobility[ends->body[end]];
         if (ends->speed[end] >= 0) {
-            add_vector(rates + ends->speed[end], SIGN_OF_END[end] * m->by_mass, force);
+            vec3_add_to(SIGN_OF_END[end] * m->by_mass, force, rates + ends->speed[end]);
         }
         if (ends->spin[end] >= 0) {
             struct vec3 torque = vec3_cross(it->node[stage][contact].arm[end], force);
             if (SCENE_ANY_ROLLING && ends->rows == MOST_ROWS) {
                 torque = vec3_add(torque, own_torque);
             }
-            add_vector(rates + ends->spin[end], SIGN_OF_END[end] * m->by_inertia, torque);
+            vec3_add_to(SIGN_OF_END[end] * m->by_inertia, torque, rates + ends->spin[end]);
         }
     }
 }
@@ -680,29 +618,19 @@ static struct vec3 velocity_of(const struct iteration *it, int stage, int contac
     return sum;
 }
 
-/* Returns the vector by which a change dq of the quaternion q turns a body: the vector part of
- * 2 dq q* / |q|^2. */
-static struct vec3 turn_of(struct quaternion q, struct quaternion dq)
-{
-    return vec3_scale(2.0 / quaternion_dot(q, q),
-                      quaternion_vector(quaternion_product(dq, quaternion_inverse(q))));
-}
-
-/* Returns the change of the place X of a contact at a stage as orientations change. */
+/* Returns the change of the place X of a contact at a stage as orientations change. A change dq of the unit
+ * quaternion q turns a body by the vector part of 2 dq q*. */
 static struct vec3 turned_of(const struct iteration *it, int stage, int contact, const double *change)
 {
     struct vec3 sum = {0.0, 0.0, 0.0};
     for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
-        const int k = it->g->ode.layout.orientation[it->contact[contact].body[end]];
+        const int body = it->contact[contact].body[end];
+        const int k = it->g->ode.layout.orientation[body];
         if (k >= 0 && k < it->g->ode.layout.coupled) {
-            const struct radau_step *p = &it->g->step;
-            const double *by = change + it->among[k];
-            const double *moved = p->others_change + stage * p->width + it->among[k];
-            const double *from = p->y + k;
-            const struct quaternion q = {from[0] + moved[0], from[1] + moved[1], from[2] + moved[2],
-                                         from[3] + moved[3]};
-            const struct vec3 turn = turn_of(q, (struct quaternion){by[0], by[1], by[2], by[3]});
-            sum = vec3_axpy(sum, SIGN_OF_END[end], vec3_cross(turn, it->node[stage][contact].arm[end]));
+            const struct quaternion q = it->g->at_stage[stage].turning.body[body].orientation;
+            const struct quaternion dq = quaternion_from(change + it->among[k]);
+            const struct vec3 turn = quaternion_vector(quaternion_product(dq, quaternion_inverse(q)));
+            sum = vec3_axpy(sum, 2.0 * SIGN_OF_END[end], vec3_cross(turn, it->node[stage][contact].arm[end]));
         }
     }
     return sum;
@@ -729,15 +657,13 @@ static void follow_spin(struct iteration *it, int body, const double *pending)
     const struct radau_step *p = &it->g->step;
     const int k = it->g->ode.layout.orientation[body];
     for (int stage = 0; stage < p->stages->stages; ++stage) {
-        const double *change = p->others_change + stage * p->width + it->among[k];
-        const struct quaternion at = {p->y[k] + change[0], p->y[k + 1] + change[1], p->y[k + 2] + change[2],
-                                      p->y[k + 3] + change[3]};
+        const struct quaternion q = it->g->at_stage[stage].turning.body[body].orientation;
         const struct vec3 spin =
             vec3_from(pending + stage * p->width + it->among[it->g->ode.layout.spin[body]]);
-        const struct quaternion rate = quaternion_rate(at, rotated_by(&it->rotation[stage][body], spin));
+        const struct quaternion rate = quaternion_rate(q, rotated_by(&it->rotation[stage][body], spin));
         double *to = it->rates + stage * p->width + it->among[k];
         to[0] += rate.w;
-        add_vector(to + 1, 1.0, quaternion_vector(rate));
+        vec3_add_to(1.0, quaternion_vector(rate), to + 1);
     }
 }
 
@@ -807,7 +733,8 @@ static void follow_drive(struct iteration *it, int contact, int part, const doub
     const int at = it->among[it->g->ode.layout.spring[it->contact[contact].contact][part]];
     for (int i = 0; i < p->stages->stages; ++i) {
         const double decay = it->node[i][contact].drive[part].decay;
-        add_vector(it->rates + i * p->width + at, 1.0, vec3_axpy(change.driven[i], -decay, change.spring[i]));
+        vec3_add_to(1.0, vec3_axpy(change.driven[i], -decay, change.spring[i]),
+                    it->rates + i * p->width + at);
     }
 }
 
@@ -1050,18 +977,6 @@ static inline void put_block(const struct iteration *it, const struct node *node
     }
 }
 
-/* Puts zeros where two contacts share no body. */
-static void clear_blocks(const struct iteration *it, int c, int d)
-{
-    const struct radau_step *p = &it->g->step;
-    const int s = p->stages->stages;
-    const int rows = s * it->contact[c].rows;
-    for (int j = 0; j < s * it->contact[d].rows; ++j) {
-        double *to = p->all.re + (unknown_of(it, d, 0) + j) * p->all.stride + unknown_of(it, c, 0);
-        memset(to, 0, (size_t)rows * sizeof *to);
-    }
-}
-
 /* Does the work of put_blocks where no body turns: two forces along the normals act through the masses. */
 static void put_blocks_of_normals(const struct iteration *it, int c, int d, double by_mass)
 {
@@ -1100,7 +1015,6 @@ CONTACT_FLATTEN static void put_blocks(const struct iteration *it, int c, int d)
     struct shared_body shared[4];
     const int count = shared_bodies(it, c, d, shared);
     if (count == 0 && c != d) {
-        clear_blocks(it, c, d);
         return;
     }
     const bool plain = !of->springs && of->rows <= ROWS && from->rows <= ROWS;
@@ -1157,13 +1071,13 @@ static bool factor_nodes(struct iteration *it)
     bool done = true;
     for (int c = 0, end = 0; done && c < it->contacts; c = end) {
         const struct lu_matrix part = part_of_island(it, &end);
+        for (int k = 0; k < part.rows; ++k) { /* with the zero behind each column */
+            memset(part.re + k * part.stride, 0, (size_t)(part.rows + 1) * sizeof *part.re);
+        }
         for (int k = c; k < end; ++k) {
             for (int d = c; d < end; ++d) {
                 put_blocks(it, k, d);
             }
-        }
-        for (int k = 0; k < part.rows; ++k) { /* the zero behind each column */
-            part.re[k * part.stride + part.rows] = 0.0;
         }
         done = lu_factor(part);
     }
@@ -1211,20 +1125,16 @@ static void guess_forces(struct iteration *it)
     const bool goes_on = radau_step_goes_on(p);
     double rates[RADAU_MOST_STAGES * 3];
     for (int j = 0; j < it->contacts; ++j) {
-        const int impulse = it->g->ode.layout.impulse[it->contact[j].contact];
-        if (goes_on) {
-            radau_step_guess_rates(p, impulse, 3, rates);
-        }
-        for (int i = 0; i < p->stages->stages; ++i) {
-            it->node[i][j].force = vec3_from(goes_on ? rates + 3 * i : p->start_rates + impulse);
-        }
-        if (SCENE_ANY_ROLLING &&
-            it->contact[j].rows == MOST_ROWS) { /* the guess of M contains the torque of the force */
+        const int parts = SCENE_ANY_ROLLING && it->contact[j].rows == MOST_ROWS ? 2 : 1;
+        for (int k = 0; k < parts; ++k) { /* the guess of M contains the torque of the force */
+            const int impulse = it->g->ode.layout.impulse[it->contact[j].contact] + 6 * k;
             if (goes_on) {
-                radau_step_guess_rates(p, impulse + 3, 3, rates);
+                radau_step_guess_rates(p, impulse, 3, rates);
             }
             for (int i = 0; i < p->stages->stages; ++i) {
-                it->node[i][j].torque = vec3_from(goes_on ? rates + 3 * i : p->start_rates + impulse + 3);
+                struct node *node = &it->node[i][j];
+                *(k == 0 ? &node->force : &node->torque) =
+                    vec3_from(goes_on ? rates + 3 * i : p->start_rates + impulse);
             }
         }
     }

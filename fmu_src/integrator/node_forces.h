@@ -9,7 +9,74 @@
 #ifndef CONTACT_INTEGRATOR_NODE_FORCES_H
 #define CONTACT_INTEGRATOR_NODE_FORCES_H
 
-#include "integrator/general_step.h"
+#include "integrator/general.h"
+#include "math/radau_step.h"
+#include "scene/dense_output.h"
+#include "scene/ode.h"
+
+/* The quantities whose peaks are sought: the normal force and the penetration. */
+enum { GENERAL_FORCE, GENERAL_DEPTH, GENERAL_LOADS };
+
+struct general_event {
+    double part; /* time from the start of the step, divided by its length; INFINITY: no event */
+    int event;   /* index of the event function */
+};
+
+/* The end of the last step. */
+struct general_end {
+    double clock;
+    struct general_event event; /* the event that ends the step */
+    double *y;                  /* [size] */
+};
+
+/* The largest of the contacts of an island that transmit forces, at the start of a step. */
+struct general_rounding {
+    double place;    /* rounding of the gap [m] */
+    double friction; /* rounding of regularized friction [N] */
+    double mass;     /* reduced mass [kg] */
+};
+
+struct general {
+    struct scene_ode ode;
+    struct scene_state *state;  /* as ode.state */
+    struct radau_step step;     /* of the bodies in contact (ode.layout) */
+    struct radau_problem whole; /* that of all states, for which there is memory */
+    int size;
+    int place[3 * SCENE_BODIES], speed[3 * SCENE_BODIES]; /* pairs of states for math/radau_step.h */
+    double relative, absolute;                            /* error allowed in a step [1], [m, m/s, ...] */
+    struct step_plan plan; /* a part of the state, so that a restored state continues bit for bit */
+    double fastest_decay;  /* fastest decay of a state at the start of the step [1/s] */
+    struct general_rounding rounding[ODE_MOST_GROUPS]; /* of each group of states */
+    double error_of_rolling;      /* error where rolling ends within the step, divided by the error allowed */
+    double error_within;          /* largest error within the last step, divided by the error allowed */
+    double error_at_end;          /* error at the end of the last step, divided by the error allowed */
+    bool error_is_noise;          /* whether rounding decides error_at_end */
+    double error_of_start;        /* error by decay before the first stage, divided by the error allowed */
+    double swing[SCENE_CONTACTS]; /* F_n / (m_red d) of contacts in touch, at the start of the step [1/s^2] */
+    double since_touch[SCENE_CONTACTS]; /* time since the touch under Hertz's law [s]; INFINITY: long ago */
+    struct vec3 slip[SCENE_CONTACTS][OPPOSED]; /* the last sample of the slips in the step [m/s, rad/s] */
+    double bend;         /* part of the step at which friction bends first and matters; INFINITY: nowhere */
+    double within_share; /* factor of error_within when it is compared with error_at_end */
+    double read_share;   /* within_share where outputs are read within the step */
+    bool is_sampled;     /* whether `events` and `loads` are those of the solved step */
+    double *y, *size_of, *end_size; /* [size]: a state; sizes of the states at both ends of the step */
+    /* [size], noted at the start of the step: change of integrals by an impulse of a contact, divided by that
+     * impulse; largest errors allowed */
+    double *per_impulse, *largest_error;
+    struct scene_instant at_start;                    /* at the start of the step */
+    struct scene_instant at_stage[RADAU_MOST_STAGES]; /* at the stages of node_forces_solve */
+    struct general_end end;
+    double events[RADAU_MOST_STAGES + 1][ODE_EVENTS]; /* event functions at start and stages, smoothed */
+    double event_size[ODE_EVENTS];                    /* largest |event function| before smoothing */
+    /* F_n [N] and -g [m] at the start and at the stages; their Bernstein coefficients */
+    double loads[RADAU_MOST_STAGES + 1][SCENE_CONTACTS][GENERAL_LOADS];
+    double peaks[SCENE_CONTACTS][GENERAL_LOADS][RADAU_MOST_STAGES + 1];
+    struct scene_output output[SCENE_CONTACTS];
+    long rejected;
+    void (*release)(void *memory); /* frees this struct */
+    void *nodes;                   /* [node_forces_memory()]: the iteration of node_forces_solve */
+    char *message;                 /* INTEGRATOR_MESSAGE_SIZE bytes */
+};
 
 /* Returns the bytes of memory that g->nodes needs. */
 size_t node_forces_memory(void);

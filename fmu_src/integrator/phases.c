@@ -512,13 +512,7 @@ static inline void keep_start(struct scene_state *q, bool back)
 {
     struct phase_start *start = &q->phase;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        struct contact_state *contact = &q->contact[j];
-        keep(&contact->normal, &start->contact[j].normal, sizeof contact->normal, back);
-        keep(&contact->physics, &start->contact[j].physics, sizeof contact->physics, back);
-        keep(&contact->torques.source_impulse, &start->contact[j].source_impulse, sizeof(struct vec3), back);
-        keep(&contact->torques.destination_impulse, &start->contact[j].destination_impulse,
-             sizeof(struct vec3), back);
-        keep(&contact->record.force_error, &start->contact[j].force_error, sizeof(double), back);
+        keep(&q->contact[j].physics, &start->contact[j], sizeof start->contact[j], back);
     }
     keep(q->body, start->body, sizeof q->body, back);
     keep(q->turning.body, start->turn, sizeof start->turn, back);

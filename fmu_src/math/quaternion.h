@@ -30,6 +30,18 @@ static inline struct vec3 quaternion_vector(struct quaternion q)
     return vec3_make(q.x, q.y, q.z);
 }
 
+/* Convert four numbers w, x, y, z to a quaternion, and a quaternion to four numbers. */
+static inline struct quaternion quaternion_from(const double *data)
+{
+    return quaternion_make(data[0], vec3_from(data + 1));
+}
+
+static inline void quaternion_to(struct quaternion q, double *data)
+{
+    data[0] = q.w;
+    vec3_to(quaternion_vector(q), data + 1);
+}
+
 static inline bool quaternion_is_zero(struct quaternion q)
 {
     return q.w == 0.0 && vec3_is_zero(quaternion_vector(q));

@@ -185,14 +185,9 @@ void radau_step_begin(struct radau_step *p, double clock, const double *y)
     if (p->end_clock == clock && memcmp(p->end_y, y, coupled * sizeof *y) == 0) {
         memcpy(p->slopes, p->end_slopes, coupled * coupled * sizeof *y);
     } else {
-        problem->slopes(problem->context, clock, p->y, p->slopes);
+        problem->slopes(problem->context, problem->coupled, clock, p->y, p->slopes);
         p->evaluations += 1;
     }
-}
-
-static struct quaternion quaternion_from(const double *q)
-{
-    return (struct quaternion){q[0], q[1], q[2], q[3]};
 }
 
 static struct quaternion reciprocal_of(struct quaternion q)
@@ -244,9 +239,7 @@ CONTACT_NOT_FUSED CONTACT_FLATTEN static void turn_quaternion(struct radau_step 
             *side = quaternion_axpy(*side, -1.0, quaternion_product(matrix[i][j], matrix[j][s]));
         }
         *side = quaternion_product(reciprocal_of(matrix[i][i]), *side);
-        double *change = p->change + i * p->stride + first;
-        change[0] = side->w;
-        vec3_to(quaternion_vector(*side), change + 1);
+        quaternion_to(*side, p->change + i * p->stride + first);
     }
 }
 
@@ -540,7 +533,7 @@ double radau_step_start_error(struct radau_step *p)
     }
     lu_solve(system, p->side);
     radau_step_at(p, 1.0, p->point);
-    p->problem.slopes(p->problem.context, p->start + p->length, p->point, p->end_slopes);
+    p->problem.slopes(p->problem.context, p->problem.coupled, p->start + p->length, p->point, p->end_slopes);
     p->evaluations += 1;
     p->end_clock = p->start + p->length;
     memcpy(p->end_y, p->point, (size_t)p->problem.coupled * sizeof *p->point);

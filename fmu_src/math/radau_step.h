@@ -21,7 +21,7 @@
 #include "math/node_tables.h"
 
 struct radau_problem {
-    void *context;
+    const void *context;
     int size, coupled, integrals;
     bool turns;           /* whether bodies turn, which the caller asks */
     int unknowns;         /* the most unknowns at a stage of the caller's iterations */
@@ -29,9 +29,9 @@ struct radau_problem {
     const int *group_end; /* [groups]: ascending ends of the groups */
     int paired;           /* number of states y[place[i]] whose rate is y[speed[i]]; both are coupled */
     const int *place, *speed;
-    void (*rates)(void *context, double clock, const double *y, double *rates);
+    void (*rates)(const void *context, double clock, const double *y, double *rates);
     /* Sets slopes[j * coupled + i] to d(rate i)/d(state j) of the coupled states. */
-    void (*slopes)(void *context, double clock, const double *y, double *slopes);
+    void (*slopes)(const void *context, int coupled, double clock, const double *y, double *slopes);
 };
 
 /* The matrix of the caller's iterations, `all`, has room for all unknowns at twelve stages, or for this

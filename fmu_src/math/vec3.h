@@ -50,7 +50,7 @@ static inline bool vec3_is_zero(struct vec3 a)
     return a.x == 0.0 && a.y == 0.0 && a.z == 0.0;
 }
 
-/* Convert three numbers to a vector, and a vector to three numbers. */
+/* Convert three numbers to a vector, and a vector to three numbers; add s a to three numbers. */
 static inline struct vec3 vec3_from(const double *data)
 {
     return (struct vec3){data[0], data[1], data[2]};
@@ -61,6 +61,13 @@ static inline void vec3_to(struct vec3 a, double *data)
     data[0] = a.x;
     data[1] = a.y;
     data[2] = a.z;
+}
+
+static inline void vec3_add_to(double s, struct vec3 a, double *data)
+{
+    data[0] += s * a.x;
+    data[1] += s * a.y;
+    data[2] += s * a.z;
 }
 
 /* Returns component 0, 1 or 2. */

@@ -280,7 +280,7 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
         friction_is_known =
             friction_is_known && regime >= (int32_t)FRICTION_STICKING && regime <= (int32_t)FRICTION_LIFTED;
     }
-    const bool placed = (contact->side == 1 || contact->side == -1) && is_direction(contact->normal);
+    const bool placed = (contact->side == 1 || contact->side == -1) && is_direction(contact->physics.normal);
     const bool has_axis = !SCENE_ANY_AXIS || !initialized || is_direction(contact->parameters.axis) ||
                           vec3_is_zero(contact->parameters.axis); /* a sphere's axis is the zero vector */
     /* The times up to which a search has looked ahead may be infinite, but not NaN. */
@@ -298,12 +298,15 @@ static bool unfinished_is_sound(const struct scene_state *q, bool initialized)
     const bool is_method = (step->stages == 4 || step->stages == 8 || step->stages == 12) &&
                            step->pace >= 0 && step->pace < RADAU_PACES &&
                            (step->pace == RADAU_EVEN || step->stages == RADAU_MOST_STAGES);
-    const bool is_step = is_method && step->event >= -1 && step->event < ODE_EVENTS && step->solvable > 0.0 &&
-                         step->release_clock > 0.0 && step->release_rest >= 0.0 &&
-                         step->steps_to_release >= 0 && step->length > 0.0 && step->start <= step->present &&
-                         step->present <= q->clock && step->end >= q->clock;
+    const struct step_plan *plan = &q->plan;
+    const bool is_plan = plan->longest >= 0.0 && plan->last_length >= 0.0 && plan->last_error >= 0.0 &&
+                         plan->solvable > 0.0 && plan->release_clock > 0.0 && plan->release_rest >= 0.0 &&
+                         plan->steps_to_release >= 0;
+    const bool is_step = is_method && is_plan && step->event >= -1 && step->event < ODE_EVENTS &&
+                         step->length > 0.0 && step->start <= step->present && step->present <= q->clock &&
+                         step->end >= q->clock;
     return !SCENE_ANY_FREE || !initialized || q->integrator_fresh == 1 || !scene_keeps_steps(q->v) ||
-           (is_step && all_finite(step, &step->solvable) && all_finite(step->at_start, &step->stages));
+           (is_step && all_finite(step, &step->stages));
 }
 
 /* Whether the phase that event_driven goes on with is sound. Its segments are made again: those of a forged

@@ -364,7 +364,7 @@ enum model_status model_exchange_accept(struct model *m)
     struct scene_instant at;
     scene_now(&m->state.motion, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        m->state.motion.contact[j].normal = at.geometry[j].normal;
+        m->state.motion.contact[j].physics.normal = at.geometry[j].normal;
     }
     return status;
 }

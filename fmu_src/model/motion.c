@@ -249,7 +249,7 @@ bool motion_is_finite(const struct scene_state *q)
     }
     for (int j = 0; !SCENE_ANY_FREE && SUMS_UP_STEPS && j < SCENE_CONTACTS; ++j) {
         const struct contact_state *state = &q->contact[j];
-        sum += vec3_norm(state->physics.impulse) + state->peaks.force + state->peaks.penetration;
+        sum += vec3_norm(state->physics.impulse.force) + state->peaks.force + state->peaks.penetration;
     }
     return isfinite(sum);
 }

@@ -40,17 +40,17 @@ static const char *unknown_reason(const struct model *m, const struct variable *
 static double put_history(struct scene_values *v, const struct scene_state *q, int contact)
 {
     const struct contact_state *state = &q->contact[contact];
-    const struct vec3 impulse = vec3_sub(state->physics.impulse, state->record.impulse_mark);
+    const struct contact_impulses *now = &state->physics.impulse;
+    const struct contact_impulses *mark = &state->record.impulse_mark;
+    const struct vec3 impulse = vec3_sub(now->force, mark->force);
     const bool touching = state->regime != REGIME_APART;
     const struct vec3 mean = mean_of(impulse, q->step_length);
     put_contact_mean_force(v, contact, mean);
     if (SCENE_ANY_TURNING) {
-        const struct contact_torques *torques = &state->torques;
         put_contact_mean_source_torque(
-            v, contact, mean_of(vec3_sub(torques->source_impulse, torques->source_mark), q->step_length));
+            v, contact, mean_of(vec3_sub(now->source_torque, mark->source_torque), q->step_length));
         put_contact_mean_destination_torque(
-            v, contact,
-            mean_of(vec3_sub(torques->destination_impulse, torques->destination_mark), q->step_length));
+            v, contact, mean_of(vec3_sub(now->destination_torque, mark->destination_torque), q->step_length));
     }
     put_contact_peak_force(v, contact, state->peaks.force);
     put_contact_peak_penetration(v, contact, state->peaks.penetration);
@@ -383,7 +383,7 @@ static void update_all(struct model *m)
     double sum = 0.0;
     motion_shown(&m->state.motion, &settled, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        m->state.motion.contact[j].normal = at.geometry[j].normal;
+        m->state.motion.contact[j].physics.normal = at.geometry[j].normal;
         sum += put_contact(v, &at, j);
     }
     sum += show_motion(v, &at) + (SCENE_ANY_TURNING ? show_turning(v, &at) : 0.0);

@@ -439,7 +439,7 @@ static void prepare_contact(struct scene_state *q, int contact)
         state->parameters.axis = body_unit_axis(q->v, contact_destination(contact));
     }
     struct contact_shape shape = scene_contact_shape(q, contact);
-    state->normal = contact_default_normal(&shape);
+    state->physics.normal = contact_default_normal(&shape);
     struct scene_instant at;
     scene_now(q, &at);
     state->side = shape.side;
@@ -450,7 +450,7 @@ static void prepare_contact(struct scene_state *q, int contact)
                 ? -1
                 : 1;
     }
-    state->normal = at.geometry[contact].normal;
+    state->physics.normal = at.geometry[contact].normal;
     state->parameters.factors = model_factors(q, contact);
 }
 

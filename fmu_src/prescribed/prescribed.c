@@ -848,12 +848,12 @@ static void book_span(const struct span *s)
 {
     struct scene_state *q = s->q;
     struct contact_state *state = &q->contact[s->contact];
-    struct contact_torques *torques = &state->torques;
-    state->physics.impulse = vec3_add(state->physics.impulse, vec3_from(s->sum + TERM_FORCE));
+    struct contact_impulses *sum = &state->physics.impulse;
+    sum->force = vec3_add(sum->force, vec3_from(s->sum + TERM_FORCE));
     if (SCENE_ANY_TURNING) {
-        torques->source_impulse = vec3_add(torques->source_impulse, vec3_from(s->sum + TERM_SOURCE_TORQUE));
-        torques->destination_impulse =
-            vec3_add(torques->destination_impulse, vec3_from(s->sum + TERM_DESTINATION_TORQUE));
+        sum->source_torque = vec3_add(sum->source_torque, vec3_from(s->sum + TERM_SOURCE_TORQUE));
+        sum->destination_torque =
+            vec3_add(sum->destination_torque, vec3_from(s->sum + TERM_DESTINATION_TORQUE));
     }
     if (SCENE_ANY_FREE) {
         q->dissipated += s->sum[TERM_DISSIPATED];
@@ -987,8 +987,7 @@ void prescribed_begin(struct scene_state *q)
     struct scene_instant at;
     prescribed_settle(q);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        q->contact[j].physics.impulse = vec3_make(0.0, 0.0, 0.0);
-        q->contact[j].torques = (struct contact_torques){0};
+        q->contact[j].physics.impulse = (struct contact_impulses){.force = {0.0, 0.0, 0.0}};
     }
     transition_begin_step(q, &at);
 }

@@ -471,7 +471,8 @@ void scene_meet(const bool *met, struct scene_instant *at)
         put_separation(j, at);
         const struct contact_shape shape = scene_contact_shape_at(at, j);
         const struct vec3 rate = rate_in_destination(at, j);
-        at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate, at->q->contact[j].normal);
+        at->geometry[j] =
+            contact_geometry_at(&shape, at->separation[j], rate, at->q->contact[j].physics.normal);
         if (turns) {
             put_arms_and_slip(&shape, j, at);
         }
@@ -537,10 +538,10 @@ static void leave_out(int contact, struct scene_instant *at)
     }
 }
 
-/* Completes an instant by accelerations and forces. `turning` is NULL where nothing turns or rubs. */
-static inline void put_forces(double clock, const struct turning_state *turning, const bool *met,
-                              struct scene_instant *at)
+void scene_forces(double clock, const struct turning_state *turning, const bool *met,
+                  struct scene_instant *at)
 {
+    const bool turns = scene_turns(at->v);
     put_accelerations(clock, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (!is_met(met, j)) {
@@ -555,16 +556,11 @@ static inline void put_forces(double clock, const struct turning_state *turning,
             at->normal_force[j] = contact_force(&law, regime, g->gap, g->gap_rate);
         }
         at->source_force[j] = vec3_scale(-scene_contact_side(at->q, j) * at->normal_force[j], g->normal);
-        if (SCENE_ANY_TURNING && turning) {
+        if (SCENE_ANY_TURNING && turns) {
             turning_of_contact(turning, j, at);
         }
         accelerate(j, at);
     }
-}
-
-void scene_forces(double clock, struct scene_instant *at)
-{
-    put_forces(clock, scene_turns(at->v) ? &at->q->turning : NULL, NULL, at);
 }
 
 void scene_evaluate(const struct scene_state *q, double clock, const struct body_state *bodies,
@@ -572,7 +568,7 @@ void scene_evaluate(const struct scene_state *q, double clock, const struct body
 {
     scene_place_bodies(q, clock, bodies, turning, at);
     scene_meet(met, at);
-    put_forces(clock, scene_turns(q->v) ? turning : NULL, met, at);
+    scene_forces(clock, turning, met, at);
 }
 
 void scene_put_contact_forces(double clock, const struct vec3 *force, const struct vec3 *torque,
@@ -1072,7 +1068,7 @@ void scene_kinematics_now(const struct scene_state *q, struct scene_instant *at)
 void scene_now(const struct scene_state *q, struct scene_instant *at)
 {
     scene_kinematics_now(q, at);
-    scene_forces(q->clock, at);
+    scene_forces(q->clock, &q->turning, NULL, at);
 }
 
 /* Distance from an open end, in rounding bounds of the axial position, below which rounding may decide the
@@ -1126,7 +1122,7 @@ static double onset_speed(const struct scene_instant *at, int contact)
     }
     const struct contact_law law = scene_contact_law(at->q, contact);
     struct scene_instant apart = *at;
-    scene_forces(at->q->clock, &apart); /* the contact has no force yet */
+    scene_forces(at->q->clock, &at->q->turning, NULL, &apart); /* the contact has no force yet */
     const double a = scene_pressing_acceleration(at->q->clock, &apart, contact);
     const double depth = cbrt(pow(a / (contact_factors_of(&law).k * per_mass), 2.0));
     return sqrt(fmax(speed_squared, 1.2 * a * depth));

@@ -100,8 +100,10 @@ void scene_evaluate(const struct scene_state *q, double clock, const struct body
 /* Returns the shape of a contact with the destination's axis at the instant. */
 struct contact_shape scene_contact_shape_at(const struct scene_instant *at, int contact);
 
-/* Completes an instant that has kinematics by the accelerations and forces in the regimes of at->q. */
-void scene_forces(double clock, struct scene_instant *at);
+/* Completes an instant that has kinematics by the accelerations and forces in the regimes of at->q, with the
+ * springs in `turning`. */
+void scene_forces(double clock, const struct turning_state *turning, const bool *met,
+                  struct scene_instant *at);
 
 /* Returns how far the source's centre is beyond the destination's end planes [m], at most zero within;
  * -INFINITY without ends. A race ends at the cylinder rho = R; no source that touches an outer race has

@@ -129,19 +129,6 @@ static const bool *met_of(const struct scene_ode *ode)
     return ode->layout.is_whole ? NULL : ode->layout.met;
 }
 
-static struct quaternion four_from(const double *data)
-{
-    return (struct quaternion){data[0], data[1], data[2], data[3]};
-}
-
-static void four_to(struct quaternion a, double *data)
-{
-    data[0] = a.w;
-    data[1] = a.x;
-    data[2] = a.y;
-    data[3] = a.z;
-}
-
 /* Reads the springs of a contact from y. */
 static void unpack_springs(const struct scene_ode *ode, const double *y, int contact,
                            struct turning_state *turning)
@@ -161,7 +148,7 @@ static void turning_unpack(const struct scene_ode *ode, const double *y, struct 
         if (layout->spin[i] >= 0) {
             struct body_turn *turn = &turning->body[i];
             const struct vec3 spin = vec3_from(y + layout->spin[i]);
-            turn->orientation = quaternion_unit(four_from(y + layout->orientation[i]));
+            turn->orientation = quaternion_unit(quaternion_from(y + layout->orientation[i]));
             turn->angular_velocity = body_rotation_of(ode->values, i, turn->orientation, spin);
         }
     }
@@ -341,7 +328,8 @@ void ode_leave_centres(struct scene_state *q)
             const struct contact_shape shape = scene_contact_shape(q, j);
             scene_now(q, &at); /* the direction of one contact changes the forces on the next */
             const struct vec3 by_others = loaded ? acceleration_by_others(&at, j) : none;
-            q->contact[j].normal = singularity_escape(&shape, at.rate[j], by_others, q->contact[j].normal);
+            q->contact[j].physics.normal =
+                singularity_escape(&shape, at.rate[j], by_others, q->contact[j].physics.normal);
         }
     }
 }
@@ -380,20 +368,6 @@ void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double rel
     }
 }
 
-/* Sets the states of the bodies at a clock. Bodies without states in y fly. */
-static void unpack_bodies(const struct scene_ode *ode, double clock, const double *y,
-                          struct body_state bodies[SCENE_BODIES])
-{
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (ode->layout.body[i] >= 0) {
-            const double *at = y + ode->layout.body[i];
-            bodies[i] = (struct body_state){vec3_from(at), vec3_from(at + 3)};
-        } else if (!ode->layout.is_whole && body_is_free(ode->values, i)) {
-            bodies[i] = ode->flight(ode->values, ode->state, i, clock);
-        }
-    }
-}
-
 /* Copies `count` numbers of the state into y, or from y into the state. */
 static void copy_numbers(bool packs, double *y, void *state, size_t count)
 {
@@ -405,7 +379,7 @@ static void copy_states(const struct scene_ode *ode, bool packs, struct scene_st
 {
     const struct ode_layout *layout = &ode->layout;
     const bool turns = scene_turns(ode->values);
-    const int impulses = ode_impulses(ode->values);
+    const size_t impulses = (size_t)ode_impulses(ode->values);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout->body[i] >= 0) {
             copy_numbers(packs, y + layout->body[i], &q->body[i], BODY_STATES);
@@ -418,14 +392,7 @@ static void copy_states(const struct scene_ode *ode, bool packs, struct scene_st
             }
         }
         if (layout->met[j]) {
-            copy_numbers(packs, y + layout->impulse[j], &q->contact[j].physics.impulse, 3);
-        }
-        if (layout->met[j] && turns) {
-            copy_numbers(packs, y + layout->impulse[j] + 3, &q->contact[j].torques.source_impulse, 3);
-        }
-        if (layout->met[j] && impulses > 3) {
-            double *last = y + layout->impulse[j] + impulses - 3;
-            copy_numbers(packs, last, &q->contact[j].torques.destination_impulse, 3);
+            copy_numbers(packs, y + layout->impulse[j], &q->contact[j].physics.impulse, impulses);
         }
     }
     copy_numbers(packs, y + layout->dissipated, &q->dissipated, 1);
@@ -443,7 +410,7 @@ void ode_pack(const struct scene_ode *ode, double *y)
         if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
             const struct body_turn *turn = &ode->state->turning.body[i];
             vec3_to(body_spin_of(ode->values, i, turn), y + layout->spin[i]);
-            four_to(turn->orientation, y + layout->orientation[i]);
+            quaternion_to(turn->orientation, y + layout->orientation[i]);
         }
     }
 }
@@ -454,18 +421,6 @@ void ode_unpack(const struct scene_ode *ode, struct scene_state *q, const double
     if (scene_turns(ode->values)) {
         turning_unpack(ode, y, &q->turning);
     }
-}
-
-void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at)
-{
-    struct body_state bodies[SCENE_BODIES];
-    struct turning_state turning;
-    unpack_bodies(ode, clock, y, bodies);
-    if (scene_turns(ode->values)) {
-        turning = ode->state->turning;
-        turning_unpack(ode, y, &turning);
-    }
-    scene_evaluate(ode->state, clock, bodies, &turning, met_of(ode), at);
 }
 
 void ode_other_motion(const struct scene_ode *ode, double clock, struct scene_instant *at)
@@ -496,7 +451,7 @@ void ode_contact_motion(const struct scene_ode *ode, const double *y, bool all, 
         if (layout->spin[i] >= 0) {
             turn->angular_velocity = body_part_that_turns(v, i, vec3_from(y + layout->spin[i]));
             if (layout->orientation[i] < layout->coupled) { /* no contact sees how a sphere is turned */
-                turn->orientation = quaternion_unit(four_from(y + layout->orientation[i]));
+                turn->orientation = quaternion_unit(quaternion_from(y + layout->orientation[i]));
                 turn->angular_velocity = body_rotation_of(v, i, turn->orientation, turn->angular_velocity);
             }
         }
@@ -508,6 +463,17 @@ void ode_contact_motion(const struct scene_ode *ode, const double *y, bool all, 
         met = touching;
     }
     scene_meet(met, at);
+}
+
+void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at)
+{
+    struct turning_state turning; /* the springs alone */
+    ode_other_motion(ode, clock, at);
+    ode_contact_motion(ode, y, true, at);
+    for (int j = 0; SCENE_ANY_TURNING && j < SCENE_CONTACTS; ++j) {
+        unpack_springs(ode, y, j, &turning);
+    }
+    scene_forces(clock, &turning, met_of(ode), at);
 }
 
 void ode_rates_without_contact(const struct scene_ode *ode, double clock, double *rates)
@@ -560,10 +526,10 @@ static void put_scene_rates(const struct scene_ode *ode, double clock, const dou
         }
         if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
             const struct vec3 torque = turning_torque_on(clock, at, i);
-            const struct quaternion orientation = four_from(y + layout->orientation[i]);
+            const struct quaternion orientation = quaternion_from(y + layout->orientation[i]);
             vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).x, torque), rates + layout->spin[i]);
-            four_to(quaternion_rate(orientation, at->turning.body[i].angular_velocity),
-                    rates + layout->orientation[i]);
+            quaternion_to(quaternion_rate(orientation, at->turning.body[i].angular_velocity),
+                          rates + layout->orientation[i]);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -573,8 +539,8 @@ static void put_scene_rates(const struct scene_ode *ode, double clock, const dou
         double *impulse = rates + layout->impulse[j];
         vec3_to(at->source_force[j], impulse);
         if (turns) {
-            vec3_to(at->turning.source_torque[j], impulse + 3);
-            vec3_to(at->turning.destination_torque[j], impulse + 6);
+            vec3_to(at->turning.destination_torque[j], impulse + 3);
+            vec3_to(at->turning.source_torque[j], impulse + 6);
         } else if (SCENE_HAS_TORQUES) {
             vec3_to(scene_torque_of_force(at, j), impulse + 3);
         }
@@ -622,7 +588,7 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
         }
         if (layout->spin[i] >= 0) {
             set_size(y, layout->spin[i], 0.0, sizes);
-            four_to((struct quaternion){1.0, 1.0, 1.0, 1.0}, sizes + layout->orientation[i]);
+            quaternion_to((struct quaternion){1.0, 1.0, 1.0, 1.0}, sizes + layout->orientation[i]);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -640,10 +606,9 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
     }
 }
 
-/* This part computes the Jacobian column by column, from the jets of the contacts along a change of one
- * state. */
+/* The Jacobian is the sum of what each contact adds, by the jets of the contact along changes of the states
+ * of its bodies and springs. */
 
-/* Data that all columns of the Jacobian need. */
 struct linearization {
     const struct scene_ode *ode;
     const double *y;
@@ -654,91 +619,76 @@ struct linearization {
     struct scene_jet along; /* the path, along one state */
 };
 
-/* Writes the changes of the rates along the path, as put_scene_rates writes the rates. */
-static void put_rate_changes(const struct linearization *l, double *changes)
+/* Adds what the change along the path does to a contact, and by it to the rates of its bodies and springs, to
+ * the column of a state that changes by `sign`. */
+static void add_contact(struct linearization *l, int contact, int column, double sign)
 {
     const struct scene_values *v = l->ode->values;
     const struct ode_layout *layout = &l->ode->layout;
-    const struct scene_jet *along = &l->along;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (layout->body[i] >= 0) {
-            vec3_to(along->velocity[i][1], changes + layout->body[i]);
-            vec3_to(vec3_scale(2.0, free_bodies_half_jerk(v, along, i)), changes + layout->body[i] + 3);
+    const struct turning_jet *turning = &l->along.turning[contact];
+    double *rates = l->columns + column * l->states;
+    for (int end = 0; end < 2; ++end) {
+        const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+        if (layout->body[body] >= 0) {
+            vec3_add_to((end == 0 ? sign : -sign) / body_mass(v, body),
+                        l->along.contact[contact].source_force[1], rates + layout->body[body] + 3);
         }
-        if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
-            const struct vec3 torque = body_part_that_turns(v, i, jet_load_on(along, i, 1).torque);
-            const struct quaternion given = four_from(l->y + layout->orientation[i]);
-            vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).x, torque), changes + layout->spin[i]);
-            if (layout->orientation[i] < l->states) {
-                four_to(quaternion_axpy(quaternion_rate(given, along->angular_velocity[i][1]), 1.0,
-                                        quaternion_rate(along->given_orientation[i],
-                                                        l->at.turning.body[i].angular_velocity)),
-                        changes + layout->orientation[i]);
+        if (SCENE_ANY_ROTATION && layout->spin[body] >= 0) {
+            const struct vec3 *torque = end == 0 ? turning->source_torque : turning->destination_torque;
+            vec3_add_to(sign / body_inertia_of(v, body).x, body_part_that_turns(v, body, torque[1]),
+                        rates + layout->spin[body]);
+        }
+    }
+    for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
+        if (layout->spring[contact][i] >= 0) {
+            vec3_add_to(sign, turning_jet_spring_change(&l->at, &l->along, contact, i),
+                        rates + layout->spring[contact][i]);
+        }
+    }
+    if (l->states == layout->size) {
+        const struct vec3 force = l->along.contact[contact].source_force[1];
+        const struct scene_powers power = jet_powers_of_contact(&l->q, &l->along, contact, 1);
+        double *impulse = rates + layout->impulse[contact];
+        vec3_add_to(sign, force, impulse);
+        if (scene_turns(v)) {
+            vec3_add_to(sign, turning->destination_torque[1], impulse + 3);
+            vec3_add_to(sign, turning->source_torque[1], impulse + 6);
+            rates[layout->dissipated + 2] += sign * power.friction;
+        } else if (SCENE_HAS_TORQUES) {
+            vec3_add_to(sign, vec3_cross(l->at.separation[contact], force), impulse + 3);
+        }
+        rates[layout->dissipated] += sign * power.dissipated;
+        rates[layout->dissipated + 1] += sign * power.external;
+    }
+}
+
+/* Adds what a contact does to the columns of the motion of both centres, of which it sees the difference, and
+ * writes the columns of its springs. */
+static void add_columns_of_contact(struct linearization *l, int contact)
+{
+    const struct ode_layout *layout = &l->ode->layout;
+    const int to = contact_destination(contact);
+    const int body[2] = {layout->body[to], layout->body[contact_source(contact)]};
+    for (int k = 0; k < BODY_STATES && (body[0] >= 0 || body[1] >= 0); ++k) {
+        struct vec3 *input = k < 3 ? &l->along.displacement[to][1] : &l->along.velocity[to][1];
+        vec3_set(input, k % 3, 1.0);
+        jet_of_contact(&l->at, contact, scene_turns(l->ode->values), &l->along);
+        for (int i = 0; i < 2; ++i) {
+            if (body[i] >= 0) {
+                add_contact(l, contact, body[i] + k, i == 0 ? 1.0 : -1.0);
             }
         }
+        *input = vec3_make(0.0, 0.0, 0.0);
     }
-    if (l->states < layout->size) {
-        return;
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        double *impulse = changes + layout->impulse[j];
-        vec3_to(along->contact[j].source_force[1], impulse);
-        if (scene_turns(v)) {
-            vec3_to(along->turning[j].source_torque[1], impulse + 3);
-            vec3_to(along->turning[j].destination_torque[1], impulse + 6);
-        } else if (SCENE_HAS_TORQUES && body_shape(contact_destination(j)) != SHAPE_SPHERE) {
-            const struct vec3 apart = vec3_sub(along->displacement[contact_destination(j)][1],
-                                               along->displacement[contact_source(j)][1]);
-            vec3_to(vec3_add(vec3_cross(apart, l->at.source_force[j]),
-                             vec3_cross(l->at.separation[j], along->contact[j].source_force[1])),
-                    impulse + 3);
+    for (int k = 0; SCENE_ANY_SPRINGS && k < 3 * OPPOSED; ++k) {
+        if (layout->spring[contact][k / 3] >= 0) {
+            struct vec3 *input = &l->along.spring[contact][k / 3][1];
+            vec3_set(input, k % 3, 1.0);
+            jet_of_contact(&l->at, contact, true, &l->along);
+            add_contact(l, contact, layout->spring[contact][k / 3] + k % 3, 1.0);
+            *input = vec3_make(0.0, 0.0, 0.0);
         }
     }
-    const struct scene_powers power = jet_powers_of(&l->q, along, 1);
-    changes[layout->dissipated] = power.dissipated;
-    changes[layout->dissipated + 1] = power.external;
-    if (scene_turns(v)) {
-        changes[layout->dissipated + 2] = power.friction;
-    }
-}
-
-/* Writes a column: what the change of a state of `body`, or of a spring of `contact`, does to all rates. */
-static void put_column(struct linearization *l, int body, int contact, int column)
-{
-    const struct scene_values *v = l->ode->values;
-    const struct ode_layout *layout = &l->ode->layout;
-    double *changes = l->columns + column * l->states;
-    bool moves[SCENE_CONTACTS];
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        moves[j] = column < layout->coupled && l->q.contact[j].regime != (int32_t)REGIME_APART &&
-                   (j == contact || contact_source(j) == body || contact_destination(j) == body);
-        if (moves[j]) {
-            jet_of_contact(&l->at, j, scene_turns(v), &l->along);
-        }
-    }
-    put_rate_changes(l, changes);
-    for (int k = 0; SCENE_ANY_SPRINGS && k < SCENE_CONTACTS * OPPOSED; ++k) {
-        const int spring = layout->spring[k / OPPOSED][k % OPPOSED];
-        if (spring >= 0 && moves[k / OPPOSED]) {
-            vec3_to(turning_jet_spring_change(&l->at, &l->along, k / OPPOSED, k % OPPOSED), changes + spring);
-        }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (moves[j]) {
-            memset(&l->along.contact[j], 0, sizeof l->along.contact[j]);
-            memset(&l->along.turning[j], 0, sizeof l->along.turning[j]);
-        }
-    }
-}
-
-/* Writes the column of a state of a body. Takes the change of the state back. */
-static void put_column_of_body(struct linearization *l, int body, int column)
-{
-    struct scene_jet *along = &l->along;
-    put_column(l, body, -1, column);
-    along->displacement[body][1] = along->velocity[body][1] = along->angular_velocity[body][1] =
-        vec3_make(0.0, 0.0, 0.0);
-    along->orientation[body][1] = along->given_orientation[body] = (struct quaternion){0.0, 0.0, 0.0, 0.0};
 }
 
 /* Changes component k of the orientation in y, a quaternion of any length, at constant L / I_1. As the body
@@ -747,11 +697,10 @@ static void change_orientation(struct linearization *l, int body, int k)
 {
     const struct scene_values *v = l->ode->values;
     const struct body_turn *turn = &l->at.turning.body[body];
-    const struct quaternion q = four_from(l->y + l->ode->layout.orientation[body]);
+    const struct quaternion q = quaternion_from(l->y + l->ode->layout.orientation[body]);
     const struct vec3 spin = vec3_from(l->y + l->ode->layout.spin[body]);
     const struct quaternion back = quaternion_inverse(turn->orientation);
     struct scene_jet *along = &l->along;
-    along->given_orientation[body] = (struct quaternion){k == 0, k == 1, k == 2, k == 3};
     turning_jet_move_orientation(body, turn->orientation, sqrt(quaternion_dot(q, q)), k, 1.0, along);
     const struct vec3 r =
         vec3_scale(2.0, quaternion_vector(quaternion_product(along->orientation[body][1], back)));
@@ -760,30 +709,44 @@ static void change_orientation(struct linearization *l, int body, int k)
     along->angular_velocity[body][1] = vec3_sub(turned, held);
 }
 
-/* Writes the columns of a body's states. */
-static void put_columns_of_body(struct linearization *l, int body)
+/* Adds the columns of the spin and the orientation of a body. */
+static void add_columns_of_rotation(struct linearization *l, int body)
 {
     const struct ode_layout *layout = &l->ode->layout;
-    for (int k = 0; k < BODY_STATES && layout->body[body] >= 0; ++k) {
-        vec3_set(k < 3 ? &l->along.displacement[body][1] : &l->along.velocity[body][1], k % 3, 1.0);
-        put_column_of_body(l, body, layout->body[body] + k);
-    }
-    for (int k = 0; SCENE_ANY_ROTATION && k < 3 && layout->spin[body] >= 0; ++k) {
-        struct vec3 spin = {0.0, 0.0, 0.0};
-        vec3_set(&spin, k, 1.0);
-        l->along.angular_velocity[body][1] =
-            body_rotation_of(l->ode->values, body, l->at.turning.body[body].orientation, spin);
-        put_column_of_body(l, body, layout->spin[body] + k);
-    }
-    const bool tips = SCENE_ANY_ROTATION && layout->spin[body] >= 0 && layout->orientation[body] < l->states;
-    for (int k = 0; k < 4 && tips; ++k) {
-        change_orientation(l, body, k);
-        put_column_of_body(l, body, layout->orientation[body] + k);
+    const int at = layout->orientation[body];
+    const struct quaternion given = quaternion_from(l->y + at);
+    const bool has_orientation = at < l->states;
+    struct scene_jet *along = &l->along;
+    for (int k = 0; k < (has_orientation ? 7 : 3); ++k) {
+        const int index = k < 3 ? layout->spin[body] + k : at + k - 3;
+        struct quaternion by = {k == 3, k == 4, k == 5, k == 6};
+        if (k < 3) {
+            along->angular_velocity[body][1] =
+                body_rotation_of(l->ode->values, body, l->at.turning.body[body].orientation,
+                                 vec3_make(k == 0, k == 1, k == 2));
+        } else {
+            change_orientation(l, body, k - 3);
+        }
+        if (has_orientation) {
+            by = quaternion_rate(by, l->at.turning.body[body].angular_velocity);
+            quaternion_to(quaternion_axpy(quaternion_rate(given, along->angular_velocity[body][1]), 1.0, by),
+                          l->columns + index * l->states + at);
+        }
+        for (int j = 0; j < SCENE_CONTACTS && index < layout->coupled; ++j) {
+            if (l->q.contact[j].regime != (int32_t)REGIME_APART &&
+                (contact_source(j) == body || contact_destination(j) == body)) {
+                jet_of_contact(&l->at, j, true, along);
+                add_contact(l, j, index, 1.0);
+            }
+        }
+        along->angular_velocity[body][1] = vec3_make(0.0, 0.0, 0.0);
+        along->orientation[body][1] = (struct quaternion){0.0, 0.0, 0.0, 0.0};
     }
 }
 
-void ode_jacobian(const struct scene_ode *ode, int states, double clock, const double *y, double *columns)
+void ode_jacobian(const void *scene_ode, int states, double clock, const double *y, double *columns)
 {
+    const struct scene_ode *ode = scene_ode;
     struct linearization l = {.ode = ode, .y = y, .states = states, .columns = columns};
     memset(columns, 0, (size_t)states * (size_t)states * sizeof *columns);
     l.along.first_order = true;
@@ -802,16 +765,16 @@ void ode_jacobian(const struct scene_ode *ode, int states, double clock, const d
         }
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        put_columns_of_body(&l, i);
+        for (int k = 0; ode->layout.body[i] >= 0 && k < 3; ++k) { /* the rate of a place is a velocity */
+            columns[(ode->layout.body[i] + 3 + k) * states + ode->layout.body[i] + k] = 1.0;
+        }
+        if (SCENE_ANY_ROTATION && ode->layout.spin[i] >= 0) {
+            add_columns_of_rotation(&l, i);
+        }
     }
-    for (int k = 0; SCENE_ANY_SPRINGS && k < 3 * OPPOSED * SCENE_CONTACTS; ++k) {
-        const int contact = k / (3 * OPPOSED);
-        const int part = k / 3 % OPPOSED;
-        if (ode->layout.spring[contact][part] >= 0) {
-            struct vec3 *spring = &l.along.spring[contact][part][1];
-            vec3_set(spring, k % 3, 1.0);
-            put_column(&l, -1, contact, ode->layout.spring[contact][part] + k % 3);
-            *spring = vec3_make(0.0, 0.0, 0.0);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (l.q.contact[j].regime != (int32_t)REGIME_APART) {
+            add_columns_of_contact(&l, j);
         }
     }
 }
@@ -1023,7 +986,8 @@ static void restore_energy(struct scene_state *q, int contact, double tolerated)
     q->body[source].velocity = vec3_axpy(q->body[source].velocity, -j * body_inverse_mass(q->v, source), n);
     q->body[destination].velocity =
         vec3_axpy(q->body[destination].velocity, j * body_inverse_mass(q->v, destination), n);
-    q->contact[contact].physics.impulse = vec3_axpy(q->contact[contact].physics.impulse, -j, n);
+    struct vec3 *impulse = &q->contact[contact].physics.impulse.force;
+    *impulse = vec3_axpy(*impulse, -j, n);
 }
 
 /* Whether a contact ends because the gap opens, and not because the source passes an end of the cylinder. */

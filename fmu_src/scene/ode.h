@@ -11,7 +11,7 @@
  *        of those with an axis, body by body; spring xi [m] of each elastic friction, theta [rad] of each
  *        elastic resistance to rolling or spinning;
  *        orientation of the spheres among them;
- *        impulse, impulse of torque on the source and on the destination of each contact [N s, N m s];
+ *        impulses of each contact, of torques on the destination and on the source [N s, N m s];
  *        dissipated energy, external work, work on friction and its springs [J])
  *
  * L is the angular momentum about a body's centre, and I_1 the body's transverse moment of inertia. The
@@ -72,9 +72,8 @@ struct ode_layout {
     int spin[SCENE_BODIES];        /* L / I_1 */
     int orientation[SCENE_BODIES]; /* w, x, y, z */
     int spring[SCENE_CONTACTS][OPPOSED];
-    int impulse
-        [SCENE_CONTACTS];     /* of the force, which those of the torques on source and destination follow */
-    bool met[SCENE_CONTACTS]; /* whether y has the impulse */
+    int impulse[SCENE_CONTACTS];    /* the impulses, in the order of struct contact_impulses */
+    bool met[SCENE_CONTACTS];       /* whether y has the impulse */
     int island[SCENE_CONTACTS];     /* the group of its island; -1: apart */
     bool is_whole;                  /* whether y has the states of all bodies and contacts */
     int groups;                     /* of states: no rate depends on states of another group */
@@ -85,9 +84,8 @@ struct ode_layout {
     int size;                       /* number of states */
 };
 
-/* Returns the number of impulses of a contact: those of the force; where something turns or rubs, those of
- * the torques on source and destination; elsewhere those of the torque on the destination, if there may be
- * one. */
+/* Returns the number of components of a contact's impulses: 3 of the force; 3 of the torque on the
+ * destination, if there may be one; 3 of the torque on the source where something turns or rubs. */
 static inline int ode_impulses(const struct scene_values *v)
 {
     return scene_turns(v) ? 9 : SCENE_HAS_TORQUES ? 6 : 3;
@@ -124,8 +122,10 @@ void ode_unpack(const struct scene_ode *ode, struct scene_state *q, const double
 void ode_rates(const void *scene_ode, double clock, const double *y, double *rates);
 
 /* Sets columns[j * states + i] to the derivative of (dy/dt)_i with respect to y_j. Rows and columns are those
- * of the first `states` states: the coupled ones, layout.coupled, or all, layout.size. */
-void ode_jacobian(const struct scene_ode *ode, int states, double clock, const double *y, double *columns);
+ * of the first `states` states: the coupled ones, layout.coupled, or all, layout.size. The rows of integrals
+ * have what contacts change, which may be stiff. They leave out the power of external forces, and the turning
+ * of the lever arm of a torque where nothing turns: a Newton iteration finds these by itself. */
+void ode_jacobian(const void *scene_ode, int states, double clock, const double *y, double *columns);
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
 

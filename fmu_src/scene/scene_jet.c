@@ -395,35 +395,55 @@ struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct sce
     return vec3_scale(0.5 / body_mass(v, body), force);
 }
 
+struct scene_powers jet_powers_of_contact(const struct scene_state *q, const struct scene_jet *along,
+                                          int contact, int order)
+{
+    const struct scene_values *v = q->v;
+    const struct contact_jet *jet = &along->contact[contact];
+    const struct turning_jet *turning = &along->turning[contact];
+    const struct contact_law law = scene_contact_law(q, contact);
+    struct scene_powers sum = {0.0, 0.0, 0.0};
+    for (int end = 0; end < 2; ++end) {
+        const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+        if (body_is_prescribed(v, body)) {
+            const double given = jet_dot(jet->source_force, along->velocity[body], order);
+            sum.external += end == 0 ? -given : given;
+        }
+        if (SCENE_ANY_ROTATION && scene_turns(v) && body_turn_is_prescribed(v, body)) {
+            const struct vec3 *torque = end == 0 ? turning->source_torque : turning->destination_torque;
+            sum.external -= jet_dot(torque, along->angular_velocity[body], order);
+        }
+    }
+    sum.dissipated = contact_dissipated_term(&law, (enum contact_regime)q->contact[contact].regime,
+                                             jet->normal_force, jet->gap, jet->gap_rate, order);
+    if (contact_rubs(v, contact)) {
+        sum.friction -= jet_dot(turning->friction_force, turning->motion[OPPOSED_SLIP], order);
+    }
+    if (contact_resists(v, contact)) {
+        sum.friction -= jet_dot(turning->resistance, turning->spin, order);
+    }
+    return sum;
+}
+
 struct scene_powers jet_powers_of(const struct scene_state *q, const struct scene_jet *along, int order)
 {
     const struct scene_values *v = q->v;
     struct scene_powers sum = {0.0, 0.0, 0.0};
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        struct vec3 force[2] = {path_at(q->path[i].force, 3, q->clock), along->force[i]};
-        struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
-        for (int k = 0; k <= order && (body_is_prescribed(v, i) || body_turn_is_prescribed(v, i)); ++k) {
-            const struct contact_load load = jet_load_on(along, i, k); /* drives balance it */
-            force[k] = body_is_prescribed(v, i) ? vec3_scale(-1.0, load.force) : force[k];
-            torque[k] = body_turn_is_prescribed(v, i) ? vec3_scale(-1.0, load.torque) : torque[k];
+        if (body_is_free(v, i)) {
+            const struct vec3 force[2] = {path_at(q->path[i].force, 3, q->clock), along->force[i]};
+            sum.external += jet_dot(force, along->velocity[i], order);
         }
-        sum.external += jet_dot(force, along->velocity[i], order);
-        if (SCENE_ANY_ROTATION) {
+        if (SCENE_ANY_ROTATION && scene_turns(v) && body_turns_freely(v, i)) {
+            const struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
             sum.external += jet_dot(torque, along->angular_velocity[i], order);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_jet *jet = &along->contact[j];
-        const struct turning_jet *turning = &along->turning[j];
-        const struct contact_law law = scene_contact_law(q, j);
-        sum.dissipated += contact_dissipated_term(&law, (enum contact_regime)q->contact[j].regime,
-                                                  jet->normal_force, jet->gap, jet->gap_rate, order);
-        if (contact_rubs(v, j)) {
-            sum.friction -= jet_dot(turning->friction_force, turning->motion[OPPOSED_SLIP], order);
-        }
-        if (contact_resists(v, j)) {
-            sum.friction -= jet_dot(turning->resistance, turning->spin, order);
-        }
+        const struct scene_powers of = jet_powers_of_contact(q, along, j, order);
+        sum.dissipated += of.dissipated;
+        sum.external += of.external;
+        sum.friction += of.friction;
     }
     return sum;
 }

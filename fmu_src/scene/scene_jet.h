@@ -94,7 +94,9 @@ struct contact_load jet_load_on(const struct scene_jet *along, int body, int ord
 /* Returns half the rate of a free body's acceleration by external and contact forces [m/s^3 in time]. */
 struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body);
 
-/* Returns coefficient `order`, 0 or 1, of the powers [W]. */
+/* Return coefficient `order`, 0 or 1, of the powers [W], of all or by one contact. */
+struct scene_powers jet_powers_of_contact(const struct scene_state *q, const struct scene_jet *along,
+                                          int contact, int order);
 struct scene_powers jet_powers_of(const struct scene_state *q, const struct scene_jet *along, int order);
 
 /* Returns the coefficients of one order of the energies along the path [J/s^order in time]. */

@@ -73,9 +73,15 @@ struct contact_parameters {
     struct vec3 axis;     /* e_d at the start, unit length; zero where the destination is a sphere */
 };
 
-/* Quantities of a contact that are integrated besides the motion of the bodies. */
+/* Impulses of the force on the source [N s], and of the torques about the bodies' centres [N m s]. */
+struct contact_impulses {
+    struct vec3 force, destination_torque, source_torque;
+};
+
+/* Quantities of a contact that integration changes besides the motion of the bodies. */
 struct contact_physics {
-    struct vec3 impulse; /* on the source since initialization [N s] */
+    struct vec3 normal;              /* the last valid n, for d = 0 */
+    struct contact_impulses impulse; /* since initialization */
     /* the gap g as integration has accumulated it, in contact and as contact ends; it is more accurate than
      * positions give it [m] */
     double accumulated_gap;
@@ -83,26 +89,20 @@ struct contact_physics {
     double carried_rate;
     /* carried_rate is used while velocities differ from it by less than this; 0: it is not used [m/s] */
     double rate_rounding;
+    /* the part of the peak force's rounding error that has not decayed; 0: negligible [N] */
+    double force_error;
 };
 
 /* The past of a contact, as outputs show it. */
 struct contact_record {
-    struct vec3 impulse_mark; /* the impulse at the start of the communication step [N s] */
+    struct contact_impulses impulse_mark; /* the impulses at the start of the communication step */
     double force_bound; /* upper bound of the peak force with its rounding error; 0: no bound is needed [N] */
-    double force_error; /* the part of this rounding error that has not decayed; 0: negligible [N] */
     double onset_time;  /* the time at which the present or the last contact began [s] */
     double last_duration; /* duration of the last finished contact [s] */
     /* the clock at onset_time, negative after the clock's origin has moved; gives exact durations [s] */
     double touch_clock;
     int32_t onsets;
     int32_t unused; /* in place of padding */
-};
-
-/* Torques about the bodies' centres in time. */
-struct contact_torques {
-    struct vec3 source_impulse, destination_impulse; /* since initialization [N m s] */
-    /* the impulses at the start of the communication step [N m s] */
-    struct vec3 source_mark, destination_mark;
 };
 
 /* The largest values over the last communication step. */
@@ -127,11 +127,9 @@ struct contact_schedule {
 };
 
 struct contact_state {
-    struct vec3 normal; /* the last valid n, for d = 0 */
     struct contact_parameters parameters;
     double onset_damping; /* with restitution: chi of the present or the last contact [s/m] */
     struct contact_peaks peaks;
-    struct contact_torques torques;
     struct contact_physics physics;
     struct contact_record record;
     struct contact_schedule schedule;
@@ -162,15 +160,25 @@ struct unfinished_step {
     double start, length; /* the clock at the start of the step, and its length [s] */
     double end;           /* the clock of the event that ends the step early, or of its end [s] */
     double present;       /* the clock up to which the motion has followed the step [s] */
-    double solvable, release_clock, release_rest; /* as in struct general [s] */
     double at_start[UNFINISHED_STATES];
     double at_end[UNFINISHED_STATES];                           /* at the clock `end` */
     double weight[UNFINISHED_STATES];                           /* 1 divided by the error allowed */
     double chebyshev[RADAU_MOST_STAGES + 1][UNFINISHED_STATES]; /* as in struct radau_step */
     double peaks[SCENE_CONTACTS][2][RADAU_MOST_STAGES + 1];     /* as in struct general */
-    int32_t stages, pace;     /* of the method of the step (math/node_tables.h) */
-    int32_t steps_to_release; /* as in struct general */
-    int32_t event; /* the index of the event function of scene/ode.h that ends the step; -1: none */
+    int32_t stages, pace; /* of the method of the step (math/node_tables.h) */
+    int32_t event;        /* the index of the event function of scene/ode.h that ends the step; -1: none */
+    int32_t unused;       /* in place of padding */
+};
+
+/* What the general segment knows of its next step. */
+struct step_plan {
+    double longest; /* estimate of the longest accurate step of twelve stages [s]; 0: none yet */
+    double last_length, last_error; /* of the last accepted step of this phase; a length of 0: none yet */
+    double solvable;                /* estimate of the longest step that is solved where bodies rub [s] */
+    double release_clock;           /* when a contact under Hertz's law ends; INFINITY: not known */
+    double release_rest;            /* what a step to that release leaves for the steps after it [s] */
+    int32_t steps_to_release;       /* number of steps made to that release */
+    int32_t unused;                 /* in place of padding */
 };
 
 struct solver_counters {
@@ -188,12 +196,7 @@ void counter_add(int32_t *counter, long more);
 struct phase_start {
     double clock, longest; /* the clock at the start, and the longest time asked for [s] */
     double end;            /* the clock at the end of the phase; 0: there is no phase [s] */
-    struct {               /* what a contact's segment changes; the names are those of struct contact_state */
-        struct vec3 normal;
-        struct contact_physics physics;
-        struct vec3 source_impulse, destination_impulse;
-        double force_error;
-    } contact[SCENE_CONTACTS];
+    struct contact_physics contact[SCENE_CONTACTS];
     struct body_state body[SCENE_BODIES];
     struct body_turn turn[SCENE_BODIES]; /* of bodies whose rotation is free */
     double dissipated, external_work, friction_energy;
@@ -208,14 +211,13 @@ struct scene_state {
     /* clock up to which regime changes have been predicted; at or before `clock`: predict again */
     double horizon_clock;
     double deferrable_clock; /* steps may be deferred up to this clock, see flight_defer; 0: not known */
+    struct step_plan plan;   /* may hold INFINITY */
     struct body_origin origin[SCENE_BODIES]; /* used where the body is free */
     struct body_state body[SCENE_BODIES];
     double phase_energy;              /* projection_balance at the start of the phase [J] */
     double dissipated, external_work; /* since initialization [J] */
     double friction_energy;           /* taken by friction and its springs since initialization [J] */
-    double step_length;     /* length of the part of the last communication step that was completed [s] */
-    double general_length;  /* length of the step that the general segment may try next [s]; 0: not known */
-    double general_last[2]; /* length [s] and error of the last step of the general segment; 0: none yet */
+    double step_length; /* length of the part of the last communication step that was completed [s] */
     struct body_path path[SCENE_BODIES];
     struct solver_counters counters;
     /* 1: integrators start from this state: neither CVODE's history nor `unfinished` matters */

@@ -369,7 +369,7 @@ void transition_set_regime(struct scene_state *q, int contact, enum contact_regi
         counter_add(&state->record.onsets, 1);
         state->record.onset_time = scene_time(q);
         state->record.touch_clock = q->clock;
-        state->record.force_error = 0.0;
+        state->physics.force_error = 0.0;
     } else if (SCENE_ANY_FREE && before != REGIME_APART && regime == REGIME_APART) {
         state->record.last_duration = q->clock - state->record.touch_clock;
     }
@@ -424,7 +424,7 @@ static void note_peaks_of(struct scene_state *q, const struct scene_instant *at)
 static inline void note_peaks_of_touching(struct scene_state *q, struct scene_instant *at)
 {
     if (!scene_is_apart(q)) {
-        scene_forces(q->clock, at);
+        scene_forces(q->clock, &q->turning, NULL, at);
         note_peaks_of(q, at);
     }
 }
@@ -545,7 +545,7 @@ void transition_scale_force_error(struct scene_state *q, int contact, struct con
     const struct contact_coefficients *now = &q->contact[contact].parameters.factors;
     const double by_gap = now->k > 0.0 ? next.k / now->k : 1.0;
     const double by_rate = now->c > 0.0 ? next.c / now->c : 1.0;
-    double *error = &q->contact[contact].record.force_error;
+    double *error = &q->contact[contact].physics.force_error;
     *error = fmin(*error * fmax(1.0, fmax(by_gap, by_rate)), DBL_MAX);
 }
 
@@ -554,7 +554,7 @@ static void note_instant(struct scene_state *q, const struct scene_instant *at)
 {
     note_peaks_of(q, at);
     for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
-        q->contact[j].normal = at->geometry[j].normal;
+        q->contact[j].physics.normal = at->geometry[j].normal;
     }
 }
 
@@ -565,10 +565,6 @@ void transition_begin_step(struct scene_state *q, struct scene_instant *at)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].record.impulse_mark = q->contact[j].physics.impulse;
         q->contact[j].record.force_bound = 0.0;
-        if (SCENE_ANY_TURNING) {
-            q->contact[j].torques.source_mark = q->contact[j].torques.source_impulse;
-            q->contact[j].torques.destination_mark = q->contact[j].torques.destination_impulse;
-        }
         q->contact[j].peaks = (struct contact_peaks){0.0, 0.0};
     }
     note_instant(q, at);

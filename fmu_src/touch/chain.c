@@ -619,10 +619,11 @@ void chain_advance(const struct chain *c, double from, double time, struct scene
                 body->moved = vec3_axpy(body->moved, by_mass * second, c->push[i]);
             }
         }
-        state->physics.impulse = vec3_axpy(state->physics.impulse, -impulse, c->push[i]);
+        struct contact_impulses *sum = &state->physics.impulse;
+        sum->force = vec3_axpy(sum->force, -impulse, c->push[i]);
         if (SCENE_HAS_TORQUES) {
-            state->torques.destination_impulse =
-                vec3_axpy(state->torques.destination_impulse, -impulse, vec3_cross(c->lever[i], c->push[i]));
+            sum->destination_torque =
+                vec3_axpy(sum->destination_torque, -impulse, vec3_cross(c->lever[i], c->push[i]));
         }
         state->physics.accumulated_gap = chain_gap_at(c, i, &at).gap;
         state->physics.rate_rounding = 0.0;

@@ -158,7 +158,7 @@ static void find_axes(struct island *s)
 static void find_bends(struct island *s, const struct scene_instant *at)
 {
     struct scene_instant now = *at;
-    scene_forces(at->q->clock, &now);
+    scene_forces(at->q->clock, &at->q->turning, NULL, &now);
     for (int i = 0; i < s->terms.rows; ++i) {
         struct expansion_row *r = &s->terms.row[i];
         const struct contact_geometry *g = &at->geometry[r->contact];
@@ -534,7 +534,7 @@ static struct vec3 island_separation_at(const struct island *s, const struct exp
 static void add_island_torque(const struct island *s, const struct expansion_row *r, double place,
                               struct scene_state *q)
 {
-    struct vec3 *sum = &q->contact[r->contact].torques.destination_impulse;
+    struct vec3 *sum = &q->contact[r->contact].physics.impulse.destination_torque;
     for (int i = 0; i < LOBATTO_MAX; ++i) {
         double weight;
         double push[EXPANSION_AXES] = {0.0};
@@ -557,7 +557,7 @@ void island_advance(const struct island *s, double from, double time, struct sce
     for (int n = 0; n < s->terms.rows; ++n) {
         const struct expansion_row *r = &s->terms.row[n];
         struct contact_state *state = &q->contact[r->contact];
-        state->physics.impulse = vec3_sub(state->physics.impulse, three_at(s, r->pushed, place));
+        state->physics.impulse.force = vec3_sub(state->physics.impulse.force, three_at(s, r->pushed, place));
         state->physics.accumulated_gap = taylor_at(r->gap, TAYLOR_TERMS, place);
         state->physics.rate_rounding = 0.0;
         if (has_lever(r)) {

@@ -345,7 +345,7 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change,
         }
     }
     q->dissipated += change->dissipated;
-    state->physics.impulse = vec3_axpy(state->physics.impulse, -p->reduced_mass, change->r_rate);
+    state->physics.impulse.force = vec3_axpy(state->physics.impulse.force, -p->reduced_mass, change->r_rate);
     state->physics.accumulated_gap = change->gap;
     state->physics.rate_rounding = rate_rounding_after(change, q, contact);
 }

@@ -452,8 +452,7 @@ static void apply(const struct slide *f, const struct travel *way, const struct 
                   double slip, struct scene_state *q, int contact)
 {
     const int ends[PAIR_BODIES] = {contact_source(contact), contact_destination(contact)};
-    struct contact_torques *torques = &q->contact[contact].torques;
-    struct contact_physics *physics = &q->contact[contact].physics;
+    struct contact_impulses *sum = &q->contact[contact].physics.impulse;
     const struct vec3 impulse = vec3_scale(-lost / f->admittance, f->along); /* on the source */
     const struct vec3 path = vec3_scale(-way->lost[0] / f->admittance, f->along);
     for (int end_of = 0; end_of < PAIR_BODIES; ++end_of) {
@@ -469,10 +468,10 @@ static void apply(const struct slide *f, const struct travel *way, const struct 
     }
     const struct vec3 torque = vec3_cross(f->arm, impulse);
     q->friction_energy += 0.5 * lost * (f->slip + slip) / f->admittance;
-    physics->impulse = vec3_add(physics->impulse, impulse);
-    torques->source_impulse = vec3_add(torques->source_impulse, torque);
-    torques->destination_impulse =
-        vec3_add(torques->destination_impulse, vec3_sub(lever_of_friction(f, way, end, lost), torque));
+    sum->force = vec3_add(sum->force, impulse);
+    sum->source_torque = vec3_add(sum->source_torque, torque);
+    sum->destination_torque =
+        vec3_add(sum->destination_torque, vec3_sub(lever_of_friction(f, way, end, lost), torque));
 }
 
 void rubbing_advance(struct segment *p, double from, double s, struct scene_state *q, int contact)

@@ -628,7 +628,8 @@ static double error_at_start(const struct segment *p, double *size)
 static void peak_error_note(const struct segment *p, double from, double to, struct contact_state *state)
 {
     struct contact_record *record = &state->record;
-    if (record->force_error == 0.0 && p->gap_is_known && p->pair.rate_is_known) {
+    double *force_error = &state->physics.force_error;
+    if (*force_error == 0.0 && p->gap_is_known && p->pair.rate_is_known) {
         return;
     }
     double size;
@@ -637,9 +638,9 @@ static void peak_error_note(const struct segment *p, double from, double to, str
     const struct oscillator oscillator = {by->k / p->pair.reduced_mass, by->c / p->pair.reduced_mass};
     const double decay_rate = fmin(oscillator_rates_of(&oscillator).slower, 0.5 * oscillator.damping_rate);
     const double left = exp(-decay_rate * from);
-    const double error = fmin(record->force_error + start, DBL_MAX) * left;
+    const double error = fmin(*force_error + start, DBL_MAX) * left;
     const double peak = state->peaks.force;
-    record->force_error = error * exp(-decay_rate * (to - from));
+    *force_error = error * exp(-decay_rate * (to - from));
     if (error > NEGLIGIBLE * fmax(size * left, peak)) {
         record->force_bound = fmin(fmax(record->force_bound, peak + error), DBL_MAX);
     }
@@ -925,7 +926,7 @@ static struct vec3 by_lever(const struct contact_pair *pair, const struct pair_c
  * source, foot x F. */
 static void add_torque_impulse(const struct contact_pair *pair, const struct torque_lever *lever,
                                const struct pair_change *change, const struct vec3 moment[PAIR_MOMENTS],
-                               struct contact_torques *torques)
+                               struct contact_impulses *impulse)
 {
     if (!lever->acts || !(change->time > 0.0)) {
         return;
@@ -934,9 +935,9 @@ static void add_torque_impulse(const struct contact_pair *pair, const struct tor
     if (contact_is_skew(&pair->shape)) {
         const struct vec3 of_foot = by_lever(pair, change, moment, lever->foot);
         sum = vec3_sub(sum, of_foot);
-        torques->source_impulse = vec3_axpy(torques->source_impulse, -pair->reduced_mass, of_foot);
+        impulse->source_torque = vec3_axpy(impulse->source_torque, -pair->reduced_mass, of_foot);
     }
-    torques->destination_impulse = vec3_axpy(torques->destination_impulse, -pair->reduced_mass, sum);
+    impulse->destination_torque = vec3_axpy(impulse->destination_torque, -pair->reduced_mass, sum);
 }
 
 /* This part of the file finds where a segment leaves its zone of a capped cylinder or of skew cylinders
@@ -1311,6 +1312,6 @@ void segment_advance(struct segment *p, double from, double s, struct scene_stat
     pair_apply(&p->pair, &change, moment, q, contact);
     state->physics.carried_rate = dense_output_at(&p->output, s)->of[PAIR_GAP_RATE][0];
     if (SCENE_HAS_TORQUES) {
-        add_torque_impulse(&p->pair, &lever, &change, moment, &state->torques);
+        add_torque_impulse(&p->pair, &lever, &change, moment, &state->physics.impulse);
     }
 }

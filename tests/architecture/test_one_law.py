@@ -26,7 +26,7 @@ FAST_PATHS = {
 }  # fmt: skip
 FACTORS = {
     "fmu_src/model/inputs.c", "fmu_src/model/outputs.c",
-    "fmu_src/integrator/general_step.c",  # whose depth to come is made with k_h
+    "fmu_src/integrator/general.c",  # whose depth to come is made with k_h
     "fmu_src/scene/evaluate.c",  # whose speed of an onset from rest is made with k_h
 }  # fmt: skip
 

@@ -39,7 +39,7 @@ TEST(a_matrix_with_many_blocks_of_zeros_gives_the_solution_of_its_system)
  * angular velocity v, and the integral of v^2. */
 enum { PLACE, SPEED, TURN, SQUARE = 6, SIZE };
 
-static void oscillator_rates(void *damping, double clock, const double *y, double *rates)
+static void oscillator_rates(const void *damping, double clock, const double *y, double *rates)
 {
     (void)clock;
     rates[PLACE] = y[SPEED];
@@ -51,10 +51,10 @@ static void oscillator_rates(void *damping, double clock, const double *y, doubl
     rates[SQUARE] = y[SPEED] * y[SPEED];
 }
 
-static void oscillator_slopes(void *damping, double clock, const double *y, double *slopes)
+static void oscillator_slopes(const void *damping, int coupled, double clock, const double *y, double *slopes)
 {
     const double all[] = {0.0, -1.0, 1.0, -*(const double *)damping};
-    (void)clock, (void)y;
+    (void)coupled, (void)clock, (void)y;
     memcpy(slopes, all, sizeof all);
 }
 
@@ -206,7 +206,7 @@ TEST(a_quaternion_that_turns_too_far_has_no_small_error)
 /* x' = v, a' = (1 + x) v, v' = -x - damping v - 5 a. */
 enum { TIPPING = 2, TIPPING_STATES = 3 };
 
-static void tipping_rates(void *damping, double clock, const double *y, double *rates)
+static void tipping_rates(const void *damping, double clock, const double *y, double *rates)
 {
     (void)clock;
     rates[PLACE] = y[SPEED];
@@ -214,11 +214,11 @@ static void tipping_rates(void *damping, double clock, const double *y, double *
     rates[TIPPING] = (1.0 + y[PLACE]) * y[SPEED];
 }
 
-static void tipping_slopes(void *damping, double clock, const double *y, double *slopes)
+static void tipping_slopes(const void *damping, int coupled, double clock, const double *y, double *slopes)
 {
     const double all[] = {0.0, -1.0, y[SPEED], 1.0, -*(const double *)damping, 1.0 + y[PLACE],
                           0.0, -5.0, 0.0};
-    (void)clock;
+    (void)coupled, (void)clock;
     memcpy(slopes, all, sizeof all);
 }
 
