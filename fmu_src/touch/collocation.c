@@ -92,7 +92,9 @@ static double load_at_start(const struct collocation *p)
     return rim_slopes_at(&at, p->acceleration[0]).load;
 }
 
-void collocation_load(const struct collocation *p, double *values, double *softening)
+/* Sets `values` to the load f times half^2 [m] at the nodes, and `softening` to half of -half^2 df/dx by the
+ * centrifugal terms. */
+static void put_load(const struct collocation *p, double *values, double *softening)
 {
     const double half2 = p->half * p->half;
     for (int i = 0; i < p->nodes->points; ++i) {
@@ -122,7 +124,8 @@ static double integrate_two(const struct collocation *p, const struct nodal_vec3
     return change;
 }
 
-double collocation_turn(struct collocation *p)
+/* Makes one sweep of n and H, at the x that the nodes have; returns the largest change [m]. */
+static double turn(struct collocation *p)
 {
     if (p->head_on) {
         return 0.0;
@@ -164,6 +167,34 @@ enum { MAX_SWEEPS = 30 };
  * factors up to 611 (lobatto.monomial). */
 static const double COEFFICIENT_ROUNDING = 1e-12;
 
+/* Returns the part by Hertz's spring of d2x/ds2 at a node [m]: half^2 side (k_h / m_red) delta^(3/2). */
+static double hertz_push(const struct collocation *p, int i)
+{
+    const double depth = -p->from.side * p->result.x[i];
+    return p->half * p->half * p->from.side * p->from.hertz * depth * sqrt(depth);
+}
+
+/* Makes the oscillator and the load of an averaged step under Hertz's law: the oscillator has the mean slopes
+ * of the force at the nodes, and the load gets what the force differs from that of the oscillator. */
+static void linearize(struct collocation *p, double *load)
+{
+    const int points = p->nodes->points;
+    const double chi = p->from.side * p->from.chi / p->half;
+    struct oscillator mean = {0.0, 0.0};
+    nodal_values rate;
+    for (int i = 0; i < points; ++i) {
+        const double push = hertz_push(p, i);
+        rate[i] = nodal_slope(p->result.slow, points, 1.0 + p->nodes->node[i]);
+        load[i] += push * (1.0 - chi * rate[i]);
+        mean.omega2 -= 1.5 * push / p->result.x[i] * (1.0 - chi * rate[i]) / points;
+        mean.damping_rate += push * chi / points;
+    }
+    for (int i = 0; i < points; ++i) {
+        load[i] += mean.omega2 * p->result.x[i] + mean.damping_rate * rate[i];
+    }
+    p->result.oscillator = mean;
+}
+
 /* x = s + y: s is the particular solution for the load, y the free oscillation from the start values. */
 static void oscillator_response(struct collocation *p, double softening)
 {
@@ -199,6 +230,42 @@ static void overdamped_response(struct collocation *p)
     nodal_coefficients(p->nodes, p->result.x, p->result.slow);
 }
 
+/* An overdamped step under Hertz's law. The rate v = dx/ds follows from v + v'/decay = (load + push) / decay,
+ * where `push` is the spring's part of the force and `decay` the fast decay's rate, both by the depth. The
+ * left side is solved with the mean of 1/decay. The rest of v'/decay is taken from the last sweep. y is the
+ * fast decay, by which v misses the rate of the start. */
+static void creeping_response(struct collocation *p, const double *load)
+{
+    const int points = p->nodes->points;
+    nodal_values right;
+    nodal_values bend;
+    double inverse = 0.0; /* mean of 1/decay */
+    for (int i = 0; i < points; ++i) {
+        const double push = hertz_push(p, i);
+        const double decay = p->from.chi / p->half * fabs(push);
+        double x[4];
+        nodal_derivatives(p->result.slow, points, 1.0 + p->nodes->node[i], x);
+        bend[i] = x[2];
+        right[i] = (load[i] + push - bend[i]) / decay;
+        inverse += 1.0 / (decay * points);
+    }
+    for (int i = 0; i < points; ++i) {
+        right[i] = right[i] / inverse + bend[i];
+    }
+    nodal_values rate;
+    nodal_values a;
+    nodal_coefficients(p->nodes, right, a);
+    relaxation_particular(1.0 / inverse, a, a, points);
+    nodal_values_of(p->nodes, a, rate);
+    p->result.y_rate = p->half * p->from.radial - rate[0];
+    p->result.y = -p->result.y_rate * inverse;
+    (void)nodal_integrate(p->nodes, rate, p->result.x);
+    for (int i = 0; i < points; ++i) {
+        p->result.x[i] += p->from.deviation;
+    }
+    nodal_coefficients(p->nodes, p->result.x, p->result.slow);
+}
+
 /* Returns a rough bound of |x| in the step [m]. */
 static double size_of_deviation(const struct collocation *p)
 {
@@ -216,10 +283,10 @@ static double apply_load(struct collocation *p, const double *values, double sof
     nodal_values before;
     double change = 0.0;
     memcpy(before, p->result.slow, sizeof before);
-    p->result.oscillator =
-        (struct oscillator){p->from.omega2 * p->half * p->half, p->from.damping_rate * p->half};
     nodal_coefficients(p->nodes, values, p->result.load);
-    if (p->kind == COLLOCATION_OVERDAMPED) {
+    if (CONTACT_ANY_HERTZ && p->from.hertz > 0.0 && p->kind == COLLOCATION_OVERDAMPED) {
+        creeping_response(p, values);
+    } else if (p->kind == COLLOCATION_OVERDAMPED) {
         overdamped_response(p);
     } else {
         oscillator_response(p, softening);
@@ -239,7 +306,12 @@ static double update_load(struct collocation *p)
     nodal_values values;
     nodal_values softening;
     double mean = 0.0;
-    collocation_load(p, values, softening);
+    put_load(p, values, softening);
+    p->result.oscillator =
+        (struct oscillator){p->from.omega2 * p->half * p->half, p->from.damping_rate * p->half};
+    if (CONTACT_ANY_HERTZ && p->from.hertz > 0.0 && p->kind == COLLOCATION_AVERAGED) {
+        linearize(p, values);
+    }
     /* the mean of -half^2 df/dx over the step is half its integral over s, which is the integral of
      * `softening` */
     for (int i = 0; i < points && p->kind == COLLOCATION_AVERAGED; ++i) {
@@ -252,9 +324,9 @@ static double update_load(struct collocation *p)
 static double sweep(struct collocation *p)
 {
     const double by_load = update_load(p);
-    /* a head-on load does not depend on x, but an overdamped X is iterated */
-    const bool is_solved = p->head_on && p->kind != COLLOCATION_OVERDAMPED;
-    return is_solved ? 0.0 : larger(by_load, collocation_turn(p));
+    /* a head-on load does not depend on x under the linear law, but an overdamped X is iterated */
+    const bool is_solved = p->head_on && p->kind != COLLOCATION_OVERDAMPED && p->from.hertz == 0.0;
+    return is_solved ? 0.0 : larger(by_load, turn(p));
 }
 
 static double tail_of(const struct collocation *p, const struct nodal_vec3 *values)
@@ -264,7 +336,7 @@ static double tail_of(const struct collocation *p, const struct nodal_vec3 *valu
 
 /* Estimates the error from the last coefficients of the integrands. The integral of a Chebyshev polynomial is
  * smaller than the polynomial by a factor of its degree. */
-static double tail_of_all(const struct collocation *p)
+static double tail_of_all(struct collocation *p)
 {
     const int points = p->nodes->points;
     const double of_deviation = larger(fabs(p->result.slow[points - 1]), fabs(p->result.slow[points - 2]));
@@ -272,7 +344,8 @@ static double tail_of_all(const struct collocation *p)
     /* the first omitted coefficient is less than a quarter of the last one: their ratio is half the step's
      * radians, two at most, divided by the index */
     const double left_out = 0.25 * ldexp(of_deviation, 2 - points);
-    const bool is_overdamped = p->kind == COLLOCATION_OVERDAMPED;
+    const bool is_overdamped = p->kind == COLLOCATION_OVERDAMPED && p->from.hertz == 0.0;
+    p->result.deviation_error = left_out;
     const double by_deviation =
         is_overdamped && size > 0.0 ? left_out * larger(1.0, p->from.rim.distance / size) : left_out;
     if (p->head_on) {
@@ -283,8 +356,8 @@ static double tail_of_all(const struct collocation *p)
     return larger(by_deviation, larger(by_normal, by_momentum) / points);
 }
 
-/* Local coordinates are singular at the centre, d = 0. */
-bool collocation_finish(struct collocation *p)
+/* Returns whether all values are finite and d > 0, because local coordinates are singular at the centre. */
+static bool finish(struct collocation *p)
 {
     if (CONTACT_ANY_CIRCLE && p->from.at_rim) {
         nodal_coefficients(p->nodes, p->result.n_rate.y, p->result.tilt_rate);
@@ -312,7 +385,7 @@ static bool iterate(struct collocation *p, double tolerance)
         gain = before > 0.0 && p->kind != COLLOCATION_OVERDAMPED ? fmin(1.0, change / before) : 1.0;
         if (change * fmax(gain, gain_before) <= tolerance) {
             p->result.interior_error = tail_of_all(p);
-            return collocation_finish(p);
+            return finish(p);
         }
         before = change;
     }
@@ -379,14 +452,7 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
 
 void collocation_averaged_deviation(const struct collocation *p, double s, double x[4])
 {
-    if (p->kind != COLLOCATION_QUASI_STATIC) {
-        nodal_derivatives(p->result.slow, p->nodes->points, s, x);
-        return;
-    }
-    double rate[4];
-    nodal_derivatives(p->result.slow_rate, p->nodes->points, s, rate);
-    x[0] = p->from.deviation + nodal_integral(p->result.slow_rate, p->nodes->points, s);
-    memcpy(x + 1, rate, 3 * sizeof *rate);
+    nodal_derivatives(p->result.slow, p->nodes->points, s, x);
 }
 
 /* Adds y and its derivatives with respect to s to x and its derivatives. */
@@ -402,9 +468,6 @@ static void add_oscillation(const struct collocation *p, double y, double y_rate
 void collocation_deviation(const struct collocation *p, double s, double x[4])
 {
     collocation_averaged_deviation(p, s, x);
-    if (p->kind == COLLOCATION_QUASI_STATIC) {
-        return;
-    }
     const struct oscillator_basis by = oscillator_basis_at(&p->result.oscillator, s);
     add_oscillation(p, p->result.y * by.y_of_y + p->result.y_rate * by.y_of_rate,
                     p->result.y * by.rate_of_y + p->result.y_rate * by.rate_of_rate, x);
@@ -581,12 +644,12 @@ static void set_frame(struct collocation *p)
 }
 
 /* Makes first guesses: n and H as at the start, and a constant x, which is its start, or its equilibrium in
- * an averaged step. */
-static void start_step(struct collocation *p, const struct collocation_problem *from, double step,
-                       enum collocation_kind kind, const struct lobatto *nodes)
+ * an averaged step under the linear law. */
+static void begin(struct collocation *p, const struct collocation_problem *from, double step,
+                  enum collocation_kind kind)
 {
     p->from = *from;
-    p->nodes = nodes;
+    p->nodes = &lobatto[LOBATTO_TWELVE];
     p->kind = kind;
     p->half = 0.5 * step;
     p->head_on = is_head_on(from);
@@ -596,21 +659,13 @@ static void start_step(struct collocation *p, const struct collocation_problem *
     memset(&p->result.n, 0, sizeof p->result.n);
     memset(&p->result.h, 0, sizeof p->result.h);
     memset(p->result.slow, 0, sizeof p->result.slow);
-    p->result.slow[0] = kind == COLLOCATION_AVERAGED ? load_at_start(p) / from->omega2 : from->deviation;
+    p->result.slow[0] = kind == COLLOCATION_AVERAGED && from->hertz == 0.0 ? load_at_start(p) / from->omega2
+                                                                           : from->deviation;
     p->result.y = from->deviation - p->result.slow[0];
-    p->result.y_rate = kind == COLLOCATION_QUASI_STATIC ? 0.0 : p->half * p->from.radial;
-    p->result.oscillator = (struct oscillator){1.0, 0.0}; /* a quasi-static step has no other */
+    p->result.y_rate = p->half * p->from.radial;
     note_angles(p);
-    for (int i = 0; i < nodes->points; ++i) {
-        p->result.x[i] = p->result.slow[0];
-    }
-}
-
-void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
-                       enum collocation_kind kind, const struct lobatto *nodes)
-{
-    start_step(p, from, step, kind, nodes);
     for (int i = 0; i < p->nodes->points; ++i) {
+        p->result.x[i] = p->result.slow[0];
         nodal_put_vec3(&p->acceleration_at, i, acceleration_then(p, 1.0 + p->nodes->node[i]));
     }
 }
@@ -618,6 +673,6 @@ void collocation_begin(struct collocation *p, const struct collocation_problem *
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
                       enum collocation_kind kind, double tolerance)
 {
-    collocation_begin(p, from, step, kind, &lobatto[LOBATTO_TWELVE]);
+    begin(p, from, step, kind);
     return iterate(p, tolerance);
 }

@@ -13,14 +13,16 @@
  * polynomials collocated at the Lobatto nodes (exponential collocation: Hochbruck and Ostermann, Acta
  * Numerica 19 (2010) 209; Lobatto IIIA: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5).
  *
- * x = s + y: s is the particular solution for f, y the free oscillation from the start values. Three kinds of
+ * x = s + y: s is the particular solution for f, y the free oscillation from the start values. Two kinds of
  * step:
  *   averaged     many small oscillations; f, n and H depend on y to first order, and this dependence is
  *                integrated in closed form
  *   overdamped   far beyond critical damping, or without a spring: x = X + y, where y is the fast decay alone
  *                and enters n and H as in an averaged step; X' = u - slower X, where slower and faster are
  *                the decay rates and u is the particular solution at the faster rate
- *   quasi-static at the right Radau nodes, y = 0: the caller finds x by another law than the linear one
+ * Under Hertz's law (hertz.c) only steps whose y is negligible are of use. In an averaged step omega2 and
+ * damping_rate are then the mean slopes of the force, and f contains what the force differs from theirs. An
+ * overdamped step has x' from f, x and x'' in place of u and X.
  *
  * Variable s in [0, 2] over the step: time = half s. Derivatives of x are taken with respect to s.
  */
@@ -34,7 +36,7 @@
 #include "math/vec3.h"
 #include "touch/rim.h"
 
-enum collocation_kind { COLLOCATION_AVERAGED, COLLOCATION_OVERDAMPED, COLLOCATION_QUASI_STATIC };
+enum collocation_kind { COLLOCATION_AVERAGED, COLLOCATION_OVERDAMPED };
 
 enum { COLLOCATION_ACCELERATION_TERMS = 3 };
 
@@ -48,6 +50,8 @@ struct collocation_problem {
     double deviation;    /* x [m] */
     double omega2;       /* stiffness divided by m_red, > 0 [1/s^2] */
     double damping_rate; /* [1/s] */
+    /* Hertz's law (contact_pair): k_h divided by m_red, or 0 under the linear law, and chi */
+    double hertz, chi, side;
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A [m/s^2, ...] */
     bool at_rim;          /* contact at a rim or a torus; else the fields above give `rim` */
     struct rim_start rim; /* a step about a centre sets it: n, across both, the tangent in place of a, e, b */
@@ -63,13 +67,13 @@ struct collocation_result {
     nodal_values x;                   /* x at the nodes, without y [m] */
     nodal_values load;                /* half^2 f, coefficients in s - 1 [m] */
     nodal_values slow;                /* x without y, coefficients of s - 1 [m] */
-    nodal_values slow_rate;           /* in a quasi-static step: dx/ds, coefficients of s - 1 [m] */
     nodal_values tilt_rate;           /* n_rate.y at a rim, coefficients of s - 1 [rad]; else zero */
     /* the oscillator of y, with rates per unit of s; an averaged step adds the mean of -half^2 df/dx to its
      * omega2 */
     struct oscillator oscillator;
-    double y, y_rate;      /* y and dy/ds at the start [m] */
-    double interior_error; /* estimated truncation error between the ends [m] */
+    double y, y_rate;       /* y and dy/ds at the start [m] */
+    double deviation_error; /* estimated truncation error of x between the ends [m] */
+    double interior_error;  /* the same of d n and H, and of x by its part in a position [m] */
 };
 
 struct collocation {
@@ -90,19 +94,6 @@ struct collocation {
  *   overdamped   the faster 3 or more and four times the slower or more, the slower not much more than 3 */
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
                       enum collocation_kind kind, double tolerance);
-
-/*
- * These functions are the parts of a quasi-static step. Its caller finds the deviation x at the nodes, and
- * slow_rate in the end. collocation_begin sets x at all nodes to its value at the start. collocation_turn
- * makes one sweep of n and H, at the x that the nodes have, and returns the largest change [m].
- * collocation_load sets `values` to the load f times half^2 [m] at the nodes, and `softening` to half of
- * -half^2 df/dx by the centrifugal terms. collocation_finish returns whether all values are finite and d > 0.
- */
-void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
-                       enum collocation_kind kind, const struct lobatto *nodes);
-double collocation_turn(struct collocation *p);
-void collocation_load(const struct collocation *p, double *values, double *softening);
-bool collocation_finish(struct collocation *p);
 
 /* Gives x [m] with its first three derivatives with respect to s. */
 void collocation_deviation(const struct collocation *p, double s, double x[4]);

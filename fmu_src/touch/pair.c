@@ -717,15 +717,15 @@ static void fill_sample(const struct pair_collocation *p, const double x[4], dou
     if (SCENE_ANY_CAPS && p->step.from.at_rim) {
         collocation_edges(&p->step, s, x, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
     }
-    if (p->step.kind == COLLOCATION_OVERDAMPED) {
-        add_overdamped_force(p, s, sample);
-        return;
-    }
-    if (SCENE_ANY_HERTZ && p->step.kind == COLLOCATION_QUASI_STATIC) {
+    if (SCENE_ANY_HERTZ && p->from->hertz_stiffness > 0.0) {
         double u[3] = {sqrt(fmax(-side * x[0], 0.0))};
         u[1] = -0.5 * side * x[1] / u[0];
         u[2] = -(0.5 * side * x[2] + u[1] * u[1]) / u[0];
         pair_hertz_force(p->from, u, sample->of[PAIR_GAP_RATE], sample->of[PAIR_FORCE]);
+        return;
+    }
+    if (p->step.kind == COLLOCATION_OVERDAMPED) {
+        add_overdamped_force(p, s, sample);
         return;
     }
     for (int i = 0; i < 3; ++i) {
@@ -784,7 +784,7 @@ void pair_bound_sample(const void *pair_bound, double s, struct pair_sample *sam
 }
 
 /* Returns the energy that the dashpot dissipates in a quasi-static step, the integral of its power k_h
- * delta^(3/2) chi delta'^2, by Radau's quadrature [J]. */
+ * delta^(3/2) chi delta'^2, by the nodes' quadrature [J]. */
 static double quasi_static_dissipated(const struct pair_collocation *p, double s)
 {
     const struct lobatto *nodes = p->step.nodes;
@@ -815,7 +815,7 @@ struct pair_change pair_collocation_advance(const void *pair_collocation, double
         change.r = vec3_axpy(change.r, -power, c);
     }
     change.gap = from->shape.side * step.deviation;
-    if (SCENE_ANY_HERTZ && p->step.kind == COLLOCATION_QUASI_STATIC) {
+    if (SCENE_ANY_HERTZ && p->from->hertz_stiffness > 0.0) {
         double x[4];
         collocation_deviation(&p->step, s, x);
         change.head_on = from->is_head_on;
@@ -860,6 +860,9 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     }
     problem->omega2 = p->coefficients.k / p->reduced_mass;
     problem->damping_rate = p->coefficients.c / p->reduced_mass;
+    problem->hertz = p->hertz_stiffness / p->reduced_mass;
+    problem->chi = p->chi;
+    problem->side = p->shape.side;
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
         problem->acceleration[i] = vec3_scale((i + 1) * (i + 2), out->felt[i + 1]);
     }
