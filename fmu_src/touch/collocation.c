@@ -3,6 +3,7 @@
 
 #include "contact/choices.h"
 #include "math/compiler.h"
+#include "math/lu.h"
 #include "math/series.h"
 #include "touch/collocation.h"
 
@@ -230,6 +231,33 @@ static void overdamped_response(struct collocation *p)
     nodal_coefficients(p->nodes, p->result.x, p->result.slow);
 }
 
+/* Columns of the matrix below have room for the zeros behind them (lu.h). */
+enum { CREEP_STRIDE = LOBATTO_MAX + LANES };
+
+/* Solves x = x(0) + integral of x' for x at the nodes by a step of Newton's method, where x' is `rate` at the
+ * present x and has the derivative -slope[j] with respect to it. */
+static void follow_rate(struct collocation *p, const double *rate, const double *slope)
+{
+    const int points = p->nodes->points;
+    double at[LOBATTO_MAX * CREEP_STRIDE] = {0.0};
+    double missing[CREEP_STRIDE] = {0.0};
+    int pivot[LOBATTO_MAX];
+    const struct lu_matrix system = {points, CREEP_STRIDE, at, pivot};
+    (void)nodal_integrate(p->nodes, rate, missing);
+    for (int j = 0; j < points; ++j) {
+        missing[j] += p->from.deviation - p->result.x[j];
+        for (int i = 0; i < points; ++i) {
+            at[j * CREEP_STRIDE + i] = p->nodes->integral[j * points + i] * slope[j] + (i == j ? 1.0 : 0.0);
+        }
+    }
+    if (lu_factor(system)) {
+        lu_solve(system, missing);
+    }
+    for (int i = 0; i < points; ++i) {
+        p->result.x[i] += missing[i];
+    }
+}
+
 /* An overdamped step under Hertz's law. The rate v = dx/ds follows from v + v'/decay = (load + push) / decay,
  * where `push` is the spring's part of the force and `decay` the fast decay's rate, both by the depth. The
  * left side is solved with the mean of 1/decay. The rest of v'/decay is taken from the last sweep. y is the
@@ -237,8 +265,9 @@ static void overdamped_response(struct collocation *p)
 static void creeping_response(struct collocation *p, const double *load)
 {
     const int points = p->nodes->points;
-    nodal_values right;
+    nodal_values right = {0.0};
     nodal_values bend;
+    nodal_values slope;
     double inverse = 0.0; /* mean of 1/decay */
     for (int i = 0; i < points; ++i) {
         const double push = hertz_push(p, i);
@@ -247,6 +276,7 @@ static void creeping_response(struct collocation *p, const double *load)
         nodal_derivatives(p->result.slow, points, 1.0 + p->nodes->node[i], x);
         bend[i] = x[2];
         right[i] = (load[i] + push - bend[i]) / decay;
+        slope[i] = 1.5 * load[i] / (decay * p->result.x[i]);
         inverse += 1.0 / (decay * points);
     }
     for (int i = 0; i < points; ++i) {
@@ -259,10 +289,7 @@ static void creeping_response(struct collocation *p, const double *load)
     nodal_values_of(p->nodes, a, rate);
     p->result.y_rate = p->half * p->from.radial - rate[0];
     p->result.y = -p->result.y_rate * inverse;
-    (void)nodal_integrate(p->nodes, rate, p->result.x);
-    for (int i = 0; i < points; ++i) {
-        p->result.x[i] += p->from.deviation;
-    }
+    follow_rate(p, rate, slope);
     nodal_coefficients(p->nodes, p->result.x, p->result.slow);
 }
 

@@ -364,7 +364,7 @@ static const double DECAY_CLEARLY = 4.0;
 
 /* Numbers of trials of a step; each trial is half as long as the one before. The trials after FOLLOWING are
  * for a contact beyond critical damping that is still settling. They are at most CREEP_STEP settling times
- * long, in which an overdamped step takes few sweeps. */
+ * long. */
 enum { SLOW_ATTEMPTS = 6, FOLLOWING = 2 };
 static const double CREEP_STEP = 2.0;
 
@@ -413,8 +413,7 @@ bool quasi_static_is_shown(const struct segment *p, const double *root, double u
 static bool quasi_static_solve(struct segment *p, const struct slow_scales *scales, double step,
                                double depth_tolerance)
 {
-    const bool creeps = scales->creep > 0.0 && scales->creep * step <= CREEP_STEP;
-    const enum collocation_kind kind = creeps ? COLLOCATION_OVERDAMPED : COLLOCATION_AVERAGED;
+    const enum collocation_kind kind = scales->creep > 0.0 ? COLLOCATION_OVERDAMPED : COLLOCATION_AVERAGED;
     struct collocation *made = &p->as.collocation.step;
     struct collocation_result *result = &made->result;
     if (!collocation_make(made, &p->scales.problem, step, kind, 0.1 * p->tolerance)) {
