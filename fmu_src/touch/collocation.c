@@ -7,19 +7,6 @@
 #include "math/series.h"
 #include "touch/collocation.h"
 
-/* These two functions turn a vector of the world into the frame of the start, and back. */
-static inline struct vec3 collocation_in_frame(const struct collocation *p, struct vec3 a)
-{
-    return vec3_make(vec3_dot(p->from.rim.frame[0], a), vec3_dot(p->from.rim.frame[1], a),
-                     vec3_dot(p->from.rim.frame[2], a));
-}
-
-static inline struct vec3 collocation_in_world(const struct collocation *p, struct vec3 a)
-{
-    return vec3_axpy(vec3_axpy(vec3_scale(a.x, p->from.rim.frame[0]), a.y, p->from.rim.frame[1]), a.z,
-                     p->from.rim.frame[2]);
-}
-
 static struct vec3 at_row(const struct nodal_vec3 *row, int i)
 {
     return vec3_make(row->x[i], row->y[i], row->z[i]);
@@ -28,7 +15,7 @@ static struct vec3 at_row(const struct nodal_vec3 *row, int i)
 /* Returns A in the frame at s [m/s^2]. */
 static struct vec3 acceleration_then(const struct collocation *p, double s)
 {
-    return path_at(p->acceleration, COLLOCATION_ACCELERATION_TERMS, p->half * s);
+    return path_at(p->from.acceleration, COLLOCATION_ACCELERATION_TERMS, p->half * s);
 }
 
 /* Returns the integral of y over time, expressed by the present y and y' [m s]. */
@@ -90,7 +77,7 @@ static struct collocation_correction correction_of(const struct collocation *p, 
 static double load_at_start(const struct collocation *p)
 {
     const struct rim_state at = rim_state_at_start(p);
-    return rim_slopes_at(&at, p->acceleration[0]).load;
+    return rim_slopes_at(&at, p->from.acceleration[0]).load;
 }
 
 /* Sets `values` to the load f times half^2 [m] at the nodes, and `softening` to half of -half^2 df/dx by the
@@ -126,16 +113,16 @@ static double integrate_two(const struct collocation *p, const struct nodal_vec3
 }
 
 /* Makes one sweep of n and H, at the x that the nodes have; returns the largest change [m]. */
-static double turn(struct collocation *p)
+CONTACT_FLATTEN static double turn(struct collocation *p)
 {
-    if (p->head_on) {
+    if (p->from.head_on) {
         return 0.0;
     }
     const double distance = p->from.rim.distance;
     const double scale = p->from.rim.rho / distance;
     const struct rim_state start = rim_state_at_start(p);
     const struct collocation_correction correction =
-        correction_of(p, &start, p->acceleration[0], p->result.y, p->result.y_rate);
+        correction_of(p, &start, p->from.acceleration[0], p->result.y, p->result.y_rate);
     p->result.normal_correction = correction.normal;
     p->result.momentum_correction = correction.momentum;
     nodal_values per_rho_squared;
@@ -352,7 +339,7 @@ static double sweep(struct collocation *p)
 {
     const double by_load = update_load(p);
     /* a head-on load does not depend on x under the linear law, but an overdamped X is iterated */
-    const bool is_solved = p->head_on && p->kind != COLLOCATION_OVERDAMPED && p->from.hertz == 0.0;
+    const bool is_solved = p->from.head_on && p->kind != COLLOCATION_OVERDAMPED && p->from.hertz == 0.0;
     return is_solved ? 0.0 : larger(by_load, turn(p));
 }
 
@@ -375,7 +362,7 @@ static double tail_of_all(struct collocation *p)
     p->result.deviation_error = left_out;
     const double by_deviation =
         is_overdamped && size > 0.0 ? left_out * larger(1.0, p->from.rim.distance / size) : left_out;
-    if (p->head_on) {
+    if (p->from.head_on) {
         return by_deviation;
     }
     const double by_normal = p->from.rim.distance * tail_of(p, &p->result.n_rate);
@@ -447,17 +434,17 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
     const struct vec3 none = {0.0, 0.0, 0.0};
     double x[4];
     collocation_deviation(p, s, x);
-    const struct rim_state then = p->head_on ? rim_state_by(p, none, none, x[0]) : rim_state_then(p, s, x);
-    return (struct collocation_change){
-        collocation_in_world(p, rim_moved(&p->from.rim, &then)),
-        collocation_in_world(p, rim_gained(&p->from.rim, &then, p->from.radial, x[1] / p->half)), x[0]};
+    const struct rim_state then =
+        p->from.head_on ? rim_state_by(p, none, none, x[0]) : rim_state_then(p, s, x);
+    return (struct collocation_change){rim_moved(&p->from.rim, &then),
+                                       rim_gained(&p->from.rim, &then, p->from.radial, x[1] / p->half), x[0]};
 }
 
 void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
                        double axial[3])
 {
     double tilt[3] = {p->from.rim.tilt, 0.0, 0.0};
-    if (!p->head_on) {
+    if (!p->from.head_on) {
         const int points = p->nodes->points;
         tilt[0] += nodal_integral(p->result.tilt_rate, points, s) - p->result.normal_correction.y;
         tilt[1] = taylor_at(p->result.tilt_rate, points, s - 1.0);
@@ -614,60 +601,7 @@ struct vec3 collocation_moment(const struct collocation *p, int power, double s)
         nodal_coefficients(p->nodes, rows[k][0], a);
         sum[k] = nodal_integral(a, p->nodes->points, s) + moment_of_oscillation(p, rows[k][1], s);
     }
-    return collocation_in_world(p, vec3_from(sum));
-}
-
-/* The start of a collocated step: its frame, the problem at the nodes, the first guess. */
-
-/* Rounding of a product with the frame's vectors, relative to its factors. */
-static const double FRAME_ROUNDING = 4.0 * DBL_EPSILON;
-
-/* Takes away a vector's part along the second direction of the frame if the vector lies across this direction
- * to rounding. */
-static struct vec3 flattened(struct vec3 a)
-{
-    a.y = fabs(a.y) > FRAME_ROUNDING * (fabs(a.x) + fabs(a.z)) ? a.y : 0.0;
-    return a;
-}
-
-/* Returns the start of a motion about a centre or an axis: a rim of radius zero whose axis is across n and
- * across the direction in which n begins to turn. */
-static struct rim_start start_about_centre(const struct collocation_problem *from)
-{
-    const struct vec3 n = from->normal;
-    const double d = from->reach + from->deviation;
-    const struct vec3 along = from->tangent;
-    const struct vec3 across = vec3_cross(n, along);
-    const struct vec3 rate = flattened(
-        vec3_make(vec3_dot(n, from->rate), vec3_dot(across, from->rate), vec3_dot(along, from->rate)));
-    return (struct rim_start){.frame = {n, across, along},
-                              .distance = d,
-                              .rho = d,
-                              .cosine = 1.0,
-                              .azimuth_momentum = d * rate.z,
-                              .tilt_momentum = -d * rate.y};
-}
-
-/* Whether c' and A are along the normal, so that n and H are constant. */
-static bool is_head_on(const struct collocation_problem *from)
-{
-    double across = vec3_max_abs(vec3_cross(from->normal, from->rate));
-    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        across = fmax(across, vec3_max_abs(vec3_cross(from->normal, from->acceleration[i])));
-    }
-    return !(across > 0.0);
-}
-
-static void set_frame(struct collocation *p)
-{
-    const bool at_rim = CONTACT_ANY_CIRCLE && p->from.at_rim;
-    if (!at_rim) {
-        p->from.rim = start_about_centre(&p->from);
-    }
-    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        const struct vec3 acceleration = collocation_in_frame(p, p->from.acceleration[i]);
-        p->acceleration[i] = at_rim ? acceleration : flattened(acceleration);
-    }
+    return vec3_from(sum);
 }
 
 /* Makes first guesses: n and H as at the start, and a constant x, which is its start, or its equilibrium in
@@ -679,9 +613,7 @@ static void begin(struct collocation *p, const struct collocation_problem *from,
     p->nodes = &lobatto[LOBATTO_TWELVE];
     p->kind = kind;
     p->half = 0.5 * step;
-    p->head_on = is_head_on(from);
     p->result.normal_correction = p->result.momentum_correction = vec3_make(0.0, 0.0, 0.0);
-    set_frame(p);
     memset(p->result.tilt_rate, 0, sizeof p->result.tilt_rate);
     memset(&p->result.n, 0, sizeof p->result.n);
     memset(&p->result.h, 0, sizeof p->result.h);

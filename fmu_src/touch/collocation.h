@@ -40,12 +40,13 @@ enum collocation_kind { COLLOCATION_AVERAGED, COLLOCATION_OVERDAMPED };
 
 enum { COLLOCATION_ACCELERATION_TERMS = 3 };
 
-/* The start of a step. A is a polynomial of the time from the start, given by its coefficients. */
+/* The start of a step. A is a polynomial of the time from the start, given by its coefficients, in rim.frame.
+ * About a centre the frame is n, across both, and the direction in which n begins to turn. */
 struct collocation_problem {
-    struct vec3 normal;  /* n, unit */
-    struct vec3 tangent; /* unit direction in which n begins to turn; zero if head-on */
-    struct vec3 rate;    /* c' [m/s] */
-    double radial;       /* x' = n.c', more accurate than by `rate` [m/s] */
+    struct rim_start rim;
+    bool at_rim;         /* contact at a rim or a torus, which have a zone or two curvatures */
+    bool head_on;        /* c' and A are along n, which is constant */
+    double radial;       /* x' = n.c' [m/s] */
     double reach;        /* [m] */
     double deviation;    /* x [m] */
     double omega2;       /* stiffness divided by m_red, > 0 [1/s^2] */
@@ -53,8 +54,6 @@ struct collocation_problem {
     /* Hertz's law (contact_pair): k_h divided by m_red, or 0 under the linear law, and chi */
     double hertz, chi, side;
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A [m/s^2, ...] */
-    bool at_rim;          /* contact at a rim or a torus; else the fields above give `rim` */
-    struct rim_start rim; /* a step about a centre sets it: n, across both, the tangent in place of a, e, b */
 };
 
 /* Result of the iteration. Rows and corrections of n hold the changes of azimuth and tilt as x and y, those
@@ -80,11 +79,9 @@ struct collocation {
     struct collocation_problem from;
     const struct lobatto *nodes;
     enum collocation_kind kind;
-    double half;                                              /* half the step [s] */
-    bool head_on;                                             /* c' and A are along n, which is constant */
-    struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A in the frame of the start, rim.frame */
-    struct nodal_vec3 acceleration_at;                        /* A at the nodes, in this frame */
-    struct rim_angles angles[LOBATTO_MAX];                    /* of the present n at the nodes */
+    double half;                           /* half the step [s] */
+    struct nodal_vec3 acceleration_at;     /* A at the nodes */
+    struct rim_angles angles[LOBATTO_MAX]; /* of the present n at the nodes */
     struct collocation_result result;
 };
 
@@ -119,7 +116,7 @@ struct collocation_change {
     double deviation;   /* x(s) [m] */
 };
 
-/* Returns the change from the start to s, in the world. Its error at s = 2 is of the order that the
+/* Returns the change from the start to s, in rim.frame. Its error at s = 2 is of the order that the
  * collocation has at its ends; before s = 2 it is the interior error. */
 struct collocation_change collocation_change_at(const struct collocation *p, double s);
 
@@ -131,8 +128,8 @@ double collocation_dissipated(const struct collocation *p, double s);
 void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
                        double axial[3]);
 
-/* Returns the moment of c - c(0): the integral of t^power (c - c(0)) dt from 0 to s [m s^(power+1)], in the
- * world. */
+/* Returns the moment of c - c(0): the integral of t^power (c - c(0)) dt from 0 to s [m s^(power+1)], in
+ * rim.frame. */
 struct vec3 collocation_moment(const struct collocation *p, int power, double s);
 
 #endif

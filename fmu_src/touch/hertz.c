@@ -435,8 +435,8 @@ bool quasi_static_make(struct segment *p)
     const double accuracy = slow_accuracy(p);
     const double radians = SLOW_STEP * pow(accuracy / SLOW_FINEST, 1.0 / LOBATTO_MAX);
     segment_take_timescales(p);
-    const bool turns = !vec3_is_zero(p->scales.problem.tangent);
-    double step = turns ? fmin(p->longest, radians / p->scales.tangential_rate) : p->longest;
+    double step =
+        p->scales.problem.head_on ? p->longest : fmin(p->longest, radians / p->scales.tangential_rate);
     const double opening = pair_gap_derivative(&p->pair);
     const double part_of_depth = PART_OF_DEPTH * -p->pair.gap / fabs(opening);
     if (scales.creep > 0.0 && opening > 0.0) {

@@ -29,7 +29,7 @@ enum segment_kind {
  * flight. */
 struct pair_series {
     const struct contact_pair *from;
-    struct frame_flight flight;
+    const struct frame_flight *flight;
     struct expansion terms;
     struct expansion_row row;
     struct expansion_body body[2];
@@ -83,7 +83,8 @@ struct segment {
         struct pair_series series;
         struct hertz_elastic hertz_elastic;
     } as;
-    struct pair_timescales scales; /* set by all kinds but the closed form */
+    struct frame_flight flight;    /* set for all kinds but the closed forms */
+    struct pair_timescales scales; /* set for the collocated kinds */
     bool event_free;               /* the segment has no event */
     bool clear_of_centre;          /* the segment does not meet d = 0 */
     double largest_gap;            /* bound of |g| [m]; 0: the largest of the samples */
@@ -114,7 +115,7 @@ bool segment_is_deep(const struct segment *p);
 /* Sets the rates and sizes of the motion at the start, from which a collocated step is made. */
 static inline void segment_take_timescales(struct segment *p)
 {
-    pair_timescales_make(&p->scales, &p->pair);
+    pair_timescales_make(&p->scales, &p->pair, &p->flight);
     p->as.collocation.from = &p->pair;
     p->as.collocation.felt = p->scales.felt;
 }
