@@ -21,8 +21,8 @@
  *                and enters n and H as in an averaged step; X' = u - slower X, where slower and faster are
  *                the decay rates and u is the particular solution at the faster rate
  * Under Hertz's law (hertz.c) only steps whose y is negligible are of use. In an averaged step omega2 and
- * damping_rate are then the mean slopes of the force, and f contains what the force differs from theirs. An
- * overdamped step has x' from f, x and x'' in place of u and X.
+ * damping_rate are then the mean slopes of the force, and f contains the force less the part that these slopes
+ * make. In an overdamped step x' follows from f, x and x'', and there is neither u nor X.
  *
  * Variable s in [0, 2] over the step: time = half s. Derivatives of x are taken with respect to s.
  */
@@ -44,7 +44,7 @@ enum { COLLOCATION_ACCELERATION_TERMS = 3 };
  * About a centre the frame is n, across both, and the direction in which n begins to turn. */
 struct collocation_problem {
     struct rim_start rim;
-    bool at_rim;         /* contact at a rim or a torus, which have a zone or two curvatures */
+    bool at_rim;         /* contact at a rim or a torus */
     bool head_on;        /* c' and A are along n, which is constant */
     double radial;       /* x' = n.c' [m/s] */
     double reach;        /* [m] */
@@ -54,6 +54,8 @@ struct collocation_problem {
     /* Hertz's law (contact_pair): k_h divided by m_red, or 0 under the linear law, and chi */
     double hertz, chi, side;
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A [m/s^2, ...] */
+    /* C, the separation by A alone, from the first coefficient on [m/s, ...] */
+    struct vec3 flown[COLLOCATION_ACCELERATION_TERMS + 1];
 };
 
 /* Result of the iteration. Rows and corrections of n hold the changes of azimuth and tilt as x and y, those
@@ -72,7 +74,7 @@ struct collocation_result {
     struct oscillator oscillator;
     double y, y_rate;       /* y and dy/ds at the start [m] */
     double deviation_error; /* estimated truncation error of x between the ends [m] */
-    double interior_error;  /* the same of d n and H, and of x by its part in a position [m] */
+    double interior_error;  /* that of c [m]; in an overdamped step x counts as if it were as large as d */
 };
 
 struct collocation {

@@ -139,7 +139,6 @@ static bool elastic_solve(struct hertz_elastic *p, const struct contact_pair *fr
         return false;
     }
     const double rate = pair_gap_derivative(from);
-    p->from = from;
     p->load = -2.0 * from->shape.side * vec3_dot(from->normal, pair_across(from, from->flight.c[2]));
     p->touch = rate * rate + elastic_stored(k, depth) - 2.0 * p->load * depth;
     p->deepest = elastic_deepest(k, p->load, p->touch);
@@ -434,7 +433,7 @@ bool quasi_static_make(struct segment *p)
     const struct slow_scales scales = slow_scales_of(&p->pair);
     const double accuracy = slow_accuracy(p);
     const double radians = SLOW_STEP * pow(accuracy / SLOW_FINEST, 1.0 / LOBATTO_MAX);
-    segment_take_timescales(p);
+    pair_timescales_make(&p->scales, &p->pair, &p->flight);
     double step =
         p->scales.problem.head_on ? p->longest : fmin(p->longest, radians / p->scales.tangential_rate);
     const double opening = pair_gap_derivative(&p->pair);

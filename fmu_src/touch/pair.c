@@ -804,7 +804,7 @@ struct pair_change pair_collocation_advance(const void *pair_collocation, double
     struct pair_change change = {.time = p->step.half * s, .r = step.moved, .r_rate = step.gained};
     double power = 1.0;
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        const struct vec3 c = p->felt[i - 1];
+        const struct vec3 c = p->step.from.flown[i - 1];
         if (i > 1) {
             change.r_rate = vec3_axpy(change.r_rate, -i * power, c);
         }
@@ -837,7 +837,7 @@ void pair_collocation_moments(const void *pair_collocation, double s, const stru
         moment[j] = collocation_moment(&p->step, j, s);
         for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
             part *= change->time;
-            moment[j] = vec3_axpy(moment[j], -part / (i + j + 1), p->felt[i - 1]);
+            moment[j] = vec3_axpy(moment[j], -part / (i + j + 1), p->step.from.flown[i - 1]);
         }
         moment[j] = step_in_world(p, moment[j]);
         power *= change->time;
@@ -856,10 +856,11 @@ static void take_frame(struct pair_timescales *out, const struct contact_pair *p
     out->problem.head_on = flight->head_on;
     for (int i = 0; i < SEPARATION_DEGREE; ++i) {
         const double *c = flight->c[i + 1];
-        out->felt[i] = at_rim ? vec3_from(c) : vec3_make(c[0], flight->dimensions > 2 ? c[2] : 0.0, c[1]);
+        out->problem.flown[i] =
+            at_rim ? vec3_from(c) : vec3_make(c[0], flight->dimensions > 2 ? c[2] : 0.0, c[1]);
     }
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        out->problem.acceleration[i] = vec3_scale((i + 1) * (i + 2), out->felt[i + 1]);
+        out->problem.acceleration[i] = vec3_scale((i + 1) * (i + 2), out->problem.flown[i + 1]);
     }
     out->problem.rim =
         at_rim ? pair_rim_start(p)
@@ -867,8 +868,8 @@ static void take_frame(struct pair_timescales *out, const struct contact_pair *p
                                     .distance = d,
                                     .rho = d,
                                     .cosine = 1.0,
-                                    .azimuth_momentum = d * out->felt[0].z,
-                                    .tilt_momentum = -d * out->felt[0].y};
+                                    .azimuth_momentum = d * out->problem.flown[0].z,
+                                    .tilt_momentum = -d * out->problem.flown[0].y};
 }
 
 void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p,

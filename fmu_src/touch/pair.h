@@ -177,9 +177,8 @@ void pair_oscillation_moments(const void *pair_oscillation, double s, const stru
 /* Rates and sizes of the motion at the start of a collocated step. */
 struct pair_timescales {
     struct collocation_problem problem;
-    struct vec3 felt[SEPARATION_DEGREE]; /* coefficients of C from the first one on, in the problem's frame */
-    double distance;                     /* d [m]; INFINITY of a plane, whose normal never turns */
-    double rate_along;                   /* |c' along the contact| / d [1/s] */
+    double distance;   /* d [m]; INFINITY of a plane, whose normal never turns */
+    double rate_along; /* |c' along the contact| / d [1/s] */
     /* rate_along + sqrt(|A| / d) at the start: n turns by about a radian in its inverse [1/s] */
     double tangential_rate;
     /* rates of the radial oscillator; sqrt(p_n / m_red) below critical damping [1/s] */
@@ -201,7 +200,6 @@ double pair_step_within(const struct pair_timescales *scales, double longest, do
 
 struct pair_collocation {
     const struct contact_pair *from;
-    const struct vec3 *felt; /* of pair_timescales */
     struct collocation step;
 };
 

@@ -559,7 +559,7 @@ static bool overdamped_make(struct segment *p)
     const double longest = fmin(p->longest, COLLOCATED_SHORTEST / scales->rates.slower);
     double step = pair_step_within(scales, longest, OVERDAMPED_STEP);
     if (pair_tangential_rate_within(scales, step) > 0.0) {
-        step = fmin(step, OVERDAMPED_GROWTH * p->pair.distance / vec3_norm(scales->felt[0]));
+        step = fmin(step, OVERDAMPED_GROWTH * p->pair.distance / vec3_norm(scales->problem.flown[0]));
     }
     double decay = 0.0;
     for (int i = 0; i < ATTEMPTS && step * scales->rates.faster >= COLLOCATED_SHORTEST; ++i) {
@@ -1164,6 +1164,7 @@ void segment_moments(const struct segment *p, double s, const struct pair_change
 static bool make_kind(struct segment *p, enum segment_kind kind)
 {
     p->kind = kind;
+    p->as.from = &p->pair;
     p->event_free = false;
     /* contact in a hollow body ends before the centre */
     p->clear_of_centre = !contact_may_reach_centre(&p->pair.shape);
@@ -1214,7 +1215,7 @@ static double longest_by_flight(const struct segment *p)
 static bool make_collocated(struct segment *p)
 {
     enum segment_kind kind = SEGMENT_AVERAGED;
-    segment_take_timescales(p);
+    pair_timescales_make(&p->scales, &p->pair, &p->flight);
     while (kind < SEGMENT_SERIES && !make_kind(p, kind)) {
         kind += 1;
     }

@@ -78,6 +78,7 @@ struct segment {
     /* Only the kinds and the search for peaks read the members below. */
     enum segment_kind kind;
     union {
+        const struct contact_pair *from; /* &pair, the first member of all kinds */
         struct pair_oscillation oscillation;
         struct pair_collocation collocation;
         struct pair_series series;
@@ -111,14 +112,6 @@ void segment_moments(const struct segment *p, double s, const struct pair_change
 
 /* Whether the contact may become deeper than the bodies are wide. Positions then do not give the gap. */
 bool segment_is_deep(const struct segment *p);
-
-/* Sets the rates and sizes of the motion at the start, from which a collocated step is made. */
-static inline void segment_take_timescales(struct segment *p)
-{
-    pair_timescales_make(&p->scales, &p->pair, &p->flight);
-    p->as.collocation.from = &p->pair;
-    p->as.collocation.felt = p->scales.felt;
-}
 
 /* Moves the bodies from the start of the segment to s, books impulse, energies and work of the contact, but
  * not the clock. Notes the peaks from the place `from` on. */

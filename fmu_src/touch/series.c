@@ -59,7 +59,6 @@ static void begin_series(struct pair_series *p, const struct contact_pair *from,
 {
     struct expansion_row *r = &p->row;
     const bool at_rim = contact_is_circle(&from->shape);
-    p->from = from;
     p->flight = flight;
     memset(&p->terms, 0, sizeof p->terms);
     memset(r, 0, sizeof *r);
