@@ -317,7 +317,7 @@ static double update_load(struct collocation *p)
 {
     const int points = p->nodes->points;
     const double *weight = p->nodes->integral + points - 1;
-    nodal_values values;
+    nodal_values values = {0.0};
     nodal_values softening;
     double mean = 0.0;
     put_load(p, values, softening);

@@ -21,8 +21,8 @@
  *                and enters n and H as in an averaged step; X' = u - slower X, where slower and faster are
  *                the decay rates and u is the particular solution at the faster rate
  * Under Hertz's law (hertz.c) only steps whose y is negligible are of use. In an averaged step omega2 and
- * damping_rate are then the mean slopes of the force, and f contains the force less the part that these slopes
- * make. In an overdamped step x' follows from f, x and x'', and there is neither u nor X.
+ * damping_rate are then the mean slopes of the force, and f contains the force less the part that these
+ * slopes make. In an overdamped step x' follows from f, x and x'', and there is neither u nor X.
  *
  * Variable s in [0, 2] over the step: time = half s. Derivatives of x are taken with respect to s.
  */
