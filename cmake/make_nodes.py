@@ -251,8 +251,6 @@ def text() -> str:
             "const struct lobatto lobatto[LOBATTO_SIZES] = {",
             *(f"    {members(str(points), points)}," for points in LOBATTO),
             "};\n",
-            node_tables(f"radau_{RADAU}", radau_nodes(RADAU)),
-            f"const struct lobatto radau = {members(f'radau_{RADAU}', RADAU)};\n",
             *(stage_tables(stages) for stages in STAGES),
             *(stage_tables(RADAU, pace) for pace in PACES),
             "/* clang-format on */",

@@ -22,13 +22,6 @@ struct lobatto {
 
 extern const struct lobatto lobatto[LOBATTO_SIZES];
 
-/* The right Radau nodes of [-1, 1]. Radau IIA with twelve stages has order 23 and damps away motion that is
- * too fast for a step. The start is no node, so the collocation polynomial does not follow fast motion at the
- * start. */
-enum { RADAU_POINTS = 12 };
-
-extern const struct lobatto radau;
-
 /*
  * Constants of Radau IIA at the right Radau nodes of [0, 1].
  *

@@ -3,21 +3,9 @@
 
 #include "contact/choices.h"
 #include "math/compiler.h"
+#include "math/lu.h"
 #include "math/series.h"
 #include "touch/collocation.h"
-
-/* These two functions turn a vector of the world into the frame of the start, and back. */
-static inline struct vec3 collocation_in_frame(const struct collocation *p, struct vec3 a)
-{
-    return vec3_make(vec3_dot(p->from.rim.frame[0], a), vec3_dot(p->from.rim.frame[1], a),
-                     vec3_dot(p->from.rim.frame[2], a));
-}
-
-static inline struct vec3 collocation_in_world(const struct collocation *p, struct vec3 a)
-{
-    return vec3_axpy(vec3_axpy(vec3_scale(a.x, p->from.rim.frame[0]), a.y, p->from.rim.frame[1]), a.z,
-                     p->from.rim.frame[2]);
-}
 
 static struct vec3 at_row(const struct nodal_vec3 *row, int i)
 {
@@ -27,7 +15,7 @@ static struct vec3 at_row(const struct nodal_vec3 *row, int i)
 /* Returns A in the frame at s [m/s^2]. */
 static struct vec3 acceleration_then(const struct collocation *p, double s)
 {
-    return path_at(p->acceleration, COLLOCATION_ACCELERATION_TERMS, p->half * s);
+    return path_at(p->from.acceleration, COLLOCATION_ACCELERATION_TERMS, p->half * s);
 }
 
 /* Returns the integral of y over time, expressed by the present y and y' [m s]. */
@@ -89,10 +77,12 @@ static struct collocation_correction correction_of(const struct collocation *p, 
 static double load_at_start(const struct collocation *p)
 {
     const struct rim_state at = rim_state_at_start(p);
-    return rim_slopes_at(&at, p->acceleration[0]).load;
+    return rim_slopes_at(&at, p->from.acceleration[0]).load;
 }
 
-void collocation_load(const struct collocation *p, double *values, double *softening)
+/* Sets `values` to the load f times half^2 [m] at the nodes, and `softening` to half of -half^2 df/dx by the
+ * centrifugal terms. */
+static void put_load(const struct collocation *p, double *values, double *softening)
 {
     const double half2 = p->half * p->half;
     for (int i = 0; i < p->nodes->points; ++i) {
@@ -122,16 +112,17 @@ static double integrate_two(const struct collocation *p, const struct nodal_vec3
     return change;
 }
 
-double collocation_turn(struct collocation *p)
+/* Makes one sweep of n and H, at the x that the nodes have; returns the largest change [m]. */
+CONTACT_FLATTEN static double turn(struct collocation *p)
 {
-    if (p->head_on) {
+    if (p->from.head_on) {
         return 0.0;
     }
     const double distance = p->from.rim.distance;
     const double scale = p->from.rim.rho / distance;
     const struct rim_state start = rim_state_at_start(p);
     const struct collocation_correction correction =
-        correction_of(p, &start, p->acceleration[0], p->result.y, p->result.y_rate);
+        correction_of(p, &start, p->from.acceleration[0], p->result.y, p->result.y_rate);
     p->result.normal_correction = correction.normal;
     p->result.momentum_correction = correction.momentum;
     nodal_values per_rho_squared;
@@ -163,6 +154,34 @@ enum { MAX_SWEEPS = 30 };
 /* Rounding of the coefficients relative to the nodal values: a coefficient is a sum of nodal values with
  * factors up to 611 (lobatto.monomial). */
 static const double COEFFICIENT_ROUNDING = 1e-12;
+
+/* Returns the part by Hertz's spring of d2x/ds2 at a node [m]: half^2 side (k_h / m_red) delta^(3/2). */
+static double hertz_push(const struct collocation *p, int i)
+{
+    const double depth = -p->from.side * p->result.x[i];
+    return p->half * p->half * p->from.side * p->from.hertz * depth * sqrt(depth);
+}
+
+/* Makes the oscillator and the load of an averaged step under Hertz's law: the oscillator has the mean slopes
+ * of the force at the nodes, and the load gets what the force differs from that of the oscillator. */
+static void linearize(struct collocation *p, double *load)
+{
+    const int points = p->nodes->points;
+    const double chi = p->from.side * p->from.chi / p->half;
+    struct oscillator mean = {0.0, 0.0};
+    nodal_values rate;
+    for (int i = 0; i < points; ++i) {
+        const double push = hertz_push(p, i);
+        rate[i] = nodal_slope(p->result.slow, points, 1.0 + p->nodes->node[i]);
+        load[i] += push * (1.0 - chi * rate[i]);
+        mean.omega2 -= 1.5 * push / p->result.x[i] * (1.0 - chi * rate[i]) / points;
+        mean.damping_rate += push * chi / points;
+    }
+    for (int i = 0; i < points; ++i) {
+        load[i] += mean.omega2 * p->result.x[i] + mean.damping_rate * rate[i];
+    }
+    p->result.oscillator = mean;
+}
 
 /* x = s + y: s is the particular solution for the load, y the free oscillation from the start values. */
 static void oscillator_response(struct collocation *p, double softening)
@@ -199,6 +218,68 @@ static void overdamped_response(struct collocation *p)
     nodal_coefficients(p->nodes, p->result.x, p->result.slow);
 }
 
+/* Columns of the matrix below have room for the zeros behind them (lu.h). */
+enum { CREEP_STRIDE = LOBATTO_MAX + LANES };
+
+/* Solves x = x(0) + integral of x' for x at the nodes by a step of Newton's method, where x' is `rate` at the
+ * present x and has the derivative -slope[j] with respect to it. */
+static void follow_rate(struct collocation *p, const double *rate, const double *slope)
+{
+    const int points = p->nodes->points;
+    double at[LOBATTO_MAX * CREEP_STRIDE] = {0.0};
+    double missing[CREEP_STRIDE] = {0.0};
+    int pivot[LOBATTO_MAX];
+    const struct lu_matrix system = {points, CREEP_STRIDE, at, pivot};
+    (void)nodal_integrate(p->nodes, rate, missing);
+    for (int j = 0; j < points; ++j) {
+        missing[j] += p->from.deviation - p->result.x[j];
+        for (int i = 0; i < points; ++i) {
+            at[j * CREEP_STRIDE + i] = p->nodes->integral[j * points + i] * slope[j] + (i == j ? 1.0 : 0.0);
+        }
+    }
+    if (lu_factor(system)) {
+        lu_solve(system, missing);
+    }
+    for (int i = 0; i < points; ++i) {
+        p->result.x[i] += missing[i];
+    }
+}
+
+/* An overdamped step under Hertz's law. The rate v = dx/ds follows from v + v'/decay = (load + push) / decay,
+ * where `push` is the spring's part of the force and `decay` the fast decay's rate, both by the depth. The
+ * left side is solved with the mean of 1/decay. The rest of v'/decay is taken from the last sweep. y is the
+ * fast decay, by which v misses the rate of the start. */
+static void creeping_response(struct collocation *p, const double *load)
+{
+    const int points = p->nodes->points;
+    nodal_values right = {0.0};
+    nodal_values bend;
+    nodal_values slope;
+    double inverse = 0.0; /* mean of 1/decay */
+    for (int i = 0; i < points; ++i) {
+        const double push = hertz_push(p, i);
+        const double decay = p->from.chi / p->half * fabs(push);
+        double x[4];
+        nodal_derivatives(p->result.slow, points, 1.0 + p->nodes->node[i], x);
+        bend[i] = x[2];
+        right[i] = (load[i] + push - bend[i]) / decay;
+        slope[i] = 1.5 * load[i] / (decay * p->result.x[i]);
+        inverse += 1.0 / (decay * points);
+    }
+    for (int i = 0; i < points; ++i) {
+        right[i] = right[i] / inverse + bend[i];
+    }
+    nodal_values rate;
+    nodal_values a;
+    nodal_coefficients(p->nodes, right, a);
+    relaxation_particular(1.0 / inverse, a, a, points);
+    nodal_values_of(p->nodes, a, rate);
+    p->result.y_rate = p->half * p->from.radial - rate[0];
+    p->result.y = -p->result.y_rate * inverse;
+    follow_rate(p, rate, slope);
+    nodal_coefficients(p->nodes, p->result.x, p->result.slow);
+}
+
 /* Returns a rough bound of |x| in the step [m]. */
 static double size_of_deviation(const struct collocation *p)
 {
@@ -216,10 +297,10 @@ static double apply_load(struct collocation *p, const double *values, double sof
     nodal_values before;
     double change = 0.0;
     memcpy(before, p->result.slow, sizeof before);
-    p->result.oscillator =
-        (struct oscillator){p->from.omega2 * p->half * p->half, p->from.damping_rate * p->half};
     nodal_coefficients(p->nodes, values, p->result.load);
-    if (p->kind == COLLOCATION_OVERDAMPED) {
+    if (CONTACT_ANY_HERTZ && p->from.hertz > 0.0 && p->kind == COLLOCATION_OVERDAMPED) {
+        creeping_response(p, values);
+    } else if (p->kind == COLLOCATION_OVERDAMPED) {
         overdamped_response(p);
     } else {
         oscillator_response(p, softening);
@@ -236,10 +317,15 @@ static double update_load(struct collocation *p)
 {
     const int points = p->nodes->points;
     const double *weight = p->nodes->integral + points - 1;
-    nodal_values values;
+    nodal_values values = {0.0};
     nodal_values softening;
     double mean = 0.0;
-    collocation_load(p, values, softening);
+    put_load(p, values, softening);
+    p->result.oscillator =
+        (struct oscillator){p->from.omega2 * p->half * p->half, p->from.damping_rate * p->half};
+    if (CONTACT_ANY_HERTZ && p->from.hertz > 0.0 && p->kind == COLLOCATION_AVERAGED) {
+        linearize(p, values);
+    }
     /* the mean of -half^2 df/dx over the step is half its integral over s, which is the integral of
      * `softening` */
     for (int i = 0; i < points && p->kind == COLLOCATION_AVERAGED; ++i) {
@@ -252,9 +338,9 @@ static double update_load(struct collocation *p)
 static double sweep(struct collocation *p)
 {
     const double by_load = update_load(p);
-    /* a head-on load does not depend on x, but an overdamped X is iterated */
-    const bool is_solved = p->head_on && p->kind != COLLOCATION_OVERDAMPED;
-    return is_solved ? 0.0 : larger(by_load, collocation_turn(p));
+    /* a head-on load does not depend on x under the linear law, but an overdamped X is iterated */
+    const bool is_solved = p->from.head_on && p->kind != COLLOCATION_OVERDAMPED && p->from.hertz == 0.0;
+    return is_solved ? 0.0 : larger(by_load, turn(p));
 }
 
 static double tail_of(const struct collocation *p, const struct nodal_vec3 *values)
@@ -264,7 +350,7 @@ static double tail_of(const struct collocation *p, const struct nodal_vec3 *valu
 
 /* Estimates the error from the last coefficients of the integrands. The integral of a Chebyshev polynomial is
  * smaller than the polynomial by a factor of its degree. */
-static double tail_of_all(const struct collocation *p)
+static double tail_of_all(struct collocation *p)
 {
     const int points = p->nodes->points;
     const double of_deviation = larger(fabs(p->result.slow[points - 1]), fabs(p->result.slow[points - 2]));
@@ -272,10 +358,11 @@ static double tail_of_all(const struct collocation *p)
     /* the first omitted coefficient is less than a quarter of the last one: their ratio is half the step's
      * radians, two at most, divided by the index */
     const double left_out = 0.25 * ldexp(of_deviation, 2 - points);
-    const bool is_overdamped = p->kind == COLLOCATION_OVERDAMPED;
+    const bool is_overdamped = p->kind == COLLOCATION_OVERDAMPED && p->from.hertz == 0.0;
+    p->result.deviation_error = left_out;
     const double by_deviation =
         is_overdamped && size > 0.0 ? left_out * larger(1.0, p->from.rim.distance / size) : left_out;
-    if (p->head_on) {
+    if (p->from.head_on) {
         return by_deviation;
     }
     const double by_normal = p->from.rim.distance * tail_of(p, &p->result.n_rate);
@@ -283,8 +370,8 @@ static double tail_of_all(const struct collocation *p)
     return larger(by_deviation, larger(by_normal, by_momentum) / points);
 }
 
-/* Local coordinates are singular at the centre, d = 0. */
-bool collocation_finish(struct collocation *p)
+/* Returns whether all values are finite and d > 0, because local coordinates are singular at the centre. */
+static bool finish(struct collocation *p)
 {
     if (CONTACT_ANY_CIRCLE && p->from.at_rim) {
         nodal_coefficients(p->nodes, p->result.n_rate.y, p->result.tilt_rate);
@@ -312,7 +399,7 @@ static bool iterate(struct collocation *p, double tolerance)
         gain = before > 0.0 && p->kind != COLLOCATION_OVERDAMPED ? fmin(1.0, change / before) : 1.0;
         if (change * fmax(gain, gain_before) <= tolerance) {
             p->result.interior_error = tail_of_all(p);
-            return collocation_finish(p);
+            return finish(p);
         }
         before = change;
     }
@@ -347,17 +434,17 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
     const struct vec3 none = {0.0, 0.0, 0.0};
     double x[4];
     collocation_deviation(p, s, x);
-    const struct rim_state then = p->head_on ? rim_state_by(p, none, none, x[0]) : rim_state_then(p, s, x);
-    return (struct collocation_change){
-        collocation_in_world(p, rim_moved(&p->from.rim, &then)),
-        collocation_in_world(p, rim_gained(&p->from.rim, &then, p->from.radial, x[1] / p->half)), x[0]};
+    const struct rim_state then =
+        p->from.head_on ? rim_state_by(p, none, none, x[0]) : rim_state_then(p, s, x);
+    return (struct collocation_change){rim_moved(&p->from.rim, &then),
+                                       rim_gained(&p->from.rim, &then, p->from.radial, x[1] / p->half), x[0]};
 }
 
 void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
                        double axial[3])
 {
     double tilt[3] = {p->from.rim.tilt, 0.0, 0.0};
-    if (!p->head_on) {
+    if (!p->from.head_on) {
         const int points = p->nodes->points;
         tilt[0] += nodal_integral(p->result.tilt_rate, points, s) - p->result.normal_correction.y;
         tilt[1] = taylor_at(p->result.tilt_rate, points, s - 1.0);
@@ -379,14 +466,7 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
 
 void collocation_averaged_deviation(const struct collocation *p, double s, double x[4])
 {
-    if (p->kind != COLLOCATION_QUASI_STATIC) {
-        nodal_derivatives(p->result.slow, p->nodes->points, s, x);
-        return;
-    }
-    double rate[4];
-    nodal_derivatives(p->result.slow_rate, p->nodes->points, s, rate);
-    x[0] = p->from.deviation + nodal_integral(p->result.slow_rate, p->nodes->points, s);
-    memcpy(x + 1, rate, 3 * sizeof *rate);
+    nodal_derivatives(p->result.slow, p->nodes->points, s, x);
 }
 
 /* Adds y and its derivatives with respect to s to x and its derivatives. */
@@ -402,9 +482,6 @@ static void add_oscillation(const struct collocation *p, double y, double y_rate
 void collocation_deviation(const struct collocation *p, double s, double x[4])
 {
     collocation_averaged_deviation(p, s, x);
-    if (p->kind == COLLOCATION_QUASI_STATIC) {
-        return;
-    }
     const struct oscillator_basis by = oscillator_basis_at(&p->result.oscillator, s);
     add_oscillation(p, p->result.y * by.y_of_y + p->result.y_rate * by.y_of_rate,
                     p->result.y * by.rate_of_y + p->result.y_rate * by.rate_of_rate, x);
@@ -524,93 +601,30 @@ struct vec3 collocation_moment(const struct collocation *p, int power, double s)
         nodal_coefficients(p->nodes, rows[k][0], a);
         sum[k] = nodal_integral(a, p->nodes->points, s) + moment_of_oscillation(p, rows[k][1], s);
     }
-    return collocation_in_world(p, vec3_from(sum));
-}
-
-/* The start of a collocated step: its frame, the problem at the nodes, the first guess. */
-
-/* Rounding of a product with the frame's vectors, relative to its factors. */
-static const double FRAME_ROUNDING = 4.0 * DBL_EPSILON;
-
-/* Takes away a vector's part along the second direction of the frame if the vector lies across this direction
- * to rounding. */
-static struct vec3 flattened(struct vec3 a)
-{
-    a.y = fabs(a.y) > FRAME_ROUNDING * (fabs(a.x) + fabs(a.z)) ? a.y : 0.0;
-    return a;
-}
-
-/* Returns the start of a motion about a centre or an axis: a rim of radius zero whose axis is across n and
- * across the direction in which n begins to turn. */
-static struct rim_start start_about_centre(const struct collocation_problem *from)
-{
-    const struct vec3 n = from->normal;
-    const double d = from->reach + from->deviation;
-    const struct vec3 along = from->tangent;
-    const struct vec3 across = vec3_cross(n, along);
-    const struct vec3 rate = flattened(
-        vec3_make(vec3_dot(n, from->rate), vec3_dot(across, from->rate), vec3_dot(along, from->rate)));
-    return (struct rim_start){.frame = {n, across, along},
-                              .distance = d,
-                              .rho = d,
-                              .cosine = 1.0,
-                              .azimuth_momentum = d * rate.z,
-                              .tilt_momentum = -d * rate.y};
-}
-
-/* Whether c' and A are along the normal, so that n and H are constant. */
-static bool is_head_on(const struct collocation_problem *from)
-{
-    double across = vec3_max_abs(vec3_cross(from->normal, from->rate));
-    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        across = fmax(across, vec3_max_abs(vec3_cross(from->normal, from->acceleration[i])));
-    }
-    return !(across > 0.0);
-}
-
-static void set_frame(struct collocation *p)
-{
-    const bool at_rim = CONTACT_ANY_CIRCLE && p->from.at_rim;
-    if (!at_rim) {
-        p->from.rim = start_about_centre(&p->from);
-    }
-    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        const struct vec3 acceleration = collocation_in_frame(p, p->from.acceleration[i]);
-        p->acceleration[i] = at_rim ? acceleration : flattened(acceleration);
-    }
+    return vec3_from(sum);
 }
 
 /* Makes first guesses: n and H as at the start, and a constant x, which is its start, or its equilibrium in
- * an averaged step. */
-static void start_step(struct collocation *p, const struct collocation_problem *from, double step,
-                       enum collocation_kind kind, const struct lobatto *nodes)
+ * an averaged step under the linear law. */
+static void begin(struct collocation *p, const struct collocation_problem *from, double step,
+                  enum collocation_kind kind)
 {
     p->from = *from;
-    p->nodes = nodes;
+    p->nodes = &lobatto[LOBATTO_TWELVE];
     p->kind = kind;
     p->half = 0.5 * step;
-    p->head_on = is_head_on(from);
     p->result.normal_correction = p->result.momentum_correction = vec3_make(0.0, 0.0, 0.0);
-    set_frame(p);
     memset(p->result.tilt_rate, 0, sizeof p->result.tilt_rate);
     memset(&p->result.n, 0, sizeof p->result.n);
     memset(&p->result.h, 0, sizeof p->result.h);
     memset(p->result.slow, 0, sizeof p->result.slow);
-    p->result.slow[0] = kind == COLLOCATION_AVERAGED ? load_at_start(p) / from->omega2 : from->deviation;
+    p->result.slow[0] = kind == COLLOCATION_AVERAGED && from->hertz == 0.0 ? load_at_start(p) / from->omega2
+                                                                           : from->deviation;
     p->result.y = from->deviation - p->result.slow[0];
-    p->result.y_rate = kind == COLLOCATION_QUASI_STATIC ? 0.0 : p->half * p->from.radial;
-    p->result.oscillator = (struct oscillator){1.0, 0.0}; /* a quasi-static step has no other */
+    p->result.y_rate = p->half * p->from.radial;
     note_angles(p);
-    for (int i = 0; i < nodes->points; ++i) {
-        p->result.x[i] = p->result.slow[0];
-    }
-}
-
-void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
-                       enum collocation_kind kind, const struct lobatto *nodes)
-{
-    start_step(p, from, step, kind, nodes);
     for (int i = 0; i < p->nodes->points; ++i) {
+        p->result.x[i] = p->result.slow[0];
         nodal_put_vec3(&p->acceleration_at, i, acceleration_then(p, 1.0 + p->nodes->node[i]));
     }
 }
@@ -618,6 +632,6 @@ void collocation_begin(struct collocation *p, const struct collocation_problem *
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
                       enum collocation_kind kind, double tolerance)
 {
-    collocation_begin(p, from, step, kind, &lobatto[LOBATTO_TWELVE]);
+    begin(p, from, step, kind);
     return iterate(p, tolerance);
 }

@@ -13,14 +13,16 @@
  * polynomials collocated at the Lobatto nodes (exponential collocation: Hochbruck and Ostermann, Acta
  * Numerica 19 (2010) 209; Lobatto IIIA: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5).
  *
- * x = s + y: s is the particular solution for f, y the free oscillation from the start values. Three kinds of
+ * x = s + y: s is the particular solution for f, y the free oscillation from the start values. Two kinds of
  * step:
  *   averaged     many small oscillations; f, n and H depend on y to first order, and this dependence is
  *                integrated in closed form
  *   overdamped   far beyond critical damping, or without a spring: x = X + y, where y is the fast decay alone
  *                and enters n and H as in an averaged step; X' = u - slower X, where slower and faster are
  *                the decay rates and u is the particular solution at the faster rate
- *   quasi-static at the right Radau nodes, y = 0: the caller finds x by another law than the linear one
+ * Under Hertz's law (hertz.c) only steps whose y is negligible are of use. In an averaged step omega2 and
+ * damping_rate are then the mean slopes of the force, and f contains the force less the part that these
+ * slopes make. In an overdamped step x' follows from f, x and x'', and there is neither u nor X.
  *
  * Variable s in [0, 2] over the step: time = half s. Derivatives of x are taken with respect to s.
  */
@@ -34,23 +36,26 @@
 #include "math/vec3.h"
 #include "touch/rim.h"
 
-enum collocation_kind { COLLOCATION_AVERAGED, COLLOCATION_OVERDAMPED, COLLOCATION_QUASI_STATIC };
+enum collocation_kind { COLLOCATION_AVERAGED, COLLOCATION_OVERDAMPED };
 
 enum { COLLOCATION_ACCELERATION_TERMS = 3 };
 
-/* The start of a step. A is a polynomial of the time from the start, given by its coefficients. */
+/* The start of a step. A is a polynomial of the time from the start, given by its coefficients, in rim.frame.
+ * About a centre the frame is n, across both, and the direction in which n begins to turn. */
 struct collocation_problem {
-    struct vec3 normal;  /* n, unit */
-    struct vec3 tangent; /* unit direction in which n begins to turn; zero if head-on */
-    struct vec3 rate;    /* c' [m/s] */
-    double radial;       /* x' = n.c', more accurate than by `rate` [m/s] */
+    struct rim_start rim;
+    bool at_rim;         /* contact at a rim or a torus */
+    bool head_on;        /* c' and A are along n, which is constant */
+    double radial;       /* x' = n.c' [m/s] */
     double reach;        /* [m] */
     double deviation;    /* x [m] */
     double omega2;       /* stiffness divided by m_red, > 0 [1/s^2] */
     double damping_rate; /* [1/s] */
+    /* Hertz's law (contact_pair): k_h divided by m_red, or 0 under the linear law, and chi */
+    double hertz, chi, side;
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A [m/s^2, ...] */
-    bool at_rim;          /* contact at a rim or a torus; else the fields above give `rim` */
-    struct rim_start rim; /* a step about a centre sets it: n, across both, the tangent in place of a, e, b */
+    /* C, the separation by A alone, from the first coefficient on [m/s, ...] */
+    struct vec3 flown[COLLOCATION_ACCELERATION_TERMS + 1];
 };
 
 /* Result of the iteration. Rows and corrections of n hold the changes of azimuth and tilt as x and y, those
@@ -63,24 +68,22 @@ struct collocation_result {
     nodal_values x;                   /* x at the nodes, without y [m] */
     nodal_values load;                /* half^2 f, coefficients in s - 1 [m] */
     nodal_values slow;                /* x without y, coefficients of s - 1 [m] */
-    nodal_values slow_rate;           /* in a quasi-static step: dx/ds, coefficients of s - 1 [m] */
     nodal_values tilt_rate;           /* n_rate.y at a rim, coefficients of s - 1 [rad]; else zero */
     /* the oscillator of y, with rates per unit of s; an averaged step adds the mean of -half^2 df/dx to its
      * omega2 */
     struct oscillator oscillator;
-    double y, y_rate;      /* y and dy/ds at the start [m] */
-    double interior_error; /* estimated truncation error between the ends [m] */
+    double y, y_rate;       /* y and dy/ds at the start [m] */
+    double deviation_error; /* estimated truncation error of x between the ends [m] */
+    double interior_error;  /* that of c [m]; in an overdamped step x counts as if it were as large as d */
 };
 
 struct collocation {
     struct collocation_problem from;
     const struct lobatto *nodes;
     enum collocation_kind kind;
-    double half;                                              /* half the step [s] */
-    bool head_on;                                             /* c' and A are along n, which is constant */
-    struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A in the frame of the start, rim.frame */
-    struct nodal_vec3 acceleration_at;                        /* A at the nodes, in this frame */
-    struct rim_angles angles[LOBATTO_MAX];                    /* of the present n at the nodes */
+    double half;                           /* half the step [s] */
+    struct nodal_vec3 acceleration_at;     /* A at the nodes */
+    struct rim_angles angles[LOBATTO_MAX]; /* of the present n at the nodes */
     struct collocation_result result;
 };
 
@@ -90,19 +93,6 @@ struct collocation {
  *   overdamped   the faster 3 or more and four times the slower or more, the slower not much more than 3 */
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
                       enum collocation_kind kind, double tolerance);
-
-/*
- * These functions are the parts of a quasi-static step. Its caller finds the deviation x at the nodes, and
- * slow_rate in the end. collocation_begin sets x at all nodes to its value at the start. collocation_turn
- * makes one sweep of n and H, at the x that the nodes have, and returns the largest change [m].
- * collocation_load sets `values` to the load f times half^2 [m] at the nodes, and `softening` to half of
- * -half^2 df/dx by the centrifugal terms. collocation_finish returns whether all values are finite and d > 0.
- */
-void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
-                       enum collocation_kind kind, const struct lobatto *nodes);
-double collocation_turn(struct collocation *p);
-void collocation_load(const struct collocation *p, double *values, double *softening);
-bool collocation_finish(struct collocation *p);
 
 /* Gives x [m] with its first three derivatives with respect to s. */
 void collocation_deviation(const struct collocation *p, double s, double x[4]);
@@ -128,7 +118,7 @@ struct collocation_change {
     double deviation;   /* x(s) [m] */
 };
 
-/* Returns the change from the start to s, in the world. Its error at s = 2 is of the order that the
+/* Returns the change from the start to s, in rim.frame. Its error at s = 2 is of the order that the
  * collocation has at its ends; before s = 2 it is the interior error. */
 struct collocation_change collocation_change_at(const struct collocation *p, double s);
 
@@ -140,8 +130,8 @@ double collocation_dissipated(const struct collocation *p, double s);
 void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
                        double axial[3]);
 
-/* Returns the moment of c - c(0): the integral of t^power (c - c(0)) dt from 0 to s [m s^(power+1)], in the
- * world. */
+/* Returns the moment of c - c(0): the integral of t^power (c - c(0)) dt from 0 to s [m s^(power+1)], in
+ * rim.frame. */
 struct vec3 collocation_moment(const struct collocation *p, int power, double s);
 
 #endif

@@ -1,11 +1,7 @@
 #include <float.h>
 #include <string.h>
 
-#include "math/lu.h"
-#include "math/node_tables.h"
 #include "math/nodes.h"
-#include "math/polynomial.h"
-#include "math/series.h"
 #include "touch/segment.h"
 
 /*
@@ -143,7 +139,6 @@ static bool elastic_solve(struct hertz_elastic *p, const struct contact_pair *fr
         return false;
     }
     const double rate = pair_gap_derivative(from);
-    p->from = from;
     p->load = -2.0 * from->shape.side * vec3_dot(from->normal, pair_across(from, from->flight.c[2]));
     p->touch = rate * rate + elastic_stored(k, depth) - 2.0 * p->load * depth;
     p->deepest = elastic_deepest(k, p->load, p->touch);
@@ -307,194 +302,9 @@ bool hertz_elastic_make(struct segment *p)
 
 /*
  * Quasi-static motion: a lasting contact whose oscillation has died away, in steps as long as the tangential
- * motion allows, whatever the stiffness.
- *
- *   delta'' = L - (k_h / m_red) delta^(3/2) (1 + chi delta'),   L = -side (|H|^2 / d^3 + n.A)
- *
- * by Radau IIA collocation with twelve stages (Hairer and Wanner, Solving Ordinary Differential Equations II,
- * IV.5). This equation is stiff and takes Newton's method; n and H follow by the sweeps of
- * touch/collocation.h, with x = -side delta. The method damps away motion that oscillates or decays faster
- * than the step, so the step is only taken where such motion is within tolerance.
- *
- * Variable s in [0, 2] over the step: time = half s.
+ * motion allows, whatever the stiffness, by touch/collocation.h. Such a step follows the load and leaves out
+ * the free oscillation y from its start, so the step is only taken where y is within tolerance.
  */
-
-enum { SLOW_NODES = RADAU_POINTS };
-
-/* delta and its derivatives by s, at the nodes and at the start [m]. */
-struct slow_motion {
-    struct collocation *step;
-    double side, half, k, chi; /* half the step [s], k_h / m_red, the damping factor [s/m] */
-    double depth_start, rate_start;
-    nodal_values depth, rate, bend;
-};
-
-/* Sets out[0] to the part of -d2 delta/ds2 by the contact force [m], and out[1] and out[2] to its derivatives
- * with respect to delta and d delta/ds. */
-static inline void slow_law(const struct slow_motion *p, double depth, double rate, double out[3])
-{
-    const double root = sqrt(depth);
-    const double scale = p->half * p->half * p->k;
-    const double damping = 1.0 + p->chi * rate / p->half;
-    out[0] = scale * depth * root * damping;
-    out[1] = 1.5 * scale * root * damping;
-    out[2] = scale * depth * root * p->chi / p->half;
-}
-
-/* Sets half^2 L [m] at the nodes. */
-static void slow_load(const struct slow_motion *p, double load[SLOW_NODES])
-{
-    nodal_values softening;
-    collocation_load(p->step, load, softening);
-    for (int i = 0; i < SLOW_NODES; ++i) {
-        load[i] *= -p->side;
-    }
-}
-
-enum { SLOW_SWEEPS = 30 };
-
-/* Sweeps have converged once the relative changes of delta and n still to come are less than SLOW_SWEPT,
- * which is above the rounding of delta and n. */
-static const double SLOW_SWEPT = 4.0 * DBL_EPSILON;
-
-/* Newton's matrix is made for the first time when a sweep changes n by less than NEW_MATRIX. It is made again
- * while a sweep changes delta by more than NEW_MATRIX relative to delta. */
-static const double NEW_MATRIX = 1e-3;
-
-/* Columns of Newton's matrix have room for the zeros behind them (lu.h). */
-enum { SLOW_STRIDE = SLOW_NODES + LANES };
-
-/* The factored derivative of the equation's defect with respect to d delta/ds at the nodes. It is D + spring
- * I + dashpot, where I integrates values at the nodes and D is the inverse of I. */
-struct slow_newton {
-    double at[SLOW_NODES * SLOW_STRIDE];
-    int pivot[SLOW_NODES];
-};
-
-static struct lu_matrix slow_system(struct slow_newton *newton)
-{
-    return (struct lu_matrix){SLOW_NODES, SLOW_STRIDE, newton->at, newton->pivot};
-}
-
-/* Returns the derivative d/ds at node i of the polynomial that is 1 at node j and 0 at the start and the
- * other nodes. radau_stages_12 is for a step of length 1, half as long. */
-static double slow_derivative(int i, int j)
-{
-    return 0.5 * radau_stages_12.inverse[i * SLOW_NODES + j];
-}
-
-/* Makes and factors Newton's matrix. Returns false where the matrix is singular. */
-static bool slow_matrix(const struct slow_motion *p, struct slow_newton *newton)
-{
-    memset(newton->at, 0, sizeof newton->at);
-    for (int i = 0; i < SLOW_NODES; ++i) {
-        double law[3];
-        slow_law(p, p->depth[i], p->rate[i], law);
-        for (int j = 0; j < SLOW_NODES; ++j) {
-            newton->at[j * SLOW_STRIDE + i] =
-                slow_derivative(i, j) + law[1] * radau.integral[j * SLOW_NODES + i] + (i == j ? law[2] : 0.0);
-        }
-    }
-    return lu_factor(slow_system(newton));
-}
-
-/* Integrates d2 delta/ds2 to d delta/ds and delta. Returns false where the bodies would part. */
-static bool take_bend(struct slow_motion *p, double *change)
-{
-    nodal_values moved = {0.0};
-    nodal_values deeper = {0.0};
-    (void)nodal_integrate(&radau, p->bend, moved);
-    for (int i = 0; i < SLOW_NODES; ++i) {
-        p->rate[i] = p->rate_start + moved[i];
-    }
-    (void)nodal_integrate(&radau, p->rate, deeper);
-    *change = 0.0;
-    for (int i = 0; i < SLOW_NODES; ++i) {
-        const double depth = p->depth_start + deeper[i];
-        const double part = fabs(depth - p->depth[i]) / depth;
-        *change = larger(part, *change);
-        if (!(depth > 0.0)) {
-            return false;
-        }
-        p->depth[i] = depth;
-        p->step->result.x[i] = -p->side * depth;
-    }
-    return true;
-}
-
-/* Makes the first guess of delta, a motion at the rate of the start. Returns false where the bodies would
- * part. */
-static bool guess_depth(struct slow_motion *p)
-{
-    double change;
-    memset(p->bend, 0, sizeof p->bend);
-    return take_bend(p, &change);
-}
-
-/* Returns the difference at the start between the polynomial through the nodes and the given value. The
- * difference shows the truncation error and any motion that is too fast for the step. */
-static double misses_start(const double *values, double start)
-{
-    nodal_values a;
-    nodal_coefficients(&radau, values, a);
-    return fabs(taylor_at(a, SLOW_NODES, -1.0) - start);
-}
-
-/* Whether the changes still to come add up to less than SLOW_SWEPT if they fall by the ratio of the last two
- * changes. */
-static bool sweeps_have_converged(double last, double before)
-{
-    return last <= SLOW_SWEPT || (last < before && last * last <= SLOW_SWEPT * (before - last));
-}
-
-/* Makes one sweep of n and H; returns the largest change in radians. */
-static double slow_turn(const struct slow_motion *p)
-{
-    return collocation_turn(p->step) / p->step->from.rim.distance;
-}
-
-static bool slow_iterate(struct slow_motion *p)
-{
-    struct slow_newton newton;
-    nodal_values load;
-    for (int i = 0; i < SLOW_SWEEPS && slow_turn(p) > NEW_MATRIX; ++i) {
-        /* Newton's matrix lasts once the load changes little */
-    }
-    if (!guess_depth(p)) {
-        return false;
-    }
-    double change = 1.0;
-    double largest = 0.0; /* largest change of delta and n in the last sweep */
-    for (int i = 0; i < SLOW_SWEEPS; ++i) {
-        double error[SLOW_STRIDE] = {0.0};
-        const double before = largest;
-        const double turned = slow_turn(p);
-        slow_load(p, load);
-        if (change > NEW_MATRIX && !slow_matrix(p, &newton)) {
-            return false;
-        }
-        for (int j = 0; j < SLOW_NODES; ++j) {
-            double law[3];
-            slow_law(p, p->depth[j], p->rate[j], law);
-            error[j] = load[j] - law[0] - p->bend[j];
-        }
-        lu_solve(slow_system(&newton), error);
-        for (int j = 0; j < SLOW_NODES; ++j) {
-            for (int k = 0; k < SLOW_NODES; ++k) {
-                p->bend[j] += slow_derivative(j, k) * error[k];
-            }
-        }
-        if (!take_bend(p, &change)) {
-            return false;
-        }
-        largest = fmax(change, turned);
-        if (sweeps_have_converged(largest, before)) {
-            (void)slow_turn(p); /* makes n and H consistent with the final depth */
-            return true;
-        }
-    }
-    return false;
-}
 
 /* Load and rates of a lasting contact. */
 struct slow_scales {
@@ -514,56 +324,11 @@ static struct slow_scales slow_scales_of(const struct contact_pair *from)
                                 .creep = dashpot > 2.0 * spring ? spring * spring / dashpot : 0.0};
 }
 
-static bool slow_is_accurate(const struct slow_motion *p, const struct slow_scales *scales, double tolerance,
-                             double depth_tolerance)
-{
-    /* the force of an overdamped contact depends on the rate at which the contact settles */
-    const double by_rate = scales->creep > 0.0 ? scales->creep * p->half : fmax(1.0, scales->fast * p->half);
-    double error = misses_start(p->depth, p->depth_start);
-    error = fmax(error, misses_start(p->rate, p->rate_start) / by_rate);
-    if (!(error <= depth_tolerance)) {
-        return false;
-    }
-    const struct nodal_vec3 *turned = &p->step->result.n;
-    const double *rows[3] = {turned->x, turned->y, turned->z};
-    for (int j = 0; j < 3 && !p->step->head_on; ++j) {
-        if (!(p->step->from.rim.distance * misses_start(rows[j], 0.0) <= tolerance)) {
-            return false;
-        }
-    }
-    return true;
-}
-
-/* Makes a step [s]. Returns false where the step is not accurate. delta and its oscillation must be accurate
- * to `depth_tolerance` [m], and d n to the tolerance of the segment. */
-static bool quasi_static_solve(struct segment *segment, const struct slow_scales *scales, double step,
-                               double depth_tolerance)
-{
-    const struct contact_pair *from = &segment->pair;
-    struct collocation *made = &segment->as.collocation.step;
-    struct slow_motion p = {.step = made,
-                            .side = from->shape.side,
-                            .half = 0.5 * step,
-                            .k = from->hertz_stiffness / from->reduced_mass,
-                            .chi = from->chi,
-                            .depth_start = -from->gap,
-                            .rate_start = -0.5 * step * pair_gap_derivative(from)};
-    collocation_begin(made, &segment->scales.problem, step, COLLOCATION_QUASI_STATIC, &radau);
-    if (!slow_iterate(&p) || !slow_is_accurate(&p, scales, segment->tolerance, depth_tolerance)) {
-        return false;
-    }
-    for (int i = 0; i < SLOW_NODES; ++i) {
-        p.rate[i] *= -p.side;
-    }
-    nodal_coefficients(&radau, p.rate, made->result.slow_rate);
-    return collocation_finish(made);
-}
-
 /* When lasting contact is quasi-static, and how long a segment is. */
 
 /* Length of a segment at the finest accuracy [radians of the tangential motion]. The segment is accurate
  * between its ends too, because an event may end it. The length grows with the tolerance as polynomials of
- * the stages' degree allow. */
+ * the nodes' degree allow. */
 static const double SLOW_STEP = 0.7;
 
 /* Smallest length of a segment [radians of the contact's oscillation, or decay times of its damping]. A
@@ -642,14 +407,35 @@ bool quasi_static_is_shown(const struct segment *p, const double *root, double u
     return fast_part_of(root, unit, scales.fast) <= clearly * slow_accuracy(p);
 }
 
+/* Makes a step [s]. Returns false where the step is not accurate. delta and the free oscillation that it
+ * leaves out must be within `depth_tolerance` [m], and d n within the tolerance of the segment. */
+static bool quasi_static_solve(struct segment *p, const struct slow_scales *scales, double step,
+                               double depth_tolerance)
+{
+    const enum collocation_kind kind = scales->creep > 0.0 ? COLLOCATION_OVERDAMPED : COLLOCATION_AVERAGED;
+    struct collocation *made = &p->as.collocation.step;
+    struct collocation_result *result = &made->result;
+    if (!collocation_make(made, &p->scales.problem, step, kind, 0.1 * p->tolerance)) {
+        return false;
+    }
+    /* the force of an overdamped contact depends on the rate at which the contact settles */
+    const double by_rate =
+        scales->creep > 0.0 ? scales->creep * made->half : fmax(1.0, scales->fast * made->half);
+    const double left_out = fmax(fabs(result->y), fabs(result->y_rate) / by_rate);
+    result->y = result->y_rate = 0.0;
+    result->normal_correction = result->momentum_correction = vec3_make(0.0, 0.0, 0.0);
+    return fmax(left_out, result->deviation_error) <= depth_tolerance &&
+           result->interior_error <= p->tolerance;
+}
+
 bool quasi_static_make(struct segment *p)
 {
     const struct slow_scales scales = slow_scales_of(&p->pair);
     const double accuracy = slow_accuracy(p);
-    const double radians = SLOW_STEP * pow(accuracy / SLOW_FINEST, 1.0 / RADAU_POINTS);
-    segment_take_timescales(p);
-    const bool turns = !vec3_is_zero(p->scales.problem.tangent);
-    double step = turns ? fmin(p->longest, radians / p->scales.tangential_rate) : p->longest;
+    const double radians = SLOW_STEP * pow(accuracy / SLOW_FINEST, 1.0 / LOBATTO_MAX);
+    pair_timescales_make(&p->scales, &p->pair, &p->flight);
+    double step =
+        p->scales.problem.head_on ? p->longest : fmin(p->longest, radians / p->scales.tangential_rate);
     const double opening = pair_gap_derivative(&p->pair);
     const double part_of_depth = PART_OF_DEPTH * -p->pair.gap / fabs(opening);
     if (scales.creep > 0.0 && opening > 0.0) {
@@ -660,9 +446,8 @@ bool quasi_static_make(struct segment *p)
         if (quasi_static_solve(p, &scales, step, -p->pair.gap * accuracy)) {
             p->unit = 0.5 * step;
             p->end = 2.0;
-            dense_output_add(&p->output, 0.0);
-            for (int k = 0; k < RADAU_POINTS; ++k) {
-                dense_output_add(&p->output, 1.0 + radau.node[k]);
+            for (int k = 0; k < LOBATTO_MAX; ++k) {
+                dense_output_add(&p->output, 1.0 + lobatto[LOBATTO_TWELVE].node[k]);
             }
             p->parting = (double)INFINITY;
             return true;

@@ -394,6 +394,7 @@ struct frame_flight frame_flight_of(const struct contact_pair *from)
         .frame = {from->normal, tangent_of(from)}, .degree = 1, .c = {{from->distance, 0.0, 0.0}}};
     const bool at_rim = contact_is_circle(&from->shape);
     bool leaves_plane = false;
+    flight.head_on = vec3_is_zero(flight.frame[1]);
     flight.frame[2] = vec3_cross(flight.frame[0], flight.frame[1]);
     if (at_rim) {
         const struct rim_start rim = pair_rim_start(from);
@@ -407,7 +408,7 @@ struct frame_flight frame_flight_of(const struct contact_pair *from)
         leaves_plane = put_in_frame(&flight, pair_across(from, c), flight.c[i]) || leaves_plane;
         leaves_plane = put_in_frame(&flight, pair_across(from, w), flight.w[i - 1]) || leaves_plane;
     }
-    flight.dimensions = !at_rim && vec3_is_zero(flight.frame[1]) ? 1 : leaves_plane ? 3 : 2;
+    flight.dimensions = !at_rim && flight.head_on ? 1 : leaves_plane ? 3 : 2;
     return flight;
 }
 
@@ -495,15 +496,21 @@ static double gap_after_decay(const struct pair_oscillation *p, double y, double
     return has_decayed(y, p->y) ? p->equilibrium + y : p->from->gap + change;
 }
 
-/* Changes of y and y' since the start, which would lose digits if added to the start values, then y'' and
- * y'''. */
-static void grow(const struct pair_oscillation *p, double s, double y[4])
+/* Returns the gap; writes its rate per s, and the changes of both since the start, which would lose digits as
+ * differences. */
+static double gap_grown(const struct pair_oscillation *p, double s, double grown[2], double *y_rate)
 {
-    const struct oscillator_increment change = free_oscillation_since(&p->free, s);
-    y[0] = change.x;
-    y[1] = change.x_rate;
-    y[2] = -p->free.oscillator.damping_rate * (p->y_rate + y[1]) - (p->y + y[0]);
-    y[3] = -p->free.oscillator.damping_rate * y[2] - (p->y_rate + y[1]);
+    double y[1 + FREE_OSCILLATION_DERIVATIVES];
+    const struct oscillator_increment since = free_oscillation_since(&p->free, s);
+    grown[0] = since.x;
+    grown[1] = since.x_rate;
+    *y_rate = p->y_rate + since.x_rate;
+    if (p->omega_d > 0.0) {
+        return p->from->gap + since.x;
+    }
+    free_oscillation_at(&p->free, s, y);
+    *y_rate = has_decayed(y[1], p->y_rate) ? y[1] : *y_rate;
+    return gap_after_decay(p, y[0], since.x);
 }
 
 /* y' = exp(-damping_rate s / 2) (y_rate cos + sideways sin) of omega_d s. */
@@ -565,14 +572,16 @@ static void sample_overdamped(const struct pair_oscillation *p, double s, struct
 void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample)
 {
     const struct pair_oscillation *p = pair_oscillation;
+    const double damping_rate = p->free.oscillator.damping_rate;
     double y[4];
+    double grown[2];
     if (!(p->omega_d > 0.0)) {
         sample_overdamped(p, s, sample);
         return;
     }
-    grow(p, s, y);
-    y[0] += p->from->gap;
-    y[1] += p->y_rate;
+    y[0] = gap_grown(p, s, grown, &y[1]);
+    y[2] = -damping_rate * y[1] - (p->y + grown[0]);
+    y[3] = -damping_rate * y[2] - y[1];
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP][i] = y[i];
         sample->of[PAIR_GAP_RATE][i] = p->rate * y[i + 1];
@@ -589,25 +598,6 @@ static double dissipated_by_dashpot(const struct pair_oscillation *p, const doub
     const double by_rate = grown[1] * (2.0 * p->y_rate + grown[1]);
     const double by_place = grown[0] * (has_spring ? 2.0 * p->y + grown[0] : -2.0 * p->load);
     return p->from->coefficients.c > 0.0 ? -0.5 * p->dynamic_stiffness * (by_rate + by_place) : 0.0;
-}
-
-/* Returns the gap; writes its rate per s and the changes of both since the start. */
-static double gap_grown(const struct pair_oscillation *p, double s, double grown[2], double *y_rate)
-{
-    double y[1 + FREE_OSCILLATION_DERIVATIVES];
-    if (p->omega_d > 0.0) {
-        grow(p, s, y);
-        grown[0] = y[0];
-        grown[1] = y[1];
-        *y_rate = p->y_rate + y[1];
-        return p->from->gap + grown[0];
-    }
-    const struct oscillator_increment since = free_oscillation_since(&p->free, s);
-    free_oscillation_at(&p->free, s, y);
-    grown[0] = since.x;
-    grown[1] = since.x_rate;
-    *y_rate = has_decayed(y[1], p->y_rate) ? y[1] : p->y_rate + since.x_rate;
-    return gap_after_decay(p, y[0], since.x);
 }
 
 struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,
@@ -717,15 +707,15 @@ static void fill_sample(const struct pair_collocation *p, const double x[4], dou
     if (SCENE_ANY_CAPS && p->step.from.at_rim) {
         collocation_edges(&p->step, s, x, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
     }
-    if (p->step.kind == COLLOCATION_OVERDAMPED) {
-        add_overdamped_force(p, s, sample);
-        return;
-    }
-    if (SCENE_ANY_HERTZ && p->step.kind == COLLOCATION_QUASI_STATIC) {
+    if (SCENE_ANY_HERTZ && p->from->hertz_stiffness > 0.0) {
         double u[3] = {sqrt(fmax(-side * x[0], 0.0))};
         u[1] = -0.5 * side * x[1] / u[0];
         u[2] = -(0.5 * side * x[2] + u[1] * u[1]) / u[0];
         pair_hertz_force(p->from, u, sample->of[PAIR_GAP_RATE], sample->of[PAIR_FORCE]);
+        return;
+    }
+    if (p->step.kind == COLLOCATION_OVERDAMPED) {
+        add_overdamped_force(p, s, sample);
         return;
     }
     for (int i = 0; i < 3; ++i) {
@@ -784,7 +774,7 @@ void pair_bound_sample(const void *pair_bound, double s, struct pair_sample *sam
 }
 
 /* Returns the energy that the dashpot dissipates in a quasi-static step, the integral of its power k_h
- * delta^(3/2) chi delta'^2, by Radau's quadrature [J]. */
+ * delta^(3/2) chi delta'^2, by the nodes' quadrature [J]. */
 static double quasi_static_dissipated(const struct pair_collocation *p, double s)
 {
     const struct lobatto *nodes = p->step.nodes;
@@ -799,6 +789,13 @@ static double quasi_static_dissipated(const struct pair_collocation *p, double s
     return p->from->hertz_stiffness * p->from->chi * sum;
 }
 
+/* Turns a vector of the step's frame into the world. */
+static struct vec3 step_in_world(const struct pair_collocation *p, struct vec3 a)
+{
+    const struct vec3 *frame = p->step.from.rim.frame;
+    return vec3_axpy(vec3_axpy(vec3_scale(a.x, frame[0]), a.y, frame[1]), a.z, frame[2]);
+}
+
 struct pair_change pair_collocation_advance(const void *pair_collocation, double s)
 {
     const struct pair_collocation *p = pair_collocation;
@@ -807,15 +804,17 @@ struct pair_change pair_collocation_advance(const void *pair_collocation, double
     struct pair_change change = {.time = p->step.half * s, .r = step.moved, .r_rate = step.gained};
     double power = 1.0;
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        const struct vec3 c = p->felt[i - 1];
+        const struct vec3 c = p->step.from.flown[i - 1];
         if (i > 1) {
             change.r_rate = vec3_axpy(change.r_rate, -i * power, c);
         }
         power *= change.time;
         change.r = vec3_axpy(change.r, -power, c);
     }
+    change.r = step_in_world(p, change.r);
+    change.r_rate = step_in_world(p, change.r_rate);
     change.gap = from->shape.side * step.deviation;
-    if (SCENE_ANY_HERTZ && p->step.kind == COLLOCATION_QUASI_STATIC) {
+    if (SCENE_ANY_HERTZ && p->from->hertz_stiffness > 0.0) {
         double x[4];
         collocation_deviation(&p->step, s, x);
         change.head_on = from->is_head_on;
@@ -838,21 +837,45 @@ void pair_collocation_moments(const void *pair_collocation, double s, const stru
         moment[j] = collocation_moment(&p->step, j, s);
         for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
             part *= change->time;
-            moment[j] = vec3_axpy(moment[j], -part / (i + j + 1), p->felt[i - 1]);
+            moment[j] = vec3_axpy(moment[j], -part / (i + j + 1), p->step.from.flown[i - 1]);
         }
+        moment[j] = step_in_world(p, moment[j]);
         power *= change->time;
     }
 }
 
-void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p)
+/* Sets the frame and the start of a collocated step, and the flight in this frame. A centre and the axis of a
+ * cylinder are circles of radius zero about the direction across the plane in which n begins to turn; the
+ * flight has no part out of this plane if that part is rounding. */
+static void take_frame(struct pair_timescales *out, const struct contact_pair *p,
+                       const struct frame_flight *flight)
+{
+    const bool at_rim = contact_is_circle(&p->shape);
+    const double d = out->problem.reach + out->problem.deviation;
+    out->problem.at_rim = at_rim;
+    out->problem.head_on = flight->head_on;
+    for (int i = 0; i < SEPARATION_DEGREE; ++i) {
+        const double *c = flight->c[i + 1];
+        out->problem.flown[i] =
+            at_rim ? vec3_from(c) : vec3_make(c[0], flight->dimensions > 2 ? c[2] : 0.0, c[1]);
+    }
+    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
+        out->problem.acceleration[i] = vec3_scale((i + 1) * (i + 2), out->problem.flown[i + 1]);
+    }
+    out->problem.rim =
+        at_rim ? pair_rim_start(p)
+               : (struct rim_start){.frame = {flight->frame[0], flight->frame[2], flight->frame[1]},
+                                    .distance = d,
+                                    .rho = d,
+                                    .cosine = 1.0,
+                                    .azimuth_momentum = d * out->problem.flown[0].z,
+                                    .tilt_momentum = -d * out->problem.flown[0].y};
+}
+
+void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p,
+                          const struct frame_flight *flight)
 {
     struct collocation_problem *problem = &out->problem;
-    problem->normal = p->normal;
-    problem->tangent = tangent_of(p);
-    for (int i = 0; i < SEPARATION_DEGREE; ++i) {
-        out->felt[i] = coupled(p, p->flight.c[i + 1]);
-    }
-    problem->rate = out->felt[0];
     problem->deviation = p->shape.side * p->gap;
     problem->reach = contact_reach(&p->shape);
     if (contact_is_plane(&p->shape)) { /* the penetration may exceed the source's width: keep d > 0 */
@@ -860,31 +883,21 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     }
     problem->omega2 = p->coefficients.k / p->reduced_mass;
     problem->damping_rate = p->coefficients.c / p->reduced_mass;
-    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        problem->acceleration[i] = vec3_scale((i + 1) * (i + 2), out->felt[i + 1]);
-    }
+    problem->hertz = p->hertz_stiffness / p->reduced_mass;
+    problem->chi = p->chi;
+    problem->side = p->shape.side;
+    problem->radial = p->shape.side * pair_gap_derivative(p);
+    take_frame(out, p, flight);
     const double d = contact_is_plane(&p->shape) ? (double)INFINITY : problem->reach + problem->deviation;
-    const struct vec3 along = pair_tangential(p, problem->rate);
-    const double radial = p->shape.side * pair_gap_derivative(p);
-    problem->radial = radial;
     out->distance = d;
-    out->rate_along = vec3_norm(along) / d;
+    out->rate_along = vec3_norm(pair_tangential(p, pair_across(p, p->flight.c[1]))) / d;
     out->tangential_rate = out->rate_along + sqrt(vec3_norm(problem->acceleration[0]) / d);
-    double turning = vec3_dot(along, along) / d;
-    if (CONTACT_ANY_CIRCLE) {
-        problem->at_rim = contact_is_circle(&p->shape);
-        if (problem->at_rim) {
-            problem->rim = pair_rim_start(p);
-            turning = pair_turning(p, d);
-        }
-    }
-    const double load = turning + vec3_dot(p->normal, problem->acceleration[0]);
     const struct oscillator oscillator = {problem->omega2, problem->damping_rate};
     out->rates = oscillator_rates_of(&oscillator);
-    out->equilibrium_depth = -p->shape.side * load / problem->omega2;
+    out->equilibrium_depth = pair_pressing_load(p) / problem->omega2;
     out->underdamped = 4.0 * problem->omega2 > problem->damping_rate * problem->damping_rate;
-    out->oscillation =
-        oscillator_envelope_of(&oscillator, problem->deviation - load / problem->omega2, radial).amplitude;
+    const double from_equilibrium = problem->deviation + p->shape.side * out->equilibrium_depth;
+    out->oscillation = oscillator_envelope_of(&oscillator, from_equilibrium, problem->radial).amplitude;
 }
 
 double pair_tangential_rate_within(const struct pair_timescales *scales, double step)

@@ -113,6 +113,7 @@ enum { FRAME = 3 }; /* directions of a frame */
 /* The flight of a pair in a frame of its start, by powers of time; of a cylinder the part across the axis. */
 struct frame_flight {
     struct vec3 frame[FRAME];               /* n, the tangential direction, across both; at a rim a, e, b */
+    bool head_on;                           /* n never turns */
     int dimensions;                         /* directions of motion: one head-on, two in a plane */
     int degree;                             /* degree of C; that of W is one less */
     double c[SEPARATION_DEGREE + 1][FRAME]; /* C [m, m/s, ...] */
@@ -176,8 +177,6 @@ void pair_oscillation_moments(const void *pair_oscillation, double s, const stru
 /* Rates and sizes of the motion at the start of a collocated step. */
 struct pair_timescales {
     struct collocation_problem problem;
-    /* coefficients of C from the first one on: the part that acts on the contact's motion */
-    struct vec3 felt[SEPARATION_DEGREE];
     double distance;   /* d [m]; INFINITY of a plane, whose normal never turns */
     double rate_along; /* |c' along the contact| / d [1/s] */
     /* rate_along + sqrt(|A| / d) at the start: n turns by about a radian in its inverse [1/s] */
@@ -189,7 +188,8 @@ struct pair_timescales {
     double equilibrium_depth; /* penetration at equilibrium with the load, -side f / omega2 [m] */
 };
 
-void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p);
+void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p,
+                          const struct frame_flight *flight);
 
 /* Returns the largest tangential rate within a step [1/s]. It exceeds the rate at the start where the
  * relative acceleration A grows with time, perhaps from zero. */
@@ -200,7 +200,6 @@ double pair_step_within(const struct pair_timescales *scales, double longest, do
 
 struct pair_collocation {
     const struct contact_pair *from;
-    const struct vec3 *felt; /* of pair_timescales */
     struct collocation step;
 };
 

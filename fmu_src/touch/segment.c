@@ -381,7 +381,7 @@ static bool collocated_stays_off_centre(const struct segment *p)
     for (int i = 0; i < step->nodes->points; ++i) {
         nearest = fmin(nearest, step->from.reach + step->result.x[i]);
     }
-    if (step->head_on || nearest > NEAR_CENTRE * step->from.reach) {
+    if (step->from.head_on || nearest > NEAR_CENTRE * step->from.reach) {
         return true;
     }
     return step->kind == COLLOCATION_OVERDAMPED && !(terminal_event_centre(p) < (double)INFINITY);
@@ -559,7 +559,7 @@ static bool overdamped_make(struct segment *p)
     const double longest = fmin(p->longest, COLLOCATED_SHORTEST / scales->rates.slower);
     double step = pair_step_within(scales, longest, OVERDAMPED_STEP);
     if (pair_tangential_rate_within(scales, step) > 0.0) {
-        step = fmin(step, OVERDAMPED_GROWTH * p->pair.distance / vec3_norm(scales->problem.rate));
+        step = fmin(step, OVERDAMPED_GROWTH * p->pair.distance / vec3_norm(scales->problem.flown[0]));
     }
     double decay = 0.0;
     for (int i = 0; i < ATTEMPTS && step * scales->rates.faster >= COLLOCATED_SHORTEST; ++i) {
@@ -1165,6 +1165,7 @@ void segment_moments(const struct segment *p, double s, const struct pair_change
 static bool make_kind(struct segment *p, enum segment_kind kind)
 {
     p->kind = kind;
+    p->as.from = &p->pair;
     p->event_free = false;
     /* contact in a hollow body ends before the centre */
     p->clear_of_centre = !contact_may_reach_centre(&p->pair.shape);
@@ -1186,14 +1187,12 @@ static bool is_collocated(const struct segment *p)
     return p->kind != SEGMENT_CLOSED_FORM && p->kind < SEGMENT_SERIES;
 }
 
-/* Makes a segment under Hertz's law: tries the closed form first, then the series. If the first coefficients
- * of the series show nothing fast, the quasi-static kind follows. If that kind fails, the series is made
- * after all. */
+/* Makes a segment under Hertz's law by the series. If its first coefficients show nothing fast, the
+ * quasi-static kind follows. If that kind fails, the series is made after all. */
 static void make_hertz(struct segment *p)
 {
     p->may_be_quasi_static = quasi_static_applies(p);
-    if (!make_kind(p, SEGMENT_HERTZ_ELASTIC) && !make_kind(p, SEGMENT_SERIES) &&
-        !make_kind(p, SEGMENT_QUASI_STATIC)) {
+    if (!make_kind(p, SEGMENT_SERIES) && !make_kind(p, SEGMENT_QUASI_STATIC)) {
         p->may_be_quasi_static = false;
         (void)make_kind(p, SEGMENT_SERIES);
     }
@@ -1224,7 +1223,7 @@ void segment_take_timescales(struct segment *p)
 static bool make_collocated(struct segment *p)
 {
     enum segment_kind kind = SEGMENT_AVERAGED;
-    segment_take_timescales(p);
+    pair_timescales_make(&p->scales, &p->pair, &p->flight);
     while (kind < SEGMENT_SERIES && !make_kind(p, kind)) {
         kind += 1;
     }
@@ -1233,11 +1232,15 @@ static bool make_collocated(struct segment *p)
 
 static void make_up_to(struct segment *p, double longest)
 {
+    const bool is_hertz = SCENE_ANY_HERTZ && contact_is_hertz(&p->pair.law);
     p->longest = p->pair.is_head_on ? longest : fmin(longest, longest_by_flight(p));
-    if (SCENE_ANY_HERTZ && contact_is_hertz(&p->pair.law)) {
-        make_hertz(p);
-    } else if (!make_kind(p, SEGMENT_CLOSED_FORM) && !make_collocated(p)) {
-        (void)make_kind(p, SEGMENT_SERIES);
+    if (!make_kind(p, is_hertz ? SEGMENT_HERTZ_ELASTIC : SEGMENT_CLOSED_FORM)) {
+        p->flight = frame_flight_of(&p->pair);
+        if (is_hertz) {
+            make_hertz(p);
+        } else if (!make_collocated(p)) {
+            (void)make_kind(p, SEGMENT_SERIES);
+        }
     }
     if (isnan(p->terminal.s)) {
         p->terminal = terminal_event_first(p);

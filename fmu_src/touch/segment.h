@@ -29,7 +29,7 @@ enum segment_kind {
  * flight. */
 struct pair_series {
     const struct contact_pair *from;
-    struct frame_flight flight;
+    const struct frame_flight *flight;
     struct expansion terms;
     struct expansion_row row;
     struct expansion_body body[2];
@@ -78,12 +78,14 @@ struct segment {
     /* Only the kinds and the search for peaks read the members below. */
     enum segment_kind kind;
     union {
+        const struct contact_pair *from; /* &pair, the first member of all kinds */
         struct pair_oscillation oscillation;
         struct pair_collocation collocation;
         struct pair_series series;
         struct hertz_elastic hertz_elastic;
     } as;
-    struct pair_timescales scales; /* set by all kinds but the closed form */
+    struct frame_flight flight;    /* set for all kinds but the closed forms */
+    struct pair_timescales scales; /* set for the collocated kinds */
     bool event_free;               /* the segment has no event */
     bool clear_of_centre;          /* the segment does not meet d = 0 */
     double largest_gap;            /* bound of |g| [m]; 0: the largest of the samples */
@@ -110,9 +112,6 @@ void segment_moments(const struct segment *p, double s, const struct pair_change
 
 /* Whether the contact may become deeper than the bodies are wide. Positions then do not give the gap. */
 bool segment_is_deep(const struct segment *p);
-
-/* Sets the rates and sizes of the motion at the start, from which a collocated step is made. */
-void segment_take_timescales(struct segment *p);
 
 /* Moves the bodies from the start of the segment to s, books impulse, energies and work of the contact, but
  * not the clock. Notes the peaks from the place `from` on. */

@@ -37,7 +37,7 @@ static double passage_rate_of(const struct contact_pair *from)
 static double unit_of(const struct pair_series *p, bool by_root)
 {
     const struct contact_pair *from = p->from;
-    const double passage = p->flight.dimensions > 1 ? passage_rate_of(from) : 0.0;
+    const double passage = p->flight->dimensions > 1 ? passage_rate_of(from) : 0.0;
     double spring = sqrt(from->coefficients.k / from->reduced_mass);
     double dashpot = from->coefficients.c / from->reduced_mass;
     double root = 1.0;
@@ -54,12 +54,12 @@ static double unit_of(const struct pair_series *p, bool by_root)
 
 /* Makes the first SERIES_FIRST coefficients. `by_root` is allowed only under Hertz's law with g <= 0, and not
  * from rest at g = 0, where time does not advance with s. */
-static void begin_series(struct pair_series *p, const struct contact_pair *from, bool by_root)
+static void begin_series(struct pair_series *p, const struct contact_pair *from,
+                         const struct frame_flight *flight, bool by_root)
 {
     struct expansion_row *r = &p->row;
     const bool at_rim = contact_is_circle(&from->shape);
-    p->from = from;
-    p->flight = frame_flight_of(from);
+    p->flight = flight;
     memset(&p->terms, 0, sizeof p->terms);
     memset(r, 0, sizeof *r);
     memset(&p->body[1], 0, sizeof p->body[1]); /* body 0 does not move */
@@ -68,8 +68,8 @@ static void begin_series(struct pair_series *p, const struct contact_pair *from,
     p->terms.row = r;
     p->terms.body = p->body;
     p->terms.is_framed = true;
-    p->terms.axes = p->flight.dimensions;
-    p->terms.degree = p->flight.degree;
+    p->terms.axes = p->flight->dimensions;
+    p->terms.degree = p->flight->degree;
     p->terms.paced_by = by_root ? 0 : -1;
     p->terms.unit = unit_of(p, by_root);
     taylor_put(&p->terms.pace, 0, by_root ? sqrt(fmax(-from->gap, 0.0)) : 1.0);
@@ -77,18 +77,18 @@ static void begin_series(struct pair_series *p, const struct contact_pair *from,
     r->end[1] = 1;
     r->side = from->shape.side;
     r->is_hertz = by_root;
-    r->is_straight = p->flight.dimensions == 1;
+    r->is_straight = p->flight->dimensions == 1;
     r->k = by_root ? from->hertz_stiffness : from->coefficients.k;
     r->c = by_root ? from->chi : from->coefficients.c;
     r->by_distance = 1.0 / from->distance;
     r->gap[0] = from->gap;
-    memcpy(r->flown, p->flight.c, sizeof p->flight.c);
-    memcpy(r->flown_rate, p->flight.w, sizeof p->flight.w);
+    memcpy(r->flown, p->flight->c, sizeof p->flight->c);
+    memcpy(r->flown_rate, p->flight->w, sizeof p->flight->w);
     for (int j = 0; j < FRAME; ++j) {
         p->terms.along[j] = j;
         /* Away from a rim, n at the start is the first direction of the frame, without rounding. */
         const double along = j == 0 ? 1.0 : 0.0;
-        taylor_put(&r->n[j], 0, at_rim ? vec3_dot(p->flight.frame[j], from->normal) : along);
+        taylor_put(&r->n[j], 0, at_rim ? vec3_dot(p->flight->frame[j], from->normal) : along);
     }
     r->rate[0] = from->rate;
     if (CONTACT_ANY_CIRCLE && at_rim) {
@@ -98,7 +98,7 @@ static void begin_series(struct pair_series *p, const struct contact_pair *from,
     }
     for (int i = 0; SCENE_ANY_PRESCRIBED && from->has_mismatch && i < SEPARATION_DEGREE; ++i) {
         for (int j = 0; j < FRAME; ++j) {
-            p->mismatch[FRAME * i + j] = (i + 1) * p->flight.c[i + 1][j] - p->flight.w[i][j];
+            p->mismatch[FRAME * i + j] = (i + 1) * p->flight->c[i + 1][j] - p->flight->w[i][j];
         }
         r->mismatch = p->mismatch;
     }
@@ -146,7 +146,7 @@ static struct vec3 vector_at(const struct pair_series *p, const taylor_row *rows
 {
     struct vec3 out = vec3_make(0.0, 0.0, 0.0);
     for (int j = 0; j < p->terms.axes; ++j) {
-        out = vec3_axpy(out, taylor_at(rows[j], TAYLOR_TERMS, s), p->flight.frame[j]);
+        out = vec3_axpy(out, taylor_at(rows[j], TAYLOR_TERMS, s), p->flight->frame[j]);
     }
     return out;
 }
@@ -225,7 +225,7 @@ bool series_make(struct segment *p)
 {
     struct pair_series *made = &p->as.series;
     const bool by_root = goes_by_root(p); /* may shorten p->longest */
-    begin_series(made, &p->pair, by_root);
+    begin_series(made, &p->pair, &p->flight, by_root);
     const double *opened = opened_of(made);
     if (SCENE_ANY_HERTZ && by_root && p->may_be_quasi_static &&
         quasi_static_is_shown(p, opened, made->terms.unit)) {
