@@ -1212,13 +1212,6 @@ static double longest_by_flight(const struct segment *p)
     return longest;
 }
 
-void segment_take_timescales(struct segment *p)
-{
-    pair_timescales_make(&p->scales, &p->pair);
-    p->as.collocation.from = &p->pair;
-    p->as.collocation.felt = p->scales.felt;
-}
-
 /* Makes the segment by the first collocated kind that applies, if that segment stays clear of the centre. */
 static bool make_collocated(struct segment *p)
 {
