@@ -196,8 +196,9 @@ static void note_node_contact(struct iteration *it, int contact, double length)
         to->speed[end] = layout->body[body] >= 0 ? it->among[layout->body[body] + 3] : -1;
         by_inertia += it->mobility[body].by_inertia;
     }
-    it->admittance[it->contacts] = length * (by_mass > 0.0 ? by_mass : 1.0);
-    it->turning_admittance[it->contacts] = length * (by_inertia > 0.0 ? by_inertia : 1.0);
+    const double square = contact_source_radius(v, contact) * contact_source_radius(v, contact);
+    it->admittance[it->contacts] = length * (by_mass > 0.0 ? by_mass : by_inertia * square);
+    it->turning_admittance[it->contacts] = length * (by_inertia > 0.0 ? by_inertia : by_mass / square);
     it->contacts += 1;
     it->rows += to->rows;
 }
@@ -350,6 +351,7 @@ static struct vec3 respond_opposed(struct iteration *it, int stage, int index, i
     const struct contact_geometry *g = &at->geometry[c->contact];
     const int spring = it->g->ode.layout.spring[c->contact][part];
     const double a = part == OPPOSED_SLIP ? it->admittance[index] : it->turning_admittance[index];
+    const bool felt = part == OPPOSED_SLIP || c->spin[0] >= 0 || c->spin[1] >= 0; /* by a free body */
     struct node *node = &it->node[stage][index];
     struct friction_state rubbing = {
         .normal_force = normal_force, .depth = -g->gap, .depth_rate = -g->gap_rate};
@@ -360,7 +362,7 @@ static struct vec3 respond_opposed(struct iteration *it, int stage, int index, i
         rubbing.spring = opposed_laid((enum opposed)part, vec3_from(it->g->step.point + spring), g->normal);
     }
     if (slopes) {
-        node->rolls[part] = friction_rolls(law, regime, normal_force, *opposing, a);
+        node->rolls[part] = felt && friction_rolls(law, regime, normal_force, *opposing, a);
     }
     const struct friction_missed missed =
         friction_missed(law, regime, rubbing, opposing, node->rolls[part], a);

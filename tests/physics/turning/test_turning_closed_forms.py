@@ -152,6 +152,15 @@ def test_no_torque_and_no_change_without_a_coefficient(opened, method, friction)
     check_close("energy.friction", fmu["energy.friction"], 0.0, 0.0)
 
 
+def test_a_contact_without_spring_and_dashpot_does_not_rub(opened, method):
+    """A slip that reverses ends no sliding where there is no normal force."""
+    values = {"contact.penalty_control": "viscous_only", "contact.viscous_penalty_factor": 0.0}
+    values |= {"contact.friction": "elastic", "source.center": [0.0, 0.0, 0.1], "source.rotation": "free"}
+    values |= {"source.initial_velocity": [0.4, 0.0, -0.6], "source.external_force": [-20.0, 0.0, 9.81]}
+    fmu = run(opened("SpherePlane"), values, 0.05, 1, 1e-9, method)
+    check_close("velocity", fmu["source.velocity"], [-0.6, 0.0, -0.6], 1e-9)
+
+
 def test_an_impact_that_tips_a_cylinder_takes_one_step(opened):
     """Orientations follow the forces in the same iteration; one behind, longer attempts do not converge."""
     fmu = run(opened("TippingRoller"), {}, 1.0, 1, 1e-9)
