@@ -254,11 +254,13 @@ static bool start_phase(struct cvode *c, struct scene_state *q)
 {
     struct scene_instant at;
     ode_leave_centres(q);
-    scene_now(q, &at);
+    /* The start is the instant that the event functions see: at a touch the rounding of a gap decides whether
+     * a slip has ended. */
+    ode_pack(&c->ode, NV_DATA_S(c->y));
+    ode_instant(&c->ode, q->clock, NV_DATA_S(c->y), &at);
     c->relative = tolerance_share(c->method) * solver_relative_tolerance(q->v);
     c->absolute = tolerance_share(c->method) * solver_absolute_tolerance(q->v);
     ode_begin(&c->ode, &at, c->relative, c->absolute);
-    ode_pack(&c->ode, NV_DATA_S(c->y));
     c->steps = c->evaluations = c->rejected = 0;
     c->reached = c->y_clock = q->clock;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {

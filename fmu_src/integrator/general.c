@@ -212,7 +212,8 @@ static double rounding_of_rates(const struct general *g, int left)
 
 /* Adds rounding to the errors allowed. A force made by rounding acts for at most one radian of the
  * oscillation or one decay time. The errors allowed in a speed and in an impulse are at least the changes by
- * such a force. Each island counts by itself: a far body must not loosen the others. */
+ * such a force. A force through the centre of a body has a torque that is rounding, and the error allowed in
+ * a spin is at least what it changes. Each island counts by itself: a far body must not loosen the others. */
 static void allow_rounding(struct general *g)
 {
     struct radau_step *p = &g->step;
@@ -232,8 +233,11 @@ static void allow_rounding(struct general *g)
         most = fmax(most, impulse[i]);
     }
     for (int i = 0; i < p->others; ++i) {
+        const struct general_rounding *of = &g->rounding[p->group_of[i]];
         const double decay = fabs(radau_slope_of(p, p->other[i], p->other[i]));
-        rounding[i] = rounding_of_rates(g, i) / fmax(fastest[p->group_of[i]], decay);
+        const double through_centre = ROUNDING_OF_STATES * (of->momentum + p->length * of->force);
+        rounding[i] = fmax(rounding_of_rates(g, i) / fmax(fastest[p->group_of[i]], decay),
+                           through_centre * g->per_impulse[p->other[i]]);
     }
     for (int j = 0; j < p->problem.paired; ++j) {
         const int i = p->group_of[p->speed_among[j]];
@@ -397,7 +401,8 @@ static void note_friction(struct general *g, const struct scene_instant *at, int
 }
 
 /* Notes by how much a unit impulse of a contact changes each integral: the impulses of the force by one,
- * those of the torques by their arms [m], the energies by the speeds [m/s]. */
+ * those of the torques by their arms [m], the energies by the speeds [m/s]. A spin changes by as much as an
+ * impulse across the arm would change it. */
 static void note_contact(struct general *g, const struct scene_instant *at, int contact)
 {
     const struct scene_values *v = g->ode.values;
@@ -408,10 +413,15 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
                            turns ? vec3_norm(at->turning.destination_arm[contact]) : apart};
     const double by_mass = scene_inverse_mass(v, contact);
     double *impulses = g->per_impulse + g->ode.layout.impulse[contact];
+    struct general_rounding *rounding = &g->rounding[g->ode.layout.island[contact]];
     double speeds = 0.0;
     for (int i = 0; i < 2; ++i) {
+        const int spin = g->ode.layout.spin[body[i]];
         speeds += vec3_norm(at->velocity[body[i]]);
         speeds += turns ? vec3_norm(at->turning.body[body[i]].angular_velocity) * arm[i] : 0.0;
+        for (int k = spin; k >= 0 && k < spin + 3; ++k) {
+            g->per_impulse[k] = fmax(g->per_impulse[k], arm[i] / body_inertia_of(v, body[i]).x);
+        }
     }
     for (int k = 0; k < ode_impulses(v); ++k) {
         impulses[k] = k < 3 ? 1.0 : arm[2 - k / 3];
@@ -419,8 +429,13 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
     for (int i = g->ode.layout.dissipated; i < g->size; ++i) {
         g->per_impulse[i] += speeds;
     }
-    double *largest = &g->rounding[g->ode.layout.island[contact]].mass;
-    *largest = by_mass > 0.0 ? fmax(*largest, 1.0 / by_mass) : *largest;
+    const double mass = by_mass > 0.0 ? 1.0 / by_mass : 0.0;
+    rounding->mass = fmax(rounding->mass, mass);
+    rounding->momentum = fmax(rounding->momentum, mass * speeds);
+    rounding->force = fmax(rounding->force, fabs(at->normal_force[contact]));
+    if (!(mass > 0.0)) { /* no speed shows the spring */
+        rounding->friction = fmax(rounding->friction, rounding_of_force(at, contact));
+    }
     if (SCENE_ANY_FRICTION) {
         note_friction(g, at, contact, body, arm, speeds);
     }

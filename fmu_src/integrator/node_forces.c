@@ -196,8 +196,9 @@ static void note_node_contact(struct iteration *it, int contact, double length)
         to->speed[end] = layout->body[body] >= 0 ? it->among[layout->body[body] + 3] : -1;
         by_inertia += it->mobility[body].by_inertia;
     }
-    it->admittance[it->contacts] = length * (by_mass > 0.0 ? by_mass : 1.0);
-    it->turning_admittance[it->contacts] = length * (by_inertia > 0.0 ? by_inertia : 1.0);
+    const double square = contact_source_radius(v, contact) * contact_source_radius(v, contact);
+    it->admittance[it->contacts] = length * (by_mass > 0.0 ? by_mass : by_inertia * square);
+    it->turning_admittance[it->contacts] = length * (by_inertia > 0.0 ? by_inertia : by_mass / square);
     it->contacts += 1;
     it->rows += to->rows;
 }
@@ -325,6 +326,7 @@ static struct vec3 respond_opposed(struct iteration *it, int stage, int index, i
     const enum friction_regime regime = c->laws.rubbing_regime[part];
     const int spring = it->g->ode.layout.spring[c->contact][part];
     const double a = part == OPPOSED_SLIP ? it->admittance[index] : it->turning_admittance[index];
+    const bool felt = part == OPPOSED_SLIP || c->spin[0] >= 0 || c->spin[1] >= 0; /* by a free body */
     struct node *node = &it->node[stage][index];
     struct friction_state rubbing = turning_rubbing(&it->g->state->turning, at, c->contact, part);
     rubbing.normal_force = normal_force;
@@ -333,7 +335,7 @@ static struct vec3 respond_opposed(struct iteration *it, int stage, int index, i
                                       at->geometry[c->contact].normal);
     }
     if (slopes) {
-        node->rolls[part] = friction_rolls(law, regime, normal_force, *opposing, a);
+        node->rolls[part] = felt && friction_rolls(law, regime, normal_force, *opposing, a);
     }
     const struct friction_missed missed =
         friction_missed(law, regime, rubbing, opposing, node->rolls[part], a);

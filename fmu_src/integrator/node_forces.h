@@ -32,8 +32,10 @@ struct general_end {
 /* The largest of the contacts of an island that transmit forces, at the start of a step. */
 struct general_rounding {
     double place;    /* rounding of the gap [m] */
-    double friction; /* rounding of regularized friction [N] */
+    double friction; /* rounding of regularized friction, and of the force between moved bodies [N] */
     double mass;     /* reduced mass [kg] */
+    double momentum; /* reduced mass times the speeds that meet [N s] */
+    double force;    /* normal force [N] */
 };
 
 struct general {
@@ -60,8 +62,8 @@ struct general {
     double read_share;   /* within_share where outputs are read within the step */
     bool is_sampled;     /* whether `events` and `loads` are those of the solved step */
     double *y, *size_of, *end_size; /* [size]: a state; sizes of the states at both ends of the step */
-    /* [size], noted at the start of the step: change of integrals by an impulse of a contact, divided by that
-     * impulse; largest errors allowed */
+    /* [size], noted at the start of the step: change of integrals and spins by an impulse of a contact,
+     * divided by that impulse; largest errors allowed */
     double *per_impulse, *largest_error;
     struct scene_instant at_start;                    /* at the start of the step */
     struct scene_instant at_stage[RADAU_MOST_STAGES]; /* at the stages of node_forces_solve */

@@ -133,6 +133,37 @@ def test_a_ball_that_swings_to_rest_passes_every_standstill(opened, shape):
     assert not lines, lines
 
 
+# Two spheres that do not turn: nothing but the mean torque feels the torque of the resistance.
+HEAVY = {
+    "source.rotation": "prescribed", "source.radius": 0.7, "source.mass": 2e4, "gravity": [0.0, 0.0, 0.0],
+    "source.center": [0.0, 0.0, 1.2], "source.initial_velocity": [0.4, 0.0, -0.6],
+    "contact.penalty_factor": 3e7, "contact.viscous_penalty_factor": 5e4, "contact.friction": "regularized",
+    "contact.rolling": "regularized",
+}  # fmt: skip
+
+
+def test_a_torque_that_turns_nobody_is_right(opened):
+    means = []
+    for steps in (1, 40):
+        fmu, torque = start(opened("SphereSphere"), HEAVY, 1e-10), 0.0
+        for k in range(steps):
+            fmu.step(0.2 * (k + 1) / steps - fmu.time)
+            torque = torque + fmu["contact.mean_source_torque"] / steps
+        means.append(torque)
+    check_relative("mean torque", means[0], means[1], 1e-9)
+
+
+def test_a_grain_that_may_turn_bounces_in_a_few_steps(opened):
+    """The torque of a force through its centre is rounding, and so is its spin, 1e-12 rad/s."""
+    values = BOTH | {"source.rotation": "free", "contact.friction": "none", "contact.method": "penalty"}
+    values |= {"source.radius": 1e-5, "source.mass": 1e-11, "source.center": [4.8e-6, 3.6e-6, 8e-6]}
+    values |= {"source.initial_velocity": [6.0, 0.0, -8.0], "destination.axis": [0.48, 0.36, 0.8]}
+    values |= {"gravity": [0.0, 0.0, 0.0], "solver.absolute_tolerance": 1e-15}
+    fmu = run(opened("SpherePlane"), values, 3e-8, 1, 1e-8)
+    check_close("velocity", fmu["source.velocity"], [9.3792, 2.5344, -2.368], 1e-7)
+    assert fmu["solver.steps"] < 20
+
+
 @pytest.mark.parametrize("resistance", [BOTH, YIELDING], ids=["regularized", "elastic"])
 @pytest.mark.parametrize("friction", ["none", "regularized", "elastic"])
 def test_a_free_pair_keeps_its_momenta(opened, friction, resistance):

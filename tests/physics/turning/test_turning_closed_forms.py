@@ -152,6 +152,24 @@ def test_no_torque_and_no_change_without_a_coefficient(opened, method, friction)
     check_close("energy.friction", fmu["energy.friction"], 0.0, 0.0)
 
 
+def test_a_contact_without_spring_and_dashpot_does_not_rub(opened, method):
+    """A slip that reverses ends no sliding where there is no normal force."""
+    values = {"contact.penalty_control": "viscous_only", "contact.viscous_penalty_factor": 0.0}
+    values |= {"contact.friction": "elastic", "source.center": [0.0, 0.0, 0.1], "source.rotation": "free"}
+    values |= {"source.initial_velocity": [0.4, 0.0, -0.6], "source.external_force": [-20.0, 0.0, 9.81]}
+    fmu = run(opened("SpherePlane"), values, 0.05, 1, 1e-9, method)
+    check_close("velocity", fmu["source.velocity"], [-0.6, 0.0, -0.6], 1e-9)
+
+
+def test_a_slip_that_is_rounding_sticks_at_the_touch(opened, method):
+    """Under Hertz's law it ends 1e-20 s after the touch."""
+    values = {"contact.law": "hertz", "contact.hertz_stiffness": 1e5, "contact.tangential_stiffness": 3e3}
+    values |= {"contact.friction": "elastic", "source.rotation": "free", "source.center": [0.0, 0.0, 0.601]}
+    values |= {"source.initial_velocity": [1e-9, 0.0, -1.0], "destination.axis": [1.0, 0.0, 0.0]}
+    fmu = run(opened("SphereCylinder"), values, 0.1, 1, 1e-10, method)
+    check_close("velocity", fmu["source.velocity"][:2], [0.0, 0.0], 1e-8)
+
+
 def test_an_impact_that_tips_a_cylinder_takes_one_step(opened):
     """Orientations follow the forces in the same iteration; one behind, longer attempts do not converge."""
     fmu = run(opened("TippingRoller"), {}, 1.0, 1, 1e-9)
