@@ -703,7 +703,7 @@ static void state_list_remove(struct instance *instance, struct state_block *blo
 
 /* The version is raised whenever the layout or meaning of the header or of the model's state (struct
  * model_state, struct scene_state, struct scene_values) changes. */
-#define BLOCK_VERSION 6u
+#define BLOCK_VERSION 7u
 
 struct block_header {
     uint32_t magic; /* the adapter's; a block of the other byte order does not match */
