@@ -353,7 +353,7 @@ double friction_stick_event(const struct friction_law *law, enum friction_regime
         return limit - f.length;
     }
     if (law->coefficient == 0.0 || (limit == 0.0 && normal_force_rate == 0.0)) {
-        return 1.0; /* with mu = 0, or without spring and dashpot, sliding never ends */
+        return 1.0; /* with mu = 0, or with a normal force that stays zero, sliding never ends */
     }
     if (has_dashpot(law)) {
         return f.length - limit;

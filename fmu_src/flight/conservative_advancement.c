@@ -327,8 +327,8 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
     const int zone = abs(at->geometry.zone); /* of a capped cylinder, else 0 */
     const bool is_split = zone == 0 || (zone != ZONE_RIM && !distance_grows(path, change));
     if (contact_is_cylinder(&shape) && is_split && !(axis.speed > 0.0)) {
-        /* the distance from the side changes by motion across the axis alone, that from ends and caps by
-         * motion along it; none is larger than the distance from the whole solid */
+        /* The distance from the side changes by motion across the axis alone, the distances from ends and
+         * caps by motion along it. None of them is larger than the distance from the whole solid. */
         struct vec3 across[ADVANCEMENT_TERMS];
         struct vec3 along[ADVANCEMENT_TERMS];
         for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {

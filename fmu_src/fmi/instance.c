@@ -356,7 +356,7 @@ static enum model_status check_value(struct instance *instance, const struct var
 {
     if (value_size(instance, variable) == sizeof(int64_t) && variable->type == VARIABLE_ENUMERATION) {
         const int64_t given = *(const int64_t *)from;
-        if (given < INT32_MIN || given > INT32_MAX) { /* a double may not hold all digits of it */
+        if (given < INT32_MIN || given > INT32_MAX) { /* a double may not hold all digits of the integer */
             return log_report(instance, MODEL_DISCARD,
                               "%s = %lld refused (allowed: %.10g .. %.10g); it stays as it was.",
                               variable->name, (long long)given, variable->min, variable->max);

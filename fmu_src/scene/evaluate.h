@@ -286,8 +286,8 @@ bool singularity_is_reached(const struct scene_instant *at, int contact, const s
 struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 rate, struct vec3 acceleration,
                                struct vec3 held);
 
-/* Return g' [m/s] and F_n [N]; where d = 0 within rounding, or on a circle, those of a source that leaves.
- * The rounding of n there must make no peak and no regime. */
+/* Return g' [m/s] and F_n [N]. Where d is 0 within rounding, n has no digits, and the sign of g' would decide
+ * on the dashpot's force and on the regime. There the functions return the values of a source that leaves. */
 double singularity_rate(const struct scene_instant *at, int contact);
 double singularity_force(const struct scene_instant *at, int contact);
 

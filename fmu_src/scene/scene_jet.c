@@ -186,7 +186,7 @@ static void put_slip(const struct contact_shape *shape, const struct contact_pat
         turning->spin[i] = vec3_sub(path->source[i], path->destination[i]);
     }
     opposed_laid_terms(OPPOSED_SLIP, path->terms, all, jet->normal, turning->motion[OPPOSED_SLIP]);
-    for (int i = 0; SCENE_ANY_COMPOUND && i < path->terms; ++i) { /* until here from the spheres' centres */
+    for (int i = 0; SCENE_ANY_COMPOUND && i < path->terms; ++i) { /* the arms began at the spheres' centres */
         turning->source_arm[i] = vec3_add(turning->source_arm[i], path->lever[0][i]);
         turning->destination_arm[i] = vec3_add(turning->destination_arm[i], path->lever[1][i]);
     }

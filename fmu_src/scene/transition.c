@@ -264,10 +264,11 @@ static void stick(const struct rubbed *r, enum friction_regime regime, struct fr
     *r->regime = (int32_t)FRICTION_STICKING;
 }
 
-/* Lets a contact slide unless it sticks, where it goes on sliding or `breaks` away. The slip may no longer
- * stretch the spring after a corner of the law, from where on the force falls more slowly or rises, and after
- * a prescribed velocity has jumped. A contact without a dashpot that breaks away sticks again at once with
- * mu_s > mu, where the spring jumps back, and where errors have put F* beyond its limit although F* falls. */
+/* Lets a contact slide that has slid up to now or, if it `breaks`, that has stuck. It sticks where the slip
+ * no longer stretches the spring. Sliding ends so after a corner of the law, from where on the force falls
+ * more slowly or rises, and after a prescribed velocity has jumped. A contact without a dashpot that breaks
+ * away sticks again at once with mu_s > mu, where the spring jumps back, and where errors have put F* beyond
+ * its limit although F* falls. */
 static void slide(const struct rubbed *r, bool breaks)
 {
     struct scene_instant at;
