@@ -6,35 +6,33 @@
 #include "scene/evaluate.h"
 #include "touch/pair.h"
 
-static struct pair_work work_on(const struct contact_pair *p, const struct scene_state *q, int body,
-                                double sign)
+/* Adds a body's part of the force and the momentum that do external work. Returns whether the work of the
+ * motion along n alone has a constant path; the path across a plane's normal does no work. */
+static bool add_work(struct contact_pair *p, const struct scene_state *q, int body, double sign)
 {
-    struct pair_work work = {.order = 0};
-    const struct body_path *path = &q->path[body];
-    if (body_is_free(q->v, body)) {
-        memcpy(work.path, path->force, sizeof work.path);
-        work.factor = sign * p->reduced_mass / body_mass(q->v, body);
-        work.order = 1;
-    } else if (body_is_prescribed(q->v, body)) {
-        memcpy(work.path, path->velocity, sizeof work.path);
-        work.factor = -sign * p->reduced_mass;
-        work.order = 2;
-    } else {
-        return work;
+    const bool is_free = body_is_free(q->v, body);
+    const double factor = sign * p->reduced_mass * (is_free ? body_inverse_mass(q->v, body) : -1.0);
+    struct vec3 path[3];
+    if (!is_free && !body_is_prescribed(q->v, body)) {
+        return true;
     }
-    path_shift(work.path, 3, q->clock);
-    return work;
-}
-
-/* Whether the work of the motion along n alone has a constant path; the path across a plane's normal does no
- * work. */
-static bool is_constant(const struct contact_pair *p, const struct pair_work *work)
-{
+    memcpy(path, is_free ? q->path[body].force : q->path[body].velocity, sizeof path);
+    path_shift(path, 3, q->clock);
+    for (int i = 0; i < 3; ++i) {
+        if (is_free) {
+            p->force[i] = vec3_axpy(p->force[i], factor, path[i]);
+        } else {
+            p->momentum[i] = vec3_axpy(p->momentum[i], factor, path[i]);
+        }
+        if (!is_free && i > 0) {
+            p->force[i - 1] = vec3_axpy(p->force[i - 1], -i * factor, path[i]);
+        }
+    }
     if (contact_is_plane(&p->shape)) {
-        return work->order == 0 || (contact_along_plane(p->normal, work->path[1]) == 0.0 &&
-                                    contact_along_plane(p->normal, work->path[2]) == 0.0);
+        return contact_along_plane(p->normal, path[1]) == 0.0 &&
+               contact_along_plane(p->normal, path[2]) == 0.0;
     }
-    return work->order == 0 || (vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
+    return vec3_is_zero(path[1]) && vec3_is_zero(path[2]);
 }
 
 /* n is undefined at d = 0 and becomes the direction of motion; c, which is rounding there, is set along n. At
@@ -127,10 +125,11 @@ void pair_make(struct contact_pair *p, const struct scene_instant *at, int conta
     take_rate(p, rate);
     p->has_mismatch =
         path_contradicts(q, contact_source(contact)) || path_contradicts(q, contact_destination(contact));
-    p->work[0] = work_on(p, q, contact_source(contact), -1.0);
-    p->work[1] = work_on(p, q, contact_destination(contact), 1.0);
-    p->is_head_on = is_constant(p, &p->work[0]) && is_constant(p, &p->work[1]) &&
-                    flight_is_head_on(&p->shape, &p->flight, p->normal);
+    memset(p->force, 0, sizeof p->force);
+    memset(p->momentum, 0, sizeof p->momentum);
+    const bool by_source = add_work(p, q, contact_source(contact), -1.0);
+    const bool by_destination = add_work(p, q, contact_destination(contact), 1.0);
+    p->is_head_on = by_source && by_destination && flight_is_head_on(&p->shape, &p->flight, p->normal);
 }
 
 struct vec3 pair_across(const struct contact_pair *p, struct vec3 c)
@@ -289,34 +288,18 @@ static void move_head_on(const struct contact_pair *p, const struct pair_change 
 
 int pair_moments_of_work(const struct contact_pair *p)
 {
-    int count = 0;
-    for (int end = 0; end < PAIR_BODIES; ++end) {
-        const struct pair_work *work = &p->work[end];
-        for (int i = 1; i < 3; ++i) {
-            const int needed = work->order == 0 || vec3_is_zero(work->path[i]) ? 0 : i + 1 - work->order;
-            count = needed > count ? needed : count;
-        }
-    }
-    return count;
+    return path_degree(p->force, 3);
 }
 
-/* Returns the integral of pair_work by parts, so that an oscillation of r' and r'' need not be resolved:
- * path.r' = (path.r)' - path'.r, and path.r'' = (path.r' - path'.r)' + path''.r. */
-static double work_by_parts(const struct pair_work *work, const struct pair_change *change,
+/* Returns the external work that is due to r, by parts, so that an oscillation of r' need not be resolved:
+ * force.r' = (force.r)' - force'.r. Head-on the forces are those on free bodies, see move_head_on. */
+static double work_by_parts(const struct contact_pair *p, const struct pair_change *change,
                             const struct vec3 moment[PAIR_MOMENTS])
 {
-    const double t = change->time;
-    const struct vec3 path = path_at(work->path, 3, t);
-    const struct vec3 slope = vec3_axpy(work->path[1], 2.0 * t, work->path[2]);
-    const double bend = 2.0 * vec3_dot(work->path[2], moment[work->order == 1 ? 1 : 0]);
-    switch (work->order) {
-    case 1:
-        return vec3_dot(path, change->r) - vec3_dot(work->path[1], moment[0]) - bend;
-    case 2:
-        return vec3_dot(path, change->r_rate) - vec3_dot(slope, change->r) + bend;
-    default:
-        return 0.0;
-    }
+    const double by_momentum = vec3_dot(path_at(p->momentum, 3, change->time), change->r_rate);
+    return change->head_on ? by_momentum
+                           : by_momentum + vec3_dot(path_at(p->force, 3, change->time), change->r) -
+                                 vec3_dot(p->force[1], moment[0]) - 2.0 * vec3_dot(p->force[2], moment[1]);
 }
 
 void pair_apply(const struct contact_pair *p, const struct pair_change *change,
@@ -339,11 +322,11 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change,
             move_head_on(p, change, q, ends[end], share, &common);
             continue;
         }
-        q->external_work += p->work[end].factor * work_by_parts(&p->work[end], change, moment);
         if (is_free) {
             flight_deviate(q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, r_rate));
         }
     }
+    q->external_work += work_by_parts(p, change, moment);
     q->dissipated += change->dissipated;
     state->physics.impulse.force = vec3_axpy(state->physics.impulse.force, -p->reduced_mass, change->r_rate);
     state->physics.accumulated_gap = change->gap;
@@ -931,30 +914,4 @@ double pair_step_within(const struct pair_timescales *scales, double longest, do
         step = sqrt(step * (radians / tangential_rate));
     }
     return step;
-}
-
-/* A time less a given one, as the context of a root_function. */
-struct time_left {
-    time_function *time_of;
-    const void *of;
-    double time;
-};
-
-static void time_left_at(const void *time_left, double s, double *value, double *slope)
-{
-    const struct time_left *left = time_left;
-    double time[3];
-    left->time_of(left->of, s, time);
-    *value = time[0] - left->time;
-    *slope = time[1];
-}
-
-double pair_place_by(time_function *time_of, const void *of, double time, double end)
-{
-    const struct time_left left = {time_of, of, time};
-    struct root_bracket_end low = {.s = 0.0};
-    struct root_bracket_end high = {.s = end};
-    time_left_at(&left, low.s, &low.value, &low.slope);
-    time_left_at(&left, high.s, &high.value, &high.slope);
-    return high.value > 0.0 ? root_between(time_left_at, &left, low, high) : end;
 }

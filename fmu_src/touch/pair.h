@@ -21,15 +21,6 @@
 
 enum { PAIR_BODIES = 2 }; /* source, destination */
 
-/* External work on one body that is due to r: factor times the integral of path(t).d^order r/dt^order dt. The
- * path of a free body is its external force (order 1), that of a prescribed body its velocity (order 2). A
- * fixed body has none (order 0). */
-struct pair_work {
-    struct vec3 path[3]; /* coefficients of time from the instant */
-    double factor;
-    int order;
-};
-
 struct contact_pair {
     struct contact_shape shape;
     struct contact_law law;
@@ -55,7 +46,11 @@ struct contact_pair {
     bool is_head_on;
     double reduced_mass;  /* m_red [kg] */
     double rate_rounding; /* rounding bound of g' [m/s] */
-    struct pair_work work[PAIR_BODIES];
+    /* The external work that is due to r is the integral of force(t).r' dt and, at the end, momentum(t).r'. A
+     * free body has a part of the first in its external force. A prescribed body has the momentum -+m_red
+     * times its velocity, the derivative of which is minus its force, because its work is the integral of
+     * momentum.r''. Both are coefficients of time from the instant. */
+    struct vec3 force[3], momentum[3]; /* [N, N/s, ...], [N s, N, ...] */
 };
 
 /* The number of moments of r that works and torques need. Moment j is the integral of t^j r dt since the
@@ -234,11 +229,5 @@ struct pair_change pair_collocation_advance(const void *pair_collocation, double
 
 void pair_collocation_moments(const void *pair_collocation, double s, const struct pair_change *change,
                               int count, struct vec3 *moment);
-
-/* Sets the time since the start of a motion [s] at the place s, and its derivative by s. */
-typedef void time_function(const void *of, double s, double time[3]);
-
-/* Returns the place in [0, end] at a time [s], or `end` where that is earlier. */
-double pair_place_by(time_function *time_of, const void *of, double time, double end);
 
 #endif

@@ -488,16 +488,12 @@ static bool averaged_make(struct segment *p)
     double step = longest_step(p);
     for (int i = 0; i < ATTEMPTS && step * scales->rates.slower >= COLLOCATED_SHORTEST; ++i) {
         struct pair_collocation *made = &p->as.collocation;
-        if (!collocation_make(&made->step, &scales->problem, step, COLLOCATION_AVERAGED,
-                              0.1 * p->tolerance)) {
-            step *= 0.5;
-            continue;
-        }
+        const bool is_made =
+            collocation_make(&made->step, &scales->problem, step, COLLOCATION_AVERAGED, 0.1 * p->tolerance);
         /* The error at the end of a step is about the square of the error in between. Ten times the square of
          * points times tail is above all measured errors. */
-        const double tail = made->step.nodes->points * made->step.result.interior_error;
-        const double error = tail * (10.0 * tail / d);
-        if (!(error <= p->tolerance)) {
+        const double tail = is_made ? made->step.nodes->points * made->step.result.interior_error : 0.0;
+        if (!(is_made && tail * (10.0 * tail / d) <= p->tolerance)) {
             step *= 0.5;
             continue;
         }
@@ -1101,7 +1097,7 @@ static const struct {
     void (*moments)(const void *motion, double s, const struct pair_change *change, int count,
                     struct vec3 *moment);
     int work;
-    time_function *time;
+    void (*time)(const void *motion, double s, double time[3]);
 } kinds[] = {
     /* Head-on oscillation under constant acceleration: the closed form is exact for any time, so it comes
      * first. */
@@ -1129,13 +1125,43 @@ static const struct {
 #endif
 };
 
-double segment_time(const struct segment *p, double s)
+/* Sets the time since the start [s] and its derivative by s. */
+static void put_time_at(const struct segment *p, double s, double time[3])
 {
-    double time[3] = {s * p->unit};
+    time[0] = s * p->unit;
+    time[1] = p->unit;
     if (kinds[p->kind].time != NULL) {
         kinds[p->kind].time(&p->as, s, time);
     }
+}
+
+double segment_time(const struct segment *p, double s)
+{
+    double time[3];
+    put_time_at(p, s, time);
     return time[0];
+}
+
+double segment_pace(const struct segment *p, double s)
+{
+    double time[3];
+    put_time_at(p, s, time);
+    return time[1];
+}
+
+/* A time less a given one, as the context of a root_function. */
+struct time_left {
+    const struct segment *segment;
+    double time;
+};
+
+static void time_left_at(const void *time_left, double s, double *value, double *slope)
+{
+    const struct time_left *left = time_left;
+    double time[3];
+    put_time_at(left->segment, s, time);
+    *value = time[0] - left->time;
+    *slope = time[1];
 }
 
 double segment_place(const struct segment *p, double time)
@@ -1143,9 +1169,15 @@ double segment_place(const struct segment *p, double time)
     if (!(time > 0.0)) {
         return 0.0; /* after a start at the touch, time may be of second order in s: no root at 0 */
     }
-    return kinds[p->kind].time != NULL
-               ? pair_place_by(kinds[p->kind].time, &p->as, time, fmin(p->end, p->terminal.s))
-               : time / p->unit;
+    if (kinds[p->kind].time == NULL) {
+        return time / p->unit;
+    }
+    const struct time_left left = {p, time};
+    struct root_bracket_end low = {.s = 0.0};
+    struct root_bracket_end high = {.s = fmin(p->end, p->terminal.s)};
+    time_left_at(&left, low.s, &low.value, &low.slope);
+    time_left_at(&left, high.s, &high.value, &high.slope);
+    return high.value > 0.0 ? root_between(time_left_at, &left, low, high) : high.s;
 }
 
 struct pair_change segment_change(const struct segment *p, double s)
