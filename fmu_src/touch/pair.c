@@ -474,26 +474,27 @@ static bool has_decayed(double now, double start)
     return 2.0 * fabs(now) < fabs(start);
 }
 
-static double gap_after_decay(const struct pair_oscillation *p, double y, double change)
+/* Sets the gap and its first derivatives by s, and the changes of gap and rate since the start, which would
+ * lose digits as differences. */
+static void motion_at(const struct pair_oscillation *p, double s, double grown[2],
+                      double gap[1 + FREE_OSCILLATION_DERIVATIVES])
 {
-    return has_decayed(y, p->y) ? p->equilibrium + y : p->from->gap + change;
-}
-
-/* Returns the gap; writes its rate per s, and the changes of both since the start, which would lose digits as
- * differences. */
-static double gap_grown(const struct pair_oscillation *p, double s, double grown[2], double *y_rate)
-{
-    double y[1 + FREE_OSCILLATION_DERIVATIVES];
     const struct oscillator_increment since = free_oscillation_since(&p->free, s);
     grown[0] = since.x;
     grown[1] = since.x_rate;
-    *y_rate = p->y_rate + since.x_rate;
+    const double g = p->from->gap + since.x;
+    const double rate = p->y_rate + since.x_rate;
     if (p->omega_d > 0.0) {
-        return p->from->gap + since.x;
+        const double damping_rate = p->free.oscillator.damping_rate;
+        gap[0] = g;
+        gap[1] = rate;
+        gap[2] = -damping_rate * rate - (p->y + since.x);
+        gap[3] = -damping_rate * gap[2] - rate;
+        return;
     }
-    free_oscillation_at(&p->free, s, y);
-    *y_rate = has_decayed(y[1], p->y_rate) ? y[1] : *y_rate;
-    return gap_after_decay(p, y[0], since.x);
+    free_oscillation_at(&p->free, s, gap);
+    gap[0] = has_decayed(gap[0], p->y) ? p->equilibrium + gap[0] : g;
+    gap[1] = has_decayed(gap[1], p->y_rate) ? gap[1] : rate;
 }
 
 /* y' = exp(-damping_rate s / 2) (y_rate cos + sideways sin) of omega_d s. */
@@ -538,38 +539,21 @@ bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_qu
     return oscillator_envelope_of(o, start, rate).amplitude < factor * still + offset;
 }
 
-/* Computes the force as F_n = m_red (g'' - side n.A). */
-static void sample_overdamped(const struct pair_oscillation *p, double s, struct pair_sample *sample)
-{
-    double y[1 + FREE_OSCILLATION_DERIVATIVES];
-    free_oscillation_at(&p->free, s, y);
-    for (int i = 0; i < 3; ++i) {
-        sample->of[PAIR_GAP][i] = y[i];
-        sample->of[PAIR_GAP_RATE][i] = p->rate * y[1 + i];
-        sample->of[PAIR_FORCE][i] = p->dynamic_stiffness * y[2 + i];
-    }
-    sample->of[PAIR_GAP][0] = gap_after_decay(p, y[0], free_oscillation_since(&p->free, s).x);
-    sample->of[PAIR_FORCE][0] -= p->dynamic_stiffness * p->load;
-}
-
+/* Computes the force of a decay as F_n = m_red (g'' - side n.A), because the forces of spring and dashpot
+ * nearly cancel. */
 void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample)
 {
     const struct pair_oscillation *p = pair_oscillation;
-    const double damping_rate = p->free.oscillator.damping_rate;
-    double y[4];
+    double gap[1 + FREE_OSCILLATION_DERIVATIVES];
     double grown[2];
-    if (!(p->omega_d > 0.0)) {
-        sample_overdamped(p, s, sample);
-        return;
-    }
-    y[0] = gap_grown(p, s, grown, &y[1]);
-    y[2] = -damping_rate * y[1] - (p->y + grown[0]);
-    y[3] = -damping_rate * y[2] - y[1];
+    motion_at(p, s, grown, gap);
     for (int i = 0; i < 3; ++i) {
-        sample->of[PAIR_GAP][i] = y[i];
-        sample->of[PAIR_GAP_RATE][i] = p->rate * y[i + 1];
+        sample->of[PAIR_GAP][i] = gap[i];
+        sample->of[PAIR_GAP_RATE][i] = p->rate * gap[i + 1];
         sample->of[PAIR_FORCE][i] =
-            contact_linear_force(p->from->coefficients, y[i], sample->of[PAIR_GAP_RATE][i]);
+            p->omega_d > 0.0
+                ? contact_linear_force(p->from->coefficients, gap[i], sample->of[PAIR_GAP_RATE][i])
+                : p->dynamic_stiffness * (gap[i + 2] - (i == 0 ? p->load : 0.0));
     }
 }
 
@@ -599,13 +583,13 @@ struct pair_change pair_oscillation_advance(const void *pair_oscillation, double
     const double time = s / p->rate;
     const double fall = 2.0 * along_normal(from, 2) * time;
     double grown[2];
-    double y_rate;
-    const double gap = gap_grown(p, s, grown, &y_rate);
+    double gap[1 + FREE_OSCILLATION_DERIVATIVES];
+    motion_at(p, s, grown, gap);
     const double r = grown[0] - (p->y_rate * s + 0.5 * fall * time);
     const double r_rate = p->rate * grown[1] - fall;
-    struct pair_change change = pair_change_along_normal(from, time, r, r_rate, gap);
+    struct pair_change change = pair_change_along_normal(from, time, r, r_rate, gap[0]);
     change.head_on = true;
-    change.gap_rate = p->rate * y_rate;
+    change.gap_rate = p->rate * gap[1];
     change.dissipated = dissipated_by_dashpot(p, grown);
     return change;
 }
@@ -728,32 +712,6 @@ void pair_collocation_sample_averaged(const void *pair_collocation, double s, st
     double x[4];
     collocation_averaged_deviation(&p->step, s, x);
     fill_sample(p, x, s, sample);
-}
-
-struct pair_bound pair_bound_of(const struct pair_collocation *p, enum pair_quantity quantity, double sign)
-{
-    double start;
-    double rate;
-    pair_free_oscillation(p, quantity, &start, &rate);
-    return (struct pair_bound){p, quantity, sign,
-                               oscillator_envelope_of(&p->step.result.oscillator, start, rate)};
-}
-
-void pair_bound_add(const struct pair_bound *bound, double s, struct pair_sample *sample)
-{
-    const double decay_rate = bound->envelope.decay_rate;
-    double still = bound->sign * bound->envelope.amplitude * (decay_rate > 0.0 ? exp(-decay_rate * s) : 1.0);
-    for (int i = 0; i < 3; ++i) {
-        sample->of[bound->quantity][i] += still;
-        still *= -decay_rate;
-    }
-}
-
-void pair_bound_sample(const void *pair_bound, double s, struct pair_sample *sample)
-{
-    const struct pair_bound *bound = pair_bound;
-    pair_collocation_sample_averaged(bound->of, s, sample);
-    pair_bound_add(bound, s, sample);
 }
 
 /* Returns the energy that the dashpot dissipates in a quasi-static step, the integral of its power k_h

@@ -203,23 +203,6 @@ void pair_collocation_sample(const void *pair_collocation, double s, struct pair
 /* Makes the sample of the averaged motion, without the oscillation. */
 void pair_collocation_sample_averaged(const void *pair_collocation, double s, struct pair_sample *sample);
 
-/* A bound of a quantity in an averaged step: the averaged quantity plus sign times the envelope of the
- * oscillation. */
-struct pair_bound {
-    const struct pair_collocation *of;
-    enum pair_quantity quantity;
-    double sign;
-    struct oscillator_envelope envelope;
-};
-
-struct pair_bound pair_bound_of(const struct pair_collocation *p, enum pair_quantity quantity, double sign);
-
-/* Adds the envelope to a sample of the averaged motion at s. */
-void pair_bound_add(const struct pair_bound *bound, double s, struct pair_sample *sample);
-
-/* Serves as a dense_output_sampler. */
-void pair_bound_sample(const void *pair_bound, double s, struct pair_sample *sample);
-
 /* Writes the start value and the rate per s of the oscillating part of a quantity (for the force: of minus
  * the force). */
 void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,

@@ -208,16 +208,13 @@ struct way_panel {
 static double way_panel_make(struct way_panel *panel, const struct slide *f, double from, double length)
 {
     const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
-    nodal_values terms;
     for (int i = 0; i < LOBATTO_MAX; ++i) {
+        const double s = from + 0.5 * length * (1.0 + nodes->node[i]);
         struct pair_change change;
-        const double impulse = impulse_at(f, from + 0.5 * length * (1.0 + nodes->node[i]), &change);
+        const double impulse = impulse_at(f, s, &change);
         panel->time[i] = change.time;
+        panel->pace[i] = 0.5 * length * segment_pace(f->segment, s);
         panel->lost[i] = speed_lost(f, impulse, &panel->slip[i]);
-    }
-    nodal_coefficients(nodes, panel->time, terms);
-    for (int i = 0; i < LOBATTO_MAX; ++i) {
-        panel->pace[i] = nodal_slope(terms, LOBATTO_MAX, 1.0 + nodes->node[i]);
     }
     const double fastest = f->slip + vec3_norm(f->rotation) * vec3_norm(f->arm);
     return nodal_tail(nodes, panel->slip) * (panel->time[LAST_NODE] - panel->time[0]) +
