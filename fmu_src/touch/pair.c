@@ -41,7 +41,7 @@ static bool add_work(struct contact_pair *p, const struct scene_state *q, int bo
 static void leave_centre(struct contact_pair *p, const struct contact_geometry *geometry)
 {
     const double reach = contact_reach(&p->shape);
-    struct vec3 acceleration = pair_across(p, vec3_scale(2.0, p->flight.c[2]));
+    struct vec3 acceleration = contact_across(&p->shape, vec3_scale(2.0, p->flight.c[2]));
     if (!(p->coefficients.k * reach / p->reduced_mass + vec3_dot(p->normal, acceleration) < 0.0)) {
         acceleration = vec3_make(0.0, 0.0, 0.0);
     }
@@ -55,7 +55,8 @@ static void leave_centre(struct contact_pair *p, const struct contact_geometry *
 /* Corrects w so that side n.w is g', and all formulas see one rate. */
 static void take_rate(struct contact_pair *p, double rate)
 {
-    const double missing = p->shape.side * rate - vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
+    const double missing =
+        p->shape.side * rate - vec3_dot(p->normal, contact_across(&p->shape, p->flight.w[0]));
     p->rate = rate;
     p->rate_rounded = vec3_scale(missing, p->normal);
     p->flight.c[1] = vec3_add(p->flight.c[1], p->rate_rounded);
@@ -119,8 +120,9 @@ void pair_make(struct contact_pair *p, const struct scene_instant *at, int conta
         leave_centre(p, geometry);
     }
     const bool is_carried = !p->starts_rounded && scene_rate_is_known(at, contact);
-    const double rate =
-        is_carried ? geometry->gap_rate : p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
+    const double rate = is_carried
+                            ? geometry->gap_rate
+                            : p->shape.side * vec3_dot(p->normal, contact_across(&p->shape, p->flight.w[0]));
     p->rate_is_known = is_carried || rate == 0.0;
     take_rate(p, rate);
     p->has_mismatch =
@@ -130,11 +132,6 @@ void pair_make(struct contact_pair *p, const struct scene_instant *at, int conta
     const bool by_source = add_work(p, q, contact_source(contact), -1.0);
     const bool by_destination = add_work(p, q, contact_destination(contact), 1.0);
     p->is_head_on = by_source && by_destination && flight_is_head_on(&p->shape, &p->flight, p->normal);
-}
-
-struct vec3 pair_across(const struct contact_pair *p, struct vec3 c)
-{
-    return contact_across(&p->shape, c);
 }
 
 struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across)
@@ -151,7 +148,7 @@ double pair_gap_derivative(const struct contact_pair *p)
         return p->rate;
     }
     const struct vec3 mismatch = vec3_sub(p->flight.w[0], p->flight.c[1]);
-    return p->rate - p->shape.side * vec3_dot(p->normal, pair_across(p, mismatch));
+    return p->rate - p->shape.side * vec3_dot(p->normal, contact_across(&p->shape, mismatch));
 }
 
 /* Returns the part of g'' that the turning of n makes at a distance d [m/s^2]: |w_t|^2 / d, and less at a
@@ -163,7 +160,7 @@ static double pair_turning(const struct contact_pair *p, double distance)
             contact_geometry_at(&p->shape, p->flight.c[0], p->flight.c[1], p->normal);
         return contact_turning_rate(&p->shape, &at, p->flight.c[1], p->flight.c[1]) / distance;
     }
-    const struct vec3 across = pair_tangential(p, pair_across(p, p->flight.c[1]));
+    const struct vec3 across = pair_tangential(p, contact_across(&p->shape, p->flight.c[1]));
     return vec3_dot(across, across) / distance;
 }
 
@@ -220,7 +217,8 @@ static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
  * exactly. */
 static struct vec3 coupled(const struct contact_pair *p, struct vec3 a)
 {
-    return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, a), p->normal) : pair_across(p, a);
+    return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, a), p->normal)
+                                       : contact_across(&p->shape, a);
 }
 
 /* The motion that both bodies share, without its part aside: the motion of the body that is not free, or of
@@ -286,11 +284,6 @@ static void move_head_on(const struct contact_pair *p, const struct pair_change 
                                vec3_axpy(together, share * side * change->gap_rate, p->normal));
 }
 
-int pair_moments_of_work(const struct contact_pair *p)
-{
-    return path_degree(p->force, 3);
-}
-
 /* Returns the external work that is due to r, by parts, so that an oscillation of r' need not be resolved:
  * force.r' = (force.r)' - force'.r. Head-on the forces are those on free bodies, see move_head_on. */
 static double work_by_parts(const struct contact_pair *p, const struct pair_change *change,
@@ -346,7 +339,7 @@ static struct vec3 tangent_of(const struct contact_pair *from)
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
         const struct vec3 rows[2] = {from->flight.c[i], from->flight.w[i - 1]};
         for (int k = 0; k < 2; ++k) {
-            const struct vec3 across = pair_across(from, rows[k]);
+            const struct vec3 across = contact_across(&from->shape, rows[k]);
             const struct vec3 along = pair_tangential(from, across);
             if (!vec3_is_zero(along) && !vec3_is_zero(vec3_cross(from->normal, across))) {
                 const struct vec3 direction = vec3_scale(1.0 / vec3_norm(along), along);
@@ -388,8 +381,9 @@ struct frame_flight frame_flight_of(const struct contact_pair *from)
         const struct vec3 c = from->flight.c[i];
         const struct vec3 w = from->flight.w[i - 1];
         flight.degree = vec3_is_zero(c) && vec3_is_zero(w) ? flight.degree : i;
-        leaves_plane = put_in_frame(&flight, pair_across(from, c), flight.c[i]) || leaves_plane;
-        leaves_plane = put_in_frame(&flight, pair_across(from, w), flight.w[i - 1]) || leaves_plane;
+        leaves_plane = put_in_frame(&flight, contact_across(&from->shape, c), flight.c[i]) || leaves_plane;
+        leaves_plane =
+            put_in_frame(&flight, contact_across(&from->shape, w), flight.w[i - 1]) || leaves_plane;
     }
     flight.dimensions = !at_rim && flight.head_on ? 1 : leaves_plane ? 3 : 2;
     return flight;
@@ -408,7 +402,7 @@ static const double DRIFT_ENDS = 0.75;
 
 static double along_normal(const struct contact_pair *from, int degree)
 {
-    return from->shape.side * vec3_dot(from->normal, pair_across(from, from->flight.c[degree]));
+    return from->shape.side * vec3_dot(from->normal, contact_across(&from->shape, from->flight.c[degree]));
 }
 
 /* Returns the bound below which |g| must stay [m]. */
@@ -831,7 +825,7 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     take_frame(out, p, flight);
     const double d = contact_is_plane(&p->shape) ? (double)INFINITY : problem->reach + problem->deviation;
     out->distance = d;
-    out->rate_along = vec3_norm(pair_tangential(p, pair_across(p, p->flight.c[1]))) / d;
+    out->rate_along = vec3_norm(pair_tangential(p, contact_across(&p->shape, p->flight.c[1]))) / d;
     out->tangential_rate = out->rate_along + sqrt(vec3_norm(problem->acceleration[0]) / d);
     const struct oscillator oscillator = {problem->omega2, problem->damping_rate};
     out->rates = oscillator_rates_of(&oscillator);

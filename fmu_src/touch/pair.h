@@ -81,18 +81,12 @@ double pair_load(const struct contact_pair *p);
 /* Returns L, the acceleration that presses the bodies together [m/s^2]. */
 double pair_pressing_load(const struct contact_pair *p);
 
-/* Returns the part of c perpendicular to a cylinder's axis. */
-struct vec3 pair_across(const struct contact_pair *p, struct vec3 c);
-
 /* Returns the part of the vector `across` that is perpendicular to n and turns n; zero at a plane. */
 struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
 
 /* Returns the change by side r n, along the normal. */
 struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,
                                             double r_rate, double gap);
-
-/* Returns how many moments of r the external works need. */
-int pair_moments_of_work(const struct contact_pair *p);
 
 /* Sets Hertz's force and its first two derivatives with respect to s from those of u = sqrt(delta) and g'. */
 void pair_hertz_force(const struct contact_pair *from, const double u[3], const double rate[3],

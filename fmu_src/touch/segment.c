@@ -1338,7 +1338,7 @@ void segment_advance(struct segment *p, double from, double s, struct scene_stat
     if (SCENE_HAS_TORQUES) {
         lever = torque_lever_of(&p->pair);
     }
-    const int of_work = pair_moments_of_work(&p->pair);
+    const int of_work = path_degree(p->pair.force, 3);
     segment_moments(p, s, &change, of_work > lever.moments ? of_work : lever.moments, moment);
     change.head_on = change.head_on && !segment_is_deep(p);
     if (from < s) {
