@@ -484,6 +484,7 @@ static void motion_at(const struct pair_oscillation *p, double s, double grown[2
         gap[1] = rate;
         gap[2] = -damping_rate * rate - (p->y + since.x);
         gap[3] = -damping_rate * gap[2] - rate;
+        gap[4] = -damping_rate * gap[3] - gap[2];
         return;
     }
     free_oscillation_at(&p->free, s, gap);
