@@ -24,7 +24,7 @@ struct pair_sample {
 
 typedef void dense_output_sampler(const void *segment, double s, struct pair_sample *sample);
 
-enum { DENSE_OUTPUT_POINTS = 24 };
+enum { DENSE_OUTPUT_POINTS = 32 };
 
 /* Returns the usual value of `worth_a_search` below: at most the tolerance. */
 double dense_output_worth_a_search(const struct scene_values *v);

@@ -139,7 +139,8 @@ static bool elastic_solve(struct hertz_elastic *p, const struct contact_pair *fr
         return false;
     }
     const double rate = pair_gap_derivative(from);
-    p->load = -2.0 * from->shape.side * vec3_dot(from->normal, pair_across(from, from->flight.c[2]));
+    p->load =
+        -2.0 * from->shape.side * vec3_dot(from->normal, contact_across(&from->shape, from->flight.c[2]));
     p->touch = rate * rate + elastic_stored(k, depth) - 2.0 * p->load * depth;
     p->deepest = elastic_deepest(k, p->load, p->touch);
     p->pressed = 2.0 * p->load * p->deepest;
@@ -288,7 +289,8 @@ bool hertz_elastic_make(struct segment *p)
     }
     const bool parts = made->end_time <= p->longest;
     p->clear_of_centre = true;
-    p->end = parts ? made->end : pair_place_by(hertz_elastic_time, made, p->longest, made->end);
+    p->end = made->end;
+    p->end = parts ? made->end : segment_place(p, p->longest);
     p->unit = elastic_time(made, p->end) / p->end;
     dense_output_add(&p->output, 0.0);
     if (made->start < 0.0 &&

@@ -6,35 +6,33 @@
 #include "scene/evaluate.h"
 #include "touch/pair.h"
 
-static struct pair_work work_on(const struct contact_pair *p, const struct scene_state *q, int body,
-                                double sign)
+/* Adds a body's part of the force and the momentum that do external work. Returns whether the work of the
+ * motion along n alone has a constant path; the path across a plane's normal does no work. */
+static bool add_work(struct contact_pair *p, const struct scene_state *q, int body, double sign)
 {
-    struct pair_work work = {.order = 0};
-    const struct body_path *path = &q->path[body];
-    if (body_is_free(q->v, body)) {
-        memcpy(work.path, path->force, sizeof work.path);
-        work.factor = sign * p->reduced_mass / body_mass(q->v, body);
-        work.order = 1;
-    } else if (body_is_prescribed(q->v, body)) {
-        memcpy(work.path, path->velocity, sizeof work.path);
-        work.factor = -sign * p->reduced_mass;
-        work.order = 2;
-    } else {
-        return work;
+    const bool is_free = body_is_free(q->v, body);
+    const double factor = sign * p->reduced_mass * (is_free ? body_inverse_mass(q->v, body) : -1.0);
+    struct vec3 path[3];
+    if (!is_free && !body_is_prescribed(q->v, body)) {
+        return true;
     }
-    path_shift(work.path, 3, q->clock);
-    return work;
-}
-
-/* Whether the work of the motion along n alone has a constant path; the path across a plane's normal does no
- * work. */
-static bool is_constant(const struct contact_pair *p, const struct pair_work *work)
-{
+    memcpy(path, is_free ? q->path[body].force : q->path[body].velocity, sizeof path);
+    path_shift(path, 3, q->clock);
+    for (int i = 0; i < 3; ++i) {
+        if (is_free) {
+            p->force[i] = vec3_axpy(p->force[i], factor, path[i]);
+        } else {
+            p->momentum[i] = vec3_axpy(p->momentum[i], factor, path[i]);
+        }
+        if (!is_free && i > 0) {
+            p->force[i - 1] = vec3_axpy(p->force[i - 1], -i * factor, path[i]);
+        }
+    }
     if (contact_is_plane(&p->shape)) {
-        return work->order == 0 || (contact_along_plane(p->normal, work->path[1]) == 0.0 &&
-                                    contact_along_plane(p->normal, work->path[2]) == 0.0);
+        return contact_along_plane(p->normal, path[1]) == 0.0 &&
+               contact_along_plane(p->normal, path[2]) == 0.0;
     }
-    return work->order == 0 || (vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
+    return vec3_is_zero(path[1]) && vec3_is_zero(path[2]);
 }
 
 /* n is undefined at d = 0 and becomes the direction of motion; c, which is rounding there, is set along n. At
@@ -43,7 +41,7 @@ static bool is_constant(const struct contact_pair *p, const struct pair_work *wo
 static void leave_centre(struct contact_pair *p, const struct contact_geometry *geometry)
 {
     const double reach = contact_reach(&p->shape);
-    struct vec3 acceleration = pair_across(p, vec3_scale(2.0, p->flight.c[2]));
+    struct vec3 acceleration = contact_across(&p->shape, vec3_scale(2.0, p->flight.c[2]));
     if (!(p->coefficients.k * reach / p->reduced_mass + vec3_dot(p->normal, acceleration) < 0.0)) {
         acceleration = vec3_make(0.0, 0.0, 0.0);
     }
@@ -57,7 +55,8 @@ static void leave_centre(struct contact_pair *p, const struct contact_geometry *
 /* Corrects w so that side n.w is g', and all formulas see one rate. */
 static void take_rate(struct contact_pair *p, double rate)
 {
-    const double missing = p->shape.side * rate - vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
+    const double missing =
+        p->shape.side * rate - vec3_dot(p->normal, contact_across(&p->shape, p->flight.w[0]));
     p->rate = rate;
     p->rate_rounded = vec3_scale(missing, p->normal);
     p->flight.c[1] = vec3_add(p->flight.c[1], p->rate_rounded);
@@ -121,21 +120,18 @@ void pair_make(struct contact_pair *p, const struct scene_instant *at, int conta
         leave_centre(p, geometry);
     }
     const bool is_carried = !p->starts_rounded && scene_rate_is_known(at, contact);
-    const double rate =
-        is_carried ? geometry->gap_rate : p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
+    const double rate = is_carried
+                            ? geometry->gap_rate
+                            : p->shape.side * vec3_dot(p->normal, contact_across(&p->shape, p->flight.w[0]));
     p->rate_is_known = is_carried || rate == 0.0;
     take_rate(p, rate);
     p->has_mismatch =
         path_contradicts(q, contact_source(contact)) || path_contradicts(q, contact_destination(contact));
-    p->work[0] = work_on(p, q, contact_source(contact), -1.0);
-    p->work[1] = work_on(p, q, contact_destination(contact), 1.0);
-    p->is_head_on = is_constant(p, &p->work[0]) && is_constant(p, &p->work[1]) &&
-                    flight_is_head_on(&p->shape, &p->flight, p->normal);
-}
-
-struct vec3 pair_across(const struct contact_pair *p, struct vec3 c)
-{
-    return contact_across(&p->shape, c);
+    memset(p->force, 0, sizeof p->force);
+    memset(p->momentum, 0, sizeof p->momentum);
+    const bool by_source = add_work(p, q, contact_source(contact), -1.0);
+    const bool by_destination = add_work(p, q, contact_destination(contact), 1.0);
+    p->is_head_on = by_source && by_destination && flight_is_head_on(&p->shape, &p->flight, p->normal);
 }
 
 struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across)
@@ -152,7 +148,7 @@ double pair_gap_derivative(const struct contact_pair *p)
         return p->rate;
     }
     const struct vec3 mismatch = vec3_sub(p->flight.w[0], p->flight.c[1]);
-    return p->rate - p->shape.side * vec3_dot(p->normal, pair_across(p, mismatch));
+    return p->rate - p->shape.side * vec3_dot(p->normal, contact_across(&p->shape, mismatch));
 }
 
 /* Returns the part of g'' that the turning of n makes at a distance d [m/s^2]: |w_t|^2 / d, and less at a
@@ -164,7 +160,7 @@ static double pair_turning(const struct contact_pair *p, double distance)
             contact_geometry_at(&p->shape, p->flight.c[0], p->flight.c[1], p->normal);
         return contact_turning_rate(&p->shape, &at, p->flight.c[1], p->flight.c[1]) / distance;
     }
-    const struct vec3 across = pair_tangential(p, pair_across(p, p->flight.c[1]));
+    const struct vec3 across = pair_tangential(p, contact_across(&p->shape, p->flight.c[1]));
     return vec3_dot(across, across) / distance;
 }
 
@@ -221,7 +217,8 @@ static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
  * exactly. */
 static struct vec3 coupled(const struct contact_pair *p, struct vec3 a)
 {
-    return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, a), p->normal) : pair_across(p, a);
+    return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, a), p->normal)
+                                       : contact_across(&p->shape, a);
 }
 
 /* The motion that both bodies share, without its part aside: the motion of the body that is not free, or of
@@ -287,36 +284,15 @@ static void move_head_on(const struct contact_pair *p, const struct pair_change 
                                vec3_axpy(together, share * side * change->gap_rate, p->normal));
 }
 
-int pair_moments_of_work(const struct contact_pair *p)
-{
-    int count = 0;
-    for (int end = 0; end < PAIR_BODIES; ++end) {
-        const struct pair_work *work = &p->work[end];
-        for (int i = 1; i < 3; ++i) {
-            const int needed = work->order == 0 || vec3_is_zero(work->path[i]) ? 0 : i + 1 - work->order;
-            count = needed > count ? needed : count;
-        }
-    }
-    return count;
-}
-
-/* Returns the integral of pair_work by parts, so that an oscillation of r' and r'' need not be resolved:
- * path.r' = (path.r)' - path'.r, and path.r'' = (path.r' - path'.r)' + path''.r. */
-static double work_by_parts(const struct pair_work *work, const struct pair_change *change,
+/* Returns the external work that is due to r, by parts, so that an oscillation of r' need not be resolved:
+ * force.r' = (force.r)' - force'.r. Head-on the forces are those on free bodies, see move_head_on. */
+static double work_by_parts(const struct contact_pair *p, const struct pair_change *change,
                             const struct vec3 moment[PAIR_MOMENTS])
 {
-    const double t = change->time;
-    const struct vec3 path = path_at(work->path, 3, t);
-    const struct vec3 slope = vec3_axpy(work->path[1], 2.0 * t, work->path[2]);
-    const double bend = 2.0 * vec3_dot(work->path[2], moment[work->order == 1 ? 1 : 0]);
-    switch (work->order) {
-    case 1:
-        return vec3_dot(path, change->r) - vec3_dot(work->path[1], moment[0]) - bend;
-    case 2:
-        return vec3_dot(path, change->r_rate) - vec3_dot(slope, change->r) + bend;
-    default:
-        return 0.0;
-    }
+    const double by_momentum = vec3_dot(path_at(p->momentum, 3, change->time), change->r_rate);
+    return change->head_on ? by_momentum
+                           : by_momentum + vec3_dot(path_at(p->force, 3, change->time), change->r) -
+                                 vec3_dot(p->force[1], moment[0]) - 2.0 * vec3_dot(p->force[2], moment[1]);
 }
 
 void pair_apply(const struct contact_pair *p, const struct pair_change *change,
@@ -339,11 +315,11 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change,
             move_head_on(p, change, q, ends[end], share, &common);
             continue;
         }
-        q->external_work += p->work[end].factor * work_by_parts(&p->work[end], change, moment);
         if (is_free) {
             flight_deviate(q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, r_rate));
         }
     }
+    q->external_work += work_by_parts(p, change, moment);
     q->dissipated += change->dissipated;
     state->physics.impulse.force = vec3_axpy(state->physics.impulse.force, -p->reduced_mass, change->r_rate);
     state->physics.accumulated_gap = change->gap;
@@ -363,7 +339,7 @@ static struct vec3 tangent_of(const struct contact_pair *from)
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
         const struct vec3 rows[2] = {from->flight.c[i], from->flight.w[i - 1]};
         for (int k = 0; k < 2; ++k) {
-            const struct vec3 across = pair_across(from, rows[k]);
+            const struct vec3 across = contact_across(&from->shape, rows[k]);
             const struct vec3 along = pair_tangential(from, across);
             if (!vec3_is_zero(along) && !vec3_is_zero(vec3_cross(from->normal, across))) {
                 const struct vec3 direction = vec3_scale(1.0 / vec3_norm(along), along);
@@ -405,8 +381,9 @@ struct frame_flight frame_flight_of(const struct contact_pair *from)
         const struct vec3 c = from->flight.c[i];
         const struct vec3 w = from->flight.w[i - 1];
         flight.degree = vec3_is_zero(c) && vec3_is_zero(w) ? flight.degree : i;
-        leaves_plane = put_in_frame(&flight, pair_across(from, c), flight.c[i]) || leaves_plane;
-        leaves_plane = put_in_frame(&flight, pair_across(from, w), flight.w[i - 1]) || leaves_plane;
+        leaves_plane = put_in_frame(&flight, contact_across(&from->shape, c), flight.c[i]) || leaves_plane;
+        leaves_plane =
+            put_in_frame(&flight, contact_across(&from->shape, w), flight.w[i - 1]) || leaves_plane;
     }
     flight.dimensions = !at_rim && flight.head_on ? 1 : leaves_plane ? 3 : 2;
     return flight;
@@ -425,7 +402,7 @@ static const double DRIFT_ENDS = 0.75;
 
 static double along_normal(const struct contact_pair *from, int degree)
 {
-    return from->shape.side * vec3_dot(from->normal, pair_across(from, from->flight.c[degree]));
+    return from->shape.side * vec3_dot(from->normal, contact_across(&from->shape, from->flight.c[degree]));
 }
 
 /* Returns the bound below which |g| must stay [m]. */
@@ -491,26 +468,28 @@ static bool has_decayed(double now, double start)
     return 2.0 * fabs(now) < fabs(start);
 }
 
-static double gap_after_decay(const struct pair_oscillation *p, double y, double change)
+/* Sets the gap and its first derivatives by s, and the changes of gap and rate since the start, which would
+ * lose digits as differences. */
+static void motion_at(const struct pair_oscillation *p, double s, double grown[2],
+                      double gap[1 + FREE_OSCILLATION_DERIVATIVES])
 {
-    return has_decayed(y, p->y) ? p->equilibrium + y : p->from->gap + change;
-}
-
-/* Returns the gap; writes its rate per s, and the changes of both since the start, which would lose digits as
- * differences. */
-static double gap_grown(const struct pair_oscillation *p, double s, double grown[2], double *y_rate)
-{
-    double y[1 + FREE_OSCILLATION_DERIVATIVES];
     const struct oscillator_increment since = free_oscillation_since(&p->free, s);
     grown[0] = since.x;
     grown[1] = since.x_rate;
-    *y_rate = p->y_rate + since.x_rate;
+    const double g = p->from->gap + since.x;
+    const double rate = p->y_rate + since.x_rate;
     if (p->omega_d > 0.0) {
-        return p->from->gap + since.x;
+        const double damping_rate = p->free.oscillator.damping_rate;
+        gap[0] = g;
+        gap[1] = rate;
+        gap[2] = -damping_rate * rate - (p->y + since.x);
+        gap[3] = -damping_rate * gap[2] - rate;
+        gap[4] = -damping_rate * gap[3] - gap[2];
+        return;
     }
-    free_oscillation_at(&p->free, s, y);
-    *y_rate = has_decayed(y[1], p->y_rate) ? y[1] : *y_rate;
-    return gap_after_decay(p, y[0], since.x);
+    free_oscillation_at(&p->free, s, gap);
+    gap[0] = has_decayed(gap[0], p->y) ? p->equilibrium + gap[0] : g;
+    gap[1] = has_decayed(gap[1], p->y_rate) ? gap[1] : rate;
 }
 
 /* y' = exp(-damping_rate s / 2) (y_rate cos + sideways sin) of omega_d s. */
@@ -555,38 +534,21 @@ bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_qu
     return oscillator_envelope_of(o, start, rate).amplitude < factor * still + offset;
 }
 
-/* Computes the force as F_n = m_red (g'' - side n.A). */
-static void sample_overdamped(const struct pair_oscillation *p, double s, struct pair_sample *sample)
-{
-    double y[1 + FREE_OSCILLATION_DERIVATIVES];
-    free_oscillation_at(&p->free, s, y);
-    for (int i = 0; i < 3; ++i) {
-        sample->of[PAIR_GAP][i] = y[i];
-        sample->of[PAIR_GAP_RATE][i] = p->rate * y[1 + i];
-        sample->of[PAIR_FORCE][i] = p->dynamic_stiffness * y[2 + i];
-    }
-    sample->of[PAIR_GAP][0] = gap_after_decay(p, y[0], free_oscillation_since(&p->free, s).x);
-    sample->of[PAIR_FORCE][0] -= p->dynamic_stiffness * p->load;
-}
-
+/* Computes the force of a decay as F_n = m_red (g'' - side n.A), because the forces of spring and dashpot
+ * nearly cancel. */
 void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample)
 {
     const struct pair_oscillation *p = pair_oscillation;
-    const double damping_rate = p->free.oscillator.damping_rate;
-    double y[4];
+    double gap[1 + FREE_OSCILLATION_DERIVATIVES];
     double grown[2];
-    if (!(p->omega_d > 0.0)) {
-        sample_overdamped(p, s, sample);
-        return;
-    }
-    y[0] = gap_grown(p, s, grown, &y[1]);
-    y[2] = -damping_rate * y[1] - (p->y + grown[0]);
-    y[3] = -damping_rate * y[2] - y[1];
+    motion_at(p, s, grown, gap);
     for (int i = 0; i < 3; ++i) {
-        sample->of[PAIR_GAP][i] = y[i];
-        sample->of[PAIR_GAP_RATE][i] = p->rate * y[i + 1];
+        sample->of[PAIR_GAP][i] = gap[i];
+        sample->of[PAIR_GAP_RATE][i] = p->rate * gap[i + 1];
         sample->of[PAIR_FORCE][i] =
-            contact_linear_force(p->from->coefficients, y[i], sample->of[PAIR_GAP_RATE][i]);
+            p->omega_d > 0.0
+                ? contact_linear_force(p->from->coefficients, gap[i], sample->of[PAIR_GAP_RATE][i])
+                : p->dynamic_stiffness * (gap[i + 2] - (i == 0 ? p->load : 0.0));
     }
 }
 
@@ -616,13 +578,13 @@ struct pair_change pair_oscillation_advance(const void *pair_oscillation, double
     const double time = s / p->rate;
     const double fall = 2.0 * along_normal(from, 2) * time;
     double grown[2];
-    double y_rate;
-    const double gap = gap_grown(p, s, grown, &y_rate);
+    double gap[1 + FREE_OSCILLATION_DERIVATIVES];
+    motion_at(p, s, grown, gap);
     const double r = grown[0] - (p->y_rate * s + 0.5 * fall * time);
     const double r_rate = p->rate * grown[1] - fall;
-    struct pair_change change = pair_change_along_normal(from, time, r, r_rate, gap);
+    struct pair_change change = pair_change_along_normal(from, time, r, r_rate, gap[0]);
     change.head_on = true;
-    change.gap_rate = p->rate * y_rate;
+    change.gap_rate = p->rate * gap[1];
     change.dissipated = dissipated_by_dashpot(p, grown);
     return change;
 }
@@ -747,32 +709,6 @@ void pair_collocation_sample_averaged(const void *pair_collocation, double s, st
     fill_sample(p, x, s, sample);
 }
 
-struct pair_bound pair_bound_of(const struct pair_collocation *p, enum pair_quantity quantity, double sign)
-{
-    double start;
-    double rate;
-    pair_free_oscillation(p, quantity, &start, &rate);
-    return (struct pair_bound){p, quantity, sign,
-                               oscillator_envelope_of(&p->step.result.oscillator, start, rate)};
-}
-
-void pair_bound_add(const struct pair_bound *bound, double s, struct pair_sample *sample)
-{
-    const double decay_rate = bound->envelope.decay_rate;
-    double still = bound->sign * bound->envelope.amplitude * (decay_rate > 0.0 ? exp(-decay_rate * s) : 1.0);
-    for (int i = 0; i < 3; ++i) {
-        sample->of[bound->quantity][i] += still;
-        still *= -decay_rate;
-    }
-}
-
-void pair_bound_sample(const void *pair_bound, double s, struct pair_sample *sample)
-{
-    const struct pair_bound *bound = pair_bound;
-    pair_collocation_sample_averaged(bound->of, s, sample);
-    pair_bound_add(bound, s, sample);
-}
-
 /* Returns the energy that the dashpot dissipates in a quasi-static step, the integral of its power k_h
  * delta^(3/2) chi delta'^2, by the nodes' quadrature [J]. */
 static double quasi_static_dissipated(const struct pair_collocation *p, double s)
@@ -890,7 +826,7 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     take_frame(out, p, flight);
     const double d = contact_is_plane(&p->shape) ? (double)INFINITY : problem->reach + problem->deviation;
     out->distance = d;
-    out->rate_along = vec3_norm(pair_tangential(p, pair_across(p, p->flight.c[1]))) / d;
+    out->rate_along = vec3_norm(pair_tangential(p, contact_across(&p->shape, p->flight.c[1]))) / d;
     out->tangential_rate = out->rate_along + sqrt(vec3_norm(problem->acceleration[0]) / d);
     const struct oscillator oscillator = {problem->omega2, problem->damping_rate};
     out->rates = oscillator_rates_of(&oscillator);
@@ -931,30 +867,4 @@ double pair_step_within(const struct pair_timescales *scales, double longest, do
         step = sqrt(step * (radians / tangential_rate));
     }
     return step;
-}
-
-/* A time less a given one, as the context of a root_function. */
-struct time_left {
-    time_function *time_of;
-    const void *of;
-    double time;
-};
-
-static void time_left_at(const void *time_left, double s, double *value, double *slope)
-{
-    const struct time_left *left = time_left;
-    double time[3];
-    left->time_of(left->of, s, time);
-    *value = time[0] - left->time;
-    *slope = time[1];
-}
-
-double pair_place_by(time_function *time_of, const void *of, double time, double end)
-{
-    const struct time_left left = {time_of, of, time};
-    struct root_bracket_end low = {.s = 0.0};
-    struct root_bracket_end high = {.s = end};
-    time_left_at(&left, low.s, &low.value, &low.slope);
-    time_left_at(&left, high.s, &high.value, &high.slope);
-    return high.value > 0.0 ? root_between(time_left_at, &left, low, high) : end;
 }

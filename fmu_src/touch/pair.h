@@ -21,15 +21,6 @@
 
 enum { PAIR_BODIES = 2 }; /* source, destination */
 
-/* External work on one body that is due to r: factor times the integral of path(t).d^order r/dt^order dt. The
- * path of a free body is its external force (order 1), that of a prescribed body its velocity (order 2). A
- * fixed body has none (order 0). */
-struct pair_work {
-    struct vec3 path[3]; /* coefficients of time from the instant */
-    double factor;
-    int order;
-};
-
 struct contact_pair {
     struct contact_shape shape;
     struct contact_law law;
@@ -55,7 +46,11 @@ struct contact_pair {
     bool is_head_on;
     double reduced_mass;  /* m_red [kg] */
     double rate_rounding; /* rounding bound of g' [m/s] */
-    struct pair_work work[PAIR_BODIES];
+    /* The external work that is due to r is the integral of force(t).r' dt and, at the end, momentum(t).r'. A
+     * free body has a part of the first in its external force. A prescribed body has the momentum -+m_red
+     * times its velocity, the derivative of which is minus its force, because its work is the integral of
+     * momentum.r''. Both are coefficients of time from the instant. */
+    struct vec3 force[3], momentum[3]; /* [N, N/s, ...], [N s, N, ...] */
 };
 
 /* The number of moments of r that works and torques need. Moment j is the integral of t^j r dt since the
@@ -86,18 +81,12 @@ double pair_load(const struct contact_pair *p);
 /* Returns L, the acceleration that presses the bodies together [m/s^2]. */
 double pair_pressing_load(const struct contact_pair *p);
 
-/* Returns the part of c perpendicular to a cylinder's axis. */
-struct vec3 pair_across(const struct contact_pair *p, struct vec3 c);
-
 /* Returns the part of the vector `across` that is perpendicular to n and turns n; zero at a plane. */
 struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
 
 /* Returns the change by side r n, along the normal. */
 struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,
                                             double r_rate, double gap);
-
-/* Returns how many moments of r the external works need. */
-int pair_moments_of_work(const struct contact_pair *p);
 
 /* Sets Hertz's force and its first two derivatives with respect to s from those of u = sqrt(delta) and g'. */
 void pair_hertz_force(const struct contact_pair *from, const double u[3], const double rate[3],
@@ -208,23 +197,6 @@ void pair_collocation_sample(const void *pair_collocation, double s, struct pair
 /* Makes the sample of the averaged motion, without the oscillation. */
 void pair_collocation_sample_averaged(const void *pair_collocation, double s, struct pair_sample *sample);
 
-/* A bound of a quantity in an averaged step: the averaged quantity plus sign times the envelope of the
- * oscillation. */
-struct pair_bound {
-    const struct pair_collocation *of;
-    enum pair_quantity quantity;
-    double sign;
-    struct oscillator_envelope envelope;
-};
-
-struct pair_bound pair_bound_of(const struct pair_collocation *p, enum pair_quantity quantity, double sign);
-
-/* Adds the envelope to a sample of the averaged motion at s. */
-void pair_bound_add(const struct pair_bound *bound, double s, struct pair_sample *sample);
-
-/* Serves as a dense_output_sampler. */
-void pair_bound_sample(const void *pair_bound, double s, struct pair_sample *sample);
-
 /* Writes the start value and the rate per s of the oscillating part of a quantity (for the force: of minus
  * the force). */
 void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,
@@ -234,11 +206,5 @@ struct pair_change pair_collocation_advance(const void *pair_collocation, double
 
 void pair_collocation_moments(const void *pair_collocation, double s, const struct pair_change *change,
                               int count, struct vec3 *moment);
-
-/* Sets the time since the start of a motion [s] at the place s, and its derivative by s. */
-typedef void time_function(const void *of, double s, double time[3]);
-
-/* Returns the place in [0, end] at a time [s], or `end` where that is earlier. */
-double pair_place_by(time_function *time_of, const void *of, double time, double end);
 
 #endif

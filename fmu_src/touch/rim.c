@@ -59,31 +59,21 @@ struct rim_state rim_state_of(const struct rim_start *start, const double change
                               .by = by};
 }
 
-/* Components of a vector along a, b and e at a state. */
-struct rim_parts {
-    double outward, circumferential, axial;
-};
-
-static struct rim_parts rim_parts_of(const struct rim_state *at, struct vec3 a)
-{
-    const double c = at->by.turned_cosine;
-    const double s = at->by.turned_sine;
-    return (struct rim_parts){c * a.x + s * a.z, c * a.z - s * a.x, a.y};
-}
-
 struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 acceleration)
 {
-    const struct rim_parts a = rim_parts_of(at, acceleration);
+    const struct rim_angles *by = &at->by; /* it turns the acceleration into its parts along a and b */
+    const double outward = by->turned_cosine * acceleration.x + by->turned_sine * acceleration.z;
+    const double around = by->turned_cosine * acceleration.z - by->turned_sine * acceleration.x;
     const double c = at->by.cosine;
     const double s = at->by.sine;
     const double spin = at->azimuth_momentum / (at->rho * at->rho);
     const double tilting = at->tilt_momentum / (at->d * at->d);
-    const double push = at->rho * spin * spin + a.outward;
+    const double push = at->rho * spin * spin + outward;
     return (struct rim_slopes){.azimuth = spin,
                                .tilt = tilting,
-                               .azimuth_momentum = at->rho * a.circumferential,
-                               .tilt_momentum = -at->d * (s * push + c * a.axial),
-                               .load = at->d * tilting * tilting + c * push - s * a.axial};
+                               .azimuth_momentum = at->rho * around,
+                               .tilt_momentum = -at->d * (s * push + c * acceleration.y),
+                               .load = at->d * tilting * tilting + c * push - s * acceleration.y};
 }
 
 void rim_slopes_by_distance(const struct rim_start *start, const struct rim_state *at,

@@ -20,9 +20,6 @@
 /* Slip of this many v_0 or more has the full friction force: exp(-37) is below half a rounding of 1. */
 static const double FULL_FRICTION = 37.0;
 
-/* The end of full friction is located to so many v_0 of the slip. */
-static const double NEARLY = 8.0;
-
 /* Roundings of a velocity in the slip of a sphere that rolls. */
 static const double ROLLING_ROUNDINGS = 8.0;
 
@@ -159,41 +156,29 @@ static double impulse_at(const struct slide *f, double s, struct pair_change *ch
     return pair->shape.side * pair->reduced_mass * vec3_dot(pair->normal, change->r_rate);
 }
 
-/* Whether the friction force is full up to an impulse. */
-static bool slides_fully(const struct slide *f, double impulse)
+/* Serves as a root_function: how many v_0 the slip is above that of full friction. */
+static void above_full_friction(const void *slide, double s, double *value, double *slope)
 {
-    return f->slip - f->unit * f->per_impulse * impulse >= FULL_FRICTION * f->unit;
+    const struct slide *f = slide;
+    struct pair_change change;
+    struct pair_sample at;
+    f->segment->output.sampler(f->segment->output.segment, s, &at);
+    *value = f->slip / f->unit - FULL_FRICTION - f->per_impulse * impulse_at(f, s, &change);
+    *slope = -f->per_impulse * at.of[PAIR_FORCE][0] * segment_pace(f->segment, s);
 }
 
-/* Returns a place before the end of full friction, by at most NEARLY v_0 of the slip or the last digit of s.
- * The quadrature that starts at this place is as good if it starts a little early. */
+/* Returns the end of full friction, in [0, end]. */
 static double end_of_full_friction(const struct slide *f, double end)
 {
-    const double nearly = NEARLY / f->per_impulse; /* as an impulse */
-    struct pair_change change;
-    double low = 0.0;
-    double high = end;
-    if (!slides_fully(f, 0.0)) {
-        return 0.0;
+    struct root_bracket_end low = {.s = 0.0};
+    struct root_bracket_end high = {.s = end};
+    above_full_friction(f, low.s, &low.value, &low.slope);
+    above_full_friction(f, high.s, &high.value, &high.slope);
+    if (!(low.value > 0.0) || high.value >= 0.0) {
+        return low.value > 0.0 ? end : 0.0;
     }
-    if (slides_fully(f, impulse_at(f, end, &change))) {
-        return end;
-    }
-    for (;;) {
-        const double middle = 0.5 * (low + high);
-        if (!(middle > low && middle < high)) {
-            return low;
-        }
-        const double impulse = impulse_at(f, middle, &change);
-        *(slides_fully(f, impulse) ? &low : &high) = middle;
-        if (low == middle && !slides_fully(f, impulse + nearly)) {
-            return low;
-        }
-    }
+    return root_between(above_full_friction, f, low, high);
 }
-
-/* Up to this angle [rad] a rotation is exact to rounding without a rotor. */
-static const double SMALL_ANGLE = 4.0;
 
 enum { MOMENTS = PAIR_MOMENTS + 1 };
 
@@ -204,16 +189,9 @@ struct travel {
     struct body_turn turn;
 };
 
-/* Rotates without friction, by the angular velocity of way->turn. A rotor reduces a large angle with twice
- * the digits; a small angle needs none. */
+/* Rotates without friction, by the angular velocity of way->turn. */
 static void turn_on(struct travel *way, double time)
 {
-    const struct vec3 angle = vec3_scale(time, way->turn.angular_velocity);
-    if (vec3_max_abs(angle) < SMALL_ANGLE) {
-        const struct quaternion turned = quaternion_of_rotation(angle);
-        way->turn.orientation = quaternion_unit(quaternion_product(turned, way->turn.orientation));
-        return;
-    }
     const struct rotor rotor = rotor_from(way->turn, 1.0, 1.0);
     way->turn = rotor_at(&rotor, time);
 }
@@ -230,16 +208,13 @@ struct way_panel {
 static double way_panel_make(struct way_panel *panel, const struct slide *f, double from, double length)
 {
     const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
-    nodal_values terms;
     for (int i = 0; i < LOBATTO_MAX; ++i) {
+        const double s = from + 0.5 * length * (1.0 + nodes->node[i]);
         struct pair_change change;
-        const double impulse = impulse_at(f, from + 0.5 * length * (1.0 + nodes->node[i]), &change);
+        const double impulse = impulse_at(f, s, &change);
         panel->time[i] = change.time;
+        panel->pace[i] = 0.5 * length * segment_pace(f->segment, s);
         panel->lost[i] = speed_lost(f, impulse, &panel->slip[i]);
-    }
-    nodal_coefficients(nodes, panel->time, terms);
-    for (int i = 0; i < LOBATTO_MAX; ++i) {
-        panel->pace[i] = nodal_slope(terms, LOBATTO_MAX, 1.0 + nodes->node[i]);
     }
     const double fastest = f->slip + vec3_norm(f->rotation) * vec3_norm(f->arm);
     return nodal_tail(nodes, panel->slip) * (panel->time[LAST_NODE] - panel->time[0]) +

@@ -329,42 +329,47 @@ static bool collocated_applies(const struct segment *p)
            scales->rates.faster >= SEPARATION_OF_RATES * scales->tangential_rate;
 }
 
-/* Adds samples at 0.5, 1, 2, 4, ... decay times of the fast decay, before the nodes, so that no quantity has
- * two extrema between two samples. */
-static void add_decay_samples(struct segment *p)
+/* A decay is over after this many of its times: exp(-64) is below rounding. */
+static const double OVER = 64.0;
+
+/* Adds samples from `from` on at 0.5, 1, 2, 4, ... times of the fast decay and of the slow one, before the
+ * first nodes, and at the nodes up to `to`, so that no quantity has two extrema between two samples. The
+ * nodes show the extrema of the motion under the load. */
+static void add_decay_samples(const struct segment *p, struct dense_output *w, double from, double to)
 {
     const struct lobatto *nodes = p->as.collocation.step.nodes;
-    const double first = 0.5 / oscillator_rates_of(&p->as.collocation.step.result.oscillator).faster;
-    double s = 0.0;
-    while (s < 1.0 + nodes->node[2] && p->output.count < DENSE_OUTPUT_POINTS - LOBATTO_MAX) {
-        dense_output_add(&p->output, s);
-        s = fmax(first, 2.0 * s);
+    const struct oscillator_rates rates = oscillator_rates_of(&p->as.collocation.step.result.oscillator);
+    double s = fmax(0.5 / rates.faster, 2.0 * from);
+    dense_output_add(w, from);
+    while (s < fmin(1.0 + nodes->node[2], to) && w->count < DENSE_OUTPUT_POINTS - LOBATTO_MAX) {
+        dense_output_add(w, s);
+        s = fmax(2.0 * s, s * rates.faster > OVER ? 0.5 / rates.slower : 0.0);
     }
+    for (int i = 0; i < nodes->points; ++i) {
+        s = 1.0 + nodes->node[i];
+        if (s > w->s[w->count - 1] && s < to) {
+            dense_output_add(w, s);
+        }
+    }
+    dense_output_add(w, to);
 }
 
 /* Sets up the segment and its samples from the step in p->as.collocation. */
 static void collocated_sample(struct segment *p)
 {
-    const enum collocation_kind kind = p->as.collocation.step.kind;
     const struct lobatto *nodes = p->as.collocation.step.nodes;
     p->unit = p->as.collocation.step.half;
     p->end = 2.0;
     p->output.latest_s = -1.0;
     p->output.count = 0;
-    if (kind == COLLOCATION_OVERDAMPED) {
-        add_decay_samples(p);
+    if (p->as.collocation.step.kind == COLLOCATION_OVERDAMPED) {
+        add_decay_samples(p, &p->output, 0.0, p->end);
+        return;
     }
-    for (int i = 0; i < nodes->points; ++i) {
-        const double s = 1.0 + nodes->node[i];
-        if (p->output.count == 0 || s > p->output.s[p->output.count - 1]) {
-            struct pair_sample *at = &p->output.at[p->output.count];
-            if (kind == COLLOCATION_AVERAGED) {
-                pair_collocation_sample_averaged(&p->as.collocation, s, at);
-            } else {
-                pair_collocation_sample(&p->as.collocation, s, at);
-            }
-            p->output.s[p->output.count++] = s;
-        }
+    for (; p->output.count < nodes->points; ++p->output.count) {
+        const double s = 1.0 + nodes->node[p->output.count];
+        p->output.s[p->output.count] = s;
+        pair_collocation_sample_averaged(&p->as.collocation, s, &p->output.at[p->output.count]);
     }
 }
 
@@ -405,6 +410,44 @@ static const double BEFORE_EVENT = 3.0;
 static double averaged_error(double a, double ratio, double distance, double radians)
 {
     return 4.0 * a * ratio * ratio + 3.0 * a * a / distance * radians;
+}
+
+/* A bound of a quantity in an averaged step: the averaged quantity plus sign times the envelope of the
+ * oscillation. */
+struct pair_bound {
+    const struct pair_collocation *of;
+    enum pair_quantity quantity;
+    double sign;
+    struct oscillator_envelope envelope;
+};
+
+static struct pair_bound pair_bound_of(const struct pair_collocation *p, enum pair_quantity quantity,
+                                       double sign)
+{
+    double start;
+    double rate;
+    pair_free_oscillation(p, quantity, &start, &rate);
+    return (struct pair_bound){p, quantity, sign,
+                               oscillator_envelope_of(&p->step.result.oscillator, start, rate)};
+}
+
+/* Adds the envelope to a sample of the averaged motion at s. */
+static void pair_bound_add(const struct pair_bound *bound, double s, struct pair_sample *sample)
+{
+    const double decay_rate = bound->envelope.decay_rate;
+    double still = bound->sign * bound->envelope.amplitude * (decay_rate > 0.0 ? exp(-decay_rate * s) : 1.0);
+    for (int i = 0; i < 3; ++i) {
+        sample->of[bound->quantity][i] += still;
+        still *= -decay_rate;
+    }
+}
+
+/* Serves as a dense_output_sampler. */
+static void pair_bound_sample(const void *pair_bound, double s, struct pair_sample *sample)
+{
+    const struct pair_bound *bound = pair_bound;
+    pair_collocation_sample_averaged(bound->of, s, sample);
+    pair_bound_add(bound, s, sample);
 }
 
 /* Returns the dense output of a bound between two places of an averaged segment, by the samples that the
@@ -488,16 +531,12 @@ static bool averaged_make(struct segment *p)
     double step = longest_step(p);
     for (int i = 0; i < ATTEMPTS && step * scales->rates.slower >= COLLOCATED_SHORTEST; ++i) {
         struct pair_collocation *made = &p->as.collocation;
-        if (!collocation_make(&made->step, &scales->problem, step, COLLOCATION_AVERAGED,
-                              0.1 * p->tolerance)) {
-            step *= 0.5;
-            continue;
-        }
+        const bool is_made =
+            collocation_make(&made->step, &scales->problem, step, COLLOCATION_AVERAGED, 0.1 * p->tolerance);
         /* The error at the end of a step is about the square of the error in between. Ten times the square of
          * points times tail is above all measured errors. */
-        const double tail = made->step.nodes->points * made->step.result.interior_error;
-        const double error = tail * (10.0 * tail / d);
-        if (!(error <= p->tolerance)) {
+        const double tail = is_made ? made->step.nodes->points * made->step.result.interior_error : 0.0;
+        if (!(is_made && tail * (10.0 * tail / d) <= p->tolerance)) {
             step *= 0.5;
             continue;
         }
@@ -773,64 +812,31 @@ static double largest_of_swinging(const struct segment *p, const struct event_fu
     return f.largest;
 }
 
-/* Returns the largest of samples at the start, at doubling places from half the fast decay's time on, and at
- * the nodes. The doubling places show the extrema of the decay, the nodes those of the motion under the load.
- * The samples are taken in portions that a dense output holds. */
-static double largest_of_decaying(const struct segment *p, const struct event_function *what, double faster,
-                                  const struct dense_range *range, double largest)
-{
-    struct dense_output w = {p->output.sampler, p->output.segment, p->output.worth_a_search, .count = 0};
-    double place = range->from;
-    int next = 0;
-    for (;;) {
-        dense_output_add(&w, place);
-        if (w.count == DENSE_OUTPUT_POINTS || !(place < range->to)) {
-            const struct dense_range portion = {w.s[0], place, &w.at[0], &w.at[w.count - 1]};
-            largest = dense_output_largest(&w, what, &portion, largest);
-            w.s[0] = w.s[w.count - 1];
-            w.at[0] = w.at[w.count - 1];
-            w.count = 1;
-        }
-        if (!(place < range->to)) {
-            return largest;
-        }
-        while (next < p->output.count && !(p->output.s[next] > place)) {
-            next += 1;
-        }
-        place = fmin(fmin(fmax(0.5 / faster, 2.0 * place), range->to),
-                     next < p->output.count ? p->output.s[next] : range->to);
-    }
-}
-
-/* Returns the largest value of an oscillation in closed form in a range after its start. The oscillation does
- * not grow, so that the first two extrema suffice. */
-static double largest_of_oscillation(const struct segment *p, const struct event_function *what,
-                                     const struct dense_range *range, double known)
-{
-    struct dense_output w = {p->output.sampler, p->output.segment, p->output.worth_a_search, .count = 1};
-    w.s[0] = range->from;
-    w.at[0] = *range->first;
-    add_extrema_of_oscillation(&w, &p->as.oscillation, range->to);
-    return dense_output_largest(&w, what, range, known);
-}
-
-/* Returns the largest value in a range. An averaged step's oscillation is searched apart: the nodes do not
- * resolve it. */
+/* Returns the largest value in a range. The samples of a closed form end after its first extrema; it does not
+ * grow, so that two later ones suffice. The nodes do not resolve the oscillation or decay of an averaged
+ * step. */
 static double largest_of(const struct segment *p, const struct event_function *what,
                          const struct dense_range *range, double known)
 {
     const struct oscillator *o = &p->as.collocation.step.result.oscillator;
-    if (p->kind == SEGMENT_CLOSED_FORM && range->from > 0.0) {
-        return largest_of_oscillation(p, what, range, known);
-    }
-    if (p->kind != SEGMENT_AVERAGED) {
+    const bool goes_on = p->kind == SEGMENT_CLOSED_FORM && range->from > 0.0;
+    if (p->kind != SEGMENT_AVERAGED && !goes_on) {
         return dense_output_largest(&p->output, what, range, known);
     }
     const double decay_square = 0.25 * o->damping_rate * o->damping_rate;
     const double omega_d2 = o->omega2 - decay_square;
-    return omega_d2 > HARDLY_TURNS * decay_square
-               ? largest_of_swinging(p, what, sqrt(omega_d2), range, known)
-               : largest_of_decaying(p, what, oscillator_rates_of(o).faster, range, known);
+    if (!goes_on && omega_d2 > HARDLY_TURNS * decay_square) {
+        return largest_of_swinging(p, what, sqrt(omega_d2), range, known);
+    }
+    struct dense_output w = {p->output.sampler, p->output.segment, p->output.worth_a_search, .count = 0};
+    if (goes_on) {
+        dense_output_add(&w, range->from);
+        add_extrema_of_oscillation(&w, &p->as.oscillation, range->to);
+    } else {
+        add_decay_samples(p, &w, range->from, range->to);
+    }
+    const struct dense_range whole = {range->from, range->to, &w.at[0], &w.at[w.count - 1]};
+    return dense_output_largest(&w, what, &whole, known);
 }
 
 /* Raises the peaks to those of the segment between two places. */
@@ -1101,7 +1107,7 @@ static const struct {
     void (*moments)(const void *motion, double s, const struct pair_change *change, int count,
                     struct vec3 *moment);
     int work;
-    time_function *time;
+    void (*time)(const void *motion, double s, double time[3]);
 } kinds[] = {
     /* Head-on oscillation under constant acceleration: the closed form is exact for any time, so it comes
      * first. */
@@ -1129,13 +1135,43 @@ static const struct {
 #endif
 };
 
-double segment_time(const struct segment *p, double s)
+/* Sets the time since the start [s] and its derivative by s. */
+static void put_time_at(const struct segment *p, double s, double time[3])
 {
-    double time[3] = {s * p->unit};
+    time[0] = s * p->unit;
+    time[1] = p->unit;
     if (kinds[p->kind].time != NULL) {
         kinds[p->kind].time(&p->as, s, time);
     }
+}
+
+double segment_time(const struct segment *p, double s)
+{
+    double time[3];
+    put_time_at(p, s, time);
     return time[0];
+}
+
+double segment_pace(const struct segment *p, double s)
+{
+    double time[3];
+    put_time_at(p, s, time);
+    return time[1];
+}
+
+/* A time less a given one, as the context of a root_function. */
+struct time_left {
+    const struct segment *segment;
+    double time;
+};
+
+static void time_left_at(const void *time_left, double s, double *value, double *slope)
+{
+    const struct time_left *left = time_left;
+    double time[3];
+    put_time_at(left->segment, s, time);
+    *value = time[0] - left->time;
+    *slope = time[1];
 }
 
 double segment_place(const struct segment *p, double time)
@@ -1143,9 +1179,15 @@ double segment_place(const struct segment *p, double time)
     if (!(time > 0.0)) {
         return 0.0; /* after a start at the touch, time may be of second order in s: no root at 0 */
     }
-    return kinds[p->kind].time != NULL
-               ? pair_place_by(kinds[p->kind].time, &p->as, time, fmin(p->end, p->terminal.s))
-               : time / p->unit;
+    if (kinds[p->kind].time == NULL) {
+        return time / p->unit;
+    }
+    const struct time_left left = {p, time};
+    struct root_bracket_end low = {.s = 0.0};
+    struct root_bracket_end high = {.s = fmin(p->end, p->terminal.s)};
+    time_left_at(&left, low.s, &low.value, &low.slope);
+    time_left_at(&left, high.s, &high.value, &high.slope);
+    return high.value > 0.0 ? root_between(time_left_at, &left, low, high) : high.s;
 }
 
 struct pair_change segment_change(const struct segment *p, double s)
@@ -1296,7 +1338,7 @@ void segment_advance(struct segment *p, double from, double s, struct scene_stat
     if (SCENE_HAS_TORQUES) {
         lever = torque_lever_of(&p->pair);
     }
-    const int of_work = pair_moments_of_work(&p->pair);
+    const int of_work = path_degree(p->pair.force, 3);
     segment_moments(p, s, &change, of_work > lever.moments ? of_work : lever.moments, moment);
     change.head_on = change.head_on && !segment_is_deep(p);
     if (from < s) {

@@ -97,9 +97,11 @@ struct segment {
 bool segment_make(struct segment *p, const struct scene_instant *at, int contact, double longest,
                   double tolerance);
 
-/* segment_time returns the time since the segment's start at s [s]; segment_place returns the s in [0, end]
- * at such a time. */
+/* segment_time returns the time since the segment's start at s [s]; segment_pace the derivative of this time
+ * by s; segment_place returns the s in [0, end]
+ * at such a time, or the end or the terminal event where that is earlier. */
 double segment_time(const struct segment *p, double s);
+double segment_pace(const struct segment *p, double s);
 double segment_place(const struct segment *p, double time);
 
 /* Returns the motion from the segment's start to s. */
