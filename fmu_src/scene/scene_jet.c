@@ -433,7 +433,7 @@ struct scene_powers jet_powers_of(const struct scene_state *q, const struct scen
 static void put_along_axes(const struct quaternion q[JET_TERMS], struct vec3 d, const struct vec3 *a,
                            int terms, struct vec3 *sum)
 {
-    struct quaternion back[JET_TERMS];
+    struct quaternion back[JET_TERMS] = {{0.0, 0.0, 0.0, 0.0}};
     struct vec3 in_body[JET_TERMS];
     for (int i = 0; i < terms; ++i) {
         back[i] = quaternion_inverse(q[i]);
