@@ -202,12 +202,6 @@ bool friction_has_spring(const struct friction_law *law, enum friction_regime re
     return law->kind == FRICTION_ELASTIC && (regime != FRICTION_LIFTED || has_dashpot(law));
 }
 
-struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
-                                 struct friction_state at)
-{
-    return friction_spring_rate_under(law, regime, at, friction_force(law, regime, at));
-}
-
 struct vec3 friction_spring(const struct friction_law *law, enum friction_regime regime,
                             struct friction_state at)
 {
@@ -219,13 +213,6 @@ struct vec3 friction_spring(const struct friction_law *law, enum friction_regime
     }
     const double length = friction_limit(law, regime, at.normal_force) / stiffness_at(law, at);
     return vec3_scale(length, direction_of(at.spring).unit);
-}
-
-double friction_stored_energy(const struct friction_law *law, enum friction_regime regime,
-                              struct friction_state at)
-{
-    const struct vec3 spring = friction_spring(law, regime, at);
-    return 0.5 * stiffness_at(law, at) * vec3_dot(spring, spring);
 }
 
 /* Friction rolls below this part of its limit, at 3 v_0 of slip. Above it the slip is a steep function of the
@@ -316,8 +303,8 @@ struct friction_spring_drive friction_spring_drive_of(const struct friction_law 
     return drive;
 }
 
-struct vec3 friction_spring_rate_under(const struct friction_law *law, enum friction_regime regime,
-                                       struct friction_state at, struct vec3 force)
+struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
+                                 struct friction_state at, struct vec3 force)
 {
     const struct friction_spring_drive drive = friction_spring_drive_of(law, regime, at);
     const struct vec3 z = drive.is_force ? force : at.slip;

@@ -103,11 +103,9 @@ enum friction_regime friction_sliding_regime(const struct friction_law *law, dou
 enum friction_regime friction_onset_regime(const struct friction_law *law, struct friction_state at,
                                            double normal_force_rate);
 
-/* Return F_t on the source [N] and xi' [m/s]. */
+/* Returns F_t on the source [N]. */
 struct vec3 friction_force(const struct friction_law *law, enum friction_regime regime,
                            struct friction_state at);
-struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
-                                 struct friction_state at);
 
 /* Least length of the turning spring divided by its typical length. A shorter spring turns faster, up to this
  * length. The bound changes the rate at the typical length by a fraction of 1e-10. */
@@ -126,11 +124,9 @@ struct vec3 opposed_turned(enum opposed part, struct vec3 spring, struct vec3 no
  * rounding or a jump of n has put aside. */
 struct vec3 opposed_laid(enum opposed part, struct vec3 spring, struct vec3 normal);
 
-/* Return the spring's elongation [m] and its stored energy [J]; the other work of friction is dissipated. */
+/* Returns the spring's elongation [m]. Its energy is stored; the other work of friction is dissipated. */
 struct vec3 friction_spring(const struct friction_law *law, enum friction_regime regime,
                             struct friction_state at);
-double friction_stored_energy(const struct friction_law *law, enum friction_regime regime,
-                              struct friction_state at);
 
 /*
  * The event functions are positive within the regime, and 1 where no event ends the regime.
@@ -196,9 +192,9 @@ struct friction_spring_drive {
 struct friction_spring_drive friction_spring_drive_of(const struct friction_law *law,
                                                       enum friction_regime regime, struct friction_state at);
 
-/* Returns xi' [m/s] under a given F_t, without what the normal turns (opposed_turned). */
-struct vec3 friction_spring_rate_under(const struct friction_law *law, enum friction_regime regime,
-                                       struct friction_state at, struct vec3 force);
+/* Returns xi' [m/s] under the force F_t, without what the normal turns (opposed_turned). */
+struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
+                                 struct friction_state at, struct vec3 force);
 
 /* Whether the stick event of elastic friction compares |F*| with a limit. */
 bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime);

@@ -205,7 +205,7 @@ static bool loses_less(double ratio, double loss)
  * x' = 0, and the oscillator leaves there with x' = -exp(-2 h). Both branches of T. Schwager, T. Poeschel,
  * Granular Matter 9 (2007) 465, are in this one formula.
  */
-CONTACT_COLD static double restitution_damping_ratio(double restitution, enum dashpot dashpot)
+double restitution_damping_ratio(double restitution, enum dashpot dashpot)
 {
     if (dashpot == DASHPOT_UNCLAMPED) {
         const double loss = 0.0 - log(restitution); /* the subtraction from 0.0 avoids a negative zero */
@@ -262,7 +262,7 @@ static bool returns_too_fast(double y, double e)
  * integrated from the touch to the deepest point, which gives E = (m/chi^2)(y - ln(1 + y)), and back.
  * Marhefka and Orin, IEEE Transactions on Systems, Man, and Cybernetics A 29 (1999) 566.
  */
-CONTACT_COLD static double restitution_hunt_crossley(double restitution, enum dashpot dashpot)
+double restitution_hunt_crossley(double restitution, enum dashpot dashpot)
 {
     const double e = fmax(restitution, RESTITUTION_LEAST_HERTZ);
     if (e >= 1.0) {
@@ -273,29 +273,22 @@ CONTACT_COLD static double restitution_hunt_crossley(double restitution, enum da
                                             : first_met(dissipates_too_little, e, 1.0 / e);
 }
 
-/* Whether the law gives a force in a regime. */
-static bool regime_pushes(enum contact_regime regime)
+/* Returns the factors in force in a regime. */
+static struct contact_coefficients factors_in(const struct contact_law *law, enum contact_regime regime)
 {
-    return regime == REGIME_COMPRESSION || regime == REGIME_RESTITUTION;
+    const bool pushes = regime == REGIME_COMPRESSION || regime == REGIME_RESTITUTION;
+    return (struct contact_coefficients){pushes ? law->stiffness : 0.0,
+                                         regime == REGIME_COMPRESSION ? law->damping : 0.0};
 }
 
 struct contact_coefficients contact_coefficients_of(const struct contact_law *law, enum contact_regime regime)
 {
-    if (contact_is_hertz(law) || !regime_pushes(regime)) {
-        return (struct contact_coefficients){0.0, 0.0};
-    }
-    return (struct contact_coefficients){law->stiffness, regime == REGIME_COMPRESSION ? law->damping : 0.0};
+    return contact_is_hertz(law) ? (struct contact_coefficients){0.0, 0.0} : factors_in(law, regime);
 }
 
 struct contact_coefficients contact_factors_of(const struct contact_law *law)
 {
     return (struct contact_coefficients){law->stiffness, law->damping};
-}
-
-/* Returns the damping factor chi of Hertz's law in a regime [s/m]. */
-static double hertz_damping_in(const struct contact_law *law, enum contact_regime regime)
-{
-    return regime == REGIME_COMPRESSION ? law->damping : 0.0;
 }
 
 enum contact_regime contact_regime_of(const struct contact_law *law, double gap, double gap_rate, bool within)
@@ -316,12 +309,12 @@ enum contact_regime contact_regime_of(const struct contact_law *law, double gap,
 
 double contact_force(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate)
 {
-    if (contact_is_hertz(law)) {
-        const double chi = hertz_damping_in(law, regime);
-        return regime_pushes(regime) ? law->stiffness * three_halves(gap) * (1.0 - chi * gap_rate) : 0.0;
+    const struct contact_coefficients at = factors_in(law, regime);
+    if (at.k == 0.0 && at.c == 0.0) {
+        return 0.0;
     }
-    const struct contact_coefficients linear = contact_coefficients_of(law, regime);
-    return linear.k == 0.0 && linear.c == 0.0 ? 0.0 : contact_linear_force(linear, gap, gap_rate);
+    return contact_is_hertz(law) ? at.k * three_halves(gap) * (1.0 - at.c * gap_rate)
+                                 : contact_linear_force(at, gap, gap_rate);
 }
 
 double contact_normal_force_of(const struct contact_law *law, enum contact_regime regime, double gap,
@@ -334,17 +327,12 @@ double contact_normal_force_of(const struct contact_law *law, enum contact_regim
 struct contact_slopes contact_force_slopes(const struct contact_law *law, enum contact_regime regime,
                                            double gap, double gap_rate)
 {
-    if (contact_is_hertz(law)) {
-        if (!regime_pushes(regime)) {
-            return (struct contact_slopes){0.0, 0.0};
-        }
-        const double chi = hertz_damping_in(law, regime);
-        return (struct contact_slopes){gap < 0.0 ? -1.5 * law->stiffness * sqrt(-gap) * (1.0 - chi * gap_rate)
-                                                 : 0.0,
-                                       -law->stiffness * three_halves(gap) * chi};
+    const struct contact_coefficients at = factors_in(law, regime);
+    if (!contact_is_hertz(law)) {
+        return (struct contact_slopes){-at.k, -at.c};
     }
-    const struct contact_coefficients linear = contact_coefficients_of(law, regime);
-    return (struct contact_slopes){-linear.k, -linear.c};
+    const double spring = gap < 0.0 ? -1.5 * at.k * sqrt(-gap) : 0.0;
+    return (struct contact_slopes){spring * (1.0 - at.c * gap_rate), -at.k * three_halves(gap) * at.c};
 }
 
 /* Along the path a change of k_h scales the whole force of Hertz's law, a change of chi only its viscous
@@ -352,23 +340,18 @@ struct contact_slopes contact_force_slopes(const struct contact_law *law, enum c
 double contact_force_term(const struct contact_law *law, const struct contact_law *change,
                           enum contact_regime regime, const double *gap, const double *gap_rate, int order)
 {
+    const struct contact_coefficients at = factors_in(law, regime);
+    const struct contact_coefficients slope = factors_in(change, regime);
+    double spring[TAYLOR_TERMS];
     if (!contact_is_hertz(law)) {
-        const struct contact_coefficients linear = contact_coefficients_of(law, regime);
-        const struct contact_coefficients slope = contact_coefficients_of(change, regime);
-        const double force = contact_linear_force(linear, gap[order], gap_rate[order]);
+        const double force = contact_linear_force(at, gap[order], gap_rate[order]);
         return order > 0 ? force + contact_linear_force(slope, gap[order - 1], gap_rate[order - 1]) : force;
     }
-    double spring[TAYLOR_TERMS];
-    const double chi = hertz_damping_in(law, regime);
-    if (!regime_pushes(regime)) {
-        return 0.0;
-    }
     put_spring_terms(law, gap, order, spring);
-    double force = law->stiffness * (spring[order] - chi * taylor_multiply(spring, gap_rate, order));
+    double force = at.k * (spring[order] - at.c * taylor_multiply(spring, gap_rate, order));
     if (order > 0) {
         const double viscous = taylor_multiply(spring, gap_rate, order - 1);
-        force += change->stiffness * (spring[order - 1] - chi * viscous) -
-                 law->stiffness * hertz_damping_in(change, regime) * viscous;
+        force += slope.k * (spring[order - 1] - at.c * viscous) - at.k * slope.c * viscous;
     }
     return force;
 }
@@ -388,11 +371,6 @@ double contact_event(const struct contact_law *law, enum contact_regime regime, 
     }
     const double push = contact_push(law, gap, gap_rate);
     return regime == REGIME_SEPARATING ? -push : push;
-}
-
-double contact_event_force(const struct contact_law *law, double event)
-{
-    return law->dashpot == DASHPOT_APPROACH_ONLY ? law->damping * event : event;
 }
 
 struct contact_slopes contact_event_slopes(const struct contact_law *law, enum contact_regime regime,
@@ -476,93 +454,4 @@ double contact_dissipated_term(const struct contact_law *law, enum contact_regim
         viscous[i] = normal_force[i] - law->stiffness * spring[i];
     }
     return regime == REGIME_APART ? 0.0 : -taylor_multiply(viscous, gap_rate, order);
-}
-
-/* Whether the law is Hertz's; a compile-time false in builds without Hertz's law. */
-static bool has_hertz(const struct contact_factors *factors)
-{
-    return CONTACT_ANY_HERTZ && factors->law == LAW_HERTZ;
-}
-
-/* Whether the damping follows from a coefficient of restitution. The answer is a compile-time false where the
- * build does not offer this choice (ContactFmu.cmake). */
-static bool is_by_restitution(const struct contact_factors *factors)
-{
-    return CONTACT_ANY_RESTITUTION && factors->viscous_control == VISCOUS_CONTROL_RESTITUTION;
-}
-
-/* Returns the p_nv [N s/m] that gives the coefficient of restitution with the spring p_n; 0 where neither
- * body is free, because such bodies cannot rebound. */
-static double damping_by_restitution(const struct contact_factors *factors, enum dashpot dashpot, double p_n)
-{
-    if (!(factors->inverse_mass > 0.0)) {
-        return 0.0;
-    }
-    const double ratio = restitution_damping_ratio(factors->restitution, dashpot);
-    return 2.0 * ratio * sqrt(p_n) / sqrt(factors->inverse_mass);
-}
-
-/* Returns chi [s/m]; with restitution the number chi v [1] instead, where v is the approach speed at the
- * onset. */
-static double hunt_crossley_factor(const struct contact_factors *factors, enum dashpot dashpot,
-                                   double diagonal)
-{
-    if (is_by_restitution(factors)) {
-        return restitution_hunt_crossley(factors->restitution, dashpot);
-    }
-    return factors->viscous_control == VISCOUS_CONTROL_USER_DEFINED ? factors->hunt_crossley_factor
-                                                                    : factors->characteristic_time / diagonal;
-}
-
-struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot,
-                                  double diagonal)
-{
-    if (has_hertz(factors)) {
-        return (struct contact_law){.stiffness = factors->hertz_stiffness,
-                                    .damping = factors->method == METHOD_PENALTY
-                                                   ? 0.0
-                                                   : hunt_crossley_factor(factors, dashpot, diagonal),
-                                    .dashpot = dashpot,
-                                    .law = LAW_HERTZ};
-    }
-    const double scale = factors->reference_modulus * diagonal;
-    const bool viscous_only = factors->penalty_control == PENALTY_CONTROL_VISCOUS_ONLY;
-    struct contact_law law = {.stiffness = factors->penalty_factor, .dashpot = dashpot, .law = LAW_LINEAR};
-    if (factors->penalty_control == PENALTY_CONTROL_AUTOMATIC) {
-        law.stiffness = factors->multiplier * scale;
-    }
-    if (factors->viscous_control == VISCOUS_CONTROL_USER_DEFINED) {
-        law.damping = factors->viscous_penalty_factor;
-    } else if (is_by_restitution(factors)) {
-        law.damping = damping_by_restitution(factors, dashpot, law.stiffness);
-    } else {
-        law.damping = factors->characteristic_time * (viscous_only ? scale : law.stiffness);
-    }
-    if (viscous_only) {
-        law.stiffness = 0.0;
-    }
-    if (factors->method == METHOD_PENALTY) {
-        law.damping = 0.0;
-    }
-    return law;
-}
-
-struct contact_law contact_law_slope(const struct contact_factors *factors, struct contact_coefficients at,
-                                     double diagonal_slope)
-{
-    if (has_hertz(factors)) { /* an automatic chi is tau_n / diag */
-        const bool automatic =
-            factors->method != METHOD_PENALTY && factors->viscous_control == VISCOUS_CONTROL_AUTOMATIC;
-        const double by_diagonal = at.c * at.c / factors->characteristic_time;
-        return (struct contact_law){.damping = automatic && at.c > 0.0 ? -by_diagonal * diagonal_slope : 0.0,
-                                    .law = LAW_HERTZ};
-    }
-    const struct contact_law none = contact_law_of(factors, DASHPOT_UNCLAMPED, 0.0);
-    struct contact_law slope = contact_law_of(factors, DASHPOT_UNCLAMPED, diagonal_slope);
-    slope.stiffness -= none.stiffness;
-    slope.damping -= none.damping;
-    if (is_by_restitution(factors)) {
-        slope.damping = 0.5 * at.c * slope.stiffness / at.k;
-    }
-    return slope;
 }

@@ -128,10 +128,6 @@ double contact_event(const struct contact_law *law, enum contact_regime regime, 
 struct contact_slopes contact_event_slopes(const struct contact_law *law, enum contact_regime regime,
                                            double gap, double gap_rate);
 
-/* Returns a value of the event function as a force [N]. With an approach-only dashpot the value is a gap rate
- * and is multiplied by the damping. A value of Hertz's law then has no unit, and 1 counts as 1 N. */
-double contact_event_force(const struct contact_law *law, double event);
-
 /* Whether the law ever ends a regime; and the regime that follows the event of `regime`. */
 bool contact_has_events(const struct contact_law *law);
 enum contact_regime contact_regime_after(const struct contact_law *law, enum contact_regime regime);
@@ -160,38 +156,10 @@ double contact_dissipated_term(const struct contact_law *law, enum contact_regim
                                const double *normal_force, const double *gap, const double *gap_rate,
                                int order);
 
-/* This part computes the factors of the force law (p_n and p_nv, or k_h and chi) from the user's choices. */
-
-/* The user's choices that determine the factors of the force law. */
-struct contact_factors {
-    enum method method;
-    enum contact_force_law law;
-    enum penalty_control penalty_control;
-    enum viscous_control viscous_control;
-    double multiplier;             /* f_p [1] */
-    double penalty_factor;         /* p_n [N/m], user defined */
-    double characteristic_time;    /* tau_n [s] */
-    double viscous_penalty_factor; /* p_nv [N s/m], user defined */
-    double reference_modulus;      /* E_ref [Pa] */
-    double restitution;            /* e [1] */
-    double inverse_mass;           /* 1 / m_red: the sum of the inverse masses of the free bodies [1/kg] */
-    double hertz_stiffness;        /* k_h [N/m^1.5], user defined or from Hertz's theory */
-    double hunt_crossley_factor;   /* chi [s/m], user defined */
-};
-
-/* Returns the law with its factors. Linear law, automatic: p_n = f_p E_ref diag, p_nv = tau_n p_n; viscous
- * only: p_n = 0, p_nv = tau_n E_ref diag; restitution: p_nv = 2 zeta sqrt(p_n m_red) with zeta of
- * restitution_damping_ratio. Hertz's law: k_h as given, automatic chi = tau_n / diag; with restitution the
- * field `damping` holds the number y = chi v [1] instead of chi. `diagonal` is diag, the diagonal of the box
- * around both bodies [m]. */
-struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot,
-                                  double diagonal);
-
-/* Returns the derivatives of the factors, whose present values are `at`, along a path on which the diagonal
- * has the derivative `diagonal_slope`. An automatic factor of the linear law is proportional to the diagonal,
- * and p_nv by restitution to sqrt(p_n); an automatic chi is inversely proportional to the diagonal. Other
- * factors are constant. */
-struct contact_law contact_law_slope(const struct contact_factors *factors, struct contact_coefficients at,
-                                     double diagonal_slope);
+/* Return the damping that gives a free impact the coefficient of restitution e in [0, 1]: the damping ratio
+ * zeta = p_nv / (2 sqrt(p_n m_red)) [1] of the linear law, and the number chi v [1] of Hertz's law with the
+ * approach speed v at the onset. */
+CONTACT_COLD double restitution_damping_ratio(double restitution, enum dashpot dashpot);
+CONTACT_COLD double restitution_hunt_crossley(double restitution, enum dashpot dashpot);
 
 #endif

@@ -340,10 +340,10 @@ struct vec3 contact_turning_part(const struct contact_shape *shape, const struct
 }
 
 double contact_turning_rate(const struct contact_shape *shape, const struct contact_geometry *at,
-                            struct vec3 w, struct vec3 moved)
+                            struct vec3 w)
 {
-    const struct vec3 turned = contact_turning_part(shape, at, moved);
-    return vec3_dot(contact_is_circle(shape) ? w : contact_turning_part(shape, at, w), turned);
+    const struct vec3 turned = contact_turning_part(shape, at, w);
+    return vec3_dot(contact_is_circle(shape) ? w : turned, turned);
 }
 
 struct vec3 contact_default_normal(const struct contact_shape *shape)
@@ -523,40 +523,4 @@ struct vec3 contact_source_arm(const struct contact_shape *shape, struct vec3 no
 {
     const struct vec3 radial = vec3_scale(shape->side * shape->source_radius, normal);
     return contact_is_skew(shape) ? vec3_add(foot, radial) : radial;
-}
-
-static double half_extent(double radius, double e, double half_length)
-{
-    return half_length * fabs(e) + radius * sqrt(fmax(0.0, (1.0 - e) * (1.0 + e)));
-}
-
-struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, struct vec3 axis,
-                                          double half_length)
-{
-    const struct vec3 half = {half_extent(radius, axis.x, half_length),
-                              half_extent(radius, axis.y, half_length),
-                              half_extent(radius, axis.z, half_length)};
-    return (struct bounding_box){vec3_sub(centre, half), vec3_add(centre, half)};
-}
-
-static struct vec3 edges_of(const struct bounding_box *a, const struct bounding_box *b)
-{
-    return (struct vec3){fmax(a->high.x, b->high.x) - fmin(a->low.x, b->low.x),
-                         fmax(a->high.y, b->high.y) - fmin(a->low.y, b->low.y),
-                         fmax(a->high.z, b->high.z) - fmin(a->low.z, b->low.z)};
-}
-
-double bounding_box_diagonal(const struct bounding_box *a, const struct bounding_box *b)
-{
-    return vec3_norm(edges_of(a, b));
-}
-
-double bounding_box_diagonal_rate(const struct bounding_box *a, const struct bounding_box *b,
-                                  struct vec3 rate)
-{
-    const struct vec3 edges = edges_of(a, b);
-    const struct vec3 grows = {((b->high.x > a->high.x) - (b->low.x < a->low.x)) * rate.x,
-                               ((b->high.y > a->high.y) - (b->low.y < a->low.y)) * rate.y,
-                               ((b->high.z > a->high.z) - (b->low.z < a->low.z)) * rate.z};
-    return vec3_dot(vec3_scale(1.0 / vec3_norm(edges), edges), grows);
 }

@@ -155,9 +155,9 @@ struct vec3 contact_direction_of(const struct contact_shape *shape, const struct
 struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
                                  struct vec3 w);
 
-/* Returns w.T moved: d times the change of n.w that the turning of n by a motion `moved` causes. */
+/* Returns w.T w: d times the rate of n.w by the turning of n, while the source moves with w. */
 double contact_turning_rate(const struct contact_shape *shape, const struct contact_geometry *at,
-                            struct vec3 w, struct vec3 moved);
+                            struct vec3 w);
 
 /* Returns a unit normal where no other direction is known. For a sphere it is -z (the source is above the
  * destination). For a cylinder it is the negative coordinate axis least aligned with e_d, made perpendicular
@@ -258,26 +258,5 @@ struct vec3 contact_foot_along(const struct contact_shape *shape, struct vec3 ch
 /* Returns the arm from the source's centre to the point of contact [m], or its change if `normal` and `foot`
  * are changes. */
 struct vec3 contact_source_arm(const struct contact_shape *shape, struct vec3 normal, struct vec3 foot);
-
-/* The axis-aligned box around bodies in the world frame [m]. The diagonal of the box scales the automatic
- * penalty factors. */
-
-struct bounding_box {
-    struct vec3 low, high;
-};
-
-/* Returns the box of a cylinder along the unit vector `axis` e, with the half-extent half_length |e_i| +
- * radius sqrt(1 - e_i^2) in direction i. half_length = 0 gives the box of the cross-section, which represents
- * an infinite cylinder. */
-struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, struct vec3 axis,
-                                          double half_length);
-
-/* Returns the diagonal of the smallest box around a and b [m]. */
-double bounding_box_diagonal(const struct bounding_box *a, const struct bounding_box *b);
-
-/* Returns the rate of the diagonal [m/s] while b moves with `rate` [m/s]. Where faces of a and b coincide,
- * the face of a counts. */
-double bounding_box_diagonal_rate(const struct bounding_box *a, const struct bounding_box *b,
-                                  struct vec3 rate);
 
 #endif

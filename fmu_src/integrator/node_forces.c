@@ -311,7 +311,7 @@ static void respond_with_spring(struct iteration *it, int stage, int index, int 
     }
     const struct vec3 turned =
         opposed_turned((enum opposed)part, rubbing.spring, n, turning_normal_rate(at, c->contact));
-    vec3_to(vec3_add(friction_spring_rate_under(law, regime, rubbing, opposing), turned),
+    vec3_to(vec3_add(friction_spring_rate(law, regime, rubbing, opposing), turned),
             it->rates + stage * it->g->step.width + it->among[state]);
 }
 

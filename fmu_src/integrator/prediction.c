@@ -135,9 +135,8 @@ static double rounding_now(const struct scene_instant *at, int contact)
 static double gap_bend(const struct contact_shape *shape, const struct contact_geometry *now,
                        const struct separation_path *path)
 {
-    const double turning = contact_turns(shape, now)
-                               ? contact_turning_rate(shape, now, path->c[1], path->c[1]) / now->distance
-                               : 0.0;
+    const double turning =
+        contact_turns(shape, now) ? contact_turning_rate(shape, now, path->c[1]) / now->distance : 0.0;
     return shape->side * (2.0 * vec3_dot(now->normal, path->c[2]) + turning);
 }
 

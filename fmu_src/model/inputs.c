@@ -155,42 +155,92 @@ static void input_path_shift(const struct model *m, int body, struct body_path *
     }
 }
 
-static struct contact_factors factors_of(const struct scene_state *q, int contact)
+/* Returns the p_nv [N s/m] that gives the coefficient of restitution with the spring p_n; 0 where neither
+ * body is free, because such bodies cannot rebound. */
+static double damping_by_restitution(const struct scene_values *v, int contact, double p_n)
+{
+    const double per_mass = scene_inverse_mass(v, contact);
+    const double ratio = per_mass > 0.0 ? restitution_damping_ratio(contact_restitution(v, contact),
+                                                                    (enum dashpot)contact_dashpot(v, contact))
+                                        : 0.0;
+    return ratio > 0.0 ? 2.0 * ratio * sqrt(p_n) / sqrt(per_mass) : 0.0;
+}
+
+/* Whether the damping follows from a coefficient of restitution; whether the dashpot acts alone. */
+static bool is_by_restitution(const struct scene_values *v, int contact)
+{
+    return SCENE_ANY_RESTITUTION && contact_viscous_control(v, contact) == VISCOUS_CONTROL_RESTITUTION;
+}
+
+static bool is_viscous_only(const struct scene_values *v, int contact)
+{
+    return contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY;
+}
+
+/* Returns k_h and chi; one k_h serves all zones of a shape. */
+static struct contact_coefficients hertz_factors(const struct scene_state *q, int contact)
 {
     const struct scene_values *v = q->v;
-    double stiffness = contact_hertz_stiffness(v, contact);
-    if (scene_is_hertz(v, contact) && contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC) {
-        const struct contact_shape shape = scene_whole_shape(q, contact); /* one k_h serves all zones */
-        stiffness = hertz_stiffness(&shape, scene_hertz_modulus(v, contact));
+    const struct contact_shape shape = scene_whole_shape(q, contact);
+    struct contact_coefficients at = {contact_hertz_stiffness(v, contact),
+                                      contact_hunt_crossley_factor(v, contact)};
+    if (contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC) {
+        at.k = hertz_stiffness(&shape, scene_hertz_modulus(v, contact));
     }
-    return (struct contact_factors){
-        .law = scene_is_hertz(v, contact) ? LAW_HERTZ : LAW_LINEAR,
-        .hertz_stiffness = stiffness,
-        .hunt_crossley_factor = contact_hunt_crossley_factor(v, contact),
-        .method = (enum method)contact_method(v, contact),
-        .penalty_control = (enum penalty_control)contact_penalty_control(v, contact),
-        .viscous_control = (enum viscous_control)contact_viscous_control(v, contact),
-        .multiplier = contact_penalty_multiplier(v, contact),
-        .penalty_factor = contact_penalty_factor(v, contact),
-        .characteristic_time = contact_characteristic_time(v, contact),
-        .viscous_penalty_factor = contact_viscous_penalty_factor(v, contact),
-        .reference_modulus = contact_reference_modulus(v, contact),
-        .restitution = contact_restitution(v, contact),
-        .inverse_mass = scene_inverse_mass(v, contact)};
+    if (is_by_restitution(v, contact)) {
+        at.c = restitution_hunt_crossley(contact_restitution(v, contact),
+                                         (enum dashpot)contact_dashpot(v, contact));
+    } else if (contact_viscous_control(v, contact) == VISCOUS_CONTROL_AUTOMATIC) {
+        at.c = contact_characteristic_time(v, contact) / q->contact[contact].parameters.diagonal;
+    }
+    return at;
+}
+
+/* Returns p_n and p_nv. */
+static struct contact_coefficients linear_factors(const struct scene_state *q, int contact)
+{
+    const struct scene_values *v = q->v;
+    const double scale = contact_reference_modulus(v, contact) * q->contact[contact].parameters.diagonal;
+    struct contact_coefficients at = {contact_penalty_factor(v, contact),
+                                      contact_viscous_penalty_factor(v, contact)};
+    if (contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC) {
+        at.k = contact_penalty_multiplier(v, contact) * scale;
+    }
+    if (is_by_restitution(v, contact)) {
+        at.c = damping_by_restitution(v, contact, at.k);
+    } else if (contact_viscous_control(v, contact) == VISCOUS_CONTROL_AUTOMATIC) {
+        at.c = contact_characteristic_time(v, contact) * (is_viscous_only(v, contact) ? scale : at.k);
+    }
+    return (struct contact_coefficients){is_viscous_only(v, contact) ? 0.0 : at.k, at.c};
 }
 
 struct contact_coefficients model_factors(const struct scene_state *q, int contact)
 {
-    const struct contact_factors factors = factors_of(q, contact);
-    const struct contact_law law = contact_law_of(&factors, (enum dashpot)contact_dashpot(q->v, contact),
-                                                  q->contact[contact].parameters.diagonal);
-    return contact_factors_of(&law);
+    struct contact_coefficients at =
+        scene_is_hertz(q->v, contact) ? hertz_factors(q, contact) : linear_factors(q, contact);
+    if (contact_method(q->v, contact) == METHOD_PENALTY) {
+        at.c = 0.0;
+    }
+    return at;
 }
 
+/* An automatic factor of the linear law is proportional to the diagonal, and p_nv by restitution to
+ * sqrt(p_n); an automatic chi is inversely proportional to the diagonal. Other factors are constant. */
 struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope)
 {
-    const struct contact_factors factors = factors_of(&m->state.motion, contact);
-    return contact_law_slope(&factors, m->state.motion.contact[contact].parameters.factors, diagonal_slope);
+    const struct scene_values *v = &m->state.values;
+    const struct contact_parameters *at = &m->state.motion.contact[contact].parameters;
+    const bool is_hertz = scene_is_hertz(v, contact);
+    const double grows = diagonal_slope / at->diagonal;
+    const bool is_scaled = !is_hertz && contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC;
+    const double stiffens = is_scaled ? grows : 0.0;
+    double damps = is_by_restitution(v, contact) ? 0.5 * stiffens : 0.0;
+    if (contact_viscous_control(v, contact) == VISCOUS_CONTROL_AUTOMATIC) {
+        damps = is_hertz ? -grows : is_viscous_only(v, contact) ? grows : stiffens;
+    }
+    return (struct contact_law){.stiffness = at->factors.k * stiffens,
+                                .damping = at->factors.c * damps,
+                                .law = is_hertz ? LAW_HERTZ : LAW_LINEAR};
 }
 
 /*

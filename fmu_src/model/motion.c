@@ -62,15 +62,22 @@ bool motion_has_history(const struct scene_values *v)
     return SCENE_ANY_FREE && solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN;
 }
 
-void motion_begin(struct scene_state *q)
+static void begin_step(struct scene_state *q)
 {
     if (SCENE_ANY_FREE) {
         struct scene_instant at;
-        transition_settle_regimes(q, 0.0, true);
         transition_begin_step(q, &at);
     } else if (SUMS_UP_STEPS) {
         prescribed_begin(q);
     }
+}
+
+void motion_begin(struct scene_state *q)
+{
+    if (SCENE_ANY_FREE) {
+        transition_settle_regimes(q, 0.0, true);
+    }
+    begin_step(q);
 }
 
 /* Takes over new paths. Where inputs jump in a force element that turns or rubs, the friction springs turn
@@ -134,12 +141,7 @@ static enum model_status advance_force_element(struct model *m, const struct ste
     const struct scene_state before = *q;
     const double length = scene_remaining(q, request->end_time);
     const long limit = SCENE_ANY_FREE ? solver_max_internal_steps(v) : PRESCRIBED_PANELS;
-    if (SCENE_ANY_FREE) {
-        struct scene_instant at;
-        transition_begin_step(q, &at);
-    } else if (SUMS_UP_STEPS) {
-        prescribed_begin(q);
-    }
+    begin_step(q);
     if ((SCENE_ANY_FREE || SUMS_UP_STEPS) &&
         !prescribed_over(q, length, limit < PRESCRIBED_PANELS ? limit : PRESCRIBED_PANELS)) {
         const struct step_request whole = {.end_time = request->end_time, .whole = true};

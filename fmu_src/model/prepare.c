@@ -374,29 +374,28 @@ enum model_status model_check_consistency(struct model *m)
     return status == MODEL_OK ? warn_of_conforming(m) : status;
 }
 
-/* Returns the bounding box of a body. A plane has no box of its own and gets that of the other body, so that
- * the common box is the other body's. */
-static struct bounding_box body_box(const struct scene_values *v, int body, double radius, struct vec3 centre,
-                                    const struct bounding_box *other)
+/* Sets half of the extents of a body's axis-aligned box [m]. A cylinder along the unit vector e extends by
+ * L/2 |e_i| + r sqrt(1 - e_i^2) in direction i. L = 0 gives the box of the cross-section, which represents an
+ * infinite cylinder; e = 0 that of a sphere. The tube of a torus goes beyond the circle in its middle. */
+static void put_half_extents(const struct scene_values *v, int body, double radius, double half[3])
 {
-    if (SCENE_ANY_PLANE && body_shape(body) == SHAPE_PLANE) {
-        return *other;
+    const bool is_cylinder = SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER;
+    const bool is_torus = SCENE_ANY_TORUS && body_shape(body) == SHAPE_TORUS;
+    const bool has_length = is_cylinder && body_finite_length(v, body);
+    const struct vec3 zero = {0.0, 0.0, 0.0};
+    const struct vec3 axis = is_cylinder || is_torus ? body_unit_axis(v, body) : zero;
+    double e[3];
+    vec3_to(axis, e);
+    for (int i = 0; i < 3; ++i) {
+        const double across = sqrt(fmax(0.0, (1.0 - e[i]) * (1.0 + e[i])));
+        half[i] = (has_length ? 0.5 * body_length(v, body) : 0.0) * fabs(e[i]) +
+                  (is_torus ? radius + body_ring_radius(v, body) * across : radius * across);
     }
-    if (SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER) {
-        const double half_length = body_finite_length(v, body) ? 0.5 * body_length(v, body) : 0.0;
-        return bounding_box_cylinder(centre, radius, body_unit_axis(v, body), half_length);
-    }
-    struct bounding_box box = {centre, centre};
-    if (SCENE_ANY_TORUS && body_shape(body) == SHAPE_TORUS) { /* the circle inside the tube has this box */
-        box = bounding_box_cylinder(centre, body_ring_radius(v, body), body_unit_axis(v, body), 0.0);
-    }
-    const struct vec3 around = {radius, radius, radius};
-    return (struct bounding_box){vec3_sub(box.low, around), vec3_add(box.high, around)};
 }
 
-/* Finds the boxes of both bodies, or of the parts of compounds that meet, at the start relative to the
- * source's centre, so that a common offset of the bodies costs no digits. */
-static void start_boxes(const struct scene_state *q, int contact, struct bounding_box boxes[2])
+/* Returns the place of the destination of a contact relative to the source at the start [m], or of the parts
+ * of compounds that meet. A common offset of the bodies thus costs no digits. */
+static struct vec3 start_separation(const struct scene_state *q, int contact)
 {
     const int from = contact_source(contact);
     const int to = contact_destination(contact);
@@ -409,24 +408,45 @@ static void start_boxes(const struct scene_state *q, int contact, struct boundin
             quaternion_rotate(q->turn_origin[to].orientation, contact_destination_part(contact));
         moved = vec3_add(moved, vec3_sub(end, start));
     }
-    boxes[0] = body_box(q->v, from, contact_source_radius(q->v, contact), vec3_make(0.0, 0.0, 0.0), NULL);
-    boxes[1] =
-        body_box(q->v, to, contact_destination_radius(q->v, contact), vec3_add(apart, moved), &boxes[0]);
+    return vec3_add(apart, moved);
+}
+
+/* Returns the diagonal [m] of the smallest axis-aligned box around both bodies of a contact at the start; it
+ * scales the automatic penalty factors. Sets *slope to its rate while the destination moves with `rate`
+ * [m/s]. A plane has no box. Where faces of two boxes coincide, that of the source counts. */
+static double start_diagonal(const struct scene_state *q, int contact, struct vec3 rate, double *slope)
+{
+    const int to = contact_destination(contact);
+    const bool on_plane = SCENE_ANY_PLANE && body_shape(to) == SHAPE_PLANE;
+    double a[3], b[3], c[3], moves[3], edge[3];
+    vec3_to(start_separation(q, contact), c);
+    vec3_to(rate, moves);
+    put_half_extents(q->v, contact_source(contact), contact_source_radius(q->v, contact), a);
+    put_half_extents(q->v, to, contact_destination_radius(q->v, contact), b);
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        const double high = on_plane ? a[i] : fmax(a[i], c[i] + b[i]);
+        const double low = on_plane ? -a[i] : fmin(-a[i], c[i] - b[i]);
+        edge[i] = high - low;
+        sum += edge[i] * ((high > a[i]) - (low < -a[i])) * moves[i];
+    }
+    const double diagonal = vec3_norm(vec3_from(edge));
+    *slope = sum / diagonal;
+    return diagonal;
 }
 
 double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate)
 {
-    struct bounding_box boxes[2];
-    start_boxes(&m->state.motion, contact, boxes);
-    return bounding_box_diagonal_rate(&boxes[0], &boxes[1], rate);
+    double slope;
+    (void)start_diagonal(&m->state.motion, contact, rate, &slope);
+    return slope;
 }
 
 static void prepare_contact(struct scene_state *q, int contact)
 {
     struct contact_state *state = &q->contact[contact];
-    struct bounding_box boxes[2];
-    start_boxes(q, contact, boxes);
-    state->parameters.diagonal = bounding_box_diagonal(&boxes[0], &boxes[1]);
+    double still;
+    state->parameters.diagonal = start_diagonal(q, contact, vec3_make(0.0, 0.0, 0.0), &still);
     state->side = 1;
     state->regime = (int32_t)REGIME_APART;
     if (SCENE_ANY_FRICTION) { /* v_0: automatic, or the user's; 1e-3 has the unit 1/s */

@@ -77,7 +77,14 @@ CONTACT_COLD enum model_status model_report(const struct model *m, enum model_st
 /* Puts the motion at the start that the present parameters and inputs describe. */
 CONTACT_COLD void model_prepare(struct model *m);
 
-/* Returns the stiffness and damping factors of a contact by its parameters and the diagonal in force. */
+/* Returns the stiffness and damping factors of a contact by its parameters and the diagonal diag in force.
+ *
+ *   linear law       p_n = f_p E_ref diag, p_nv = tau_n p_n
+ *   viscous only     p_n = 0, p_nv = tau_n E_ref diag
+ *   restitution      p_nv = 2 zeta sqrt(p_n m_red), or the number chi v instead of chi (contact/law.h)
+ *   Hertz's law      k_h of the theory, chi = tau_n / diag
+ *
+ * A factor may also be given by the user; damping of the method penalty is 0. */
 struct contact_coefficients model_factors(const struct scene_state *q, int contact);
 
 /* The first function returns d/ds of the bounding box's diagonal when the separation at the start changes by

@@ -232,7 +232,8 @@ static struct vec3 spring_rate_at(const struct spring_problem *p, const struct s
         slopes[b] = vec3_add(friction_spring_rate_change(&p->law, p->regime, &path),
                              opposed_turned(p->part, along, node->normal, node->normal_rate));
     }
-    return vec3_add(friction_spring_rate(&p->law, p->regime, *rubbing),
+    const struct vec3 force = friction_force(&p->law, p->regime, *rubbing);
+    return vec3_add(friction_spring_rate(&p->law, p->regime, *rubbing, force),
                     opposed_turned(p->part, rubbing->spring, node->normal, node->normal_rate));
 }
 

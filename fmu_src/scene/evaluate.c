@@ -274,18 +274,14 @@ void turning_place(struct scene_state *q)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         struct body_turn *origin = &q->turn_origin[i];
-        *origin = (struct body_turn){turning_start_orientation(q->v, i), vec3_make(0.0, 0.0, 0.0)};
-        if (body_turns_freely(q->v, i)) {
-            origin->angular_velocity = body_initial_angular_velocity(q->v, i);
-        }
-        if (body_turn_is_prescribed(q->v, i) && body_has_axis(i)) {
-            origin->orientation = turned_to(quaternion_identity(), q->path[i].axis[0]);
-        }
-        if (body_turn_is_prescribed(q->v, i) && body_is_compound(i)) {
-            origin->orientation = quaternion_unit(q->path[i].orientation);
-        }
+        origin->orientation = !body_turn_is_prescribed(q->v, i) ? turning_start_orientation(q->v, i)
+                              : body_is_compound(i)             ? q->path[i].orientation
+                                                                : quaternion_identity();
+        origin->angular_velocity =
+            body_turns_freely(q->v, i) ? body_initial_angular_velocity(q->v, i) : vec3_make(0.0, 0.0, 0.0);
         q->turning.body[i] = *origin;
     }
+    turning_take_axes(q);
 }
 
 /* Sets arms and slip of a contact whose geometry is known, by its shape. */
@@ -878,7 +874,8 @@ struct vec3 turning_spring_rate(const struct turning_state *turning, const struc
         return vec3_make(0.0, 0.0, 0.0);
     }
     const enum friction_regime regime = (enum friction_regime)at->q->contact[contact].friction_regime[part];
-    return vec3_add(friction_spring_rate(&law, regime, rubbing),
+    const struct vec3 force = friction_force(&law, regime, rubbing);
+    return vec3_add(friction_spring_rate(&law, regime, rubbing, force),
                     opposed_turned((enum opposed)part, rubbing.spring, at->geometry[contact].normal,
                                    turning_normal_rate(at, contact)));
 }
@@ -917,7 +914,7 @@ static double gap_acceleration(double clock, const struct scene_instant *at, int
         change = vec3_sub(change, vec3_add(vec3_cross(faster, c), vec3_cross(omega, at->rate[contact])));
         turned = vec3_dot(vec3_cross(omega, g->normal), seen);
     }
-    turned += contact_turns(&shape, g) ? contact_turning_rate(&shape, g, seen, seen) / g->distance : 0.0;
+    turned += contact_turns(&shape, g) ? contact_turning_rate(&shape, g, seen) / g->distance : 0.0;
     return shape.side * (vec3_dot(g->normal, change) + turned);
 }
 
@@ -1041,7 +1038,7 @@ double zones_margin(const struct scene_instant *at, int contact)
 {
     const int zone = at->q->contact[contact].zone;
     if (!SCENE_ANY_ZONES || zone == 0) {
-        return NO_ZONE_MARGIN;
+        return 1.0;
     }
     const struct contact_shape shape = scene_contact_shape_at(at, contact);
     return contact_zone_margin(&shape.solid, zone, at->separation[contact]);
@@ -1276,9 +1273,10 @@ struct scene_energies scene_energies_of(const struct scene_instant *at)
         const int part = k % OPPOSED;
         if (contact_has_spring(at->v, j, part) && at->q->contact[j].regime != (int32_t)REGIME_APART) {
             const struct friction_law law = scene_friction_law(at->q, j, part);
+            const enum friction_regime regime = (enum friction_regime)at->q->contact[j].friction_regime[part];
             const struct friction_state rubbing = turning_rubbing(&at->q->turning, at, j, part);
-            sum.tangential += friction_stored_energy(
-                &law, (enum friction_regime)at->q->contact[j].friction_regime[part], rubbing);
+            const struct vec3 spring = friction_spring(&law, regime, rubbing);
+            sum.tangential += 0.5 * friction_stiffness(&law, rubbing.depth) * vec3_dot(spring, spring);
         }
     }
     return sum;

@@ -294,9 +294,6 @@ double singularity_force(const struct scene_instant *at, int contact);
 /* The zone of a capped cylinder or of skew cylinders that a contact is in (shape.h) is set when the contact
  * begins, changed at the zone's edges, and forgotten when the contact ends. Other scenes have no zones. */
 
-/* Margin [m] of a contact that has no zone. */
-#define NO_ZONE_MARGIN 1.0
-
 /* Sets the zone after a change of regime: a contact whose law gives a force takes the zone of the instant,
  * and one that is apart or separates loses its zone. A prescribed contact has a zone also while it separates.
  * It has none where something turns or no body may be free, because the quadrature there finds the edges of
@@ -310,7 +307,7 @@ bool zones_pass(struct scene_state *q, const struct scene_instant *at, int conta
 /* Sets the zone that the source faces where its centre is outside the present zone by more than rounding. */
 void zones_settle(struct scene_state *q, const struct scene_instant *at, int contact);
 
-/* Returns how far the source's centre is inside the edges of the zone [m]. */
+/* Returns how far the source's centre is inside the edges of the zone [m]; 1 m where there is no zone. */
 double zones_margin(const struct scene_instant *at, int contact);
 
 /* Returns the zone at the instant as outputs show it. */

@@ -32,8 +32,9 @@ double regime_dashpot_margin(const struct scene_instant *at, int contact)
     const double tolerated =
         solver_relative_tolerance(at->v) * vec3_norm(at->rate[contact]) + solver_absolute_tolerance(at->v);
     const double rounding = rounding_of_event(at, contact, tolerated);
-    const double margin = contact_event_force(&law, contact_event(&law, regime, g->gap, g->gap_rate) +
-                                                        MARGIN_ROUNDINGS * rounding);
+    const double event = contact_event(&law, regime, g->gap, g->gap_rate) + MARGIN_ROUNDINGS * rounding;
+    /* with an approach-only dashpot the event function is a gap rate; 1 of Hertz's law counts as 1 N */
+    const double margin = law.dashpot == DASHPOT_APPROACH_ONLY ? law.damping * event : event;
     return regime == REGIME_COMPRESSION ? margin : -margin;
 }
 

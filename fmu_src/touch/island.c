@@ -166,7 +166,7 @@ static void find_bends(struct island *s, const struct scene_instant *at)
         const struct vec3 w = at->rate[r->contact];
         const struct vec3 a = vec3_sub(now.acceleration[contact_destination(r->contact)],
                                        now.acceleration[contact_source(r->contact)]);
-        const double turning = r->is_straight ? 0.0 : contact_turning_rate(&shape, g, w, w) * r->by_distance;
+        const double turning = r->is_straight ? 0.0 : contact_turning_rate(&shape, g, w) * r->by_distance;
         r->bend = r->side * (vec3_dot(g->normal, a) + turning);
     }
 }

@@ -158,7 +158,7 @@ static double pair_turning(const struct contact_pair *p, double distance)
     if (contact_is_circle(&p->shape)) {
         const struct contact_geometry at =
             contact_geometry_at(&p->shape, p->flight.c[0], p->flight.c[1], p->normal);
-        return contact_turning_rate(&p->shape, &at, p->flight.c[1], p->flight.c[1]) / distance;
+        return contact_turning_rate(&p->shape, &at, p->flight.c[1]) / distance;
     }
     const struct vec3 across = pair_tangential(p, contact_across(&p->shape, p->flight.c[1]));
     return vec3_dot(across, across) / distance;

@@ -8,7 +8,10 @@ from support.sources import HEADERS, UNITS, code_only, label
 
 # The law's own constants, p_n and p_nv, or k_h and chi.
 READS = r"(?:->|\.)(?:stiffness|damping)\b"
-LAW = {"fmu_src/contact/law.h", "fmu_src/contact/law.c"}
+LAW = {
+    "fmu_src/contact/law.h", "fmu_src/contact/law.c",
+    "fmu_src/model/inputs.c",  # which makes them from the user's choices
+}  # fmt: skip
 # Of the tangential spring and dashpot of elastic friction, k_t and c_t: a law of its own.
 OF_FRICTION = {
     "fmu_src/contact/friction.c", "fmu_src/contact/slopes.c", "fmu_src/scene/evaluate.c",
@@ -25,7 +28,7 @@ FAST_PATHS = {
     "fmu_src/touch/pair.c", "fmu_src/touch/segment.c", "fmu_src/touch/chain.c", "fmu_src/touch/island.c",
 }  # fmt: skip
 FACTORS = {
-    "fmu_src/model/inputs.c", "fmu_src/model/outputs.c",
+    "fmu_src/model/outputs.c",
     "fmu_src/integrator/general.c",  # whose depth to come is made with k_h
     "fmu_src/scene/evaluate.c",  # whose speed of an onset from rest is made with k_h
 }  # fmt: skip
