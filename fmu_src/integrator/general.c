@@ -1209,12 +1209,10 @@ static struct general_event general_first_event(struct general *g)
  * the polynomial of the states. */
 static double rate_at(struct general *g, int event, double part)
 {
-    const struct radau_step *p = &g->step;
+    const struct radau_stages *stages = g->step.stages;
     const double apart = 0.02 * part;
-    radau_step_at(p, part - apart, g->y);
-    const double before = ode_event(&g->ode, p->start + (part - apart) * p->length, g->y, event);
-    radau_step_at(p, part, g->y);
-    return (ode_event(&g->ode, p->start + part * p->length, g->y, event) - before) / (apart * p->length);
+    const double before = event_within(g, event, radau_place(stages, part - apart));
+    return (event_within(g, event, radau_place(stages, part)) - before) / (apart * g->step.length);
 }
 
 /* Estimates the time from a state to the event [s] by the rate of the event function. */
