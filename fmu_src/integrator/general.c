@@ -161,28 +161,25 @@ static double length_of_sliding(const struct general *g)
 {
     const struct scene_values *v = g->ode.values;
     const struct scene_state *q = g->state;
-    struct scene_instant at;
     struct scene_jet along;
     double least = (double)INFINITY;
     bool known = false;
-    scene_evaluate(q, q->clock, q->body, &q->turning, NULL, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const int count = q->contact[j].regime == REGIME_APART ? 0 : contact_opposed(v, j);
         for (int i = 0; i < count; ++i) {
-            const struct opposed_state opposed = opposed_of(&at, j, i);
-            const struct opposed_state *o = &opposed;
-            if (o->law.kind != FRICTION_REGULARIZED ||
-                !(vec3_norm(o->slip) > SLIP_AFTER * o->law.slip_velocity + SLIP_ROUNDING * o->size)) {
+            const struct opposed_state o = opposed_of(&g->at_start, j, i);
+            if (o.law.kind != FRICTION_REGULARIZED ||
+                !(vec3_norm(o.slip) > SLIP_AFTER * o.law.slip_velocity + SLIP_ROUNDING * o.size)) {
                 continue;
             }
             if (!known) {
-                jet_of_motion(&at, NULL, &along);
+                jet_of_motion(&g->at_start, NULL, &along);
                 known = true;
             }
             const struct turning_jet *jet = &along.turning[j];
             const struct vec3 *slip = jet->motion[OPPOSED_SLIP];
-            least = fmin(least, i == OPPOSED_SLIP ? length_of_opposed(o, g->relative, slip[0], slip)
-                                                  : length_of_opposed(o, g->relative, o->slip, jet->spin));
+            least = fmin(least, i == OPPOSED_SLIP ? length_of_opposed(&o, g->relative, slip[0], slip)
+                                                  : length_of_opposed(&o, g->relative, o.slip, jet->spin));
         }
     }
     return fmax(least, SLIP_SHORTEST * fmax(q->clock, 1.0));
@@ -223,7 +220,7 @@ static void allow_rounding(struct general *g)
     double rounding[ODE_MOST_STATES] = {0.0}; /* of the states without positions */
     double most = 0.0;
     for (int i = 0; i < p->problem.paired; ++i) {
-        double *of_group = spring + p->group_of[p->speed_among[i]];
+        double *of_group = spring + p->group_of[p->among[p->problem.speed[i]]];
         *of_group = fmax(*of_group, fabs(radau_slope_of(p, p->problem.speed[i], p->problem.place[i])));
     }
     for (int i = 0; i < p->problem.groups; ++i) {
@@ -240,8 +237,9 @@ static void allow_rounding(struct general *g)
                            through_centre * g->per_impulse[p->other[i]]);
     }
     for (int j = 0; j < p->problem.paired; ++j) {
-        const int i = p->group_of[p->speed_among[j]];
-        double *of_speed = rounding + p->speed_among[j];
+        const int speed = p->among[p->problem.speed[j]];
+        const int i = p->group_of[speed];
+        double *of_speed = rounding + speed;
         *of_speed = fmax(*of_speed, spring[i] / fastest[i] * g->rounding[i].place);
     }
     for (int i = 0; i < p->others; ++i) {
@@ -257,7 +255,7 @@ static void allow_rounding(struct general *g)
             p->weight[i] = 1.0 / (1.0 / p->weight[i] + by);
         }
     }
-    for (int i = g->ode.layout.dissipated; i < g->size; ++i) {
+    for (int i = g->ode.layout.dissipated; i < g->ode.layout.size; ++i) {
         p->weight[i] = 1.0 / (1.0 / p->weight[i] + most * g->per_impulse[i]);
     }
 }
@@ -267,11 +265,11 @@ static void allow_rounding(struct general *g)
 static void general_set_weights(struct general *g)
 {
     struct radau_step *p = &g->step;
-    memcpy(g->y, p->y, (size_t)g->size * sizeof *g->y);
+    memcpy(g->y, p->y, (size_t)g->ode.layout.size * sizeof *g->y);
     radau_step_stage(p, p->stages->stages - 1, g->y);
     ode_nominal(&g->ode, p->y, g->size_of);
     ode_nominal(&g->ode, g->y, g->end_size);
-    for (int i = 0; i < g->size; ++i) {
+    for (int i = 0; i < g->ode.layout.size; ++i) {
         p->weight[i] = 1.0 / (g->relative * fmax(g->size_of[i], g->end_size[i]) + g->absolute);
     }
     allow_rounding(g);
@@ -381,20 +379,19 @@ static void note_friction(struct general *g, const struct scene_instant *at, int
                           const double arm[2], double speeds)
 {
     for (int i = 0; i < contact_opposed(g->ode.values, contact); ++i) {
-        const struct opposed_state opposed = opposed_of(at, contact, i);
-        const struct opposed_state *o = &opposed;
-        const double v_0 = o->law.slip_velocity;
+        const struct opposed_state o = opposed_of(at, contact, i);
+        const double v_0 = o.law.slip_velocity;
         const bool slips = i == OPPOSED_SLIP;
-        if (o->law.kind != FRICTION_REGULARIZED) {
+        if (o.law.kind != FRICTION_REGULARIZED) {
             continue;
         }
         for (int k = 0; k < 2; ++k) {
-            if (!(vec3_norm(o->slip) > SATURATED_SLIP * v_0)) {
+            if (!(vec3_norm(o.slip) > SATURATED_SLIP * v_0)) {
                 limit_errors_of_slip(g, slips ? v_0 : arm[k] * v_0, body[k], arm[k]);
             }
         }
-        const double limit = friction_limit(&o->law, o->regime, at->normal_force[contact]);
-        const double rounding = rounding_of_friction(&o->law, limit, slips ? speeds : o->size);
+        const double limit = friction_limit(&o.law, o.regime, at->normal_force[contact]);
+        const double rounding = rounding_of_friction(&o.law, limit, slips ? speeds : o.size);
         double *largest = &g->rounding[g->ode.layout.island[contact]].friction;
         *largest = fmax(*largest, slips ? rounding : rounding / arm[0]);
     }
@@ -426,7 +423,7 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
     for (int k = 0; k < ode_impulses(v); ++k) {
         impulses[k] = k < 3 ? 1.0 : arm[2 - k / 3];
     }
-    for (int i = g->ode.layout.dissipated; i < g->size; ++i) {
+    for (int i = g->ode.layout.dissipated; i < g->ode.layout.size; ++i) {
         g->per_impulse[i] += speeds;
     }
     const double mass = by_mass > 0.0 ? 1.0 / by_mass : 0.0;
@@ -441,24 +438,13 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
     }
 }
 
-/* Returns F_n / (m_red d) of a contact, or zero where n does not turn. */
-static double swing_of(const struct general *g, const struct scene_instant *at, int contact)
-{
-    const struct contact_shape shape = scene_contact_shape_at(at, contact);
-    const struct contact_geometry *geometry = &at->geometry[contact];
-    return contact_turns(&shape, geometry)
-               ? fabs(at->normal_force[contact]) * scene_inverse_mass(g->ode.values, contact) /
-                     geometry->distance
-               : 0.0;
-}
-
 /* Notes, at the start of a step, the rounding of gaps [m] and of friction, the largest error allowed in each
- * state, and how fast bodies may swing. */
+ * state. */
 static void note_errors(struct general *g)
 {
     const struct scene_instant *at = &g->at_start;
     memset(g->rounding, 0, (size_t)g->ode.layout.groups * sizeof *g->rounding);
-    for (int i = 0; i < g->size; ++i) {
+    for (int i = 0; i < g->ode.layout.size; ++i) {
         g->per_impulse[i] = 0.0;
         g->largest_error[i] = (double)INFINITY;
     }
@@ -468,7 +454,6 @@ static void note_errors(struct general *g)
             double *largest = &g->rounding[g->ode.layout.island[j]].place;
             *largest = fmax(*largest, of_gap);
             note_contact(g, at, j);
-            g->swing[j] = swing_of(g, at, j);
         }
     }
 }
@@ -499,18 +484,15 @@ static bool any_force_bends(const struct general *g)
     return any;
 }
 
-/* Notes the time since each touch under Hertz's law. A contact that began with an overlap touched earlier, at
- * its present speed; one that opens is long past its touch. */
-static void note_touches(struct general *g)
+/* Returns the time since the touch of a contact under Hertz's law; INFINITY: it is long past its touch, or
+ * opens. A contact that began with an overlap touched earlier, at its present speed. */
+static double since_touch(const struct general *g, int contact)
 {
-    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
-        g->since_touch[j] = (double)INFINITY;
-        if (force_bends(g, j) && g->at_start.geometry[j].gap_rate < 0.0) {
-            const double since = g->step.start - g->state->contact[j].record.touch_clock;
-            const struct contact_geometry *now = &g->at_start.geometry[j];
-            g->since_touch[j] = fmax(since, fmax(-now->gap, 0.0) / -now->gap_rate);
-        }
-    }
+    const struct contact_geometry *now = &g->at_start.geometry[contact];
+    return force_bends(g, contact) && now->gap_rate < 0.0
+               ? fmax(g->step.start - g->state->contact[contact].record.touch_clock,
+                      fmax(-now->gap, 0.0) / -now->gap_rate)
+               : (double)INFINITY;
 }
 
 /* Begins steps at the state `y`. */
@@ -518,8 +500,6 @@ static void general_begin(struct general *g, double clock, const double *y)
 {
     radau_step_begin(&g->step, clock, y);
     ode_instant(&g->ode, clock, g->step.y, &g->at_start);
-    note_touches(g);
-    g->fastest_decay = fastest_decay_of(&g->step, g->step.slopes);
     note_errors(g);
     if (!(g->plan.longest > 0.0 && isfinite(g->plan.longest))) {
         g->plan.longest = length_of_springs(g);
@@ -539,7 +519,7 @@ static bool try_to_solve(struct general *g, const struct radau_stages *stages, d
 /* Whether a state decays within the step so fast that the polynomial does not follow it. */
 static bool is_stiff(const struct general *g)
 {
-    return general_rubs(g) && g->step.length * g->fastest_decay > LEAST_STIFF;
+    return general_rubs(g) && g->step.length * fastest_decay_of(&g->step, g->step.slopes) > LEAST_STIFF;
 }
 
 /* Rolling ends within a step if the fastest decay at its stages is less than this part of that at its start.
@@ -565,8 +545,9 @@ static double finish_step(struct general *g)
     g->error_of_start = g->error_of_rolling = 0.0;
     if (general_rubs(g) && g->error_at_end <= 1.0) { /* radau_step_start_error also sets end_slopes */
         const double of_start = g->within_share * radau_step_start_error(p);
-        g->error_of_start = p->length * g->fastest_decay > LEAST_DECAY ? of_start : 0.0;
-        const bool ends = fastest_decay_of(p, p->end_slopes) < END_OF_ROLLING * g->fastest_decay;
+        const double decay = fastest_decay_of(p, p->slopes);
+        g->error_of_start = p->length * decay > LEAST_DECAY ? of_start : 0.0;
+        const bool ends = fastest_decay_of(p, p->end_slopes) < END_OF_ROLLING * decay;
         g->error_of_rolling = ends ? error.within : 0.0;
     }
     return fmax(fmax(g->error_at_end, g->error_of_rolling), g->error_of_start);
@@ -752,7 +733,7 @@ static void sample_events(struct general *g)
     g->is_sampled = true;
     g->bend = (double)INFINITY;
     memset(g->event_size, 0, sizeof g->event_size);
-    memcpy(g->y, p->y, (size_t)g->size * sizeof *g->y);
+    memcpy(g->y, p->y, (size_t)g->ode.layout.size * sizeof *g->y);
     sample_events_at(g, p->start, &g->at_start, 0);
     for (int i = 0; i < p->stages->stages; ++i) {
         const double clock = p->start + p->stages->node[i] * p->length;
@@ -1030,10 +1011,11 @@ static bool is_at_touch(const struct general *g, double *length)
 {
     bool found = false;
     for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
-        if (g->since_touch[j] <= fmax(NO_IMPULSE * *length, clock_rounding(g))) {
+        const double since = since_touch(g, j);
+        if (since <= fmax(NO_IMPULSE * *length, clock_rounding(g))) {
             found = true;
         } else {
-            *length = fmin(*length, BENDS_APART * g->since_touch[j]);
+            *length = fmin(*length, BENDS_APART * since);
         }
     }
     return found;
@@ -1227,12 +1209,10 @@ static struct general_event general_first_event(struct general *g)
  * the polynomial of the states. */
 static double rate_at(struct general *g, int event, double part)
 {
-    const struct radau_step *p = &g->step;
+    const struct radau_stages *stages = g->step.stages;
     const double apart = 0.02 * part;
-    radau_step_at(p, part - apart, g->y);
-    const double before = ode_event(&g->ode, p->start + (part - apart) * p->length, g->y, event);
-    radau_step_at(p, part, g->y);
-    return (ode_event(&g->ode, p->start + part * p->length, g->y, event) - before) / (apart * p->length);
+    const double before = event_within(g, event, radau_place(stages, part - apart));
+    return (event_within(g, event, radau_place(stages, part)) - before) / (apart * g->step.length);
 }
 
 /* Estimates the time from a state to the event [s] by the rate of the event function. */
@@ -1270,7 +1250,7 @@ static void move_to_event(struct general *g, int event, double rate, double *clo
         }
         problem->rates(problem->context, *clock, y, g->step.start_rates);
         g->step.evaluations += 1;
-        for (int i = 0; i < g->size; ++i) {
+        for (int i = 0; i < g->ode.layout.size; ++i) {
             y[i] += missing * g->step.start_rates[i];
         }
         *clock += missing;
@@ -1419,21 +1399,29 @@ static bool search_tops(struct general *g, const struct scene_instant *at, int c
     return true;
 }
 
+/* Moves the scene to a clock within the last step; serves as `move` of a scene_output. */
+static void move_along_step(void *memory, double clock, struct scene_state *q)
+{
+    struct general *g = memory;
+    const struct radau_step *p = &g->step;
+    radau_step_at(p, fmin((clock - p->start) / p->length, 1.0), g->y);
+    ode_unpack(&g->ode, q, g->y);
+}
+
 /* A step of twelve stages lasts five radians at most. Its parts are shorter than half an oscillation. */
 static void look_for_peaks(struct general *g, struct scene_state *q, const struct scene_instant *at,
                            int contact, double from)
 {
     const struct radau_step *p = &g->step;
-    struct scene_output *output = &g->output[contact];
     const double first = fmax(from - p->start, 0.0) / p->length;
     const double last = fmin((q->clock - p->start) / p->length, 1.0);
     const int parts = (int)ceil((last - first) * p->stages->stages / 3);
     const double ends[2] = {radau_place(p->stages, first), radau_place(p->stages, last)};
-    output->state = q;
     if (!search_tops(g, at, contact, ends)) {
-        output->output.count = 0; /* the last call may have found no need */
-        output->output.latest_s = -1.0;
-        scene_output_note_peaks(output, from, q->clock, parts, &q->contact[contact].peaks);
+        struct scene_output output = {
+            .state = q, .contact = contact, .move = move_along_step, .mover = g, .output.latest_s = -1.0};
+        output.output.worth_a_search = fmax(g->relative, dense_output_worth_a_search(q->v));
+        scene_output_note_peaks(&output, from, q->clock, parts, &q->contact[contact].peaks);
     }
 }
 
@@ -1515,12 +1503,6 @@ static struct radau_problem problem_of(struct general *g, const struct scene_val
     return problem;
 }
 
-static bool same_layout(const struct radau_problem *a, const struct radau_problem *b)
-{
-    return a->size == b->size && a->coupled == b->coupled && a->integrals == b->integrals &&
-           a->paired == b->paired && a->turns == b->turns && a->unknowns == b->unknowns;
-}
-
 bool general_open(struct general **slot, const struct scene_values *v, const struct integrator_memory *memory,
                   char *message)
 {
@@ -1528,28 +1510,31 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
     trial.ode.layout = ode_layout_of(v, NULL);
     const struct radau_problem wanted = problem_of(&trial, v);
     const int size = wanted.size;
-    if (*slot == NULL || !same_layout(&(*slot)->whole, &wanted)) {
-        const size_t own = (sizeof(struct general) + 15) / 16 * 16;
-        const size_t nodes = (node_forces_memory() + 15) / 16 * 16;
-        const size_t rows = 6 * (size_t)size * sizeof(double);
-        struct general *g = memory->allocate(1, own + nodes + rows + radau_step_memory(&wanted));
-        if (g == NULL) {
+    const size_t own = (sizeof(struct general) + 15) / 16 * 16;
+    const size_t nodes = (node_forces_memory() + 15) / 16 * 16;
+    const size_t rows = 6 * (size_t)size * sizeof(double);
+    const size_t bytes = own + nodes + rows + radau_step_memory(&wanted);
+    if (*slot == NULL || (*slot)->bytes < bytes) {
+        struct general *made = memory->allocate(1, bytes);
+        if (made == NULL) {
             snprintf(message, INTEGRATOR_MESSAGE_SIZE, "the integrator's memory could not be had");
             return false;
         }
         general_close(slot);
-        *slot = g;
-        g->whole = wanted;
-        g->release = memory->release;
-        g->nodes = (char *)g + own;
-        g->y = (double *)(void *)((char *)g + own + nodes);
-        g->size_of = g->y + size;
-        g->end_size = g->size_of + size;
-        g->per_impulse = g->end_size + size;
-        g->largest_error = g->per_impulse + size;
-        g->end.y = g->largest_error + size;
+        *slot = made;
+        made->bytes = bytes;
+        made->release = memory->release;
     }
-    (*slot)->message = message;
+    struct general *g = *slot;
+    g->nodes = (char *)g + own;
+    g->y = (double *)(void *)((char *)g + own + nodes);
+    g->size_of = g->y + size;
+    g->end_size = g->size_of + size;
+    g->per_impulse = g->end_size + size;
+    g->largest_error = g->per_impulse + size;
+    g->end.y = g->largest_error + size;
+    g->steps = g->end.y + size;
+    g->message = message;
     return true;
 }
 
@@ -1561,15 +1546,6 @@ void general_close(struct general **slot)
     }
 }
 
-/* Moves the scene to a clock within the last step; serves as `move` of a scene_output. */
-static void move_along_step(void *memory, double clock, struct scene_state *q)
-{
-    struct general *g = memory;
-    const struct radau_step *p = &g->step;
-    radau_step_at(p, fmin((clock - p->start) / p->length, 1.0), g->y);
-    ode_unpack(&g->ode, q, g->y);
-}
-
 /* Makes the segment work on q and its values. */
 static void general_attach(struct general *g, struct scene_state *q)
 {
@@ -1578,45 +1554,36 @@ static void general_attach(struct general *g, struct scene_state *q)
     g->ode.state = g->state = q;
     g->ode.layout = ode_layout_of(v, q);
     g->ode.flight = flight_body_at;
-    g->size = g->ode.layout.size;
     const struct radau_problem problem = problem_of(g, v);
-    radau_step_place(&g->step, &problem, g->end.y + g->whole.size);
+    radau_step_place(&g->step, &problem, g->steps);
     g->relative = fmax(TOLERANCE_SHARE * solver_relative_tolerance(v), LEAST_TOLERANCE);
     g->absolute = TOLERANCE_SHARE * solver_absolute_tolerance(v);
     g->read_share = fmin(g->relative / (READ_PART * solver_relative_tolerance(v)), 1.0);
     g->plan = q->plan;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        g->output[j] = (struct scene_output){
-            .contact = j,
-            .move = move_along_step,
-            .mover = g,
-            .output = {.latest_s = -1.0,
-                       .worth_a_search = fmax(g->relative, dense_output_worth_a_search(v))}};
-    }
 }
 
-/* Sets the offsets of the event functions at the present instant `at`. */
-static void general_set_events(struct general *g, struct scene_instant *at)
+/* Sets the offsets of the event functions at the present. */
+static void general_set_events(struct general *g)
 {
+    struct scene_instant at;
     ode_leave_centres(g->state);
-    scene_now(g->state, at);
-    ode_begin(&g->ode, at, g->relative, g->absolute);
+    scene_now(g->state, &at);
+    ode_begin(&g->ode, &at, g->relative, g->absolute);
 }
 
 /* Prepares a step that starts from `q`. */
 static void general_start(struct general *g, struct scene_state *q)
 {
-    struct scene_instant at;
     general_attach(g, q);
     forget_release(g);
     g->plan.solvable = (double)INFINITY;
     g->plan.last_length = 0.0;
     g->step.known_length = 0.0;
-    general_set_events(g, &at);
+    general_set_events(g);
     ode_pack(&g->ode, g->y);
     general_begin(g, q->clock, g->y);
     if (SCENE_ANY_HERTZ) {
-        g->plan.longest = fmin(g->plan.longest, length_of_impacts(&at));
+        g->plan.longest = fmin(g->plan.longest, length_of_impacts(&g->at_start));
     }
 }
 
@@ -1627,7 +1594,7 @@ static void general_keep_step(const struct general *g, struct scene_state *q)
 {
     const struct radau_step *p = &g->step;
     struct unfinished_step *kept = &q->unfinished;
-    const size_t bytes = (size_t)g->size * sizeof(double);
+    const size_t bytes = (size_t)g->ode.layout.size * sizeof(double);
     kept->start = p->start;
     kept->length = p->length;
     kept->end = g->end.clock;
@@ -1653,7 +1620,7 @@ static bool general_take_up(struct general *g, struct scene_state *q)
         return false;
     }
     general_attach(g, q);
-    const size_t bytes = (size_t)g->size * sizeof(double);
+    const size_t bytes = (size_t)g->ode.layout.size * sizeof(double);
     g->end.clock = kept->end;
     g->end.event = (struct general_event){1.0, kept->event};
     memcpy(g->end.y, kept->at_end, bytes);
@@ -1787,8 +1754,7 @@ CONTACT_NOINLINE enum advance_result general_advance(struct general *g, struct s
             general_follow(g, q, step->clock_end);
             return ADVANCE_REACHED;
         }
-        struct scene_instant at; /* the last call has stored a step, which ends here */
-        general_set_events(g, &at);
+        general_set_events(g); /* the last call has stored a step, which ends here */
         result = end_step(g, q, step);
     } else {
         general_start(g, q);

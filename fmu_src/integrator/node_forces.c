@@ -101,9 +101,8 @@ struct iteration {
     struct node_spring spring[1 + SCENE_ANY_SPRINGS * (SCENE_CONTACTS - 1)][OPPOSED];
     struct mobility mobility[SCENE_BODIES];
     struct rotation_by_spin rotation[RADAU_MOST_STAGES][SCENE_BODIES];
-    int among[ODE_MOST_STATES]; /* indices of states among those that are no places */
-    double *rates, *bare; /* [stages][width] rates of these states with and without the contact forces */
-    bool stale;           /* whether the slopes of a contact that rolls have changed by more than STALE */
+    bool follows; /* whether the rates of coupled orientations or of springs follow the forces at once */
+    bool stale;   /* whether the slopes of a contact that rolls have changed by more than STALE */
     int factorizations;
 };
 
@@ -136,9 +135,8 @@ static struct rotation_by_spin rotation_of(const struct scene_values *v, int bod
 static void prepare_bodies(struct iteration *it)
 {
     const struct scene_values *v = it->g->ode.values;
-    for (int j = 0; j < it->g->step.others; ++j) {
-        it->among[it->g->step.other[j]] = j;
-    }
+    const struct ode_layout *layout = &it->g->ode.layout;
+    it->follows = false;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         struct mobility *to = &it->mobility[i];
         *to = (struct mobility){.by_mass = body_inverse_mass(v, i)};
@@ -149,6 +147,8 @@ static void prepare_bodies(struct iteration *it)
                 it->rotation[stage][i] = it->rotation[0][i];
             }
         }
+        it->follows =
+            it->follows || (layout->orientation[i] >= 0 && layout->orientation[i] < layout->coupled);
         to->moves = to->by_mass > 0.0 || to->by_inertia > 0.0;
     }
 }
@@ -160,17 +160,31 @@ static void prepare_bodies(struct iteration *it)
  * with 4 and with 25 in place of 10 it takes 12 and 6 % more. */
 static const double SWINGING = 10.0;
 
+/* Whether the bodies of a contact swing so far in a step of this length [s]. */
+static bool contact_swings(const struct general *g, int contact, double length)
+{
+    const struct scene_instant *at = &g->at_start;
+    const struct contact_shape shape = scene_contact_shape_at(at, contact);
+    const double pull = fabs(at->normal_force[contact]) * scene_inverse_mass(at->v, contact); /* [m/s^2] */
+    return contact_turns(&shape, &at->geometry[contact]) &&
+           length * length * pull > SWINGING * at->geometry[contact].distance;
+}
+
+/* Returns the number of unknowns at a stage of a contact that has so many without friction. */
+static int rows_of_law(const struct scene_values *v, int contact, int without_friction)
+{
+    return SCENE_ANY_ROLLING && contact_resists(v, contact) ? MOST_ROWS
+           : contact_rubs(v, contact)                       ? ROWS
+                                                            : without_friction;
+}
+
 /* Returns the number of unknowns of a contact at a stage; zero where it transmits no force. */
 static int rows_of(const struct general *g, int contact, double length)
 {
-    if (!contact_transmits(g->state, contact)) {
-        return 0;
-    }
-    if (SCENE_ANY_ROLLING && contact_resists(g->ode.values, contact)) {
-        return MOST_ROWS;
-    }
-    const bool swings = SCENE_ANY_CURVED && length * length * g->swing[contact] > SWINGING;
-    return swings || contact_rubs(g->ode.values, contact) ? ROWS : ROWS_WITHOUT_FRICTION;
+    const bool swings =
+        SCENE_ANY_CURVED && !contact_rubs(g->ode.values, contact) && contact_swings(g, contact, length);
+    const int rows = rows_of_law(g->ode.values, contact, swings ? ROWS : ROWS_WITHOUT_FRICTION);
+    return contact_transmits(g->state, contact) ? rows : 0;
 }
 
 /* Notes a contact that transmits forces, in a step of the length [s]. */
@@ -183,6 +197,7 @@ static void note_node_contact(struct iteration *it, int contact, double length)
     to->rows = rows_of(it->g, contact, length);
     to->rubs = contact_rubs(v, contact);
     to->springs = contact_has_springs(v, contact);
+    it->follows = it->follows || to->springs;
     to->island = it->g->ode.layout.island[contact];
     to->first = it->rows;
     to->laws = turning_laws_of(it->g->state, contact);
@@ -192,8 +207,8 @@ static void note_node_contact(struct iteration *it, int contact, double length)
         const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
         const struct ode_layout *layout = &it->g->ode.layout;
         to->body[end] = body;
-        to->spin[end] = layout->spin[body] >= 0 ? it->among[layout->spin[body]] : -1;
-        to->speed[end] = layout->body[body] >= 0 ? it->among[layout->body[body] + 3] : -1;
+        to->spin[end] = layout->spin[body] >= 0 ? it->g->step.among[layout->spin[body]] : -1;
+        to->speed[end] = layout->body[body] >= 0 ? it->g->step.among[layout->body[body] + 3] : -1;
         by_inertia += it->mobility[body].by_inertia;
     }
     const double square = contact_source_radius(v, contact) * contact_source_radius(v, contact);
@@ -226,18 +241,16 @@ static void prepare(struct iteration *it)
 {
     struct general *g = it->g;
     struct radau_step *p = &g->step;
-    it->rates = p->rates;
-    it->bare = p->bare;
     prepare_bodies(it);
     note_contacts(it);
-    memset(p->point, 0, (size_t)g->size * sizeof *p->point);
-    memset(it->bare, 0, (size_t)(p->stages->stages * p->width) * sizeof *it->bare);
+    memset(p->point, 0, (size_t)g->ode.layout.size * sizeof *p->point);
+    memset(p->bare, 0, (size_t)(p->stages->stages * p->width) * sizeof *p->bare);
     for (int i = 0; i < p->stages->stages; ++i) {
         const double clock = p->start + p->length * p->stages->node[i];
         ode_other_motion(&g->ode, clock, &g->at_stage[i]);
         ode_rates_without_contact(&g->ode, clock, p->point);
         for (int j = 0; j < p->others; ++j) {
-            it->bare[i * p->width + j] = p->point[p->other[j]];
+            p->bare[i * p->width + j] = p->point[p->other[j]];
         }
     }
 }
@@ -312,7 +325,7 @@ static void respond_with_spring(struct iteration *it, int stage, int index, int 
     const struct vec3 turned =
         opposed_turned((enum opposed)part, rubbing.spring, n, turning_normal_rate(at, c->contact));
     vec3_to(vec3_add(friction_spring_rate(law, regime, rubbing, opposing), turned),
-            it->rates + stage * it->g->step.width + it->among[state]);
+            it->g->step.rates + stage * it->g->step.width + it->g->step.among[state]);
 }
 
 /* Returns how far an opposed motion of a contact is from its law, and if `slopes` is not NULL the derivatives
@@ -488,7 +501,7 @@ static void put_orientation_rates(struct iteration *it, int stage, const struct 
         if (k >= 0 && k < layout->coupled) {
             const struct quaternion given = quaternion_from(it->g->step.point + k);
             quaternion_to(quaternion_rate(given, at->turning.body[i].angular_velocity),
-                          it->rates + stage * it->g->step.width + it->among[k]);
+                          it->g->step.rates + stage * it->g->step.width + it->g->step.among[k]);
             it->rotation[stage][i] = rotation_of(it->g->ode.values, i, at->turning.body[i].orientation);
         }
     }
@@ -540,7 +553,7 @@ static void evaluate_nodes(struct iteration *it, bool anew)
 {
     struct radau_step *p = &it->g->step;
     const int s = p->stages->stages;
-    memcpy(it->rates, it->bare, (size_t)(s * p->width) * sizeof *it->rates);
+    memcpy(p->rates, p->bare, (size_t)(s * p->width) * sizeof *p->rates);
     it->stale = false;
     for (int i = 0; i < s; ++i) {
         const struct scene_instant *at = move_to_stage(it, i, false);
@@ -573,7 +586,7 @@ static void evaluate_nodes(struct iteration *it, bool anew)
 static void add_force(struct iteration *it, int stage, int contact, struct vec3 force, struct vec3 own_torque)
 {
     const struct node_contact *ends = &it->contact[contact];
-    double *rates = it->rates + stage * it->g->step.width;
+    double *rates = it->g->step.rates + stage * it->g->step.width;
     for (int end = 0; end < 2; ++end) {
         const struct mobility *m = &it->mobility[ends->body[end]];
         if (ends->speed[end] >= 0) {
@@ -589,34 +602,31 @@ static void add_force(struct iteration *it, int stage, int contact, struct vec3 
     }
 }
 
-/* Returns the change of the velocity of the source's centre against the destination's. `change` holds the
- * changes of all states but the places. */
-static inline struct vec3 centres_velocity_of(const struct iteration *it, int contact, const double *change)
+/* The change of the motion of the source against the destination: the velocity of its centre, its angular
+ * velocity omega as the destination sees it, and its velocity U at the point of contact (struct node). */
+struct motion_change {
+    struct vec3 centre, spin, point;
+};
+
+/* Returns that change at a stage. `change` holds the changes of all states but the places. */
+static inline struct motion_change motion_of(const struct iteration *it, int stage, int contact,
+                                             const double *change)
 {
     const struct node_contact *ends = &it->contact[contact];
-    struct vec3 sum = {0.0, 0.0, 0.0};
+    struct motion_change sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     for (int end = 0; end < 2; ++end) {
         if (ends->speed[end] >= 0) {
-            sum = vec3_axpy(sum, SIGN_OF_END[end], vec3_from(change + ends->speed[end]));
+            sum.centre = vec3_axpy(sum.centre, SIGN_OF_END[end], vec3_from(change + ends->speed[end]));
         }
-    }
-    return sum;
-}
-
-/* Returns the change of U, the velocity at the point of contact (struct node), at a stage. `change` holds the
- * changes of all states but the places. */
-static struct vec3 velocity_of(const struct iteration *it, int stage, int contact, const double *change)
-{
-    const struct node_contact *ends = &it->contact[contact];
-    struct vec3 sum = centres_velocity_of(it, contact, change);
-    for (int end = 0; end < 2; ++end) {
         if (ends->spin[end] >= 0) {
             const struct vec3 turned =
                 rotated_by(&it->rotation[stage][ends->body[end]], vec3_from(change + ends->spin[end]));
             const struct vec3 arm = it->node[stage][contact].arm[end];
-            sum = vec3_axpy(sum, SIGN_OF_END[end], vec3_cross(turned, arm));
+            sum.spin = vec3_axpy(sum.spin, SIGN_OF_END[end], turned);
+            sum.point = vec3_axpy(sum.point, SIGN_OF_END[end], vec3_cross(turned, arm));
         }
     }
+    sum.point = vec3_add(sum.point, sum.centre);
     return sum;
 }
 
@@ -630,24 +640,9 @@ static struct vec3 turned_of(const struct iteration *it, int stage, int contact,
         const int k = it->g->ode.layout.orientation[body];
         if (k >= 0 && k < it->g->ode.layout.coupled) {
             const struct quaternion q = it->g->at_stage[stage].turning.body[body].orientation;
-            const struct quaternion dq = quaternion_from(change + it->among[k]);
+            const struct quaternion dq = quaternion_from(change + it->g->step.among[k]);
             const struct vec3 turn = quaternion_vector(quaternion_product(dq, quaternion_inverse(q)));
             sum = vec3_axpy(sum, 2.0 * SIGN_OF_END[end], vec3_cross(turn, it->node[stage][contact].arm[end]));
-        }
-    }
-    return sum;
-}
-
-/* Returns the change of omega, the angular velocity of the source as the destination sees it. */
-static struct vec3 spin_of(const struct iteration *it, int stage, int contact, const double *change)
-{
-    const struct node_contact *ends = &it->contact[contact];
-    struct vec3 sum = {0.0, 0.0, 0.0};
-    for (int end = 0; end < 2; ++end) {
-        if (ends->spin[end] >= 0) {
-            sum = vec3_axpy(
-                sum, SIGN_OF_END[end],
-                rotated_by(&it->rotation[stage][ends->body[end]], vec3_from(change + ends->spin[end])));
         }
     }
     return sum;
@@ -661,9 +656,9 @@ static void follow_spin(struct iteration *it, int body, const double *pending)
     for (int stage = 0; stage < p->stages->stages; ++stage) {
         const struct quaternion q = it->g->at_stage[stage].turning.body[body].orientation;
         const struct vec3 spin =
-            vec3_from(pending + stage * p->width + it->among[it->g->ode.layout.spin[body]]);
+            vec3_from(pending + stage * p->width + p->among[it->g->ode.layout.spin[body]]);
         const struct quaternion rate = quaternion_rate(q, rotated_by(&it->rotation[stage][body], spin));
-        double *to = it->rates + stage * p->width + it->among[k];
+        double *to = p->rates + stage * p->width + p->among[k];
         to[0] += rate.w;
         vec3_add_to(1.0, quaternion_vector(rate), to + 1);
     }
@@ -689,12 +684,12 @@ static void drive_spring(const struct iteration *it, int contact, int part, cons
 {
     for (int i = 0; i < it->g->step.stages->stages; ++i) {
         const struct node *node = &it->node[i][contact];
-        const double *to_come = pending + i * it->g->step.width;
+        const struct motion_change moved = motion_of(it, i, contact, pending + i * it->g->step.width);
         const struct vec3 n = it->g->at_stage[i].geometry[it->contact[contact].contact].normal;
         const struct vec3 dz = it->spring[contact][part].is_force
                                    ? (part == OPPOSED_SLIP ? node->more_force : node->more_torque)
-                               : part == OPPOSED_SLIP ? velocity_of(it, i, contact, to_come)
-                                                      : spin_of(it, i, contact, to_come);
+                               : part == OPPOSED_SLIP ? moved.point
+                                                      : moved.spin;
         to->driven[i] = driven_by(&node->drive[part], opposed_laid((enum opposed)part, dz, n));
     }
 }
@@ -705,12 +700,12 @@ static struct spring_change change_of_spring(const struct iteration *it, int con
     const struct radau_step *p = &it->g->step;
     const int s = p->stages->stages;
     const struct node_spring *spring = &it->spring[contact][part];
-    const int at = it->among[it->g->ode.layout.spring[it->contact[contact].contact][part]];
+    const int at = p->among[it->g->ode.layout.spring[it->contact[contact].contact][part]];
     struct vec3 missed[RADAU_MOST_STAGES];
     struct spring_change to;
     drive_spring(it, contact, part, pending, &to);
     for (int i = 0; i < s; ++i) {
-        missed[i] = vec3_add(to.driven[i], vec3_from(it->rates + i * p->width + at));
+        missed[i] = vec3_add(to.driven[i], vec3_from(p->rates + i * p->width + at));
         for (int j = 0; j < s; ++j) {
             missed[i] = vec3_axpy(missed[i], -p->stages->inverse[i * s + j] / p->length,
                                   vec3_from(p->others_change + j * p->width + at));
@@ -732,11 +727,10 @@ static void follow_drive(struct iteration *it, int contact, int part, const doub
 {
     const struct radau_step *p = &it->g->step;
     const struct spring_change change = change_of_spring(it, contact, part, pending);
-    const int at = it->among[it->g->ode.layout.spring[it->contact[contact].contact][part]];
+    const int at = p->among[it->g->ode.layout.spring[it->contact[contact].contact][part]];
     for (int i = 0; i < p->stages->stages; ++i) {
         const double decay = it->node[i][contact].drive[part].decay;
-        vec3_add_to(1.0, vec3_axpy(change.driven[i], -decay, change.spring[i]),
-                    it->rates + i * p->width + at);
+        vec3_add_to(1.0, vec3_axpy(change.driven[i], -decay, change.spring[i]), p->rates + i * p->width + at);
     }
 }
 
@@ -746,19 +740,17 @@ static void move_others(struct iteration *it)
 {
     const struct radau_step *p = &it->g->step;
     const struct ode_layout *layout = &it->g->ode.layout;
-    bool known = false; /* whether the changes to come of all states are in p->scratch */
+    if (!it->follows) {
+        return;
+    }
+    radau_step_pending(p, p->rates, p->scratch);
     for (int i = 0; SCENE_ANY_TIPPING && i < SCENE_BODIES; ++i) {
         if (layout->orientation[i] >= 0 && layout->orientation[i] < layout->coupled) {
-            radau_step_pending(p, it->among[layout->spin[i]], 3, it->rates, p->scratch);
             follow_spin(it, i, p->scratch);
         }
     }
     for (int k = 0; SCENE_ANY_SPRINGS && k < it->contacts * OPPOSED; ++k) {
         if (it->spring[k / OPPOSED][k % OPPOSED].is_there) {
-            if (!known) {
-                radau_step_pending(p, 0, p->others, it->rates, p->scratch);
-                known = true;
-            }
             follow_drive(it, k / OPPOSED, k % OPPOSED, p->scratch);
         }
     }
@@ -796,13 +788,13 @@ static void add_pending_places(const struct iteration *it, int stage, int contac
 {
     const struct radau_step *p = &it->g->step;
     const double *more = p->more + stage * p->width;
-    const struct vec3 farther = vec3_add(velocity_of(it, stage, contact, more),
-                                         turned_of(it, stage, contact, p->scratch + stage * p->width));
-    const struct vec3 moved = centres_velocity_of(it, contact, more);
+    const struct motion_change moved = motion_of(it, stage, contact, more);
+    const struct vec3 farther =
+        vec3_add(moved.point, turned_of(it, stage, contact, p->scratch + stage * p->width));
     const int rows = it->contact[contact].rows;
     for (int r = 0; r < ROWS && r < rows; ++r) {
         node->response[r] += vec3_dot(node->by_place[r], farther);
-        node->response[r] += rows < ROWS ? 0.0 : vec3_dot(node->by_swing[r], moved);
+        node->response[r] += rows < ROWS ? 0.0 : vec3_dot(node->by_swing[r], moved.centre);
     }
 }
 
@@ -810,16 +802,13 @@ static void add_pending_places(const struct iteration *it, int stage, int contac
 static inline void add_pending_motion(const struct iteration *it, int stage, int contact, struct node *node)
 {
     const double *to_come = it->g->step.scratch + stage * it->g->step.width;
-    const struct vec3 faster = velocity_of(it, stage, contact, to_come);
+    const struct motion_change faster = motion_of(it, stage, contact, to_come);
     const int rows = it->contact[contact].rows;
     for (int r = 0; r < ROWS && r < rows; ++r) {
-        node->response[r] += vec3_dot(node->by_velocity[r], faster);
+        node->response[r] += vec3_dot(node->by_velocity[r], faster.point);
     }
-    if (SCENE_ANY_ROLLING && rows == MOST_ROWS) {
-        const struct vec3 spin = spin_of(it, stage, contact, to_come);
-        for (int r = 0; r < ROWS; ++r) {
-            node->response[ROWS + r] += vec3_dot(node->by_spin[r], spin);
-        }
+    for (int r = ROWS; SCENE_ANY_ROLLING && r < rows; ++r) {
+        node->response[r] += vec3_dot(node->by_spin[r - ROWS], faster.spin);
     }
 }
 
@@ -834,7 +823,7 @@ CONTACT_FLATTEN static void add_pending(struct iteration *it)
         const struct node *node = &it->node[k / it->contacts][k % it->contacts];
         add_force(it, k / it->contacts, k % it->contacts, node->force, node->torque);
     }
-    radau_step_pending(p, 0, p->others, it->rates, p->scratch);
+    radau_step_pending(p, p->rates, p->scratch);
     if (follows_places(it)) {
         radau_step_integrals(p, p->scratch, p->more);
     }
@@ -1202,9 +1191,7 @@ int node_forces_unknowns(const struct scene_values *v)
 {
     int count = 0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        count += SCENE_ANY_ROLLING && contact_resists(v, j) ? MOST_ROWS
-                 : contact_rubs(v, j)                       ? ROWS
-                                                            : ROWS_WHERE_IT_SWINGS;
+        count += rows_of_law(v, j, ROWS_WHERE_IT_SWINGS);
     }
     return count;
 }
@@ -1215,7 +1202,7 @@ int node_forces_stages(const struct general *g, double length)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         rows += rows_of(g, j, length);
     }
-    return rows > 0 ? radau_step_room(&g->step) / rows : RADAU_MOST_STAGES;
+    return rows > 0 ? radau_room(&g->step.problem) / rows : RADAU_MOST_STAGES;
 }
 
 size_t node_forces_memory(void)
@@ -1233,7 +1220,7 @@ bool node_forces_solve(struct general *g, double tolerance, void (*set_weights)(
     it->factorizations = 0;
     prepare(it);
     guess_forces(it);
-    memcpy(p->point, p->y, (size_t)g->size * sizeof *p->point);
+    memcpy(p->point, p->y, (size_t)g->ode.layout.size * sizeof *p->point);
     for (p->iterations = 1; p->iterations <= MOST_NODE_ITERATIONS; ++p->iterations) {
         evaluate_nodes(it, anew);
         if (anew && !factor_nodes(it)) {
@@ -1242,7 +1229,7 @@ bool node_forces_solve(struct general *g, double tolerance, void (*set_weights)(
         add_pending(it);
         correct_forces(it);
         move_others(it);
-        const double size = radau_step_integrate(p, it->rates);
+        const double size = radau_step_integrate(p, p->rates);
         if (!isfinite(size)) {
             return false;
         }

@@ -40,22 +40,18 @@ struct general_rounding {
 
 struct general {
     struct scene_ode ode;
-    struct scene_state *state;  /* as ode.state */
-    struct radau_step step;     /* of the bodies in contact (ode.layout) */
-    struct radau_problem whole; /* that of all states, for which there is memory */
-    int size;
+    struct scene_state *state;                            /* as ode.state */
+    struct radau_step step;                               /* of the bodies in contact (ode.layout) */
+    size_t bytes;                                         /* of memory that there is, with this struct */
     int place[3 * SCENE_BODIES], speed[3 * SCENE_BODIES]; /* pairs of states for math/radau_step.h */
     double relative, absolute;                            /* error allowed in a step [1], [m, m/s, ...] */
     struct step_plan plan; /* a part of the state, so that a restored state continues bit for bit */
-    double fastest_decay;  /* fastest decay of a state at the start of the step [1/s] */
     struct general_rounding rounding[ODE_MOST_GROUPS]; /* of each group of states */
-    double error_of_rolling;      /* error where rolling ends within the step, divided by the error allowed */
-    double error_within;          /* largest error within the last step, divided by the error allowed */
-    double error_at_end;          /* error at the end of the last step, divided by the error allowed */
-    bool error_is_noise;          /* whether rounding decides error_at_end */
-    double error_of_start;        /* error by decay before the first stage, divided by the error allowed */
-    double swing[SCENE_CONTACTS]; /* F_n / (m_red d) of contacts in touch, at the start of the step [1/s^2] */
-    double since_touch[SCENE_CONTACTS]; /* time since the touch under Hertz's law [s]; INFINITY: long ago */
+    double error_of_rolling; /* error where rolling ends within the step, divided by the error allowed */
+    double error_within;     /* largest error within the last step, divided by the error allowed */
+    double error_at_end;     /* error at the end of the last step, divided by the error allowed */
+    bool error_is_noise;     /* whether rounding decides error_at_end */
+    double error_of_start;   /* error by decay before the first stage, divided by the error allowed */
     struct vec3 slip[SCENE_CONTACTS][OPPOSED]; /* the last sample of the slips in the step [m/s, rad/s] */
     double bend;         /* part of the step at which friction bends first and matters; INFINITY: nowhere */
     double within_share; /* factor of error_within when it is compared with error_at_end */
@@ -73,10 +69,10 @@ struct general {
     /* F_n [N] and -g [m] at the start and at the stages; their Bernstein coefficients */
     double loads[RADAU_MOST_STAGES + 1][SCENE_CONTACTS][GENERAL_LOADS];
     double peaks[SCENE_CONTACTS][GENERAL_LOADS][RADAU_MOST_STAGES + 1];
-    struct scene_output output[SCENE_CONTACTS];
     long rejected;
     void (*release)(void *memory); /* frees this struct */
     void *nodes;                   /* [node_forces_memory()]: the iteration of node_forces_solve */
+    void *steps;                   /* the memory of radau_step_place */
     char *message;                 /* INTEGRATOR_MESSAGE_SIZE bytes */
 };
 

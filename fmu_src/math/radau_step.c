@@ -81,8 +81,7 @@ static inline void radau_polynomials_at(int count, double place, double *of)
     }
 }
 
-/* Returns the number of rows of the matrix `all`. */
-static int rows_of_all(const struct radau_problem *problem)
+int radau_room(const struct radau_problem *problem)
 {
     const int unknowns = problem->unknowns;
     const int most = RADAU_MOST_STAGES * unknowns;
@@ -91,16 +90,11 @@ static int rows_of_all(const struct radau_problem *problem)
     return rows > problem->coupled ? rows : problem->coupled;
 }
 
-int radau_step_room(const struct radau_step *p)
-{
-    return rows_of_all(&p->problem);
-}
-
 size_t radau_step_memory(const struct radau_problem *problem)
 {
     const size_t n = (size_t)radau_padded(problem->size);
     const size_t s = RADAU_MOST_STAGES;
-    const size_t all = (size_t)radau_padded(rows_of_all(problem));
+    const size_t all = (size_t)radau_padded(radau_room(problem));
     const size_t doubles = (8 * s + 1) * n + 2 * n * n + 7 * n + (all + 1) * all;
     const size_t ints = 3 * n + all;
     return doubles * sizeof(double) + ints * sizeof(int);
@@ -117,16 +111,14 @@ static double *take(double **from, int count)
 static void list_others(struct radau_step *p)
 {
     const struct radau_problem *problem = &p->problem;
+    memset(p->among, 0, (size_t)problem->coupled * sizeof *p->among);
+    for (int k = 0; k < problem->paired; ++k) {
+        p->among[problem->place[k]] = -1;
+    }
     p->others = 0;
     for (int i = 0; i < problem->coupled; ++i) {
-        bool is_place = false;
-        for (int k = 0; k < problem->paired; ++k) {
-            is_place = is_place || problem->place[k] == i;
-            if (problem->speed[k] == i) {
-                p->speed_among[k] = p->others;
-            }
-        }
-        if (!is_place) {
+        if (p->among[i] == 0) {
+            p->among[i] = p->others;
             p->other[p->others++] = i;
         }
     }
@@ -162,12 +154,12 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     p->point = take(&next, n);
     p->end_y = take(&next, n);
     p->re = take(&next, n);
-    const int all = radau_padded(rows_of_all(problem));
+    const int all = radau_padded(radau_room(problem));
     p->side = take(&next, all);
     p->all = (struct lu_matrix){.stride = all, .re = take(&next, all * all)};
     int *whole = (int *)(void *)next;
     p->other = whole;
-    p->speed_among = whole + n;
+    p->among = whole + n;
     p->group_of = whole + 2 * n;
     p->all.pivot = p->group_of + n;
     list_others(p);
@@ -391,7 +383,8 @@ static void radau_move_places(struct radau_step *p)
     for (int i = 0; i < s; ++i) {
         for (int j = 0; j < problem->paired; ++j) {
             speeds[i * width + j] =
-                p->length * (p->y[problem->speed[j]] + p->others_change[i * p->width + p->speed_among[j]]);
+                p->length *
+                (p->y[problem->speed[j]] + p->others_change[i * p->width + p->among[problem->speed[j]]]);
         }
     }
     radau_combine_rows(p->places_change, width, stages->integral, s, s, speeds, width, width);
@@ -407,18 +400,11 @@ void radau_step_integrals(const struct radau_step *p, const double *rates, doubl
     }
 }
 
-void radau_step_pending(const struct radau_step *p, int first, int count, const double *rates,
-                        double *pending)
+void radau_step_pending(const struct radau_step *p, const double *rates, double *pending)
 {
-    const int s = p->stages->stages;
-    const int width = p->width;
-    const int from = first / RADAU_ROW_BLOCK * RADAU_ROW_BLOCK;
-    const int end = radau_padded(first + count - 1);
-    radau_combine_rows(pending + from, width, p->stages->integral, s, s, rates + from, width, end - from);
-    for (int i = 0; i < s; ++i) {
-        for (int k = i * width + from; k < i * width + end; k += LANES) {
-            double2_put(pending, k, double2_at(pending, k) * p->length - double2_at(p->others_change, k));
-        }
+    radau_step_integrals(p, rates, pending);
+    for (int k = 0; k < p->stages->stages * p->width; k += LANES) {
+        double2_put(pending, k, double2_at(pending, k) - double2_at(p->others_change, k));
     }
 }
 
@@ -426,7 +412,7 @@ double radau_step_integrate(struct radau_step *p, const double *rates)
 {
     const int width = p->width;
     double largest = 0.0;
-    radau_step_pending(p, 0, p->others, rates, p->scratch);
+    radau_step_pending(p, rates, p->scratch);
     for (int i = 0; i < p->stages->stages; ++i) {
         const double *pending = p->scratch + i * width;
         double *change = p->others_change + i * width;
@@ -495,7 +481,7 @@ static bool factor_dying(struct radau_step *p, struct lu_matrix system, const do
         to[p->others] = 0.0;
     }
     for (int k = 0; k < p->problem.paired && follows; ++k) {
-        double *to = system.re + p->speed_among[k] * system.stride;
+        double *to = system.re + p->among[p->problem.speed[k]] * system.stride;
         for (int i = 0; i < p->others; ++i) {
             to[i] -= p->length * p->length * slopes[p->problem.place[k] * coupled + p->other[i]];
         }

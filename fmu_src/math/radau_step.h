@@ -55,13 +55,13 @@ struct radau_step {
     double *bare, *scratch, *more;    /* [stages][width], for the caller */
     double *places_change;            /* [stages][paired, padded] */
     double end_clock, *end_y; /* where end_slopes were evaluated; a clock of NaN: they are not known */
-    struct lu_matrix all;     /* for the caller, as `side`: [radau_step_room] rows */
+    struct lu_matrix all;     /* for the caller, as `side`: [radau_room] rows */
     double *side;
     double *point, *re; /* [size] each */
     int stride, width;  /* padded lengths of rows of all states, and of the others */
     int others;         /* number of coupled states that are no places */
     int *other;         /* [others]: their indices */
-    int *speed_among;   /* [paired]: index of a speed among the others */
+    int *among;         /* [coupled]: index of a state among the others; -1: a place */
     int *group_of;      /* [others]: the group of each */
 };
 
@@ -71,7 +71,9 @@ static inline double radau_slope_of(const struct radau_step *p, int rate, int by
     return p->slopes[by * p->problem.coupled + rate];
 }
 
-/* The first returns the bytes of memory for a problem; the second sets up a step in such memory. */
+/* The first returns the number of rows of the matrix `all`, the second the bytes of memory for a problem; the
+ * third sets up a step in such memory. */
+int radau_room(const struct radau_problem *problem);
 size_t radau_step_memory(const struct radau_problem *problem);
 void radau_step_place(struct radau_step *p, const struct radau_problem *problem, void *memory);
 
@@ -82,16 +84,13 @@ void radau_step_begin(struct radau_step *p, double clock, const double *y);
 void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages, double length);
 
 /* radau_step_integrals writes the integrals of rates of the others from the start to each stage;
- * radau_step_pending writes these less the changes of the others, for at least `count` of the others from
- * `first` on. All arrays are [stage][p->width].
+ * radau_step_pending writes these less the changes of the others. All arrays are [stage][p->width].
  * radau_step_integrate sets the changes of the coupled states to the integrals, and returns the largest
  * weighted difference from the changes before. After radau_step_guess_on from a polynomial,
  * radau_step_guess_rates gives the rates of `count` states from `first` on, along the guess, at
- * [stage * count + state]. radau_step_room returns the number of rows of `all`. */
-int radau_step_room(const struct radau_step *p);
+ * [stage * count + state]. */
 void radau_step_integrals(const struct radau_step *p, const double *rates, double *integrals);
-void radau_step_pending(const struct radau_step *p, int first, int count, const double *rates,
-                        double *pending);
+void radau_step_pending(const struct radau_step *p, const double *rates, double *pending);
 double radau_step_integrate(struct radau_step *p, const double *rates);
 void radau_step_guess_rates(const struct radau_step *p, int first, int count, double *rates);
 
