@@ -291,7 +291,7 @@ static bool solve_spring(struct spring_problem *p)
         if (!(change <= (double)INFINITY)) {
             return false;
         }
-        if (change <= NEWTON_PART * size) {
+        if (change <= fmax(NEWTON_PART * size, DBL_MIN)) { /* a spring may decay to nothing */
             return true;
         }
     }
@@ -536,6 +536,16 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
     return true;
 }
 
+/* Makes both halves of a panel. Returns false where they do not agree with the whole. */
+static bool make_halves(const struct span *s, double from, double to, struct panel *left, struct panel *right)
+{
+    const double middle = 0.5 * (from + to);
+    struct panel whole;
+    return panel_make(s, from, to, &s->springs, &whole) && panel_make(s, from, middle, &s->springs, left) &&
+           panel_make(s, middle, to, &left->node[PANEL_END].springs, right) &&
+           panels_agree(s, &whole, left, right);
+}
+
 /* Parts of a panel in the search for peaks. Each half of a panel has eight nodes, so that no quantity has two
  * extrema within a quarter of the panel. */
 enum { PANEL_PARTS = 4 };
@@ -621,18 +631,22 @@ static bool panel_to_event(const struct span *s, const struct panel_node *start,
     return panel_make(s, start->clock, after, &s->springs, panel);
 }
 
-/* Integrates up to the event before a node of a panel and changes the regime. Returns false where
- * no panel that ends at the event can be made; a shorter panel may be possible. */
+/* Integrates up to the event before a node of a panel and changes the regime. Returns false where no panel
+ * that ends at the event can be made, or where its halves do not agree with it: without a dashpot a spring of
+ * friction turns fast where F_n vanishes at the event. A shorter panel may be possible. */
 static bool pass_event(struct span *s, const struct panel_node *const place[PANEL_PLACES], int passed,
                        double *clock)
 {
     struct panel panel;
+    struct panel left;
+    struct panel right;
     const struct panel_node *end = &panel.node[PANEL_END];
     if (!panel_to_event(s, place[0], place[passed - 1]->clock, place[passed]->clock, &panel)) {
         return false;
     }
     const int event = event_passed(end, place[0]);
-    if (event == ODE_EVENT_GAP) {
+    if (event == ODE_EVENT_GAP ||
+        (contact_has_springs(s->v, s->contact) && !make_halves(s, *clock, end->clock, &left, &right))) {
         return false;
     }
     add_panel(s, &panel);
@@ -773,16 +787,6 @@ CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, c
     take_regime(s, to, scene_regime(&at, s->contact, false));
     add_instant(s, to, to - centre);
     counter_add(&s->q->counters.events, 1);
-}
-
-/* Makes both halves of a panel. Returns false where they do not agree with the whole. */
-static bool make_halves(const struct span *s, double from, double to, struct panel *left, struct panel *right)
-{
-    const double middle = 0.5 * (from + to);
-    struct panel whole;
-    return panel_make(s, from, to, &s->springs, &whole) && panel_make(s, from, middle, &s->springs, left) &&
-           panel_make(s, middle, to, &left->node[PANEL_END].springs, right) &&
-           panels_agree(s, &whole, left, right);
 }
 
 /* Adds the integrals between two clocks, between which the bodies touch. Returns the clock reached, which

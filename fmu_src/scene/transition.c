@@ -143,12 +143,14 @@ static double normal_force_rate(const struct rubbed *r, const struct scene_insta
 }
 
 /* Whether the dashpot pulls. The sign of contact_push decides this, as it decides the lift event, so that
- * friction which is lifted has an event that ends its regime. */
+ * friction which is lifted has an event that ends its regime. A law whose factors are all zero lifts friction
+ * too, until a factor changes: a spring of mere rounding would otherwise give sliding its direction. */
 static bool is_lifted(const struct rubbed *r, const struct scene_instant *at)
 {
     const struct contact_law law = scene_contact_law(r->q, r->contact);
     const struct contact_geometry *g = &at->geometry[r->contact];
-    return contact_may_pull(&law) && contact_push(&law, g->gap, g->gap_rate) < 0.0;
+    const bool pulls = contact_may_pull(&law) && contact_push(&law, g->gap, g->gap_rate) < 0.0;
+    return pulls || contact_push(&law, -1.0, -1.0) == 0.0;
 }
 
 /* Returns the regime of sliding. Where nothing pulls, a normal force [N] that is not above zero is rounding

@@ -46,14 +46,9 @@ def said(tmp_path_factory, quick_compiler):
         elif language == "sh":
             for line in text.splitlines():
                 done = subprocess.run(
-                    line,
-                    shell=True,
-                    cwd=folder,
-                    env=environment(PATH=path, CC=quick_compiler),
-                    capture_output=True,
-                    text=True,
-                    timeout=PATIENCE,
-                )
+                    line, shell=True, cwd=folder, env=environment(PATH=path, CC=quick_compiler),
+                    capture_output=True, text=True, timeout=PATIENCE,
+                )  # fmt: skip
                 assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
                 printed[line.split()[1]] = done.stdout
     return printed, folder

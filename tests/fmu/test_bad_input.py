@@ -146,22 +146,13 @@ def test_null_pointers_of_states_and_statuses_are_refused(fmu, instance):
     instance.initialize()
     blob = instance.save()
     state = instance.taken()
-    cases = [
-        ("GetFMUstate", None),
-        ("SetFMUstate", None),
-        ("SerializedFMUstateSize", None, byref(c_size_t())),
-        ("SerializedFMUstateSize", state, None),
-        ("SerializeFMUstate", None, blob, len(blob)),
-        ("SerializeFMUstate", state, None, len(blob)),
-        ("DeSerializeFMUstate", None, len(blob), byref(state)),
-        ("DeSerializeFMUstate", blob, len(blob), None),
-        ("GetStatus", 0, None),
-        ("GetRealStatus", 2, None),
-        ("GetIntegerStatus", 0, None),
-        ("GetBooleanStatus", 3, None),
-        ("GetStringStatus", 1, None),
-        ("SetDebugLogging", 1, 1, None),
-    ]
+    cases = [("GetFMUstate", None), ("SetFMUstate", None), ("SerializedFMUstateSize", state, None)]
+    cases += [("SerializedFMUstateSize", None, byref(c_size_t())), ("SetDebugLogging", 1, 1, None)]
+    cases += [("SerializeFMUstate", *one, len(blob)) for one in ((None, blob), (state, None))]
+    cases += [("DeSerializeFMUstate", None, len(blob), byref(state))]
+    cases += [("DeSerializeFMUstate", blob, len(blob), None), ("GetStatus", 0, None)]
+    cases += [("GetRealStatus", 2, None), ("GetIntegerStatus", 0, None)]
+    cases += [("GetBooleanStatus", 3, None), ("GetStringStatus", 1, None)]
     for function, *arguments in cases:
         instance.expect(ERROR, f"fmi2{function}", "null")(instance.call(function, *arguments))
     instance.ok("FreeFMUstate", None)

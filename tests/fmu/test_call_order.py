@@ -85,12 +85,8 @@ def test_a_refused_call_does_not_end_the_run(fmu):
     with raw.Instance(fmu) as good, raw.Instance(fmu) as disturbed:
         for instance in (good, disturbed):
             instance.initialize()
-        for function in (
-            "SetupExperiment",
-            "EnterInitializationMode",
-            "ExitInitializationMode",
-            "CancelStep",
-        ):
+        modes = [f"{verb}InitializationMode" for verb in ("Enter", "Exit")]
+        for function in ("SetupExperiment", *modes, "CancelStep"):
             assert Caller(disturbed).call(function) == ERROR
         assert good.run([0.1] * 5) == disturbed.run([0.1] * 5)
 

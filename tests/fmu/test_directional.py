@@ -209,10 +209,8 @@ TOUCHING |= {"destination.prescribed_velocity": [0.2, 0.0, 1.5]}
 TOUCHING |= {"source.prescribed_velocity": [0.0, 0.1, -0.4], "source.initial_velocity": [0.3, 0.2, -1.0]}
 TOUCHING |= {"contact.penalty_factor": 2e3, "contact.viscous_penalty_factor": 5.0}
 LYING = {"destination.axis": [0.3, 1.0, 0.2]}
-RECEDING = {
-    "source.initial_velocity": [6.0, 2.0, 9.0],
-    "contact.viscous_penalty_factor": 50.0,
-}  # p_n g + p_nv g' > 0
+# p_n g + p_nv g' > 0
+RECEDING = {"source.initial_velocity": [6.0, 2.0, 9.0], "contact.viscous_penalty_factor": 50.0}
 AUTOMATIC = {"contact.viscous_control": "automatic", "contact.reference_modulus": 2e3}
 # The destination is prescribed where a start says nothing else.
 STARTS = {

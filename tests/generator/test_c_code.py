@@ -56,14 +56,11 @@ class Variable(ctypes.Structure):
 
     _fields_ = [
         ("name", ctypes.c_char_p),
-        ("min", ctypes.c_double),
-        ("max", ctypes.c_double),
-        ("reference", ctypes.c_uint32),
-        ("offset", ctypes.c_uint32),
+        *((field, ctypes.c_double) for field in ("min", "max")),
+        *((field, ctypes.c_uint32) for field in ("reference", "offset")),
         ("row", ctypes.c_uint16),
         *((field, ctypes.c_uint8) for field in ("type", "causality")),
-        ("element", ctypes.c_uint16),
-        ("component", ctypes.c_uint8),
+        *(("element", ctypes.c_uint16), ("component", ctypes.c_uint8)),
         *((field, ctypes.c_uint8, 1) for field in ("reinit", "tunable")),
     ]
 

@@ -122,15 +122,11 @@ def settled_depth(chi, end):
     turns.terminal, time, y, approaches = True, 0.0, [1e-30, 1e-30], True
     while time < end:
         turns.direction = -1.0 if approaches else 1.0
+        acts = chi * approaches
         path = solve_ivp(
-            lambda t, y, acts=chi * approaches: [y[1], 1.0 - max(y[0], 0.0) ** 1.5 * (1.0 + acts * y[1])],
-            (time, end),
-            y,
-            "DOP853",
-            rtol=1e-12,
-            atol=1e-14,
-            events=turns,
-        )
+            lambda t, y, acts=acts: [y[1], 1.0 - max(y[0], 0.0) ** 1.5 * (1.0 + acts * y[1])],
+            *((time, end), y, "DOP853"), rtol=1e-12, atol=1e-14, events=turns,
+        )  # fmt: skip
         time, y, approaches = path.t[-1], [path.y[0][-1], 0.0], not approaches
     return path.y[0][-1]
 

@@ -74,29 +74,22 @@ class Caller:
         number, size = byref(c_double()), byref(c_size_t())
         buffer = ctypes.create_string_buffer(max(1, len(self.bytes)))
         special = {
-            "UpdateDiscreteStates": (*flags, number),
-            "NewDiscreteStates": (byref(fmi2.EventInfo()),),
-            "CompletedIntegratorStep": (True, *flags[:2]),
-            "SetTime": (1e-3,),
+            "UpdateDiscreteStates": (*flags, number), "NewDiscreteStates": (byref(fmi2.EventInfo()),),
+            "CompletedIntegratorStep": (True, *flags[:2]), "SetTime": (1e-3,),
             "DoStep": (self._time(function), 1e-6, True, *((*flags[:3], number) if third else ())),
-            **dict.fromkeys(NUMBERS, (size,)),
-            **dict.fromkeys(VECTORS, self._vector("state")),
-            "GetEventIndicators": self._vector("indicator"),
-            f"Get{kind}": (byref(self.state),),
-            f"Set{kind}": (self.state,),
-            f"Free{kind}": (byref(self.state),),
+            **dict.fromkeys(NUMBERS, (size,)), **dict.fromkeys(VECTORS, self._vector("state")),
+            "GetEventIndicators": self._vector("indicator"), f"Get{kind}": (byref(self.state),),
+            f"Set{kind}": (self.state,), f"Free{kind}": (byref(self.state),),
             f"Serialized{kind}Size": (self.state, size),
             f"Serialize{kind}": (self.state, buffer, len(self.bytes)),
-            **{
-                f"De{word}{kind}": (self.bytes, len(self.bytes), byref(self.state))
-                for word in ("Serialize", "serialize")
-            },
+            **dict.fromkeys((f"DeSerialize{kind}", f"Deserialize{kind}"),
+                (self.bytes, len(self.bytes), byref(self.state))),
             "GetStatus": (fmi2.DO_STEP_STATUS, byref(c_int())),
             "GetRealStatus": (fmi2.LAST_SUCCESSFUL_TIME, number),
             "GetIntegerStatus": (fmi2.PENDING_STATUS, byref(c_int())),
             "GetBooleanStatus": (fmi2.TERMINATED, byref(c_int())),
             "GetStringStatus": (fmi2.PENDING_STATUS, byref(c_char_p())),
-        }
+        }  # fmt: skip
         return special[function] if function in special else no_arguments(self.instance, function)
 
     def _time(self, function: str) -> float:

@@ -13,40 +13,22 @@ import fmpy
 from contact_fmus.checking.trial import wanted
 
 TOKEN = "{1}"
+HEADER, SAVING = '<?xml version="1.0" encoding="UTF-8"?>', "canGetAndSetFMU"
+STEPS = 'modelIdentifier="Other" canHandleVariableCommunicationStepSize="true"'
 XML = {
-    2: f"""<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="Other" guid="{TOKEN}">
-  <CoSimulation modelIdentifier="Other" canHandleVariableCommunicationStepSize="true"
-    canGetAndSetFMUstate="true"/>
-  <ModelVariables>
-    <ScalarVariable name="m[1,2]" valueReference="0" causality="output" initial="calculated">
-      <Real/>
-    </ScalarVariable>
-    <ScalarVariable name="label" valueReference="1" causality="parameter" variability="fixed">
-      <String start="a"/>
-    </ScalarVariable>
-  </ModelVariables>
-  <ModelStructure>
-    <Outputs><Unknown index="1"/></Outputs>
-    <InitialUnknowns><Unknown index="1"/></InitialUnknowns>
-  </ModelStructure>
-</fmiModelDescription>""",
-    3: f"""<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="3.0" modelName="Other" instantiationToken="{TOKEN}">
-  <CoSimulation modelIdentifier="Other" canHandleVariableCommunicationStepSize="true"
-    canGetAndSetFMUState="true"/>
-  <ModelVariables>
-    <Float64 name="time" valueReference="9" causality="independent" variability="continuous"/>
-    <Float64 name="m[1,2]" valueReference="0" causality="output" initial="calculated"/>
-    <String name="label" valueReference="1" causality="parameter" variability="fixed">
-      <Start value="a"/>
-    </String>
-  </ModelVariables>
-  <ModelStructure>
-    <Output valueReference="0"/>
-    <InitialUnknown valueReference="0"/>
-  </ModelStructure>
-</fmiModelDescription>""",
+    2: f"""{HEADER}<fmiModelDescription fmiVersion="2.0" modelName="Other" guid="{TOKEN}">
+<CoSimulation {STEPS} {SAVING}state="true"/><ModelVariables>
+<ScalarVariable name="m[1,2]" valueReference="0" causality="output" initial="calculated"><Real/>
+</ScalarVariable><ScalarVariable name="label" valueReference="1" causality="parameter" variability="fixed">
+<String start="a"/></ScalarVariable></ModelVariables><ModelStructure><Outputs><Unknown index="1"/></Outputs>
+<InitialUnknowns><Unknown index="1"/></InitialUnknowns></ModelStructure></fmiModelDescription>""",
+    3: f"""{HEADER}<fmiModelDescription fmiVersion="3.0" modelName="Other" instantiationToken="{TOKEN}">
+<CoSimulation {STEPS} {SAVING}State="true"/><ModelVariables>
+<Float64 name="time" valueReference="9" causality="independent" variability="continuous"/>
+<Float64 name="m[1,2]" valueReference="0" causality="output" initial="calculated"/>
+<String name="label" valueReference="1" causality="parameter" variability="fixed"><Start value="a"/></String>
+</ModelVariables><ModelStructure><Output valueReference="0"/><InitialUnknown valueReference="0"/>
+</ModelStructure></fmiModelDescription>""",
 }
 PLATFORM = {2: fmpy.platform, 3: fmpy.platform_tuple}
 HEAD = """#include <stdbool.h>
@@ -64,35 +46,25 @@ static void say(const char *text)
     if (say3) say3(NULL, 3, "logStatusError", text);
 }
 """
+REFS = "void *c, const unsigned *refs, size_t n, double *values"
 # Of both versions: what stands between the brackets, what the function does
 FUNCTIONS = {
-    2: {
-        "Instantiate": (
+    2: {"Instantiate": (
             "const char *name, int kind, const char *token, const char *place, void **back, int a, int b",
-            f'say2 = (logging2 *)back[0]; return strcmp(token, "{TOKEN}") ? NULL : &now;',
-        ),
-        "GetReal": ("void *c, const unsigned *refs, size_t n, double *values", ""),
-        "DoStep": ("void *c, double t, double h, int last", "now = t + h;"),
-        "GetFMUstate": ("void *c, void **state", "kept = now; *state = &kept;"),
-        "SetFMUstate": ("void *c, void *state", "now = kept;"),
-        "FreeFMUstate": ("void *c, void **state", "*state = NULL;"),
-    },
-    3: {
-        "InstantiateCoSimulation": (
+            f'say2 = (logging2 *)back[0]; return strcmp(token, "{TOKEN}") ? NULL : &now;'),
+        "GetReal": (REFS, ""), "DoStep": ("void *c, double t, double h, int last", "now = t + h;")},
+    3: {"InstantiateCoSimulation": (
             "const char *name, const char *token, const char *place, bool visible, bool logs, bool events,"
             " bool early, const unsigned *refs, size_t n, void *mine, logging3 *log, void *update",
-            f'say3 = log; return strcmp(token, "{TOKEN}") ? NULL : &now;',
-        ),
-        "GetFloat64": ("void *c, const unsigned *refs, size_t n, double *values, size_t count", ""),
-        "DoStep": (
+            f'say3 = log; return strcmp(token, "{TOKEN}") ? NULL : &now;'),
+        "GetFloat64": (f"{REFS}, size_t count", ""), "DoStep": (
             "void *c, double t, double h, bool last, bool *event, bool *end, bool *early, double *reached",
-            "now = t + h; *event = *end = *early = false; *reached = now;",
-        ),
-        "GetFMUState": ("void *c, void **state", "kept = now; *state = &kept;"),
-        "SetFMUState": ("void *c, void *state", "now = kept;"),
-        "FreeFMUState": ("void *c, void **state", "*state = NULL;"),
-    },
-}
+            "now = t + h; *event = *end = *early = false; *reached = now;")},
+}  # fmt: skip
+for number, state in ((2, "FMUstate"), (3, "FMUState")):
+    FUNCTIONS[number] |= {f"Get{state}": ("void *c, void **state", "kept = now; *state = &kept;")}
+    FUNCTIONS[number] |= {f"Set{state}": ("void *c, void *state", "now = kept;")}
+    FUNCTIONS[number] |= {f"Free{state}": ("void *c, void **state", "*state = NULL;")}
 # What FMI 3.0 calls otherwise
 NAMES3 = {"Instantiate": "InstantiateCoSimulation", "GetReal": "GetFloat64"}
 NAMES3 |= {"GetStatus": "GetOutputDerivatives"}

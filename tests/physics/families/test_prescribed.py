@@ -160,7 +160,8 @@ def test_a_given_motion_has_one_answer(opened, family, seed):
 
 # The source passes exactly through the destination's centre or axis while one of them turns (the first three
 # under a dashpot that is clipped, the next one with a spring that sticks), or touches with a spring at rest.
-@pytest.mark.parametrize("seed", [44, 51, 124, 334, 387, 683])
+# In 110200 a spring turns fast where F_n vanishes, in 91029 a spring decays to nothing.
+@pytest.mark.parametrize("seed", [44, 51, 124, 334, 387, 683, 110200, 91029])
 def test_what_passes_through_the_centre_and_turns_has_one_answer(opened, seed):
     random = np.random.default_rng([seed, FAMILIES.index(turning_and_rubbing)])
     check_agreement(opened, turning_and_rubbing(random), seed)

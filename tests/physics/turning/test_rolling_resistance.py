@@ -227,3 +227,18 @@ def test_no_resistance_where_nothing_turns(opened):
         fmu = run(opened("SphereSphere"), {"source.center": [0.03, 0.0, 0.62]} | more, 0.3)
         ends.append([fmu[name].tobytes() for name in SEEN[:2]] + [fmu["solver.steps"]])
     assert ends[0] == ends[1] == ends[2]
+
+
+def test_a_force_that_comes_back_finds_springs_at_rest(opened, method):
+    """A dashpot alone presses a ball that hardly spins; its factor is zero for a while."""
+    values = {"source.motion": "prescribed", "source.rotation": "free", "source.center": [0.0, 0.0, 0.09]}
+    values |= {"source.prescribed_displacement.derivatives": [[0.0, 0.0, -0.1]], "gravity": [0.0, 0.0, 0.0]}
+    values |= {"source.prescribed_velocity": [0.0, 0.0, -0.1], "contact.penalty_control": "viscous_only"}
+    values |= {"source.initial_angular_velocity": [0.0, 0.0, 1e-12], "contact.viscous_penalty_factor": 1e3}
+    values |= YIELDING | {"contact.spinning_damping": 0.0, "contact.dashpot": "unclamped"}
+    fmu = start(opened("SpherePlane"), values, 1e-10, method)
+    for factor in (0.0, 1e3, 1e3):
+        fmu.step(0.1)
+        fmu["contact.viscous_penalty_factor"] = factor
+    assert fmu["contact.normal_force"] == pytest.approx(100.0)
+    assert np.linalg.norm(fmu["source.angular_velocity"]) < 1e-9
