@@ -101,8 +101,8 @@ struct iteration {
     struct node_spring spring[1 + SCENE_ANY_SPRINGS * (SCENE_CONTACTS - 1)][OPPOSED];
     struct mobility mobility[SCENE_BODIES];
     struct rotation_by_spin rotation[RADAU_MOST_STAGES][SCENE_BODIES];
-    bool follows; /* whether the rates of coupled orientations or of springs follow the forces at once */
-    bool stale;   /* whether the slopes of a contact that rolls have changed by more than STALE */
+    bool has_springs; /* whether a contact has springs */
+    bool stale;       /* whether the slopes of a contact that rolls have changed by more than STALE */
     int factorizations;
 };
 
@@ -135,8 +135,7 @@ static struct rotation_by_spin rotation_of(const struct scene_values *v, int bod
 static void prepare_bodies(struct iteration *it)
 {
     const struct scene_values *v = it->g->ode.values;
-    const struct ode_layout *layout = &it->g->ode.layout;
-    it->follows = false;
+    it->has_springs = false;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         struct mobility *to = &it->mobility[i];
         *to = (struct mobility){.by_mass = body_inverse_mass(v, i)};
@@ -147,8 +146,6 @@ static void prepare_bodies(struct iteration *it)
                 it->rotation[stage][i] = it->rotation[0][i];
             }
         }
-        it->follows =
-            it->follows || (layout->orientation[i] >= 0 && layout->orientation[i] < layout->coupled);
         to->moves = to->by_mass > 0.0 || to->by_inertia > 0.0;
     }
 }
@@ -197,7 +194,7 @@ static void note_node_contact(struct iteration *it, int contact, double length)
     to->rows = rows_of(it->g, contact, length);
     to->rubs = contact_rubs(v, contact);
     to->springs = contact_has_springs(v, contact);
-    it->follows = it->follows || to->springs;
+    it->has_springs = it->has_springs || to->springs;
     to->island = it->g->ode.layout.island[contact];
     to->first = it->rows;
     to->laws = turning_laws_of(it->g->state, contact);
@@ -740,14 +737,14 @@ static void move_others(struct iteration *it)
 {
     const struct radau_step *p = &it->g->step;
     const struct ode_layout *layout = &it->g->ode.layout;
-    if (!it->follows) {
-        return;
-    }
-    radau_step_pending(p, p->rates, p->scratch);
     for (int i = 0; SCENE_ANY_TIPPING && i < SCENE_BODIES; ++i) {
         if (layout->orientation[i] >= 0 && layout->orientation[i] < layout->coupled) {
+            radau_step_pending(p, p->among[layout->spin[i]], 3, p->rates, p->scratch);
             follow_spin(it, i, p->scratch);
         }
+    }
+    if (it->has_springs) {
+        radau_step_pending(p, 0, p->others, p->rates, p->scratch);
     }
     for (int k = 0; SCENE_ANY_SPRINGS && k < it->contacts * OPPOSED; ++k) {
         if (it->spring[k / OPPOSED][k % OPPOSED].is_there) {
@@ -823,7 +820,7 @@ CONTACT_FLATTEN static void add_pending(struct iteration *it)
         const struct node *node = &it->node[k / it->contacts][k % it->contacts];
         add_force(it, k / it->contacts, k % it->contacts, node->force, node->torque);
     }
-    radau_step_pending(p, p->rates, p->scratch);
+    radau_step_pending(p, 0, p->others, p->rates, p->scratch);
     if (follows_places(it)) {
         radau_step_integrals(p, p->scratch, p->more);
     }

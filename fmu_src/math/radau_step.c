@@ -400,11 +400,18 @@ void radau_step_integrals(const struct radau_step *p, const double *rates, doubl
     }
 }
 
-void radau_step_pending(const struct radau_step *p, const double *rates, double *pending)
+void radau_step_pending(const struct radau_step *p, int first, int count, const double *rates,
+                        double *pending)
 {
-    radau_step_integrals(p, rates, pending);
-    for (int k = 0; k < p->stages->stages * p->width; k += LANES) {
-        double2_put(pending, k, double2_at(pending, k) - double2_at(p->others_change, k));
+    const int s = p->stages->stages;
+    const int width = p->width;
+    const int from = first / RADAU_ROW_BLOCK * RADAU_ROW_BLOCK;
+    const int end = radau_padded(first + count - 1);
+    radau_combine_rows(pending + from, width, p->stages->integral, s, s, rates + from, width, end - from);
+    for (int i = 0; i < s; ++i) {
+        for (int k = i * width + from; k < i * width + end; k += LANES) {
+            double2_put(pending, k, double2_at(pending, k) * p->length - double2_at(p->others_change, k));
+        }
     }
 }
 
@@ -412,7 +419,7 @@ double radau_step_integrate(struct radau_step *p, const double *rates)
 {
     const int width = p->width;
     double largest = 0.0;
-    radau_step_pending(p, rates, p->scratch);
+    radau_step_pending(p, 0, p->others, rates, p->scratch);
     for (int i = 0; i < p->stages->stages; ++i) {
         const double *pending = p->scratch + i * width;
         double *change = p->others_change + i * width;

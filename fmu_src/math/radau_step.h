@@ -84,13 +84,15 @@ void radau_step_begin(struct radau_step *p, double clock, const double *y);
 void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages, double length);
 
 /* radau_step_integrals writes the integrals of rates of the others from the start to each stage;
- * radau_step_pending writes these less the changes of the others. All arrays are [stage][p->width].
+ * radau_step_pending writes these less the changes of the others, for at least `count` of the others from
+ * `first` on. All arrays are [stage][p->width].
  * radau_step_integrate sets the changes of the coupled states to the integrals, and returns the largest
  * weighted difference from the changes before. After radau_step_guess_on from a polynomial,
  * radau_step_guess_rates gives the rates of `count` states from `first` on, along the guess, at
  * [stage * count + state]. */
 void radau_step_integrals(const struct radau_step *p, const double *rates, double *integrals);
-void radau_step_pending(const struct radau_step *p, const double *rates, double *pending);
+void radau_step_pending(const struct radau_step *p, int first, int count, const double *rates,
+                        double *pending);
 double radau_step_integrate(struct radau_step *p, const double *rates);
 void radau_step_guess_rates(const struct radau_step *p, int first, int count, double *rates);
 
