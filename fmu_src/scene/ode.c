@@ -334,12 +334,14 @@ void ode_leave_centres(struct scene_state *q)
     }
 }
 
-/* Returns the momentum sqrt(2 m E) [N s] of the lightest free body, of mass m, with the energy E [J]. */
+/* Returns the momentum sqrt(2 m E) [N s] with the energy E [J] of the lightest body, of mass m, that moves or
+ * turns freely. */
 static double momentum_scale(const struct scene_values *v, double energy)
 {
     double lightest = (double)INFINITY;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        lightest = body_is_free(v, i) ? fmin(lightest, body_mass(v, i)) : lightest;
+        const bool moves = body_is_free(v, i) || body_turns_freely(v, i);
+        lightest = moves ? fmin(lightest, body_mass(v, i)) : lightest;
     }
     return sqrt(2.0 * lightest * energy);
 }

@@ -213,3 +213,15 @@ def test_a_free_pair_keeps_its_momenta_over_many_impacts(opened, friction, count
     check_close("momentum", after[0], before[0], 1e-12 * 7.0)
     check_close("angular momentum", after[1], before[1], 1e-12 * 3.5)
     check_relative("energy", fmu["energy.total"], energy, 1e-9)
+
+
+def test_a_slow_push_on_a_body_that_turns_freely_has_its_impulse(opened):
+    """F_n = k_h (v t)^(3/2): no free body shows the impulse, and the energies are below the tolerance."""
+    fmu, z = opened("SpherePlane"), np.array([0.0, 0.0, 1.0])
+    values = {"source.motion": "prescribed", "source.rotation": "free", "contact.method": "penalty"}
+    values |= {"contact.friction": "none", "contact.law": "hertz", "contact.hertz_stiffness": 1e-3}
+    values |= {"source.radius": 5.0, "source.center": 5.0 * z, "source.prescribed_velocity": -1e-6 * z}
+    start(fmu, values, 1e-10)
+    fmu.set_derivative("source.prescribed_displacement", -1e-6 * z)
+    impulse = sum((fmu.step(step), step * fmu["contact.mean_force"][2])[1] for step in (450.0, 550.0))
+    check_relative("impulse", impulse, 1e-12 * 1000.0**2.5 / 2.5, 1e-7)
