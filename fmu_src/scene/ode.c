@@ -665,19 +665,22 @@ static void add_contact(struct linearization *l, int contact, int column, double
 }
 
 /* Adds what a contact does to the columns of the motion of both centres, of which it sees the difference, and
- * writes the columns of its springs. */
+ * writes the columns of its springs. The centre that moves along the path is free, because a prescribed
+ * velocity has a part in the external power. */
 static void add_columns_of_contact(struct linearization *l, int contact)
 {
     const struct ode_layout *layout = &l->ode->layout;
     const int to = contact_destination(contact);
-    const int body[2] = {layout->body[to], layout->body[contact_source(contact)]};
+    const int from = contact_source(contact);
+    const int body[2] = {layout->body[to], layout->body[from]};
+    const int moved = body[0] >= 0 ? to : from;
     for (int k = 0; k < BODY_STATES && (body[0] >= 0 || body[1] >= 0); ++k) {
-        struct vec3 *input = k < 3 ? &l->along.displacement[to][1] : &l->along.velocity[to][1];
+        struct vec3 *input = k < 3 ? &l->along.displacement[moved][1] : &l->along.velocity[moved][1];
         vec3_set(input, k % 3, 1.0);
         jet_of_contact(&l->at, contact, scene_turns(l->ode->values), &l->along);
         for (int i = 0; i < 2; ++i) {
             if (body[i] >= 0) {
-                add_contact(l, contact, body[i] + k, i == 0 ? 1.0 : -1.0);
+                add_contact(l, contact, body[i] + k, (i == 0) == (moved == to) ? 1.0 : -1.0);
             }
         }
         *input = vec3_make(0.0, 0.0, 0.0);
