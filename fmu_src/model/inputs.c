@@ -89,7 +89,8 @@ enum {
 static void renew_turn(const struct model *m, int body, const uint8_t *marks, struct body_path *path)
 {
     struct quaternion given = body_prescribed_orientation(&m->state.values, body);
-    for (int k = 0; SCENE_ANY_COMPOUND && k < 4; ++k) {
+    const bool follows = SCENE_ANY_COMPOUND && body_turn_is_prescribed(&m->state.values, body);
+    for (int k = 0; follows && k < 4; ++k) {
         if (marks[ORIENTATION_SIGNAL + k] & SIGNAL_VALUE) {
             *quaternion_part(&path->orientation, k) = *quaternion_part(&given, k);
         }
