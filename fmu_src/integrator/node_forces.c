@@ -188,7 +188,7 @@ static int rows_of(const struct general *g, int contact, double length)
 static void note_node_contact(struct iteration *it, int contact, double length)
 {
     const struct scene_values *v = it->g->ode.values;
-    const double by_mass = scene_inverse_mass(v, contact);
+    double by_mass = scene_inverse_mass(v, contact);
     struct node_contact *to = &it->contact[it->contacts];
     to->contact = contact;
     to->rows = rows_of(it->g, contact, length);
@@ -208,6 +208,8 @@ static void note_node_contact(struct iteration *it, int contact, double length)
         to->speed[end] = layout->body[body] >= 0 ? it->g->step.among[layout->body[body] + 3] : -1;
         by_inertia += it->mobility[body].by_inertia;
     }
+    /* where neither body is free, any scale serves */
+    by_mass = by_mass > 0.0 || by_inertia > 0.0 ? by_mass : 1.0;
     const double square = contact_source_radius(v, contact) * contact_source_radius(v, contact);
     it->admittance[it->contacts] = length * (by_mass > 0.0 ? by_mass : by_inertia * square);
     it->turning_admittance[it->contacts] = length * (by_inertia > 0.0 ? by_inertia : by_mass / square);
@@ -215,7 +217,7 @@ static void note_node_contact(struct iteration *it, int contact, double length)
     it->rows += to->rows;
 }
 
-/* Lists the contacts that transmit forces, island by island. Those with one body that moves come first,
+/* Lists the contacts that transmit forces, island by island. Those of which only one body moves come first,
  * because they have the fewest neighbours, and their elimination fills the least of the matrix. */
 static void note_contacts(struct iteration *it)
 {
@@ -336,7 +338,8 @@ static struct vec3 respond_opposed(struct iteration *it, int stage, int index, i
     const enum friction_regime regime = c->laws.rubbing_regime[part];
     const int spring = it->g->ode.layout.spring[c->contact][part];
     const double a = part == OPPOSED_SLIP ? it->admittance[index] : it->turning_admittance[index];
-    const bool felt = part == OPPOSED_SLIP || c->spin[0] >= 0 || c->spin[1] >= 0; /* by a free body */
+    const bool pushes = part == OPPOSED_SLIP && (c->speed[0] >= 0 || c->speed[1] >= 0);
+    const bool felt = pushes || c->spin[0] >= 0 || c->spin[1] >= 0; /* by a free body */
     struct node *node = &it->node[stage][index];
     struct friction_state rubbing = turning_rubbing(&it->g->state->turning, at, c->contact, part);
     rubbing.normal_force = normal_force;

@@ -192,6 +192,17 @@ def test_balls_that_never_meet_move_as_each_does_alone(opened_several, friction,
         check_close(f"ball {i}", together[i], run([i])[0][i], 1e-9)
 
 
+def test_fixed_bodies_that_overlap_press_while_a_ball_bounces_and_rubs(opened_several):
+    fmu, ends = opened_several("Islands"), []
+    for height in (1e3, 0.09):
+        values = {"ball[2].center": [2.0, 0.0, height]}
+        start(fmu, bouncing("regularized", [1], 1e4, (1, 1, 1, 1, 1, 1)) | values, 1e-9)
+        fmu.step(0.3)
+        ends.append(np.hstack([fmu["ball[1].velocity"], fmu["ball[1].angular_velocity"]]))
+    check_close("mean force", fmu["land[2].mean_force"], [0.0, 0.0, 100.0], 1e-9)
+    check_close("motion", ends[1], ends[0], 1e-8)
+
+
 def test_a_ball_that_spin_drives_while_it_bounces_meets_its_neighbour(opened_several):
     """Before the bounce is over, friction turns spin into a speed several times that of the impact. If the
     bound of that speed left the energy of rotation out, the neighbour would count as far until then.
