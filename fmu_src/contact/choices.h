@@ -15,10 +15,9 @@
 #define CONTACT_ANY_CURVED 1 /* whether a destination may be other than a plane */
 #define CONTACT_ANY_HERTZ 1
 #define CONTACT_ANY_PRESCRIBED 1 /* whether the importer may move a body */
-#define CONTACT_ANY_RESTITUTION 1
-#define CONTACT_ANY_ROTATION 1 /* whether a body may turn */
-#define CONTACT_ANY_ROLLING 1  /* whether a contact may resist rolling or spinning */
-#define CONTACT_ANY_MINDLIN 1  /* whether a tangential stiffness may follow the normal one */
+#define CONTACT_ANY_ROTATION 1   /* whether a body may turn */
+#define CONTACT_ANY_ROLLING 1    /* whether a contact may resist rolling or spinning */
+#define CONTACT_ANY_MINDLIN 1    /* whether a tangential stiffness may follow the normal one */
 #endif
 
 /* Whether a shape may be a rim or a torus, whose nearest point is on a circle. */

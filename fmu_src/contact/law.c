@@ -1,7 +1,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
-#include <stddef.h>
 
 #include "contact/law.h"
 #include "math/compiler.h"

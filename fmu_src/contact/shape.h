@@ -28,7 +28,6 @@
 #include <stdbool.h>
 
 #include "contact/choices.h"
-#include "math/compiler.h"
 #include "math/vec3.h"
 
 /* The axes of two skew cylinders: e_s and e_d, unit vectors, and half of both lengths [m], which may be

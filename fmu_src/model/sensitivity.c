@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "contact/law.h"
 #include "model/state.h"
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"

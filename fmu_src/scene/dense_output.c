@@ -1,6 +1,5 @@
 #include <float.h>
 
-#include "math/nodes.h"
 #include "math/polynomial.h"
 #include "scene/dense_output.h"
 #include "scene/evaluate.h"

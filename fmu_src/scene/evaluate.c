@@ -2,7 +2,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "contact/law.h"
 #include "math/compiler.h"

@@ -1,4 +1,3 @@
-#include <float.h>
 #include <string.h>
 
 #include "contact/choices.h"

@@ -1,6 +1,5 @@
 #include "touch/island.h"
 
-#include <float.h>
 #include <string.h>
 
 #include "flight/flight.h"
