@@ -292,9 +292,9 @@ static const double LEAST_STIFF = 5.0;
 /* Usual rounding of a gap, divided by the bound of that rounding (rounding_of_gap). */
 static const double ROUNDING_OF_GAP = 0.5;
 
-/* Factor of the error within a step: the error at its end may be a thousandth of the tolerance (general.c),
- * the error before the end may be all of the tolerance where bodies turn, ten times that where outputs are
- * read (read_share). Elsewhere it may be a tenth: that costs 2 % more steps and brings the peaks of forces a
+/* Factor of the error within a step. The error at its end may be TOLERANCE_SHARE of the tolerance. The error
+ * before the end may be all of the tolerance where bodies turn, ten times that where outputs are read
+ * (read_share). Elsewhere it may be a tenth: that costs 2 % more steps and brings the peaks of forces a
  * digit. A tolerance near rounding allows an error at the end of LEAST_TOLERANCE, and within the step nowhere
  * more than a hundred times as much. */
 static const double WITHIN_SHARE = 1e-2;
@@ -438,8 +438,8 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
     }
 }
 
-/* Notes, at the start of a step, the rounding of gaps [m] and of friction, the largest error allowed in each
- * state. */
+/* Notes, at the start of a step, the rounding of gaps [m] and of friction, and the largest error allowed in
+ * each state. */
 static void note_errors(struct general *g)
 {
     const struct scene_instant *at = &g->at_start;

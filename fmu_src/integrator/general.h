@@ -11,8 +11,8 @@
 
 struct general;
 
-/* Makes the integrator's memory, and makes it anew when the layout of the states has changed. On failure the
- * function returns false, writes a message (INTEGRATOR_MESSAGE_SIZE bytes) and leaves *slot as it was. */
+/* Makes the integrator's memory, and makes it anew where the states need more of it. On failure the function
+ * returns false, writes a message (INTEGRATOR_MESSAGE_SIZE bytes) and leaves *slot as it was. */
 bool general_open(struct general **slot, const struct scene_values *v, const struct integrator_memory *memory,
                   char *message);
 

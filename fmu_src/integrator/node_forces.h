@@ -32,7 +32,7 @@ struct general_end {
 /* The largest of the contacts of an island that transmit forces, at the start of a step. */
 struct general_rounding {
     double place;    /* rounding of the gap [m] */
-    double friction; /* rounding of regularized friction, and of the force between moved bodies [N] */
+    double friction; /* rounding of regularized friction, and of a force where neither body is free [N] */
     double mass;     /* reduced mass [kg] */
     double momentum; /* reduced mass times the speeds that meet [N s] */
     double force;    /* normal force [N] */

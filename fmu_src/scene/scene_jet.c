@@ -62,9 +62,8 @@ struct contact_path {
     struct vec3 c[JET_TERMS], w[JET_TERMS], seen[JET_TERMS];
     const struct vec3 *source, *destination; /* angular velocities */
     struct vec3 axis[JET_TERMS];
-    struct vec3 lever[2]
-                     [JET_TERMS]; /* R o of a compound at the source and at the destination (scene_lever) */
-    int terms;                    /* number of terms that are wanted */
+    struct vec3 lever[2][JET_TERMS]; /* R o of compounds at source and destination (scene_lever) */
+    int terms;                       /* number of terms that are wanted */
 };
 
 /* Puts the motion of the shape's axis, and the rate of c as the destination sees it. */

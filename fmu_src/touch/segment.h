@@ -7,7 +7,6 @@
 #ifndef CONTACT_TOUCH_SEGMENT_H
 #define CONTACT_TOUCH_SEGMENT_H
 
-#include "math/node_tables.h"
 #include "math/nodes.h"
 #include "math/series.h"
 #include "scene/dense_output.h"
@@ -97,9 +96,9 @@ struct segment {
 bool segment_make(struct segment *p, const struct scene_instant *at, int contact, double longest,
                   double tolerance);
 
-/* segment_time returns the time since the segment's start at s [s]; segment_pace the derivative of this time
- * by s; segment_place returns the s in [0, end]
- * at such a time, or the end or the terminal event where that is earlier. */
+/* segment_time returns the time since the segment's start at s [s], and segment_pace the derivative of this
+ * time by s. segment_place returns the s in [0, end] at such a time; where the end or the terminal event is
+ * earlier, it returns the s of that. */
 double segment_time(const struct segment *p, double s);
 double segment_pace(const struct segment *p, double s);
 double segment_place(const struct segment *p, double time);
