@@ -60,8 +60,11 @@ class Variable(ctypes.Structure):
         *((field, ctypes.c_uint32) for field in ("reference", "offset")),
         ("row", ctypes.c_uint16),
         *((field, ctypes.c_uint8) for field in ("type", "causality")),
-        *(("element", ctypes.c_uint16), ("component", ctypes.c_uint8)),
-        *((field, ctypes.c_uint8, 1) for field in ("reinit", "tunable")),
+        ("element", ctypes.c_uint16),
+        *(
+            (f, ctypes.c_uint8, n)
+            for f, n in (("component", 2), ("length", 3), ("reinit", 1), ("tunable", 1))
+        ),
     ]
 
 
@@ -152,7 +155,10 @@ def test_reals_are_read_where_the_table_has_them(scene_folder, scene):
         given = said["causality"] in ("parameter", "input")
         name = table[reference].name.decode()
         source = 1 if given else 4 if motion.search(name) else 8
-        assert (real & 0xFFFFFF, real >> 24) == (table[reference].offset, source), said
+        length = 0 if table[reference].component else table[reference].length
+        assert (real & 0xFFFFFF, real >> 24 & 15, real >> 28) == (table[reference].offset, source, length), (
+            said
+        )
 
 
 PROBE = """

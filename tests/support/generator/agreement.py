@@ -29,13 +29,13 @@ def expected(name: str, scene: dict) -> dict:
     values |= {"tunable": row.get("tunable", False), "unit": kind.get("unit"), "min": float(low)}
     values |= {"max": float(high), "start": start[component] if isinstance(start, list) else start}
     values |= {"component": component, "reinit": row.get("reinit", False), "symbol": row.get("symbol")}
-    values |= {"items": items, "description": row["description"]}
+    values |= {"length": row.get("dim", 1), "items": items, "description": row["description"]}
     return values
 
 
 FIELDS = {
     "XML": ("reference", "base", "type", "causality", "unit", "min", "max", "items", "tunable"),
-    "C": ("reference", "base", "causality", "min", "max", "component", "reinit", "tunable"),
+    "C": ("reference", "base", "causality", "min", "max", "component", "length", "reinit", "tunable"),
     "page": ("reference", "type", "causality", "unit", "tunable"),
 }
 

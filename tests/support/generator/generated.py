@@ -139,7 +139,7 @@ ROW = re.compile(
     r'^\s*\{"(?P<name>[^"]+)", (?P<min>[^,]+), (?P<max>[^,]+), (?P<reference>\d+), '
     r"(?:offsetof\(struct scene_values, (?P<member>[^)]+)\)|0), ROW_(?P<row>\w+), "
     r"VARIABLE_(?P<base>\w+), VARIABLE_(?P<causality>\w+), (?P<element>\d+), (?P<component>\d+), "
-    r"(?P<reinit>[01]), (?P<tunable>[01])\},$",
+    r"(?P<length>\d+), (?P<reinit>[01]), (?P<tunable>[01])\},$",
     re.MULTILINE,
 )
 
@@ -157,7 +157,7 @@ def parse_c(text: str) -> dict[str, dict]:
             "causality": causality.get(fields["causality"], fields["causality"].lower()),
             "min": float(fields["min"]), "max": float(fields["max"]),
             **{key: fields[key] for key in ("member", "row")},
-            **{key: int(fields[key]) for key in ("element", "component", "reinit")},
+            **{key: int(fields[key]) for key in ("element", "component", "length", "reinit")},
             "tunable": fields["tunable"] == "1",
         }  # fmt: skip
     return variables
