@@ -1,8 +1,7 @@
 """Wrong references, pointers and values: each time the status, a message that helps, and the old values. What
 FMI 3.0 alone has is in tests/fmi3/test_bad_input.py.
 
-The fixture in conftest.py checks in every one of these tests that nothing is printed.
-"""
+The fixture in conftest.py checks in every one of these tests that nothing is printed."""
 
 import itertools
 import math

@@ -1,8 +1,7 @@
 """Communication points end no phase of motion: steps within a phase are computed when they are read.
 
-Whoever reads, and when, gets the same bits, in contact as in flight, with and without rotation and friction,
-and a saved state goes on with the same bits.
-"""
+Whoever reads, and when, gets the same bits, in contact as in flight, with and without rotation and
+friction, and a saved state goes on with the same bits."""
 
 import random
 

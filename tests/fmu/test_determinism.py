@@ -1,9 +1,8 @@
 """The same inputs give the same bits: run to run, with any compiler and flags, across a saved state.
 
-Instance to instance and thread to thread are test_threads.py's, processes test_state.py's. No build may fuse
-a multiplication and an addition (-ffp-contract=off), none uses -ffast-math, and all call the same C library
-and CVODE: nothing is left that a compiler may choose, whatever operations a processor could fuse.
-"""
+Instance to instance and thread to thread are test_threads.py's, processes test_state.py's. No build may
+fuse a multiplication and an addition (-ffp-contract=off), none uses -ffast-math, and all call the same C
+library and CVODE: nothing is left that a compiler may choose, whatever operations a processor could fuse."""
 
 import functools
 import re

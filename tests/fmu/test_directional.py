@@ -1,9 +1,8 @@
 """Directional derivatives of every FMU: differences through the FMU itself, and what ModelStructure says.
 
-At some communication point of a run each input is moved a little and every Real output is read again; a saved
-state undoes the move. Fourth-order differences with steps of 1e-4 of a metre or of a metre per second are
-right to about 1e-9 where nothing changes its regime on the way.
-"""
+At some communication point of a run each input is moved a little and every Real output is read again; a
+saved state undoes the move. Fourth-order differences with steps of 1e-4 of a metre or of a metre per
+second are right to about 1e-9 where nothing changes its regime on the way."""
 
 import xml.etree.ElementTree as ElementTree
 from contextlib import contextmanager

@@ -1,8 +1,7 @@
 """First and second derivatives of outputs with respect to time: a closed form, and differences of outputs.
 
-What is compared with differences is the motion as it goes on from the communication point; where all bodies
-are prescribed their displacements are given the derivatives that their velocities promise.
-"""
+What is compared with differences is the motion as it goes on from the communication point; where all
+bodies are prescribed their displacements are given the derivatives that their velocities promise."""
 
 from ctypes import c_double, c_int, c_uint
 

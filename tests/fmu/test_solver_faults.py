@@ -1,9 +1,8 @@
 """Each allocation of an FMU with a solver fails once, alone and with all after it: SUNDIALS' own too.
 
-What the FMU asks for itself is refused and works when tried again. SUNDIALS 6.4.1 reads the null pointer that
-it gets in the functions below and ends the process (it also prints, where CVodeCreate gets none); the list is
-exact, so that a version of SUNDIALS that checks more makes this test fail.
-"""
+What the FMU asks for itself is refused and works when tried again. SUNDIALS 6.4.1 reads the null pointer
+that it gets in the functions below and ends the process (it also prints, where CVodeCreate gets none); the
+list is exact, so that a version of SUNDIALS that checks more makes this test fail."""
 
 import json
 import os

@@ -1,9 +1,8 @@
 """Every FMU is a valid FMI 2.0 FMU, by independent judges, and its library asks nothing of the machine.
 
 The judges: fmpy with the schema of the standard, and VDMCheck2 with its two models. A judge that never
-objects proves nothing, so each is also shown a description with a fault it has to find: fmpy where a damaged
-copy of a shipped FMU is checked, in tests/package/test_bad_requests.py.
-"""
+objects proves nothing, so each is also shown a description with a fault it has to find: fmpy where a
+damaged copy of a shipped FMU is checked, in tests/package/test_bad_requests.py."""
 
 import re
 import socket

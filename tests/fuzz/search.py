@@ -1,7 +1,6 @@
 """Builds the fuzzers and runs each for a while.
 
-New inputs are kept in build-fuzz/found/NAME, what broke a claim in build-fuzz/findings/NAME.
-"""
+New inputs are kept in build-fuzz/found/NAME, what broke a claim in build-fuzz/findings/NAME."""
 
 from __future__ import annotations
 

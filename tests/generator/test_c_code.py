@@ -61,10 +61,8 @@ class Variable(ctypes.Structure):
         ("row", ctypes.c_uint16),
         *((field, ctypes.c_uint8) for field in ("type", "causality")),
         ("element", ctypes.c_uint16),
-        *(
-            (f, ctypes.c_uint8, n)
-            for f, n in (("component", 2), ("length", 3), ("reinit", 1), ("tunable", 1))
-        ),
+        *(("component", ctypes.c_uint8, 2), ("length", ctypes.c_uint8, 3)),
+        *((field, ctypes.c_uint8, 1) for field in ("reinit", "tunable")),
     ]
 
 
@@ -156,9 +154,8 @@ def test_reals_are_read_where_the_table_has_them(scene_folder, scene):
         name = table[reference].name.decode()
         source = 1 if given else 4 if motion.search(name) else 8
         length = 0 if table[reference].component else table[reference].length
-        assert (real & 0xFFFFFF, real >> 24 & 15, real >> 28) == (table[reference].offset, source, length), (
-            said
-        )
+        found = (real & 0xFFFFFF, real >> 24 & 15, real >> 28)
+        assert found == (table[reference].offset, source, length), said
 
 
 PROBE = """

@@ -1,8 +1,7 @@
 """The wheel in a bare Debian 12, as root: `.venv/bin/python -m pytest tests/package/check_bare.py`
 
-From `pip install` to an animation of a new scene, with gcc, then with zig. It takes some
-three minutes and the network, so that `scripts/test.sh` does not run it.
-"""
+From `pip install` to an animation of a new scene, with gcc, then with zig. It takes some three minutes and
+the network, so that `scripts/test.sh` does not run it."""
 
 import shutil
 import subprocess

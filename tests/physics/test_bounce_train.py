@@ -1,8 +1,7 @@
 """Bounce trains that die out: as many contacts as there are, when they are, in one step or 997.
 
-A ball is dropped by 1 m with a restitution of one half, on and in spheres and cylinders; plane_motion.py has
-each bounce in closed form, in sixty digits.
-"""
+A ball is dropped by 1 m with a restitution of one half, on and in spheres and cylinders; plane_motion.py
+has each bounce in closed form, in sixty digits."""
 
 import math
 from decimal import Decimal

@@ -1,8 +1,7 @@
 """The force element against the independent recomputation of reference/law.py, on random configurations.
 
 Each configuration is read three times: after initialization, after new inputs without a step, and after a
-step in which the inputs move as polynomials. Equality to 1e-12 of the size of the terms that are added up.
-"""
+step in which the inputs move as polynomials. Equality to 1e-12 of the size of the terms that are added up."""
 
 import numpy as np
 import pytest

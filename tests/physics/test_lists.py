@@ -1,7 +1,6 @@
 """Bodies and contacts are lists: three balls in a row, two contacts on the middle one; two pairs at a time.
 
-The reference of the three balls is three_balls.py, that of each pair the FMU of the pair alone.
-"""
+The reference of the three balls is three_balls.py, that of each pair the FMU of the pair alone."""
 
 import numpy as np
 import pytest

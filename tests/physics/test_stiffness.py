@@ -1,9 +1,8 @@
 """Lasting contact at any stiffness: the motion is right to a nanometre from 1e5 to 1e15 N/m, no energy is
 gained, and the work does not follow the stiffness.
 
-References: the Taylor integrator where it can follow the oscillation, and the expansion of stiff_motion.py,
-each checked against the other where both reach.
-"""
+References: the Taylor integrator where it can follow the oscillation, and the expansion of
+stiff_motion.py, each checked against the other where both reach."""
 
 import json
 from functools import cache

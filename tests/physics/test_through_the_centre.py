@@ -1,9 +1,8 @@
 """A ball fast enough to pass through the middle of a solid, where the force turns round.
 
-Head-on the penetration obeys m s'' + c s' + k s = 0 up to the centre and again, from that depth, behind it:
-two parts of an oscillator in closed form. The force jumps at the centre, where event_driven ends a segment
-and begins another; CVODE is not needed.
-"""
+Head-on the penetration obeys m s'' + c s' + k s = 0 up to the centre and again, from that depth, behind
+it: two parts of an oscillator in closed form. The force jumps at the centre, where event_driven ends a
+segment and begins another; CVODE is not needed."""
 
 import contextlib
 import math

@@ -1,8 +1,7 @@
 """The release FMUs of scripts/package.sh, run where they are made for: `scripts/package.sh --check`
 
 Not among the tests of every change: it needs wine64, qemu-user, mingw-w64's gcc and a foreign C library.
-macOS cannot be run here; its libraries are inspected.
-"""
+macOS cannot be run here; its libraries are inspected."""
 
 import os
 import shutil

@@ -1,8 +1,7 @@
 """An integrator outside of an FMU: the classical Runge-Kutta method, events found by halving the step.
 
-It asks for derivatives as the standard has it, with the inputs of each instant, and drives instances of FMI
-2.0 and of FMI 3.0 by the same numbers.
-"""
+It asks for derivatives as the standard has it, with the inputs of each instant, and drives instances of
+FMI 2.0 and of FMI 3.0 by the same numbers."""
 
 from __future__ import annotations
 

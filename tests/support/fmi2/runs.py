@@ -1,7 +1,6 @@
 """Runs that differ in everything a saved state has to hold, for the tests of states, threads and memory.
 
-As a program: restores the saved states that it is given in a new process, goes on, and tells the digests.
-"""
+As a program: restores the saved states that it is given in a new process, goes on, and tells the digests."""
 
 import hashlib
 import math

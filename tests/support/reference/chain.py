@@ -1,9 +1,8 @@
 """Equal balls on a line, the first of which hits the others: Newton's cradle and a chain of beads.
 
-In units of the ball's mass, the contact's stiffness and the speed of the first ball. All touch at the start
-without a force. The force of a contact is the overlap (linear law) or its power 3/2 (Hertz); kinks of it are
-met by the integrator's own control of its error.
-"""
+In units of the ball's mass, the contact's stiffness and the speed of the first ball. All touch at the
+start without a force. The force of a contact is the overlap (linear law) or its power 3/2 (Hertz); kinks
+of it are met by the integrator's own control of its error."""
 
 import numpy as np
 from scipy.integrate import solve_ivp

@@ -1,9 +1,8 @@
 """An independent reference for contacts by either law, with restitution: the equations of motion in world
 coordinates, as DESIGN sections 1 and 6 write them, by extrapolation (Gragg, Bulirsch, Stoer).
 
-Nothing is made of what is known about the contact: time is the variable, steps shrink by error control where
-the force is not smooth, and an event is the root of its function in the length of the last step.
-"""
+Nothing is made of what is known about the contact: time is the variable, steps shrink by error control
+where the force is not smooth, and an event is the root of its function in the length of the last step."""
 
 from typing import NamedTuple
 

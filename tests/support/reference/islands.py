@@ -1,9 +1,8 @@
 """An independent reference for several contacts at once: balls and fixed planes, each pair with its laws.
 
-Between two changes of a regime the motion is integrated by DOP853 of scipy; a change is located on its dense
-output. Everything is in the world frame; arrays have a row for each ball or contact. The elastic friction
-needs a dashpot (DESIGN sections 1 and 7).
-"""
+Between two changes of a regime the motion is integrated by DOP853 of scipy; a change is located on its
+dense output. Everything is in the world frame; arrays have a row for each ball or contact. The elastic
+friction needs a dashpot (DESIGN sections 1 and 7)."""
 
 from dataclasses import dataclass
 

@@ -3,8 +3,7 @@ at the end, by the reference of hertz.py.
 
 PYTHONPATH=tests:scripts python -m support.reference.make_law_references [NAME ...]
 
-Without names all of them; five minutes.
-"""
+Without names all of them; five minutes."""
 
 import json
 import sys

@@ -3,8 +3,7 @@
 Flights: the axis by Rodrigues' formula about the angular momentum, and the first touch by samples with a
 certificate. Where both ends of an interval are farther from contact than the fastest motion could cover in
 it, there is no touch; any other interval is cut into four, down to 1e-13 of the flight. Impacts: scipy's
-DOP853 at 1e-12, ended where the gap opens or the ball passes an end.
-"""
+DOP853 at 1e-12, ended where the gap opens or the ball passes an end."""
 
 import math
 

@@ -1,8 +1,7 @@
 """An independent reference for bodies that turn and rub, as DESIGN sections 1, 6 and 7 write them.
 
 Vectors of three numbers and quaternions (w, x, y, z) are of real or complex numbers: an imaginary part of
-1e-30 carries a derivative along.
-"""
+1e-30 carries a derivative along."""
 
 import cmath
 import math

@@ -1,8 +1,7 @@
 """The four problems of the peers' comparison: configuration, end and position, as in their scenarios.
 
-The references come from a quadruple-precision Taylor integrator checked by a second method; event_driven ends
-within 1e-9 m of them (test_benchmarks.py).
-"""
+The references come from a quadruple-precision Taylor integrator checked by a second method; event_driven
+ends within 1e-9 m of them (test_benchmarks.py)."""
 
 from typing import NamedTuple
 
