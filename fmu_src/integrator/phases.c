@@ -96,17 +96,6 @@ static const struct scene_instant *advance_now(struct advance *step, const struc
     return &step->now;
 }
 
-void advance_spend(struct advance *step, long steps, long work)
-{
-    step->budget -= steps;
-    step->work -= work;
-}
-
-bool advance_is_spent(const struct advance *step)
-{
-    return step->budget <= 0 || step->work <= 0;
-}
-
 /* The horizon is at most the longer of LONGEST_HORIZON [s] and HORIZON_GROWTH times the time since the phase
  * began. Over so long a time a path of degree four becomes so long that bodies measure 1e-72 of it; the
  * fourth power of this size is still above underflow. */

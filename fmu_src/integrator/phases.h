@@ -46,9 +46,16 @@ struct advance {
 enum { EVALUATION_WORK = 6, CVODE_STEP_WORK = 25, PANEL_WORK = 35 };
 
 /* Subtracts internal steps and units of work from the budget. */
-void advance_spend(struct advance *step, long steps, long work);
+static inline void advance_spend(struct advance *step, long steps, long work)
+{
+    step->budget -= steps;
+    step->work -= work;
+}
 
-bool advance_is_spent(const struct advance *step);
+static inline bool advance_is_spent(const struct advance *step)
+{
+    return step->budget <= 0 || step->work <= 0;
+}
 
 /* Ends an advance by the event function with this index (scene/ode.h). */
 static inline enum advance_result advance_to_event(struct advance *step, const struct scene_state *q,

@@ -70,6 +70,22 @@ typedef double double2;
 enum { LANES = 1 };
 #endif
 
+static inline double2 double2_at(const double *row, int i)
+{
+    return *(const double2 *)(row + i);
+}
+
+static inline void double2_put(double *row, int i, double2 values)
+{
+    *(double2 *)(row + i) = values;
+}
+
+/* The larger number; b where one of them is NaN. C11's fmax is a call. */
+static inline double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 /* A long sum is made of two, of every other term each, in one double2 or in two of them: the sum then has the
  * same bits everywhere. Term k goes to part(k). */
 enum { PARTS = 2 / LANES };

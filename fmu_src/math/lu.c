@@ -2,7 +2,6 @@
 
 #include "math/compiler.h"
 #include "math/lu.h"
-#include "math/nodes.h"
 
 /* Runs of rows that find_runs tells apart. In a matrix of no more than DENSE rows it does not look for them:
  * that would cost more than it saves. */

@@ -6,26 +6,10 @@
 #include "math/node_tables.h"
 #include "math/vec3.h"
 
-/* The larger number; b where one of them is NaN. C11's fmax is a call. */
-static inline double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /* Functions known at the Lobatto nodes of a step, s in [0, 2]; as coefficients they are polynomials of s -
  * 1. */
 
 typedef double nodal_values[LOBATTO_MAX];
-
-static inline double2 double2_at(const double *row, int i)
-{
-    return *(const double2 *)(row + i);
-}
-
-static inline void double2_put(double *row, int i, double2 values)
-{
-    *(double2 *)(row + i) = values;
-}
 
 struct nodal_vec3 {
     nodal_values x, y, z;

@@ -71,9 +71,9 @@ static const struct input_kind {
      body_is_prescribed},
     {ROW_body_external_force, offsetof(struct body_path, force), body_external_force, body_is_free},
     {ROW_body_prescribed_angular_velocity, offsetof(struct body_path, angular_velocity),
-     body_prescribed_angular_velocity, body_turn_is_prescribed},
+     body_prescribed_angular_velocity, SCENE_ANY_ROTATION ? body_turn_is_prescribed : NULL},
     {ROW_body_prescribed_axis, offsetof(struct body_path, axis), body_prescribed_axis,
-     body_turn_is_prescribed},
+     SCENE_ANY_ROTATION ? body_turn_is_prescribed : NULL},
     {ROW_body_external_torque, offsetof(struct body_path, torque), body_external_torque, body_turns_freely},
     {.row = ROW_body_prescribed_orientation}};
 

@@ -767,7 +767,7 @@ static void add_instant(struct span *s, double clock, double time)
     double lever[TERMS];
     instant_at(s, clock, &s->springs, &at);
     (void)rates_at(s, &at, rate, scale, lever);
-    contact_peaks_note(&s->q->contact[s->contact].peaks, singularity_force(&at, s->contact),
+    contact_peaks_note(&s->q->contact[s->contact].peaks, scene_outward_force(&at, s->contact),
                        -at.geometry[s->contact].gap);
     for (int k = 0; k < TERMS; ++k) {
         s->sum[k] += time * rate[k];

@@ -277,9 +277,9 @@ static void sample_scene(const void *output, double clock, struct pair_sample *s
     scene_at(o, clock, alone ? met : NULL, &q, &at);
     jet_of_motion(&at, met, &along);
     put_sample(&along.contact[o->contact], sample);
-    if (singularity_rate(&at, o->contact) != at.geometry[o->contact].gap_rate) {
+    if (SCENE_ANY_CURVED && singularity_rate(&at, o->contact) != at.geometry[o->contact].gap_rate) {
         sample->of[PAIR_GAP][1] = singularity_rate(&at, o->contact);
-        sample->of[PAIR_FORCE][0] = singularity_force(&at, o->contact);
+        sample->of[PAIR_FORCE][0] = scene_outward_force(&at, o->contact);
     }
 }
 

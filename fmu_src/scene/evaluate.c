@@ -977,7 +977,7 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
 double singularity_rate(const struct scene_instant *at, int contact)
 {
     const struct contact_geometry *g = &at->geometry[contact];
-    if (!SCENE_ANY_CURVED || g->distance > -g->gap) { /* less than half-way to the centre */
+    if (g->distance > -g->gap) { /* less than half-way to the centre */
         return g->gap_rate;
     }
     const struct contact_shape shape = scene_shape_met(at, contact);
@@ -988,8 +988,11 @@ double singularity_rate(const struct scene_instant *at, int contact)
                : g->gap_rate;
 }
 
-double singularity_force(const struct scene_instant *at, int contact)
+double scene_outward_force(const struct scene_instant *at, int contact)
 {
+    if (!SCENE_ANY_CURVED) {
+        return at->normal_force[contact];
+    }
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_law law = scene_contact_law(at->q, contact);
     const double rate = singularity_rate(at, contact);
@@ -1089,7 +1092,10 @@ enum contact_regime scene_regime(const struct scene_instant *at, int contact, bo
     const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_shape shape = scene_contact_shape(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const double rate = singularity_rate(at, contact);
+    double rate = g->gap_rate;
+    if (SCENE_ANY_CURVED) {
+        rate = singularity_rate(at, contact);
+    }
     return contact_regime_of(&law, touching ? fmin(g->gap, -DBL_MIN) : g->gap, rate,
                              touching || scene_beyond_ends(&shape, g) <= 0.0);
 }

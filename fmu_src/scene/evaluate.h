@@ -289,7 +289,7 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
 /* Return g' [m/s] and F_n [N]. Where d is 0 within rounding, n has no digits, and the sign of g' would decide
  * on the dashpot's force and on the regime. There the functions return the values of a source that leaves. */
 double singularity_rate(const struct scene_instant *at, int contact);
-double singularity_force(const struct scene_instant *at, int contact);
+double scene_outward_force(const struct scene_instant *at, int contact);
 
 /* The zone of a capped cylinder or of skew cylinders that a contact is in (shape.h) is set when the contact
  * begins, changed at the zone's edges, and forgotten when the contact ends. Other scenes have no zones. */

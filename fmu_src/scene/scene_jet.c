@@ -100,7 +100,9 @@ static struct contact_path path_of(const struct scene_instant *at, const struct 
     jet_add_levers(along, contact, path.c, path.w, path.lever);
     path.c[0] = at->separation[contact];
     path.w[0] = at->rate[contact];
-    path.axis[0] = shape->axis;
+    if (SCENE_ANY_AXIS) {
+        path.axis[0] = shape->axis;
+    }
     memcpy(path.seen, path.w, sizeof path.seen);
     if (SCENE_ANY_TURNING && scene_turns(at->v)) {
         put_seen(at->v, along, shape, contact, &path);

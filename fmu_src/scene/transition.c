@@ -420,7 +420,7 @@ static void note_peaks_of(struct scene_state *q, const struct scene_instant *at)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct contact_state *state = &q->contact[j];
         if (state->regime != REGIME_APART) {
-            contact_peaks_note(&state->peaks, singularity_force(at, j), -at->geometry[j].gap);
+            contact_peaks_note(&state->peaks, scene_outward_force(at, j), -at->geometry[j].gap);
         }
     }
 }

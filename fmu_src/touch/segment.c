@@ -1233,7 +1233,7 @@ static bool is_collocated(const struct segment *p)
  * quasi-static kind follows. If that kind fails, the series is made after all. */
 static void make_hertz(struct segment *p)
 {
-    p->may_be_quasi_static = quasi_static_applies(p);
+    p->may_be_quasi_static = SCENE_ANY_HERTZ && quasi_static_applies(p);
     if (!make_kind(p, SEGMENT_SERIES) && !make_kind(p, SEGMENT_QUASI_STATIC)) {
         p->may_be_quasi_static = false;
         (void)make_kind(p, SEGMENT_SERIES);
