@@ -75,7 +75,9 @@ bool integrator_open(struct integrator *s, const struct scene_values *v,
 void integrator_close(struct integrator *s)
 {
 #if SCENE_HAS_GENERAL
-    general_close(&s->general);
+    if (s->general != NULL) {
+        general_close(&s->general);
+    }
 #endif
 #ifdef CONTACT_WITH_CVODE
     cvode_close(&s->cvode);
