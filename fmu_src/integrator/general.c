@@ -430,7 +430,7 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
     rounding->mass = fmax(rounding->mass, mass);
     rounding->momentum = fmax(rounding->momentum, mass * speeds);
     rounding->force = fmax(rounding->force, fabs(at->normal_force[contact]));
-    if (!(mass > 0.0)) { /* the error allowed in a speed does not count the rounding of the spring */
+    if (!(mass > 0.0)) { /* without a free body no speed has an error that counts the spring's rounding */
         rounding->friction = fmax(rounding->friction, rounding_of_force(at, contact));
     }
     if (SCENE_ANY_FRICTION) {

@@ -151,13 +151,15 @@ static void prepare_bodies(struct iteration *it)
 }
 
 /* Without friction a contact has one unknown, and the force has the direction n of the last iteration, where
- * the step of the length h has less than this h^2 F_n / (m_red d): the iterations then converge. In longer
- * steps the bodies swing about each other by more than the iterations follow, and the whole force is unknown.
+ * h^2 F_n / (m_red d) is less than this number in a step of the length h: the iterations then converge. In
+ * longer steps the bodies swing about each other by more than the iterations follow, and the whole force is
+ * unknown.
  * A bearing that comes to rest, with balls nearly as wide as its grooves, takes 2.2e9 instructions for 50 ms;
  * with 4 and with 25 in place of 10 it takes 12 and 6 % more. */
 static const double SWINGING = 10.0;
 
-/* Whether the bodies of a contact swing so far in a step of this length [s]. */
+/* Whether the bodies of a contact swing about each other in a step of this length [s] by more than the
+ * iterations with one unknown follow. */
 static bool contact_swings(const struct general *g, int contact, double length)
 {
     const struct scene_instant *at = &g->at_start;

@@ -42,7 +42,7 @@ struct general {
     struct scene_ode ode;
     struct scene_state *state;                            /* as ode.state */
     struct radau_step step;                               /* of the bodies in contact (ode.layout) */
-    size_t bytes;                                         /* of memory that there is, with this struct */
+    size_t bytes;                                         /* bytes of memory from this struct on */
     int place[3 * SCENE_BODIES], speed[3 * SCENE_BODIES]; /* pairs of states for math/radau_step.h */
     double relative, absolute;                            /* error allowed in a step [1], [m, m/s, ...] */
     struct step_plan plan; /* a part of the state, so that a restored state continues bit for bit */

@@ -167,7 +167,7 @@ static double damping_by_restitution(const struct scene_values *v, int contact, 
     return ratio > 0.0 ? 2.0 * ratio * sqrt(p_n) / sqrt(per_mass) : 0.0;
 }
 
-/* Whether the damping follows from a coefficient of restitution; whether the dashpot acts alone. */
+/* Return whether a coefficient of restitution gives the damping, and whether the dashpot acts alone. */
 static bool is_by_restitution(const struct scene_values *v, int contact)
 {
     return SCENE_ANY_RESTITUTION && contact_viscous_control(v, contact) == VISCOUS_CONTROL_RESTITUTION;

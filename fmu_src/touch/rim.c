@@ -61,7 +61,7 @@ struct rim_state rim_state_of(const struct rim_start *start, const double change
 
 struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 acceleration)
 {
-    const struct rim_angles *by = &at->by; /* it turns the acceleration into its parts along a and b */
+    const struct rim_angles *by = &at->by; /* the angles turn the acceleration into its parts along a, b */
     const double outward = by->turned_cosine * acceleration.x + by->turned_sine * acceleration.z;
     const double around = by->turned_cosine * acceleration.z - by->turned_sine * acceleration.x;
     const double c = at->by.cosine;
