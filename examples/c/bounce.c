@@ -28,21 +28,13 @@ static const struct variable *named(const char *name)
     exit(1);
 }
 
-static void set_real(struct model *m, const char *name, double value)
+/* Sets a number. A choice is the number of its item: 2 of contact.dashpot is unclamped. */
+static void set(struct model *m, const char *name, double value)
 {
-    if (model_check(m, named(name), &value) != MODEL_OK) {
+    if (model_check(m, named(name), value) != MODEL_OK) {
         exit(1);
     }
-    model_set(m, named(name), &value);
-}
-
-/* Choices are the items' numbers: 2 of contact.dashpot is unclamped. */
-static void set_choice(struct model *m, const char *name, int32_t value)
-{
-    if (model_check(m, named(name), &value) != MODEL_OK) {
-        exit(1);
-    }
-    model_set(m, named(name), &value);
+    model_set(m, named(name), value);
 }
 
 static double real(struct model *m, const char *name)
@@ -62,14 +54,15 @@ int main(void)
         fprintf(stderr, "bounce: no memory\n");
         return 1;
     }
-    set_real(m, "source.center[1]", 0.03); /* m, beside the top */
-    set_real(m, "source.center[2]", 0.04);
-    set_choice(m, "contact.dashpot", 2);
+    set(m, "source.center[1]", 0.03); /* m, beside the top */
+    set(m, "source.center[2]", 0.04);
+    set(m, "contact.dashpot", 2);
     if (model_setup(m, true, 1e-10, 0.0) != MODEL_OK || model_exit_initialization(m) != MODEL_OK) {
         return 1;
     }
     for (int k = 1; k <= 12; ++k) {
-        if (model_step(m, 0.125 * k) != MODEL_OK) {
+        const struct step_request request = {.end_time = 0.125 * k};
+        if (model_step(m, &request) != MODEL_OK) {
             return 1;
         }
         printf("%.3f s: height %.17g m, gap %.17g m\n", model_time(m), real(m, "source.position[3]"),
