@@ -289,8 +289,7 @@ bool hertz_elastic_make(struct segment *p)
     }
     const bool parts = made->end_time <= p->longest;
     p->clear_of_centre = true;
-    p->end = made->end;
-    p->end = parts ? made->end : segment_place(p, p->longest);
+    p->end = parts ? made->end : pair_place_by(hertz_elastic_time, made, p->longest, made->end);
     p->unit = elastic_time(made, p->end) / p->end;
     dense_output_add(&p->output, 0.0);
     if (made->start < 0.0 &&

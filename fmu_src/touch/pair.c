@@ -868,3 +868,29 @@ double pair_step_within(const struct pair_timescales *scales, double longest, do
     }
     return step;
 }
+
+/* A time less a given one, as the context of a root_function. */
+struct time_left {
+    time_function *time_of;
+    const void *of;
+    double time;
+};
+
+static void time_left_at(const void *time_left, double s, double *value, double *slope)
+{
+    const struct time_left *left = time_left;
+    double time[3];
+    left->time_of(left->of, s, time);
+    *value = time[0] - left->time;
+    *slope = time[1];
+}
+
+double pair_place_by(time_function *time_of, const void *of, double time, double end)
+{
+    const struct time_left left = {time_of, of, time};
+    struct root_bracket_end low = {.s = 0.0};
+    struct root_bracket_end high = {.s = end};
+    time_left_at(&left, low.s, &low.value, &low.slope);
+    time_left_at(&left, high.s, &high.value, &high.slope);
+    return high.value > 0.0 ? root_between(time_left_at, &left, low, high) : end;
+}

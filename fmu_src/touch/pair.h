@@ -207,4 +207,10 @@ struct pair_change pair_collocation_advance(const void *pair_collocation, double
 void pair_collocation_moments(const void *pair_collocation, double s, const struct pair_change *change,
                               int count, struct vec3 *moment);
 
+/* Sets the time since the start of a motion [s] at the place s, and its derivative by s. */
+typedef void time_function(const void *of, double s, double time[3]);
+
+/* Returns the place in [0, end] at a time [s], or `end` where that is earlier. */
+double pair_place_by(time_function *time_of, const void *of, double time, double end);
+
 #endif

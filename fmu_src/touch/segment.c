@@ -1159,35 +1159,14 @@ double segment_pace(const struct segment *p, double s)
     return time[1];
 }
 
-/* A time less a given one, as the context of a root_function. */
-struct time_left {
-    const struct segment *segment;
-    double time;
-};
-
-static void time_left_at(const void *time_left, double s, double *value, double *slope)
-{
-    const struct time_left *left = time_left;
-    double time[3];
-    put_time_at(left->segment, s, time);
-    *value = time[0] - left->time;
-    *slope = time[1];
-}
-
 double segment_place(const struct segment *p, double time)
 {
     if (!(time > 0.0)) {
         return 0.0; /* after a start at the touch, time may be of second order in s: no root at 0 */
     }
-    if (kinds[p->kind].time == NULL) {
-        return time / p->unit;
-    }
-    const struct time_left left = {p, time};
-    struct root_bracket_end low = {.s = 0.0};
-    struct root_bracket_end high = {.s = fmin(p->end, p->terminal.s)};
-    time_left_at(&left, low.s, &low.value, &low.slope);
-    time_left_at(&left, high.s, &high.value, &high.slope);
-    return high.value > 0.0 ? root_between(time_left_at, &left, low, high) : high.s;
+    return kinds[p->kind].time == NULL
+               ? time / p->unit
+               : pair_place_by(kinds[p->kind].time, &p->as, time, fmin(p->end, p->terminal.s));
 }
 
 struct pair_change segment_change(const struct segment *p, double s)

@@ -245,7 +245,7 @@ bool series_make(struct segment *p)
     p->unit = made->terms.unit;
     p->end = fmin(step, parting > 0.0 ? parting : step);
     if (parting > 0.0 && expansion_time_at(&made->terms, p->end) > p->longest) {
-        p->end = segment_place(p, p->longest);
+        p->end = pair_place_by(series_time, made, p->longest, p->end);
         parting = p->end < parting ? (double)INFINITY : parting;
     }
     const int places = by_root ? PLACES_BY_ROOT : PLACES_BY_TIME;
