@@ -207,7 +207,7 @@ static double larger_between(const struct dense_output *w, const struct event_fu
         return largest;
     }
     bool found = flat ? fell_before(w, what, &low, &high) : brackets_top(w, what, &low, &high);
-    while (found) {
+    for (int tops = 0; found && tops < 2; ++tops) { /* the second lies before a double root of the slope */
         struct pair_sample top;
         const double s = root_between(probe_at, &slope, low, high);
         w->sampler(w->segment, s, &top);
