@@ -154,7 +154,8 @@ struct vec3 contact_direction_of(const struct contact_shape *shape, const struct
 struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
                                  struct vec3 w);
 
-/* Returns w.T w: d times the rate of n.w by the turning of n, while the source moves with w. */
+/* Returns w.T w [m^2/s^2] with the T of contact_turning_part. It is d times the rate of n.w by the turning of
+ * n while the source moves with w. */
 double contact_turning_rate(const struct contact_shape *shape, const struct contact_geometry *at,
                             struct vec3 w);
 

@@ -179,7 +179,7 @@ static bool rests_flat(const struct root_bracket_end *low, const struct root_bra
 enum { HALVINGS_TO_REST = 12 };
 
 /* Whether the quantity falls before it rests at `high`, where its slope then has a double root. The top lies
- * before, and the ends, which hold slopes, move to both sides of it. */
+ * before `high`. Both ends hold slopes, and they move to both sides of the top. */
 static bool fell_before(const struct dense_output *w, const struct event_function *what,
                         struct root_bracket_end *low, struct root_bracket_end *high)
 {

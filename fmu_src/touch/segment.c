@@ -431,7 +431,7 @@ static struct pair_bound pair_bound_of(const struct pair_collocation *p, enum pa
                                oscillator_envelope_of(&p->step.result.oscillator, start, rate)};
 }
 
-/* Adds the envelope to a sample of the averaged motion at s. */
+/* Adds to a sample at s the envelope of the oscillation or decay that the averaged motion leaves out. */
 static void pair_bound_add(const struct pair_bound *bound, double s, struct pair_sample *sample)
 {
     const double decay_rate = bound->envelope.decay_rate;

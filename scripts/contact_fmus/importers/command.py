@@ -26,7 +26,7 @@ RUNNERS = Path(__file__).resolve().parent / "runners"
 SECONDS = 900  # a run takes less than one; the rest is a busy machine
 
 # An importer that makes fmpy's calls at fmpy's times gets fmpy's bits. One that adds up its clock makes steps that
-# differ by rounding, and most FMUs by 1e-14 then; docs/importers.md says which scenes multiply such roundings.
+# differ by rounding; most FMUs then differ by 1e-14. docs/importers.md says which scenes multiply such roundings.
 AGREE = 1e-12
 
 TEXT = {"capture_output": True, "text": True, "check": False}
