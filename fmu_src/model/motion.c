@@ -246,7 +246,8 @@ bool motion_is_finite(const struct scene_state *q)
     sum += !SCENE_ANY_FREE || scene_is_force_element(q->v) ? 0.0 : q->dissipated + q->external_work;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         const struct body_instant at = scene_body_now(q, i);
-        sum += vec3_norm(at.displacement) + vec3_norm(at.velocity);
+        sum += at.displacement.x + at.displacement.y + at.displacement.z;
+        sum += at.velocity.x + at.velocity.y + at.velocity.z;
         sum += body_is_free(q->v, i) ? body_mass(q->v, i) * vec3_dot(at.velocity, at.velocity) : 0.0;
     }
     for (int j = 0; !SCENE_ANY_FREE && SUMS_UP_STEPS && j < SCENE_CONTACTS; ++j) {

@@ -782,6 +782,7 @@ CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, c
     const double centre = fmin(passage->centre, to);
     struct scene_instant at;
     add_instant(s, clock, centre - clock);
+    add_instant(s, centre, 0.0); /* the deepest place */
     lay_springs(s, to);
     kinematics_at(s, to, &at);
     take_regime(s, to, scene_regime(&at, s->contact, false));

@@ -994,11 +994,12 @@ double scene_outward_force(const struct scene_instant *at, int contact)
         return at->normal_force[contact];
     }
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_law law = scene_contact_law(at->q, contact);
     const double rate = singularity_rate(at, contact);
-    return rate == g->gap_rate
-               ? at->normal_force[contact]
-               : contact_force(&law, (enum contact_regime)at->q->contact[contact].regime, g->gap, rate);
+    if (rate == g->gap_rate) {
+        return at->normal_force[contact];
+    }
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    return contact_force(&law, (enum contact_regime)at->q->contact[contact].regime, g->gap, rate);
 }
 
 void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact)

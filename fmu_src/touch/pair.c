@@ -470,8 +470,8 @@ static bool has_decayed(double now, double start)
 
 /* Sets the gap and its first derivatives by s, and the changes of gap and rate since the start, which would
  * lose digits as differences. */
-static void motion_at(const struct pair_oscillation *p, double s, double grown[2],
-                      double gap[1 + FREE_OSCILLATION_DERIVATIVES])
+static inline void motion_at(const struct pair_oscillation *p, double s, double grown[2],
+                             double gap[1 + FREE_OSCILLATION_DERIVATIVES])
 {
     const struct oscillator_increment since = free_oscillation_since(&p->free, s);
     grown[0] = since.x;

@@ -830,7 +830,9 @@ static double largest_of(const struct segment *p, const struct event_function *w
     }
     struct dense_output w = {p->output.sampler, p->output.segment, p->output.worth_a_search, .count = 0};
     if (goes_on) {
-        dense_output_add(&w, range->from);
+        w.s[0] = range->from;
+        w.at[0] = *range->first;
+        w.count = 1;
         add_extrema_of_oscillation(&w, &p->as.oscillation, range->to);
     } else {
         add_decay_samples(p, &w, range->from, range->to);
